@@ -1,0 +1,1 @@
+"""What a build does: fetch, graph, mesh, export, validate. Knows no Hydra."""

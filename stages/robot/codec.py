@@ -1,0 +1,156 @@
+"""Values as bytes and back, exactly: what travels between stages through the cache.
+
+Values are frozen dataclasses of numbers, texts, arrays and tuples; their classes are the schema.
+Floats keep every bit (shortest round-trip text).
+"""
+
+import functools
+import types
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+
+import orjson
+
+from stages.robot.bundle import Bundle
+from stages.robot.check import Check
+from stages.robot.errors import Diagnostic
+from stages.robot.geometry import Geometry
+
+if TYPE_CHECKING:  # numpy comes with the model, and a fully cached build needs neither
+    from stages.robot.model import Robot
+
+T = TypeVar("T")
+
+ASSETS = "assets/"
+REPLIES = "replies/"
+
+
+def dump(value: object) -> bytes:
+    """A value as JSON, one key a line, so that files compare well."""
+    return orjson.dumps(plain(value), option=orjson.OPT_INDENT_2) + b"\n"
+
+
+def load(kind: type[T], data: bytes) -> T:
+    """The value of class `kind` that `dump` wrote."""
+    value: T = typed(kind, orjson.loads(data))
+    return value
+
+
+def plain(value: Any) -> Any:
+    """Dataclasses as mappings, tuples and arrays as lists; everything else as it is."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, tuple | list):
+        return [plain(item) for item in value]
+    if isinstance(value, Mapping):
+        return {key: plain(item) for key, item in value.items()}
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return value
+
+
+@functools.cache
+def hints(kind: type) -> dict[str, Any]:
+    return get_type_hints(kind)
+
+
+def typed(kind: Any, data: Any) -> Any:
+    """`data` from JSON as the annotated type `kind`."""
+    if isinstance(kind, type) and is_dataclass(kind):
+        known = hints(kind)
+        return kind(**{key: typed(known[key], item) for key, item in data.items()})
+    origin = get_origin(kind)
+    if origin is tuple:
+        items = get_args(kind)
+        if items[-1] is Ellipsis:
+            return tuple(typed(items[0], item) for item in data)
+        return tuple(typed(item_kind, item) for item_kind, item in zip(items, data, strict=True))
+    if origin in (Union, types.UnionType):
+        if data is None:
+            return None
+        return typed(next(option for option in get_args(kind) if option is not types.NoneType), data)
+    if origin is Literal or kind in (str, int, bool):
+        return data
+    if kind is float:
+        return float(data)
+    if origin is not None and issubclass(origin, Mapping):
+        return data
+    from stages.robot.model import frozen
+
+    return frozen(data)
+
+
+def encode_robot(robot: "Robot") -> bytes:
+    return dump(robot)
+
+
+def decode_robot(data: bytes) -> "Robot":
+    from stages.robot.model import Robot
+
+    return load(Robot, data)
+
+
+def encode_geometry(geometry: Geometry) -> dict[str, bytes]:
+    """`geometry.json` and one file per mesh."""
+    table = {"shapes": geometry.shapes, "diagnostics": geometry.diagnostics}
+    files = {ASSETS + name: data for name, data in geometry.files.items()}
+    return {"geometry.json": dump(table), **files}
+
+
+def decode_geometry(files: Mapping[str, bytes]) -> Geometry:
+    table = orjson.loads(files["geometry.json"])
+    known = hints(Geometry)
+    return Geometry(
+        shapes=typed(known["shapes"], table["shapes"]),
+        files={name.removeprefix(ASSETS): files[name] for name in files if name.startswith(ASSETS)},
+        diagnostics=typed(known["diagnostics"], table["diagnostics"]),
+    )
+
+
+def encode_bundle(bundle: Bundle) -> dict[str, bytes]:
+    """`manifest.json` and one file per reply."""
+    manifest = {field.name: getattr(bundle, field.name) for field in fields(bundle) if field.name != "blobs"}
+    return {
+        "manifest.json": dump(manifest),
+        **{REPLIES + digest: body for digest, body in bundle.blobs.items()},
+    }
+
+
+def decode_bundle(files: Mapping[str, bytes]) -> Bundle:
+    """The bundle; `blobs` reads a file only when asked, where `files` does."""
+    manifest = orjson.loads(files["manifest.json"])
+    known = hints(Bundle)
+    values = {key: typed(known[key], item) for key, item in manifest.items()}
+    return Bundle(**values, blobs=Blobs(files))
+
+
+class Blobs(Mapping[str, bytes]):
+    """The replies among `files`, by digest."""
+
+    def __init__(self, files: Mapping[str, bytes]) -> None:
+        self._files = files
+
+    def __getitem__(self, digest: str) -> bytes:
+        return self._files[REPLIES + digest]
+
+    def __iter__(self) -> Any:
+        return (name.removeprefix(REPLIES) for name in self._files if name.startswith(REPLIES))
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+
+def encode_checks(checks: tuple[Check, ...]) -> bytes:
+    return dump(checks)
+
+
+def decode_checks(data: bytes) -> tuple[Check, ...]:
+    checks: tuple[Check, ...] = typed(tuple[Check, ...], orjson.loads(data))
+    return checks
+
+
+def decode_diagnostics(data: Any) -> tuple[Diagnostic, ...]:
+    """Diagnostics from plain data (a list of mappings)."""
+    found: tuple[Diagnostic, ...] = typed(tuple[Diagnostic, ...], data)
+    return found

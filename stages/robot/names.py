@@ -1,0 +1,67 @@
+"""Names: from what a designer typed to what every simulator accepts."""
+
+import re
+import unicodedata
+from collections.abc import Iterable, Mapping, Sequence
+
+RESERVED = frozenset({"world"})
+
+
+def legal(text: str) -> str:
+    """`text` in [A-Za-z0-9_], lower case, words joined by "_"; "" where nothing is left.
+
+    The instance suffix " <1>" goes; " <3>" stays as "_3", so that adding a second instance never
+    renames the first.
+    """
+    match = re.fullmatch(r"(.*?)\s*<(\d+)>\s*", text, flags=re.DOTALL)
+    suffix = ""
+    if match:
+        text, count = match.group(1), int(match.group(2))
+        suffix = f"_{count}" if count > 1 else ""
+    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+    plain = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_").lower()
+    return (plain + suffix).strip("_")
+
+
+def shortest_unique(paths: Mapping[str, Sequence[str]], taken: Iterable[str] = ()) -> dict[str, str]:
+    """A unique legal name for each key, from the shortest tail of its path that no other shares.
+
+    `paths`: key → words from the outermost to the innermost ("leg <2>", "foot <1>"). Names in
+    `taken` and reserved ones are avoided. What is still alike after the whole path gets "_2",
+    "_3" in the order of the keys, so the result never depends on the order of the mapping.
+    """
+    taken = set(taken) | RESERVED
+    words = {key: [word for word in map(legal, path) if word] or ["unnamed"] for key, path in paths.items()}
+    depth = dict.fromkeys(words, 1)
+    while True:
+        tails = {key: "_".join(words[key][-depth[key] :]) for key in words}
+        owners: dict[str, list[str]] = {}
+        for key, tail in tails.items():
+            owners.setdefault(tail, []).append(key)
+        crowded = [
+            key
+            for tail, keys in owners.items()
+            if len(keys) > 1
+            for key in keys
+            if depth[key] < len(words[key])
+        ]
+        if not crowded:
+            break
+        for key in crowded:
+            depth[key] += 1
+    names: dict[str, str] = {}
+    for tail in sorted(owners):
+        for key in sorted(owners[tail]):
+            names[key] = free(tail, taken)
+            taken.add(names[key])
+    return names
+
+
+def free(name: str, taken: set[str]) -> str:
+    """`name`, or with the first of _2, _3, ... that is not taken."""
+    if name not in taken:
+        return name
+    count = 2
+    while f"{name}_{count}" in taken:
+        count += 1
+    return f"{name}_{count}"

@@ -1,0 +1,47 @@
+"""The one formatter of numbers in robot files.
+
+Each number is the shortest text within 1e-12 of its vector's largest entry, so noise such as
+1e-17 beside 0.3 prints as 0, and 0.1 + 0.2 prints as 0.3. There is no "-0".
+"""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+TOLERANCE = 1e-12
+
+
+def number(value: float, scale: float | None = None) -> str:
+    """The shortest text within 1e-12 · `scale` of `value`; `scale` is |value| unless given."""
+    value = float(value)
+    tolerance = TOLERANCE * (abs(value) if scale is None else scale)
+    if abs(value) <= tolerance:
+        return "0"
+    for digits in range(1, 18):
+        text = f"{value:.{digits}g}"
+        if abs(float(text) - value) <= tolerance:
+            return tidy(text)
+    return tidy(repr(value))
+
+
+def tidy(text: str) -> str:
+    """Exponents as short as can be ("1e-05" → "1e-5"); whole numbers written out ("1e+02" → "100")."""
+    if "e" not in text:
+        return text
+    mantissa, exponent = text.split("e")
+    power = int(exponent)
+    if 0 <= power < 16:
+        return str(int(float(text)))
+    return f"{mantissa}e{power}"
+
+
+def numbers(values: Iterable[float], scale: float | None = None) -> list[str]:
+    """Texts of a vector or tensor, all measured by its largest entry."""
+    flat = [float(value) for value in np.ravel(np.asarray(values, dtype=float))]
+    largest = max((abs(value) for value in flat), default=0.0) if scale is None else scale
+    return [number(value, largest) for value in flat]
+
+
+def spaced(values: Iterable[float], scale: float | None = None) -> str:
+    """A vector as XML attributes want it: "0 0 0.3"."""
+    return " ".join(numbers(values, scale))

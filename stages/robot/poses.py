@@ -1,0 +1,107 @@
+"""Rigid transforms and rotations: (4, 4) and (3, 3) arrays, quaternions as (w, x, y, z)."""
+
+import math
+
+import numpy as np
+
+from stages.robot.model import Array, JointType, frozen
+
+IDENTITY = frozen(np.eye(4))
+
+
+def inverse(a_from_b: Array) -> Array:
+    """b_from_a of a rigid (or reflecting) transform (4, 4)."""
+    rotation = a_from_b[:3, :3]
+    out = np.eye(4)
+    out[:3, :3] = rotation.T
+    out[:3, 3] = -rotation.T @ a_from_b[:3, 3]
+    return out
+
+
+def from_parts(rotation: Array, position: Array) -> Array:
+    """The (4, 4) transform with this rotation (3, 3) and position (3,)."""
+    out = np.eye(4)
+    out[:3, :3] = rotation
+    out[:3, 3] = position
+    return out
+
+
+def motion(kind: JointType, axis: Array, value: float) -> Array:
+    """The transform of a joint at `value` [rad or m]: a turn about or a slide along `axis` (3,)."""
+    out = np.eye(4)
+    if kind == "prismatic":
+        out[:3, 3] = np.asarray(axis) * value
+    else:
+        out[:3, :3] = turn(axis, value)
+    return out
+
+
+def turn(axis: Array, angle: float) -> Array:
+    """Rodrigues' rotation (3, 3) by `angle` [rad] about the unit vector `axis` (3,)."""
+    x, y, z = axis
+    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    # 1 − cos from the half angle keeps full precision near zero.
+    rotation: Array = np.eye(3) + math.sin(angle) * cross + 2.0 * math.sin(angle / 2.0) ** 2 * (cross @ cross)
+    return rotation
+
+
+def rotation_from_rpy(rpy: tuple[float, float, float]) -> Array:
+    """URDF's roll, pitch, yaw [rad], extrinsic xyz: Rz(yaw) Ry(pitch) Rx(roll)."""
+    roll, pitch, yaw = rpy
+    x, y, z = np.eye(3)
+    return turn(z, yaw) @ turn(y, pitch) @ turn(x, roll)
+
+
+def rpy_from_rotation(rotation: Array) -> tuple[float, float, float]:
+    """Roll, pitch, yaw [rad] of a rotation (3, 3): URDF's extrinsic xyz.
+
+    Exact near pitch = ±90° too: there roll is what the yaw chosen from the last two rows leaves,
+    so that the product is the rotation again whatever the split between roll and yaw.
+    """
+    r = rotation
+    cos_pitch = math.hypot(r[0, 0], r[1, 0])
+    pitch = math.atan2(-r[2, 0], cos_pitch)
+    # At ±90° both arguments are rounding noise and any yaw will do: 0 reads best.
+    yaw = math.atan2(r[1, 0], r[0, 0]) if cos_pitch > 1e-15 else 0.0
+    # With the yaw taken off, Ry(pitch) Rx(roll) has these in its middle row.
+    sin_yaw, cos_yaw = math.sin(yaw), math.cos(yaw)
+    roll = math.atan2(
+        sin_yaw * r[0, 2] - cos_yaw * r[1, 2],
+        cos_yaw * r[1, 1] - sin_yaw * r[0, 1],
+    )
+    return roll, pitch, yaw
+
+
+def quat_from_rotation(rotation: Array) -> Array:
+    """The unit quaternion (4,) as (w, x, y, z), w ≥ 0, of a rotation (3, 3).
+
+    Shepperd's method: the largest of the four squares is the divisor, so no branch loses digits.
+    """
+    r = rotation
+    trace = r[0, 0] + r[1, 1] + r[2, 2]
+    squares = [trace, r[0, 0], r[1, 1], r[2, 2]]
+    largest = int(np.argmax(squares))
+    if largest == 0:
+        q = np.array([1 + trace, r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
+    else:
+        i = largest - 1
+        j, k = (i + 1) % 3, (i + 2) % 3
+        q = np.empty(4)
+        q[0] = r[k, j] - r[j, k]
+        q[1 + i] = 1 + r[i, i] - r[j, j] - r[k, k]
+        q[1 + j] = r[j, i] + r[i, j]
+        q[1 + k] = r[k, i] + r[i, k]
+    q /= np.linalg.norm(q)
+    return -q if q[0] < 0 else q
+
+
+def rotation_from_quat(quat: Array) -> Array:
+    """The rotation (3, 3) of a quaternion (w, x, y, z), normalised here."""
+    w, x, y, z = np.asarray(quat, dtype=float) / np.linalg.norm(quat)
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )

@@ -1,0 +1,55 @@
+"""The one formatter of numbers."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stages.robot.numbers import TOLERANCE, number, numbers, spaced
+
+finite = st.floats(-1e9, 1e9, allow_nan=False, allow_subnormal=False)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (-0.0, "0"),
+        (1.0, "1"),
+        (0.1 + 0.2, "0.3"),
+        (1 / 3, "0.333333333333"),
+        (-2.5, "-2.5"),
+        (100.0, "100"),
+        (1e-5, "1e-5"),
+        (123456789.0, "123456789"),
+        (1e20, "1e20"),
+    ],
+)
+def test_numbers_are_as_short_as_they_can_be(value: float, text: str) -> None:
+    assert number(value) == text
+
+
+def test_noise_beside_a_large_entry_is_zero() -> None:
+    assert spaced([0.3, 1e-17, -2e-13]) == "0.3 0 0"
+    assert spaced([0.3, 1e-9, 0]) == "0.3 1e-9 0"
+
+
+def test_a_vector_of_zeros_is_zeros() -> None:
+    assert spaced([0.0, -0.0, 0.0]) == "0 0 0"
+
+
+@given(st.lists(finite, min_size=1, max_size=9))
+def test_every_entry_is_within_the_tolerance_of_the_largest(values: list[float]) -> None:
+    texts = numbers(values)
+    largest = max(map(abs, values))
+    for value, text in zip(values, texts, strict=True):
+        assert abs(float(text) - value) <= TOLERANCE * largest
+        assert text != "-0"
+
+
+@given(finite)
+def test_no_shorter_text_would_do(value: float) -> None:
+    text = number(value)
+    digits = len(text.lstrip("-").split("e")[0].replace(".", "").strip("0"))
+    if digits > 1:
+        shorter = float(f"{value:.{digits - 1}g}")
+        assert abs(shorter - value) > TOLERANCE * abs(value)
