@@ -1,0 +1,1 @@
+"""Tests of the pipeline, and the local Onshape they run against."""

@@ -1,0 +1,206 @@
+"""What an author writes: part studios, parts, assemblies, mates. SI units, radians.
+
+    document = Document("Door")
+    studio = document.studio("Parts")
+    frame = studio.part("Frame", solids.box(1, 0.1, 2), density=700)
+    leaf = studio.part("Leaf", solids.box(0.9, 0.04, 1.9), density=700)
+    door = document.assembly("Door")
+    post = door.add(frame, fixed=True)
+    wing = door.add(leaf)
+    door.revolute("Hinge", (wing, frame_on_wing), (post, frame_on_post), value=0.3, limits=(0, 1.5))
+
+A mate's value q is the pose of its first entity's mate frame in its second's: Rz(q) or Tz(q). The
+author gives values; all poses follow from them (`kinematics`). A mate that closes a loop is
+declared with `closing=True`; its value is whatever the rest makes it.
+"""
+
+import numpy as np
+
+from tests.onshape import ids
+from tests.onshape.elements import (
+    OPEN,
+    ORIGIN,
+    Connector,
+    Gear,
+    Group,
+    Instance,
+    Mate,
+    Occurrence,
+    Studio,
+)
+
+__all__ = ["ORIGIN", "Assembly", "Document", "Home", "Occurrence"]
+
+
+class Home:
+    """Where elements live: a document, and its pinned state."""
+
+    def __init__(self, name, document=None):
+        self.name = name
+        self.document = document or self
+        self.id = ids.hex_id(name, "document")
+        self.workspace = ids.hex_id(name, "workspace")
+        self.version = ids.hex_id(name, "version")
+        self.microversion = ids.hex_id(name, "microversion")
+        self.studios, self.assemblies = [], []
+
+    def studio(self, name):
+        """A new part studio."""
+        self.studios.append(Studio(self, name))
+        return self.studios[-1]
+
+    def assembly(self, name):
+        """A new assembly."""
+        self.assemblies.append(Assembly(self, name))
+        self.document.changed()
+        return self.assemblies[-1]
+
+    @property
+    def linked(self):
+        """Whether this is another document, used through one of its versions."""
+        return self.document is not self
+
+
+class Assembly:
+    """An assembly: instances and features."""
+
+    def __init__(self, home, name):
+        self.home, self.name = home, name
+        self.element = ids.hex_id(home.name, name, "assembly")
+        self.instances, self.features = [], []
+        self._ground = None
+
+    def add(
+        self,
+        source,
+        *,
+        fixed=False,
+        hidden=False,
+        suppressed=False,
+        pose=None,
+        configuration="default",
+        name=None,
+    ):
+        """A new instance of a part or an assembly; returns its `Occurrence`.
+
+        `pose` (4, 4), in this assembly, places a fixed instance, or one that nothing else places.
+        """
+        number = 1 + sum(instance.source is source for instance in self.instances)
+        instance = Instance(
+            self,
+            source,
+            name or f"{source.name} <{number}>",
+            fixed=fixed,
+            hidden=hidden,
+            suppressed=suppressed,
+            pose=pose,
+            configuration=configuration,
+        )
+        if any(other.id == instance.id for other in self.instances):
+            msg = f"assembly {self.name!r} has two instances named {instance.name!r}"
+            raise ValueError(msg)
+        self.instances.append(instance)
+        self.home.document.changed()
+        return Occurrence([instance])
+
+    def ground(self, occurrence, pose=None):
+        """Say which occurrence carries this assembly's own frame, and its pose (4, 4) in it."""
+        self._ground = (occurrence, np.eye(4) if pose is None else np.asarray(pose, float))
+        self.home.document.changed()
+
+    @property
+    def carrier(self):
+        """The occurrence that carries this assembly's frame and its pose in it; None if empty."""
+        if self._ground is not None:
+            return self._ground
+        for instance in self.instances:
+            if not instance.suppressed and (instance.is_part or instance.source.carrier):
+                return Occurrence([instance]), np.eye(4)
+        return None
+
+    def fasten(self, name, first, second, *, closing=False, suppressed=False):
+        """FASTENED: the two mate frames coincide."""
+        return self._mate("FASTENED", name, first, second, closing=closing, suppressed=suppressed)
+
+    def revolute(self, name, first, second, value=0.0, limits=OPEN, *, closing=False, suppressed=False):
+        """REVOLUTE about the mate frames' z; `value` and `limits` in rad (None is open)."""
+        return self._mate("REVOLUTE", name, first, second, value, limits, closing, suppressed)
+
+    def slider(self, name, first, second, value=0.0, limits=OPEN, *, closing=False, suppressed=False):
+        """SLIDER along the mate frames' z; `value` and `limits` in m (None is open)."""
+        return self._mate("SLIDER", name, first, second, value, limits, closing, suppressed)
+
+    def gear(self, name, first, second, ratio=1.0, *, reverse=False):
+        """GEAR: the second (mate, or (owner occurrence, mate)) follows the first."""
+        mates = tuple(mate if isinstance(mate, tuple) else (ORIGIN, mate) for mate in (first, second))
+        return self._feature(Gear(self._id(name), name, mates, ratio, reverse))
+
+    def group(self, name, members):
+        """A mate group of (occurrence, pose in the first one's frame)."""
+        return self._feature(Group(self._id(name), name, tuple(members)))
+
+    def connector(self, name, occurrence, frame):
+        """An explicit mate connector on an occurrence."""
+        return self._feature(Connector(self._id(name), name, occurrence, np.asarray(frame, float)))
+
+    def _mate(self, kind, name, first, second, value=0.0, limits=OPEN, closing=False, suppressed=False):
+        entities = tuple((occurrence, np.asarray(frame, float)) for occurrence, frame in (first, second))
+        return self._feature(Mate(self._id(name), name, kind, entities, value, limits, closing, suppressed))
+
+    def _id(self, name):
+        return ids.node_id(self.element, "feature", name)
+
+    def _feature(self, feature):
+        if any(other.name == feature.name for other in self.features):
+            msg = f"assembly {self.name!r} has two features named {feature.name!r}"
+            raise ValueError(msg)
+        self.features.append(feature)
+        self.home.document.changed()
+        return feature
+
+
+class Document(Home):
+    """A document; its first assembly is the root unless `root` says otherwise.
+
+    What the document knows about itself (`tree`, `poses`, `mass_matrix`, ...) is in `truth`.
+    """
+
+    def __init__(self, name):
+        super().__init__(name)
+        self.libraries, self.values, self._truth, self._root = [], {}, None, None
+
+    def library(self, name):
+        """Another document, linked by version: parts and assemblies of it can be used here."""
+        self.libraries.append(Home(name, self))
+        return self.libraries[-1]
+
+    @property
+    def homes(self):
+        return [self, *self.libraries]
+
+    @property
+    def root(self):
+        return self._root or self.assemblies[0]
+
+    @root.setter
+    def root(self, assembly):
+        self._root = assembly
+        self.changed()
+
+    def set_value(self, owner, mate, value):
+        """The value [rad or m] of a mate inside one occurrence of its assembly (else the mate's own)."""
+        self.values[owner.path, mate.id] = value
+        self.changed()
+
+    def changed(self):
+        """Forget what was derived; the builder's own methods call this."""
+        self._truth = None
+
+    @property
+    def truth(self):
+        """The document's own kinematics and dynamics: a `truth.Truth`."""
+        if self._truth is None:
+            from tests.onshape.truth import Truth
+
+            self._truth = Truth(self)
+        return self._truth

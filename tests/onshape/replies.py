@@ -1,0 +1,199 @@
+"""Answers to requests: paths and queries below /api/vN to a status and a JSON body."""
+
+import json
+import re
+from dataclasses import dataclass
+from urllib.parse import parse_qsl, unquote
+
+from tests.onshape import ids
+from tests.onshape.definition import definition
+from tests.onshape.document import Assembly, Document
+from tests.onshape.elements import Studio
+from tests.onshape.studio_replies import mass_properties, tessellated_faces
+
+PATHS = {
+    "definition": "/assemblies/d/{did}/{wvm}/{wvmid}/e/{eid}",
+    "massproperties": "/partstudios/d/{did}/{wvm}/{wvmid}/e/{eid}/massproperties",
+    "tessellatedfaces": "/partstudios/d/{did}/{wvm}/{wvmid}/e/{eid}/tessellatedfaces",
+    "currentmicroversion": "/documents/d/{did}/{wv}/{wvid}/currentmicroversion",
+    "elements": "/documents/d/{did}/{wvm}/{wvmid}/elements",
+}
+_STUDIO = {"linkDocumentId", "configuration", "rollbackBarIndex", "elementMicroversionId", "partId"}
+QUERIES = {
+    "definition": {
+        *("linkDocumentId", "configuration", "explodedViewId", "includeMateFeatures", "includeNonSolids"),
+        *("includeMateConnectors", "excludeSuppressed"),
+    },
+    "massproperties": _STUDIO | {"massAsGroup", "useMassPropertyOverrides"},
+    "tessellatedfaces": _STUDIO
+    | {
+        *("angleTolerance", "chordTolerance", "precomputedLevelOfDetail", "faceId", "maxFacetWidth"),
+        *("outputFaceAppearances", "outputVertexNormals", "outputFacetNormals", "outputTextureCoordinates"),
+        *("outputIndexTable", "outputErrorFaces", "combineCompositePartConstituents"),
+    },
+    "currentmicroversion": set(),
+    "elements": {"linkDocumentId", "elementType", "elementId", "withThumbnails", "withZipContents"},
+}
+_HEX = "[0-9a-f]{24}"
+_PATTERNS = {
+    name: re.compile(
+        re.sub(r"\{(did|wvmid|wvid|eid)\}", rf"(?P<\1>{_HEX})", path)
+        .replace("{wvm}", "(?P<kind>[wvm])")
+        .replace("{wv}", "(?P<kind>[wv])")
+        + "$"
+    )
+    for name, path in PATHS.items()
+}
+
+
+@dataclass(frozen=True)
+class Reply:
+    """A status and a JSON body; `endpoint` names the kind of request."""
+
+    status: int
+    body: bytes
+    endpoint: str = ""
+
+
+class RefusedError(Exception):
+    """A request that is answered with an error."""
+
+    def __init__(self, status, message):
+        super().__init__(message)
+        self.status, self.message = status, message
+
+
+class Replies:
+    """A document as Onshape would serve it. `shuffle`, `swap`: see `definition`; `colours`: see
+    `tessellated_faces`. The same request always has the same bytes."""
+
+    def __init__(self, document: Document, *, shuffle=None, swap=(), colours="base64"):
+        self.document, self.colours = document, colours
+        self.options = {"shuffle": shuffle, "swap": swap}
+
+    def answer(self, path: str, query: str = "") -> Reply:
+        """The reply to GET /api/vN`path`?`query`."""
+        try:
+            endpoint, names = self._endpoint(unquote(path))
+            pairs = parse_qsl(query, keep_blank_values=True)
+            for key, _ in pairs:
+                if key not in QUERIES[endpoint]:
+                    raise RefusedError(400, f"Unrecognized query parameter: {key}.")
+            value = getattr(self, f"_{endpoint}")(names, pairs)
+        except RefusedError as refused:
+            return Reply(refused.status, error_body(refused.status, refused.message))
+        return Reply(200, json.dumps(value, separators=(",", ":"), ensure_ascii=False).encode(), endpoint)
+
+    def _endpoint(self, path):
+        for name, pattern in _PATTERNS.items():
+            match = pattern.match(path)
+            if match:
+                return name, match.groupdict()
+        raise RefusedError(404, "Not found.")
+
+    def _home(self, names, pairs):
+        """The document that is asked for, at a state that it has."""
+        home = next((home for home in self.document.homes if home.id == names["did"]), None)
+        if home is None:
+            raise RefusedError(404, f"Document {names['did']} does not exist.")
+        state = {"w": home.workspace, "v": home.version, "m": home.microversion}[names["kind"]]
+        if state != (names.get("wvmid") or names.get("wvid")):
+            raise RefusedError(404, "Document workspace, version or microversion not found.")
+        if home.linked and dict(pairs).get("linkDocumentId") != self.document.id:
+            raise RefusedError(403, "Access to a linked document needs linkDocumentId.")
+        return home
+
+    def _element(self, home, names, kind):
+        elements = {element.element: element for element in [*home.studios, *home.assemblies]}
+        element = elements.get(names["eid"])
+        if element is None:
+            raise RefusedError(404, f"Element {names['eid']} does not exist.")
+        if not isinstance(element, kind):
+            wanted = "an assembly" if kind is Assembly else "a part studio"
+            raise RefusedError(400, f"The element is not {wanted}.")
+        return element
+
+    def _definition(self, names, pairs):
+        home = self._home(names, pairs)
+        assembly = self._element(home, names, Assembly)
+        if assembly is not self.document.root:
+            raise RefusedError(404, "This server serves the definition of the document's root assembly only.")
+        configuration = dict(pairs).get("configuration") or "default"
+        made = definition(self.document, configuration=configuration, **self.options)
+        if not _flag(pairs, "includeMateFeatures", False):
+            for part in [made["rootAssembly"], *made["subAssemblies"]]:
+                part["features"] = []
+        if not _flag(pairs, "includeMateConnectors", False):
+            for part in made["parts"]:
+                part.pop("mateConnectors", None)
+        return made
+
+    def _massproperties(self, names, pairs):
+        studio, parts = self._studio(names, pairs)
+        as_group = _flag(pairs, "massAsGroup", True)
+        overrides = _flag(pairs, "useMassPropertyOverrides", False)
+        return mass_properties(studio, parts, as_group=as_group, overrides=overrides)
+
+    def _tessellatedfaces(self, names, pairs):
+        studio, parts = self._studio(names, pairs)
+        return tessellated_faces(
+            studio,
+            parts,
+            appearances=_flag(pairs, "outputFaceAppearances", False),
+            facet_normals=_flag(pairs, "outputFacetNormals", True),
+            vertex_normals=_flag(pairs, "outputVertexNormals", False),
+            index_table=_flag(pairs, "outputIndexTable", False),
+            colours=self.colours,
+        )
+
+    def _studio(self, names, pairs):
+        studio = self._element(self._home(names, pairs), names, Studio)
+        asked = [value for key, value in pairs if key == "partId"]
+        known = {part.id: part for part in studio.parts}
+        for part in asked:
+            if part not in known:
+                raise RefusedError(400, f"Part {part} does not exist.")
+        return studio, [known[part] for part in asked] if asked else studio.parts
+
+    def _currentmicroversion(self, names, pairs):
+        return {"microversion": self._home(names, pairs).microversion}
+
+    def _elements(self, names, pairs):
+        home = self._home(names, pairs)
+        wanted = dict(pairs)
+        listed = [
+            {
+                "id": element.element,
+                "name": element.name,
+                "elementType": kind,
+                "type": "Assembly" if kind == "ASSEMBLY" else "Part Studio",
+                "dataType": "onshape/assembly" if kind == "ASSEMBLY" else "onshape/partstudio",
+                "microversionId": ids.hex_id(home.microversion, element.element),
+                "lengthUnits": "meter",
+                "angleUnits": "degree",
+                "massUnits": "kilogram",
+                "deleted": False,
+            }
+            for kind, elements in (("PARTSTUDIO", home.studios), ("ASSEMBLY", home.assemblies))
+            for element in elements
+        ]
+        return [
+            record
+            for record in listed
+            if wanted.get("elementId", record["id"]) == record["id"]
+            and wanted.get("elementType", record["elementType"]) == record["elementType"]
+        ]
+
+
+def error_body(status, message):
+    """The JSON body of an error."""
+    return json.dumps({"message": message, "status": status, "code": 0, "moreInfoUrl": ""}).encode()
+
+
+def _flag(pairs, name, default):
+    given = dict(pairs).get(name)
+    if given is None:
+        return default
+    if given not in ("true", "false"):
+        raise RefusedError(400, f"{name} must be true or false.")
+    return given == "true"
