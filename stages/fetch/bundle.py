@@ -1,0 +1,193 @@
+"""A bundle as one zip file: `manifest.json` and `replies/<sha256>`.
+
+A bundle comes from anyone, so it is read with distrust: nothing is unpacked to disk, only the
+names that a bundle has are accepted, sizes are bounded before anything is inflated, and every
+reply must have the digest that it is named by.
+"""
+
+import io
+import json
+import re
+import stat
+import struct
+import zipfile
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
+
+from stages.robot.bundle import Bundle
+from stages.robot.errors import SourceError
+
+FORMAT = 1
+_MANIFEST = "manifest.json"
+_FOLDER = "replies/"
+_REPLY = re.compile(r"replies/([0-9a-f]{64})")
+_MOST_ENTRIES = 20_000
+_MOST_BYTES = 1 << 30
+_MOST_RATIO = 400
+_RATIO_MATTERS = 1 << 20
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+_UNREADABLE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    EOFError,
+    NotImplementedError,
+    OSError,
+    RuntimeError,
+    ValueError,
+)
+
+_Digest = Annotated[str, StringConstraints(strict=True, pattern=r"^[0-9a-f]{64}$")]
+_Text = Annotated[str, StringConstraints(strict=True, min_length=1)]
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """What a zip holds, checked: every digest of `requests` and `definition` is in `blobs`."""
+
+    root: Mapping[str, str]
+    definition: str
+    requests: Mapping[str, str]
+    blobs: Mapping[str, bytes]
+
+
+class _Root(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    document: _Text
+    microversion: _Text
+    element: _Text
+    configuration: _Text
+
+
+class _Manifest(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    format: Literal[1]
+    kind: Literal["onshape"]
+    api: Annotated[str, StringConstraints(strict=True, pattern=r"^v\d+$")]
+    root: _Root
+    definition: _Digest
+    requests: dict[_Text, _Digest]
+
+
+def read(data: bytes, where: str) -> Recording:
+    """The recording in a zip's bytes; `where` names the file in messages.
+
+    SourceError, one for each way a file can be wrong: no zip, damaged, names that leave the folder,
+    links, too many or too large entries, digests that do not fit, missing entries, another format.
+    """
+    entries = _entries(data, where)
+    if _MANIFEST not in entries:
+        raise _refused("it has no manifest.json, so it is no bundle", where)
+    manifest = _manifest(entries.pop(_MANIFEST), where)
+    blobs = {name.removeprefix(_FOLDER): body for name, body in entries.items()}
+    for name, body in blobs.items():
+        if sha256(body).hexdigest() != name:
+            raise _refused(f"its reply {name} does not have that digest: the file was changed", where)
+    for request, name in sorted({"the definition": manifest.definition, **manifest.requests}.items()):
+        if name not in blobs:
+            raise _refused(f"it lacks the reply {name} ({request})", where)
+    return Recording(
+        root=manifest.root.model_dump(),
+        definition=manifest.definition,
+        requests=dict(manifest.requests),
+        blobs=blobs,
+    )
+
+
+def pack(bundle: Bundle) -> bytes:
+    """The zip of a bundle: the same bundle gives the same bytes, with the same zlib."""
+    manifest = {
+        "format": FORMAT,
+        "kind": bundle.kind,
+        "api": bundle.api,
+        "root": dict(bundle.root),
+        "definition": bundle.definition,
+        "requests": dict(bundle.requests),
+    }
+    text = json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False)
+    entries = {_MANIFEST: text.encode() + b"\n"}
+    entries |= {_FOLDER + name: bundle.blobs[name] for name in sorted(bundle.blobs)}
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name, body in entries.items():
+            info = zipfile.ZipInfo(name, _EPOCH)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.create_system = 3  # as on Unix, wherever it is made
+            info.external_attr = 0o644 << 16
+            archive.writestr(info, body)
+    return out.getvalue()
+
+
+def _entries(data: bytes, where: str) -> dict[str, bytes]:
+    """The zip's entries by name, once their names and sizes are ones that a bundle may have."""
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            infos = [info for info in archive.infolist() if info.filename != _FOLDER]
+            _check_names(infos, where)
+            _check_sizes(infos, where)
+            return {info.filename: archive.read(info) for info in infos}
+    except _UNREADABLE as error:
+        what = "damaged" if zipfile.is_zipfile(io.BytesIO(data)) else "no zip file"
+        raise _refused(f"it is {what} ({type(error).__name__}: {error})", where) from None
+
+
+def _check_names(infos: list[zipfile.ZipInfo], where: str) -> None:
+    if len(infos) > _MOST_ENTRIES:
+        raise _refused(f"it has {len(infos)} entries; at most {_MOST_ENTRIES} are read", where)
+    seen: set[str] = set()
+    for info in infos:
+        name = info.orig_filename
+        if name.startswith(("/", "\\")) or ":" in name or ".." in re.split(r"[/\\]", name):
+            raise _refused(f"its entry {name!r} points outside of the bundle", where)
+        if stat.S_ISLNK(info.external_attr >> 16):
+            raise _refused(f"its entry {name!r} is a link", where)
+        if name != _MANIFEST and not _REPLY.fullmatch(name):
+            raise _refused(f"its entry {name!r} is neither manifest.json nor replies/<sha256>", where)
+        if info.flag_bits & 1:
+            raise _refused(f"its entry {name!r} is encrypted", where)
+        if name in seen:
+            raise _refused(f"its entry {name!r} is there twice", where)
+        seen.add(name)
+
+
+def _check_sizes(infos: list[zipfile.ZipInfo], where: str) -> None:
+    total = sum(info.file_size for info in infos)
+    if total > _MOST_BYTES:
+        raise _refused(f"it would unpack to {total} bytes; at most {_MOST_BYTES} are read", where)
+    for info in infos:
+        bound = _MOST_RATIO * max(info.compress_size, 1)
+        if info.file_size > _RATIO_MATTERS and info.file_size > bound:
+            raise _refused(f"its entry {info.filename!r} is packed too tightly to be a reply", where)
+
+
+def _manifest(body: bytes, where: str) -> _Manifest:
+    try:
+        data = json.loads(body)
+    except ValueError:
+        raise _refused("its manifest.json is not JSON", where) from None
+    if not isinstance(data, dict):
+        raise _refused("its manifest.json is no JSON object", where)
+    found = data.get("format")
+    if isinstance(found, int) and found > FORMAT:
+        msg = f"not readable as a bundle: it has format {found}, and this version reads {FORMAT}"
+        raise SourceError(msg, where, "update linkwright")
+    try:
+        return _Manifest.model_validate(data)
+    except ValidationError as error:
+        wrong = "; ".join(
+            f"{'.'.join(str(step) for step in problem['loc'])}: {problem['msg']}"
+            for problem in error.errors()[:3]
+        )
+        raise _refused(f"its manifest.json is malformed ({wrong})", where) from None
+
+
+def _refused(why: str, where: str) -> SourceError:
+    msg = f"not readable as a bundle: {why}"
+    return SourceError(msg, where, "make the bundle again, or get it again from where it came")

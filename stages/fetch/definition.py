@@ -1,0 +1,91 @@
+"""What fetch reads of an assembly definition: which assembly it is and which part studios it needs."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import orjson
+
+from stages.robot.bundle import StudioKey
+from stages.robot.errors import AssemblyError, ProtocolError
+
+_Record = Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """An assembly definition, as far as fetch needs it.
+
+    `parts`: the part ids that the assembly uses of each part studio, keys and ids sorted.
+    """
+
+    document: str
+    microversion: str
+    element: str
+    parts: Mapping[StudioKey, tuple[str, ...]]
+
+
+def read(body: bytes) -> Definition:
+    """The definition in a reply; ProtocolError where it is not one.
+
+    Suppressed instances, and sub-assemblies that only those use, need nothing.
+    """
+    try:
+        data = orjson.loads(body)
+        root = data["rootAssembly"]
+        used: dict[StudioKey, set[str]] = {}
+        for instance in _part_instances(root, data.get("subAssemblies") or ()):
+            used.setdefault(StudioKey.of(instance), set()).add(instance["partId"])
+        return Definition(
+            document=_text(root, "documentId"),
+            microversion=_text(root, "documentMicroversion"),
+            element=_text(root, "elementId"),
+            parts={key: tuple(sorted(used[key])) for key in sorted(used)},
+        )
+    except orjson.JSONDecodeError:
+        msg = "the assembly definition is not JSON, or was cut short"
+        raise ProtocolError(msg, hint="run the same command again") from None
+    except KeyError as error:
+        msg = f"the assembly definition lacks the key {error.args[0]!r}"
+        raise ProtocolError(msg, hint=_HINT) from None
+    except (AttributeError, TypeError) as error:
+        msg = f"the assembly definition is not in the shape of the API: {error}"
+        raise ProtocolError(msg, hint=_HINT) from None
+
+
+def require_parts(definition: Definition) -> None:
+    """AssemblyError where the assembly has no part."""
+    if not definition.parts:
+        msg = "the assembly is empty: it has no part that is not suppressed"
+        hint = "insert parts, or choose another tab or configuration"
+        raise AssemblyError(msg, f"assembly {definition.element}", hint)
+
+
+_HINT = "check that the address is one of an assembly; if it is, the API has changed"
+
+
+def _part_instances(root: _Record, subs: Any) -> Iterator[_Record]:
+    """The unsuppressed part instances of the root and of the sub-assemblies that it uses."""
+    definitions = {StudioKey.of(sub): sub for sub in subs}
+    waiting = [root]
+    seen = {StudioKey.of(root)}
+    while waiting:
+        for instance in waiting.pop()["instances"]:
+            if instance.get("suppressed"):
+                continue
+            if instance.get("type") == "Part":
+                yield instance
+            elif instance.get("type") == "Assembly" and (key := StudioKey.of(instance)) not in seen:
+                if key not in definitions:
+                    msg = f"the definition does not describe the sub-assembly {instance.get('name')!r}"
+                    raise ProtocolError(msg, hint=_HINT)
+                seen.add(key)
+                waiting.append(definitions[key])
+
+
+def _text(record: _Record, key: str) -> str:
+    value = record[key]
+    if not isinstance(value, str) or not value:
+        msg = f"{key} is no text"
+        raise TypeError(msg)
+    return value

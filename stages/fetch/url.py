@@ -1,0 +1,115 @@
+"""The address of an assembly, as the browser shows it."""
+
+import ipaddress
+import re
+from dataclasses import dataclass
+from urllib.parse import SplitResult, unquote, urlsplit
+
+from stages.robot.errors import ConfigError
+
+EXAMPLE = (
+    "https://cad.onshape.com/documents/5f1a0c2b9d8e7f6a5b4c3d2e"
+    "/w/0a1b2c3d4e5f60718293a4b5/e/a1b2c3d4e5f60718293a4b5c"
+)
+_PATH = re.compile(r"/documents/([0-9a-f]{24})/([wvm])/([0-9a-f]{24})/e/([0-9a-f]{24})/?", re.IGNORECASE)
+_NO_TAB = re.compile(r"/documents/[0-9a-f]{24}(/[wvm]/[0-9a-f]{24})?/?", re.IGNORECASE)
+_OWNER = "onshape.com"
+
+
+@dataclass(frozen=True, slots=True)
+class AssemblyUrl:
+    """Where an assembly is.
+
+    `origin`: scheme and host, "https://cad.onshape.com"; `pin`: "w/<id>", "v/<id>" or "m/<id>";
+    `configuration`: Onshape's own text, decoded once, "default" where the address has none.
+    """
+
+    origin: str
+    document: str
+    pin: str
+    element: str
+    configuration: str
+
+    @property
+    def pinned(self) -> bool:
+        """Whether what is there can never change (a version or a microversion)."""
+        return not self.pin.startswith("w/")
+
+    @property
+    def loopback(self) -> bool:
+        """Whether the host is this computer."""
+        return _is_loopback(urlsplit(self.origin).hostname or "")
+
+
+def parse(text: str) -> AssemblyUrl:
+    """The assembly that a browser's address names; ConfigError for anything else.
+
+    What only concerns the browser (`renderMode`, `uiState`, the fragment) is dropped.
+    """
+    parts = _split(text.strip())
+    match = _PATH.fullmatch(parts.path)
+    if match is None:
+        if _NO_TAB.fullmatch(parts.path):
+            raise _refused(parts, "it names a document, but no tab of it (…/e/<element>)")
+        raise _refused(parts, "its path is not /documents/<id>/w|v|m/<id>/e/<id>, each id 24 hex digits")
+    document, kind, version, element = (piece.lower() for piece in match.groups())
+    return AssemblyUrl(
+        origin=f"{parts.scheme}://{parts.netloc.lower()}",
+        document=document,
+        pin=f"{kind}/{version}",
+        element=element,
+        configuration=_configuration(parts.query),
+    )
+
+
+def _split(text: str) -> SplitResult:
+    """The address in pieces, once scheme and host are ones that may be sent a key."""
+    try:
+        parts = urlsplit(text)
+        host = parts.hostname or ""
+        _ = parts.port  # the library checks the port only when it is read
+    except ValueError:
+        msg = "the address is not a URL"
+        raise ConfigError(msg, "source.url", _hint()) from None
+    if parts.scheme not in ("https", "http") or not host:
+        msg = "an address that starts with https:// is expected"
+        raise ConfigError(msg, "source.url", _hint())
+    if "@" in parts.netloc:
+        # The address is not shown: what stands before the @ may be a key.
+        msg = "the address must hold no user name or password"
+        raise ConfigError(msg, "source.url", "keys belong in ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY")
+    if _is_loopback(host):
+        return parts
+    if parts.scheme == "http":
+        raise _refused(parts, "plain http would send your key in the open; use https://")
+    if host != _OWNER and not host.endswith(f".{_OWNER}"):
+        raise _refused(parts, f"its host is not {_OWNER} or below it, and no key is sent elsewhere")
+    return parts
+
+
+def _is_loopback(host: str) -> bool:
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
+
+
+def _configuration(query: str) -> str:
+    """The value of `configuration`; a plus sign stays one, since Onshape writes spaces so."""
+    for item in query.split("&"):
+        name, _, value = item.partition("=")
+        if name == "configuration" and value:
+            return unquote(value)
+    return "default"
+
+
+def _refused(parts: SplitResult, why: str) -> ConfigError:
+    shown = f"{parts.scheme}://{parts.netloc}{parts.path}"
+    msg = f"{shown} is not the address of an Onshape assembly: {why}"
+    return ConfigError(msg, "source.url", _hint())
+
+
+def _hint() -> str:
+    return f"open the assembly's tab in the browser and copy its address, for example {EXAMPLE}"

@@ -1,0 +1,141 @@
+"""Bundles: packed to the same bytes, and read with distrust."""
+
+import io
+import json
+import stat
+import zipfile
+from hashlib import sha256
+
+import pytest
+
+from stages.fetch import bundle as module
+from stages.fetch.bundle import pack, read
+from stages.robot.bundle import Bundle
+from stages.robot.errors import SourceError
+
+BODIES = [b'{"a": 1}', b'{"b": 2}']
+DIGESTS = [sha256(body).hexdigest() for body in BODIES]
+ROOT = {"document": "d", "microversion": "m", "element": "e", "configuration": "default"}
+MANIFEST = {
+    "format": 1,
+    "kind": "onshape",
+    "api": "v16",
+    "root": ROOT,
+    "definition": DIGESTS[0],
+    "requests": {"/one?x=1": DIGESTS[0], "/two?x=1": DIGESTS[1]},
+}
+GOOD = {"manifest.json": json.dumps(MANIFEST).encode()} | {
+    f"replies/{digest}": body for digest, body in zip(DIGESTS, BODIES, strict=True)
+}
+
+
+def zipped(entries, method=zipfile.ZIP_DEFLATED):
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", method) as archive:
+        for name, body in entries.items() if isinstance(entries, dict) else entries:
+            archive.writestr(name, body)
+    return out.getvalue()
+
+
+def refused(data, why):
+    with pytest.raises(SourceError) as caught:
+        read(data, "robots/arm.zip")
+    assert caught.value.where == "robots/arm.zip"
+    assert why in caught.value.message
+    assert caught.value.hint
+
+
+def test_what_is_packed_is_read_back_and_packs_to_the_same_bytes():
+    forwards = Bundle(
+        "onshape",
+        "v16",
+        ROOT,
+        DIGESTS[0],
+        (),
+        MANIFEST["requests"],
+        dict(zip(DIGESTS, BODIES, strict=True)),
+    )
+    backwards = Bundle(
+        "onshape",
+        "v16",
+        dict(reversed(ROOT.items())),
+        DIGESTS[0],
+        (),
+        dict(reversed(MANIFEST["requests"].items())),
+        dict(reversed(list(zip(DIGESTS, BODIES, strict=True)))),
+    )
+    assert pack(forwards) == pack(backwards)
+    found = read(pack(forwards), "x.zip")
+    assert found.root == ROOT
+    assert found.definition == DIGESTS[0]
+    assert found.requests == MANIFEST["requests"]
+    assert found.blobs == forwards.blobs
+
+
+def test_a_folder_entry_that_zip_tools_add_is_harmless():
+    assert read(zipped({"replies/": b"", **GOOD}), "x.zip").definition == DIGESTS[0]
+
+
+def test_what_is_no_zip_or_cut_or_changed_is_refused():
+    refused(b"", "no zip file")
+    refused(b"<html>sign in</html>", "no zip file")
+    data = zipped(GOOD, zipfile.ZIP_STORED)
+    refused(data[:-30], "no zip file")
+    refused(data.replace(BODIES[0], b'{"a": 7}'), "damaged")
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["../evil", "replies/../../evil", "/etc/passwd", "C:\\evil", "..\\evil", "replies/..\\evil", "\\evil"],
+)
+def test_names_that_point_outside_are_refused(name):
+    refused(zipped({**GOOD, name: b"x"}), "points outside")
+
+
+def test_other_names_links_and_doubles_are_refused():
+    refused(zipped({**GOOD, "replies/readme.txt": b"x"}), "neither manifest.json nor")
+    link = zipfile.ZipInfo(f"replies/{'0' * 64}")
+    link.external_attr = (stat.S_IFLNK | 0o777) << 16
+    refused(zipped([*GOOD.items(), (link, b"/etc/passwd")]), "is a link")
+    with pytest.warns(UserWarning, match="Duplicate"):
+        doubled = zipped([*GOOD.items(), ("manifest.json", b"{}")])
+    refused(doubled, "there twice")
+
+
+def test_bombs_are_refused_before_they_are_inflated(monkeypatch):
+    bomb = zipped({**GOOD, f"replies/{'0' * 64}": bytes(8 << 20)})
+    refused(bomb, "packed too tightly")
+    monkeypatch.setattr(module, "_MOST_BYTES", 1000)
+    refused(zipped({**GOOD, f"replies/{'0' * 64}": bytes(2000)}), "would unpack to")
+    monkeypatch.setattr(module, "_MOST_ENTRIES", 2)
+    refused(zipped(GOOD), "3 entries")
+
+
+def test_a_reply_that_is_not_what_its_name_says_is_refused():
+    refused(zipped({**GOOD, f"replies/{DIGESTS[1]}": b'{"b": 3}'}), "does not have that digest")
+
+
+def test_a_missing_reply_is_named_with_its_request():
+    entries = {name: body for name, body in GOOD.items() if name != f"replies/{DIGESTS[1]}"}
+    refused(zipped(entries), "/two?x=1")
+    refused(zipped({name: body for name, body in GOOD.items() if name != "manifest.json"}), "no manifest")
+
+
+@pytest.mark.parametrize(
+    ("manifest", "why"),
+    [
+        (b"{", "not JSON"),
+        (b"[]", "no JSON object"),
+        (b"\xff\xfe", "not JSON"),
+        ({**MANIFEST, "format": 2}, "format 2, and this version reads 1"),
+        ({**MANIFEST, "format": "one"}, "malformed (format"),
+        ({**MANIFEST, "kind": "urdf"}, "malformed (kind"),
+        ({**MANIFEST, "root": {**ROOT, "element": None}}, "malformed (root.element"),
+        ({**MANIFEST, "definition": "../x"}, "malformed (definition"),
+        ({**MANIFEST, "requests": {"/one": "short"}}, "malformed (requests"),
+        ({key: value for key, value in MANIFEST.items() if key != "api"}, "malformed (api"),
+    ],
+)
+def test_a_malformed_manifest_is_refused_by_the_key_at_fault(manifest, why):
+    body = manifest if isinstance(manifest, bytes) else json.dumps(manifest).encode()
+    refused(zipped({**GOOD, "manifest.json": body}), why)

@@ -1,0 +1,45 @@
+"""API keys: where they come from, and that they never show."""
+
+import pytest
+
+from stages.fetch.credentials import Credentials, find
+from stages.robot.errors import ConfigError
+
+
+def test_the_environment_wins_over_dotenv_variable_by_variable(tmp_path):
+    (tmp_path / ".env").write_text("ONSHAPE_ACCESS_KEY=file-a\nONSHAPE_SECRET_KEY='file-s'\n")
+    assert find({}, tmp_path) == Credentials("file-a", "file-s")
+    assert find({"ONSHAPE_ACCESS_KEY": "env-a"}, tmp_path) == Credentials("env-a", "file-s")
+    assert find({"ONSHAPE_ACCESS_KEY": " "}, tmp_path) == Credentials("file-a", "file-s")
+
+
+@pytest.mark.parametrize(
+    ("environ", "named"),
+    [
+        ({}, "ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY"),
+        ({"ONSHAPE_ACCESS_KEY": "a"}, "ONSHAPE_SECRET_KEY not set"),
+    ],
+)
+def test_what_is_missing_is_named(tmp_path, environ, named):
+    with pytest.raises(ConfigError, match=named):
+        find(environ, tmp_path)
+
+
+def test_a_dotenv_that_is_no_text_is_an_error_without_its_content(tmp_path):
+    (tmp_path / ".env").write_bytes(b"ONSHAPE_SECRET_KEY=hush\xff\xfe")
+    with pytest.raises(ConfigError) as caught:
+        find({}, tmp_path)
+    assert "hush" not in str(caught.value)
+
+
+def test_a_key_with_a_line_break_is_refused_without_showing_it(tmp_path):
+    with pytest.raises(ConfigError) as caught:
+        find({"ONSHAPE_ACCESS_KEY": "a", "ONSHAPE_SECRET_KEY": "zq\nxj"}, tmp_path)
+    assert "zq" not in str(caught.value)
+
+
+def test_neither_repr_nor_scrubbed_text_holds_the_key():
+    key = Credentials("my-access", "my-secret")
+    assert "my-" not in repr(key)
+    header = "bXktYWNjZXNzOm15LXNlY3JldA=="
+    assert key.scrub(f"my-access:my-secret Basic {header}") == "***:*** Basic ***"

@@ -1,0 +1,82 @@
+"""What fetch reads of a definition: the part studios in use, each once, and nothing suppressed."""
+
+import json
+
+import pytest
+
+from stages.fetch.definition import read, require_parts
+from stages.robot.bundle import StudioKey
+from stages.robot.errors import AssemblyError, ProtocolError
+
+
+def part(studio, part_id, **more):
+    record = {"type": "Part", "suppressed": False, "documentId": "d", "documentMicroversion": "m"}
+    return {**record, "elementId": studio, "configuration": "default", "partId": part_id, **more}
+
+
+def sub(element, **more):
+    record = {"type": "Assembly", "suppressed": False, "documentId": "d", "documentMicroversion": "m"}
+    return {**record, "elementId": element, "configuration": "default", "name": element, **more}
+
+
+def definition(instances, subs=()):
+    root = {"documentId": "d", "documentMicroversion": "m", "elementId": "root", "configuration": "default"}
+    return json.dumps(
+        {"rootAssembly": {**root, "instances": instances}, "subAssemblies": list(subs)}
+    ).encode()
+
+
+def test_each_studio_version_and_configuration_counts_once():
+    body = definition(
+        [
+            part("s", "JHD"),
+            part("s", "JHD"),
+            part("s", "J/+"),
+            part("s", "JHD", configuration="x=2"),
+            part("t", "A", documentId="o", documentVersion="v"),
+            sub("arm"),
+            sub("arm"),
+        ],
+        [sub("arm") | {"instances": [part("s", "JHH")]}],
+    )
+    assert read(body).parts == {
+        StudioKey("d", "m/m", "s", "default"): ("J/+", "JHD", "JHH"),
+        StudioKey("d", "m/m", "s", "x=2"): ("JHD",),
+        StudioKey("o", "v/v", "t", "default"): ("A",),
+    }
+
+
+def test_what_is_suppressed_needs_no_studio():
+    body = definition(
+        [
+            part("s", "JHD"),
+            {"id": "x", "suppressed": True},
+            part("unused", "JHD", suppressed=True),
+            sub("arm", suppressed=True),
+        ],
+        [sub("arm") | {"instances": [part("also-unused", "JHD")]}],
+    )
+    assert [key.element for key in read(body).parts] == ["s"]
+
+
+@pytest.mark.parametrize("instances", [[], [part("s", "JHD", suppressed=True)], [{"type": "Feature"}]])
+def test_an_assembly_without_parts_is_named_empty(instances):
+    with pytest.raises(AssemblyError, match="assembly root: the assembly is empty"):
+        require_parts(read(definition(instances)))
+
+
+@pytest.mark.parametrize(
+    ("body", "why"),
+    [
+        (b'{"rootAssembly": {"insta', "not JSON"),
+        (b"[]", "not in the shape"),
+        (b'{"bodies": {}}', "lacks the key 'rootAssembly'"),
+        (b'{"rootAssembly": null}', "not in the shape"),
+        (definition([sub("arm")]), "does not describe the sub-assembly 'arm'"),
+        (definition([{"type": "Part", "documentId": "d"}]), "lacks the key 'documentMicroversion'"),
+        (definition([]).replace(b'"documentId": "d"', b'"documentId": 7'), "documentId is no text"),
+    ],
+)
+def test_what_is_no_definition_is_a_protocol_error(body, why):
+    with pytest.raises(ProtocolError, match=why):
+        read(body)

@@ -1,0 +1,63 @@
+"""Requests have one form: sorted keys, percent-encoded ids, pinned."""
+
+from types import SimpleNamespace
+
+from stages.fetch import requests
+from stages.robot.bundle import StudioKey
+
+QUALITY = SimpleNamespace(angle=0.2, chord=0.0005, max_facet_width=None)
+OWN = StudioKey("doc", "m/micro", "elem", "default")
+LINKED = StudioKey("other", "v/version", "elem", "List_x=_500_mm;leg=0.25+meter")
+
+
+def test_the_definition_asks_for_mates_connectors_and_surfaces():
+    assert requests.definition("doc", "w/space", "elem", "a=b") == (
+        "/assemblies/d/doc/w/space/e/elem?configuration=a%3Db&includeMateConnectors=true"
+        "&includeMateFeatures=true&includeNonSolids=true"
+    )
+
+
+def test_a_studio_of_the_same_document_needs_no_link():
+    assert requests.mass_properties(OWN, "doc") == (
+        "/partstudios/d/doc/m/micro/e/elem/massproperties"
+        "?configuration=default&massAsGroup=false&useMassPropertyOverrides=true"
+    )
+
+
+def test_a_studio_of_another_document_is_reached_through_the_root():
+    assert requests.tessellated_faces(LINKED, "doc", QUALITY) == (
+        "/partstudios/d/other/v/version/e/elem/tessellatedfaces?angleTolerance=0.2&chordTolerance=0.0005"
+        "&configuration=List_x%3D_500_mm%3Bleg%3D0.25%2Bmeter&linkDocumentId=doc"
+        "&outputFaceAppearances=true&outputFacetNormals=false&outputIndexTable=true"
+    )
+
+
+def test_a_facet_width_is_sent_only_where_one_is_set():
+    wide = SimpleNamespace(angle=0.2, chord=0.0005, max_facet_width=0.01)
+    assert "&maxFacetWidth=0.01&" in requests.tessellated_faces(OWN, "doc", wide)
+    assert "maxFacetWidth" not in requests.tessellated_faces(OWN, "doc", QUALITY)
+
+
+def test_part_ids_with_slashes_and_pluses_are_encoded():
+    path = requests.part_mass_properties(OWN, "J/F+a=").partition("?")[0]
+    assert path == "/parts/d/doc/m/micro/e/elem/partid/J%2FF%2Ba%3D/massproperties"
+
+
+def test_a_recording_is_found_whatever_its_quality_or_way_of_access():
+    asked = requests.subject(requests.recorded_faces(LINKED))
+    assert asked == requests.subject(requests.tessellated_faces(LINKED, "doc", QUALITY))
+    other = StudioKey("other", "v/version", "elem", "default")
+    assert asked != requests.subject(requests.recorded_faces(other))
+
+
+def test_mass_as_a_group_does_not_stand_in_for_mass_by_part():
+    request = requests.mass_properties(OWN, "doc")
+    grouped = request.replace("massAsGroup=false", "massAsGroup=true")
+    assert requests.subject(request) != requests.subject(grouped)
+
+
+def test_a_recorded_part_is_found_with_and_without_a_query():
+    request = requests.part_mass_properties(OWN, "JHD")
+    bare = request.partition("?")[0]
+    assert requests.subject(request) == requests.subject(bare)
+    assert requests.subject(request) == requests.subject(bare + "?inferMetadataOwner=true")
