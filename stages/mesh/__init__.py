@@ -1,0 +1,34 @@
+"""Mesh: a `Robot` and the triangles of its parts in, a `Geometry` out.
+
+Every link gets one visual mesh a colour and, as its collider, its convex hull, in its own frame.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stages.mesh.keys import MeshKeys
+    from stages.robot.bundle import Bundle
+    from stages.robot.geometry import Geometry
+    from stages.robot.model import Robot
+
+VERSION = 1
+"""Grows with every change of what this stage makes of the same input."""
+
+Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]
+"""memo(kind, key, make): the bytes that were made before for this kind and key, else `make()`.
+
+Who gives the memo adds this stage's version and those of numpy and scipy to the key.
+"""
+
+
+def make_geometry(robot: Robot, bundle: Bundle, keys: MeshKeys, memo: Memo) -> Geometry:
+    """The shapes of all links and their files. Diagnostics: W-NO-MESH, W-FLAT, W-MESH-VOLUME.
+
+    Each link is made through `memo`, by the content of its parts: a rename makes nothing anew.
+    """
+    from stages.mesh.geometry import geometry
+
+    return geometry(robot, bundle, keys, memo)

@@ -1,0 +1,77 @@
+"""What the mesh stage has to say about what it found."""
+
+from collections.abc import Mapping, Sequence
+
+from stages.mesh.linkmesh import Finding, LinkMesh
+from stages.robot.errors import Diagnostic
+from stages.robot.model import Link, MeshRef, Part
+
+_APART = 0.02
+
+Found = Mapping[str, Sequence[tuple[Part, Finding]]]
+"""For each link, in order, its parts and what was found of each."""
+
+
+def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Found) -> list[Diagnostic]:
+    """All findings, in the order of the links; `meshes` and `found` are by link name."""
+    every = [pair for link in links for pair in found[link.name]]
+    if every and not any(finding.found for _, finding in every):
+        return [
+            Diagnostic(
+                "W-NO-MESH",
+                f"there are no triangles for any of the {len(every)} parts: the robot has no shapes",
+                hint="fetch it from Onshape, or use a bundle that holds the triangles",
+            )
+        ]
+    problems = []
+    for link in links:
+        problems += _missing(link, found[link.name])
+        if meshes[link.name].visuals and meshes[link.name].collision is None:
+            problems.append(
+                Diagnostic(
+                    "W-FLAT",
+                    "the link is flat, so it has no convex hull and does not collide",
+                    link.name,
+                    "give it thickness in CAD",
+                )
+            )
+    return problems + _volumes(every)
+
+
+def _missing(link: Link, found: Sequence[tuple[Part, Finding]]) -> list[Diagnostic]:
+    names = sorted(part.name for part, finding in found if not finding.found)
+    if not names:
+        return []
+    shown = ", ".join(names[:5]) + (f" and {len(names) - 5} more" if len(names) > 5 else "")
+    return [
+        Diagnostic(
+            "W-NO-MESH",
+            f"there are no triangles for {len(names)} of its {len(found)} parts: {shown}",
+            link.name,
+            "check in Onshape that they are solids without errors",
+        )
+    ]
+
+
+def _volumes(found: Sequence[tuple[Part, Finding]]) -> list[Diagnostic]:
+    """Meshes whose volume is not CAD's: one finding for each mesh, at the first part that uses it."""
+    seen: set[MeshRef] = set()
+    problems = []
+    for part, finding in found:
+        if part.mesh is None or part.mesh in seen:
+            continue
+        seen.add(part.mesh)
+        if not finding.volume or not part.volume:
+            continue
+        apart = abs(finding.volume - part.volume) / part.volume
+        if apart > _APART:
+            problems.append(
+                Diagnostic(
+                    "W-MESH-VOLUME",
+                    f"the mesh encloses {finding.volume:.4g} m³, CAD says {part.volume:.4g} m³: "
+                    f"{apart:.1%} apart",
+                    part.name,
+                    "make source.tessellation.angle and .chord smaller",
+                )
+            )
+    return problems

@@ -1,0 +1,88 @@
+"""The robot's geometry: each link's meshes made once, then named."""
+
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from stages.mesh import Memo, linkmesh, tessellation
+from stages.mesh.findings import diagnostics
+from stages.mesh.linkmesh import Finding, LinkMesh, Use
+from stages.mesh.names import file_names
+from stages.mesh.piece import Piece
+from stages.mesh.tessellation import PartMesh
+from stages.robot.bundle import Bundle
+from stages.robot.geometry import Geometry, Role, Shape
+from stages.robot.model import Link, MeshRef, Robot
+
+if TYPE_CHECKING:
+    from stages.mesh.keys import MeshKeys
+
+
+def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: Memo) -> Geometry:
+    """The shapes of all links. ProtocolError where triangles cannot be read."""
+    library = _Library(robot.links, bundle)
+    config = {"collider": keys.mesh.collider}
+    meshes: dict[str, LinkMesh] = {}
+    found = {}
+    for link in robot.links:
+        # Sorted by content: neither a name nor the order of instances makes the work anew.
+        uses = [(Use(part.mesh, part.link_from_part), part) for part in link.parts if part.mesh]
+        uses.sort(key=lambda pair: pair[0].key())
+        meshes[link.name] = mesh = _link_mesh([use for use, _ in uses], library, config, memo)
+        lacking = [(part, Finding(False, None)) for part in link.parts if part.mesh is None]
+        found[link.name] = [*zip((part for _, part in uses), mesh.findings, strict=True), *lacking]
+    shapes, files = _named(meshes)
+    return Geometry(tuple(shapes), files, tuple(diagnostics(robot.links, meshes, found)))
+
+
+def _link_mesh(uses: list[Use], library: "_Library", config: Mapping[str, Any], memo: Memo) -> LinkMesh:
+    if not uses:
+        return LinkMesh((), None, ())
+    key = {**config, "parts": [use.key() for use in uses]}
+    return linkmesh.decode(
+        memo("mesh.link", key, lambda: linkmesh.encode(linkmesh.make(uses, library.meshes(uses))))
+    )
+
+
+class _Library:
+    """The part meshes of a bundle, each reply read once and only when a link must be made anew."""
+
+    def __init__(self, links: Iterable[Link], bundle: Bundle) -> None:
+        self._bundle = bundle
+        self._wanted: dict[str, set[str]] = {}
+        self._read: dict[str, dict[str, PartMesh]] = {}
+        for link in links:
+            for part in link.parts:
+                if part.mesh:
+                    self._wanted.setdefault(part.mesh.reply, set()).add(part.mesh.part)
+
+    def meshes(self, uses: Iterable[Use]) -> dict[MeshRef, PartMesh]:
+        """The meshes of these uses, where there are any."""
+        result = {}
+        for ref in {use.mesh for use in uses}:
+            if ref.reply not in self._read:
+                body = self._bundle.body(ref.reply)
+                self._read[ref.reply] = tessellation.read(body, self._wanted[ref.reply])
+            if ref.part in self._read[ref.reply]:
+                result[ref] = self._read[ref.reply][ref.part]
+        return result
+
+
+def _named(meshes: Mapping[str, LinkMesh]) -> tuple[list[Shape], dict[str, bytes]]:
+    names = file_names(
+        {link: (len(mesh.visuals), mesh.collision is not None) for link, mesh in meshes.items()}
+    )
+    shapes: list[Shape] = []
+    files: dict[str, bytes] = {}
+    for link, mesh in meshes.items():
+        visual_names, collision_name = names[link]
+        if mesh.collision:
+            shapes.append(_shape(link, "collision", collision_name, mesh.collision))
+            files[collision_name] = mesh.collision.data
+        for name, piece in zip(visual_names, mesh.visuals, strict=True):
+            shapes.append(_shape(link, "visual", name, piece))
+            files[name] = piece.data
+    return shapes, dict(sorted(files.items()))
+
+
+def _shape(link: str, role: Role, file: str, piece: Piece) -> Shape:
+    return Shape(link, role, file, piece.colour, piece.vertices, piece.faces, piece.area, piece.volume)

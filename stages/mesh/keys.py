@@ -1,0 +1,68 @@
+"""What the mesh stage is told: how parts become collision and visual geometry."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from stages.robot.keys import Count, Keys, Later, NonNegative, Positive, Text, not_yet
+
+LATER_COLLIDERS = ("visual", "primitives", "coacd", "raw", "ladder")
+"""Colliders that are decided but not there yet."""
+
+
+class VisualKeys(Keys):
+    """The meshes that are looked at."""
+
+    merge: Literal["colour"] = not_yet("colour")
+    """colour: one mesh per link and colour."""
+
+    max_faces: Count = not_yet(20000)
+    """Largest number of triangles of a link."""
+
+
+class MeshSection(Keys):
+    """How meshes are made."""
+
+    collider: Annotated[Literal["hull"], Later(*LATER_COLLIDERS)] = "hull"
+    """What collides. hull: the convex hull of each link."""
+
+    tolerance: Positive | None = not_yet(None)
+    """Largest distance of the collider from the part [m]."""
+
+    extra_volume: NonNegative = not_yet(0.15)
+    """Largest share of volume that a collider may add."""
+
+    max_vertices: Annotated[Count, Field(ge=4)] = not_yet(64)
+    """Largest number of vertices of one convex piece."""
+
+    effort: Literal["normal"] = not_yet("normal")
+    """How long a decomposition may search."""
+
+    colliders: dict[Text, Text] = not_yet(dict)
+    """Glob on link names → its own collider."""
+
+    visual: VisualKeys = VisualKeys()
+    """The meshes that are looked at."""
+
+
+class ContactKeys(Keys):
+    """Which links may touch each other."""
+
+    exclude: tuple[Any, ...] = not_yet(())
+    """Pairs of links that never touch."""
+
+    self_: Annotated[Literal["none"], Later("auto")] = Field(default="none", alias="self")
+    """none: every pair of links that MuJoCo checks by itself may touch."""
+
+
+class MeshKeys(Keys):
+    """The mesh stage's part of the configuration."""
+
+    mesh: MeshSection = MeshSection()
+    """How meshes are made."""
+
+    geoms: dict[Text, Any] = not_yet(dict)
+    """Glob on link names → properties of its geoms."""
+
+    contact: ContactKeys = ContactKeys()
+    """Which links may touch each other."""

@@ -1,0 +1,102 @@
+"""Pieces: surfaces as mesh files that every reader of them accepts."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from stages.mesh import stl
+from stages.mesh.surface import Surface, compacted, rounded
+from stages.robot.geometry import Colour
+
+MOST_FACES = 200_000
+"""Triangles in one file at most: MuJoCo reads no more."""
+
+_SKIN = 1e-6
+_SPECK = 1e-14
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """One mesh file of a link and the figures of what is in it (as `Shape` has them)."""
+
+    colour: Colour | None
+    vertices: int
+    faces: int
+    area: float
+    volume: float
+    data: bytes
+
+
+def collider(surface: Surface) -> Piece:
+    """The piece of a convex hull."""
+    return _piece(rounded(surface), None)
+
+
+def visuals(surface: Surface, colour: Colour) -> Iterator[Piece]:
+    """The pieces of a surface of one colour, each with at most `MOST_FACES` triangles.
+
+    MuJoCo refuses meshes that span no volume, and a single coloured face is one: it gets a back,
+    a thousandth of a millimetre behind. Specks too small even for that, below 1e-14 m³, are left out.
+    """
+    for part in _portions(rounded(surface)):
+        solid = rounded(_backed(part)) if _flat(part) else part
+        if len(solid.triangles) and _span(solid) >= _SPECK:
+            yield _piece(solid, colour)
+
+
+def _portions(surface: Surface) -> Iterator[Surface]:
+    count = len(surface.triangles)
+    if not count:
+        return
+    if count <= (MOST_FACES // 2 if _flat(surface) else MOST_FACES):
+        yield surface
+        return
+    for half in np.array_split(surface.triangles, 2):
+        yield from _portions(compacted(Surface(surface.vertices, half)))
+
+
+def _scale(surface: Surface) -> float:
+    """1 for coordinates up to a metre, and as many as they are above: single precision is relative."""
+    return max(1.0, float(np.abs(surface.vertices).max()))
+
+
+def _flat(surface: Surface) -> bool:
+    """Whether the surface lies in a plane, as far as single precision can tell."""
+    return _span(surface) <= 0.2 * _SKIN * _scale(surface) * surface.area()
+
+
+def _span(surface: Surface) -> float:
+    """The volume [m³] between the surface and its middle: what MuJoCo takes for a mesh's volume."""
+    weights = np.linalg.norm(surface.normals(), axis=1)
+    total = float(weights.sum())
+    if total == 0.0:
+        return 0.0
+    middle = (surface.corners.mean(axis=1) * weights[:, None]).sum(axis=0) / total
+    return float(np.abs(surface.cone_volumes(middle)).sum())
+
+
+def _backed(surface: Surface) -> Surface:
+    """A flat surface with a back close behind it."""
+    normals = surface.normals()
+    lengths = np.linalg.norm(normals, axis=1)
+    largest = int(lengths.argmax())
+    if lengths[largest] == 0.0:
+        return surface
+    area = float(lengths.sum() / 2)
+    # Specks need a thicker back to be more than nothing, but never thicker than they are wide.
+    depth = max(_SKIN * _scale(surface), min(1e-12 / area, float(np.sqrt(area))))
+    behind = surface.vertices - depth * normals[largest] / lengths[largest]
+    back = surface.triangles[:, ::-1] + len(surface.vertices)
+    return Surface(np.concatenate([surface.vertices, behind]), np.concatenate([surface.triangles, back]))
+
+
+def _piece(surface: Surface, colour: Colour | None) -> Piece:
+    return Piece(
+        colour,
+        vertices=len(surface.vertices),
+        faces=len(surface.triangles),
+        area=surface.area(),
+        volume=surface.volume(),
+        data=stl.write(surface),
+    )

@@ -1,0 +1,143 @@
+"""Triangle surfaces as arrays: welding, figures, canonical order."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+Points = npt.NDArray[np.float64]
+"""(n, 3) coordinates [m]."""
+Triangles = npt.NDArray[np.int64]
+"""(m, 3) indices into the points, counter-clockwise seen from outside."""
+
+_SAME = 1e-9
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Surface:
+    """Triangles over points. `vertices` (n, 3) [m]; `triangles` (m, 3)."""
+
+    vertices: Points
+    triangles: Triangles
+
+    @property
+    def corners(self) -> npt.NDArray[np.float64]:
+        """(m, 3, 3): the three corners of each triangle."""
+        return self.vertices[self.triangles]
+
+    def flipped(self) -> "Surface":
+        """The same surface with its inside out."""
+        return Surface(self.vertices, self.triangles[:, ::-1])
+
+    def normals(self) -> npt.NDArray[np.float64]:
+        """(m, 3): the normal of each triangle, twice its area long [m²]."""
+        a, b, c = np.moveaxis(self.corners, 1, 0)
+        return np.cross(b - a, c - a)
+
+    def area(self) -> float:
+        """The area [m²]."""
+        return float(np.linalg.norm(self.normals(), axis=1).sum() / 2)
+
+    def closed(self) -> bool:
+        """Whether every edge is run through as often in one sense as in the other."""
+        starts = self.triangles.ravel()
+        ends = np.roll(self.triangles, -1, axis=1).ravel()
+        count = np.int64(len(self.vertices))
+        forth, back = starts * count + ends, ends * count + starts
+        return bool(len(forth)) and np.array_equal(np.sort(forth), np.sort(back))
+
+    def cone_volumes(self, apex: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+        """(m,): signed volume [m³] of each triangle's cone from `apex` (3,)."""
+        a, b, c = np.moveaxis(self.corners - apex, 1, 0)
+        volumes: npt.NDArray[np.float64] = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+        return volumes
+
+    def volume(self) -> float:
+        """The volume inside [m³], negative where inside out; 0 where the surface is not closed."""
+        if not self.closed():
+            return 0.0
+        # About a point near by, since far from the origin the cones cancel badly.
+        return float(self.cone_volumes(self.vertices.mean(axis=0)).sum())
+
+
+def weld(points: Points, triangles: Triangles) -> tuple[Surface, npt.NDArray[np.int64]]:
+    """One surface out of loose triangles, in canonical order, and which triangles it kept.
+
+    Points equal within 1e-9 of the size become one. Triangles that lose a corner so are dropped;
+    slivers stay, since their neighbours need their edges. Points are sorted lexicographically,
+    triangles by their points, so that the order of the input does not matter. The second value
+    (m,) has the index of each triangle in the input.
+    """
+    used, compact = np.unique(triangles, return_inverse=True)
+    vertices, merged = _nearly_distinct(points[used])
+    corners = merged[compact].reshape(-1, 3)
+    kept = np.flatnonzero(
+        (corners[:, 0] != corners[:, 1]) & (corners[:, 1] != corners[:, 2]) & (corners[:, 2] != corners[:, 0])
+    )
+    corners = corners[kept]
+    first = corners.argmin(axis=1)[:, None]
+    corners = np.take_along_axis(corners, (first + np.arange(3)) % 3, axis=1)
+    order = np.lexsort(corners.T[::-1])
+    return Surface(vertices, corners[order]), kept[order]
+
+
+def rounded(surface: Surface) -> Surface:
+    """The surface as a file with single precision has it: welded again, degenerate triangles gone."""
+    vertices, merged = distinct(surface.vertices.astype(np.float32).astype(np.float64))
+    corners = merged[surface.triangles]
+    a, b, c = corners.T
+    corners = corners[(a != b) & (b != c) & (c != a)]
+    return compacted(Surface(vertices, corners))
+
+
+def compacted(surface: Surface) -> Surface:
+    """The surface without the points that no triangle has."""
+    used, corners = np.unique(surface.triangles, return_inverse=True)
+    return Surface(surface.vertices[used], corners.reshape(-1, 3).astype(np.int64))
+
+
+def moved(surface: Surface, transform: npt.NDArray[np.float64]) -> Surface:
+    """The surface under `transform` (4, 4); a mirroring one keeps the outside outside.
+
+    Written out by element: a matrix product may round differently from one processor to the next.
+    """
+    x, y, z = surface.vertices.T
+    vertices = np.stack([row[0] * x + row[1] * y + row[2] * z + row[3] for row in transform[:3]], axis=1)
+    result = Surface(vertices + 0.0, surface.triangles)
+    return result.flipped() if np.linalg.det(transform[:3, :3]) < 0 else result
+
+
+def _nearly_distinct(points: Points) -> tuple[Points, npt.NDArray[np.int64]]:
+    """As `distinct`, but points within 1e-9 of the size count as one: the first of them."""
+    vertices, index = distinct(points)
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0))) if len(vertices) else 0.0
+    if size == 0.0:
+        return vertices, index
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
+    pairs = cKDTree(vertices).query_pairs(_SAME * size, output_type="ndarray")
+    if not len(pairs):
+        return vertices, index
+    count = len(vertices)
+    links = coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), (count, count))
+    _, group = connected_components(links, directed=False)
+    # Each group is the first of its points, so that groups stay sorted as the points are.
+    _, leaders, member = np.unique(group, return_index=True, return_inverse=True)
+    order = np.argsort(leaders)
+    rank = np.empty_like(order)
+    rank[order] = np.arange(len(order))
+    return vertices[leaders[order]], rank[member.ravel()][index]
+
+
+def distinct(points: Points) -> tuple[Points, npt.NDArray[np.int64]]:
+    """The points without repetitions, sorted, and the index among them of each given point (−0 is 0)."""
+    points = points + 0.0
+    order = np.lexsort(points.T[::-1])
+    ordered = points[order]
+    new = np.ones(len(points), dtype=bool)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    index = np.empty(len(points), dtype=np.int64)
+    index[order] = np.cumsum(new) - 1
+    return ordered[new], index

@@ -1,0 +1,209 @@
+"""The stage: a robot's links get their shapes, each made once for its content."""
+
+import json
+from dataclasses import replace
+from hashlib import sha256
+from io import BytesIO
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import trimesh
+
+from stages.mesh import make_geometry
+from stages.robot.bundle import Bundle
+from stages.robot.model import Base, Inertial, Link, MeshRef, Part, Provenance, Robot, frozen
+
+KEYS = SimpleNamespace(mesh=SimpleNamespace(collider="hull"))
+INERTIAL = Inertial(1.0, frozen([0, 0, 0]), frozen(np.eye(3)))
+RED, BLUE = [255, 0, 0], [0, 0, 255]
+
+
+def block(name, colour, size=(1.0, 1.0, 1.0), top=None):
+    """A box from the origin as a body of a reply; `top` is the colour of its upper face."""
+    mesh = trimesh.creation.box(bounds=[(0, 0, 0), size])
+    faces = []
+    for triangle, normal in zip(mesh.triangles, mesh.face_normals, strict=True):
+        facet = {"vertices": [dict(zip("xyz", map(float, corner), strict=True)) for corner in triangle]}
+        upper = {"appearance": {"color": top}} if top and normal[2] > 0.5 else {}
+        faces.append({"facets": [facet], **upper})
+    return {"id": name, "appearance": {"color": colour}, "faces": faces}
+
+
+def plate(name):
+    """An open square."""
+    corners = [[(0, 0, 0), (1, 0, 0), (1, 1, 0)], [(0, 0, 0), (1, 1, 0), (0, 1, 0)]]
+    facets = [{"vertices": [dict(zip("xyz", map(float, c), strict=True)) for c in row]} for row in corners]
+    return {"id": name, "faces": [{"facets": facets}]}
+
+
+REPLY = json.dumps(
+    {"bodies": [block("A", RED), block("B", BLUE, (0.5, 0.5, 2.0)), block("C", RED, top=BLUE), plate("P")]}
+).encode()
+DIGEST = sha256(REPLY).hexdigest()
+BUNDLE = Bundle("onshape", "v16", {}, "", (), {}, {DIGEST: REPLY})
+
+
+def at(x=0.0, y=0.0, z=0.0, mirror=False):
+    transform = np.diag([-1.0 if mirror else 1.0, 1, 1, 1])
+    transform[:3, 3] = [x, y, z]
+    return frozen(transform)
+
+
+def part(part_id, where=None, name=None, reply=DIGEST, volume=0.0):
+    name = name or f"{part_id} <1>"
+    ref = MeshRef(reply, part_id) if reply else None
+    where = at() if where is None else where
+    return Part((name,), name, part_id, ref, where, where, INERTIAL, volume)
+
+
+def robot(**links):
+    made = tuple(Link(name, INERTIAL, tuple(parts), (name,)) for name, parts in links.items())
+    nowhere = Provenance("d", "e", "m", "default")
+    return Robot("r", made, (), (), (), (), Base(True, "said"), nowhere)
+
+
+class Memory:
+    """A memo that counts what it had to make."""
+
+    def __init__(self):
+        self.kept, self.made = {}, 0
+
+    def __call__(self, kind, key, make):
+        name = json.dumps([kind, key])
+        if name not in self.kept:
+            self.made += 1
+            self.kept[name] = make()
+        return self.kept[name]
+
+
+def geometry(value, memo=None, bundle=BUNDLE):
+    return make_geometry(value, bundle, KEYS, memo or Memory())
+
+
+def load(result, file):
+    return trimesh.load(BytesIO(result.files[file]), file_type="stl")
+
+
+def test_a_link_gets_a_visual_a_colour_and_its_hull_in_its_own_frame():
+    result = geometry(robot(base=[part("A", at(1)), part("B", at(1, 0, 1)), part("A", at(3), "A <2>")]))
+    assert result.diagnostics == ()
+    assert [(s.role, s.file, s.colour, s.faces) for s in result.shapes] == [
+        ("collision", "base_collision.stl", None, result.shapes[0].faces),
+        ("visual", "base_1.stl", (0.0, 0.0, 1.0, 1.0), 12),
+        ("visual", "base_2.stl", (1.0, 0.0, 0.0, 1.0), 24),
+    ]
+    assert sorted(result.files) == sorted(shape.file for shape in result.shapes)
+    assert result.shapes[2].volume == pytest.approx(2)
+    assert load(result, "base_2.stl").bounds.tolist() == [[1, 0, 0], [4, 1, 1]]
+    hull = load(result, "base_collision.stl")
+    assert hull.is_watertight
+    assert hull.is_convex
+    assert hull.bounds.tolist() == [[1, 0, 0], [4, 1, 3]]
+
+
+def test_shapes_follow_the_links_and_one_colour_needs_no_number():
+    result = geometry(robot(tip=[part("A")], base=[part("B")]))
+    assert [shape.file for shape in result.shapes] == [
+        "tip_collision.stl",
+        "tip.stl",
+        "base_collision.stl",
+        "base.stl",
+    ]
+    assert [shape.link for shape in result.of("base", "visual")] == ["base"]
+
+
+def test_a_coloured_face_is_a_visual_of_its_own():
+    result = geometry(robot(base=[part("C")]))
+    top, rest = (shape for shape in result.shapes if shape.role == "visual")
+    assert top.colour == (0.0, 0.0, 1.0, 1.0)
+    assert (top.faces, rest.faces) == (4, 10)
+    assert load(result, top.file).bounds[:, 2] == pytest.approx([1, 1], abs=2e-6)
+
+
+def test_a_mirrored_part_keeps_its_outside_outside():
+    result = geometry(robot(base=[part("C", at(1, mirror=True)), part("A", at(5, mirror=True))]))
+    red = next(shape for shape in result.shapes if shape.colour == (1.0, 0.0, 0.0, 1.0))
+    mesh = load(result, red.file)
+    solid = mesh.split(only_watertight=True)[0]
+    assert solid.volume == pytest.approx(1)
+    assert solid.bounds.tolist() == [[4, 0, 0], [5, 1, 1]]
+
+
+def test_the_order_of_instances_does_not_change_a_byte():
+    parts = [part("A", at(index), f"A <{index}>") for index in range(4)] + [part("B", at(0, 3))]
+    one = geometry(robot(base=parts))
+    other = geometry(robot(base=parts[::-1]))
+    assert other == one
+
+
+def test_a_rename_makes_nothing_anew_and_a_move_only_its_own_link():
+    memo = Memory()
+    before = geometry(robot(base=[part("A")], arm=[part("B", at(1))]), memo)
+    assert memo.made == 2
+    renamed = geometry(robot(torso=[part("A", name="Torso <1>")], arm=[part("B", at(1))]), memo)
+    assert memo.made == 2
+    assert renamed.files["torso.stl"] == before.files["base.stl"]
+    geometry(robot(base=[part("A")], arm=[part("B", at(np.nextafter(1, 2)))]), memo)
+    assert memo.made == 3
+
+
+def test_what_the_memo_keeps_gives_the_same_geometry():
+    memo = Memory()
+    value = robot(base=[part("A"), part("gone")], arm=[part("B")], leaf=[part("P")])
+    assert geometry(value, memo) == geometry(value, memo) == geometry(value)
+    assert memo.made == 3
+
+
+def test_each_reply_is_read_once_and_not_at_all_where_all_is_kept(monkeypatch):
+    from stages.mesh import tessellation
+
+    reads = []
+    real = tessellation.read
+    monkeypatch.setattr(tessellation, "read", lambda body, parts: reads.append(parts) or real(body, parts))
+    memo = Memory()
+    value = robot(base=[part("A")], arm=[part("B"), part("A", at(2))], leg=[part("A", at(7))])
+    geometry(value, memo)
+    assert reads == [{"A", "B"}]
+    geometry(value, memo)
+    assert len(reads) == 1
+
+
+def test_parts_without_triangles_are_told_once_a_link():
+    result = geometry(
+        robot(base=[part("A"), part("gone"), part("X", reply=None)], arm=[part("X", reply=None)])
+    )
+    assert [(d.code, d.where, d.message) for d in result.diagnostics] == [
+        ("W-NO-MESH", "base", "there are no triangles for 2 of its 3 parts: X <1>, gone <1>"),
+        ("W-NO-MESH", "arm", "there are no triangles for 1 of its 1 parts: X <1>"),
+    ]
+    assert result.of("arm", "visual") == result.of("arm", "collision") == ()
+
+
+def test_a_recording_without_triangles_is_told_once():
+    bare = [part(str(index), reply=None) for index in range(3)]
+    result = geometry(robot(base=bare[:1], arm=bare[1:]))
+    (found,) = result.diagnostics
+    assert (found.code, found.where) == ("W-NO-MESH", "")
+    assert "any of the 3 parts" in found.message
+    assert (result.shapes, result.files) == ((), {})
+
+
+def test_a_flat_link_does_not_collide_and_says_so():
+    result = geometry(robot(base=[part("A")], leaf=[part("P")]))
+    assert [(d.code, d.where) for d in result.diagnostics] == [("W-FLAT", "leaf")]
+    assert [shape.role for shape in result.shapes if shape.link == "leaf"] == ["visual"]
+
+
+def test_a_link_without_parts_has_no_shape_and_nothing_to_say():
+    result = geometry(robot(base=[part("A")], origin=[]))
+    assert result.diagnostics == ()
+    assert {shape.link for shape in result.shapes} == {"base"}
+
+
+def test_a_mesh_whose_volume_is_not_the_solids_is_told_once():
+    good, bad = part("A", volume=1.019), part("B", at(2), volume=0.6)
+    result = geometry(robot(base=[good, bad], arm=[replace(bad, name="B <2>"), part("P", volume=3.0)]))
+    codes = [(d.code, d.where) for d in result.diagnostics if d.code == "W-MESH-VOLUME"]
+    assert codes == [("W-MESH-VOLUME", "B <1>")]
+    assert "16.7% apart" in next(d.message for d in result.diagnostics if d.code == "W-MESH-VOLUME")

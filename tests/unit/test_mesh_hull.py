@@ -1,0 +1,63 @@
+"""Convex hulls: they hold all points, face outwards, and do not depend on the order of the input."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from stages.mesh.hull import convex_hull
+
+CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
+CLOUDS = arrays(np.float64, st.tuples(st.integers(1, 40), st.just(3)), elements=st.floats(-1, 1, width=32))
+
+
+def test_the_hull_of_a_cube_and_points_inside_is_the_cube():
+    inside = np.random.default_rng(1).uniform(0.1, 0.9, (100, 3))
+    hull = convex_hull(np.concatenate([inside, CUBE]))
+    assert hull.vertices.tolist() == CUBE.tolist()
+    assert len(hull.triangles) == 12
+    assert hull.volume() == pytest.approx(1, abs=1e-15)
+    assert hull.area() == pytest.approx(6, abs=1e-15)
+
+
+@settings(max_examples=150, deadline=None)
+@given(CLOUDS, st.randoms(use_true_random=False))
+def test_a_hull_is_closed_convex_and_holds_all_points_in_any_order(points, random):
+    hull = convex_hull(points)
+    order = random.sample(range(len(points)), len(points))
+    again = convex_hull(points[order])
+    if hull is None:
+        assert again is None
+        return
+    assert again.vertices.tobytes() == hull.vertices.tobytes()
+    assert again.triangles.tolist() == hull.triangles.tolist()
+    assert hull.closed()
+    assert hull.volume() > 0
+    given_points = {tuple(point) for point in (points + 0.0).tolist()}
+    assert all(tuple(vertex) in given_points for vertex in hull.vertices.tolist())
+    normals = hull.normals()
+    large = np.linalg.norm(normals, axis=1) > 1e-6
+    normals = normals[large] / np.linalg.norm(normals[large], axis=1, keepdims=True)
+    heights = np.einsum("fj,fpj->fp", normals, points[None] - hull.corners[large][:, :1])
+    assert heights.max() < 1e-6
+
+
+@pytest.mark.parametrize(
+    "points",
+    [
+        CUBE[:3],
+        CUBE[:4],
+        np.zeros((10, 3)),
+        np.random.default_rng(2).uniform(0, 1, (50, 3)) * [1, 1, 0],
+        np.random.default_rng(2).uniform(0, 1, (50, 3)) * [1, 1, 1e-8],
+        np.outer(np.arange(10), [1.0, 2.0, 3.0]),
+    ],
+)
+def test_what_is_flat_has_no_hull(points):
+    assert convex_hull(points) is None
+
+
+def test_a_thin_sheet_and_a_tiny_part_have_one():
+    assert convex_hull(CUBE * [1, 1, 1e-4]).volume() == pytest.approx(1e-4)
+    assert convex_hull(CUBE * 1e-4).volume() == pytest.approx(1e-12)
