@@ -1,0 +1,42 @@
+"""The export stage: one robot and its geometry become files, byte for byte the same every time."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from stages.robot.errors import Diagnostic
+
+if TYPE_CHECKING:
+    from stages.export.keys import ExportKeys
+    from stages.robot.geometry import Geometry
+    from stages.robot.model import Robot
+
+VERSION = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Exported:
+    """`files`: path below the output folder → bytes, sorted by path."""
+
+    files: Mapping[str, bytes]
+    diagnostics: tuple[Diagnostic, ...]
+
+
+def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported:
+    """Writes every chosen format; what a format cannot say is told in a diagnostic."""
+    from stages.export.description import describe
+    from stages.export.mjcf import write_mjcf
+    from stages.export.pose import starting_point
+    from stages.export.scene import write_scene
+    from stages.export.urdf import write_urdf
+
+    start = starting_point(robot)
+    files = {f"assets/{name}": data for name, data in geometry.files.items()}
+    files["robot.json"] = describe(robot, start)
+    diagnostics: list[Diagnostic] = []
+    if keys.export.urdf is not None:
+        files[f"{robot.name}.urdf"] = write_urdf(robot, geometry, diagnostics)
+    if keys.export.mjcf is not None:
+        files[f"{robot.name}.xml"] = write_mjcf(robot, geometry, keys, start)
+        files["scene.xml"] = write_scene(robot, keys)
+    return Exported(dict(sorted(files.items())), tuple(diagnostics))

@@ -1,0 +1,176 @@
+"""What the files say, read back by the engines that will use them."""
+
+import math
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from stages.export.pose import starting_point
+from stages.robot.kinematics import saved_configuration
+from stages.robot.xml import parse
+from tests.building import plan_of, robot_of, write
+from tests.engines import Mujoco, Pinocchio
+from tests.kit import SIDE, TOP, Kit, four_bar
+from tests.onshape.frames import frame, turn
+
+
+def two_links(kit: Kit, **more: object) -> None:
+    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
+    kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, **more)
+
+
+def test_limits_effort_and_damping_arrive_in_both_files(kit: Kit, tmp_path: Path) -> None:
+    two_links(kit, limits=(-0.5, 1.5))
+    joints = {"elbow": {"effort": 12, "velocity": 6, "damping": 0.1, "friction": 0.02, "armature": 0.01}}
+    exported = write(robot_of(kit.document, plan_of(joints=joints)), tmp_path)
+    assert not exported.diagnostics
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    elbow = model.joint("elbow")
+    assert list(elbow.range) == [-0.5, 1.5]
+    assert list(model.jnt_actfrcrange[elbow.id]) == [-12, 12]
+    assert (elbow.damping[0], elbow.frictionloss[0], elbow.armature[0]) == (0.1, 0.02, 0.01)
+    limit = parse(exported.files["robot.urdf"]).find("joint/limit")
+    assert dict(limit.attrib) == {"lower": "-0.5", "upper": "1.5", "effort": "12", "velocity": "6"}
+    dynamics = parse(exported.files["robot.urdf"]).find("joint/dynamics")
+    assert dict(dynamics.attrib) == {"damping": "0.1", "friction": "0.02"}
+
+
+def test_a_joint_without_limits_is_continuous_and_what_urdf_made_up_is_told(kit: Kit, tmp_path: Path) -> None:
+    two_links(kit)
+    exported = write(robot_of(kit.document), tmp_path)
+    joint = parse(exported.files["robot.urdf"]).find("joint")
+    assert joint.get("type") == "continuous"
+    assert dict(joint.find("limit").attrib) == {"effort": "100", "velocity": "10"}
+    assert [d.code for d in exported.diagnostics] == ["I-URDF-UNSET"]
+    assert not mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml")).jnt_limited[0]
+
+
+def test_an_open_side_of_a_limit_stays_open_in_mujoco_and_ordered_in_urdf(kit: Kit, tmp_path: Path) -> None:
+    two_links(kit, limits=(0.2, None))
+    exported = write(robot_of(kit.document), tmp_path)
+    low, high = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml")).joint("elbow").range
+    assert (low, high) == (0.2, 1e6)
+    limit = parse(exported.files["robot.urdf"]).find("joint/limit")
+    assert float(limit.get("lower")) == 0.2
+    assert float(limit.get("upper")) == pytest.approx(0.2 + 2 * math.pi)
+
+
+def test_a_floating_base_has_a_free_joint_and_stands_where_the_scene_says(kit: Kit, tmp_path: Path) -> None:
+    arm, hand = kit.place("Arm"), kit.place("Hand")
+    kit.root.revolute("Wrist", (hand, TOP), (arm, SIDE), limits=(-1, 1))
+    plan = plan_of(scene={"pose": {"xyz": [1, 2, 3], "rpy": [0, 0, math.pi / 2]}}, root={"select": "arm"})
+    write(robot_of(kit.document, plan), tmp_path, plan)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
+    assert (model.nq, model.nv) == (8, 7)
+    assert model.joint("arm_free").type == mujoco.mjtJoint.mjJNT_FREE
+    assert np.allclose(model.qpos0[:7], [1, 2, 3, math.sqrt(0.5), 0, 0, math.sqrt(0.5)], atol=1e-12)
+    assert np.allclose(model.key("cad").qpos[:7], model.qpos0[:7])
+
+
+def test_qpos0_is_mate_zero_where_loops_close_there(kit: Kit, tmp_path: Path) -> None:
+    four_bar(kit)
+    robot = robot_of(kit.document)
+    assert set(starting_point(robot).values()) == {0.0}
+    assert residual_at_start(robot, tmp_path) < 1e-9
+
+
+def test_qpos0_is_the_saved_pose_where_loops_do_not_close_at_zero(kit: Kit, tmp_path: Path) -> None:
+    crooked_bar(kit)
+    robot = robot_of(kit.document)
+    assert starting_point(robot) == saved_configuration(robot)
+    assert residual_at_start(robot, tmp_path) < 1e-9
+    model = Mujoco(tmp_path / "robot.xml")
+    for joint in robot.joints:
+        assert model.model.joint(joint.name).qpos0[0] == pytest.approx(joint.saved, abs=1e-11)
+    # The numbers keep their meaning: the same q is the same pose in both files.
+    pinocchio = Pinocchio((tmp_path / "robot.urdf").read_bytes())
+    q = {joint.name: 0.1 * n for n, joint in enumerate(robot.joints)}
+    there, here = pinocchio.poses(q), model.poses(q)
+    assert all(np.abs(here[name] - there[name]).max() < 1e-9 for name in here)
+
+
+def crooked_bar(kit: Kit) -> None:
+    """A four-bar whose mate zeros (frames turned by odd angles) are no closed configuration."""
+    base, crank, rocker, coupler = (kit.place(n) for n in ("Base", "Crank", "Rocker", "Coupler"))
+    kit.root.instances[0].fixed = True
+    far, odd = frame((0.1, 0, 0)), turn((0, 0, 1), 0.4)
+    kit.root.revolute("Drive", (crank, np.eye(4)), (base, odd), value=0.5, limits=(-1, 1))
+    kit.root.revolute("Pin", (coupler, np.eye(4)), (crank, far @ odd), value=-1.3)
+    kit.root.revolute("Swing", (rocker, np.eye(4)), (base, far), value=0.9)
+    kit.root.revolute("Close", (coupler, far), (rocker, far), closing=True)
+
+
+def residual_at_start(robot: object, folder: Path) -> float:
+    write(robot, folder)
+    model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return float(np.abs(data.efc_pos[data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY]).max())
+
+
+def test_a_loop_stays_closed_while_it_is_simulated(kit: Kit, tmp_path: Path) -> None:
+    four_bar(kit)
+    write(robot_of(kit.document), tmp_path)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
+    model.opt.gravity[:] = [3, -5, 0]
+    data = mujoco.MjData(model)
+    worst = 0.0
+    for _ in range(1000):
+        mujoco.mj_step(model, data)
+        rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+        worst = max(worst, np.abs(data.efc_pos[rows]).max())
+    assert worst < 1e-3
+    assert np.abs(data.qpos).max() > 0.1
+
+
+def test_a_gear_is_a_mimic_and_an_equality_with_the_same_numbers(kit: Kit, tmp_path: Path) -> None:
+    base, one, two = kit.place("Base", fixed=True), kit.place("One"), kit.place("Two")
+    first = kit.root.revolute("First", (one, TOP), (base, SIDE), value=0.2, limits=(-1, 1))
+    second = kit.root.revolute("Second", (two, TOP), (base, TOP), value=0.5, limits=(-2, 2))
+    kit.root.gear("Gear", first, second, 1.5)
+    robot = robot_of(kit.document)
+    assert residual_at_start(robot, tmp_path) < 1e-9
+    mimic = parse((tmp_path / "robot.urdf").read_bytes()).find("joint/mimic")
+    assert dict(mimic.attrib) == {"joint": "first", "multiplier": "-1.5", "offset": "0.8"}
+    # MuJoCo's own reading of the URDF's mimic is the same constraint.
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.urdf"))
+    assert np.allclose(model.eq_data[0][:2], [0.8, -1.5])
+
+
+def test_frames_are_sites_and_links_on_fixed_joints(kit: Kit, tmp_path: Path) -> None:
+    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
+    kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, limits=(0, 1))
+    kit.root.connector("Tool", arm, SIDE)
+    write(robot_of(kit.document), tmp_path)
+    expected = kit.document.truth.poses({"Elbow": 0.8})[arm.path] @ SIDE
+    model = Mujoco(tmp_path / "robot.xml")
+    model.poses({"elbow": 0.8})
+    assert np.abs(model.data.site("tool").xpos - expected[:3, 3]).max() < 1e-9
+    tool = Pinocchio((tmp_path / "robot.urdf").read_bytes()).poses({"elbow": 0.8})["tool"]
+    assert np.abs(tool - expected).max() < 1e-9
+
+
+def test_the_ground_and_the_scene_are_as_asked(kit: Kit, tmp_path: Path) -> None:
+    two_links(kit)
+    plan = plan_of(ground={"size": [2, 3], "xyz": [0, 0, -0.5], "friction": [0.7, 0.01, 0.001]})
+    write(robot_of(kit.document), tmp_path, plan)
+    floor = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml")).geom("floor")
+    assert list(floor.size[:2]) == [1, 1.5]
+    assert list(floor.pos) == [0, 0, -0.5]
+    assert list(floor.friction) == [0.7, 0.01, 0.001]
+    bare = plan_of(ground={"kind": "none"}, scene={"option": {"timestep": 0.001}})
+    write(robot_of(kit.document), tmp_path, bare)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
+    assert model.ngeom == 0
+    assert model.opt.timestep == 0.001
+
+
+def test_one_format_alone_is_written_alone(kit: Kit, tmp_path: Path) -> None:
+    two_links(kit)
+    robot = robot_of(kit.document)
+    exported = write(robot, tmp_path / "u", plan_of(export={"urdf": {}}))
+    assert sorted(exported.files) == ["robot.json", "robot.urdf"]
+    exported = write(robot, tmp_path / "m", plan_of(export={"mjcf": {}}))
+    assert sorted(exported.files) == ["robot.json", "robot.xml", "scene.xml"]
