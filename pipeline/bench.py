@@ -1,0 +1,75 @@
+"""What a stage works with and leaves behind: files first, values only where they are needed."""
+
+import functools
+import json
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+from pipeline.cache import Cache, Files
+from pipeline.plan import Plan
+from stages.robot import codec
+from stages.robot.errors import Diagnostic
+
+if TYPE_CHECKING:
+    from stages.robot.bundle import Bundle
+    from stages.robot.geometry import Geometry
+    from stages.robot.model import Robot
+
+NOTES = "notes.json"
+ROBOT = "robot.json"
+FILES = "files/"
+"""Below this lie the files that the export stage hands to the user."""
+
+
+class Bench:
+    """What a stage works with: the plan, the earlier stages' files, and the cache for its parts.
+
+    `calls` counts the API calls of this build; a stage tells what it does through `tell`.
+    """
+
+    def __init__(
+        self,
+        plan: Plan,
+        cache: Cache,
+        environ: Mapping[str, str],
+        tell: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        self.plan = plan
+        self.cache = cache
+        self.environ = environ
+        self.tell = tell
+        self.files: dict[str, Files] = {}
+        self.calls = {"made": 0, "saved": 0}
+
+    def digests(self, stage: str) -> dict[str, str]:
+        """The digests of an earlier stage's result, without its notes."""
+        found = self.files[stage].digests
+        return {f"{stage}/{path}": digest for path, digest in found.items() if path != NOTES}
+
+    @functools.cached_property
+    def bundle(self) -> "Bundle":
+        return codec.decode_bundle(self.files["fetch"])
+
+    @functools.cached_property
+    def robot(self) -> "Robot":
+        robot: Robot = codec.decode_robot(self.files["graph"][ROBOT])
+        return robot
+
+    @functools.cached_property
+    def geometry(self) -> "Geometry":
+        return codec.decode_geometry(self.files["mesh"])
+
+
+def notes(
+    summary: str,
+    diagnostics: tuple[Diagnostic, ...] = (),
+    figures: Mapping[str, float] | None = None,
+    **more: Any,
+) -> bytes:
+    found = {"summary": summary, "diagnostics": codec.plain(diagnostics), "figures": figures or {}, **more}
+    return json.dumps(found, indent=1).encode()
+
+
+def count(number: int, one: str, many: str = "") -> str:
+    """A number with its noun: "1 link", "2 links"."""
+    return f"{number} {one if number == 1 else many or one + 's'}"

@@ -1,0 +1,196 @@
+"""One build: five stages in order, each from the cache where nothing that it depends on changed."""
+
+import json
+import os
+import time
+import traceback
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from pipeline import cache, report
+from pipeline.bench import FILES, NOTES, Bench
+from pipeline.cache import Action, Files
+from pipeline.errors import LinkwrightError, exit_status
+from pipeline.output import FAILED, Output
+from pipeline.plan import Plan
+from pipeline.progress import Both, Log, Progress, Quiet
+from pipeline.report import Report, StageReport
+from pipeline.stage import STAGES, Stage, libraries, stages_until
+from stages.robot import codec
+from stages.robot.check import Check
+from stages.robot.errors import Diagnostic
+
+
+def build(
+    plan: Plan,
+    progress: Progress | None = None,
+    environ: Mapping[str, str] | None = None,
+    stages: tuple[Stage, ...] = STAGES,
+) -> Report:
+    """Builds the robot that `plan` describes and puts it into its output folder.
+
+    Returns the report, whose `exit_status` is 3 where a check failed. Raises ConfigError for what is
+    wrong before the first stage, and any other LinkwrightError for what goes wrong later; the last
+    good output is whole then, and `<output>.failed` holds the report and the log.
+    """
+    environ = os.environ if environ is None else environ
+    stages = stages_until(plan.until, stages)
+    suffix = "" if any(stage.name == "export" for stage in stages) else f".{plan.until}"
+    output = Output(plan.folder)
+    log = Log(environ)
+    run = Run(plan, f"{plan.folder}{suffix}", log, Both(log, progress or Quiet()))
+    for stage in stages:
+        stage.preflight(plan, environ)
+    output.prepare(suffix)
+    try:
+        with cache.opened(plan.cache.mode, plan.cache.dir, environ) as store:
+            bench = Bench(plan, store, environ)
+            for stage in stages:
+                run.stage(stage, bench)
+            done = run.finished(bench)
+            output.publish({**products(bench), **run.documents(done)}, suffix)
+    except Exception as error:
+        leave_failure(output, run, error)
+        raise
+    finally:
+        run.progress.close()
+    output.remove(FAILED)
+    return done
+
+
+def products(bench: Bench) -> dict[str, bytes]:
+    """What the build hands to the user: the exported files, or before those the robot alone."""
+    if "export" in bench.files:
+        return dict(bench.files["export"].below(FILES))
+    if "graph" in bench.files:
+        from stages.export.description import describe
+        from stages.export.pose import starting_point
+
+        return {"robot.json": describe(bench.robot, starting_point(bench.robot))}
+    return {}
+
+
+def perform(stage: Stage, bench: Bench) -> tuple[Files, bool]:
+    """The stage's files, and whether they came from the cache."""
+    config = stage.config(bench)
+    if config is None:
+        return bench.cache.keep(stage.run(bench)), False
+    action = Action(stage.name, stage.version, config, stage.inputs(bench), libraries(stage))
+    return bench.cache.run(action, lambda: stage.run(bench))
+
+
+@dataclass(slots=True)
+class Run:
+    """What a build has come to so far: the one place where its report grows."""
+
+    plan: Plan
+    folder: str
+    log: Log
+    progress: Progress
+    stages: list[StageReport] = field(default_factory=list)
+    source: dict[str, Any] = field(default_factory=dict)
+    calls: dict[str, int] = field(default_factory=lambda: {"made": 0, "saved": 0})
+    figures: dict[str, float] = field(default_factory=dict)
+    diagnostics: list[Diagnostic] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.source["kind"] = self.plan.source.kind
+
+    def stage(self, stage: Stage, bench: Bench) -> None:
+        """Performs one stage, timed, and takes down what it found."""
+        bench.tell = lambda line: self.progress.tell(stage.name, line)
+        self.progress.start(stage.name)
+        start = time.perf_counter()
+        files, cached = perform(stage, bench)
+        seconds = time.perf_counter() - start
+        bench.files[stage.name] = files
+        found = json.loads(files[NOTES])
+        self.figures |= found["figures"]
+        self.source |= found.get("source", {})
+        if cached:
+            bench.calls["saved"] += found.get("calls", 0)
+        self.calls = bench.calls
+        for diagnostic in codec.decode_diagnostics(found["diagnostics"]):
+            if diagnostic not in self.diagnostics:
+                self.diagnostics.append(diagnostic)
+                self.log.line(f"{diagnostic.code} {diagnostic.where}: {diagnostic.message}")
+        done = StageReport(stage.name, cached, round(seconds, 4), found["summary"])
+        self.stages.append(done)
+        self.progress.done(done)
+
+    def finished(self, bench: Bench) -> Report:
+        """The report of a build whose stages all ran."""
+        checks: tuple[Check, ...] = ()
+        if "validate" in bench.files:
+            checks = codec.decode_checks(bench.files["validate"]["checks.json"])
+            checks += self.strict_checks()
+        for check in checks:
+            self.log.line(f"{'passed' if check.passed else 'FAILED'} {check.name}: {check.detail}")
+        valid = all(check.passed for check in checks)
+        outputs = bench.files["export"].below(FILES).digests if "export" in bench.files else {}
+        return self.report(
+            status="built" if valid else "invalid",
+            exit_status=0 if valid else 3,
+            checks=checks,
+            outputs=outputs,
+        )
+
+    def strict_checks(self) -> tuple[Check, ...]:
+        """With `validate.level: strict` a warning is a failure."""
+        if self.plan.validate.level != "strict":
+            return ()
+        warnings = [found for found in self.diagnostics if found.level == "warning"]
+        codes = ", ".join(sorted({found.code for found in warnings}))
+        detail = f"{len(warnings)} warnings ({codes})" if warnings else "no warning"
+        return (Check("no_warnings", not warnings, detail, float(len(warnings)), 0.0),)
+
+    def failed(self, error: BaseException) -> Report:
+        """The report of a build that `error` ended."""
+        what: dict[str, Any] = {"type": type(error).__name__, "message": str(error)}
+        if isinstance(error, LinkwrightError):
+            what |= {"message": error.message, "where": error.where, "hint": error.hint}
+            what["problems"] = codec.plain(error.problems)
+        return self.report(status="failed", exit_status=exit_status(error), error=what)
+
+    def report(self, **more: Any) -> Report:
+        installed = {name: v for stage in STAGES for name, v in libraries(stage).items()}
+        return Report(
+            name=self.plan.name,
+            folder=self.folder,
+            until=self.plan.until,
+            source=self.source,
+            calls=dict(self.calls),
+            stages=tuple(self.stages),
+            figures=self.figures,
+            diagnostics=tuple(self.diagnostics),
+            versions=report.versions(installed),
+            **more,
+        )
+
+    def documents(self, done: Report) -> dict[str, bytes]:
+        """What tells about the build, beside what it made."""
+        import yaml
+
+        self.log.line(f"{done.status}: exit status {done.exit_status}")
+        plan = self.plan.tree()
+        files = {
+            "report.json": done.to_json(),
+            "config.yaml": yaml.safe_dump(plan, sort_keys=False, allow_unicode=True).encode(),
+            "build.log": self.log.content(),
+        }
+        return {name: self.log.blanked(content) for name, content in files.items()}
+
+
+def leave_failure(output: Output, run: Run, error: Exception) -> None:
+    """Puts the report and the log of a failed build beside the last good output."""
+    for line in str(error).splitlines():
+        run.log.line(line)
+    if not isinstance(error, LinkwrightError):
+        for line in "".join(traceback.format_exception(error)).splitlines():
+            run.log.line(line)
+    try:
+        output.publish(run.documents(run.failed(error)), FAILED)
+    except LinkwrightError as second:
+        # The first error is the one to tell.
+        run.log.line(str(second))

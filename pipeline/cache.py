@@ -1,0 +1,207 @@
+"""The cache: what was made once from the same inputs is not made again.
+
+An action is keyed by everything that its outputs depend on: the stage and its version, its section
+of the configuration, the *content* of its inputs and the versions of the libraries that make the
+result. Its record names the outputs by digest. A record whose blobs are gone or harmed is a miss.
+"""
+
+import contextlib
+import json
+import os
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from pipeline.errors import CacheError
+from pipeline.store import Store, sha256
+
+Mode = Literal["use", "refresh", "bypass"]
+Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]
+
+LAYOUT = 1
+"""Part of every key: raised when records change their meaning."""
+
+
+def canonical(value: Any) -> bytes:
+    """Plain data as bytes. Mappings keep their order, since in a configuration later entries win."""
+    return json.dumps(value, separators=(",", ":"), allow_nan=False).encode()
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """What a result depends on. `inputs`: digests by name; `libraries`: versions by name."""
+
+    stage: str
+    version: int
+    config: Any = None
+    inputs: Mapping[str, str] = field(default_factory=dict)
+    libraries: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def key(self) -> str:
+        return sha256(
+            canonical(
+                {
+                    "layout": LAYOUT,
+                    "stage": self.stage,
+                    "version": self.version,
+                    "config": self.config,
+                    "inputs": dict(sorted(self.inputs.items())),
+                    "libraries": dict(sorted(self.libraries.items())),
+                }
+            )
+        )
+
+
+class Files(Mapping[str, bytes]):
+    """Outputs by relative path; a file is read when it is asked for. `digests`: path → SHA-256."""
+
+    def __init__(self, store: Store, digests: Mapping[str, str]) -> None:
+        self._store = store
+        self.digests = dict(digests)
+
+    def __getitem__(self, path: str) -> bytes:
+        data = self._store.get(self.digests[path])
+        if data is None:
+            msg = f"{path} was lost from the cache during the build (digest {self.digests[path]})"
+            raise CacheError(msg, where=str(self._store.root), hint="run the build again")
+        return data
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.digests)
+
+    def __len__(self) -> int:
+        return len(self.digests)
+
+    def below(self, prefix: str) -> "Files":
+        """The files below a folder, named from there."""
+        inside = {p.removeprefix(prefix): d for p, d in self.digests.items() if p.startswith(prefix)}
+        return Files(self._store, inside)
+
+
+class Cache:
+    """The actions in a store. `refresh` makes everything anew once and overwrites its record."""
+
+    def __init__(self, store: Store, mode: Mode = "use") -> None:
+        self.store = store
+        self.mode = mode
+        self._fresh: set[str] = set()
+
+    def run(self, action: Action, make: Callable[[], Mapping[str, bytes]]) -> tuple[Files, bool]:
+        """The outputs of `action`, from the cache or from `make()`; and whether from the cache.
+
+        Of several processes that ask at once one makes them and the others wait for it.
+        """
+        key = action.key
+        found = self._lookup(key)
+        if found is not None:
+            return found, True
+        with self.store.lock(key):
+            found = self._lookup(key)
+            if found is not None:
+                return found, True
+            start = time.perf_counter()
+            outputs = make()
+            seconds = time.perf_counter() - start
+            files = self.keep(outputs)
+            record = {
+                "stage": action.stage,
+                "version": action.version,
+                "outputs": files.digests,
+                "sizes": {path: len(data) for path, data in outputs.items()},
+                "seconds": round(seconds, 6),
+            }
+            self.store.publish(key, record)
+            self._fresh.add(key)
+        return files, False
+
+    def keep(self, outputs: Mapping[str, bytes]) -> Files:
+        """Stores outputs that no record names: those of an action that cannot be keyed."""
+        return Files(self.store, {path: self.store.put(outputs[path]) for path in sorted(outputs)})
+
+    def memo(self, stage: str, version: int, libraries: Mapping[str, str]) -> Memo:
+        """For results inside a stage, one action each: `memo(kind, key, make)`."""
+
+        def remember(kind: str, key: Mapping[str, Any], make: Callable[[], bytes]) -> bytes:
+            action = Action(f"{stage}/{kind}", version, config=dict(key), libraries=libraries)
+            return self.run(action, lambda: {"value": make()})[0]["value"]
+
+        return remember
+
+    def replies(self) -> "Replies":
+        return Replies(self)
+
+    def _lookup(self, key: str) -> Files | None:
+        if self.mode == "refresh" and key not in self._fresh:
+            return None
+        return self.find(key)
+
+    def find(self, key: str) -> Files | None:
+        """The outputs recorded under `key`, if all of them are there and unharmed."""
+        record = self.store.record(key)
+        if record is None:
+            return None
+        outputs, sizes = record.get("outputs"), record.get("sizes")
+        if not isinstance(outputs, dict) or not isinstance(sizes, dict):
+            return None
+        for path, digest in outputs.items():
+            size = sizes.get(path)
+            if not isinstance(digest, str) or not isinstance(size, int):
+                return None
+            if not self.store.intact(digest, size):
+                return None
+        return Files(self.store, outputs)
+
+
+class Replies:
+    """Pinned replies by request: immutable, so `cache.mode=refresh` spends no call on them."""
+
+    def __init__(self, cache: Cache) -> None:
+        self._cache = cache
+
+    def get(self, request: str) -> bytes | None:
+        """The body of the reply to `request`, or None where it is not known yet."""
+        files = self._cache.find(self._action(request).key)
+        return None if files is None else files.get("body")
+
+    def put(self, request: str, body: bytes) -> None:
+        """Keeps the body of the reply to a pinned request."""
+        files = self._cache.keep({"body": body})
+        record = {
+            "stage": "reply",
+            "version": 1,
+            "request": request,
+            "outputs": files.digests,
+            "sizes": {"body": len(body)},
+            "seconds": 0.0,
+        }
+        self._cache.store.publish(self._action(request).key, record)
+
+    @staticmethod
+    def _action(request: str) -> Action:
+        return Action("reply", 1, config=request)
+
+
+def folder(configured: str | None, environ: Mapping[str, str]) -> Path:
+    """Where the cache lies: `cache.dir`, else LINKWRIGHT_CACHE, else the platform's cache folder."""
+    chosen = configured or environ.get("LINKWRIGHT_CACHE")
+    if chosen:
+        return Path(chosen).expanduser()
+    import platformdirs
+
+    return Path(platformdirs.user_cache_dir("linkwright", appauthor=False))
+
+
+@contextlib.contextmanager
+def opened(
+    mode: Mode, configured: str | None = None, environ: Mapping[str, str] = os.environ
+) -> Iterator[Cache]:
+    """The cache of one build. `bypass` works in a private folder, removed at the end."""
+    if mode == "bypass":
+        with tempfile.TemporaryDirectory(prefix="linkwright-", ignore_cleanup_errors=True) as private:
+            yield Cache(Store(Path(private)))
+    else:
+        yield Cache(Store(folder(configured, environ)), mode)

@@ -1,0 +1,84 @@
+"""What the command line makes of an error: one message and an exit status.
+
+Exit status: 0 built and valid; 1 failed once the stages ran; 2 wrong in a way that was knowable
+before the first stage (`ConfigError`); 3 built, but a check failed; 130 interrupted.
+"""
+
+from stages.robot.errors import (
+    AssemblyError,
+    AuthError,
+    ConfigError,
+    Diagnostic,
+    Disconnected,
+    EmptyMesh,
+    ExportError,
+    LinkwrightError,
+    MeshError,
+    MissingMass,
+    NoRoot,
+    NotFound,
+    Offline,
+    ProtocolError,
+    QuotaExhausted,
+    RateLimited,
+    SourceError,
+    ValidationFailed,
+)
+
+__all__ = [
+    "AssemblyError",
+    "AuthError",
+    "CacheError",
+    "ConfigError",
+    "Diagnostic",
+    "Disconnected",
+    "EmptyMesh",
+    "ExportError",
+    "LinkwrightError",
+    "MeshError",
+    "MissingMass",
+    "NoRoot",
+    "NotFound",
+    "Offline",
+    "OutputError",
+    "ProtocolError",
+    "QuotaExhausted",
+    "RateLimited",
+    "SourceError",
+    "ValidationFailed",
+    "exit_status",
+    "render",
+]
+
+
+class CacheError(LinkwrightError):
+    """The cache folder cannot be used."""
+
+
+class OutputError(LinkwrightError):
+    """The output folder cannot be used."""
+
+
+def exit_status(error: BaseException) -> int:
+    """The exit status of a run that `error` ended."""
+    if isinstance(error, ConfigError):
+        return 2
+    if isinstance(error, ValidationFailed):
+        return 3
+    if isinstance(error, KeyboardInterrupt):
+        return 130
+    return 1
+
+
+def render(error: BaseException) -> str:
+    """The one message about `error`: what, where, why, what to do; no traceback."""
+    if isinstance(error, KeyboardInterrupt):
+        return "error: interrupted"
+    if isinstance(error, LinkwrightError):
+        return f"error: {error}"
+    if isinstance(error, OSError) and error.filename:
+        return f"error: {error.filename}: {error.strerror}"
+    return (
+        f"error: a fault of linkwright itself: {type(error).__name__}: {error}\n"
+        "  → LINKWRIGHT_TRACEBACK=1 shows where; so does build.log in the <output>.failed folder"
+    )

@@ -1,0 +1,153 @@
+"""What a build tells while it runs: to the terminal, and to `build.log`."""
+
+import contextlib
+import time
+from collections.abc import Mapping
+from typing import Any, Protocol, TextIO
+
+from pipeline.errors import ConfigError
+from pipeline.report import StageReport
+
+
+def secrets(environ: Mapping[str, str]) -> list[str]:
+    """What must never be written: the API key, of the environment or of `.env`."""
+    from stages.fetch.credentials import ACCESS, SECRET, find
+
+    found = [environ[name] for name in (ACCESS, SECRET) if environ.get(name)]
+    with contextlib.suppress(ConfigError):
+        key = find(environ)
+        found += [key.access, key.secret]
+    return found
+
+
+class Progress(Protocol):
+    """Hears of each stage in turn. `close` is always called at the end, also after an error."""
+
+    def start(self, stage: str) -> None: ...
+
+    def tell(self, stage: str, line: str) -> None: ...
+
+    def done(self, stage: StageReport) -> None: ...
+
+    def close(self) -> None: ...
+
+
+def sentence(stage: StageReport) -> str:
+    cached = " (cached)" if stage.cached else ""
+    outputs = f"  {stage.outputs}" if stage.outputs else ""
+    return f"{stage.name:<8} ... {stage.seconds:.2f} s{cached}{outputs}"
+
+
+class Quiet:
+    """Tells nothing: for sweeps and for use as a library."""
+
+    def start(self, stage: str) -> None:
+        pass
+
+    def tell(self, stage: str, line: str) -> None:
+        pass
+
+    def done(self, stage: StageReport) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+class Lines(Quiet):
+    """One plain line for a stage that ended and for what it told on the way."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self._stream = stream
+
+    def tell(self, stage: str, line: str) -> None:
+        print(f"{stage:<8}     {line}", file=self._stream, flush=True)
+
+    def done(self, stage: StageReport) -> None:
+        print(sentence(stage), file=self._stream, flush=True)
+
+
+class Terminal(Quiet):
+    """A spinner that names the stage that runs, above it the stages that ended."""
+
+    def __init__(self, stream: TextIO) -> None:
+        from rich.console import Console
+
+        self._console = Console(file=stream, highlight=False)
+        self._status: Any = None
+
+    def start(self, stage: str) -> None:
+        self.close()
+        self._status = self._console.status(stage)
+        self._status.start()
+
+    def tell(self, stage: str, line: str) -> None:
+        from rich.markup import escape
+
+        if self._status is not None:
+            self._status.update(escape(f"{stage}: {line}"))
+
+    def done(self, stage: StageReport) -> None:
+        self.close()
+        self._console.print(sentence(stage), style="dim" if stage.cached else "", markup=False)
+
+    def close(self) -> None:
+        if self._status is not None:
+            self._status.stop()
+            self._status = None
+
+
+def progress_for(stream: TextIO) -> Progress:
+    """A live display where `stream` is a terminal, else plain lines."""
+    return Terminal(stream) if stream.isatty() else Lines(stream)
+
+
+class Log(Quiet):
+    """The lines of `build.log`, with the seconds since the build began; secrets are blanked."""
+
+    def __init__(self, environ: Mapping[str, str]) -> None:
+        self._start = time.perf_counter()
+        self._secrets = secrets(environ)
+        self._lines: list[str] = []
+
+    def line(self, text: str) -> None:
+        self._lines.append(f"{time.perf_counter() - self._start:9.3f}  {text}")
+
+    def blanked(self, content: bytes) -> bytes:
+        """The content of any file that tells of the build, with the secrets blanked."""
+        for secret in self._secrets:
+            content = content.replace(secret.encode(), b"***")
+        return content
+
+    def tell(self, stage: str, line: str) -> None:
+        self.line(f"{stage}: {line}")
+
+    def done(self, stage: StageReport) -> None:
+        self.line(sentence(stage))
+
+    def content(self) -> bytes:
+        """The content of `build.log`."""
+        return self.blanked(("\n".join(self._lines) + "\n").encode())
+
+
+class Both(Quiet):
+    """Tells the terminal and the log."""
+
+    def __init__(self, *to: Progress) -> None:
+        self._to = to
+
+    def start(self, stage: str) -> None:
+        for one in self._to:
+            one.start(stage)
+
+    def tell(self, stage: str, line: str) -> None:
+        for one in self._to:
+            one.tell(stage, line)
+
+    def done(self, stage: StageReport) -> None:
+        for one in self._to:
+            one.done(stage)
+
+    def close(self) -> None:
+        for one in self._to:
+            one.close()

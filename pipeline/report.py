@@ -1,0 +1,133 @@
+"""What a build tells: `Report`, its JSON, and the closing table."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from typing import Any, Literal, TextIO
+
+from pipeline.output import FORMAT
+from stages.robot.check import Check
+from stages.robot.errors import Diagnostic
+
+Status = Literal["built", "invalid", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class StageReport:
+    """One stage of a build: whether its result came from the cache, how long [s], what it made."""
+
+    name: str
+    cached: bool
+    seconds: float
+    outputs: str
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """Everything about one build.
+
+    `status`: built (exit status 0), invalid (built, but a check failed: 3) or failed (1 or 2).
+    `source`: its kind and what it is pinned to. `calls`: API calls `made`, and `saved` by the cache.
+    `figures`: counts of links, joints, dof (joints that follow no other), loops, parts, meshes and
+    triangles, and the mass [kg]. `outputs`: SHA-256 of each file of the robot, by path below
+    `folder`. `error`: of a failed build, its class, message, place, hint and problems.
+    """
+
+    status: Status
+    name: str
+    folder: str
+    until: str
+    exit_status: int
+    source: Mapping[str, Any] = field(default_factory=dict)
+    calls: Mapping[str, int] = field(default_factory=lambda: {"made": 0, "saved": 0})
+    stages: tuple[StageReport, ...] = ()
+    figures: Mapping[str, float] = field(default_factory=dict)
+    diagnostics: tuple[Diagnostic, ...] = ()
+    checks: tuple[Check, ...] = ()
+    outputs: Mapping[str, str] = field(default_factory=dict)
+    versions: Mapping[str, str] = field(default_factory=dict)
+    error: Mapping[str, Any] | None = None
+
+    def to_json(self) -> bytes:
+        """The content of `report.json`."""
+        return json.dumps({FORMAT: 1, **asdict(self)}, indent=2, ensure_ascii=False).encode() + b"\n"
+
+    @property
+    def failed_checks(self) -> tuple[Check, ...]:
+        return tuple(check for check in self.checks if not check.passed)
+
+
+HEADER = ("stage", "", "seconds", "outputs")
+
+
+def rows(report: Report) -> list[tuple[str, str, str, str]]:
+    """The closing table: stage, cached or built, seconds, outputs."""
+    return [
+        (stage.name, "cached" if stage.cached else "built", f"{stage.seconds:.2f}", stage.outputs)
+        for stage in report.stages
+    ]
+
+
+def findings(report: Report) -> list[str]:
+    """Diagnostics, then failed checks, then where the files are: one text line each."""
+    lines = []
+    for found in report.diagnostics:
+        place = f" {found.where}:" if found.where else ""
+        lines.append(f"{found.code}{place} {found.message}")
+        if found.hint:
+            lines.append(f"    → {found.hint}")
+    lines += [f"FAILED {check.name}: {check.detail}" for check in report.failed_checks]
+    passed = len(report.checks) - len(report.failed_checks)
+    if report.checks:
+        lines.append(f"{passed} of {len(report.checks)} checks passed")
+    made, saved = report.calls.get("made", 0), report.calls.get("saved", 0)
+    if made or saved:
+        lines.append(f"{made} API calls made, {saved} saved by the cache")
+    lines.append(f"{report.name}: {report.folder}")
+    return lines
+
+
+def render(report: Report) -> str:
+    """The closing table and the findings as plain aligned text."""
+    table = [HEADER, *rows(report)]
+    widths = [max(len(row[column]) for row in table) for column in range(3)]
+    lines = [
+        f"{row[0]:<{widths[0]}}  {row[1]:<{widths[1]}}  {row[2]:>{widths[2]}}  {row[3]}".rstrip()
+        for row in table
+    ]
+    return "\n".join([*lines, *findings(report)]) + "\n"
+
+
+def show(report: Report, stream: TextIO) -> None:
+    """Writes the closing table: with rich on a terminal, else as plain text."""
+    if not stream.isatty():
+        stream.write(render(report))
+        return
+    from rich.box import SIMPLE
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    styles = {"E": "bold red", "W": "yellow", "I": "cyan"}
+    console = Console(file=stream)
+    table = Table(box=SIMPLE, header_style="bold", pad_edge=False)
+    for column, title in enumerate(HEADER):
+        table.add_column(title, justify="right" if column == 2 else "left")
+    for row in rows(report):
+        table.add_row(*(Text(cell, style="dim" if cell == "cached" else "") for cell in row))
+    console.print(table)
+    for line in findings(report):
+        style = "bold red" if line.startswith("FAILED ") else ""
+        if line[1:2] == "-":
+            style = styles.get(line[0], "")
+        # As Text: brackets in CAD names are no markup.
+        console.print(Text(line, style=style))
+
+
+def versions(libraries: Mapping[str, str]) -> dict[str, str]:
+    """Versions of linkwright, of Python and of the libraries that made the result."""
+    import platform
+
+    from pipeline.stage import installed
+
+    return {"linkwright": installed("linkwright"), "python": platform.python_version(), **libraries}

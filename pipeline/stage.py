@@ -1,0 +1,232 @@
+"""The five stages: what each depends on, and how it turns files into files.
+
+A stage's result is a set of files in the cache; its value is decoded only where a later stage runs.
+Besides its value each stage leaves `notes.json`: the diagnostics, figures and one-line summary that
+the report tells, also when the stage itself was cached.
+"""
+
+import functools
+import importlib.metadata
+from collections.abc import Mapping
+from importlib import import_module
+from typing import Any, Protocol
+
+from pipeline.bench import FILES, NOTES, ROBOT, Bench, count, notes
+from pipeline.output import write_tree
+from pipeline.plan import Plan, section
+from stages.robot import codec
+
+
+@functools.cache
+def installed(library: str) -> str:
+    """The version of an installed distribution, found without importing it."""
+    try:
+        return importlib.metadata.version(library)
+    except importlib.metadata.PackageNotFoundError:
+        return "absent"
+
+
+class Stage(Protocol):
+    """One of the five.
+
+    `version`, which the stage's own package declares, is raised when the same inputs give another
+    result; `libraries` are the distributions whose version may change the result.
+    """
+
+    @property
+    def name(self) -> str: ...
+
+    @property
+    def version(self) -> int: ...
+
+    @property
+    def libraries(self) -> tuple[str, ...]: ...
+
+    def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
+        """ConfigError for what is wrong before the first stage runs."""
+
+    def config(self, bench: Bench) -> Any:
+        """The stage's part of the plan, as plain data; None where the result must be made anew."""
+
+    def inputs(self, bench: Bench) -> Mapping[str, str]:
+        """The digests of the files that the stage reads."""
+
+    def run(self, bench: Bench) -> dict[str, bytes]:
+        """The stage's files, by relative path."""
+
+
+class Common:
+    """What most stages have in common."""
+
+    name: str
+    libraries: tuple[str, ...] = ()
+
+    @property
+    def version(self) -> int:
+        version: int = import_module(f"stages.{self.name}").VERSION
+        return version
+
+    def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
+        pass
+
+
+class Fetch(Common):
+    name = "fetch"
+
+    def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
+        from stages.fetch import preflight
+
+        preflight(plan, environ)
+
+    def config(self, bench: Bench) -> Any:
+        from stages.fetch import pinned
+
+        identity = pinned(bench.plan)
+        return None if identity is None else {"pinned": identity}
+
+    def inputs(self, bench: Bench) -> Mapping[str, str]:
+        return {}
+
+    def run(self, bench: Bench) -> dict[str, bytes]:
+        from stages.fetch import fetch
+
+        fetched = fetch(bench.plan, bench.cache.replies(), bench.environ, bench.tell)
+        bench.calls["made"] += fetched.calls
+        bench.calls["saved"] += fetched.saved
+        bundle = fetched.bundle
+        size = sum(len(body) for body in bundle.blobs.values())
+        replies, studios = (
+            count(len(bundle.blobs), "reply", "replies"),
+            count(len(bundle.studios), "part studio"),
+        )
+        return {
+            **codec.encode_bundle(bundle),
+            NOTES: notes(
+                f"{replies} about {studios}, {size / 1e6:.2f} MB",
+                source=dict(bundle.root),
+                calls=fetched.calls + fetched.saved,
+            ),
+        }
+
+
+class Graph(Common):
+    name = "graph"
+    libraries = ("numpy", "networkx")
+
+    def config(self, bench: Bench) -> Any:
+        from stages.graph.keys import GraphKeys
+
+        return section(bench.plan, GraphKeys)
+
+    def inputs(self, bench: Bench) -> Mapping[str, str]:
+        # The manifest names every reply by its digest.
+        return {"manifest": bench.files["fetch"].digests["manifest.json"]}
+
+    def run(self, bench: Bench) -> dict[str, bytes]:
+        from stages.graph import build_robot
+
+        robot = build_robot(bench.bundle, bench.plan)
+        figures = {
+            "links": len(robot.links),
+            "joints": len(robot.joints),
+            "dof": len(robot.joints) - len(robot.relations),
+            "loops": len(robot.loops),
+            "mass": sum(link.inertial.mass for link in robot.links),
+            "parts": sum(len(link.parts) for link in robot.links),
+        }
+        kinds = {"link": robot.links, "joint": robot.joints, "loop": robot.loops}
+        summary = ", ".join(count(len(items), kind) for kind, items in kinds.items())
+        return {
+            ROBOT: codec.encode_robot(robot),
+            NOTES: notes(summary, robot.diagnostics, figures),
+        }
+
+
+class Mesh(Common):
+    name = "mesh"
+    libraries = ("numpy", "scipy")
+
+    def config(self, bench: Bench) -> Any:
+        from stages.mesh.keys import MeshKeys
+
+        return section(bench.plan, MeshKeys)
+
+    def inputs(self, bench: Bench) -> Mapping[str, str]:
+        # The robot names each tessellation by its digest. It is taken whole: what a robot changes
+        # without touching a part costs a run of this stage, but each part's work is in the memo.
+        return bench.digests("graph")
+
+    def run(self, bench: Bench) -> dict[str, bytes]:
+        from stages.mesh import make_geometry
+
+        memo = bench.cache.memo(self.name, self.version, libraries(self))
+        geometry = make_geometry(bench.robot, bench.bundle, bench.plan, memo)
+        triangles = sum(shape.faces for shape in geometry.shapes)
+        figures = {"meshes": len(geometry.files), "triangles": triangles}
+        summary = f"{count(len(geometry.files), 'mesh', 'meshes')}, {count(triangles, 'triangle')}"
+        return {
+            **codec.encode_geometry(geometry),
+            NOTES: notes(summary, geometry.diagnostics, figures),
+        }
+
+
+class Export(Common):
+    name = "export"
+    libraries = ("numpy", "lxml")
+
+    def config(self, bench: Bench) -> Any:
+        from stages.export.keys import ExportKeys
+
+        return section(bench.plan, ExportKeys)
+
+    def inputs(self, bench: Bench) -> Mapping[str, str]:
+        return {**bench.digests("graph"), **bench.digests("mesh")}
+
+    def run(self, bench: Bench) -> dict[str, bytes]:
+        from stages.export import export
+
+        exported = export(bench.robot, bench.geometry, bench.plan)
+        size = sum(len(data) for data in exported.files.values())
+        return {
+            **{FILES + path: data for path, data in exported.files.items()},
+            NOTES: notes(f"{count(len(exported.files), 'file')}, {size / 1e6:.2f} MB", exported.diagnostics),
+        }
+
+
+class Validate(Common):
+    name = "validate"
+    libraries = ("numpy", "mujoco")
+
+    def config(self, bench: Bench) -> Any:
+        from stages.validate.keys import ValidateKeys
+
+        return section(bench.plan, ValidateKeys)
+
+    def inputs(self, bench: Bench) -> Mapping[str, str]:
+        return {**bench.digests("graph"), **bench.digests("export")}
+
+    def run(self, bench: Bench) -> dict[str, bytes]:
+        from stages.validate import validate
+
+        with bench.cache.store.scratch() as folder:
+            write_tree(folder, bench.files["export"].below(FILES))
+            checks = validate(folder, bench.robot, bench.plan)
+        passed = sum(check.passed for check in checks)
+        return {
+            "checks.json": codec.encode_checks(checks),
+            NOTES: notes(f"{passed} of {count(len(checks), 'check')} passed"),
+        }
+
+
+STAGES: tuple[Stage, ...] = (Fetch(), Graph(), Mesh(), Export(), Validate())
+
+
+def stages_until(name: str, stages: tuple[Stage, ...] = STAGES) -> tuple[Stage, ...]:
+    """The stages up to and with the one that is named."""
+    last = [stage.name for stage in stages].index(name)
+    return stages[: last + 1]
+
+
+def libraries(stage: Stage) -> dict[str, str]:
+    """What is installed of all that shapes the stage's result, linkwright itself included."""
+    return {library: installed(library) for library in ("linkwright", *stage.libraries)}

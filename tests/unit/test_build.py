@@ -1,0 +1,282 @@
+"""The build: five stages in order, cached, reported, and put into place."""
+
+import json
+import pickle
+import sys
+from dataclasses import dataclass, field
+
+import pytest
+import yaml
+
+from pipeline.bench import FILES, NOTES, notes
+from pipeline.build import build
+from pipeline.errors import AssemblyError, ConfigError
+from pipeline.plan import Plan
+from pipeline.progress import Lines
+from pipeline.stage import STAGES
+from stages.robot import codec
+from stages.robot.check import Check
+from stages.robot.errors import Diagnostic
+
+WARNING = Diagnostic("W-LIMIT", "elbow has no limits", "Arm/Elbow", "set joints.elbow.limits")
+
+
+@dataclass
+class Fake:
+    """A stage that hands out `files`, counts its runs, and fails where it is told to."""
+
+    name: str
+    files: dict = field(default_factory=dict)
+    pinned: bool = True
+    diagnostics: tuple = ()
+    figures: dict = field(default_factory=dict)
+    more: dict = field(default_factory=dict)
+    error: Exception | None = None
+    wrong: ConfigError | None = None
+    runs: int = 0
+    version: int = 1
+    libraries: tuple = ()
+
+    def preflight(self, plan, environ):
+        if self.wrong:
+            raise self.wrong
+
+    def config(self, bench):
+        return {"name": bench.plan.name} if self.pinned else None
+
+    def inputs(self, bench):
+        return {} if self.name == "fetch" else bench.digests(list(bench.files)[-1])
+
+    def run(self, bench):
+        self.runs += 1
+        bench.tell(f"at work on {self.name}")
+        if self.error:
+            raise self.error
+        return {**self.files, NOTES: notes(f"made {self.name}", self.diagnostics, self.figures, **self.more)}
+
+
+PASSED = Check("compiles", True, "no warning")
+
+
+def fakes(checks=(PASSED,), **changes):
+    stages = {
+        "fetch": Fake("fetch", {"manifest.json": b"{}"}, more={"source": {"microversion": "m1"}, "calls": 3}),
+        "graph": Fake("graph", {"robot.json": b"{}"}, diagnostics=(WARNING,), figures={"links": 2}),
+        "mesh": Fake("mesh", {"geometry.json": b"{}"}, figures={"triangles": 12}),
+        "export": Fake("export", {FILES + "arm.urdf": b"<robot/>", FILES + "assets/a.stl": b"solid"}),
+        "validate": Fake("validate", {"checks.json": codec.encode_checks(tuple(checks))}),
+    }
+    for name, change in changes.items():
+        for key, value in change.items():
+            setattr(stages[name], key, value)
+    return tuple(stages.values())
+
+
+@pytest.fixture
+def make(tmp_path):
+    """Builds into tmp_path/out/arm with the cache in tmp_path/cache."""
+
+    def run(stages, progress=None, environ=None, **more):
+        data = {
+            "name": "arm",
+            "source": {"kind": "sample"},
+            "output": str(tmp_path / "out" / "arm"),
+            "cache": {"dir": str(tmp_path / "cache")},
+        }
+        return build(Plan.parse(data | more), progress, environ or {}, stages=stages)
+
+    return run
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "out" / "arm"
+
+
+def names(folder):
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
+
+
+def test_a_build_leaves_the_exported_files_with_report_plan_and_log(make, folder):
+    report = make(fakes())
+    assert names(folder) == ["arm.urdf", "assets/a.stl", "build.log", "config.yaml", "report.json"]
+    assert report.status == "built"
+    assert report.exit_status == 0
+    assert report.folder == str(folder)
+    assert set(report.outputs) == {"arm.urdf", "assets/a.stl"}
+    assert report.figures == {"links": 2, "triangles": 12}
+    assert report.source == {"kind": "sample", "microversion": "m1"}
+    assert report.diagnostics == (WARNING,)
+    assert [stage.outputs for stage in report.stages] == [f"made {stage.name}" for stage in STAGES]
+    assert json.loads((folder / "report.json").read_bytes())["linkwright-report"] == 1
+
+
+def test_the_config_that_is_left_behind_is_the_plan(make, folder):
+    make(fakes())
+    left = yaml.safe_load((folder / "config.yaml").read_text())
+    assert Plan.parse(left).output == str(folder)
+    assert left["name"] == "arm"
+
+
+def test_a_second_build_runs_no_stage_and_tells_the_same(make):
+    stages = fakes()
+    first, second = make(stages), make(stages)
+    assert [stage.runs for stage in stages] == [1] * 5
+    assert [stage.cached for stage in first.stages] == [False] * 5
+    assert [stage.cached for stage in second.stages] == [True] * 5
+    assert second.diagnostics == first.diagnostics
+    assert second.figures == first.figures
+    assert second.checks == first.checks
+    assert second.outputs == first.outputs
+    assert second.calls == {"made": 0, "saved": 3}
+
+
+def test_a_source_that_may_change_is_asked_again_and_the_rest_stays_cached(make):
+    stages = fakes(fetch={"pinned": False})
+    make(stages)
+    make(stages)
+    assert [stage.runs for stage in stages] == [2, 1, 1, 1, 1]
+    stages[0].files = {"manifest.json": b"{ }"}
+    make(stages)
+    assert [stage.runs for stage in stages] == [3, 2, 1, 1, 1], "graph made the same robot: the rest stays"
+
+
+def test_refresh_runs_every_stage_and_bypass_keeps_nothing(make, tmp_path):
+    stages = fakes()
+    make(stages, cache={"mode": "bypass", "dir": str(tmp_path / "cache")})
+    assert not (tmp_path / "cache").exists()
+    make(stages)
+    make(stages, cache={"mode": "refresh", "dir": str(tmp_path / "cache")})
+    assert [stage.runs for stage in stages] == [3] * 5
+
+
+def test_a_failed_check_is_exit_status_3_and_the_build_is_swapped_in(make, folder):
+    report = make(fakes(checks=[Check("mass", False, "link arm is 1 kg, CAD says 2 kg", 1.0, 2.0)]))
+    assert report.status == "invalid"
+    assert report.exit_status == 3
+    assert (folder / "arm.urdf").exists()
+    left = json.loads((folder / "report.json").read_bytes())
+    assert left["exit_status"] == 3
+    assert left["checks"][0]["detail"] == "link arm is 1 kg, CAD says 2 kg"
+
+
+@pytest.mark.parametrize(("diagnostics", "status"), [((WARNING,), 3), ((Diagnostic("I-X", "fyi"),), 0)])
+def test_a_warning_fails_a_strict_build_and_information_does_not(make, diagnostics, status):
+    stages = fakes(graph={"diagnostics": diagnostics})
+    assert make(stages).exit_status == 0
+    strict = make(stages, validate={"level": "strict"})
+    assert strict.exit_status == status
+    assert (strict.checks[-1].name, strict.checks[-1].passed) == ("no_warnings", status == 0)
+
+
+def test_a_failing_stage_leaves_a_report_beside_and_the_last_build_whole(make, folder):
+    make(fakes())
+    before = {name: (folder / name).read_bytes() for name in names(folder)}
+    error = AssemblyError("the assembly has no mates", where="Arm", hint="add mates", problems=(WARNING,))
+    with pytest.raises(AssemblyError, match="no mates"):
+        make(fakes(graph={"error": error, "version": 2}))
+    assert {name: (folder / name).read_bytes() for name in names(folder)} == before
+    failed = folder.with_name("arm.failed")
+    assert names(failed) == ["build.log", "config.yaml", "report.json"]
+    report = json.loads((failed / "report.json").read_bytes())
+    assert (report["status"], report["exit_status"]) == ("failed", 1)
+    assert report["error"]["where"] == "Arm"
+    assert report["error"]["problems"][0]["code"] == "W-LIMIT"
+    assert [stage["name"] for stage in report["stages"]] == ["fetch"]
+    assert "the assembly has no mates" in (failed / "build.log").read_text()
+    make(fakes())
+    assert not failed.exists()
+
+
+def test_a_fault_of_the_program_leaves_its_traceback_in_the_log(make, folder):
+    with pytest.raises(ZeroDivisionError):
+        make(fakes(mesh={"error": ZeroDivisionError("oops")}))
+    assert "Traceback" in folder.with_name("arm.failed").joinpath("build.log").read_text()
+
+
+def test_what_is_wrong_before_the_first_stage_leaves_nothing(make, tmp_path):
+    with pytest.raises(ConfigError):
+        make(fakes(fetch={"wrong": ConfigError("no key")}))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_of_others_is_refused_before_the_first_stage(make, folder):
+    folder.mkdir(parents=True)
+    (folder / "thesis.tex").write_text("x")
+    stages = fakes()
+    with pytest.raises(ConfigError, match="did not make"):
+        make(stages)
+    assert stages[0].runs == 0
+    assert names(folder.parent) == ["arm/thesis.tex"]
+
+
+@pytest.mark.parametrize("until", ["fetch", "export"])
+def test_until_stops_after_a_stage_and_names_the_folder_by_it(make, folder, until):
+    stages = fakes()
+    report = make(stages, until=until)
+    assert [stage.name for stage in report.stages][-1] == until
+    assert report.checks == ()
+    place = folder if until == "export" else folder.with_name("arm.fetch")
+    assert report.folder == str(place)
+    assert (place / "report.json").exists()
+    assert [p.name for p in folder.parent.iterdir() if not p.name.startswith(".")] == [place.name]
+
+
+def test_progress_hears_every_stage_and_is_closed_also_after_an_error(make):
+    class Ears:
+        def __init__(self):
+            self.heard = []
+
+        def start(self, stage):
+            self.heard.append(("start", stage))
+
+        def tell(self, stage, line):
+            self.heard.append((stage, line))
+
+        def done(self, stage):
+            self.heard.append(("done", stage.name))
+
+        def close(self):
+            self.heard.append("close")
+
+    ears = Ears()
+    with pytest.raises(AssemblyError):
+        make(fakes(graph={"error": AssemblyError("no")}), ears)
+    assert ears.heard == [
+        ("start", "fetch"),
+        ("fetch", "at work on fetch"),
+        ("done", "fetch"),
+        ("start", "graph"),
+        ("graph", "at work on graph"),
+        "close",
+    ]
+
+
+def test_no_secret_reaches_the_log(make, folder):
+    secret = {"ONSHAPE_SECRET_KEY": "s3cr3t-value"}
+    error = AssemblyError("refused s3cr3t-value")
+    with pytest.raises(AssemblyError):
+        make(fakes(fetch={"error": error}), environ=secret)
+    left = folder.with_name("arm.failed")
+    assert "refused ***" in (left / "build.log").read_text()
+    for name in names(left):
+        assert b"s3cr3t-value" not in (left / name).read_bytes()
+
+
+def test_build_and_its_report_can_be_sent_to_another_process(make):
+    assert pickle.loads(pickle.dumps(build)) is build
+    report = make(fakes())
+    assert pickle.loads(pickle.dumps(report)) == report
+
+
+def test_the_log_tells_stages_findings_and_checks(make, folder, capsys):
+    make(fakes(), Lines(sys.stdout))
+    log = (folder / "build.log").read_text()
+    for text in (
+        "graph    ...",
+        "W-LIMIT Arm/Elbow: elbow has no limits",
+        "passed compiles",
+        "at work on mesh",
+    ):
+        assert text in log
+    assert "graph    ..." in capsys.readouterr().out

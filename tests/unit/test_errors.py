@@ -1,0 +1,43 @@
+"""Errors at the border: one message, one exit status."""
+
+import inspect
+
+import pytest
+
+from pipeline import errors
+from stages.robot import errors as tree
+
+
+@pytest.mark.parametrize(
+    ("error", "status"),
+    [
+        (errors.ConfigError("x"), 2),
+        (errors.AuthError("x"), 1),
+        (errors.AssemblyError("x"), 1),
+        (errors.OutputError("x"), 1),
+        (errors.CacheError("x"), 1),
+        (errors.ValidationFailed("x"), 3),
+        (KeyboardInterrupt(), 130),
+        (ZeroDivisionError("x"), 1),
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_the_exit_status_of(error, status):
+    assert errors.exit_status(error) == status
+
+
+def test_a_message_says_where_what_and_what_to_do_without_a_traceback():
+    error = errors.NotFound("there is no such element", where="source.url", hint="check the address")
+    assert errors.render(error) == ("error: source.url: there is no such element\n  → check the address")
+
+
+def test_a_fault_of_the_program_says_so_and_where_its_traceback_is():
+    text = errors.render(ZeroDivisionError("division by zero"))
+    assert "fault of linkwright" in text
+    assert "ZeroDivisionError: division by zero" in text
+    assert "build.log" in text
+
+
+def test_the_whole_tree_can_be_had_here():
+    classes = {name for name, value in vars(tree).items() if inspect.isclass(value)}
+    assert classes - {"Iterable"} <= set(errors.__all__)

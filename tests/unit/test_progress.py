@@ -1,0 +1,59 @@
+"""What is told while a build runs."""
+
+import io
+
+from pipeline.progress import Both, Lines, Log, Terminal, progress_for
+from pipeline.report import StageReport
+
+DONE = StageReport("graph", True, 0.123, "2 links")
+
+
+class Screen(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def test_a_pipe_gets_one_plain_line_a_stage():
+    stream = io.StringIO()
+    progress = progress_for(stream)
+    progress.start("graph")
+    progress.done(DONE)
+    progress.close()
+    assert stream.getvalue() == "graph    ... 0.12 s (cached)  2 links\n"
+
+
+def test_a_terminal_gets_the_same_sentence():
+    screen = Screen()
+    progress = progress_for(screen)
+    assert isinstance(progress, Terminal)
+    progress.start("graph")
+    progress.tell("graph", "[3 of 4] parts")
+    progress.done(DONE)
+    progress.close()
+    assert "0.12 s (cached)  2 links" in screen.getvalue()
+
+
+def test_the_log_holds_what_the_terminal_was_told_without_secrets():
+    stream, log = io.StringIO(), Log({"ONSHAPE_ACCESS_KEY": "acc355"})
+    both = Both(log, Lines(stream))
+    both.start("fetch")
+    both.tell("fetch", "asked as acc355")
+    both.done(DONE)
+    both.close()
+    lines = log.content().decode().splitlines()
+    assert [line.split("  ")[-1] for line in lines] == ["fetch: asked as ***", "2 links"]
+    assert float(lines[0].split()[0]) >= 0
+
+
+def test_a_key_from_the_env_file_is_blanked_too(tmp_path, monkeypatch):
+    (tmp_path / ".env").write_text("ONSHAPE_ACCESS_KEY=acc355\nONSHAPE_SECRET_KEY=s3cr3t\n")
+    monkeypatch.chdir(tmp_path)
+    log = Log({})
+    log.line("acc355 and s3cr3t")
+    assert log.content().endswith(b"*** and ***\n")
+
+
+def test_an_empty_environment_blanks_nothing():
+    log = Log({"ONSHAPE_ACCESS_KEY": ""})
+    log.line("text")
+    assert log.content().endswith(b"  text\n")
