@@ -1,0 +1,1 @@
+"""How a build runs: composing, caching, reporting. Knows no robotics."""

@@ -1,0 +1,201 @@
+"""The command `linkwright`: arguments, help, exit status, error border. Imports nothing heavy."""
+
+import importlib.util
+import os
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pipeline.plan import Plan
+    from pipeline.report import Report
+
+HELP = """\
+linkwright: a robot is a YAML file; this builds it.
+
+usage: linkwright [-m] [--config-dir DIR] [group=option ...] [key=value ...]
+
+  linkwright                                    build the sample that is shipped (no network)
+  linkwright robot=my_arm                       build ./robot/my_arm.yaml
+  linkwright source=onshape "source.url='https://cad.onshape.com/documents/...'"
+                                                build an assembly; mind both pairs of quotes
+  linkwright robot=my_arm until=graph           stop after a stage: fetch graph mesh export validate
+  linkwright robot=my_arm "joints.*.damping=0.2" root=free
+                                                change keys and options of a robot
+  linkwright -m robot=my_arm root=fixed,free    a sweep: every combination, a folder each
+
+options:
+  -m, --multirun        sweep over values that are separated by commas;
+                        side by side with hydra/launcher=workstation
+  --config-dir DIR      DIR holds robot/ with robots of your own (besides ./robot/); may be repeated
+  -h, --help            this text
+  --version             the version
+
+groups, each a set of presets (group=option):
+  robot       sample, bare, and the files in ./robot/: everything below, in one file
+  source      onshape, bundle (a zip of replies), sample
+  root        auto, fixed, free: the root link and how it stands
+  depth       flexible: which sub-assemblies may move inside
+  mesh        hull: what collides
+  ground      plane, none
+  export      [urdf,mjcf], urdf, mjcf
+  validate    quick, standard, strict (warnings are errors)
+  actuators, elements
+              none
+
+keys (key=value; with their units and defaults in stages/<stage>/keys.py of the package):
+  name  source.url  source.path  source.tessellation.{angle,chord,max_facet_width}
+  root.{select,base}  joints.<glob>.{limits,effort,velocity,damping,friction,armature}
+  loops.solref  frames.include  ground.{kind,size,xyz,rpy,friction}
+  scene.pose.{xyz,rpy}  scene.option.timestep  validate.level
+  cache.mode (use, refresh, bypass)  cache.dir  output (default: outputs/<name>)  until
+
+environment:
+  ONSHAPE_ACCESS_KEY, ONSHAPE_SECRET_KEY    credentials, from here or from .env, never from YAML
+  LINKWRIGHT_TRACEBACK=1                    show where an error came from
+
+exit status:
+  0  built and valid           1  failed                  2  wrong configuration, nothing was built
+  3  built, a check failed   130  interrupted
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """The command line, taken apart."""
+
+    overrides: tuple[str, ...] = ()
+    config_dirs: tuple[str, ...] = ()
+    multirun: bool = False
+    show: str = ""
+
+
+class UsageError(Exception):
+    """The command line has an option that is not there, or one without its value."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The console script: runs the command line and returns the exit status."""
+    return run(sys.argv[1:] if arguments is None else arguments)
+
+
+def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = None) -> int:
+    """Runs a command line; the exit status. `build` stands in for a build without display."""
+    try:
+        command = parse(arguments)
+        if command.show:
+            print(command.show)
+            return 0
+        shadowed = shadows()
+        if shadowed:
+            raise UsageError(shadowed)
+        if command.multirun:
+            return _sweep(command, build)
+        return _single(command, build)
+    except UsageError as error:
+        print(f"error: {error}", file=sys.stderr)
+        return 2
+    except (Exception, KeyboardInterrupt) as error:
+        return _told(error)
+
+
+def parse(arguments: Sequence[str]) -> Command:
+    """The command line taken apart; UsageError for an unknown option."""
+    overrides: list[str] = []
+    folders: list[str] = []
+    multirun = False
+    rest = iter(arguments)
+    for argument in rest:
+        option, equal, value = argument.partition("=")
+        if argument in ("-h", "--help"):
+            return Command(show=HELP.rstrip())
+        if argument == "--version":
+            return Command(show=f"linkwright {_version()}")
+        if argument in ("-m", "--multirun"):
+            multirun = True
+        elif option in ("--config-dir", "-cd"):
+            folder = value if equal else next(rest, "")
+            if not folder:
+                msg = f"{option} needs a folder\n  → {option} DIR, where DIR holds robot/"
+                raise UsageError(msg)
+            folders.append(folder)
+        elif argument.startswith("-"):
+            msg = f"there is no option {option}\n  → linkwright --help shows what there is"
+            raise UsageError(msg)
+        else:
+            overrides.append(argument)
+    return Command(tuple(overrides), tuple(folders), multirun)
+
+
+def shadows() -> str:
+    """What to say where another package has the name of one of ours; nothing if none has."""
+    ours = Path(__file__).resolve().parent.parent
+    for name in ("conf", "pipeline", "stages"):
+        spec = importlib.util.find_spec(name)
+        places = [Path(place).resolve() for place in (spec.submodule_search_locations or ())] if spec else []
+        if spec and spec.origin and not places:
+            places = [Path(spec.origin).resolve()]
+        if ours / name not in places:
+            found = str(places[0]) if places else "nothing"
+            return (
+                f"the package `{name}` is another one than linkwright's\n"
+                f"  found: {found}\n  expected: {ours / name}\n"
+                "  → run from another folder, or take the other one out of PYTHONPATH or this environment"
+            )
+    return ""
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("linkwright")
+    except PackageNotFoundError:
+        return "(not installed)"
+
+
+def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
+    from pipeline.compose import compose_plan
+
+    plan = compose_plan(command.overrides, command.config_dirs).plan
+    if build is not None:
+        return build(plan).exit_status
+    from pipeline.build import build as build_robot
+    from pipeline.progress import progress_for
+    from pipeline.report import show
+
+    report = build_robot(plan, progress_for(sys.stderr))
+    show(report, sys.stdout)
+    return report.exit_status
+
+
+def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
+    from pipeline.compose import session
+    from pipeline.sweep import Outcome, Task, jobs_of, preflight, summary, sweep_status
+
+    if build is None:
+        from pipeline.build import build as build_robot
+
+        build = build_robot
+    with session(command.config_dirs) as composer:
+        overrides = composer.read(command.overrides, multirun=True)
+        composer.check_launcher(overrides)
+        jobs, folder = jobs_of(composer, overrides)
+        preflight(jobs)
+        outcomes: list[Outcome] = composer.launch(overrides, Task(jobs, build), folder)
+    print(summary(outcomes, folder))
+    return sweep_status(outcomes)
+
+
+def _told(error: BaseException) -> int:
+    """Tells an error in one message; the exit status."""
+    from pipeline.errors import exit_status, render
+
+    if os.environ.get("LINKWRIGHT_TRACEBACK", "") not in ("", "0"):
+        import traceback
+
+        traceback.print_exception(error)
+    print(render(error), file=sys.stderr)
+    return exit_status(error)

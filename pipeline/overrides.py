@@ -1,0 +1,185 @@
+"""Overrides as they are typed, made into ones that Hydra can carry.
+
+`mesh=hull` chooses a group's option and stays; `mesh.tolerance=1` becomes `++mesh.tolerance=1`, so
+that the plan alone judges keys; `joints.*.damping=1`, whose path Hydra's grammar does not know,
+becomes `++joints={*:{damping:1}}`.
+"""
+
+import re
+import shlex
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass
+
+from pipeline.problems import nearest
+from stages.robot.errors import Diagnostic
+
+CODE = "E-OVERRIDE"
+
+VERBS = ("new", "check", "diff", "view", "bundle", "cache")
+"""Words that the command line will know; said so rather than misread as overrides."""
+
+_NAME = r"[A-Za-z_$][\w$-]*"
+_PATH = re.compile(rf"{_NAME}(\.({_NAME}|0|[1-9]\d*))*", re.ASCII)
+_GROUP = re.compile(r"[A-Za-z_][\w-]*(/[A-Za-z_][\w-]*)*(@.*)?", re.ASCII)
+_CARRIED = re.compile(r"[\w\-/+.$%*@?|()\[\]{}:=, \\]+", re.ASCII)
+_ESCAPED = re.compile(r"([()\[\]{}:=, \\])")
+_NO_TEXT = re.compile(r"[+-]?[\d._]+(e[+-]?\d+)?|[+-]?(inf|nan)|true|false|null", re.IGNORECASE)
+
+Values = Callable[[str], list[str]]
+"""Hydra's parser: an override → its values as text, several in a sweep. ValueError: unreadable."""
+
+
+@dataclass(frozen=True, slots=True)
+class Override:
+    """One argument: as typed, its key without `+` and `~`, its values, and its form for Hydra."""
+
+    typed: str
+    key: str
+    values: tuple[str, ...]
+    hydra: str
+
+    @property
+    def swept(self) -> bool:
+        return len(self.values) > 1
+
+    @property
+    def for_hydra_itself(self) -> bool:
+        return self.key.startswith(("hydra.", "hydra/"))
+
+
+def read(
+    arguments: Sequence[str], groups: Collection[str], values: Values, multirun: bool
+) -> tuple[list[Override], list[Diagnostic]]:
+    """The overrides of a command line, and what is wrong with the others."""
+    overrides, problems = [], []
+    for argument in arguments:
+        try:
+            override = _read(argument, groups, values)
+            if override.swept and not multirun:
+                raise _RefusedError("several values, but no sweep", _one_value(argument, override))
+        except _RefusedError as refused:
+            message, hint = refused.args
+            if _has_url(argument) and message != _NO_KEY:
+                message, hint = _QUOTE_TWICE, _paste(arguments, multirun)
+            problems.append(Diagnostic(CODE, message, argument, hint))
+        else:
+            overrides.append(override)
+    return overrides, problems
+
+
+class _RefusedError(Exception):
+    """(message, hint) about one argument."""
+
+
+_NO_KEY = "key=value is expected"
+_QUOTE_TWICE = "a URL needs quotes, and around them quotes for the shell"
+
+
+def _read(argument: str, groups: Collection[str], values: Values) -> Override:
+    sign, key, equal, value = _split(argument)
+    if re.match(r"\w+://", argument) or not key or (not equal and sign != "~"):
+        raise _RefusedError(*_no_key(argument))
+    if sign == "~":
+        return Override(argument, key, (), argument)
+    if "/" in key.partition("@")[0] and not key.startswith("hydra/"):
+        raise _RefusedError("there is no such group", f"groups: {', '.join(sorted(groups))}")
+    if _is_group(key, value, groups):
+        return Override(argument, key, _parsed(argument, argument, values), argument)
+    if key.startswith(("hydra.", "hydra/")):
+        return Override(argument, key, _parsed(argument, argument, values), argument)
+    if _PATH.fullmatch(key):
+        hydra = f"{sign or '++'}{key}={value}"
+        return Override(argument, key, _parsed(argument, hydra, values), hydra)
+    head, *path = _segments(key)
+    given = _parsed(argument, f"++x={value}", values)
+    if not _PATH.fullmatch(head) or not all(map(_can_carry, path)):
+        raise _RefusedError(
+            "the command line cannot carry this key", f"write it in YAML: {_yaml(key, value)}"
+        )
+    hydra = f"++{head}={','.join(_nested(path, one) for one in given)}"
+    return Override(argument, key, tuple(values(hydra)), hydra)
+
+
+def _split(argument: str) -> tuple[str, str, str, str]:
+    """sign (`+`, `++`, `~` or none), key, `=` or nothing, value."""
+    match = re.match(r"(\+\+|\+|~)?", argument)
+    sign = match.group() if match else ""
+    rest = argument[len(sign) :]
+    # An = inside quotes belongs to a name: joints."a=b".damping=1
+    quoted = re.match(r'(?:"[^"]*"|[^="])*', rest)
+    end = quoted.end() if quoted else 0
+    if rest[end : end + 1] != "=":
+        end = rest.find("=") if "=" in rest else len(rest)
+    return sign, rest[:end].strip(), rest[end : end + 1], rest[end + 1 :]
+
+
+def _is_group(key: str, value: str, groups: Collection[str]) -> bool:
+    return (
+        key.partition("@")[0] in groups and bool(_GROUP.fullmatch(key)) and not value.lstrip().startswith("{")
+    )
+
+
+def _parsed(argument: str, hydra: str, values: Values) -> tuple[str, ...]:
+    try:
+        return tuple(values(hydra))
+    except ValueError as error:
+        key, _, value = argument.partition("=")
+        hint = f"quote the value: {quoted(key, value)}"
+        raise _RefusedError(f"cannot be read: {error}", hint) from None
+
+
+def _segments(key: str) -> list[str]:
+    """The names of a path; a quoted one may hold dots: joints."a.b".damping."""
+    found = re.findall(r'"([^"]*)"|([^."]+)', key)
+    return [inner or plain for inner, plain in found]
+
+
+def _can_carry(name: str) -> bool:
+    plain = bool(_CARRIED.fullmatch(name)) and name == name.strip()
+    return plain and not _NO_TEXT.fullmatch(name)
+
+
+def _nested(path: Iterable[str], value: str) -> str:
+    names = [_ESCAPED.sub(r"\\\1", name) for name in path]
+    return "".join(f"{{{name}:" for name in names) + value + "}" * len(names)
+
+
+def _yaml(key: str, value: str) -> str:
+    head, *path = _segments(key)
+    names = [name if re.fullmatch(_NAME, name) else f'"{name}"' for name in path]
+    return f"{head}: " + "".join(f"{{{name}: " for name in names) + value + "}" * len(names)
+
+
+def quoted(key: str, value: str) -> str:
+    """`key=value` to paste: Hydra's quotes inside, the shell's outside."""
+    inner = value.strip().strip("'\"").replace("'", r"\'")
+    text = f"{key}='{inner}'"
+    return shlex.quote(text) if re.search(r'[$`"!\\]', text) else f'"{text}"'
+
+
+def _has_url(argument: str) -> bool:
+    return "://" in argument
+
+
+def _paste(arguments: Iterable[str], multirun: bool) -> str:
+    words = ["linkwright", "-m"] if multirun else ["linkwright"]
+    for argument in arguments:
+        key, _, value = argument.partition("=")
+        whole = quoted(key, value) if _has_url(argument) else shlex.quote(argument)
+        words.append(whole)
+    line = " ".join(words)
+    return f"paste: {line}   (check its end: an unquoted & has cut the URL in the shell)"
+
+
+def _one_value(argument: str, override: Override) -> str:
+    key, _, value = argument.partition("=")
+    return f"for a sweep add -m; for one text {quoted(key, value)}; for a list '{key}=[{value}]'"
+
+
+def _no_key(argument: str) -> tuple[str, str]:
+    if argument in VERBS:
+        return f"`{argument}` is not supported yet", "see linkwright --help"
+    if "://" in argument:
+        return _NO_KEY, f"linkwright source=onshape {quoted('source.url', argument)}"
+    near = nearest(argument, VERBS)
+    return _NO_KEY, near or f"a robot is chosen with robot={argument}; see linkwright --help"

@@ -1,0 +1,82 @@
+"""The whole configuration as one frozen value."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import ValidationError
+
+from pipeline.problems import told
+from stages.export.keys import ExportKeys
+from stages.fetch.keys import FetchKeys
+from stages.graph.keys import GraphKeys
+from stages.mesh.keys import MeshKeys
+from stages.robot.errors import ConfigError, Diagnostic
+from stages.robot.keys import Keys, Text, not_yet
+from stages.validate.keys import ValidateKeys
+
+SECTIONS: tuple[type[Keys], ...] = (FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys)
+"""Each stage's part of the configuration, in the order in which the stages run."""
+
+
+class CacheKeys(Keys):
+    """The cache of earlier results."""
+
+    mode: Literal["use", "refresh", "bypass"] = "use"
+    """use; refresh: make everything anew and keep it; bypass: neither read nor keep."""
+
+    dir: Text | None = None
+    """The cache's folder; null: the platform's cache folder."""
+
+
+class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
+    """Everything that a build is told: the stages' sections and how to run them."""
+
+    cache: CacheKeys = CacheKeys()
+    """The cache of earlier results."""
+
+    plugins: tuple[Text, ...] = not_yet(())
+    """Modules whose classes may be used as `_target_`."""
+
+    output: Text | None = None
+    """The output folder; null: `outputs/<name>`."""
+
+    until: Literal["fetch", "graph", "mesh", "export", "validate"] = "validate"
+    """The last stage that runs."""
+
+    @classmethod
+    def parse(cls, data: Mapping[str, Any], known: Iterable[Diagnostic] = ()) -> "Plan":
+        """The plan that `data`, plain mappings and lists, describes.
+
+        One ConfigError lists every problem: `known` ones, found on the way here, and each key that
+        is unknown, missing, not supported yet or has a value that is not allowed.
+        """
+        problems = list(known)
+        try:
+            plan = cls.model_validate(dict(data))
+        except ValidationError as error:
+            places = {problem.where for problem in problems}
+            problems += [one for one in told(error, cls) if one.where not in places]
+        else:
+            if not problems:
+                return plan
+        count = "a problem" if len(problems) == 1 else f"{len(problems)} problems"
+        msg = f"the configuration has {count}"
+        raise ConfigError(msg, problems=problems)
+
+    @property
+    def folder(self) -> Path:
+        """The output folder."""
+        return Path(self.output) if self.output else Path("outputs") / self.name
+
+    def tree(self) -> dict[str, Any]:
+        """The plan as plain data in the order of the stages; `parse` reads it back."""
+        data = self.identity()
+        own = [name for keys in SECTIONS for name in keys.model_fields]
+        own += [name for name in data if name not in own]
+        return {name: data[name] for name in ["name", *(name for name in own if name != "name")]}
+
+
+def section(plan: Plan, keys: type[Keys]) -> dict[str, Any]:
+    """One stage's part of the plan as plain data: its part of a cache key. Mappings keep their order."""
+    return plan.model_dump(mode="json", by_alias=True, include=set(keys.model_fields))

@@ -1,0 +1,93 @@
+"""The YAML files that a configuration is composed from: ours in `conf`, and the user's own."""
+
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+import conf
+from pipeline.problems import nearest
+from stages.fetch.keys import LATER_SOURCES
+from stages.mesh.keys import LATER_COLLIDERS
+from stages.robot.errors import ConfigError, Diagnostic
+
+OURS = Path(conf.__file__).parent
+
+GROUPS = tuple(sorted(folder.name for folder in OURS.iterdir() if any(folder.glob("*.yaml"))))
+"""The groups that a robot chooses from, and `robot` itself."""
+
+SEVERAL = ("export",)
+"""Groups of which several options are chosen at once."""
+
+LATER = {"source": LATER_SOURCES, "mesh": LATER_COLLIDERS, "actuators": ("position",)}
+"""Options that are decided but not there yet."""
+
+
+class Presets:
+    """Options of groups, in our folder and in folders of the user's own, which hold `robot/`."""
+
+    def __init__(self, config_dirs: Iterable[str | Path] = (), cwd: Path | None = None) -> None:
+        """ConfigError where one of `config_dirs` is no folder. `./robot/` counts where it exists."""
+        here = cwd or Path.cwd()
+        folders = [here] if (here / "robot").is_dir() else []
+        for named in config_dirs:
+            folder = here / named
+            if not folder.is_dir():
+                msg = f"{named} is not a folder"
+                raise ConfigError(msg, "--config-dir", "name the folder that holds robot/")
+            folders.append(folder)
+        self.own = tuple(dict.fromkeys(folder.resolve() for folder in folders if folder.resolve() != OURS))
+
+    def options(self, group: str) -> list[str]:
+        """The options of a group, sorted."""
+        found = set()
+        for folder in (OURS, *self.own):
+            for file in (folder / group).rglob("*.yaml"):
+                found.add(file.relative_to(folder / group).with_suffix("").as_posix())
+        return sorted(found)
+
+    def files(self, group: str, option: str) -> list[Path]:
+        """The files that an option may mean; more than one is a clash."""
+        found = [folder / group / f"{option}.yaml" for folder in (OURS, *self.own)]
+        return [file for file in found if file.is_file()]
+
+    def problem(self, group: str, option: str) -> Diagnostic | None:
+        """What is wrong with the choice of an option, if anything is."""
+        files = self.files(group, option)
+        if len(files) > 1:
+            text = f"ambiguous: {' and '.join(str(file) for file in files)}"
+            return Diagnostic("E-OPTION", text, f"{group}={option}", "give your own file another name")
+        return None if files else self.unknown(group, option)
+
+    def unknown(self, group: str, option: str) -> Diagnostic:
+        """The problem of an option that no file is there for."""
+        where, options = f"{group}={option}", self.options(group)
+        if option in LATER.get(group, ()):
+            return Diagnostic("E-LATER", "not supported yet", where, f"options: {', '.join(options)}")
+        hint = f"options: {', '.join(options)}"
+        near = nearest(option.removesuffix(".yaml").rpartition("/")[2], options)
+        if near:
+            hint = f"{near} {hint}"
+        if group == "robot":
+            places = " and ".join(str(folder / "robot") for folder in self.own)
+            hint += f"; robots of your own: {places}" if places else "; robots of your own belong in ./robot/"
+            misnamed = [file for folder in self.own for file in (folder / "robot").glob(f"{option}.yml")]
+            if misnamed:
+                hint = f"{misnamed[0]} must end in .yaml"
+        return Diagnostic("E-OPTION", "there is no such option", where, hint)
+
+    def not_utf8(self) -> Path | None:
+        """A file of the user's own that cannot be read as text."""
+        for file in (file for folder in self.own for file in sorted((folder / "robot").rglob("*.yaml"))):
+            try:
+                file.read_text(encoding="utf-8")
+            except UnicodeDecodeError:
+                return file
+        return None
+
+
+def chosen(value: str) -> Sequence[str]:
+    """The options that the value of a group's override names: `hull`, `[urdf, mjcf]`."""
+    text = value.strip()
+    inside = text[1:-1] if text.startswith("[") and text.endswith("]") else text
+    options = (re.sub(r"\\(.)", r"\1", one).strip().strip("'\"") for one in inside.split(","))
+    return [option for option in options if option]

@@ -1,0 +1,109 @@
+"""What composing leaves open: which of two settings was meant, and the robot's name."""
+
+import copy
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import PurePath
+from typing import Any
+
+from stages.export.keys import ExportSection
+from stages.fetch.keys import SOURCES
+
+UNSET = "???"
+"""Hydra's mark of a value that must be given."""
+
+
+@dataclass(frozen=True, slots=True)
+class Choices:
+    """How a tree came to be.
+
+    `robot`: the robot's option; `formats`: the chosen options of `export`; `presets`: the content
+    of each option that the command line itself chose, by group; `keys`: the full keys that the
+    command line set.
+    """
+
+    robot: str
+    formats: tuple[str, ...]
+    presets: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    keys: frozenset[str] = frozenset()
+
+    def sets(self, key: str) -> bool:
+        """Whether the command line set this key, or the mapping that it lies in."""
+        return any(key == one or key.startswith(f"{one}.") for one in self.keys)
+
+    def touches(self, key: str) -> bool:
+        """Whether the command line set this key, or anything in or around it."""
+        return self.sets(key) or any(one.startswith(f"{key}.") for one in self.keys)
+
+
+def settle(tree: Mapping[str, Any], choices: Choices) -> dict[str, Any]:
+    """The composed tree as the plan reads it.
+
+    - An option chosen on the command line wins over what the robot's file sets, as any override.
+    - Keys of another kind of source than the one chosen there are dropped.
+    - Of known formats, only the chosen ones stay.
+    - A robot without a name gets one.
+    """
+    settled = copy.deepcopy(dict(tree))
+    for group, preset in choices.presets.items():
+        section = settled.setdefault(group, {})
+        if isinstance(section, dict):
+            _again(section, preset, group, choices)
+    if "source" in choices.presets:
+        _drop_other_sources(settled, choices)
+    _keep_chosen_formats(settled, choices)
+    if settled.get("name") is None:
+        settled["name"] = _name(settled.get("source"), choices.robot)
+    return settled
+
+
+def _again(section: dict[str, Any], preset: Mapping[str, Any], where: str, choices: Choices) -> None:
+    for name, value in preset.items():
+        key = f"{where}.{name}"
+        if isinstance(value, Mapping) and isinstance(section.get(name), dict):
+            _again(section[name], value, key, choices)
+        elif value != UNSET and not choices.sets(key):
+            section[name] = copy.deepcopy(value)
+
+
+def _drop_other_sources(tree: dict[str, Any], choices: Choices) -> None:
+    source = tree["source"]
+    here = SOURCES.get(str(source.get("kind"))) if isinstance(source, dict) else None
+    if here is None:
+        return
+    known = {name for keys in SOURCES.values() for name in keys.model_fields}
+    others = known - set(here.model_fields)
+    tree["source"] = {
+        name: value
+        for name, value in source.items()
+        if name not in others or choices.touches(f"source.{name}")
+    }
+
+
+def _keep_chosen_formats(tree: dict[str, Any], choices: Choices) -> None:
+    formats = tree.setdefault("export", {})
+    if not isinstance(formats, dict):
+        return
+    for name in ExportSection.model_fields:
+        if name not in choices.formats:
+            formats.pop(name, None)
+        else:
+            formats.setdefault(name, {})
+
+
+def _name(source: Any, robot: str) -> str:
+    """The robot file's name, else the stem of the source's path, else made of the element's id."""
+    if robot != "bare":
+        return _safe(PurePath(robot).name)
+    source = source if isinstance(source, dict) else {}
+    if isinstance(source.get("path"), str):
+        return _safe(PurePath(source["path"]).stem)
+    element = re.search(r"/e/([0-9a-fA-F]{8})", str(source.get("url")))
+    if element:
+        return f"onshape_{element.group(1).lower()}"
+    return _safe(str(source.get("kind", "robot")))
+
+
+def _safe(name: str) -> str:
+    return re.sub(r"[^A-Za-z0-9_-]+", "_", name) or "robot"

@@ -1,0 +1,200 @@
+"""A sweep: many plans from one command line, each built into a folder of its own."""
+
+import hashlib
+import json
+import os
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipeline.errors import exit_status
+from pipeline.overrides import Override
+from pipeline.plan import Plan
+from stages.robot.errors import ConfigError, Diagnostic, LinkwrightError
+
+if TYPE_CHECKING:
+    from pipeline.compose import Composer
+    from pipeline.report import Report
+
+Build = Callable[[Plan], "Report"]
+"""What a job does: `pipeline.build.build`, or a stand-in for it."""
+
+SUMMARY = "summary.json"
+LONGEST_SLUG = 60
+
+
+@dataclass(frozen=True, slots=True)
+class Job:
+    """One plan of a sweep; `label` says what sets it apart; `plan.output` is a folder of its own."""
+
+    number: int
+    label: str
+    plan: Plan
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a job ended: its exit status, what it says about that, and its folder."""
+
+    number: int
+    label: str
+    status: int
+    message: str
+    folder: str
+
+
+class Task:
+    """What a job does, in whatever process: it builds, and never raises."""
+
+    def __init__(self, jobs: Sequence[Job], build: Build) -> None:
+        self._jobs = tuple(jobs)
+        self._build = build
+
+    def __call__(self, number: int) -> Outcome:
+        job = self._jobs[number]
+        folder = str(job.plan.folder)
+        try:
+            report = self._build(job.plan)
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            # SystemExit too: it would end the whole sweep.
+            name = "" if isinstance(error, LinkwrightError) else f"{type(error).__name__}: "
+            message = f"{name}{error}".splitlines()[0]
+            failed = f"{folder}.failed"
+            place = failed if Path(failed).is_dir() else folder
+            return Outcome(number, job.label, exit_status(error), message, place)
+        until = job.plan.until
+        message = "valid" if until == "validate" else f"built up to {until}"
+        if report.exit_status != 0:
+            message = "a check failed"
+        return Outcome(number, job.label, report.exit_status, message, os.path.relpath(report.folder))
+
+
+def jobs_of(composer: "Composer", overrides: Sequence[Override]) -> tuple[list[Job], Path]:
+    """Every job of a sweep, composed and judged, and the sweep's folder.
+
+    ConfigError lists the problems of all jobs, each with its jobs' numbers.
+    """
+    swept = [override for override in overrides if override.swept]
+    named = [one for one in swept or overrides if not one.for_hydra_itself and one.key != "output"]
+    everything = composer.jobs(overrides)
+    labels = [_label(named, job) for job in everything]
+    plans: list[Plan] = []
+    found: dict[Diagnostic, list[int]] = {}
+    for number, job in enumerate(everything):
+        try:
+            plans.append(composer.compose(job).plan)
+        except ConfigError as error:
+            for problem in error.problems or (Diagnostic("E-VALUE", error.message, error.where, error.hint),):
+                found.setdefault(problem, []).append(number)
+    if found:
+        raise _refused(found, labels)
+    return _placed(plans, everything, labels)
+
+
+def _placed(plans: list[Plan], everything: list[list[str]], labels: list[str]) -> tuple[list[Job], Path]:
+    roots = {plan.output for plan in plans}
+    if len(roots) > 1:
+        msg = "cannot be swept: every job has a folder of its own in the sweep's folder"
+        raise ConfigError(msg, "output", "give one output, for the sweep's folder")
+    names = sorted({plan.name for plan in plans})
+    name = names[0] if len(names) == 1 else "robots"
+    root = Path(roots.pop() or f"outputs/{name}.sweep")
+    jobs: list[Job] = []
+    for number, (plan, overrides, label) in enumerate(zip(plans, everything, labels, strict=True)):
+        folder = root / f"{_slug(label)}-{_digest(overrides)}"
+        twin = next((job for job in jobs if job.plan.folder == folder), None)
+        if twin is not None:
+            msg = f"jobs {twin.number} and {number} are the same: {label}"
+            raise ConfigError(msg, hint="name each value once")
+        jobs.append(Job(number, label, plan.model_copy(update={"output": str(folder)})))
+    return jobs, root
+
+
+def preflight(jobs: Iterable[Job]) -> None:
+    """ConfigError for what any job's stages know to be wrong before their work."""
+    from pipeline.stage import stages_until
+
+    found: dict[Diagnostic, list[int]] = {}
+    labels = []
+    for job in jobs:
+        labels.append(job.label)
+        for stage in stages_until(job.plan.until):
+            try:
+                stage.preflight(job.plan, os.environ)
+            except ConfigError as error:
+                problem = Diagnostic("E-VALUE", error.message, error.where, error.hint)
+                found.setdefault(problem, []).append(job.number)
+    if found:
+        raise _refused(found, labels)
+
+
+def summary(outcomes: Sequence[Outcome], root: Path) -> str:
+    """The closing table; it is kept as `summary.json` beside the jobs."""
+    content = json.dumps([asdict(outcome) for outcome in outcomes], indent=2, ensure_ascii=False)
+    (root / SUMMARY).write_text(content + "\n", encoding="utf-8")
+    table = [("job", "status", "", "what", "folder")]
+    for one in outcomes:
+        table.append((str(one.number), str(one.status), one.message, one.label, one.folder))
+    widths = [max(len(row[column]) for row in table) for column in range(4)]
+    lines = [
+        "  ".join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[4]]).rstrip()
+        for row in table
+    ]
+    good = sum(outcome.status == 0 for outcome in outcomes)
+    return "\n".join([*lines, f"{good} of {len(outcomes)} jobs built and valid: {root}"])
+
+
+def sweep_status(outcomes: Iterable[Outcome]) -> int:
+    """1 if any job failed, else 3 if any job's check failed, else 0."""
+    found = {outcome.status for outcome in outcomes}
+    if found - {0, 3}:
+        return 1
+    return 3 if 3 in found else 0
+
+
+def _label(named: Sequence[Override], job: Sequence[str]) -> str:
+    """What sets a job apart, as it was typed: `mesh.tolerance=0.001 root=free`."""
+    words = []
+    for override in named:
+        sign = override.hydra.partition("=")[0]
+        found = next((text for text in job if text.partition("=")[0] == sign), "")
+        value = found.partition("=")[2]
+        words.append(f"{override.key}={_inner(value, override)}" if found else override.typed)
+    return " ".join(words)
+
+
+def _inner(value: str, override: Override) -> str:
+    """The value itself of an override that had to be nested: `{*:{damping:1}}` → `1`."""
+    if override.hydra.partition("=")[0].lstrip("+") == override.key:
+        return value
+    return value.rstrip("}").rpartition(":")[2]
+
+
+def _slug(label: str) -> str:
+    return re.sub(r"[^A-Za-z0-9.=_-]+", "_", label)[:LONGEST_SLUG].strip("_.") or "job"
+
+
+def _digest(overrides: Iterable[str]) -> str:
+    """8 hex digits of everything that makes the job what it is."""
+    told = sorted(one for one in overrides if not re.match(r"\+*(hydra[./]|output=|cache\.)", one))
+    return hashlib.sha256("\n".join(told).encode()).hexdigest()[:8]
+
+
+def _refused(found: dict[Diagnostic, list[int]], labels: Sequence[str]) -> ConfigError:
+    problems = []
+    for problem, numbers in found.items():
+        if len(numbers) == len(labels):
+            jobs = "every job"
+        elif len(numbers) == 1:
+            jobs = f"job {numbers[0]} ({labels[numbers[0]]})"
+        else:
+            jobs = f"jobs {', '.join(map(str, numbers))}"
+        where = f"{jobs}: {problem.where}" if problem.where else jobs
+        problems.append(Diagnostic(problem.code, problem.message, where, problem.hint))
+    bad = len({number for numbers in found.values() for number in numbers})
+    msg = f"{bad} of {len(labels)} jobs cannot be built; nothing was built"
+    return ConfigError(msg, problems=problems)

@@ -1,0 +1,72 @@
+"""Golden YAML of every file in `conf`, as the plan reads it: `python -m tests.config.regenerate`.
+
+An option's golden is its section of the plan, a robot's and `build`'s the whole plan, and that of a
+file for Hydra itself Hydra's own composed section.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from pipeline.compose import compose_plan
+from pipeline.presets import OURS
+
+GOLDEN = Path(__file__).parent / "golden"
+
+URL = "https://cad.onshape.com/documents/5f1a0c2b9d8e7f6a5b4c3d2e/w/0a1b2c3d4e5f60718293a4b5/e/a1b2c3d4e5f6"
+
+GIVEN = {"source.onshape": [f"source.url='{URL}'"], "source.bundle": ["source.path=arm.zip"]}
+"""What an option needs besides itself."""
+
+
+def names() -> dict[str, str]:
+    """Golden's name → the file in `conf` that it is of."""
+    files = [file.relative_to(OURS).as_posix() for file in OURS.rglob("*.yaml")]
+    return {file.removesuffix(".yaml").replace("/", "."): file for file in sorted(files)}
+
+
+def composed(name: str, empty: Path) -> Any:
+    """What the file of a golden comes to, composed in an empty folder."""
+    if name == "build":
+        return compose_plan(["source=sample"], cwd=empty).plan.tree()
+    group, _, option = name.rpartition(".")
+    if group.startswith("hydra."):
+        return _hydra_section(group, option)
+    choice = [f"{group}={option}"]
+    if group != "source" and name != "robot.sample":
+        choice.append("source=sample")
+    tree = compose_plan([*choice, *GIVEN.get(name, [])], cwd=empty).plan.tree()
+    return tree if group == "robot" else {group: tree[group]}
+
+
+def text(name: str, empty: Path) -> str:
+    """The golden's text."""
+    return yaml.safe_dump(composed(name, empty), sort_keys=False, allow_unicode=True, width=100)
+
+
+def _hydra_section(group: str, option: str) -> Any:
+    from hydra import compose, initialize_config_module
+    from omegaconf import OmegaConf
+
+    with initialize_config_module("conf", version_base="1.3"):
+        override = f"{group.replace('.', '/')}={option}"
+        config = compose("build", [override], return_hydra_config=True)
+    section = OmegaConf.to_container(OmegaConf.select(config, group), resolve=False)
+    return {group: section}
+
+
+def main() -> None:
+    import tempfile
+
+    GOLDEN.mkdir(exist_ok=True)
+    for old in GOLDEN.glob("*.yaml"):
+        old.unlink()
+    with tempfile.TemporaryDirectory() as empty:
+        for name in names():
+            (GOLDEN / f"{name}.yaml").write_text(text(name, Path(empty)), encoding="utf-8")
+    print(f"{len(names())} goldens written")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,219 @@
+"""From a command line to a plan, through Hydra."""
+
+import pytest
+
+from pipeline.compose import compose_plan
+from stages.robot.errors import ConfigError
+from tests.config.users import MY_ARM, URL, write
+
+
+def plan(folder, *arguments, config_dirs=()):
+    return compose_plan(arguments, config_dirs, folder).plan
+
+
+def refused(folder, *arguments, config_dirs=()):
+    with pytest.raises(ConfigError) as caught:
+        compose_plan(arguments, config_dirs, folder)
+    return str(caught.value)
+
+
+def test_without_robot_and_source_the_sample_is_built(tmp_path):
+    composed = compose_plan([], cwd=tmp_path)
+    assert (composed.robot, composed.plan.name, composed.plan.source.kind) == ("sample", "sample", "sample")
+
+
+def test_with_a_source_alone_the_robot_is_bare(tmp_path):
+    composed = compose_plan(["source=sample"], cwd=tmp_path)
+    assert composed.robot == "bare"
+    assert composed.plan.joints == {}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "name"),
+    [
+        (["robot=my_arm"], "my_arm"),
+        (["robot=my_arm", "name=other"], "other"),
+        (["robot=sub/leg-2"], "leg-2"),
+        (["robot='odd name'"], "odd_name"),
+        (["source=bundle", "source.path=data/Arm v2.zip"], "Arm_v2"),
+        (["source=onshape", f"source.url='{URL}'"], "onshape_a1b2c3d4"),
+        (["source=sample"], "sample"),
+    ],
+)
+def test_a_robot_without_a_name_is_named_by_its_file_its_path_or_its_element(tmp_path, arguments, name):
+    bare = "# @package _global_\ndefaults: [{override /source: sample}]\n"
+    write(tmp_path, my_arm=MY_ARM, **{"sub/leg-2": bare, "odd name": bare})
+    assert plan(tmp_path, *arguments).name == name
+
+
+def test_robots_of_ones_own_come_from_the_working_folder_and_from_config_dir(tmp_path):
+    here, there = write(tmp_path / "a b's", one=MY_ARM), write(tmp_path / "there", two=MY_ARM)
+    assert plan(here, "robot=one").source.url == URL
+    assert plan(here, "robot=two", config_dirs=[there]).name == "two"
+    assert plan(here, "robot=two", config_dirs=["../there"]).name == "two"
+
+
+def test_an_option_chosen_on_the_command_line_wins_over_the_robots_file(tmp_path):
+    write(tmp_path, my_arm=MY_ARM)
+    assert plan(tmp_path, "robot=my_arm").root.base == "fixed"
+    assert plan(tmp_path, "robot=my_arm", "root=free").root.base == "free"
+    assert plan(tmp_path, "robot=my_arm", "root=free", "root.base=auto").root.base == "auto"
+
+
+def test_keys_of_the_robots_source_are_dropped_when_another_kind_is_chosen(tmp_path):
+    write(tmp_path, my_arm=MY_ARM)
+    assert plan(tmp_path, "robot=my_arm", "source=bundle", "source.path=a.zip").source.path == "a.zip"
+    assert plan(tmp_path, "robot=my_arm", "source=sample").source.kind == "sample"
+    assert "it belongs to source=onshape" in refused(
+        tmp_path, "robot=my_arm", "source=sample", "source.url=http://x"
+    )
+
+
+def test_only_formats_that_are_chosen_are_exported(tmp_path):
+    write(tmp_path, my_arm=MY_ARM)
+    assert (plan(tmp_path, "robot=my_arm").export.urdf, plan(tmp_path, "robot=my_arm").export.mjcf) != (
+        None,
+        None,
+    )
+    assert plan(tmp_path, "robot=my_arm").export.urdf is None
+    assert plan(tmp_path, "robot=my_arm", "export=urdf").export.mjcf is None
+    both = plan(tmp_path, "robot=my_arm", "export=[urdf,mjcf]").export
+    assert None not in (both.urdf, both.mjcf)
+
+
+def test_open_mappings_are_written_without_a_plus_and_field_by_field(tmp_path):
+    write(tmp_path, my_arm=MY_ARM)
+    joints = plan(
+        tmp_path,
+        "robot=my_arm",
+        "joints.*.friction=0.5",
+        "joints.elbow.effort=2",
+        "joints.Joint 3.limits=[null,1]",
+    ).tree()["joints"]
+    assert joints == {
+        "*": {"damping": 1.0, "friction": 0.5},
+        "elbow": {"limits": [-1.0, 1.0], "effort": 2.0},
+        "Joint 3": {"limits": [None, 1.0]},
+    }
+
+
+def test_a_mapping_may_be_given_as_a_whole(tmp_path):
+    assert plan(tmp_path, "source=sample", "root={base: free}").root.base == "free"
+
+
+@pytest.mark.parametrize(
+    ("robot", "told"),
+    [
+        (
+            "name: x\n",
+            "the configuration has 2 problems\n"
+            "  E-MISSING source: the robot has no source\n"
+            "      choose one: source=onshape, source=bundle, source=sample\n"
+            "  E-KEY robot: the keys of the robot's file lie under `robot`\n"
+            "      the first line of a robot's file must be: # @package _global_",
+        ),
+        (
+            "name: [x\nfoo: : 1\n",
+            "{file}, line 2, column 4: not valid YAML: expected ',' or ']', but got ':'\n"
+            "  → check quotes, colons and indentation there",
+        ),
+        (
+            "a: 1\na: 2\n",
+            "{file}, line 2, column 1: not valid YAML: found duplicate key a\n"
+            "  → check quotes, colons and indentation there",
+        ),
+        (
+            "# @package _global_\ndefaults:\n  - override /mesh: hul\n",
+            "mesh=hul: there is no such option\n  → did you mean hull? options: hull",
+        ),
+        (
+            "# @package _global_\ndefaults:\n  - override /mehs: hull\n",
+            "the configuration cannot be composed: In 'robot/mine': Could not override 'mehs'. "
+            "No match in the defaults list.\n"
+            "  → look at the defaults list of the robot's file and at the overrides",
+        ),
+        (
+            "# @package _global_\ndefaults:\n  - override /source: onshape\n"
+            "name: ${nope.x}\nscene: {option: {timestep: '???'}}\nmeshh: 1\n",
+            "the configuration has 4 problems\n"
+            "  E-MISSING source.url: must be given\n"
+            "      set it in the robot's file, or on the command line: "
+            "\"source.url='https://cad.onshape.com/documents/...'\"\n"
+            "  E-VALUE name: cannot be resolved: Interpolation key 'nope.x' not found\n"
+            "  E-MISSING scene.option.timestep: must be given\n"
+            "      set it in the robot's file, or on the command line: \"scene.option.timestep='...'\"\n"
+            "  E-KEY meshh: unknown key (given 1)\n"
+            "      did you mean mesh or names?",
+        ),
+    ],
+    ids=["no header", "broken", "duplicate", "no option", "no group", "missing"],
+)
+def test_a_fault_in_the_robots_file_is_told(tmp_path, robot, told):
+    write(tmp_path, mine=robot)
+    assert refused(tmp_path, "robot=mine") == told.format(file=tmp_path / "robot" / "mine.yaml")
+
+
+def test_a_file_that_is_not_utf8_is_named(tmp_path):
+    write(tmp_path, good=MY_ARM)
+    file = tmp_path / "robot" / "mine.yaml"
+    file.write_bytes(b"# @package _global_\nname: \xff\n")
+    assert refused(tmp_path, "robot=mine") == f"{file}: not UTF-8 text\n  → save it as UTF-8"
+
+
+def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
+    write(tmp_path, sample=MY_ARM)
+    told = refused(tmp_path, "robot=sample")
+    assert "conf/robot/sample.yaml and " in told
+    assert str(tmp_path / "robot" / "sample.yaml") in told
+    assert "ambiguous" in refused(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["robot=my_rm"], "did you mean my_arm? options: bare, my_arm, sample; robots of your own: {own}"),
+        (["robot=robot/my_arm.yaml"], "did you mean my_arm? options: bare, my_arm, sample"),
+        (["robot=old"], "{own}/old.yml must end in .yaml"),
+        (["robot=null"], "E-OPTION robot=null: there is no such option"),
+        (["robot=[my_arm,bare]"], "E-OPTION robot=[my_arm,bare]: one option is expected"),
+        (["export="], "E-OPTION export=: one option is expected"),
+        (["export=[urdf,sdf]"], "E-OPTION export=sdf: there is no such option\n      options: mjcf, urdf"),
+        (["export=[]"], "E-VALUE export: no format is chosen"),
+        (["mesh=ladder"], "E-LATER mesh=ladder: not supported yet\n      options: hull"),
+        (["source=urdf"], "E-LATER source=urdf: not supported yet"),
+        (["actuators=position"], "E-LATER actuators=position: not supported yet"),
+        (["mesh/collider=x"], "E-OVERRIDE mesh/collider=x: there is no such group\n      groups: actuators"),
+        (["hydra.searchpath=[x]"], "this part of Hydra is set by linkwright"),
+        (["~nope"], "Could not delete from config. 'nope' does not exist."),
+        (["+name=a", "+name=b"], "the configuration cannot be composed"),
+    ],
+)  # fmt: skip
+def test_a_choice_that_cannot_be_made_is_told(tmp_path, arguments, told):
+    write(tmp_path, my_arm=MY_ARM)
+    (tmp_path / "robot" / "old.yml").write_text("")
+    assert told.format(own=tmp_path / "robot") in refused(tmp_path, *arguments)
+
+
+def test_everything_wrong_with_a_command_line_is_told_at_once(tmp_path):
+    told = refused(tmp_path, "robot=nope", "mesh=hul", "source.url=https://x?a=b", "new")
+    assert [line.split()[0] for line in told.splitlines() if line.startswith("  E-")] == [
+        "E-OVERRIDE", "E-OVERRIDE", "E-OPTION", "E-OPTION",
+    ]  # fmt: skip
+
+
+def test_an_id_that_is_read_as_a_number_is_told_to_be_quoted(tmp_path):
+    told = refused(tmp_path, "source=onshape", "source.url=61234567890123456789e012")
+    assert "source.url: must be text (given 6.123456789012345e+31)\n      quote it" in told
+    write(tmp_path, mine="# @package _global_\nsource: {kind: onshape, url: 012345670123456701234567}\n")
+    assert "source.url: must be text (given 96374504495306324343)\n      quote it" in refused(
+        tmp_path, "robot=mine"
+    )
+
+
+def test_a_config_dir_that_is_not_there_is_told(tmp_path):
+    assert refused(tmp_path, config_dirs=["nope"]).startswith("--config-dir: nope is not a folder")
+
+
+def test_composing_leaves_no_trace(tmp_path):
+    compose_plan(["source=sample"], cwd=tmp_path)
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,45 @@
+"""Every file in `conf` is composed, judged and held against its golden."""
+
+import pytest
+import yaml
+
+from pipeline.plan import Plan
+from pipeline.presets import GROUPS, OURS, Presets
+from tests.config.regenerate import GOLDEN, names, text
+
+
+@pytest.mark.parametrize("name", names())
+def test_a_file_of_conf_comes_to_its_golden(name, tmp_path):
+    if name == "hydra.launcher.workstation":
+        pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
+    golden = GOLDEN / f"{name}.yaml"
+    assert text(name, tmp_path) == golden.read_text(encoding="utf-8"), (
+        "if this is meant: python -m tests.config.regenerate"
+    )
+
+
+def test_every_file_of_conf_has_a_golden_and_every_golden_a_file():
+    assert sorted(file.stem for file in GOLDEN.iterdir()) == sorted(names())
+
+
+def test_a_golden_of_a_whole_plan_reads_back_as_the_same_plan():
+    tree = yaml.safe_load((GOLDEN / "robot.sample.yaml").read_text(encoding="utf-8"))
+    assert Plan.parse(tree).tree() == tree
+
+
+def test_the_groups_are_those_of_the_design():
+    expected = "actuators depth elements export ground mesh robot root source validate"
+    assert tuple(expected.split()) == GROUPS
+
+
+def test_no_option_has_a_name_that_yaml_reads_as_something_else(tmp_path):
+    options = [option for group in GROUPS for option in Presets(cwd=tmp_path).options(group)]
+    assert [option for option in options if not isinstance(yaml.safe_load(option), str)] == []
+
+
+def test_conf_holds_yaml_only():
+    others = [
+        file.name for file in OURS.rglob("*") if file.is_file() and file.suffix not in (".yaml", ".pyc")
+    ]
+    assert others == ["__init__.py"]
+    assert (OURS / "__init__.py").read_bytes() == b""

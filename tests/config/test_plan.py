@@ -1,0 +1,294 @@
+"""The plan judges every key: what it says, and that it says everything at once."""
+
+import pytest
+
+from pipeline.plan import SECTIONS, Plan, section
+from pipeline.schema import leaves
+from stages.graph.keys import GraphKeys
+from stages.mesh.keys import MeshKeys
+from stages.robot.errors import ConfigError
+
+SAMPLE = {"kind": "sample"}
+ONSHAPE = {"kind": "onshape", "url": "https://cad.onshape.com/documents/x"}
+
+
+def problems(**data):
+    with pytest.raises(ConfigError) as caught:
+        Plan.parse({"source": SAMPLE, **data})
+    return [(one.code, one.where, one.message, one.hint) for one in caught.value.problems]
+
+
+def problem(**data):
+    (only,) = problems(**data)
+    return only
+
+
+def test_two_errors_are_told_in_one_message():
+    with pytest.raises(ConfigError) as caught:
+        Plan.parse({"source": SAMPLE, "mesh": {"tolerence": 1}, "until": "grph"})
+    assert str(caught.value) == (
+        "the configuration has 2 problems\n"
+        "  E-KEY mesh.tolerence: unknown key (given 1)\n"
+        "      did you mean mesh.tolerance?\n"
+        "  E-VALUE until: 'grph' is not allowed\n"
+        "      did you mean graph? allowed: fetch, graph, mesh, export, validate"
+    )
+
+
+@pytest.mark.parametrize(
+    ("data", "told"),
+    [
+        ({"jonts": {}}, ("E-KEY", "jonts", "unknown key (given {})", "did you mean joints?")),
+        ({"tolerance": 3}, ("E-KEY", "tolerance", "unknown key (given 3)", "did you mean mesh.tolerance?")),
+        ({"xyzzy": 3}, ("E-KEY", "xyzzy", "unknown key (given 3)", "linkwright --help lists the keys")),
+        (
+            {"ground": {"colour": "red"}},
+            (
+                "E-KEY",
+                "ground.colour",
+                "unknown key (given 'red')",
+                "keys there: kind, size, xyz, rpy, friction, material",
+            ),
+        ),
+        (
+            {"export": {"mjcf": {"x": 1}}},
+            ("E-KEY", "export.mjcf.x", "unknown key (given 1)", "there are no keys there yet"),
+        ),
+        (
+            {"joints": {"left.knee": {"dampng": 1}}},
+            (
+                "E-KEY",
+                'joints["left.knee"].dampng',
+                "unknown key (given 1)",
+                'did you mean joints["left.knee"].damping?',
+            ),
+        ),
+        (
+            {"robot": {"name": "arm"}},
+            (
+                "E-KEY",
+                "robot",
+                "the keys of the robot's file lie under `robot`",
+                "the first line of a robot's file must be: # @package _global_",
+            ),
+        ),
+        (
+            {"source": {"kind": "sample", "url": "x"}},
+            (
+                "E-KEY",
+                "source.url",
+                "source=sample has no such key (given 'x')",
+                "it belongs to source=onshape",
+            ),
+        ),
+    ],
+)
+def test_an_unknown_key_is_named_with_what_may_be_meant(data, told):
+    assert problem(**data) == told
+
+
+CHOOSE = "choose one: source=onshape, source=bundle, source=sample"
+
+
+@pytest.mark.parametrize(
+    ("source", "told"),
+    [
+        (None, ("E-MISSING", "source", "the robot has no source", CHOOSE)),
+        ({}, ("E-MISSING", "source", "the robot has no source", CHOOSE)),
+        ("arm.zip", ("E-VALUE", "source", "must be a mapping (given 'arm.zip')", CHOOSE)),
+        ({"url": "u"}, ("E-MISSING", "source.kind", "missing (given {'url': 'u'})", CHOOSE)),
+        ({"kind": "onshap"}, ("E-VALUE", "source.kind", "'onshap' is not allowed", CHOOSE)),
+        ({"kind": "urdf"}, ("E-LATER", "source.kind", "'urdf' is not supported yet", CHOOSE)),
+        (
+            {"kind": "onshape"},
+            ("E-MISSING", "source.url", "missing", "The assembly's address as the browser shows it."),
+        ),
+    ],
+)
+def test_a_source_that_is_none_is_told(source, told):
+    assert problem(source=source) == told
+
+
+def test_a_plan_without_source_is_no_plan():
+    with pytest.raises(ConfigError, match="the robot has no source"):
+        Plan.parse({})
+
+
+@pytest.mark.parametrize(
+    ("data", "key", "message"),
+    [
+        ({"loops": {"solref": "x"}}, "loops.solref", "must be a list (given 'x')"),
+        ({"loops": {"solref": [1]}}, "loops.solref", "must be 2 numbers (given [1])"),
+        ({"ground": {"xyz": [1, 2, 3, 4]}}, "ground.xyz", "must be 3 numbers (given [1, 2, 3, 4])"),
+        ({"ground": {"rpy": [0, 0, float("nan")]}}, "ground.rpy[2]", "must be finite (given nan)"),
+        ({"ground": {"rpy": [0, 0, True]}}, "ground.rpy[2]", "must be a number (given true)"),
+        ({"ground": {"size": [1, -1]}}, "ground.size[1]", "must be greater than 0 (given -1)"),
+        ({"joints": {"a": {"damping": "1"}}}, "joints.a.damping", "must be a number (given '1')"),
+        (
+            {"joints": {"a": {"friction": -1}}},
+            "joints.a.friction",
+            "must be greater than or equal to 0 (given -1)",
+        ),
+        (
+            {"joints": {"a": {"limits": [1, 1]}}},
+            "joints.a.limits",
+            "must be [lower, upper] with lower < upper (given [1, 1])",
+        ),
+        ({"joints": {"a": {"limits": [0]}}}, "joints.a.limits", "must be 2 numbers (given [0])"),
+        ({"joints": 3}, "joints", "must be a mapping (given 3)"),
+        ({"mesh": None}, "mesh", "must be a mapping (given null)"),
+        ({"output": ""}, "output", "must not be empty (given '')"),
+        (
+            {"export": {}},
+            "export",
+            "no format is chosen; allowed: urdf, mjcf, [urdf, mjcf] (given {})",
+        ),
+    ],
+)
+def test_a_wrong_value_is_told_with_the_value_and_what_is_allowed(data, key, message):
+    assert problem(**data) == ("E-VALUE", key, message, "")
+
+
+@pytest.mark.parametrize("name", ["../x", "a/b", "a b", "", ".", "é", "a\n"])
+def test_a_name_that_is_no_file_name_is_refused(name):
+    code, where, message, _ = problem(name=name)
+    assert (code, where) == ("E-VALUE", "name")
+    assert "letters, digits, _ and - only" in message or message == "must not be empty (given '')"
+
+
+@pytest.mark.parametrize("value", [6.123456789012345e31, 96374504495306324343, True])
+def test_a_number_where_text_is_expected_is_told_to_be_quoted(value):
+    code, where, message, hint = problem(source={"kind": "onshape", "url": value})
+    assert (code, where) == ("E-VALUE", "source.url")
+    assert message.startswith("must be text (given ")
+    assert hint == """quote it: url: "..." in YAML, "source.url='...'" on the command line"""
+
+
+def test_a_number_as_the_name_of_a_joint_is_told_to_be_quoted():
+    assert problem(joints={3: {}}) == (
+        "E-VALUE",
+        "joints",
+        "names must be text (given 3)",
+        'put the name in quotes: "3": ...',
+    )
+
+
+@pytest.mark.parametrize(
+    ("data", "told"),
+    [
+        ({"mesh": {"collider": "coacd"}}, ("mesh.collider", "'coacd' is not supported yet", "allowed: hull")),
+        ({"contact": {"self": "auto"}}, ("contact.self", "'auto' is not supported yet", "allowed: none")),
+        ({"scene": {"pose": "touch"}}, ("scene.pose", "'touch' is not supported yet", "allowed: xyz, rpy")),
+        ({"root": {"select": "central"}}, ("root.select", "'central' is not supported yet", "")),
+        ({"zero": "saved"}, ("zero", "'saved' is not supported yet", "allowed: mate")),
+        (
+            {"scene": {"option": {"gravity": 1}}},
+            ("scene.option.gravity", "not supported yet (given 1)", "supported so far: timestep"),
+        ),
+        (
+            {"mesh": {"tolerance": 0.002}},
+            (
+                "mesh.tolerance",
+                "not supported yet (given 0.002)",
+                "leave it out: only its default works so far, null",
+            ),
+        ),
+        (
+            {"source": {**ONSHAPE, "configuration": {"leg": "0.2 m"}}},
+            (
+                "source.configuration",
+                "not supported yet (given {'leg': '0.2 m'})",
+                "leave it out: only its default works so far, {}",
+            ),
+        ),
+    ],
+)
+def test_what_is_not_there_yet_is_refused_by_name(data, told):
+    assert problem(**data) == ("E-LATER", *told)
+
+
+LATER = [
+    *[{"source": {**ONSHAPE, key: value}} for key, value in {
+        "variables": {"a": 1}, "allow_write": True, "verify": False, "offline": True, "refresh": True,
+        "max_calls": 3, "max_wait": 1}.items()],
+    {"root": {"frame": "base"}}, {"root": {"disconnected": "drop"}}, {"depth": {"max": 0}},
+    {"depth": {"rigid": ["*motor*"]}}, {"depth": {"flexible": ["a"]}}, {"hidden": "drop"}, {"mirror": "weld"},
+    {"conventions": "onshape_to_robot"}, {"names": {"links": {"a": "b"}}}, {"names": {"joints": {"a": "b"}}},
+    {"mass": {"missing": "error"}}, {"mass": {"density": 1}}, {"mass": {"parts": {"a": {"mass": 1}}}},
+    {"mass": {"links": {"a": 1}}}, {"links": {"a": {}}}, {"frames": {"add": {"a": {}}}},
+    {"loops": {"cut": ["a"]}},
+    {"mesh": {"extra_volume": 0.5}}, {"mesh": {"max_vertices": 8}}, {"mesh": {"effort": "high"}},
+    {"mesh": {"colliders": {"a": "box"}}}, {"mesh": {"visual": {"merge": "part"}}},
+    {"mesh": {"visual": {"max_faces": 9}}}, {"geoms": {"a": {}}}, {"contact": {"exclude": [["a", "b"]]}},
+    {"scene": {"lights": {"a": {}}}}, {"scene": {"cameras": {"a": {}}}}, {"scene": {"compiler": {"a": 1}}},
+    {"actuators": {"*": {}}}, {"sensors": {"imu": {}}}, {"keyframes": {"home": {"a": 1}}},
+    {"elements": {"a": {}}}, {"attributes": {"a": {}}}, {"plugins": ["mine"]},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("data", LATER, ids=str)
+def test_every_key_without_function_is_refused_unless_at_its_default(data):
+    code, _, message, _ = problem(**data)
+    assert code == "E-LATER"
+    assert "not supported yet" in message
+
+
+def test_keys_without_function_may_be_given_their_default():
+    Plan.parse(
+        {"source": SAMPLE, "hidden": "keep", "mass": {"density": 1200}, "depth": {"max": None, "rigid": []}}
+    )
+
+
+def test_every_key_of_the_tree_is_documented():
+    undocumented = [
+        f"{owner.__name__}.{name}"
+        for owner in _sections(Plan)
+        for name, field in owner.model_fields.items()
+        if not field.description
+    ]
+    assert undocumented == []
+
+
+def _sections(root):
+    from pipeline.schema import annotation_at, is_section, names
+    from stages.fetch.keys import SOURCES
+
+    yield root
+    yield from SOURCES.values()
+    for name in names(root):
+        below = annotation_at(root, (name,))
+        if is_section(below):
+            yield from _sections(below)
+
+
+def test_each_key_belongs_to_one_stage():
+    owned = [name for keys in SECTIONS for name in keys.model_fields]
+    assert len(owned) == len(set(owned))
+    assert {name for name in Plan.model_fields if name not in owned} == {
+        "cache",
+        "plugins",
+        "output",
+        "until",
+    }
+
+
+def test_the_part_of_a_stage_holds_that_stage_alone_and_keeps_the_order_of_mappings():
+    plan = Plan.parse({"source": SAMPLE, "joints": {"b": {"damping": 1}, "a": {}}})
+    assert list(section(plan, GraphKeys)["joints"]) == ["b", "a"]
+    assert set(section(plan, MeshKeys)) == {"mesh", "geoms", "contact"}
+    assert section(plan, MeshKeys)["contact"] == {"exclude": [], "self": "none"}
+
+
+def test_a_property_of_a_joint_that_is_left_out_is_not_one_that_is_null():
+    joints = {"*": {"damping": 1}, "elbow": {"effort": 2}, "wrist": {"damping": None}}
+    assert Plan.parse({"source": SAMPLE, "joints": joints}).tree()["joints"] == joints
+
+
+def test_the_folder_is_named_by_output_else_by_the_name():
+    assert str(Plan.parse({"source": SAMPLE, "name": "arm"}).folder) == "outputs/arm"
+    assert str(Plan.parse({"source": SAMPLE, "output": "there"}).folder) == "there"
+
+
+def test_the_tree_has_the_keys_of_every_section():
+    keys = set(leaves(Plan))
+    assert {"name", "source.url", "source.path", "mesh.visual.merge", "contact.self", "loops.solref"} <= keys

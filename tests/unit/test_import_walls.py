@@ -1,0 +1,128 @@
+"""Imports run one way: pipeline → stages/<stage> → stages/robot; heavy libraries stay in their place."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+REPO = Path(__file__).parents[2]
+
+HOMES = {
+    "httpx": ("stages/fetch/",),
+    "dotenv": ("stages/fetch/",),
+    "mujoco": ("stages/validate/",),
+    "trimesh": ("stages/mesh/",),
+    "networkx": ("stages/graph/",),
+    "lxml": ("stages/robot/xml.py",),
+    "hydra": ("pipeline/compose.py",),
+    "omegaconf": ("pipeline/compose.py",),
+    "rich": ("pipeline/",),
+    "filelock": ("pipeline/",),
+    "platformdirs": ("pipeline/",),
+    "joblib": (),
+    "pin": (),
+    "pinocchio": (),
+}
+"""Library → the only places that may import it, at any depth of a module."""
+
+PYDANTIC = ("pipeline/", "stages/fetch/")
+"""The borders, beside the `keys.py` of every stage."""
+
+
+def modules() -> list[Path]:
+    return sorted(path for top in ("pipeline", "stages", "conf") for path in (REPO / top).rglob("*.py"))
+
+
+def imported(path: Path, source: str) -> Iterator[str]:
+    """The full names that a module imports, wherever in it, also by `import_module`."""
+    package = path.relative_to(REPO).parts[:-1]
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) - node.level + 1] if node.level else ()
+            base = ".".join([*above, *([node.module] if node.module else [])])
+            yield from (f"{base}.{alias.name}" for alias in node.names)
+        elif isinstance(node, ast.Call) and node.args and isinstance(node.args[0], ast.Constant):
+            called = node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+            if called in ("import_module", "__import__"):
+                yield str(node.args[0].value)
+
+
+def breaches(path: Path, source: str) -> list[str]:
+    """What a module imports that it must not, with the reason."""
+    place = path.relative_to(REPO).as_posix()
+    own = place.split("/")
+    found = []
+    for name in imported(path, source):
+        parts = name.split(".")
+        homes = HOMES.get(parts[0])
+        if homes is not None and not any(place.startswith(home) for home in homes):
+            found.append(f"{place} imports {name}: {parts[0]} belongs to {', '.join(homes) or 'the tests'}")
+        if parts[0] == "pydantic" and own[-1] != "keys.py" and not place.startswith(PYDANTIC):
+            found.append(f"{place} imports {name}: pydantic is for the borders only")
+        if parts[0] == "tests":
+            found.append(f"{place} imports {name}: the product knows no tests")
+        if own[0] == "stages" and parts[0] in ("pipeline", "conf"):
+            found.append(f"{place} imports {name}: a stage does not know how it is run")
+        if own[0] == "stages" and parts[0] == "stages" and len(parts) > 1:
+            allowed = {"robot", own[1]} if len(own) > 2 else {"robot"}
+            if parts[1] not in allowed:
+                found.append(f"{place} imports {name}: a stage imports no other stage")
+    return found
+
+
+@pytest.mark.parametrize("path", modules(), ids=lambda path: path.relative_to(REPO).as_posix())
+def test_a_module_keeps_within_the_walls(path):
+    assert breaches(path, path.read_text()) == []
+
+
+@pytest.mark.parametrize(
+    ("place", "line"),
+    [
+        ("stages/graph/x.py", "from stages.mesh import make_geometry"),
+        ("stages/graph/x.py", "import stages.export.urdf"),
+        ("stages/graph/x.py", "from ..mesh import keys"),
+        ("stages/robot/x.py", "from stages.graph.tree import span"),
+        ("stages/mesh/x.py", "def f():\n    from pipeline.cache import Cache"),
+        ("stages/mesh/x.py", "import_module('stages.export')"),
+        ("stages/graph/x.py", "import httpx"),
+        ("stages/export/x.py", "from lxml import etree"),
+        ("stages/robot/x.py", "def f():\n    import mujoco"),
+        ("stages/graph/x.py", "from pydantic import BaseModel"),
+        ("pipeline/build.py", "from omegaconf import OmegaConf"),
+        ("pipeline/cli.py", "from hydra import compose"),
+        ("pipeline/build.py", "import tests.onshape"),
+    ],
+)
+def test_a_breach_is_found(place, line):
+    assert len(breaches(REPO / place, line)) == 1
+
+
+@pytest.mark.parametrize(
+    ("place", "line"),
+    [
+        ("pipeline/stage.py", "from stages.mesh import make_geometry"),
+        ("stages/mesh/x.py", "from stages.robot.model import Robot"),
+        ("stages/mesh/x.py", "from stages.mesh.weld import weld"),
+        ("stages/mesh/keys.py", "from pydantic import Field"),
+        ("stages/robot/xml.py", "from lxml import etree"),
+        ("pipeline/compose.py", "import hydra"),
+    ],
+)
+def test_what_is_allowed_is_let_through(place, line):
+    assert breaches(REPO / place, line) == []
+
+
+def test_the_faces_of_the_stages_and_the_build_import_nothing_heavy():
+    code = (
+        "import sys, pipeline.build, pipeline.report, pipeline.progress\n"
+        "import stages.fetch, stages.graph, stages.mesh, stages.export, stages.validate\n"
+        "heavy = 'numpy scipy trimesh mujoco networkx lxml httpx hydra omegaconf rich'.split()\n"
+        "print([name for name in heavy if name in sys.modules])"
+    )
+    run = subprocess.run([sys.executable, "-c", code], cwd=REPO, capture_output=True, text=True, check=True)
+    assert run.stdout.strip() == "[]"

@@ -1,0 +1,129 @@
+"""What is typed, and what Hydra gets."""
+
+import pytest
+
+from pipeline.compose import session
+from pipeline.overrides import quoted, read
+from pipeline.presets import GROUPS
+
+
+@pytest.fixture(scope="module")
+def values():
+    with session() as composer:
+        yield composer._values
+
+
+@pytest.mark.parametrize(
+    ("typed", "hydra"),
+    [
+        ("mesh=hull", "mesh=hull"),
+        ("export=[urdf,mjcf]", "export=[urdf,mjcf]"),
+        ("mesh.tolerance=0.002", "++mesh.tolerance=0.002"),
+        ("name=arm", "++name=arm"),
+        ("name=../x", "++name=../x"),
+        ("nonsense=1", "++nonsense=1"),
+        ("+mesh.x=1", "+mesh.x=1"),
+        ("++mesh.x=1", "++mesh.x=1"),
+        ("~ground", "~ground"),
+        ("hydra.verbose=true", "hydra.verbose=true"),
+        ("hydra/launcher=basic", "hydra/launcher=basic"),
+        ("actuators={elbow: none}", "++actuators={elbow: none}"),
+        ("joints.elbow.damping=1", "++joints.elbow.damping=1"),
+        ("joints.*.damping=1", "++joints={*:{damping:1}}"),
+        ("joints.*finger*.limits=[-1,1]", "++joints={*finger*:{limits:[-1,1]}}"),
+        ("joints.Revolute 3.effort=2", r"++joints={Revolute\ 3:{effort:2}}"),
+        ('joints."a.b=c".effort=2', r"++joints={a.b\=c:{effort:2}}"),
+        ("joints.f[0-9].effort=2", r"++joints={f\[0-9\]:{effort:2}}"),
+        ("+joints.*.damping=1", "++joints={*:{damping:1}}"),
+        ("source.url='https://x/y?a=b&c=d,e#f'", "++source.url='https://x/y?a=b&c=d,e#f'"),
+        ("source.url=https://x/y?z", "++source.url=https://x/y?z"),
+    ],
+)
+def test_an_override_becomes_one_that_hydra_can_carry(values, typed, hydra):
+    (override,), problems = read([typed], GROUPS, values, multirun=False)
+    assert (override.hydra, problems) == (hydra, [])
+
+
+def test_a_sweep_over_a_path_with_a_glob_nests_every_value(values):
+    (override,), _ = read(["joints.*.damping=1,2"], GROUPS, values, multirun=True)
+    assert override.hydra == "++joints={*:{damping:1}},{*:{damping:2}}"
+    assert override.swept
+
+
+PASTE = (
+    "paste: linkwright{m} 'joints.*.damping=1' \"source.url='{url}'\"   "
+    "(check its end: an unquoted & has cut the URL in the shell)"
+)
+
+
+@pytest.mark.parametrize(
+    "url", ["https://cad.onshape.com/e/1?a=b", "https://x/y?a,b", "https://x/y#z", "http://x/(1)"]
+)
+@pytest.mark.parametrize("multirun", [False, True])
+def test_a_url_without_quotes_is_answered_with_the_line_to_paste(values, url, multirun):
+    overrides, problems = read(["joints.*.damping=1", f"source.url={url}"], GROUPS, values, multirun)
+    if multirun and "," in url:
+        assert problems == []  # a sweep over two values, as far as anyone can tell
+        return
+    (problem,) = problems
+    assert len(overrides) == 1
+    assert problem.message == "a URL needs quotes, and around them quotes for the shell"
+    assert problem.hint == PASTE.format(url=url, m=" -m" if multirun else "")
+
+
+def test_the_line_to_paste_can_be_pasted(values):
+    import shlex
+
+    _, (problem,) = read(["source.url=https://x/y?a=b'c&$d"], GROUPS, values, multirun=False)
+    line = problem.hint.removeprefix("paste: ").partition("   (")[0]
+    (override,), problems = read(shlex.split(line)[1:], GROUPS, values, multirun=False)
+    assert (problems, override.values) == ([], (r"'https://x/y?a=b\'c&$d'",))
+
+
+@pytest.mark.parametrize(
+    ("typed", "message", "hint"),
+    [
+        ("new", "`new` is not supported yet", "see linkwright --help"),
+        (
+            "my_arm",
+            "key=value is expected",
+            "a robot is chosen with robot=my_arm; see linkwright --help",
+        ),
+        ("=1", "key=value is expected", "a robot is chosen with robot==1; see linkwright --help"),
+        (
+            "https://x/y?a=b",
+            "key=value is expected",
+            "linkwright source=onshape \"source.url='https://x/y?a=b'\"",
+        ),
+        (
+            "mesh.tolerance=1,2",
+            "several values, but no sweep",
+            "for a sweep add -m; for one text \"mesh.tolerance='1,2'\"; for a list 'mesh.tolerance=[1,2]'",
+        ),
+        (
+            "joints.Gelenk <1>.damping=1",
+            "the command line cannot carry this key",
+            'write it in YAML: joints: {"Gelenk <1>": {damping: 1}}',
+        ),
+        (
+            "joints.12.x y=1",
+            "the command line cannot carry this key",
+            'write it in YAML: joints: {"12": {"x y": 1}}',
+        ),
+        (
+            "source.path=~/arm.zip",
+            "cannot be read: token recognition error at: '~'",
+            "quote the value: \"source.path='~/arm.zip'\"",
+        ),
+    ],
+)
+def test_what_cannot_be_carried_is_answered_with_what_to_do(values, typed, message, hint):
+    overrides, problems = read([typed], GROUPS, values, multirun=False)
+    assert overrides == []
+    assert [(one.where, one.message, one.hint) for one in problems] == [(typed, message, hint)]
+
+
+def test_quotes_inside_and_outside():
+    assert quoted("a", "b c") == "\"a='b c'\""
+    assert quoted("a", "'b'") == "\"a='b'\""
+    assert quoted("a", "$b") == "'a='\"'\"'$b'\"'\"''"

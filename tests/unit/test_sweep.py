@@ -1,0 +1,175 @@
+"""A sweep: all jobs judged first, each in a folder of its own, the failures told at the end."""
+
+import json
+import re
+
+import pytest
+
+from pipeline.cli import run
+from pipeline.report import Report
+from stages.robot.errors import MeshError
+
+
+def ending(plan):
+    """A build that ends as its plan's base says."""
+    if plan.root.base == "free":
+        raise SystemExit(5)
+    if plan.ground.kind == "none":
+        msg = "no triangles"
+        raise MeshError(msg, "upper_arm")
+    status = 3 if plan.root.base == "fixed" else 0
+    return Report("built", plan.name, str(plan.folder), plan.until, status)
+
+
+class Recorder:
+    """A build that succeeds and remembers its plans."""
+
+    def __init__(self):
+        self.plans = []
+
+    def __call__(self, plan):
+        self.plans.append(plan)
+        return Report("built", plan.name, str(plan.folder), plan.until, 0)
+
+
+@pytest.fixture(autouse=True)
+def _in_an_empty_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("values", "status"),
+    [("auto", 0), ("auto,fixed", 3), ("auto,fixed,free", 1), ("free", 1)],
+)
+def test_the_exit_status_is_that_of_the_worst_job(values, status):
+    assert run(["-m", "source=sample", f"root={values}"], ending) == status
+
+
+def test_a_job_that_fails_or_exits_stops_no_other_and_is_told_in_the_table(capsys):
+    run(["-m", "source=sample", "root=free,fixed,auto", "ground=plane,none"], ending)
+    out, err = capsys.readouterr()
+    rows = [re.split(r"\s{2,}", line) for line in out.splitlines()]
+    assert [(row[1], row[2], row[3]) for row in rows[1:-1]] == [
+        ("1", "SystemExit: 5", "root=free ground=plane"),
+        ("1", "SystemExit: 5", "root=free ground=none"),
+        ("3", "a check failed", "root=fixed ground=plane"),
+        ("1", "upper_arm: no triangles", "root=fixed ground=none"),
+        ("0", "valid", "root=auto ground=plane"),
+        ("1", "upper_arm: no triangles", "root=auto ground=none"),
+    ]
+    assert out.splitlines()[-1] == "1 of 6 jobs built and valid: outputs/sample.sweep"
+    assert err == ""
+
+
+def test_each_job_has_a_folder_of_its_own_named_by_what_sets_it_apart():
+    build = Recorder()
+    assert run(["-m", "source=sample", "joints.*.damping=0.1,0.2", "until=graph"], build) == 0
+    folders = [plan.output for plan in build.plans]
+    assert [re.sub(r"[0-9a-f]{8}$", "#", folder) for folder in folders] == [
+        "outputs/sample.sweep/joints._.damping=0.1-#",
+        "outputs/sample.sweep/joints._.damping=0.2-#",
+    ]
+    assert [plan.joints["*"].damping for plan in build.plans] == [0.1, 0.2]
+
+
+def test_the_folders_are_the_same_in_the_next_run_and_differ_where_anything_differs():
+    first, again, other = Recorder(), Recorder(), Recorder()
+    run(["-m", "source=sample", "root=auto,free"], first)
+    run(["-m", "root=auto,free", "source=sample", "cache.mode=refresh"], again)
+    run(["-m", "source=sample", "root=auto,free", "ground=none"], other)
+    folders = [{plan.output for plan in build.plans} for build in (first, again, other)]
+    assert folders[0] == folders[1]
+    assert not folders[0] & folders[2]
+
+
+def test_the_key_output_moves_the_sweep(tmp_path):
+    build = Recorder()
+    assert run(["-m", "source=sample", "root=auto,free", "output=there"], build) == 0
+    assert all(plan.output.startswith("there/root=") for plan in build.plans)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["there"]
+
+
+def test_hydras_account_and_the_summary_lie_beside_the_jobs(tmp_path):
+    run(["-m", "source=sample", "root=auto,fixed"], ending)
+    folder = tmp_path / "outputs" / "sample.sweep"
+    assert sorted(path.name for path in folder.iterdir()) == ["multirun.yaml", "summary.json"]
+    assert [one["status"] for one in json.loads((folder / "summary.json").read_text())] == [0, 3]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (
+            ["source=sample", "ground.size=[1,2],[3,-1]", "until=graph,grph", "jonts=1"],
+            "error: 4 of 4 jobs cannot be built; nothing was built\n"
+            "  E-KEY every job: jonts: unknown key (given 1)\n"
+            "      did you mean joints?\n"
+            "  E-VALUE jobs 1, 3: until: 'grph' is not allowed\n"
+            "      did you mean graph? allowed: fetch, graph, mesh, export, validate\n"
+            "  E-VALUE jobs 2, 3: ground.size[1]: must be greater than 0 (given -1)\n",
+        ),
+        (
+            ["source=sample", "scene.option.timestep=0.1,0"],
+            "error: 1 of 2 jobs cannot be built; nothing was built\n"
+            "  E-VALUE job 1 (scene.option.timestep=0): scene.option.timestep: "
+            "must be greater than 0 (given 0)\n",
+        ),
+        (
+            ["source=bundle", "source.path=a.zip,b.zip"],
+            "error: 2 of 2 jobs cannot be built; nothing was built\n",
+        ),
+        (
+            ["source=sample", "root=auto,fred"],
+            "error: the command line cannot be used\n"
+            "  E-OPTION root=fred: there is no such option\n"
+            "      did you mean free or fixed? options: auto, fixed, free\n"
+            "  → linkwright --help shows what can be said\n",
+        ),
+        (
+            ["source=sample", "root=auto,auto"],
+            "error: jobs 0 and 1 are the same: root=auto\n  → name each value once\n",
+        ),
+        (
+            ["source=sample", "output=a,b"],
+            "error: output: cannot be swept: every job has a folder of its own in the sweep's folder\n"
+            "  → give one output, for the sweep's folder\n",
+        ),
+        (
+            ["source=sample", "hydra/launcher=nope"],
+            "error: hydra/launcher=nope: there is no launcher nope\n",
+        ),
+        (["source=sample", "hydra.sweeper.params.x=1"], "error: the command line cannot be used\n"),
+    ],
+)
+def test_a_bad_job_is_told_and_nothing_is_built(arguments, told, capsys, tmp_path):
+    build = Recorder()
+    assert run(["-m", *arguments], build) == 2
+    assert capsys.readouterr().err.startswith(told)
+    assert build.plans == []
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_jobs_run_side_by_side_with_joblib(capsys):
+    pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
+    arguments = ["-m", "source=sample", "root=auto,fixed,free", "hydra/launcher=workstation"]
+    assert run([*arguments, "hydra.launcher.n_jobs=2"], ending) == 1
+    assert [line.split()[1] for line in capsys.readouterr().out.splitlines()[1:-1]] == ["0", "3", "1"]
+
+
+def test_an_interrupt_ends_the_sweep(capsys):
+    def interrupted(plan):
+        raise KeyboardInterrupt
+
+    assert run(["-m", "source=sample", "root=auto,free"], interrupted) == 130
+    assert capsys.readouterr().err == "error: interrupted\n"
+
+
+def test_a_sweep_over_robots_lies_in_a_folder_of_its_own(tmp_path):
+    own = "# @package _global_\ndefaults: [{override /source: sample}]\n"
+    (tmp_path / "robot").mkdir()
+    for name in ("a", "b"):
+        (tmp_path / "robot" / f"{name}.yaml").write_text(own)
+    build = Recorder()
+    assert run(["-m", "robot=a,b"], build) == 0
+    assert [plan.name for plan in build.plans] == ["a", "b"]
+    assert {plan.folder.parent.as_posix() for plan in build.plans} == {"outputs/robots.sweep"}
