@@ -1,0 +1,51 @@
+"""`python -m tests.benchmarks`: how long the command takes, against the bare interpreter."""
+
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from tests.e2e.command import COMMAND, environment
+
+GOALS = {"linkwright --help": 0.25, "a fully cached build": 1.5}
+
+
+def seconds(run: Callable[[], object], times: int = 5) -> float:
+    """The median wall time of `run` [s]."""
+    taken = []
+    for _ in range(times):
+        start = time.perf_counter()
+        run()
+        taken.append(time.perf_counter() - start)
+    return statistics.median(taken)
+
+
+def main() -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        here = Path(folder)
+
+        def command(*arguments: str) -> Callable[[], object]:
+            line = [str(COMMAND), *arguments]
+            return lambda: subprocess.run(
+                line, cwd=here, env=environment(here), capture_output=True, check=True
+            )
+
+        bare = seconds(lambda: subprocess.run([sys.executable, "-c", ""], check=True))
+        found = {
+            "the bare interpreter": bare,
+            "linkwright --help": seconds(command("--help")),
+            "a first build of the sample": seconds(command("cache.mode=bypass"), times=3),
+        }
+        command()()
+        found["a fully cached build"] = seconds(command())
+    print(f"{'what':30} {'seconds':>8} {'× bare':>7}  goal")
+    for what, taken in found.items():
+        goal = f"< {GOALS[what]} s" if what in GOALS else ""
+        print(f"{what:30} {taken:8.3f} {taken / bare:7.1f}  {goal}")
+
+
+if __name__ == "__main__":
+    main()

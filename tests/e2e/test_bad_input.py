@@ -1,0 +1,170 @@
+"""Bad input, as users give it: one message, the right exit status, nothing half-written."""
+
+import json
+import os
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from tests.e2e.command import environment, linkwright, tree
+from tests.onshape import solids
+from tests.onshape.bundle import bundle_bytes
+from tests.onshape.document import Document
+from tests.onshape.sample import sample_document
+from tests.onshape.server import OnshapeServer
+
+WEB = "https://cad.onshape.com/documents/" + "a" * 24 + "/w/" + "b" * 24 + "/e/" + "c" * 24
+
+
+def refused(here: Path, status: int, arguments: list[str], *said: str, environ: dict | None = None) -> str:
+    """Runs and expects this exit status and these words, once, without a traceback or an output."""
+    done = linkwright(here, *arguments, environ=environ)
+    assert done.returncode == status, done.stdout + done.stderr
+    assert "Traceback" not in done.stdout + done.stderr
+    assert done.stderr.count("error:") == 1
+    for words in said:
+        assert words in done.stderr
+    assert not [name for name in tree(here) if ".tmp" in name or ".old" in name]
+    return done.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["mesh.colider=hull"], ["mesh.colider", "collider"]),
+        (["ground.size=big"], ["ground.size", "big"]),
+        (["ground.size=big", "validate.levle=quick"], ["ground.size", "validate.levle", "level"]),
+        (["mesh.collider=coacd"], ["mesh.collider", "not supported yet"]),
+        (["mesh=coacd"], ["mesh", "coacd", "hull"]),
+        (["robot=nobody"], ["robot", "nobody", "sample"]),
+        (["source=onshape"], ["source.url"]),
+        (["source=onshape", "source.url=https://example.com/robot"], ["source.url", "/documents/"]),
+        (["source=onshape", f"source.url={WEB}"], ["ONSHAPE_ACCESS_KEY"]),
+        (["source=bundle", "source.path=nowhere.zip"], ["nowhere.zip"]),
+        (["name=../x"], ["name"]),
+        (["source=onshape", f"source.url={WEB}?a=b"], [f"\"source.url='{WEB}?a=b'\""]),
+    ],
+)
+def test_what_is_known_beforehand_is_refused_with_2_and_leaves_nothing(
+    tmp_path: Path, arguments: list[str], said: list[str]
+) -> None:
+    refused(tmp_path, 2, arguments, *said)
+    assert not tree(tmp_path)
+
+
+def small(**more: object) -> Document:
+    """A document of one base, and with `arm` a second part that nothing holds."""
+    document = Document("Small")
+    studio = document.studio("Parts")
+    root = document.assembly("Root")
+    for name in ("Base", "Arm") if more.get("arm") else ("Base",):
+        root.add(studio.part(name, solids.box(0.1, 0.1, 0.1), density=1000), **more.get("how", {}))
+    return document
+
+
+def over_http(here: Path, document: Document, *said: str, element: str | None = None, **more: str) -> str:
+    with OnshapeServer(document) as server:
+        url = server.document_url()
+        if element:
+            url = url.rpartition("/e/")[0] + f"/e/{element}"
+        environ = environment(here, **{**server.environ, **more})
+        return refused(here, 1, ["source=onshape", f"source.url='{url}'"], *said, environ=environ)
+
+
+def test_a_part_studio_is_no_assembly(tmp_path: Path) -> None:
+    document = small()
+    over_http(tmp_path, document, "assembly", element=document.studios[0].element)
+
+
+def test_an_empty_assembly_is_named(tmp_path: Path) -> None:
+    over_http(tmp_path, small(how={"suppressed": True}), "no part")
+
+
+def test_an_assembly_without_mates_is_told_what_to_do(tmp_path: Path) -> None:
+    over_http(tmp_path, small(arm=True), "no mates", "FASTENED")
+
+
+def test_a_wrong_key_is_named_without_showing_it(tmp_path: Path) -> None:
+    said = over_http(tmp_path, small(), "401", ONSHAPE_SECRET_KEY="not-the-secret")
+    assert "not-the-secret" not in said
+    left = b"".join(path.read_bytes() for path in tmp_path.rglob("*") if path.is_file())
+    assert b"not-the-secret" not in left
+
+
+def broken_bundle(kind: str) -> bytes:
+    whole = bundle_bytes(small())
+    if kind == "truncated":
+        return whole[: len(whole) // 2]
+    return b"this is no zip" if kind == "text" else whole
+
+
+@pytest.mark.parametrize("kind", ["truncated", "text"])
+def test_a_corrupt_bundle_is_one_message(tmp_path: Path, kind: str) -> None:
+    (tmp_path / "bad.zip").write_bytes(broken_bundle(kind))
+    refused(tmp_path, 1, ["source=bundle", "source.path=bad.zip"], "bad.zip")
+
+
+def test_a_bundle_whose_reply_was_changed_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "good.zip").write_bytes(bundle_bytes(small()))
+    with zipfile.ZipFile(tmp_path / "good.zip") as old, zipfile.ZipFile(tmp_path / "bad.zip", "w") as new:
+        for name in old.namelist():
+            body = old.read(name)
+            new.writestr(name, body if name == "manifest.json" else body.replace(b"0.05", b"0.06"))
+    refused(tmp_path, 1, ["source=bundle", "source.path=bad.zip"], "bad.zip", "digest")
+
+
+def test_a_zip_that_climbs_out_of_its_folder_writes_nothing(tmp_path: Path) -> None:
+    inside = tmp_path / "inside"
+    inside.mkdir()
+    with zipfile.ZipFile(inside / "evil.zip", "w") as archive:
+        archive.writestr("manifest.json", "{}")
+        archive.writestr("../evil.txt", "out")
+    refused(inside, 1, ["source=bundle", "source.path=evil.zip"], "evil.zip", "../evil.txt")
+    assert not (tmp_path / "evil.txt").exists()
+
+
+def test_a_failed_build_leaves_the_last_good_one_and_its_own_report(tmp_path: Path) -> None:
+    bundle = tmp_path / "arm.zip"
+    bundle.write_bytes(bundle_bytes(sample_document()))
+    assert linkwright(tmp_path, "source=bundle", "source.path=arm.zip", "name=arm").returncode == 0
+    before = (tmp_path / "outputs" / "arm" / "arm.urdf").read_bytes()
+    bundle.write_bytes(bundle_bytes(small(arm=True)))
+    refused(tmp_path, 1, ["source=bundle", "source.path=arm.zip", "name=arm"], "no mates")
+    assert (tmp_path / "outputs" / "arm" / "arm.urdf").read_bytes() == before
+    failed = json.loads((tmp_path / "outputs" / "arm.failed" / "report.json").read_text())
+    assert failed["exit_status"] == 1
+    bundle.write_bytes(bundle_bytes(sample_document()))
+    assert linkwright(tmp_path, "source=bundle", "source.path=arm.zip", "name=arm").returncode == 0
+    assert not (tmp_path / "outputs" / "arm.failed").exists()
+
+
+def test_an_output_that_is_a_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("mine")
+    done = linkwright(tmp_path, "output=taken/robot")
+    assert done.returncode == 1
+    assert "taken" in done.stderr
+    assert (tmp_path / "taken").read_text() == "mine"
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_an_unwritable_folder_is_one_message(tmp_path: Path) -> None:
+    closed = tmp_path / "closed"
+    closed.mkdir(mode=0o500)
+    refused(tmp_path, 1, ["output=closed/robot"], "closed")
+
+
+def test_a_failed_check_exits_with_3_and_the_build_is_there(tmp_path: Path) -> None:
+    """Strict: the joint without limits is a warning, which is a failure then."""
+    document = small()
+    arm = document.root.add(document.studios[0].part("Arm", solids.box(0.1, 0.1, 0.1), density=1000))
+    base = document.root.add(document.studios[0].parts[0])
+    import numpy as np
+
+    document.root.revolute("Elbow", (arm, np.eye(4)), (base, np.eye(4)))
+    document.root.instances[0].suppressed = True
+    document.changed()
+    (tmp_path / "arm.zip").write_bytes(bundle_bytes(document))
+    done = linkwright(tmp_path, "source=bundle", "source.path=arm.zip", "validate=strict")
+    assert done.returncode == 3, done.stderr
+    assert (tmp_path / "outputs" / "arm" / "arm.urdf").exists()

@@ -1,0 +1,101 @@
+"""The sample as a user builds it: bytes, calls, the cache, and kill -9 at any moment."""
+
+import json
+import random
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.e2e.command import COMMAND, environment, linkwright, robot_files
+from tests.onshape.sample import sample_document
+from tests.onshape.server import OnshapeServer
+
+
+def report(folder: Path) -> dict:
+    return json.loads((folder / "report.json").read_text())
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder where plain `linkwright` has been run once."""
+    here = tmp_path_factory.mktemp("sample")
+    done = linkwright(here)
+    assert done.returncode == 0, done.stderr
+    return here
+
+
+def test_without_arguments_the_sample_is_built_and_valid(built: Path) -> None:
+    found = report(built / "outputs" / "sample")
+    assert found["status"] == "built"
+    assert all(check["passed"] for check in found["checks"])
+    assert {stage["name"] for stage in found["stages"]} == {"fetch", "graph", "mesh", "export", "validate"}
+    names = {path.name for path in (built / "outputs" / "sample").iterdir()}
+    assert names >= {"sample.urdf", "sample.xml", "scene.xml", "assets", "robot.json", "report.json"}
+
+
+def test_the_sample_has_no_diagnostic_but_that_urdf_has_no_loops(built: Path) -> None:
+    codes = [diagnostic["code"] for diagnostic in report(built / "outputs" / "sample")["diagnostics"]]
+    assert codes == ["I-URDF-LOOP"]
+
+
+def test_a_second_build_runs_no_stage_and_gives_the_same_bytes(built: Path) -> None:
+    before = robot_files(built / "outputs" / "sample")
+    done = linkwright(built)
+    assert done.returncode == 0
+    assert all(stage["cached"] for stage in report(built / "outputs" / "sample")["stages"])
+    assert robot_files(built / "outputs" / "sample") == before
+
+
+@pytest.mark.parametrize("seed", ["0", "4711"])
+def test_hash_seed_process_and_bypass_change_no_byte(built: Path, tmp_path: Path, seed: str) -> None:
+    done = linkwright(tmp_path, "cache.mode=bypass", environ=environment(tmp_path, PYTHONHASHSEED=seed))
+    assert done.returncode == 0, done.stderr
+    assert robot_files(tmp_path / "outputs" / "sample") == robot_files(built / "outputs" / "sample")
+
+
+def test_over_http_the_same_bytes_come_with_one_plus_two_p_calls(built: Path, tmp_path: Path) -> None:
+    document = sample_document()
+    with OnshapeServer(document) as server:
+        done = linkwright(
+            tmp_path,
+            "robot=sample",
+            "source=onshape",
+            f"source.url='{server.document_url()}'",
+            environ=environment(tmp_path, **server.environ),
+        )
+        calls = server.count
+    assert done.returncode == 0, done.stderr
+    studios = {
+        place.instance.source.studio.element
+        for place in document.truth.places.values()
+        if place.instance.is_part
+    }
+    assert calls == 1 + 2 * len(studios)
+    assert report(tmp_path / "outputs" / "sample")["calls"]["made"] == calls
+    assert robot_files(tmp_path / "outputs" / "sample") == robot_files(built / "outputs" / "sample")
+
+
+def test_killed_at_any_moment_the_next_build_is_whole(built: Path, tmp_path: Path) -> None:
+    """Twenty kills of the installed command, each followed by a normal build."""
+    expected = robot_files(built / "outputs" / "sample")
+    moments = random.Random(7)
+    killed = 0
+    for _ in range(20):
+        victim = subprocess.Popen(
+            [str(COMMAND), "cache.mode=refresh"],
+            cwd=tmp_path,
+            env=environment(tmp_path),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        time.sleep(moments.uniform(0.05, 2.5))
+        victim.kill()
+        killed += victim.wait() != 0
+        done = linkwright(tmp_path)
+        assert done.returncode == 0, done.stderr
+        assert robot_files(tmp_path / "outputs" / "sample") == expected
+        left = {path.name for path in (tmp_path / "outputs").iterdir() if path.suffix != ".lock"}
+        assert left == {"sample"}
+    assert killed >= 5
