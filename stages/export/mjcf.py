@@ -29,11 +29,14 @@ def write_mjcf(robot: Robot, geometry: Geometry, keys: ExportKeys, start: Mappin
     root = element(None, "mujoco", model=robot.name)
     element(root, "compiler", angle="radian", meshdir="assets", autolimits="true")
     element(root, "option", timestep=number(keys.scene.option.timestep), integrator="implicitfast")
-    _defaults(root, robot)
+    top = free(robot.name, {"main", "visual", "collision"})
+    _defaults(root, top)
     colours = _assets(root, geometry)
     sites = _Sites(robot)
     world = element(root, "worldbody")
     _bodies(world, robot, geometry, keys, start, colours, sites)
+    for body in world:
+        body.set("childclass", top)
     _equalities(root, robot, start, sites)
     _keyframes(root, robot, keys)
     return to_bytes(root)
@@ -56,12 +59,12 @@ def scene_pose(keys: ExportKeys) -> Array:
     return from_parts(rotation_from_rpy(keys.scene.pose.rpy), np.array(keys.scene.pose.xyz))
 
 
-def _defaults(root: Element, robot: Robot) -> None:
+def _defaults(root: Element, top: str) -> None:
     """Visual and collision classes. Bits: the robot meets the world (1), but not itself (1 & 2 = 0)."""
-    top = element(element(root, "default"), "default", class_=robot.name)
-    visual = element(top, "default", class_="visual")
+    robot = element(element(root, "default"), "default", class_=top)
+    visual = element(robot, "default", class_="visual")
     element(visual, "geom", type="mesh", group="2", contype="0", conaffinity="0", density="0")
-    collision = element(top, "default", class_="collision")
+    collision = element(robot, "default", class_="collision")
     element(collision, "geom", type="mesh", group="3", contype="1", conaffinity="2", density="0")
 
 
@@ -107,7 +110,6 @@ def _bodies(
         joint = joint_of.get(link.name)
         if joint is None:
             body = element(world, "body", name=link.name, **placement(scene_pose(keys)))
-            body.set("childclass", robot.name)
             if not robot.base.fixed:
                 element(body, "freejoint", name=free_joint_name(robot))
         else:

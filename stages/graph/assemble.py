@@ -7,16 +7,18 @@ import numpy as np
 
 from stages.graph.assembly import Assembly, Mate, read_assembly
 from stages.graph.bodies import Bodies, find_bodies
-from stages.graph.joints import KINDS, Placed, place, with_properties
+from stages.graph.joints import KINDS, Placed, place
 from stages.graph.keys import GraphKeys
 from stages.graph.mass import PartKey, read_masses
 from stages.graph.naming import Names, is_link_name, name_everything
-from stages.graph.relations import read_relations, related_mates
+from stages.graph.properties import check_limits, with_properties
+from stages.graph.relations import on_their_drivers, read_relations, related_mates
 from stages.graph.tree import Tree, choose_root, spanning_tree, weights
 from stages.robot.bundle import Bundle, StudioKey
 from stages.robot.errors import AssemblyError, Diagnostic
-from stages.robot.inertia import ZERO, merged, moved
+from stages.robot.inertia import ZERO, is_physical, merged, moved
 from stages.robot.model import Array, Base, Frame, Inertial, Link, MeshRef, Part, Provenance, Robot, frozen
+from stages.robot.names import legal
 from stages.robot.poses import inverse
 
 Masses = Mapping[PartKey, tuple[Inertial, float]]
@@ -39,12 +41,16 @@ def assemble(bundle: Bundle, keys: GraphKeys) -> Robot:
     tree = spanning_tree(bodies, names, root, related_mates(assembly), assembly)
     _check_loops(tree, problems, found)
     placed = place(assembly, bodies, tree, names, keys.loops.solref, found)
-    joints = with_properties(placed.joints, keys.joints, found)
+    joints = with_properties(placed.joints, keys.joints)
     relations = read_relations(assembly, names, joints, found, problems)
+    joints = check_limits(on_their_drivers(joints, relations), found, problems)
+    links = tuple(_link(body, assembly, bodies, names, placed, masses, bundle) for body in tree.order)
+    _check_links(links, problems)
+    _tell_names(assembly, bodies, names, found)
     _raise(problems)
     return Robot(
         name=keys.name,
-        links=tuple(_link(body, assembly, bodies, names, placed, masses, bundle) for body in tree.order),
+        links=links,
         joints=joints,
         loops=placed.loops,
         relations=relations,
@@ -131,7 +137,7 @@ def _is_rigid(mate: Mate, bodies: Bodies, found: list[Diagnostic]) -> bool:
 
 def _check_loops(tree: Tree, problems: list[Diagnostic], found: list[Diagnostic]) -> None:
     for mate in tree.cut:
-        if any(value is not None for value in (mate.limits or {}).values()):
+        if mate.limits:
             found.append(
                 Diagnostic(
                     "W-LOOP-LIMIT",
@@ -184,6 +190,43 @@ def _link(
     return Link(names.links[body], inertial, tuple(parts), names.paths[body])
 
 
+def _check_links(links: tuple[Link, ...], problems: list[Diagnostic]) -> None:
+    """No engine moves a body whose inertia no solid can have: names the parts that cause it."""
+    for link in links:
+        if not is_physical(link.inertial):
+            culprits = [part.name for part in link.parts if not is_physical(part.inertial)]
+            problems.append(
+                Diagnostic(
+                    "E-INERTIA",
+                    f"the link {link.name!r} has an inertia that no solid can have",
+                    ", ".join(culprits) or link.name,
+                    "mend the part's material or its mass override in Onshape",
+                )
+            )
+
+
+def _tell_names(assembly: Assembly, bodies: Bodies, names: Names, found: list[Diagnostic]) -> None:
+    """Names of which nothing could be kept, and `link_` connectors that name nothing."""
+    typed = [(name, assembly.occurrences[path].names[-1]) for name, path in zip(names.links, names.paths)]
+    typed += [(names.joints[m.ref.owner, m.ref.feature], m.ref.name) for m in bodies.moving]
+    for name, text in sorted(typed):
+        if "unnamed" in name and not legal(text):
+            message = f"{text!r} has no letter that a robot file may hold: called {name!r}"
+            found.append(Diagnostic("W-NAME", message, name, "give it a name with letters or digits"))
+    named: dict[int, str] = {}
+    for connector in sorted(assembly.connectors, key=lambda c: (c.names, c.name, c.feature)):
+        if not is_link_name(connector):
+            continue
+        title = "/".join((*connector.names, connector.name))
+        body = bodies.of.get(connector.entity.path)
+        if body is None:
+            message = "the connector names no link: it is on no part"
+            found.append(Diagnostic("W-NAME", message, title, "put it on a part of the link"))
+        elif named.setdefault(body, title) != title:
+            message = f"the link has its name from {named[body]} already"
+            found.append(Diagnostic("W-NAME", message, title, "remove one of the two connectors"))
+
+
 def _frames(
     assembly: Assembly,
     bodies: Bodies,
@@ -208,6 +251,10 @@ def _frames(
             )
             continue
         pose = inverse(placed.world_from_link[body]) @ assembly.world_from(connector.entity)
+        if _mirrors(pose):
+            title = "/".join((*connector.names, connector.name))
+            found.append(Diagnostic("W-FRAME", "the connector is on a mirrored part: left out", title))
+            continue
         frames.append(Frame(name, names.links[body], frozen(pose), connector.name))
     return tuple(sorted(frames, key=lambda frame: frame.name))
 

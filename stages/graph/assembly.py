@@ -5,6 +5,7 @@ that sub-assembly, so what identifies a feature is its owner's occurrence path a
 """
 
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -48,12 +49,12 @@ class Entity:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mate:
-    """`limits` is Onshape's own mapping, None where the server did not send it."""
+    """`limits` are Onshape's own names and values [rad or m], None where the server did not send any."""
 
     ref: MateRef
     title: str
     entities: tuple[Entity, ...]
-    limits: Record | None
+    limits: Mapping[str, float] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,30 +115,47 @@ class Assembly:
 
 def read_assembly(body: bytes) -> Assembly:
     """The assembly in an assembly-definition reply; ProtocolError where it is not one."""
-    try:
+    with _shape_of("assembly definition", ""):
         definition = orjson.loads(body)
         root = definition["rootAssembly"]
-    except (orjson.JSONDecodeError, KeyError, TypeError) as error:
-        msg = "the reply is not an assembly definition"
-        raise ProtocolError(msg, hint="the URL must name an assembly tab") from error
-    subs = {StudioKey.of(sub): sub for sub in definition.get("subAssemblies") or ()}
-    assembly = Assembly(root)
-    for part in definition.get("parts") or ():
-        assembly.body_types[StudioKey.of(part), part.get("partId", "")] = part.get("bodyType", "solid")
-    placed = {tuple(o["path"]): o for o in root.get("occurrences") or ()}
-    owners: list[tuple[Path, tuple[str, ...], Record]] = [((), (), root)]
-    for path, names, record in owners:
-        owners.extend(_expand(assembly, path, names, record, placed, subs))
+        subs = {StudioKey.of(sub): sub for sub in definition.get("subAssemblies") or ()}
+        assembly = Assembly(root)
+        for part in definition.get("parts") or ():
+            assembly.body_types[StudioKey.of(part), part.get("partId", "")] = part.get("bodyType", "solid")
+        placed = {tuple(o["path"]): o for o in root.get("occurrences") or ()}
+        owners: list[tuple[Path, tuple[str, ...], Record]] = [((), (), root)]
+        for path, names, record in owners:
+            owners.extend(_expand(assembly, path, names, record, placed, subs))
+    _leave_out_empty(assembly)
     # Features need every occurrence to be known: a mate of one assembly may reach into another.
     for path, names, record in owners:
         for feature in record.get("features") or ():
             if not feature.get("suppressed"):
-                _read_feature(assembly, path, names, feature)
+                with _shape_of("feature", "/".join((*names, str(feature.get("id"))))):
+                    _read_feature(assembly, path, names, feature)
     if not assembly.parts:
         msg = "the assembly has no parts"
         hint = "insert at least one part, or unsuppress what is there"
         raise AssemblyError(msg, where=root.get("elementId", ""), hint=hint)
     return assembly
+
+
+@contextmanager
+def _shape_of(what: str, where: str) -> Iterator[None]:
+    """Turns what Python says of an unexpected shape into a ProtocolError that says where."""
+    try:
+        yield
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        msg = f"the {what} is not in the shape of the API ({type(error).__name__}: {error})"
+        hint = "fetch it again, or make the bundle again; if it stays so, the API has changed"
+        raise ProtocolError(msg, where, hint) from error
+
+
+def _leave_out_empty(assembly: Assembly) -> None:
+    """Forgets sub-assemblies without any part: they are as absent as what is suppressed."""
+    used = {part.path[:depth] for part in assembly.parts for depth in range(1, len(part.path) + 1)}
+    for path in set(assembly.occurrences) - used:
+        del assembly.occurrences[path]
 
 
 def _expand(
@@ -186,8 +204,8 @@ def _rigid(values: list[float], title: str) -> Array:
 
 
 def _read_feature(assembly: Assembly, owner: Path, names: tuple[str, ...], feature: Record) -> None:
-    data = feature.get("featureData") or {}
-    kind, name = feature.get("featureType"), data.get("name") or feature.get("id", "")
+    data, kind = feature.get("featureData") or {}, feature.get("featureType")
+    name = data.get("name") or feature.get("id", "")
     title = "/".join((*names, name))
     if kind == "mate":
         _read_mate(assembly, owner, title, name, feature, data)
@@ -228,7 +246,7 @@ def _read_feature(assembly: Assembly, owner: Path, names: tuple[str, ...], featu
 def _read_mate(assembly: Assembly, owner: Path, title: str, name: str, feature: Record, data: Record) -> None:
     entities = tuple(
         Entity(owner + tuple(e.get("matedOccurrence") or ()), _frame(e["matedCS"]))
-        for e in data.get("matedEntities") or ()
+        for e in data["matedEntities"]
     )
     alive = len(entities) == 2 and all(not e.path or e.path in assembly.occurrences for e in entities)
     if not alive:
@@ -242,7 +260,10 @@ def _read_mate(assembly: Assembly, owner: Path, title: str, name: str, feature: 
         )
         return
     ref = MateRef(owner, feature["id"], name, data.get("mateType", "UNKNOWN"))
-    assembly.mates.append(Mate(ref, title, entities, data.get("mateLimits")))
+    limits = data.get("mateLimits")
+    if limits is not None:
+        limits = {key: float(value) for key, value in limits.items() if value is not None}
+    assembly.mates.append(Mate(ref, title, entities, limits))
 
 
 def _frame(cs: Record) -> Array:

@@ -16,7 +16,9 @@ WORLD: Path = ()
 
 @dataclass(slots=True)
 class Bodies:
-    """`of`: part path → body; `members`: body → sorted part paths; `world`: the fixed body, if any."""
+    """`of`: occurrence path → body, of parts and of sub-assemblies whose own frame one body carries;
+    `members`: body → sorted part paths; `world`: the fixed body, if any, and why (`fixed_by`);
+    `moving`: the mates between occurrences that may move."""
 
     of: dict[Path, int]
     members: list[tuple[Path, ...]]
@@ -26,25 +28,29 @@ class Bodies:
 
 
 def find_bodies(assembly: Assembly, problems: list[Diagnostic]) -> Bodies:
-    """Merges what is rigid. `moving` keeps the mates that join two bodies, entities resolved to parts."""
-    rigid = nx.utils.UnionFind([WORLD, *(part.path for part in assembly.parts)])
+    """Merges what is rigid, sub-assembly frames included.
+
+    The frame of a sub-assembly moves with its parts where they are one body, else with the part
+    that is fastened to it from inside. What hangs on a frame that no part carries is a problem.
+    """
     leaves = _leaves(assembly)
-    fixed_by = ""
-    pairs: list[tuple[Path, Path, str]] = []
+    rigid = nx.utils.UnionFind([WORLD, *assembly.occurrences])
+    reasons = []
     for occurrence in assembly.occurrences.values():
         if occurrence.fixed:
-            pairs.append((WORLD, occurrence.path, occurrence.title))
-            fixed_by = min(filter(None, (fixed_by, f"{occurrence.title} is fixed")))
+            rigid.union(WORLD, occurrence.path)
+            reasons.append(f"{occurrence.title} is fixed")
     for mate in assembly.mates:
         if mate.ref.type == "FASTENED":
             first, second = (entity.path for entity in mate.entities)
-            pairs.append((first, second, mate.title))
+            rigid.union(first, second)
             if WORLD in (first, second):
-                fixed_by = min(filter(None, (fixed_by, f"{mate.title} fastens it to the assembly origin")))
+                reasons.append(f"{mate.title} fastens it to the assembly origin")
     for group in assembly.groups:
-        pairs.extend((group.members[0], member, group.title) for member in group.members[1:])
-    _merge(rigid, leaves, pairs, problems)
-    return _collect(assembly, rigid, leaves, fixed_by, problems)
+        rigid.union(*group.members)
+    _carry_frames(rigid, leaves)
+    problems.extend(_uncarried(assembly, rigid, leaves))
+    return _collect(assembly, rigid, min(reasons, default=""), problems)
 
 
 def _leaves(assembly: Assembly) -> dict[Path, list[Path]]:
@@ -56,64 +62,76 @@ def _leaves(assembly: Assembly) -> dict[Path, list[Path]]:
     return leaves
 
 
-def _part_of(rigid: nx.utils.UnionFind, leaves: dict[Path, list[Path]], path: Path) -> Path | None:
-    """The part that stands for `path`: itself, or any part of a sub-assembly that is one body."""
-    inside = leaves.get(path)
-    if inside is None:
-        return path if path in rigid.parents else None  # a sub-assembly without any part
-    return inside[0] if len({rigid[leaf] for leaf in inside}) == 1 else None
+def _carry_frames(rigid: nx.utils.UnionFind, leaves: dict[Path, list[Path]]) -> None:
+    """Joins each sub-assembly's frame to its parts, once those are one body.
 
-
-def _merge(
-    rigid: nx.utils.UnionFind,
-    leaves: dict[Path, list[Path]],
-    pairs: list[tuple[Path, Path, str]],
-    problems: list[Diagnostic],
-) -> None:
-    """Unites all pairs. One that names a sub-assembly waits until that has become one body."""
-    while pairs:
-        waiting = []
-        for first, second, title in pairs:
-            a, b = _part_of(rigid, leaves, first), _part_of(rigid, leaves, second)
-            if a is None or b is None:
-                waiting.append((first, second, title))
+    That may make one body of what hangs on two frames, so it is tried until nothing changes.
+    """
+    waiting = sorted(leaves, key=len, reverse=True)
+    while waiting:
+        left = []
+        for path in waiting:
+            if len({rigid[leaf] for leaf in leaves[path]}) == 1:
+                rigid.union(path, leaves[path][0])
             else:
-                rigid.union(a, b)
-        if len(waiting) == len(pairs):
-            problems.extend(_flexible(title) for *_, title in waiting)
+                left.append(path)
+        if len(left) == len(waiting):
             return
-        pairs = waiting
+        waiting = left
 
 
-def _flexible(title: str) -> Diagnostic:
-    return Diagnostic(
-        "E-MATE-SUBASSEMBLY",
-        "this holds a sub-assembly as a whole, whose parts move against each other: "
-        "which of them is meant is not known (not supported yet)",
-        title,
-        "mate to a part inside the sub-assembly instead",
+def _uncarried(
+    assembly: Assembly, rigid: nx.utils.UnionFind, leaves: dict[Path, list[Path]]
+) -> list[Diagnostic]:
+    """Whatever holds a sub-assembly whose frame none of its own parts carries."""
+
+    def loose(path: Path) -> bool:
+        return path in leaves and rigid[path] not in {rigid[leaf] for leaf in leaves[path]}
+
+    found = []
+    for occurrence in assembly.occurrences.values():
+        if occurrence.fixed and loose(occurrence.path):
+            found.append(
+                Diagnostic(
+                    "E-FIXED-SUBASSEMBLY",
+                    "the sub-assembly is fixed, but its parts move against each other: which of them "
+                    "is meant is not known (not supported yet)",
+                    occurrence.title,
+                    "fix its base part instead, or fasten that part to the sub-assembly's own origin",
+                )
+            )
+    holders = [(mate.title, [e.path for e in mate.entities]) for mate in assembly.mates]
+    holders += [(group.title, list(group.members)) for group in assembly.groups]
+    found.extend(
+        Diagnostic(
+            "E-MATE-SUBASSEMBLY",
+            f"this holds {assembly.occurrences[path].title} as a whole, whose parts move against each "
+            "other: which of them is meant is not known (not supported yet)",
+            title,
+            "mate to a part inside it, or fasten its base part to its own origin",
+        )
+        for title, paths in holders
+        for path in paths
+        if loose(path)
     )
+    return found
 
 
 def _collect(
-    assembly: Assembly,
-    rigid: nx.utils.UnionFind,
-    leaves: dict[Path, list[Path]],
-    fixed_by: str,
-    problems: list[Diagnostic],
+    assembly: Assembly, rigid: nx.utils.UnionFind, fixed_by: str, problems: list[Diagnostic]
 ) -> Bodies:
     groups: dict[Path, list[Path]] = {}
     for part in assembly.parts:
         groups.setdefault(rigid[part.path], []).append(part.path)
     members = sorted(tuple(sorted(paths)) for paths in groups.values())
-    of = {path: index for index, paths in enumerate(members) for path in paths}
-    world = next((of[path] for path in of if rigid[path] == rigid[WORLD]), None)
+    body_of_root = {rigid[paths[0]]: index for index, paths in enumerate(members)}
+    of = {path: body_of_root[rigid[path]] for path in assembly.occurrences if rigid[path] in body_of_root}
     moving = []
     for mate in assembly.mates:
         if mate.ref.type == "FASTENED":
             continue
-        sides = [_part_of(rigid, leaves, entity.path) for entity in mate.entities]
-        if WORLD in sides:
+        paths = [entity.path for entity in mate.entities]
+        if WORLD in paths:
             problems.append(
                 Diagnostic(
                     "E-MATE-ORIGIN",
@@ -122,9 +140,6 @@ def _collect(
                     "fix a part at the origin and mate to that part",
                 )
             )
-        elif None in sides:
-            problems.append(_flexible(mate.title))
-        else:
-            of.update({entity.path: of[side] for entity, side in zip(mate.entities, sides) if side})
+        elif all(path in of for path in paths):  # else it is among the problems already
             moving.append(mate)
-    return Bodies(of, members, world, fixed_by, moving)
+    return Bodies(of, members, body_of_root.get(rigid[WORLD]), fixed_by, moving)

@@ -7,17 +7,15 @@ the parent the chain runs backwards, M⁻¹(q) = M(−q), so the axis is negated
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from fnmatch import fnmatchcase
+from dataclasses import dataclass
 
 import numpy as np
 
 from stages.graph.assembly import Assembly, Mate
 from stages.graph.bodies import Bodies
-from stages.graph.keys import JointKeys
 from stages.graph.naming import Names
 from stages.graph.tree import Tree
-from stages.robot.errors import AssemblyError, Diagnostic
+from stages.robot.errors import Diagnostic
 from stages.robot.model import Array, Dynamics, Joint, JointType, Limits, Loop, frozen
 from stages.robot.poses import inverse
 
@@ -115,7 +113,7 @@ def read_limits(mate: Mate, kind: JointType) -> Limits:
     """The mate's resolved limits [rad or m]; an absent side is open."""
     low, high = LIMIT_KEYS[kind]
     given = mate.limits or {}
-    return Limits(*(None if given.get(key) is None else float(given[key]) for key in (low, high)))
+    return Limits(given.get(low), given.get(high))
 
 
 def _loop(
@@ -166,63 +164,3 @@ def _lever(origin: Array, others: list[Array]) -> float:
     """Half the loop's reach from its closing joint: a length on the mechanism's own scale."""
     reach = max((float(np.linalg.norm(other - origin)) for other in others), default=0.0)
     return reach / 2 if reach > 1e-6 else 0.05
-
-
-def with_properties(
-    joints: tuple[Joint, ...], wanted: Mapping[str, JointKeys], found: list[Diagnostic]
-) -> tuple[Joint, ...]:
-    """The joints with what `joints:` says about them: later entries win, field by field.
-
-    A glob that matches no joint is an error that lists the joints.
-    """
-    lost = [glob for glob in wanted if glob != "*" and not any(fnmatchcase(j.name, glob) for j in joints)]
-    if lost:
-        msg = f"no joint matches {', '.join(map(repr, lost))}"
-        hint = "joints are: " + ", ".join(joint.name for joint in joints)
-        raise AssemblyError(msg, where="joints", hint=hint)
-    return tuple(_unwrapped(_with(joint, wanted), found) for joint in joints)
-
-
-def _with(joint: Joint, wanted: Mapping[str, JointKeys]) -> Joint:
-    limits, dynamics = joint.limits, joint.dynamics
-    for glob, keys in wanted.items():
-        if not fnmatchcase(joint.name, glob):
-            continue
-        given = {field: getattr(keys, field) for field in keys.model_fields_set}
-        if given.get("limits") is not None:
-            limits = Limits(*given["limits"])
-        known = {key: given[key] for key in Dynamics.__slots__ if given.get(key) is not None}
-        dynamics = replace(dynamics, **known)
-    return replace(joint, limits=limits, dynamics=dynamics)
-
-
-def _unwrapped(joint: Joint, found: list[Diagnostic]) -> Joint:
-    """The joint with its saved value taken by whole turns into the limits, where that is possible."""
-    low = -math.inf if joint.limits.lower is None else joint.limits.lower
-    high = math.inf if joint.limits.upper is None else joint.limits.upper
-    slack = POSE_TOLERANCE
-    if low == -math.inf and high == math.inf:
-        unit = "rad" if joint.type == "revolute" else "m"
-        found.append(
-            Diagnostic(
-                "W-LIMIT",
-                "the joint has no limits" + (": it turns freely" if joint.type == "revolute" else ""),
-                joint.name,
-                f"set them on the mate, or joints: {{{joint.name}: {{limits: [low, high]}}}}  # {unit}",
-            )
-        )
-    saved = joint.saved
-    if joint.type == "revolute":
-        turns = range(-3, 4)
-        fits = [saved + 2 * math.pi * n for n in sorted(turns, key=abs)]
-        saved = next((value for value in fits if low - slack <= value <= high + slack), saved)
-    if not low - slack <= saved <= high + slack:
-        found.append(
-            Diagnostic(
-                "W-SAVED-POSE",
-                f"the saved pose has it at {saved:.6g}, outside its limits [{low:.6g}, {high:.6g}]",
-                joint.name,
-                "move it back in Onshape, or mend the limits",
-            )
-        )
-    return replace(joint, saved=saved)

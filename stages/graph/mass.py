@@ -4,7 +4,7 @@ Onshape gives each value as [nominal, min, max]; `inertia` is 27 numbers of whic
 are the nominal tensor, row by row, about the centroid, in the part studio's axes, with true signs.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import orjson
@@ -24,18 +24,16 @@ def read_masses(bundle: Bundle) -> dict[PartKey, tuple[Inertial, float]]:
     found: dict[PartKey, tuple[Inertial, float]] = {}
     for studio in bundle.studios:
         for digest in studio.mass:
-            for part, body in _bodies(bundle.body(digest)):
-                found[studio.key, part] = _inertial(body), float(_first(body.get("volume")))
+            try:
+                bodies = orjson.loads(bundle.body(digest))["bodies"]
+                for part in sorted(set(bodies) - {"-all-"}):
+                    volume = _first(bodies[part].get("volume"))
+                    found[studio.key, part] = _inertial(bodies[part]), volume
+            except (KeyError, TypeError, ValueError, AttributeError) as error:
+                msg = f"the mass properties are not in the shape of the API ({type(error).__name__}: {error})"
+                hint = "fetch them again, or make the bundle again; if it stays so, the API has changed"
+                raise ProtocolError(msg, f"part studio {studio.key.element}", hint) from error
     return found
-
-
-def _bodies(reply: bytes) -> Iterable[tuple[str, Mapping[str, Any]]]:
-    try:
-        bodies = orjson.loads(reply)["bodies"]
-    except (orjson.JSONDecodeError, KeyError, TypeError) as error:
-        msg = "the reply is not a mass-properties reply"
-        raise ProtocolError(msg, hint="fetch it again") from error
-    return ((part, body) for part, body in bodies.items() if part != "-all-")
 
 
 def _inertial(body: Mapping[str, Any]) -> Inertial:

@@ -37,12 +37,12 @@ def name_everything(
     """Unique names over links, joints and frames together; links choose first, frames last."""
     paths = tuple(_naming_paths(assembly, bodies, masses))
     given = {
-        bodies.of[c.entity.path]: legal(c.name[len(LINK_PREFIX) :])
+        bodies.of[c.entity.path]: (*c.names, c.name[len(LINK_PREFIX) :])
         for c in sorted(assembly.connectors, key=lambda c: (c.names, c.name, c.feature), reverse=True)
         if is_link_name(c) and c.entity.path in bodies.of
     }
     words = {
-        _key(paths[body]): (given[body],) if body in given else assembly.occurrences[paths[body]].names
+        _key(paths[body]): given.get(body) or assembly.occurrences[paths[body]].names
         for body in range(len(paths))
     }
     by_path = shortest_unique(words)

@@ -6,6 +6,7 @@ is flattened to the joint that drives it.
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from stages.graph.assembly import Assembly, MateRelation, Path
 from stages.graph.naming import Names
@@ -14,7 +15,7 @@ from stages.robot.model import Joint, Relation
 from stages.robot.names import free, legal
 
 ZERO_OFFSET = 1e-6
-TURN = 2 * math.pi
+"""An offset [rad or m] that the saved pose leaves below this is rounding."""
 
 
 def read_relations(
@@ -34,20 +35,23 @@ def read_relations(
             found.append(_not_modelled(relation, pair))
             continue
         driver, follower = pair
-        if follower.name in direct or driver.name == follower.name:
-            what = "itself" if driver.name == follower.name else "two joints"
+        name = free(legal(relation.title.rsplit("/", 1)[-1]) or "relation", taken)
+        taken.add(name)
+        gear = _gear(name, relation, driver, follower, found)
+        if gear.follower in direct:
+            # Which mate was picked first is no physics: the other one may as well follow.
+            gear = _turned_round(gear)
+        if gear.follower in direct or gear.follower == gear.driver:
             problems.append(
                 Diagnostic(
                     "E-RELATION",
-                    f"the joint {follower.name!r} would follow {what}",
+                    f"the joints {gear.driver!r} and {gear.follower!r} are related already",
                     relation.title,
-                    "remove one relation, or swap the order of its mates",
+                    "remove the relation that says too much",
                 )
             )
             continue
-        name = free(legal(relation.title.rsplit("/", 1)[-1]) or "relation", taken)
-        taken.add(name)
-        direct[follower.name] = _gear(name, relation, driver, follower, found)
+        direct[gear.follower] = gear
     return _flattened(direct, problems)
 
 
@@ -105,23 +109,36 @@ def _gear(
     )
 
 
+def _turned_round(relation: Relation) -> Relation:
+    """The same relation, solved for its driver."""
+    return Relation(
+        relation.name,
+        follower=relation.driver,
+        driver=relation.follower,
+        multiplier=1 / relation.multiplier,
+        offset=-relation.offset / relation.multiplier,
+    )
+
+
 def _offset(multiplier: float, driver: Joint, follower: Joint) -> float:
-    """What is left of the follower's saved value; whole turns of either joint are taken off."""
+    """What is left of the follower's saved value, whole turns taken off."""
     rest = follower.saved - multiplier * driver.saved
-    driver_turns = (0, 1, -1, 2, -2) if driver.type == "revolute" else (0,)
-    best = math.inf
-    for turns in driver_turns:
-        value = rest - multiplier * TURN * turns
-        if follower.type == "revolute":
-            value = math.remainder(value, TURN)
-        if abs(value) < abs(best) - ZERO_OFFSET:
-            best = value
-        if turns == 0 and abs(best) <= ZERO_OFFSET:
-            break
-    # Turning the driver is only believed where it explains the pose; else the plain offset stands.
-    if abs(best) > ZERO_OFFSET:
-        return math.remainder(rest, TURN) if follower.type == "revolute" else rest
-    return best
+    return math.remainder(rest, math.tau) if follower.type == "revolute" else rest
+
+
+def on_their_drivers(joints: Sequence[Joint], relations: Sequence[Relation]) -> tuple[Joint, ...]:
+    """The joints, with followers saved at the turn that their relation gives.
+
+    The pose alone tells an angle up to whole turns; what drives it tells the turn.
+    """
+    saved = {joint.name: joint.saved for joint in joints}
+    given = {r.follower: r.multiplier * saved[r.driver] + r.offset for r in relations}
+    return tuple(
+        replace(joint, saved=joint.saved + math.tau * round((given[joint.name] - joint.saved) / math.tau))
+        if joint.name in given and joint.type == "revolute"
+        else joint
+        for joint in joints
+    )
 
 
 def _flattened(direct: Mapping[str, Relation], problems: list[Diagnostic]) -> tuple[Relation, ...]:

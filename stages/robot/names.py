@@ -6,6 +6,11 @@ from collections.abc import Iterable, Mapping, Sequence
 
 RESERVED = frozenset({"world"})
 
+SPELLED = str.maketrans(
+    {"ß": "ss", "æ": "ae", "Æ": "AE", "œ": "oe", "Œ": "OE", "ø": "o", "Ø": "O", "ł": "l", "Ł": "L"}
+)
+"""Letters that do not fall apart into a plain one and an accent."""
+
 
 def legal(text: str) -> str:
     """`text` in [A-Za-z0-9_], lower case, words joined by "_"; "" where nothing is left.
@@ -13,14 +18,24 @@ def legal(text: str) -> str:
     The instance suffix " <1>" goes; " <3>" stays as "_3", so that adding a second instance never
     renames the first.
     """
-    match = re.fullmatch(r"(.*?)\s*<(\d+)>\s*", text, flags=re.DOTALL)
-    suffix = ""
-    if match:
-        text, count = match.group(1), int(match.group(2))
-        suffix = f"_{count}" if count > 1 else ""
-    plain = unicodedata.normalize("NFKD", text).encode("ascii", "ignore").decode()
+    text, suffix = _instance(text)
+    plain = unicodedata.normalize("NFKD", text.translate(SPELLED)).encode("ascii", "ignore").decode()
     plain = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_").lower()
-    return (plain + suffix).strip("_")
+    return plain + suffix if plain else ""
+
+
+def legal_or_unnamed(text: str) -> str:
+    """The legal name, or "unnamed" with the instance's number where no letter of it is legal."""
+    return legal(text) or "unnamed" + _instance(text)[1]
+
+
+def _instance(text: str) -> tuple[str, str]:
+    """A name without its instance suffix, and what stands for that: "" for <1>, "_3" for <3>."""
+    match = re.fullmatch(r"(.*?)\s*<(\d+)>\s*", text, flags=re.DOTALL)
+    if not match:
+        return text, ""
+    count = int(match.group(2))
+    return match.group(1), f"_{count}" if count > 1 else ""
 
 
 def shortest_unique(paths: Mapping[str, Sequence[str]], taken: Iterable[str] = ()) -> dict[str, str]:
@@ -28,10 +43,10 @@ def shortest_unique(paths: Mapping[str, Sequence[str]], taken: Iterable[str] = (
 
     `paths`: key → words from the outermost to the innermost ("leg <2>", "foot <1>"). Names in
     `taken` and reserved ones are avoided. What is still alike after the whole path gets "_2",
-    "_3" in the order of the keys, so the result never depends on the order of the mapping.
+    "_3" in the order of the paths, then of the keys, so the order of the mapping never matters.
     """
     taken = set(taken) | RESERVED
-    words = {key: [word for word in map(legal, path) if word] or ["unnamed"] for key, path in paths.items()}
+    words = {key: [legal_or_unnamed(word) for word in path] for key, path in paths.items()}
     depth = dict.fromkeys(words, 1)
     while True:
         tails = {key: "_".join(words[key][-depth[key] :]) for key in words}
@@ -51,7 +66,7 @@ def shortest_unique(paths: Mapping[str, Sequence[str]], taken: Iterable[str] = (
             depth[key] += 1
     names: dict[str, str] = {}
     for tail in sorted(owners):
-        for key in sorted(owners[tail]):
+        for key in sorted(owners[tail], key=lambda key: (tuple(paths[key]), key)):
             names[key] = free(tail, taken)
             taken.add(names[key])
     return names

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from stages.robot.codec import decode_robot, encode_robot
 from stages.robot.model import Robot
+from stages.validate import validate
 from tests.building import plan_of, robot_of, write
 from tests.engines import Mujoco, Pinocchio
 from tests.onshape.document import Document
@@ -34,6 +35,8 @@ def agree(document: Document, root: int, shuffle: int, seed: int) -> None:
         exported = write(robot, Path(folder))
         pinocchio = Pinocchio(exported.files["robot.urdf"])
         engine = Mujoco(Path(folder) / "robot.xml")
+        failed = [check for check in validate(Path(folder), robot, plan) if not check.passed]
+    assert not failed
     truth = document.truth
     if robot.loops:
         # The document's own tree leaves out the same mates, so that q means the same.
