@@ -4,7 +4,6 @@ The expected values are summed afresh over the parts, by second moments, not tak
 that the files were written from.
 """
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -14,6 +13,7 @@ import numpy as np
 from stages.robot.check import Check
 from stages.robot.kinematics import saved_configuration
 from stages.robot.model import Array, Link, Robot
+from stages.validate.motion import body_index, check_motion, distance, pose_of, set_joints
 
 EXACT = 1e-9
 """Mass (relative), centre of mass [m], inertia (relative to its tensor's largest entry)."""
@@ -27,12 +27,12 @@ def check_model(file: str, model: Any, robot: Robot) -> Iterator[Check]:
     yield _contents(file, model, robot)
     data = mujoco.MjData(model)
     yield from _start(file, model, data, robot)
-    if not _names(model, mujoco.mjtObj.mjOBJ_BODY) >= {link.name for link in robot.links}:
+    if _lost(model, robot):
         return
     yield from _masses(file, model, robot)
-    _to_saved_pose(model, data, robot)
-    world_from_root = _world_from_root(model, data, robot)
-    yield _poses(file, model, data, robot, world_from_root)
+    set_joints(model, data, saved_configuration(robot))
+    yield _poses(file, model, data, robot)
+    yield from check_motion(file, model, robot)
 
 
 def _names(model: Any, kind: Any) -> set[str]:
@@ -40,13 +40,18 @@ def _names(model: Any, kind: Any) -> set[str]:
     return {mujoco.mj_id2name(model, kind, index) or "" for index in range(count)}
 
 
-def _contents(file: str, model: Any, robot: Robot) -> Check:
-    """Every link and joint is there by name, and no other degree of freedom."""
+def _lost(model: Any, robot: Robot) -> list[str]:
+    """Links and joints that the model does not have."""
     bodies = {link.name for link in robot.links} - _names(model, mujoco.mjtObj.mjOBJ_BODY)
     joints = {joint.name for joint in robot.joints} - _names(model, mujoco.mjtObj.mjOBJ_JOINT)
+    return sorted(bodies | joints)
+
+
+def _contents(file: str, model: Any, robot: Robot) -> Check:
+    """Every link and joint is there by name, and no other degree of freedom."""
     free = 0 if robot.base.fixed or file.endswith(".urdf") else 6
     surplus = model.nv - len(robot.joints) - free
-    lost = sorted(bodies | joints)
+    lost = _lost(model, robot)
     detail = (
         f"missing: {', '.join(lost)}" if lost else f"{len(robot.links)} links, {model.nv} degrees of freedom"
     )
@@ -65,37 +70,12 @@ def _start(file: str, model: Any, data: Any, robot: Robot) -> Iterator[Check]:
     yield Check(f"{file}: closed at qpos0", worst < LENGTH, detail, worst, LENGTH)
 
 
-def _to_saved_pose(model: Any, data: Any, robot: Robot) -> None:
-    mujoco.mj_resetData(model, data)
-    for name, value in saved_configuration(robot).items():
-        index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name)
-        if index >= 0:
-            data.qpos[model.jnt_qposadr[index]] = value
-    mujoco.mj_kinematics(model, data)
-
-
-def _body(model: Any, name: str) -> int:
-    return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
-
-
-def _pose(data: Any, body: int) -> Array:
-    pose = np.eye(4)
-    pose[:3, :3] = data.xmat[body].reshape(3, 3)
-    pose[:3, 3] = data.xpos[body]
-    return pose
-
-
-def _world_from_root(model: Any, data: Any, robot: Robot) -> Array:
-    """Where this file puts the assembly's origin, which is the root link's frame."""
-    return _pose(data, _body(model, robot.root.name))
-
-
 def _masses(file: str, model: Any, robot: Robot) -> Iterator[Check]:
     worst = dict.fromkeys(("mass", "centre of mass", "inertia"), 0.0)
     where = dict.fromkeys(worst, "")
     for link in robot.links:
         mass, com, inertia = _expected(link)
-        body = _body(model, link.name)
+        body = body_index(model, link.name)
         flat = np.empty(9)
         mujoco.mju_quat2Mat(flat, model.body_iquat[body])
         axes = flat.reshape(3, 3)
@@ -134,14 +114,21 @@ def _expected(link: Link) -> tuple[float, Array, Array]:
     return mass, com, np.trace(second) * np.eye(3) - second
 
 
-def _poses(file: str, model: Any, data: Any, robot: Robot, world_from_root: Array) -> Check:
-    """At the saved configuration every part is where CAD's occurrence has it."""
+def _poses(file: str, model: Any, data: Any, robot: Robot) -> Check:
+    """At the saved configuration every part is where CAD's occurrence has it.
+
+    The scene may put the robot anywhere; where its root is counts as the assembly's origin. A URDF
+    has no scene: there the root is at the origin.
+    """
+    world_from_root = pose_of(data, body_index(model, robot.root.name))
+    if file.endswith(".urdf"):
+        world_from_root = np.eye(4)
     worst, where = 0.0, ""
     for link in robot.links:
-        world_from_link = _pose(data, _body(model, link.name))
+        world_from_link = pose_of(data, body_index(model, link.name))
         for part in link.parts:
-            off = world_from_link @ part.link_from_part - world_from_root @ part.world_from_part
-            value = math.hypot(*off[:3, 3], *(off[:3, :3].ravel() / math.sqrt(2)))
+            found = world_from_link @ part.link_from_part
+            value = distance(found, world_from_root @ part.world_from_part)
             if value >= worst:
                 worst, where = value, part.name
     detail = f"parts against CAD's occurrences at the saved pose [m, rad]; worst: {where}"
