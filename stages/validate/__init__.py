@@ -14,7 +14,7 @@ VERSION = 1
 def validate(folder: Path, robot: "Robot", keys: "ValidateKeys") -> "tuple[Check, ...]":
     """Checks of every model file in `folder`; a check that fails does not stop the others."""
     from stages.validate.checks import check_model
-    from stages.validate.engine import load
+    from stages.validate.engine import listening, load, quiet
 
     thorough = keys.validate.level != "quick"
     checks: list[Check] = []
@@ -23,5 +23,7 @@ def validate(folder: Path, robot: "Robot", keys: "ValidateKeys") -> "tuple[Check
             loaded = load(folder / file)
             checks.append(loaded.check)
             if thorough and loaded.model is not None:
-                checks.extend(check_model(file, loaded.model, robot))
+                with listening() as heard:
+                    checks.extend(check_model(file, loaded.model, robot))
+                checks.append(quiet(f"{file}: runs", heard))
     return tuple(checks)
