@@ -11,9 +11,10 @@ from typing import Any
 from pipeline import cache, report
 from pipeline.bench import FILES, NOTES, Bench
 from pipeline.cache import Action, Files
-from pipeline.errors import LinkwrightError, exit_status
+from pipeline.errors import ConfigError, LinkwrightError, as_problems, exit_status, refusal
 from pipeline.output import FAILED, Output
 from pipeline.plan import Plan
+from pipeline.preflight import beforehand
 from pipeline.progress import Both, Log, Progress, Quiet
 from pipeline.report import Report, StageReport
 from pipeline.stage import STAGES, Stage, libraries, stages_until
@@ -37,11 +38,17 @@ def build(
     environ = os.environ if environ is None else environ
     stages = stages_until(plan.until, stages)
     suffix = "" if any(stage.name == "export" for stage in stages) else f".{plan.until}"
-    output = Output(plan.folder)
     log = Log(environ)
-    run = Run(plan, f"{plan.folder}{suffix}", log, Both(log, progress or Quiet()))
-    for stage in stages:
-        stage.preflight(plan, environ)
+    told = Both(log, progress or Quiet())
+    output = Output(plan.folder, lambda line: told.tell("output", line))
+    run = Run(plan, f"{plan.folder}{suffix}", log, told)
+    wrong = beforehand(plan, environ, stages)
+    try:
+        output.require_ours(suffix)
+    except ConfigError as error:
+        wrong += as_problems(error)
+    if wrong:
+        raise refusal(wrong)
     output.prepare(suffix)
     try:
         with cache.opened(plan.cache.mode, plan.cache.dir, environ) as store:
@@ -99,7 +106,7 @@ class Run:
 
     def stage(self, stage: Stage, bench: Bench) -> None:
         """Performs one stage, timed, and takes down what it found."""
-        bench.tell = lambda line: self.progress.tell(stage.name, line)
+        bench.tell = bench.cache.tell = lambda line: self.progress.tell(stage.name, line)
         self.progress.start(stage.name)
         start = time.perf_counter()
         files, cached = perform(stage, bench)
@@ -173,13 +180,12 @@ class Run:
         import yaml
 
         self.log.line(f"{done.status}: exit status {done.exit_status}")
-        plan = self.plan.tree()
-        files = {
-            "report.json": done.to_json(),
+        plan = self.log.secrets.within(self.plan.tree())
+        return {
+            "report.json": done.to_json(self.log.secrets),
             "config.yaml": yaml.safe_dump(plan, sort_keys=False, allow_unicode=True).encode(),
             "build.log": self.log.content(),
         }
-        return {name: self.log.blanked(content) for name, content in files.items()}
 
 
 def leave_failure(output: Output, run: Run, error: Exception) -> None:

@@ -83,11 +83,15 @@ class Files(Mapping[str, bytes]):
 
 
 class Cache:
-    """The actions in a store. `refresh` makes everything anew once and overwrites its record."""
+    """The actions in a store. `refresh` makes everything anew once and overwrites its record.
+
+    `tell` hears where a build waits for another process.
+    """
 
     def __init__(self, store: Store, mode: Mode = "use") -> None:
         self.store = store
         self.mode = mode
+        self.tell: Callable[[str], None] = lambda _: None
         self._fresh: set[str] = set()
 
     def run(self, action: Action, make: Callable[[], Mapping[str, bytes]]) -> tuple[Files, bool]:
@@ -99,7 +103,7 @@ class Cache:
         found = self._lookup(key)
         if found is not None:
             return found, True
-        with self.store.lock(key):
+        with self.store.lock(key, lambda: self.tell(f"waiting for another build of the same {action.stage}")):
             found = self._lookup(key)
             if found is not None:
                 return found, True
@@ -145,7 +149,7 @@ class Cache:
         if record is None:
             return None
         outputs, sizes = record.get("outputs"), record.get("sizes")
-        if not isinstance(outputs, dict) or not isinstance(sizes, dict):
+        if not isinstance(outputs, dict) or not isinstance(sizes, dict) or not outputs:
             return None
         for path, digest in outputs.items():
             size = sizes.get(path)

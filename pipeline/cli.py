@@ -158,8 +158,9 @@ def _version() -> str:
 
 def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     from pipeline.compose import compose_plan
+    from pipeline.preflight import beforehand
 
-    plan = compose_plan(command.overrides, command.config_dirs).plan
+    plan = compose_plan(command.overrides, command.config_dirs, judge=beforehand).plan
     if build is not None:
         return build(plan).exit_status
     from pipeline.build import build as build_robot
@@ -173,17 +174,18 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     from pipeline.compose import session
-    from pipeline.sweep import Outcome, Task, jobs_of, preflight, summary, sweep_status
+    from pipeline.preflight import beforehand
+    from pipeline.sweep import Outcome, Task, jobs_of, prepare, summary, sweep_status
 
     if build is None:
         from pipeline.build import build as build_robot
 
         build = build_robot
-    with session(command.config_dirs) as composer:
-        overrides = composer.read(command.overrides, multirun=True)
-        composer.check_launcher(overrides)
-        jobs, folder = jobs_of(composer, overrides)
-        preflight(jobs)
+    with session(command.config_dirs, judge=beforehand) as composer:
+        overrides, problems = composer.read(command.overrides, multirun=True)
+        problems += composer.check_launcher(overrides)
+        jobs, folder = jobs_of(composer, overrides, problems, beforehand)
+        prepare(folder)
         outcomes: list[Outcome] = composer.launch(overrides, Task(jobs, build), folder)
     print(summary(outcomes, folder))
     return sweep_status(outcomes)

@@ -4,6 +4,8 @@ Exit status: 0 built and valid; 1 failed once the stages ran; 2 wrong in a way t
 before the first stage (`ConfigError`); 3 built, but a check failed; 130 interrupted.
 """
 
+from collections.abc import Sequence
+
 from stages.robot.errors import (
     AssemblyError,
     AuthError,
@@ -46,7 +48,9 @@ __all__ = [
     "RateLimited",
     "SourceError",
     "ValidationFailed",
+    "as_problems",
     "exit_status",
+    "refusal",
     "render",
 ]
 
@@ -57,6 +61,18 @@ class CacheError(LinkwrightError):
 
 class OutputError(LinkwrightError):
     """The output folder cannot be used."""
+
+
+def refusal(problems: Sequence[Diagnostic], what: str = "the configuration") -> ConfigError:
+    """The one error that tells all problems of `what`."""
+    count = "a problem" if len(problems) == 1 else f"{len(problems)} problems"
+    msg = f"{what} has {count}"
+    return ConfigError(msg, problems=problems)
+
+
+def as_problems(error: ConfigError) -> tuple[Diagnostic, ...]:
+    """What an error lists, or else the error itself, to be told with others."""
+    return error.problems or (Diagnostic("E-VALUE", error.message, error.where, error.hint),)
 
 
 def exit_status(error: BaseException) -> int:

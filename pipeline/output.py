@@ -9,10 +9,11 @@ import contextlib
 import json
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
 from pipeline.errors import ConfigError, OutputError
+from pipeline.lock import held
 
 FORMAT = "linkwright-report"
 """The key by which `report.json` says that a folder is linkwright's."""
@@ -24,13 +25,20 @@ FAILED = ".failed"
 class Output:
     """A build's output folder, and beside it `<output>.failed` and `<output>.<until>`."""
 
-    def __init__(self, target: str | Path) -> None:
+    def __init__(self, target: str | Path, tell: Callable[[str], None] = lambda _: None) -> None:
+        """`tell` hears that another build of the same folder is waited for."""
+        self._tell = tell
         self.target = Path(os.path.abspath(target))  # noqa: PTH100  (resolve() would follow a link's last part)
         if self.target.is_symlink():
             self.target = self.target.resolve()
         if not self.target.name:
             msg = f"{target} cannot be an output folder"
             raise ConfigError(msg, where="output", hint="name a folder, such as output=outputs/arm")
+
+    def require_ours(self, suffix: str = "") -> None:
+        """ConfigError where the place is taken by something that is not linkwright's."""
+        with named(self.folder(suffix)):
+            _refuse_foreign(self.folder(suffix))
 
     def prepare(self, suffix: str = "") -> None:
         """Mends what an interrupted run left, before anything is made.
@@ -39,7 +47,7 @@ class Output:
         where it cannot be written.
         """
         folder = self.folder(suffix)
-        with _named(folder):
+        with named(folder):
             _refuse_foreign(folder)
             with self._locked(folder):
                 _mend(self.folder(FAILED))
@@ -52,7 +60,7 @@ class Output:
     def publish(self, files: Mapping[str, bytes], suffix: str = "") -> Path:
         """Puts `files` in the place of the folder's whole content; the folder."""
         folder = self.folder(suffix)
-        with self._locked(folder), _named(folder):
+        with self._locked(folder), named(folder):
             _mend(folder)
             _refuse_foreign(folder)
             try:
@@ -67,7 +75,7 @@ class Output:
         """Removes a sibling, if there is one and it is linkwright's."""
         folder = self.folder(suffix)
         if suffix and is_ours(folder):
-            with self._locked(folder), _named(folder):
+            with self._locked(folder), named(folder):
                 _mend(folder)
                 folder.rename(_staging(folder))
                 shutil.rmtree(_staging(folder))
@@ -78,19 +86,15 @@ class Output:
     @contextlib.contextmanager
     def _locked(self, folder: Path) -> Iterator[None]:
         """One lock for the folder and its siblings."""
-        import filelock
-
-        lock = filelock.FileLock(self.target.with_name(f".{self.target.name}.lock"))
-        with _named(folder):
-            self.target.parent.mkdir(parents=True, exist_ok=True)
-            try:
-                lock.acquire()
-            except NotImplementedError as error:
-                raise OSError(str(error)) from error
-        try:
+        file = self.target.with_name(f".{self.target.name}.lock")
+        with contextlib.ExitStack() as stack:
+            with named(folder):
+                self.target.parent.mkdir(parents=True, exist_ok=True)
+                stack.enter_context(held(file, self._wait))
             yield
-        finally:
-            lock.release()
+
+    def _wait(self) -> None:
+        self._tell(f"waiting for another build of {self.target.name}")
 
 
 def is_ours(folder: Path) -> bool:
@@ -168,7 +172,7 @@ def _refuse_foreign(folder: Path) -> None:
 
 
 @contextlib.contextmanager
-def _named(folder: Path) -> Iterator[None]:
+def named(folder: Path) -> Iterator[None]:
     """An OSError becomes an OutputError that names the folder."""
     try:
         yield

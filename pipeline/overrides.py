@@ -25,8 +25,23 @@ _CARRIED = re.compile(r"[\w\-/+.$%*@?|()\[\]{}:=, \\]+", re.ASCII)
 _ESCAPED = re.compile(r"([()\[\]{}:=, \\])")
 _NO_TEXT = re.compile(r"[+-]?[\d._]+(e[+-]?\d+)?|[+-]?(inf|nan)|true|false|null", re.IGNORECASE)
 
+FIXED = (
+    "hydra.searchpath",
+    "hydra.run.",
+    "hydra.output_subdir",
+    "hydra.sweep.",
+    "hydra.sweeper.params",
+    "hydra/sweeper",
+    "hydra.mode",
+    "hydra.job.",
+)
+"""What of Hydra cannot be overridden: a sweep's jobs are known before it starts."""
+
 Values = Callable[[str], list[str]]
-"""Hydra's parser: an override → its values as text, several in a sweep. ValueError: unreadable."""
+"""Hydra's parser: an override → its values as text, several in a sweep.
+
+ValueError, with what is wrong and perhaps a hint: unreadable.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +59,7 @@ class Override:
 
     @property
     def for_hydra_itself(self) -> bool:
-        return self.key.startswith(("hydra.", "hydra/"))
+        return self.key == "hydra" or self.key.startswith(("hydra.", "hydra/"))
 
 
 def read(
@@ -67,6 +82,21 @@ def read(
     return overrides, problems
 
 
+def refused(override: Override, multirun: bool) -> Diagnostic | None:
+    """What is wrong with an override that concerns Hydra itself."""
+    if not override.for_hydra_itself:
+        return None
+    if override.key.startswith(FIXED) or override.key == "hydra":
+        hint = "--config-dir names folders of your own; the key `output` moves what is built"
+        return Diagnostic(CODE, "this part of Hydra is set by linkwright", override.typed, hint)
+    if not multirun:
+        text = "has no effect: a single build does not run under Hydra"
+        return Diagnostic(CODE, text, override.typed, "add -m for a sweep, or leave it out")
+    if override.swept:
+        return Diagnostic(CODE, "cannot be swept", override.typed, "give one value, for all jobs")
+    return None
+
+
 class _RefusedError(Exception):
     """(message, hint) about one argument."""
 
@@ -84,7 +114,9 @@ def _read(argument: str, groups: Collection[str], values: Values) -> Override:
     if "/" in key.partition("@")[0] and not key.startswith("hydra/"):
         raise _RefusedError("there is no such group", f"groups: {', '.join(sorted(groups))}")
     if _is_group(key, value, groups):
-        return Override(argument, key, _parsed(argument, argument, values), argument)
+        options = _parsed(argument, argument, values)
+        glob = re.match(r"\s*glob\(", value)
+        return Override(argument, key, options, f"{sign}{key}={','.join(options)}" if glob else argument)
     if key.startswith(("hydra.", "hydra/")):
         return Override(argument, key, _parsed(argument, argument, values), argument)
     if _PATH.fullmatch(key):
@@ -124,8 +156,10 @@ def _parsed(argument: str, hydra: str, values: Values) -> tuple[str, ...]:
         return tuple(values(hydra))
     except ValueError as error:
         key, _, value = argument.partition("=")
-        hint = f"quote the value: {quoted(key, value)}"
-        raise _RefusedError(f"cannot be read: {error}", hint) from None
+        message, *hint = error.args
+        raise _RefusedError(
+            f"cannot be read: {message}", *(hint or [f"quote the value: {quoted(key, value)}"])
+        ) from None
 
 
 def _segments(key: str) -> list[str]:
@@ -173,6 +207,8 @@ def _paste(arguments: Iterable[str], multirun: bool) -> str:
 
 def _one_value(argument: str, override: Override) -> str:
     key, _, value = argument.partition("=")
+    if value.startswith("glob("):
+        return "for a sweep add -m"
     return f"for a sweep add -m; for one text {quoted(key, value)}; for a list '{key}=[{value}]'"
 
 

@@ -1,17 +1,17 @@
 """The whole configuration as one frozen value."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import ValidationError
 
+from pipeline.errors import Diagnostic, refusal
 from pipeline.problems import told
 from stages.export.keys import ExportKeys
 from stages.fetch.keys import FetchKeys
 from stages.graph.keys import GraphKeys
 from stages.mesh.keys import MeshKeys
-from stages.robot.errors import ConfigError, Diagnostic
 from stages.robot.keys import Keys, Text, not_yet
 from stages.validate.keys import ValidateKeys
 
@@ -45,24 +45,49 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
     """The last stage that runs."""
 
     @classmethod
-    def parse(cls, data: Mapping[str, Any], known: Iterable[Diagnostic] = ()) -> "Plan":
+    def parse(
+        cls,
+        data: Mapping[str, Any],
+        known: Iterable[Diagnostic] = (),
+        *,
+        unsure: Callable[[Diagnostic], bool] = lambda _: False,
+        judge: "Judge | None" = None,
+    ) -> "Plan":
         """The plan that `data`, plain mappings and lists, describes.
 
-        One ConfigError lists every problem: `known` ones, found on the way here, and each key that
-        is unknown, missing, not supported yet or has a value that is not allowed.
+        One ConfigError lists every problem: `known` ones, found on the way here; each key that is
+        unknown, missing, not supported yet or has a value that is not allowed, but for those that
+        may only follow from a known one (`unsure`); and what `judge` knows about the rest.
         """
         problems = list(known)
+        plan: Plan | None
         try:
             plan = cls.model_validate(dict(data))
         except ValidationError as error:
             places = {problem.where for problem in problems}
-            problems += [one for one in told(error, cls) if one.where not in places]
-        else:
-            if not problems:
-                return plan
-        count = "a problem" if len(problems) == 1 else f"{len(problems)} problems"
-        msg = f"the configuration has {count}"
-        raise ConfigError(msg, problems=problems)
+            found = [one for one in told(error, cls) if one.where not in places]
+            problems += [one for one in found if not unsure(one)]
+            plan = cls._of_the_rest(data, [details["loc"] for details in error.errors()])
+        if plan is not None and not problems:
+            return plan
+        if plan is not None and judge is not None:
+            problems += judge(plan)
+        raise refusal(problems)
+
+    @classmethod
+    def _of_the_rest(cls, data: Mapping[str, Any], wrong: Iterable[Sequence[int | str]]) -> "Plan | None":
+        """The plan without the sections that are wrong; None where there is none without them."""
+        rest = dict(data)
+        for head, *below in wrong:
+            if head == "source" and len(below) == 2 and isinstance(rest.get("source"), dict):
+                # pydantic puts the kind of source between the two.
+                rest["source"] = {key: one for key, one in rest["source"].items() if key != below[1]}
+            else:
+                rest.pop(str(head), None)
+        try:
+            return cls.model_validate(rest)
+        except ValidationError:
+            return None
 
     @property
     def folder(self) -> Path:
@@ -75,6 +100,10 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
         own = [name for keys in SECTIONS for name in keys.model_fields]
         own += [name for name in data if name not in own]
         return {name: data[name] for name in ["name", *(name for name in own if name != "name")]}
+
+
+Judge = Callable[[Plan], Iterable[Diagnostic]]
+"""What else is known to be wrong with a plan before it is built."""
 
 
 def section(plan: Plan, keys: type[Keys]) -> dict[str, Any]:

@@ -3,9 +3,14 @@
 import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
+
+import yaml
 
 import conf
 from pipeline.problems import nearest
+from pipeline.settle import Choices
+from stages.export.keys import LATER_FORMATS
 from stages.fetch.keys import LATER_SOURCES
 from stages.mesh.keys import LATER_COLLIDERS
 from stages.robot.errors import ConfigError, Diagnostic
@@ -18,7 +23,12 @@ GROUPS = tuple(sorted(folder.name for folder in OURS.iterdir() if any(folder.glo
 SEVERAL = ("export",)
 """Groups of which several options are chosen at once."""
 
-LATER = {"source": LATER_SOURCES, "mesh": LATER_COLLIDERS, "actuators": ("position",)}
+LATER = {
+    "source": LATER_SOURCES,
+    "mesh": LATER_COLLIDERS,
+    "actuators": ("position",),
+    "export": LATER_FORMATS,
+}
 """Options that are decided but not there yet."""
 
 
@@ -58,6 +68,49 @@ class Presets:
             return Diagnostic("E-OPTION", text, f"{group}={option}", "give your own file another name")
         return None if files else self.unknown(group, option)
 
+    def judged(self, overrides: Iterable[str]) -> tuple[list[str], dict[str, list[Diagnostic]]]:
+        """The overrides whose options are there, and what is wrong with the others, by group."""
+        good, bad = [], {}
+        for override in overrides:
+            group, _, value = override.lstrip("+~").partition("=")
+            chooses = group in GROUPS and not override.startswith(("++", "~")) and value[:1] != "{"
+            problems = self._problems(group, value) if chooses else []
+            if problems:
+                bad[group] = problems
+            else:
+                good.append(override)
+        return good, bad
+
+    def _problems(self, group: str, value: str) -> list[Diagnostic]:
+        options = chosen(value)
+        listed = value.startswith("[") and group in SEVERAL
+        if not listed and (len(options) != 1 or value.startswith("[")):
+            hint = f"options: {', '.join(self.options(group))}"
+            return [Diagnostic("E-OPTION", "one option is expected", f"{group}={value}", hint)]
+        return [found for option in options if (found := self.problem(group, option))]
+
+    def content(self, group: str, option: str) -> dict[str, Any]:
+        """What the file of an option holds, read alone; nothing where it cannot be read."""
+        for file in self.files(group, option)[:1]:
+            try:
+                read = yaml.safe_load(file.read_text(encoding="utf-8"))
+            except (OSError, UnicodeDecodeError, yaml.YAMLError):
+                return {}
+            return read if isinstance(read, dict) else {}
+        return {}
+
+    def choices(self, robot: str, formats: tuple[str, ...], overrides: Iterable[str]) -> Choices:
+        """How a tree came to be that was composed of these overrides, all of them good."""
+        presets: dict[str, dict[str, Any]] = {}
+        keys: set[str] = set()
+        for text in overrides:
+            key, _, value = text.lstrip("+~").partition("=")
+            if key not in GROUPS or text.startswith("+"):
+                keys.add(key)
+            elif key != "robot" and key not in SEVERAL and not text.startswith("~"):
+                presets[key] = self.content(key, chosen(value)[0])
+        return Choices(robot, formats, presets, frozenset(keys))
+
     def unknown(self, group: str, option: str) -> Diagnostic:
         """The problem of an option that no file is there for."""
         where, options = f"{group}={option}", self.options(group)
@@ -83,6 +136,14 @@ class Presets:
             except UnicodeDecodeError:
                 return file
         return None
+
+
+def stand_in(group: str) -> str:
+    """The option that `build` itself chooses of a group; for the source, one that needs nothing."""
+    defaults = yaml.safe_load((OURS / "build.yaml").read_text(encoding="utf-8"))["defaults"]
+    options = {key: one for entry in defaults if isinstance(entry, dict) for key, one in entry.items()}
+    option = options.get(group) or "sample"
+    return f"[{','.join(option)}]" if isinstance(option, list) else str(option)
 
 
 def chosen(value: str) -> Sequence[str]:

@@ -8,7 +8,8 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from pipeline.schema import Place, annotation_at, field_at, is_section, key_of, leaves, names, options
-from stages.fetch.keys import LATER_SOURCES, SOURCES
+from stages.export.keys import LATER_FORMATS, ExportSection
+from stages.fetch.keys import ADDRESS, LATER_SOURCES, SOURCES
 from stages.robot.errors import Diagnostic
 from stages.robot.keys import NOT_YET, Keys
 
@@ -21,7 +22,6 @@ WORDS = {
     "model_type": "must be a mapping",
     "string_too_short": "must not be empty",
     "string_type": "must be text",
-    "tuple_type": "must be a list",
 }
 """pydantic's error type → what the key must be."""
 
@@ -49,6 +49,13 @@ def nearest(name: str, candidates: Iterable[str]) -> str:
     return f"did you mean {' or '.join(near)}?" if near else ""
 
 
+def how_to_give(key: str) -> str:
+    """How a value that is missing can be given."""
+    examples = {"source.url": "https://cad.onshape.com/documents/...", "source.path": "arm.zip"}
+    example = examples.get(key, "...")
+    return f"set it in the robot's file, or on the command line: \"{key}='{example}'\""
+
+
 def _diagnostic(details: ErrorDetails, root: type[Keys]) -> Diagnostic:
     kind, place, value = details["type"], details["loc"], details["input"]
     owner = annotation_at(root, place[:-1])
@@ -66,10 +73,17 @@ def _diagnostic(details: ErrorDetails, root: type[Keys]) -> Diagnostic:
         return Diagnostic("E-MISSING", "missing", key, (field and field.description) or "")
     if kind == NOT_YET:
         return _later(key, value, owner, name)
+    if kind == ADDRESS:
+        # The value is not shown: it may hold a password.
+        return Diagnostic("E-VALUE", details["ctx"]["message"], key, details["ctx"]["hint"])
     if kind == "missing":
-        return _value(f"must be {len(get_args(owner))} numbers", value, key_of(place[:-1]))
+        return _value(f"must be a list of {len(get_args(owner))} numbers", value, key_of(place[:-1]))
     if kind == "too_long":
-        return _value(f"must be {details['ctx']['max_length']} numbers", value, key)
+        return _value(f"must be a list of {details['ctx']['max_length']} numbers", value, key)
+    if kind == "tuple_type":
+        inside = get_args(annotation_at(owner, (name,)))
+        several = "" if ... in inside else f" of {len(inside)} numbers"
+        return _value(f"must be a list{several}", value, key)
     if name == "[key]":
         hint = f'put the name in quotes: "{value}": ...'
         return _value("names must be text", value, key_of(place[:-2]), hint)
@@ -107,6 +121,9 @@ def _later(key: str, value: Any, owner: Any, name: int | str) -> Diagnostic:
 def _unknown(place: Place, value: Any, owner: Any, root: type[Keys]) -> Diagnostic:
     name, key = str(place[-1]), key_of(place)
     given = f"(given {shown(value)})"
+    if owner is ExportSection and name in LATER_FORMATS:
+        hint = f"formats so far: {', '.join(names(owner))}"
+        return Diagnostic("E-LATER", f"not supported yet {given}", key, hint)
     if owner.unknown_is_later:
         hint = f"supported so far: {', '.join(names(owner))}"
         return Diagnostic("E-LATER", f"not supported yet {given}", key, hint)
@@ -125,7 +142,9 @@ def _unknown(place: Place, value: Any, owner: Any, root: type[Keys]) -> Diagnost
 def _instead(name: str, place: Place, owner: Any, root: type[Keys]) -> str:
     """Which key may be meant: of the same section, else of the same name elsewhere, else any here."""
     siblings = names(owner)
-    near = difflib.get_close_matches(name, sorted(siblings), n=3, cutoff=0.6)
+    # `robot` is the one group that is no section of the plan too.
+    candidates = sorted([*siblings, "robot"] if owner is root else siblings)
+    near = difflib.get_close_matches(name, candidates, n=3, cutoff=0.6)
     if not near:
         near = [key for key in leaves(root) if key.rpartition(".")[2] == name][:3]
     else:

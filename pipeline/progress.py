@@ -1,23 +1,11 @@
 """What a build tells while it runs: to the terminal, and to `build.log`."""
 
-import contextlib
 import time
 from collections.abc import Mapping
 from typing import Any, Protocol, TextIO
 
-from pipeline.errors import ConfigError
 from pipeline.report import StageReport
-
-
-def secrets(environ: Mapping[str, str]) -> list[str]:
-    """What must never be written: the API key, of the environment or of `.env`."""
-    from stages.fetch.credentials import ACCESS, SECRET, find
-
-    found = [environ[name] for name in (ACCESS, SECRET) if environ.get(name)]
-    with contextlib.suppress(ConfigError):
-        key = find(environ)
-        found += [key.access, key.secret]
-    return found
+from pipeline.secrets import Secrets
 
 
 class Progress(Protocol):
@@ -84,7 +72,9 @@ class Terminal(Quiet):
     def tell(self, stage: str, line: str) -> None:
         from rich.markup import escape
 
-        if self._status is not None:
+        if self._status is None:
+            self._console.print(f"{stage}: {line}", markup=False)
+        else:
             self._status.update(escape(f"{stage}: {line}"))
 
     def done(self, stage: StageReport) -> None:
@@ -107,17 +97,11 @@ class Log(Quiet):
 
     def __init__(self, environ: Mapping[str, str]) -> None:
         self._start = time.perf_counter()
-        self._secrets = secrets(environ)
+        self.secrets = Secrets(environ)
         self._lines: list[str] = []
 
     def line(self, text: str) -> None:
         self._lines.append(f"{time.perf_counter() - self._start:9.3f}  {text}")
-
-    def blanked(self, content: bytes) -> bytes:
-        """The content of any file that tells of the build, with the secrets blanked."""
-        for secret in self._secrets:
-            content = content.replace(secret.encode(), b"***")
-        return content
 
     def tell(self, stage: str, line: str) -> None:
         self.line(f"{stage}: {line}")
@@ -127,7 +111,7 @@ class Log(Quiet):
 
     def content(self) -> bytes:
         """The content of `build.log`."""
-        return self.blanked(("\n".join(self._lines) + "\n").encode())
+        return (self.secrets.blanked("\n".join(self._lines)) + "\n").encode()
 
 
 class Both(Quiet):

@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field
 from typing import Any, Literal, TextIO
 
 from pipeline.output import FORMAT
+from pipeline.secrets import Secrets
 from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
 
@@ -48,9 +49,11 @@ class Report:
     versions: Mapping[str, str] = field(default_factory=dict)
     error: Mapping[str, Any] | None = None
 
-    def to_json(self) -> bytes:
-        """The content of `report.json`."""
-        return json.dumps({FORMAT: 1, **asdict(self)}, indent=2, ensure_ascii=False).encode() + b"\n"
+    def to_json(self, secrets: Secrets | None = None) -> bytes:
+        """The content of `report.json`, with secrets blanked."""
+        tree = {FORMAT: 1, **asdict(self)}
+        blanked = tree if secrets is None else secrets.within(tree)
+        return json.dumps(blanked, indent=2, ensure_ascii=False).encode() + b"\n"
 
     @property
     def failed_checks(self) -> tuple[Check, ...]:

@@ -17,11 +17,12 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 from pipeline.errors import CacheError
+from pipeline.lock import held
 
 STALE = 24 * 3600.0
 """Age [s] beyond which a file in `tmp/` was left by a process that was killed."""
@@ -97,21 +98,16 @@ class Store:
             self._write(self._record(key), json.dumps(record, indent=1).encode())
 
     @contextlib.contextmanager
-    def lock(self, key: str) -> Iterator[None]:
-        """Holds the one lock of `key`; holding those of other keys meanwhile is safe."""
-        import filelock
+    def lock(self, key: str, waiting: Callable[[], None] = lambda: None) -> Iterator[None]:
+        """Holds the one lock of `key`; holding those of other keys meanwhile is safe.
 
-        lock = filelock.FileLock(self._locks / f"{key}.lock")
-        try:
-            lock.acquire()
-        except (OSError, NotImplementedError):
+        `waiting` is called once if another process holds it for long.
+        """
+        with contextlib.ExitStack() as stack:
             # No locks here (some network filesystems): the work may be done twice, to the same end.
+            with contextlib.suppress(OSError):
+                stack.enter_context(held(self._locks / f"{key}.lock", waiting))
             yield
-            return
-        try:
-            yield
-        finally:
-            lock.release()
 
     @contextlib.contextmanager
     def scratch(self) -> Iterator[Path]:

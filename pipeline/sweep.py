@@ -4,14 +4,17 @@ import hashlib
 import json
 import os
 import re
+import sys
+import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipeline.errors import exit_status
+from pipeline.errors import as_problems, exit_status, refusal
+from pipeline.output import named
 from pipeline.overrides import Override
-from pipeline.plan import Plan
+from pipeline.plan import Judge, Plan
 from stages.robot.errors import ConfigError, Diagnostic, LinkwrightError
 
 if TYPE_CHECKING:
@@ -22,6 +25,10 @@ Build = Callable[[Plan], "Report"]
 """What a job does: `pipeline.build.build`, or a stand-in for it."""
 
 SUMMARY = "summary.json"
+
+FORMAT = "linkwright-sweep"
+"""The key by which `summary.json` says that a folder is a sweep's."""
+
 LONGEST_SLUG = 60
 
 
@@ -46,7 +53,7 @@ class Outcome:
 
 
 class Task:
-    """What a job does, in whatever process: it builds, and never raises."""
+    """What a job does, in whatever process: it builds, tells when it starts and ends, and never raises."""
 
     def __init__(self, jobs: Sequence[Job], build: Build) -> None:
         self._jobs = tuple(jobs)
@@ -54,6 +61,13 @@ class Task:
 
     def __call__(self, number: int) -> Outcome:
         job = self._jobs[number]
+        _tell(f"job {number} starts: {job.label}")
+        start = time.perf_counter()
+        outcome = self._outcome(job)
+        _tell(f"job {number} ended after {time.perf_counter() - start:.1f} s: {outcome.message}")
+        return outcome
+
+    def _outcome(self, job: Job) -> Outcome:
         folder = str(job.plan.folder)
         try:
             report = self._build(job.plan)
@@ -65,18 +79,27 @@ class Task:
             message = f"{name}{error}".splitlines()[0]
             failed = f"{folder}.failed"
             place = failed if Path(failed).is_dir() else folder
-            return Outcome(number, job.label, exit_status(error), message, place)
+            return Outcome(job.number, job.label, exit_status(error), message, place)
         until = job.plan.until
         message = "valid" if until == "validate" else f"built up to {until}"
         if report.exit_status != 0:
             message = "a check failed"
-        return Outcome(number, job.label, report.exit_status, message, os.path.relpath(report.folder))
+        return Outcome(job.number, job.label, report.exit_status, message, os.path.relpath(report.folder))
 
 
-def jobs_of(composer: "Composer", overrides: Sequence[Override]) -> tuple[list[Job], Path]:
+def _tell(line: str) -> None:
+    # In one piece: other processes write there too.
+    sys.stderr.write(f"{line}\n")
+    sys.stderr.flush()
+
+
+def jobs_of(
+    composer: "Composer", overrides: Sequence[Override], known: Sequence[Diagnostic], judge: Judge
+) -> tuple[list[Job], Path]:
     """Every job of a sweep, composed and judged, and the sweep's folder.
 
-    ConfigError lists the problems of all jobs, each with its jobs' numbers.
+    ConfigError lists the `known` problems of the command line and those of all jobs, each with its
+    jobs' numbers; `judge` adds what is known of a job before it starts.
     """
     swept = [override for override in overrides if override.swept]
     named = [one for one in swept or overrides if not one.for_hydra_itself and one.key != "output"]
@@ -86,12 +109,16 @@ def jobs_of(composer: "Composer", overrides: Sequence[Override]) -> tuple[list[J
     found: dict[Diagnostic, list[int]] = {}
     for number, job in enumerate(everything):
         try:
-            plans.append(composer.compose(job).plan)
+            plan = composer.compose(job).plan
         except ConfigError as error:
-            for problem in error.problems or (Diagnostic("E-VALUE", error.message, error.where, error.hint),):
-                found.setdefault(problem, []).append(number)
-    if found:
-        raise _refused(found, labels)
+            problems: Iterable[Diagnostic] = as_problems(error)
+        else:
+            plans.append(plan)
+            problems = judge(plan)
+        for problem in problems:
+            found.setdefault(problem, []).append(number)
+    if found or known:
+        raise _refused(found, labels, known)
     return _placed(plans, everything, labels)
 
 
@@ -114,28 +141,42 @@ def _placed(plans: list[Plan], everything: list[list[str]], labels: list[str]) -
     return jobs, root
 
 
-def preflight(jobs: Iterable[Job]) -> None:
-    """ConfigError for what any job's stages know to be wrong before their work."""
-    from pipeline.stage import stages_until
+def prepare(root: Path) -> None:
+    """Makes the sweep's folder, and marks it as one.
 
-    found: dict[Diagnostic, list[int]] = {}
-    labels = []
-    for job in jobs:
-        labels.append(job.label)
-        for stage in stages_until(job.plan.until):
-            try:
-                stage.preflight(job.plan, os.environ)
-            except ConfigError as error:
-                problem = Diagnostic("E-VALUE", error.message, error.where, error.hint)
-                found.setdefault(problem, []).append(job.number)
-    if found:
-        raise _refused(found, labels)
+    ConfigError where the place is taken by something that is no sweep; OutputError where it cannot be
+    written.
+    """
+    with named(root):
+        if root.exists() and not root.is_dir():
+            msg = f"{root} is a file"
+            raise ConfigError(msg, "output", "choose another place with output=FOLDER")
+        if root.is_dir() and any(root.iterdir()) and not _is_sweep(root):
+            msg = f"{root} holds files that no sweep has made"
+            raise ConfigError(msg, "output", "choose another place with output=FOLDER, or empty that folder")
+        root.mkdir(parents=True, exist_ok=True)
+    _keep(root, [])
+
+
+def _is_sweep(root: Path) -> bool:
+    try:
+        kept = json.loads((root / SUMMARY).read_bytes())
+    except (OSError, ValueError):
+        return False
+    return isinstance(kept, dict) and FORMAT in kept
+
+
+def _keep(root: Path, outcomes: Sequence[Outcome]) -> None:
+    tree = {FORMAT: 1, "jobs": [asdict(outcome) for outcome in outcomes]}
+    staged = root / f".{SUMMARY}.tmp"
+    with named(root):
+        staged.write_text(json.dumps(tree, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        staged.replace(root / SUMMARY)
 
 
 def summary(outcomes: Sequence[Outcome], root: Path) -> str:
     """The closing table; it is kept as `summary.json` beside the jobs."""
-    content = json.dumps([asdict(outcome) for outcome in outcomes], indent=2, ensure_ascii=False)
-    (root / SUMMARY).write_text(content + "\n", encoding="utf-8")
+    _keep(root, outcomes)
     table = [("job", "status", "", "what", "folder")]
     for one in outcomes:
         table.append((str(one.number), str(one.status), one.message, one.label, one.folder))
@@ -184,9 +225,13 @@ def _digest(overrides: Iterable[str]) -> str:
     return hashlib.sha256("\n".join(told).encode()).hexdigest()[:8]
 
 
-def _refused(found: dict[Diagnostic, list[int]], labels: Sequence[str]) -> ConfigError:
-    problems = []
+def _refused(
+    found: dict[Diagnostic, list[int]], labels: Sequence[str], known: Sequence[Diagnostic]
+) -> ConfigError:
+    problems = [*known]
     for problem, numbers in found.items():
+        if problem in known:
+            continue
         if len(numbers) == len(labels):
             jobs = "every job"
         elif len(numbers) == 1:
@@ -196,5 +241,7 @@ def _refused(found: dict[Diagnostic, list[int]], labels: Sequence[str]) -> Confi
         where = f"{jobs}: {problem.where}" if problem.where else jobs
         problems.append(Diagnostic(problem.code, problem.message, where, problem.hint))
     bad = len({number for numbers in found.values() for number in numbers})
+    if known:
+        return refusal(problems, "the sweep")
     msg = f"{bad} of {len(labels)} jobs cannot be built; nothing was built"
     return ConfigError(msg, problems=problems)

@@ -7,6 +7,9 @@ from pydantic_core import PydanticCustomError
 
 from stages.robot.keys import Keys, Later, NonNegative, Number, Positive, Text, Triple, not_yet
 
+LATER_FORMATS = ("sdf", "usd", "ros")
+"""Formats that are decided but not there yet."""
+
 
 class GroundKeys(Keys):
     """The ground of `scene.xml`."""
@@ -26,7 +29,7 @@ class GroundKeys(Keys):
     friction: tuple[NonNegative, NonNegative, NonNegative] = (1, 0.005, 0.0001)
     """MuJoCo's sliding [-], torsional [m] and rolling [m] friction."""
 
-    material: Literal["checker"] = "checker"
+    material: Literal["checker"] = not_yet("checker")
     """How it looks."""
 
 
@@ -71,10 +74,10 @@ class SceneKeys(Keys):
 class UrdfKeys(Keys):
     """The URDF."""
 
-    meshes: Literal["relative"] = "relative"
+    meshes: Annotated[Literal["relative"], Later("package")] = "relative"
     """How mesh files are named. relative: to the URDF's own folder."""
 
-    fixed_joints: Literal["keep"] = "keep"
+    fixed_joints: Annotated[Literal["keep"], Later("merge")] = "keep"
     """keep: frames are links on fixed joints."""
 
 

@@ -2,9 +2,25 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic_core import PydanticCustomError
 
+from stages.robot.errors import ConfigError
 from stages.robot.keys import Count, Flag, Keys, NonNegative, Positive, Text, not_yet
+
+ADDRESS = "address"
+"""The error type of an address that cannot be one; its context holds `message` and `hint`."""
+
+
+def _address(url: str) -> str:
+    from stages.fetch.url import parse
+
+    try:
+        parse(url)
+    except ConfigError as error:
+        context = {"message": error.message, "hint": error.hint}
+        raise PydanticCustomError(ADDRESS, "{message}", context) from None
+    return url
 
 
 class TessellationKeys(Keys):
@@ -26,7 +42,7 @@ class OnshapeKeys(Keys):
     kind: Literal["onshape"] = "onshape"
     """Tells the sources apart."""
 
-    url: Text
+    url: Annotated[Text, AfterValidator(_address)]
     """The assembly's address as the browser shows it."""
 
     configuration: dict[str, Any] = not_yet(dict)

@@ -3,7 +3,7 @@
 import re
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import AfterValidator, Field
 from pydantic_core import PydanticCustomError
 
 from stages.robot.keys import (
@@ -23,6 +23,9 @@ NAME_PATTERN = "[A-Za-z0-9_-]+"
 def _file_name(name: str) -> str:
     if not re.fullmatch(NAME_PATTERN, name):
         text = "must be letters, digits, _ and - only: it names files (the key `output` moves the folder)"
+        raise PydanticCustomError("file_name", text)
+    if name.lower() == "scene":
+        text = "must be another word: <name>.xml would take the place of scene.xml, the world around it"
         raise PydanticCustomError("file_name", text)
     return name
 
@@ -67,10 +70,10 @@ class NamesKeys(Keys):
 
 
 class JointKeys(Keys):
-    """Properties of the joints that a glob matches; what is left out stays as it is, null unsets."""
+    """Properties of the joints that a glob matches; what is left out or null stays as it is."""
 
     limits: Interval | None = None
-    """[lower, upper] [rad or m] in the mate's own value; null is an open side."""
+    """[lower, upper] [rad or m] in the mate's own value; a side that is null is open."""
 
     effort: Positive | None = None
     """Largest torque or force [N m or N]."""
@@ -86,11 +89,6 @@ class JointKeys(Keys):
 
     armature: NonNegative | None = None
     """The rotor's inertia as the joint feels it [kg m² or kg]."""
-
-    @model_serializer(mode="wrap")
-    def _only_what_is_set(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        # Later entries win property by property, so null and left out are not the same.
-        return {name: value for name, value in handler(self).items() if name in self.model_fields_set}
 
 
 class MassKeys(Keys):

@@ -52,7 +52,7 @@ class ContactKeys(Keys):
     """Pairs of links that never touch."""
 
     self_: Annotated[Literal["none"], Later("auto")] = Field(default="none", alias="self")
-    """none: every pair of links that MuJoCo checks by itself may touch."""
+    """none: no link of the robot touches another one; all of them touch the ground and other objects."""
 
 
 class MeshKeys(Keys):

@@ -3,6 +3,7 @@
 import pytest
 
 from pipeline.compose import compose_plan
+from pipeline.preflight import beforehand
 from stages.robot.errors import ConfigError
 from tests.config.users import MY_ARM, URL, write
 
@@ -90,7 +91,10 @@ def test_open_mappings_are_written_without_a_plus_and_field_by_field(tmp_path):
         "joints.elbow.effort=2",
         "joints.Joint 3.limits=[null,1]",
     ).tree()["joints"]
-    assert joints == {
+    given = {
+        glob: {key: one for key, one in keys.items() if one is not None} for glob, keys in joints.items()
+    }
+    assert given == {
         "*": {"damping": 1.0, "friction": 0.5},
         "elbow": {"limits": [-1.0, 1.0], "effort": 2.0},
         "Joint 3": {"limits": [None, 1.0]},
@@ -114,23 +118,50 @@ def test_a_mapping_may_be_given_as_a_whole(tmp_path):
         ),
         (
             "name: [x\nfoo: : 1\n",
-            "{file}, line 2, column 4: not valid YAML: expected ',' or ']', but got ':'\n"
-            "  → check quotes, colons and indentation there",
+            "the configuration has a problem\n"
+            "  E-YAML {file}, line 2, column 4: not valid YAML: expected ',' or ']', but got ':'\n"
+            "      check quotes, colons and indentation there",
         ),
         (
             "a: 1\na: 2\n",
-            "{file}, line 2, column 1: not valid YAML: found duplicate key a\n"
-            "  → check quotes, colons and indentation there",
+            "the configuration has 2 problems\n"
+            "  E-YAML {file}, line 2, column 1: not valid YAML: found duplicate key a\n"
+            "      check quotes, colons and indentation there\n"
+            "  E-KEY a: unknown key (given 2)\n"
+            "      linkwright --help lists the keys",
         ),
         (
-            "# @package _global_\ndefaults:\n  - override /mesh: hul\n",
-            "mesh=hul: there is no such option\n  → did you mean hull? options: hull",
+            "# @package _global_\ndefaults:\n  - override /mesh: hul\n  - override /ground: foo\n"
+            "  - override /source: sampel\nsource: {url: x}\nroot: {bse: free}\nmeshh: 1\n",
+            "the configuration has 5 problems\n"
+            "  E-OPTION mesh=hul: there is no such option\n"
+            "      did you mean hull? options: hull\n"
+            "  E-OPTION ground=foo: there is no such option\n"
+            "      options: none, plane\n"
+            "  E-OPTION source=sampel: there is no such option\n"
+            "      did you mean sample or onshape? options: bundle, onshape, sample\n"
+            "  E-KEY root.bse: unknown key (given 'free')\n"
+            "      did you mean root.base?\n"
+            "  E-KEY meshh: unknown key (given 1)\n"
+            "      did you mean mesh or names?",
         ),
         (
-            "# @package _global_\ndefaults:\n  - override /mehs: hull\n",
-            "the configuration cannot be composed: In 'robot/mine': Could not override 'mehs'. "
+            "# @package _global_\ndefaults:\n  - override /source: sample\n  - override /mehs: hull\n"
+            "until: grph\n",
+            "the configuration has 2 problems\n"
+            "  E-OVERRIDE cannot be composed: In 'robot/mine': Could not override 'mehs'. "
             "No match in the defaults list.\n"
-            "  → look at the defaults list of the robot's file and at the overrides",
+            "      look at the defaults list of the robot's file and at the overrides\n"
+            "  E-VALUE until: 'grph' is not allowed\n"
+            "      did you mean graph? allowed: fetch, graph, mesh, export, validate",
+        ),
+        (
+            "defaults:\n  - override /source: sample\njonts: {}\n",
+            "the configuration has 2 problems\n"
+            "  E-KEY robot: its file chooses options for itself alone\n"
+            "      the first line of a robot's file must be: # @package _global_\n"
+            "  E-KEY jonts: unknown key (given {{}})\n"
+            "      did you mean joints?",
         ),
         (
             "# @package _global_\ndefaults:\n  - override /source: onshape\n"
@@ -146,7 +177,7 @@ def test_a_mapping_may_be_given_as_a_whole(tmp_path):
             "      did you mean mesh or names?",
         ),
     ],
-    ids=["no header", "broken", "duplicate", "no option", "no group", "missing"],
+    ids=["no header", "broken", "duplicate", "no option", "no group", "no header, but defaults", "missing"],
 )
 def test_a_fault_in_the_robots_file_is_told(tmp_path, robot, told):
     write(tmp_path, mine=robot)
@@ -157,7 +188,7 @@ def test_a_file_that_is_not_utf8_is_named(tmp_path):
     write(tmp_path, good=MY_ARM)
     file = tmp_path / "robot" / "mine.yaml"
     file.write_bytes(b"# @package _global_\nname: \xff\n")
-    assert refused(tmp_path, "robot=mine") == f"{file}: not UTF-8 text\n  → save it as UTF-8"
+    assert refused(tmp_path, "robot=mine").endswith(f"E-YAML {file}: not UTF-8 text\n      save it as UTF-8")
 
 
 def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
@@ -177,7 +208,8 @@ def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
         (["robot=null"], "E-OPTION robot=null: there is no such option"),
         (["robot=[my_arm,bare]"], "E-OPTION robot=[my_arm,bare]: one option is expected"),
         (["export="], "E-OPTION export=: one option is expected"),
-        (["export=[urdf,sdf]"], "E-OPTION export=sdf: there is no such option\n      options: mjcf, urdf"),
+        (["export=[urdf,sdf]"], "E-LATER export=sdf: not supported yet\n      options: mjcf, urdf"),
+        (["export=[urdf,obj]"], "E-OPTION export=obj: there is no such option\n      options: mjcf, urdf"),
         (["export=[]"], "E-VALUE export: no format is chosen"),
         (["mesh=ladder"], "E-LATER mesh=ladder: not supported yet\n      options: hull"),
         (["source=urdf"], "E-LATER source=urdf: not supported yet"),
@@ -185,7 +217,15 @@ def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
         (["mesh/collider=x"], "E-OVERRIDE mesh/collider=x: there is no such group\n      groups: actuators"),
         (["hydra.searchpath=[x]"], "this part of Hydra is set by linkwright"),
         (["~nope"], "Could not delete from config. 'nope' does not exist."),
-        (["+name=a", "+name=b"], "the configuration cannot be composed"),
+        (["+name=a", "+name=b"], "E-OVERRIDE cannot be composed: Could not append"),
+        (["hydra.run.dir=x"], "E-OVERRIDE hydra.run.dir=x: this part of Hydra is set by linkwright"),
+        (["hydra={verbose: true}"], "E-OVERRIDE hydra={{verbose: true}}: this part of Hydra is set"),
+        (["hydra/launcher=joblib"], "hydra/launcher=joblib: has no effect: a single build does not run"),
+        (["hydra.verbose=true"], "E-OVERRIDE hydra.verbose=true: has no effect: a single build does not"),
+        (["ground=glob(*)"], "E-OVERRIDE ground=glob(*): several values, but no sweep"),
+        (["ground=glob(x*)"], "cannot be read: no option matches\n      options: none, plane"),
+        (["name=glob(*)"], "cannot be read: glob() chooses among the options of a group\n      groups: act"),
+        (["robott=x"], "E-KEY robott: unknown key (given 'x')\n      did you mean robot or root?"),
     ],
 )  # fmt: skip
 def test_a_choice_that_cannot_be_made_is_told(tmp_path, arguments, told):
@@ -195,10 +235,57 @@ def test_a_choice_that_cannot_be_made_is_told(tmp_path, arguments, told):
 
 
 def test_everything_wrong_with_a_command_line_is_told_at_once(tmp_path):
-    told = refused(tmp_path, "robot=nope", "mesh=hul", "source.url=https://x?a=b", "new")
-    assert [line.split()[0] for line in told.splitlines() if line.startswith("  E-")] == [
-        "E-OVERRIDE", "E-OVERRIDE", "E-OPTION", "E-OPTION",
-    ]  # fmt: skip
+    assert codes(refused(tmp_path, "robot=nope", "mesh=hul", "source.url=https://x?a=b", "new", "foo=1")) == [
+        "E-OVERRIDE source.url=https://x?a=b:",
+        "E-OVERRIDE new:",
+        "E-OPTION robot=nope:",
+        "E-OPTION mesh=hul:",
+        "E-KEY foo:",
+    ]
+
+
+def codes(told):
+    """The code and the place of each problem."""
+    return [" ".join(line.split()[:2]) for line in told.splitlines() if line.startswith("  E-")]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "found"),
+    [
+        (["ground=foo", "foo=1"], ["E-OPTION ground=foo:", "E-KEY foo:"]),
+        (["source=foo", "source.url=1", "foo=1"], ["E-OPTION source=foo:", "E-KEY foo:"]),
+        (
+            ["source=onshape", "source.url=https://x?a=b", "foo=1"],
+            ["E-OVERRIDE source.url=https://x?a=b:", "E-KEY foo:"],
+        ),
+        (
+            ["source=onshape", "source.url=arm", "ground.size=1"],
+            ["E-VALUE source.url:", "E-VALUE ground.size:"],
+        ),
+        (["robot=nope", "foo=1"], ["E-OPTION robot=nope:", "E-KEY foo:"]),
+        (["source=sample", "~nope", "foo=1"], ["E-OVERRIDE cannot", "E-KEY foo:"]),
+        (["robot=sample", "~nope", "foo=1"], ["E-OVERRIDE cannot", "E-KEY foo:"]),
+        (
+            ["source=sample", "root={base: up}", "export=[]", "until=x"],
+            ["E-VALUE root.base:", "E-VALUE export:", "E-VALUE until:"],
+        ),
+    ],
+)  # fmt: skip
+def test_a_choice_that_cannot_be_made_does_not_hide_what_else_is_wrong(tmp_path, arguments, found):
+    assert sorted(codes(refused(tmp_path, *arguments))) == sorted(found)
+
+
+def test_what_is_known_before_the_first_stage_is_told_with_what_is_wrong_in_the_configuration(
+    tmp_path, monkeypatch
+):
+    monkeypatch.chdir(tmp_path)
+    for name in ("ONSHAPE_ACCESS_KEY", "ONSHAPE_SECRET_KEY"):
+        monkeypatch.delenv(name, raising=False)
+    for wrong in ("foo=1", "ground=foo", "source.foo=1", "hydra.verbose=true"):
+        with pytest.raises(ConfigError) as caught:
+            compose_plan(["source=onshape", f"source.url='{URL}'", wrong], cwd=tmp_path, judge=beforehand)
+        assert len(caught.value.problems) == 2
+        assert "no Onshape API key" in caught.value.problems[1].message
 
 
 def test_an_id_that_is_read_as_a_number_is_told_to_be_quoted(tmp_path):

@@ -7,9 +7,10 @@ from pipeline.schema import leaves
 from stages.graph.keys import GraphKeys
 from stages.mesh.keys import MeshKeys
 from stages.robot.errors import ConfigError
+from tests.config.users import URL
 
 SAMPLE = {"kind": "sample"}
-ONSHAPE = {"kind": "onshape", "url": "https://cad.onshape.com/documents/x"}
+ONSHAPE = {"kind": "onshape", "url": URL}
 
 
 def problems(**data):
@@ -117,9 +118,11 @@ def test_a_plan_without_source_is_no_plan():
 @pytest.mark.parametrize(
     ("data", "key", "message"),
     [
-        ({"loops": {"solref": "x"}}, "loops.solref", "must be a list (given 'x')"),
-        ({"loops": {"solref": [1]}}, "loops.solref", "must be 2 numbers (given [1])"),
-        ({"ground": {"xyz": [1, 2, 3, 4]}}, "ground.xyz", "must be 3 numbers (given [1, 2, 3, 4])"),
+        ({"loops": {"solref": "x"}}, "loops.solref", "must be a list of 2 numbers (given 'x')"),
+        ({"ground": {"size": "big"}}, "ground.size", "must be a list of 2 numbers (given 'big')"),
+        ({"frames": {"include": "tool"}}, "frames.include", "must be a list (given 'tool')"),
+        ({"loops": {"solref": [1]}}, "loops.solref", "must be a list of 2 numbers (given [1])"),
+        ({"ground": {"xyz": [1, 2, 3, 4]}}, "ground.xyz", "must be a list of 3 numbers (given [1, 2, 3, 4])"),
         ({"ground": {"rpy": [0, 0, float("nan")]}}, "ground.rpy[2]", "must be finite (given nan)"),
         ({"ground": {"rpy": [0, 0, True]}}, "ground.rpy[2]", "must be a number (given true)"),
         ({"ground": {"size": [1, -1]}}, "ground.size[1]", "must be greater than 0 (given -1)"),
@@ -134,7 +137,8 @@ def test_a_plan_without_source_is_no_plan():
             "joints.a.limits",
             "must be [lower, upper] with lower < upper (given [1, 1])",
         ),
-        ({"joints": {"a": {"limits": [0]}}}, "joints.a.limits", "must be 2 numbers (given [0])"),
+        ({"joints": {"a": {"limits": [0]}}}, "joints.a.limits", "must be a list of 2 numbers (given [0])"),
+        ({"joints": {"a": {"limits": 1}}}, "joints.a.limits", "must be a list of 2 numbers (given 1)"),
         ({"joints": 3}, "joints", "must be a mapping (given 3)"),
         ({"mesh": None}, "mesh", "must be a mapping (given null)"),
         ({"output": ""}, "output", "must not be empty (given '')"),
@@ -154,6 +158,24 @@ def test_a_name_that_is_no_file_name_is_refused(name):
     code, where, message, _ = problem(name=name)
     assert (code, where) == ("E-VALUE", "name")
     assert "letters, digits, _ and - only" in message or message == "must not be empty (given '')"
+
+
+@pytest.mark.parametrize("name", ["scene", "Scene", "SCENE"])
+def test_a_name_whose_file_would_take_the_place_of_the_scene_is_refused(name):
+    code, where, message, _ = problem(name=name)
+    assert (code, where) == ("E-VALUE", "name")
+    assert "scene.xml" in message
+
+
+@pytest.mark.parametrize(
+    "url", ["arm", "https://example.com/robot", "http://cad.onshape.com/documents/x", "https://u:hidden@x/y"]
+)
+def test_an_address_that_can_be_no_assembly_is_told_without_what_it_may_hide(url):
+    code, where, message, hint = problem(source={"kind": "onshape", "url": url})
+    assert (code, where) == ("E-VALUE", "source.url")
+    assert "address" in message
+    assert hint
+    assert "hidden" not in message + hint
 
 
 @pytest.mark.parametrize("value", [6.123456789012345e31, 96374504495306324343, True])
@@ -180,6 +202,22 @@ def test_a_number_as_the_name_of_a_joint_is_told_to_be_quoted():
         ({"contact": {"self": "auto"}}, ("contact.self", "'auto' is not supported yet", "allowed: none")),
         ({"scene": {"pose": "touch"}}, ("scene.pose", "'touch' is not supported yet", "allowed: xyz, rpy")),
         ({"root": {"select": "central"}}, ("root.select", "'central' is not supported yet", "")),
+        (
+            {"export": {"urdf": {"fixed_joints": "merge"}}},
+            ("export.urdf.fixed_joints", "'merge' is not supported yet", "allowed: keep"),
+        ),
+        (
+            {"export": {"urdf": {"meshes": "package"}}},
+            ("export.urdf.meshes", "'package' is not supported yet", "allowed: relative"),
+        ),
+        (
+            {"ground": {"material": "grass"}},
+            ("ground.material", "'grass' is not supported yet", "allowed: checker"),
+        ),
+        (
+            {"export": {"mjcf": {}, "sdf": {}}},
+            ("export.sdf", "not supported yet (given {})", "formats so far: urdf, mjcf"),
+        ),
         ({"zero": "saved"}, ("zero", "'saved' is not supported yet", "allowed: mate")),
         (
             {"scene": {"option": {"gravity": 1}}},
@@ -279,9 +317,9 @@ def test_the_part_of_a_stage_holds_that_stage_alone_and_keeps_the_order_of_mappi
     assert section(plan, MeshKeys)["contact"] == {"exclude": [], "self": "none"}
 
 
-def test_a_property_of_a_joint_that_is_left_out_is_not_one_that_is_null():
-    joints = {"*": {"damping": 1}, "elbow": {"effort": 2}, "wrist": {"damping": None}}
-    assert Plan.parse({"source": SAMPLE, "joints": joints}).tree()["joints"] == joints
+def test_a_property_of_a_joint_that_is_left_out_is_the_same_as_one_that_is_null():
+    left_out, null = ({"source": SAMPLE, "joints": {"wrist": keys}} for keys in ({}, {"damping": None}))
+    assert section(Plan.parse(left_out), GraphKeys) == section(Plan.parse(null), GraphKeys)
 
 
 def test_the_folder_is_named_by_output_else_by_the_name():

@@ -43,6 +43,14 @@ def refused(here: Path, status: int, arguments: list[str], *said: str, environ: 
         (["source=onshape", f"source.url={WEB}"], ["ONSHAPE_ACCESS_KEY"]),
         (["source=bundle", "source.path=nowhere.zip"], ["nowhere.zip"]),
         (["name=../x"], ["name"]),
+        (["name=scene"], ["name", "scene.xml"]),
+        (
+            ["source=onshape", f"source.url={WEB}", "ground=foo", "foo=1"],
+            ["ONSHAPE_ACCESS_KEY", "ground=foo", "foo"],
+        ),
+        (["source=onshape", "source.url=arm", "mesh.colider=hull"], ["source.url", "mesh.colider"]),
+        (["hydra.verbose=true"], ["hydra.verbose"]),
+        (["-m", "root=auto,free", "joints.*.effort=glob(*)"], ["joints.*.effort=glob(*)", "group"]),
         (["source=onshape", f"source.url={WEB}?a=b"], [f"\"source.url='{WEB}?a=b'\""]),
     ],
 )
@@ -137,6 +145,18 @@ def test_a_failed_build_leaves_the_last_good_one_and_its_own_report(tmp_path: Pa
     bundle.write_bytes(bundle_bytes(sample_document()))
     assert linkwright(tmp_path, "source=bundle", "source.path=arm.zip", "name=arm").returncode == 0
     assert not (tmp_path / "outputs" / "arm.failed").exists()
+
+
+@pytest.mark.skipif(not Path("/proc/self").is_dir(), reason="needs a folder in which nothing can be made")
+@pytest.mark.parametrize("sweep", [[], ["-m", "root=auto,free"]], ids=["single", "sweep"])
+def test_a_folder_in_which_nothing_can_be_made_is_one_message(tmp_path: Path, sweep: list[str]) -> None:
+    refused(tmp_path, 1, [*sweep, "output=/proc/robot"], "/proc/robot", "cannot be written")
+
+
+def test_a_sweep_over_a_file_is_refused_before_its_jobs(tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("mine")
+    assert "job 0" not in refused(tmp_path, 2, ["-m", "root=auto,free", "output=taken"], "taken is a file")
+    assert tree(tmp_path) == {"taken"}
 
 
 def test_an_output_that_is_a_file_is_refused(tmp_path: Path) -> None:

@@ -3,7 +3,7 @@
 import json
 import pickle
 import sys
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 
 import pytest
 import yaml
@@ -261,6 +261,23 @@ def test_no_secret_reaches_the_log(make, folder):
     assert "refused ***" in (left / "build.log").read_text()
     for name in names(left):
         assert b"s3cr3t-value" not in (left / name).read_bytes()
+
+
+@pytest.mark.parametrize("key", ["e", "linkwright-report", '{"status"'])
+def test_a_report_stays_whole_and_ours_whatever_the_key_is(make, folder, key):
+    environ = {"ONSHAPE_ACCESS_KEY": key, "ONSHAPE_SECRET_KEY": key}
+    report = make(fakes(), environ=environ)
+    assert set(json.loads((folder / "report.json").read_bytes())) == {"linkwright-report", *asdict(report)}
+    assert make(fakes(), environ=environ).exit_status == 0
+
+
+def test_everything_that_is_known_before_the_first_stage_is_told_at_once(make, folder):
+    folder.mkdir(parents=True)
+    (folder / "thesis.tex").write_text("x")
+    wrong = {name: {"wrong": ConfigError(f"no {name}", name)} for name in ("fetch", "mesh")}
+    with pytest.raises(ConfigError) as caught:
+        make(fakes(**wrong))
+    assert [problem.where for problem in caught.value.problems] == ["fetch", "mesh", "output"]
 
 
 def test_build_and_its_report_can_be_sent_to_another_process(make):

@@ -115,7 +115,16 @@ def test_a_harmed_blob_is_a_miss_and_is_made_again(cache, harm):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "{", "[]", "{}", '{"outputs": {"a": 1}, "sizes": {"a": 1}}', '{"outputs": {"a": "x"}}']
+    "text",
+    [
+        "",
+        "{",
+        "[]",
+        "{}",
+        '{"outputs": {}, "sizes": {}}',
+        '{"outputs": {"a": 1}, "sizes": {"a": 1}}',
+        '{"outputs": {"a": "x"}}',
+    ],
 )
 def test_a_corrupt_record_is_a_miss(cache, text):
     cache.run(ACTION, Maker())

@@ -44,6 +44,19 @@ def test_an_override_becomes_one_that_hydra_can_carry(values, typed, hydra):
     assert (override.hydra, problems) == (hydra, [])
 
 
+@pytest.mark.parametrize(
+    ("typed", "hydra"),
+    [
+        ("ground=glob(*)", "ground=none,plane"),
+        ("root=glob(f*)", "root=fixed,free"),
+        ("root=glob([*],exclude=f*)", "root=auto"),
+    ],
+)
+def test_a_glob_over_a_group_becomes_the_options_that_it_matches(values, typed, hydra):
+    (override,), problems = read([typed], GROUPS, values, multirun=True)
+    assert (override.hydra, problems) == (hydra, [])
+
+
 def test_a_sweep_over_a_path_with_a_glob_nests_every_value(values):
     (override,), _ = read(["joints.*.damping=1,2"], GROUPS, values, multirun=True)
     assert override.hydra == "++joints={*:{damping:1}},{*:{damping:2}}"

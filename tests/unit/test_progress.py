@@ -34,10 +34,10 @@ def test_a_terminal_gets_the_same_sentence():
 
 
 def test_the_log_holds_what_the_terminal_was_told_without_secrets():
-    stream, log = io.StringIO(), Log({"ONSHAPE_ACCESS_KEY": "acc355"})
+    stream, log = io.StringIO(), Log({"ONSHAPE_ACCESS_KEY": "acc355-key"})
     both = Both(log, Lines(stream))
     both.start("fetch")
-    both.tell("fetch", "asked as acc355")
+    both.tell("fetch", "asked as acc355-key")
     both.done(DONE)
     both.close()
     lines = log.content().decode().splitlines()
@@ -46,11 +46,17 @@ def test_the_log_holds_what_the_terminal_was_told_without_secrets():
 
 
 def test_a_key_from_the_env_file_is_blanked_too(tmp_path, monkeypatch):
-    (tmp_path / ".env").write_text("ONSHAPE_ACCESS_KEY=acc355\nONSHAPE_SECRET_KEY=s3cr3t\n")
+    (tmp_path / ".env").write_text("ONSHAPE_ACCESS_KEY=acc355-key\nONSHAPE_SECRET_KEY=s3cr3t-key\n")
     monkeypatch.chdir(tmp_path)
     log = Log({})
-    log.line("acc355 and s3cr3t")
+    log.line("acc355-key and s3cr3t-key")
     assert log.content().endswith(b"*** and ***\n")
+
+
+def test_a_terminal_is_told_what_comes_before_the_first_stage():
+    screen = Screen()
+    progress_for(screen).tell("output", "waiting for another build of [arm]")
+    assert "output: waiting for another build of [arm]" in screen.getvalue()
 
 
 def test_an_empty_environment_blanks_nothing():

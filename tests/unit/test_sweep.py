@@ -1,13 +1,20 @@
 """A sweep: all jobs judged first, each in a folder of its own, the failures told at the end."""
 
 import json
+import os
 import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
 from pipeline.cli import run
 from pipeline.report import Report
 from stages.robot.errors import MeshError
+
+REPO = Path(__file__).parents[2]
 
 
 def ending(plan):
@@ -58,7 +65,10 @@ def test_a_job_that_fails_or_exits_stops_no_other_and_is_told_in_the_table(capsy
         ("1", "upper_arm: no triangles", "root=auto ground=none"),
     ]
     assert out.splitlines()[-1] == "1 of 6 jobs built and valid: outputs/sample.sweep"
-    assert err == ""
+    told = [re.sub(r"[0-9.]+ s:", "# s:", line) for line in err.splitlines()]
+    assert told[:2] == ["job 0 starts: root=free ground=plane", "job 0 ended after # s: SystemExit: 5"]
+    assert told[-1] == "job 5 ended after # s: upper_arm: no triangles"
+    assert len(told) == 12
 
 
 def test_each_job_has_a_folder_of_its_own_named_by_what_sets_it_apart():
@@ -93,7 +103,7 @@ def test_hydras_account_and_the_summary_lie_beside_the_jobs(tmp_path):
     run(["-m", "source=sample", "root=auto,fixed"], ending)
     folder = tmp_path / "outputs" / "sample.sweep"
     assert sorted(path.name for path in folder.iterdir()) == ["multirun.yaml", "summary.json"]
-    assert [one["status"] for one in json.loads((folder / "summary.json").read_text())] == [0, 3]
+    assert [one["status"] for one in json.loads((folder / "summary.json").read_text())["jobs"]] == [0, 3]
 
 
 @pytest.mark.parametrize(
@@ -120,10 +130,9 @@ def test_hydras_account_and_the_summary_lie_beside_the_jobs(tmp_path):
         ),
         (
             ["source=sample", "root=auto,fred"],
-            "error: the command line cannot be used\n"
-            "  E-OPTION root=fred: there is no such option\n"
-            "      did you mean free or fixed? options: auto, fixed, free\n"
-            "  → linkwright --help shows what can be said\n",
+            "error: 1 of 2 jobs cannot be built; nothing was built\n"
+            "  E-OPTION job 1 (root=fred): root=fred: there is no such option\n"
+            "      did you mean free or fixed? options: auto, fixed, free\n",
         ),
         (
             ["source=sample", "root=auto,auto"],
@@ -136,9 +145,27 @@ def test_hydras_account_and_the_summary_lie_beside_the_jobs(tmp_path):
         ),
         (
             ["source=sample", "hydra/launcher=nope"],
-            "error: hydra/launcher=nope: there is no launcher nope\n",
+            "error: the sweep has a problem\n  E-OPTION hydra/launcher=nope: there is no launcher nope\n",
         ),
-        (["source=sample", "hydra.sweeper.params.x=1"], "error: the command line cannot be used\n"),
+        (
+            [
+                "source=sample",
+                "hydra.sweeper.params.x=1",
+                "hydra/launcher=basic,joblib",
+                "root=auto,free",
+                "x=1",
+            ],
+            "error: the sweep has 3 problems\n"
+            "  E-OVERRIDE hydra.sweeper.params.x=1: this part of Hydra is set by linkwright\n"
+            "      --config-dir names folders of your own; the key `output` moves what is built\n"
+            "  E-OVERRIDE hydra/launcher=basic,joblib: cannot be swept\n"
+            "      give one value, for all jobs\n"
+            "  E-KEY every job: x: unknown key (given 1)\n",
+        ),
+        (
+            ["source=bundle", "source.path=none.zip", "root=auto,fred"],
+            "error: 2 of 2 jobs cannot be built; nothing was built\n",
+        ),
     ],
 )
 def test_a_bad_job_is_told_and_nothing_is_built(arguments, told, capsys, tmp_path):
@@ -161,7 +188,70 @@ def test_an_interrupt_ends_the_sweep(capsys):
         raise KeyboardInterrupt
 
     assert run(["-m", "source=sample", "root=auto,free"], interrupted) == 130
-    assert capsys.readouterr().err == "error: interrupted\n"
+    assert capsys.readouterr().err == "job 0 starts: root=auto\nerror: interrupted\n"
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="needs signal masks")
+def test_an_interrupt_of_many_processes_is_one_message(tmp_path):
+    pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
+    arguments = ["-m", "root=auto,fixed,free", "ground=plane,none", "hydra/launcher=workstation"]
+    sweep = subprocess.Popen(
+        [sys.executable, "-m", "pipeline", *arguments],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(REPO), "LINKWRIGHT_CACHE": str(tmp_path / "cache")},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        # Where the tests run in the background the signal is ignored, which is inherited.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    )
+    first = sweep.stderr.readline()
+    os.killpg(sweep.pid, signal.SIGINT)
+    out, err = sweep.communicate(timeout=60)
+    assert (sweep.returncode, out) == (130, "")
+    lines = [first, *err.splitlines()]
+    assert lines[-1] == "error: interrupted"
+    assert [line for line in lines[:-1] if not re.match(r"job \d (starts|ended)", line)] == []
+
+
+def test_a_glob_sweeps_over_the_options_of_a_group():
+    build = Recorder()
+    assert run(["-m", "source=sample", "ground=glob(*)"], build) == 0
+    assert [plan.ground.kind for plan in build.plans] == ["none", "plane"]
+
+
+@pytest.mark.parametrize(
+    ("make", "status", "told"),
+    [
+        (lambda place: place.write_text("mine"), 2, "error: output: taken is a file\n"),
+        (
+            lambda place: place.mkdir() or (place / "mine").touch(),
+            2,
+            "taken holds files that no sweep has made",
+        ),
+        (
+            lambda place: place.symlink_to("/proc/none/x"),
+            1,
+            "error: taken: the output folder cannot be written",
+        ),
+    ],
+    ids=["a file", "files of others", "cannot be made"],
+)
+def test_a_place_that_a_sweep_cannot_have_is_told_and_nothing_is_built(tmp_path, capsys, make, status, told):
+    make(tmp_path / "taken")
+    before = sorted(tmp_path.rglob("*"))
+    build = Recorder()
+    assert run(["-m", "source=sample", "root=auto,free", "output=taken"], build) == status
+    assert told in capsys.readouterr().err
+    assert build.plans == []
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_sweep_may_be_run_again_where_it_was(tmp_path):
+    for _ in range(2):
+        assert run(["-m", "source=sample", "root=auto,free", "output=there"], Recorder()) == 0
+    assert len(json.loads((tmp_path / "there" / "summary.json").read_text())["jobs"]) == 2
 
 
 def test_a_sweep_over_robots_lies_in_a_folder_of_its_own(tmp_path):

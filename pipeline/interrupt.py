@@ -1,0 +1,39 @@
+"""Ctrl-C during a sweep in many processes ends this one, which ends the others."""
+
+import _thread
+import contextlib
+import signal
+import threading
+from collections.abc import Iterator
+
+LOOK = 0.1
+"""How often [s] the watcher looks whether the sweep is over."""
+
+
+@contextlib.contextmanager
+def kept_from_workers() -> Iterator[None]:
+    """Processes that are started inside never hear of Ctrl-C; here it is a KeyboardInterrupt as ever.
+
+    The terminal sends the signal to all of them, and each worker would print a traceback. A blocked
+    signal is inherited by what is started, so it is blocked here too and waited for by a thread.
+    """
+    if not hasattr(signal, "pthread_sigmask") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    over = threading.Event()
+
+    def watch() -> None:
+        while not over.wait(LOOK):
+            if signal.SIGINT in signal.sigpending():
+                signal.sigwait({signal.SIGINT})
+                _thread.interrupt_main()
+
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    watcher = threading.Thread(target=watch, name="interrupt", daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        over.set()
+        watcher.join()
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)

@@ -1,0 +1,21 @@
+"""What is known to be wrong with a plan before its first stage runs."""
+
+import os
+from collections.abc import Mapping
+
+from pipeline.errors import ConfigError, Diagnostic, as_problems
+from pipeline.plan import Plan
+from pipeline.stage import STAGES, Stage, stages_until
+
+
+def beforehand(
+    plan: Plan, environ: Mapping[str, str] = os.environ, stages: tuple[Stage, ...] = STAGES
+) -> list[Diagnostic]:
+    """The problems that the stages of a build know of before any work: a file or a key that is missing."""
+    found: list[Diagnostic] = []
+    for stage in stages_until(plan.until, stages):
+        try:
+            stage.preflight(plan, environ)
+        except ConfigError as error:
+            found += as_problems(error)
+    return found
