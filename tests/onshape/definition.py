@@ -2,6 +2,7 @@
 
 import random
 
+from tests.onshape import settings
 from tests.onshape.document import Document
 from tests.onshape.elements import Connector, Gear, Group, Mate
 
@@ -12,18 +13,19 @@ LIMIT_NAMES = {
 }
 
 
-def definition(document: Document, *, configuration="default", shuffle=None, swap=()):
+def definition(document: Document, *, configuration="default", shuffle=None, swap=(), limits=True):
     """The definition as plain data.
 
     `shuffle`: a seed that reorders instances, occurrences, features and parts (they mean the same).
     `swap`: names of mates whose two entities change places; their values and limits change sign.
+    `limits`: False leaves limits out, as servers before 2026 do.
     """
-    return _Writer(document, configuration, shuffle, frozenset(swap)).write()
+    return _Writer(document, configuration, shuffle, frozenset(swap), limits).write()
 
 
 class _Writer:
-    def __init__(self, document, configuration, shuffle, swap):
-        self.document, self.configuration, self.swap = document, configuration, swap
+    def __init__(self, document, configuration, shuffle, swap, limits):
+        self.document, self.configuration, self.swap, self.limits = document, configuration, swap, limits
         self.random = None if shuffle is None else random.Random(shuffle)
 
     def write(self):
@@ -39,6 +41,8 @@ class _Writer:
             for path, place in self.document.truth.places.items()
         ]
         written = {**self._assembly(root, self.configuration), "occurrences": self._shuffled(occurrences)}
+        values = settings.values(self.document.parameters, self.configuration)
+        written["fullConfiguration"] = settings.text_of(values) if values else self.configuration
         return {
             "rootAssembly": written,
             "subAssemblies": self._shuffled(
@@ -89,7 +93,7 @@ class _Writer:
     def _part(part, configuration):
         record = {
             "partId": part.id,
-            "bodyType": "solid",
+            "bodyType": part.body,
             "isStandardContent": False,
             **_address(part.studio, configuration),
         }
@@ -118,7 +122,7 @@ class _Writer:
             entities = entities[::-1]
             low, high = (None if end is None else -end for end in (high, low))
         limits = zip(LIMIT_NAMES.get(mate.type, ()), (low, high), strict=False)
-        return {
+        made = {
             "mateType": mate.type,
             "mateLimits": {name: float(end) for name, end in limits if end is not None},
             "matedEntities": [
@@ -130,6 +134,11 @@ class _Writer:
                 for occurrence, frame in entities
             ],
         }
+        if not self.limits:
+            del made["mateLimits"]
+            for entity in made["matedEntities"]:
+                del entity["mateConnectorCS"]
+        return made
 
     def _gear(self, gear):
         swapped = sum(mate.name in self.swap for _, mate in gear.mates) == 1

@@ -14,9 +14,11 @@ author gives values; all poses follow from them (`kinematics`). A mate that clos
 declared with `closing=True`; its value is whatever the rest makes it.
 """
 
+import copy
+
 import numpy as np
 
-from tests.onshape import ids
+from tests.onshape import ids, settings
 from tests.onshape.elements import (
     OPEN,
     ORIGIN,
@@ -28,12 +30,16 @@ from tests.onshape.elements import (
     Occurrence,
     Studio,
 )
+from tests.onshape.variables import VariableStudio
 
 __all__ = ["ORIGIN", "Assembly", "Document", "Home", "Occurrence"]
 
 
 class Home:
-    """Where elements live: a document, and its pinned state."""
+    """Where elements live: a document, and its pinned state.
+
+    `tabs`: element ids of tabs that an edit changed → their own microversions since then.
+    """
 
     def __init__(self, name, document=None):
         self.name = name
@@ -42,12 +48,26 @@ class Home:
         self.workspace = ids.hex_id(name, "workspace")
         self.version = ids.hex_id(name, "version")
         self.microversion = ids.hex_id(name, "microversion")
-        self.studios, self.assemblies = [], []
+        self.studios, self.assemblies, self.variable_studios = [], [], []
+        self.tabs = {}
+
+    def tab_microversion(self, element):
+        """The microversion of an element alone, which only its own edits change."""
+        return self.tabs.get(element.element) or ids.hex_id(self.name, "microversion", element.element)
+
+    def part(self, name):
+        """The first part of that name."""
+        return next(part for studio in self.studios for part in studio.parts if part.name == name)
 
     def studio(self, name):
         """A new part studio."""
         self.studios.append(Studio(self, name))
         return self.studios[-1]
+
+    def variable_studio(self, name, table, values=None):
+        """A new variable studio: name → (type, expression)."""
+        self.variable_studios.append(VariableStudio(self, name, dict(table), dict(values or {})))
+        return self.variable_studios[-1]
 
     def assembly(self, name):
         """A new assembly."""
@@ -78,13 +98,16 @@ class Assembly:
         hidden=False,
         suppressed=False,
         pose=None,
-        configuration="default",
+        configuration=None,
         name=None,
     ):
         """A new instance of a part or an assembly; returns its `Occurrence`.
 
         `pose` (4, 4), in this assembly, places a fixed instance, or one that nothing else places.
+        `configuration`: by default the one that the part is of.
         """
+        if configuration is None:
+            configuration = getattr(getattr(source, "studio", None), "configuration", settings.DEFAULT)
         number = 1 + sum(instance.source is source for instance in self.instances)
         instance = Instance(
             self,
@@ -122,13 +145,20 @@ class Assembly:
         """FASTENED: the two mate frames coincide."""
         return self._mate("FASTENED", name, first, second, closing=closing, suppressed=suppressed)
 
-    def revolute(self, name, first, second, value=0.0, limits=OPEN, *, closing=False, suppressed=False):
-        """REVOLUTE about the mate frames' z; `value` and `limits` in rad (None is open)."""
-        return self._mate("REVOLUTE", name, first, second, value, limits, closing, suppressed)
+    def revolute(
+        self, name, first, second, value=0.0, limits=OPEN, *, closing=False, suppressed=False, typed=None
+    ):
+        """REVOLUTE about the mate frames' z; `value` and `limits` in rad (None is open).
 
-    def slider(self, name, first, second, value=0.0, limits=OPEN, *, closing=False, suppressed=False):
-        """SLIDER along the mate frames' z; `value` and `limits` in m (None is open)."""
-        return self._mate("SLIDER", name, first, second, value, limits, closing, suppressed)
+        `typed`: the limits as the expressions that their author typed.
+        """
+        return self._mate("REVOLUTE", name, first, second, value, limits, closing, suppressed, typed)
+
+    def slider(
+        self, name, first, second, value=0.0, limits=OPEN, *, closing=False, suppressed=False, typed=None
+    ):
+        """SLIDER along the mate frames' z; `value` and `limits` in m (None is open); `typed` as above."""
+        return self._mate("SLIDER", name, first, second, value, limits, closing, suppressed, typed)
 
     def gear(self, name, first, second, ratio=1.0, *, reverse=False):
         """GEAR: the second (mate, or (owner occurrence, mate)) follows the first."""
@@ -143,9 +173,12 @@ class Assembly:
         """An explicit mate connector on an occurrence."""
         return self._feature(Connector(self._id(name), name, occurrence, np.asarray(frame, float)))
 
-    def _mate(self, kind, name, first, second, value=0.0, limits=OPEN, closing=False, suppressed=False):
+    def _mate(
+        self, kind, name, first, second, value=0.0, limits=OPEN, closing=False, suppressed=False, typed=None
+    ):
         entities = tuple((occurrence, np.asarray(frame, float)) for occurrence, frame in (first, second))
-        return self._feature(Mate(self._id(name), name, kind, entities, value, limits, closing, suppressed))
+        held = value, limits, closing, suppressed, typed
+        return self._feature(Mate(self._id(name), name, kind, entities, *held))
 
     def _id(self, name):
         return ids.node_id(self.element, "feature", name)
@@ -168,6 +201,49 @@ class Document(Home):
     def __init__(self, name):
         super().__init__(name)
         self.libraries, self.values, self._truth, self._root = [], {}, None, None
+        self.parameters, self._build, self._variants = (), None, {}
+        self.driven = None
+
+    def configure(self, parameters, build):
+        """Gives the root assembly configurations: `build(values)` makes the document in one of them.
+
+        `values`: parameter id → text. This document is the one in the default configuration.
+        """
+        self.parameters, self._build = tuple(parameters), build
+
+    def at(self, configuration):
+        """The document with its root in a configuration: Onshape's text for it."""
+        values = settings.values(self.parameters, configuration)
+        if not self.parameters or configuration in ("", settings.DEFAULT):
+            return self
+        if configuration not in self._variants:
+            made = self._variants[configuration] = self._build(values)
+            made.microversion, made.tabs = self.microversion, self.tabs
+        return self._variants[configuration]
+
+    def with_variables(self, element, table):
+        """A copy with another table in one variable studio; `driven(document, expressions)` changes what
+        depends on it."""
+        after = self.edited()
+        studio = next(one for one in after.variable_studios if one.element == element)
+        studio.table = dict(table)
+        after.tabs[element] = ids.hex_id(after.microversion, element)
+        if after.driven is not None:
+            rows = [row for one in after.variable_studios for row in one.table.items()]
+            after.driven(after, {name: expression for name, (_, expression) in rows})
+            after.changed()
+        return after
+
+    def edited(self, *tabs):
+        """A copy to change, at a new microversion; of its elements those named `tabs` have a new one."""
+        after = copy.deepcopy(self)
+        after.microversion = ids.hex_id(self.microversion, "edited")
+        after._variants = {}
+        for element in [*after.studios, *after.assemblies]:
+            if element.name in tabs:
+                after.tabs[element.element] = ids.hex_id(after.microversion, element.element)
+        after.changed()
+        return after
 
     def library(self, name):
         """Another document, linked by version: parts and assemblies of it can be used here."""

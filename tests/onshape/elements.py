@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tests.onshape import ids
+from tests.onshape import ids, settings
 from tests.onshape.solids import Solid
 
 GREY = (200, 205, 210)
@@ -16,7 +16,8 @@ class Part:
     """A part: geometry and density [kg/m³] (None: no material), colours as (r, g, b[, a]) 0..255.
 
     `mass` [kg] overrides the mass; `face_colours` maps names of faces to colours; `connectors` maps
-    feature ids to mate connectors in the part's frame.
+    feature ids to mate connectors in the part's frame. `body`: solid, sheet or composite; a composite
+    is made of `members`.
     """
 
     studio: "Studio"
@@ -28,6 +29,8 @@ class Part:
     face_colours: dict = field(default_factory=dict)
     mass: float | None = None
     connectors: dict = field(default_factory=dict)
+    body: str = "solid"
+    members: tuple = ()
 
     def connector(self, name, frame):
         """A mate connector in the part's frame; returns its feature id."""
@@ -37,10 +40,17 @@ class Part:
 
     @property
     def has_mass(self):
-        return self.density is not None or self.mass is not None
+        return self.density is not None or self.mass is not None or any(p.has_mass for p in self.members)
+
+    @property
+    def volume(self):
+        """[m³]; a sheet has none."""
+        return 0.0 if self.body == "sheet" else self.solid.properties.volume
 
     def inertial(self, overrides=True):
         """Mass [kg], centroid [m] (3,), inertia about it [kg m²] (3, 3); zeros without material."""
+        if self.members and self.mass is None:
+            return together([member.inertial(overrides) for member in self.members])
         properties = self.solid.properties
         if overrides and self.mass is not None:
             density = self.mass / properties.volume
@@ -51,18 +61,69 @@ class Part:
         return density * properties.volume, properties.centroid, density * properties.inertia
 
 
-class Studio:
-    """A part studio."""
+def together(pieces):
+    """(mass, centroid, inertia about it) of several such in one frame."""
+    mass = sum(piece[0] for piece in pieces)
+    if mass == 0:
+        return 0.0, np.zeros(3), np.zeros((3, 3))
+    com = sum(m * at for m, at, _ in pieces) / mass
+    inertia = np.zeros((3, 3))
+    for m, at, own in pieces:
+        d = at - com
+        inertia += own + m * (d @ d * np.eye(3) - np.outer(d, d))
+    return mass, com, inertia
 
-    def __init__(self, home, name):
-        self.home, self.name = home, name
+
+class Studio:
+    """A part studio, in one configuration."""
+
+    def __init__(self, home, name, configuration=settings.DEFAULT):
+        self.home, self.name, self.configuration = home, name, configuration
         self.element = ids.hex_id(home.name, name, "studio")
-        self.parts = []
+        self.parts, self.parameters = [], ()
+        self._build, self._variants = None, {}
+
+    def configure(self, parameters, build):
+        """Gives it configurations: `build(studio, values)` makes the parts, as it does here and now.
+
+        `values`: parameter id → text. The parts of other configurations have other ids.
+        """
+        self.parameters, self._build = tuple(parameters), build
+        build(self, settings.values(parameters, settings.DEFAULT))
+        return self
+
+    def at(self, configuration):
+        """The studio in a configuration: Onshape's text for it."""
+        values = settings.values(self.parameters, configuration)
+        if not self.parameters or configuration in ("", self.configuration):
+            return self
+        if configuration not in self._variants:
+            variant = self._variants[configuration] = Studio(self.home, self.name, configuration)
+            variant.parameters = self.parameters
+            if self._build is not None:
+                self._build(variant, values)
+        return self._variants[configuration]
+
+    def sheet(self, name, solid, colour=GREY, mass=None):
+        """A sheet body: of a solid, the faces alone."""
+        made = self.part(name, solid, None, colour, mass=mass)
+        made.body = "sheet"
+        return made
+
+    def composite(self, name, members):
+        """A composite part of parts of this studio."""
+        solid = members[0].solid
+        for member in members[1:]:
+            solid += member.solid
+        made = self.part(name, solid, None, members[0].colour)
+        made.body, made.members = "composite", tuple(members)
+        return made
 
     def part(self, name, solid, density=None, colour=GREY, face_colours=None, mass=None, id=None):  # noqa: A002
         """A new part; its id is made from its name unless given."""
         taken = {part.id for part in self.parts}
-        unique = id or ids.deterministic_id(taken, self.element, name)
+        seed = () if self.configuration == settings.DEFAULT else (self.configuration,)
+        unique = id or ids.deterministic_id(taken, self.element, name, *seed)
         made = Part(self, name, unique, solid, density, colour, dict(face_colours or {}), mass)
         self.parts.append(made)
         return made
@@ -117,6 +178,15 @@ class Mate:
     limits: tuple = OPEN
     closing: bool = False
     suppressed: bool = False
+    typed: tuple | None = None
+
+    @property
+    def typed_limits(self):
+        """(lower, upper) as expressions: as the author typed them, else made from the numbers."""
+        if self.typed is not None:
+            return self.typed
+        unit = "m" if self.type == "SLIDER" else "rad"
+        return tuple(None if end is None else f"{float(end)!r} {unit}" for end in self.limits)
 
 
 @dataclass(eq=False)

@@ -5,16 +5,25 @@ import re
 from dataclasses import dataclass
 from urllib.parse import parse_qsl, unquote
 
-from tests.onshape import ids
+from tests.onshape import settings
 from tests.onshape.definition import definition
 from tests.onshape.document import Assembly, Document
 from tests.onshape.elements import Studio
-from tests.onshape.studio_replies import mass_properties, tessellated_faces
+from tests.onshape.feature_replies import features
+from tests.onshape.gltf import gltf
+from tests.onshape.settings import BadSettingError
+from tests.onshape.studio_replies import assembly_mass, mass_properties, tessellated_faces
+from tests.onshape.variables import VariableStudio, tables
 
 PATHS = {
     "definition": "/assemblies/d/{did}/{wvm}/{wvmid}/e/{eid}",
     "massproperties": "/partstudios/d/{did}/{wvm}/{wvmid}/e/{eid}/massproperties",
     "tessellatedfaces": "/partstudios/d/{did}/{wvm}/{wvmid}/e/{eid}/tessellatedfaces",
+    "gltf": "/partstudios/d/{did}/{wvm}/{wvmid}/e/{eid}/gltf",
+    "assemblymass": "/assemblies/d/{did}/{wvm}/{wvmid}/e/{eid}/massproperties",
+    "configuration": "/elements/d/{did}/{wvm}/{wvmid}/e/{eid}/configuration",
+    "features": "/assemblies/d/{did}/{wvm}/{wvmid}/e/{eid}/features",
+    "variables": "/variables/d/{did}/{wv}/{wvid}/e/{eid}/variables",
     "currentmicroversion": "/documents/d/{did}/{wv}/{wvid}/currentmicroversion",
     "elements": "/documents/d/{did}/{wvm}/{wvmid}/elements",
 }
@@ -31,6 +40,15 @@ QUERIES = {
         *("outputFaceAppearances", "outputVertexNormals", "outputFacetNormals", "outputTextureCoordinates"),
         *("outputIndexTable", "outputErrorFaces", "combineCompositePartConstituents"),
     },
+    "gltf": _STUDIO
+    | {
+        *("angleTolerance", "chordTolerance", "precomputedLevelOfDetail", "faceId", "maxFacetWidth"),
+        *("outputFaceAppearances", "outputSeparateFaceNodes"),
+    },
+    "assemblymass": {"linkDocumentId", "configuration"},
+    "configuration": {"linkDocumentId"},
+    "features": {"linkDocumentId", "configuration", "explodedViewId", "featureId"},
+    "variables": {"linkDocumentId", "configuration", "includeValuesAndReferencedVariables"},
     "currentmicroversion": set(),
     "elements": {"linkDocumentId", "elementType", "elementId", "withThumbnails", "withZipContents"},
 }
@@ -65,21 +83,38 @@ class RefusedError(Exception):
 
 class Replies:
     """A document as Onshape would serve it. `shuffle`, `swap`: see `definition`; `colours`: see
-    `tessellated_faces`. The same request always has the same bytes."""
+    `tessellated_faces`. The same request always has the same bytes. `earlier`: those before an edit,
+    which answer for the microversion that they had. `old`: lists of features in the old envelope."""
 
-    def __init__(self, document: Document, *, shuffle=None, swap=(), colours="base64"):
-        self.document, self.colours = document, colours
-        self.options = {"shuffle": shuffle, "swap": swap}
+    def __init__(
+        self,
+        document: Document,
+        *,
+        shuffle=None,
+        swap=(),
+        limits=True,
+        old=False,
+        colours="base64",
+        earlier=None,
+    ):
+        self.document, self.colours, self.earlier, self.old = document, colours, earlier, old
+        self.options = {"shuffle": shuffle, "swap": swap, "limits": limits}
 
     def answer(self, path: str, query: str = "") -> Reply:
         """The reply to GET /api/vN`path`?`query`."""
         try:
             endpoint, names = self._endpoint(unquote(path))
+            if self.earlier and self._is_before(names):
+                return self.earlier.answer(path, query)
             pairs = parse_qsl(query, keep_blank_values=True)
             for key, _ in pairs:
                 if key not in QUERIES[endpoint]:
                     raise RefusedError(400, f"Unrecognized query parameter: {key}.")
             value = getattr(self, f"_{endpoint}")(names, pairs)
+            if isinstance(value, bytes):
+                return Reply(200, value, endpoint)
+        except BadSettingError as wrong:
+            return Reply(400, error_body(400, str(wrong)))
         except RefusedError as refused:
             return Reply(refused.status, error_body(refused.status, refused.message))
         return Reply(200, json.dumps(value, separators=(",", ":"), ensure_ascii=False).encode(), endpoint)
@@ -90,6 +125,11 @@ class Replies:
             if match:
                 return name, match.groupdict()
         raise RefusedError(404, "Not found.")
+
+    def _is_before(self, names):
+        """Whether a path leads to another microversion of the document than it has now."""
+        pinned = (names["did"], names.get("kind")) == (self.document.id, "m")
+        return pinned and names["wvmid"] != self.document.microversion
 
     def _home(self, names, pairs):
         """The document that is asked for, at a state that it has."""
@@ -103,13 +143,19 @@ class Replies:
             raise RefusedError(403, "Access to a linked document needs linkDocumentId.")
         return home
 
+    def element(self, names, query, kind):
+        """The `kind` of element that a path leads to; RefusedError where it leads to none."""
+        pairs = parse_qsl(query, keep_blank_values=True)
+        return self._element(self._home(names, pairs), names, kind)
+
     def _element(self, home, names, kind):
-        elements = {element.element: element for element in [*home.studios, *home.assemblies]}
+        all_of_them = [*home.studios, *home.assemblies, *home.variable_studios]
+        elements = {element.element: element for element in all_of_them}
         element = elements.get(names["eid"])
         if element is None:
             raise RefusedError(404, f"Element {names['eid']} does not exist.")
         if not isinstance(element, kind):
-            wanted = "an assembly" if kind is Assembly else "a part studio"
+            wanted = {Assembly: "an assembly", Studio: "a part studio"}.get(kind, "of that kind")
             raise RefusedError(400, f"The element is not {wanted}.")
         return element
 
@@ -119,7 +165,8 @@ class Replies:
         if assembly is not self.document.root:
             raise RefusedError(404, "This server serves the definition of the document's root assembly only.")
         configuration = dict(pairs).get("configuration") or "default"
-        made = definition(self.document, configuration=configuration, **self.options)
+        document = self.document.at(configuration)
+        made = definition(document, configuration=configuration, **self.options)
         if not _flag(pairs, "includeMateFeatures", False):
             for part in [made["rootAssembly"], *made["subAssemblies"]]:
                 part["features"] = []
@@ -144,16 +191,61 @@ class Replies:
             vertex_normals=_flag(pairs, "outputVertexNormals", False),
             index_table=_flag(pairs, "outputIndexTable", False),
             colours=self.colours,
+            combine=_flag(pairs, "combineCompositePartConstituents", False),
         )
+
+    def _gltf(self, names, pairs):
+        _, parts = self._studio(names, pairs)
+        return gltf(parts, appearances=_flag(pairs, "outputFaceAppearances", False))
 
     def _studio(self, names, pairs):
         studio = self._element(self._home(names, pairs), names, Studio)
+        studio = studio.at(dict(pairs).get("configuration") or "default")
         asked = [value for key, value in pairs if key == "partId"]
         known = {part.id: part for part in studio.parts}
         for part in asked:
             if part not in known:
                 raise RefusedError(400, f"Part {part} does not exist.")
         return studio, [known[part] for part in asked] if asked else studio.parts
+
+    def _assemblymass(self, names, pairs):
+        assembly = self._element(self._home(names, pairs), names, Assembly)
+        if assembly is not self.document.root:
+            raise RefusedError(404, "This server weighs the document's root assembly only.")
+        return assembly_mass(self.document.at(dict(pairs).get("configuration") or "default"))
+
+    def _configuration(self, names, pairs):
+        home = self._home(names, pairs)
+        element = self._element(home, names, (Studio, Assembly))
+        owner = self.document if element is self.document.root else element
+        return settings.reply(getattr(owner, "parameters", ()), home.microversion)
+
+    def _features(self, names, pairs):
+        return features(self._element(self._home(names, pairs), names, Assembly), old=self.old)
+
+    def _variables(self, names, pairs):
+        home = self._home(names, pairs)
+        element = self._element(home, names, (Studio, Assembly, VariableStudio))
+        found = tables(home, element.element)
+        if _flag(pairs, "includeValuesAndReferencedVariables", False):
+            return found
+        plain = [table for table in found if "variableStudioReference" not in table]
+        for record in (record for table in plain for record in table["variables"]):
+            record["value"] = ""
+        return plain
+
+    def post(self, path: str, body: bytes):
+        """The reply to POST /api/vN`path`, and the document as it is then."""
+        try:
+            endpoint, names = self._endpoint(unquote(path))
+            if endpoint != "variables" or names["kind"] != "w":
+                raise RefusedError(405, "Method not allowed.")
+            studio = self._element(self._home(names, ()), names, VariableStudio)
+            rows = json.loads(body)
+            table = {row["name"]: (row["type"], row["expression"]) for row in rows}
+        except RefusedError as refused:
+            return Reply(refused.status, error_body(refused.status, refused.message)), self.document
+        return Reply(200, b"{}", "variables"), self.document.with_variables(studio.element, table)
 
     def _currentmicroversion(self, names, pairs):
         return {"microversion": self._home(names, pairs).microversion}
@@ -166,15 +258,19 @@ class Replies:
                 "id": element.element,
                 "name": element.name,
                 "elementType": kind,
-                "type": "Assembly" if kind == "ASSEMBLY" else "Part Studio",
-                "dataType": "onshape/assembly" if kind == "ASSEMBLY" else "onshape/partstudio",
-                "microversionId": ids.hex_id(home.microversion, element.element),
+                "type": words,
+                "dataType": f"onshape/{words.lower().replace(' ', '')}",
+                "microversionId": home.tab_microversion(element),
                 "lengthUnits": "meter",
                 "angleUnits": "degree",
                 "massUnits": "kilogram",
                 "deleted": False,
             }
-            for kind, elements in (("PARTSTUDIO", home.studios), ("ASSEMBLY", home.assemblies))
+            for kind, words, elements in (
+                ("PARTSTUDIO", "Part Studio", home.studios),
+                ("ASSEMBLY", "Assembly", home.assemblies),
+                ("VARIABLESTUDIO", "Variable Studio", home.variable_studios),
+            )
             for element in elements
         ]
         return [

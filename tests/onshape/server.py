@@ -5,44 +5,40 @@ with OnshapeServer(document) as server:
     assert server.count == 9
 """
 
-import base64
+import gzip
 import re
 import threading
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 
 from tests.onshape import ids
+from tests.onshape.auth import Gate
 from tests.onshape.document import Document
+from tests.onshape.faults import Fault, FaultHook, send
+from tests.onshape.peer_replies import PeerReplies
 from tests.onshape.replies import Replies, Reply, error_body
 
 ACCESS_KEY = "an-access-key"
 SECRET_KEY = "a-secret-key"
+TOKEN = "a-bearer-token"
 # How many calls each endpoint starts with, as live receipts show.
 WINDOW = {"definition": 1000, "elements": 9000, "currentmicroversion": 400}
 RELEASE = "1.218.0"
 
 
-@dataclass(frozen=True)
-class Fault:
-    """What a fault hook puts in place of a reply."""
-
-    status: int
-    body: bytes = b""
-    headers: Mapping[str, str] = field(default_factory=dict)
-
-
-FaultHook = Callable[[str, str, int], Fault | None]
+WORTH_PACKING = 1000
+"""Shorter bodies are sent as they are [bytes]."""
+SOUND = Fault(body=None)
 
 
 class OnshapeServer:
     """A context manager; the server runs in its own thread on a port that was free.
 
-    `keys`: the (access, secret) pair that Basic auth must carry. `latency_s`: waited before each
-    reply. `fault(method, path with query, number of the call from 0)` may return a `Fault`.
+    `keys`: the (access, secret) pair of Basic auth and of signatures; `token`: the bearer's.
+    `latency_s`: waited before each reply. `fault(method, path with query, number of the call from 0)`
+    may return a `Fault`.
     `calls` lists (method, path with query, status); `count` counts what Onshape would bill: 2xx
-    and 3xx. `replies` may be replaced while it runs (an edit).
+    and 3xx. `edit` changes the document while it runs.
     """
 
     def __init__(
@@ -50,15 +46,19 @@ class OnshapeServer:
         document: Document,
         *,
         keys: tuple[str, str] = (ACCESS_KEY, SECRET_KEY),
+        token: str = TOKEN,
         latency_s: float = 0.0,
         fault: FaultHook | None = None,
         **options,
     ):
         self.document, self.replies = document, Replies(document, **options)
+        self._options = options
         self.keys, self.latency_s, self.fault = keys, latency_s, fault
+        self._gate = Gate(keys, token)
+        self._packed: dict[bytes, bytes] = {}
         self.calls: list[tuple[str, str, int]] = []
         self.at_once = self.most_at_once = 0
-        self._cache: dict[tuple[int, str], Reply] = {}
+        self._cache: dict[tuple[int, str], tuple[Reply, dict[str, str]]] = {}
         self._lock = threading.Lock()
         self._http = ThreadingHTTPServer(("127.0.0.1", 0), self._handler())
         self._http.daemon_threads = True
@@ -99,8 +99,13 @@ class OnshapeServer:
         state = {"w": home.workspace, "v": home.version, "m": home.microversion}[kind]
         return f"{self.url}/documents/{home.id}/{kind}/{state}/e/{element or home.root.element}"
 
-    def answer(self, method, target, authorization) -> tuple[int, bytes, dict[str, str]]:
-        """Status, body and headers for one request; counts it."""
+    def edit(self, document):
+        """Puts another state of the document in the workspace; the microversions before it stay."""
+        self.replies = Replies(document, **self._options, earlier=self.replies)
+        self.document = document
+
+    def answer(self, method, target, headers, sent=b"") -> tuple[int, bytes, dict[str, str], Fault]:
+        """Status, body and headers for one request, and how to send them; counts it."""
         with self._lock:
             number = len(self.calls)
             self.calls.append((method, target, 0))
@@ -108,32 +113,60 @@ class OnshapeServer:
             self.most_at_once = max(self.most_at_once, self.at_once)
         if self.latency_s:
             time.sleep(self.latency_s)
-        status, body, headers = self._decide(method, target, authorization, number)
+        fault = (self.fault(method, target, number) if self.fault else None) or SOUND
+        status, body, own = fault.status, fault.body, {}
+        if body is None:
+            status, body, own = self._decide(method, target, headers, sent)
+            status = status if fault.status == 200 else fault.status
+            if "gzip" in headers.get("Accept-Encoding", "") and len(body) > WORTH_PACKING:
+                body, own = self._pack(body), {**own, "Content-Encoding": "gzip"}
         with self._lock:
             if number < len(self.calls):
-                self.calls[number] = (method, target, status)
+                self.calls[number] = (method, target, 0 if fault.silent else status)
             self.at_once -= 1
-        return status, body, headers
+        return status, body, {**own, **fault.headers}, fault
 
-    def _decide(self, method, target, authorization, number):
-        fault = self.fault(method, target, number) if self.fault else None
-        if fault is not None:
-            return fault.status, fault.body, dict(fault.headers)
-        match = re.match(r"/api/(v\d+)(/[^?]*)\??(.*)$", target)
+    def _pack(self, body):
+        packed = self._packed.get(body)
+        if packed is None:
+            packed = self._packed[body] = gzip.compress(body, 1, mtime=0)
+        return packed
+
+    def _decide(self, method, target, given, sent):
+        match = re.match(r"/api(?:/(v\d+))?(/[^?]*)\??(.*)$", target)
         if match is None:
             return 404, error_body(404, "Not found."), {}
-        headers = {"X-Api-Version": match[1], "On-Version": RELEASE}
-        expected = "Basic " + base64.b64encode(":".join(self.keys).encode()).decode()
-        if authorization != expected:
-            return 401, error_body(401, "Unauthenticated API request."), headers
+        headers = {"X-Api-Version": match[1] or "v0", "On-Version": RELEASE}
+        with self._lock:
+            refused = self._gate.refuses(method, target, given)
+        if refused:
+            return 401, error_body(401, refused), headers
+        if method == "POST":
+            with self._lock:
+                reply, document = self.replies.post(match[2], sent)
+                if document is not self.document:
+                    self.edit(document)
+            return reply.status, reply.body, headers
         if method != "GET":
             return 405, error_body(405, "Method not allowed."), headers
         with self._lock:
             key = (id(self.replies), target)
-            reply = self._cache.get(key) or self.replies.answer(match[2], match[3])
-            self._cache[key] = reply
+            known = self._cache.get(key)
+            if known is None:
+                known = self._reply(match[1], match[2], match[3])
+                self._cache[key] = known
+        reply, own = known
+        if reply.endpoint == "gltf" and "model/gltf" not in given.get("Accept", ""):
+            return 406, error_body(406, "Request not acceptable."), headers
+        headers |= own
         left = WINDOW.get(reply.endpoint, 3000) - self._asked(reply.endpoint)
         return reply.status, reply.body, {**headers, "X-Rate-Limit-Remaining": str(max(0, left))}
+
+    def _reply(self, version, path, query):
+        """The reply, and headers of its own; without a version in the path, as other clients ask."""
+        if version is None:
+            return PeerReplies(self.replies, self.url).answer(path, query)
+        return self.replies.answer(path, query), {}
 
     def _asked(self, endpoint):
         suffix = {"definition": "/assemblies/"}.get(endpoint, f"/{endpoint}")
@@ -145,20 +178,15 @@ class OnshapeServer:
             disable_nagle_algorithm = True
 
             def do_GET(self):
-                status, body, headers = server.answer(
-                    self.command, self.path, self.headers.get("Authorization", "")
-                )
                 length = int(self.headers.get("Content-Length") or 0)
-                if length:
-                    self.rfile.read(length)
-                self.send_response(status)
-                self.send_header("X-Request-Id", ids.hex_id(self.path))
-                self.send_header("Content-Length", str(len(body)))
-                for name, value in {"Content-Type": "application/json;charset=UTF-8", **headers}.items():
-                    self.send_header(name, value)
-                # One write: header and body in one packet keeps small replies quick.
-                self._headers_buffer.append(b"\r\n" + body)
-                self.flush_headers()
+                sent = self.rfile.read(length) if length else b""
+                status, body, own, fault = server.answer(self.command, self.path, self.headers, sent)
+                headers = {
+                    "X-Request-Id": ids.hex_id(self.path),
+                    "Content-Type": "application/json;charset=UTF-8",
+                    **own,
+                }
+                send(self, status, headers, body, fault)
 
             do_POST = do_PUT = do_DELETE = do_GET  # noqa: N815 - the names http.server calls
 

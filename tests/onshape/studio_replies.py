@@ -16,6 +16,15 @@ def mass_properties(studio: Studio, parts: list[Part], *, as_group: bool, overri
     return {"microversionId": studio.home.microversion, "bodies": bodies}
 
 
+def assembly_mass(document):
+    """The whole assembly's figures, flat; what has no mass is silently left out of them."""
+    truth = document.truth
+    used = [truth.places[path].instance.source for path in truth.leaves]
+    whole = truth.inertial([path for path, part in zip(truth.leaves, used, strict=True) if part.has_mass])
+    weighed = [part for part in used if part.has_mass] or used
+    return _body_mass(weighed, whole.mass, whole.com, whole.inertia, overrides=True)
+
+
 def _merged(parts, overrides):
     pieces = [part.inertial(overrides) for part in parts]
     mass = sum(piece[0] for piece in pieces)
@@ -31,7 +40,7 @@ def _merged(parts, overrides):
 
 def _body_mass(parts, mass, com, inertia, overrides):
     missing = sum(not (part.has_mass if overrides else part.density is not None) for part in parts)
-    volume = sum(part.solid.properties.volume for part in parts)
+    volume = sum(part.volume for part in parts)
     area = sum(part.solid.properties.area for part in parts)
     moments, axes = np.linalg.eigh(inertia)
     axes = (
@@ -66,6 +75,7 @@ def tessellated_faces(
     vertex_normals: bool,
     index_table: bool,
     colours: str = "base64",
+    combine: bool = False,
 ):
     """The triangles of each body, as the v12 object.
 
@@ -76,7 +86,8 @@ def tessellated_faces(
     bodies = []
     for part in parts:
         taken, faces, points = set(), [], []
-        for face in part.solid.faces:
+        # A composite part is told by its constituents, which have faces of their own.
+        for face in () if part.members and not combine else part.solid.faces:
             record = {
                 "btType": "BTExportTessellatedFacesFace-1192",
                 "id": ids.deterministic_id(taken, studio.element, part.id, face.name),
@@ -104,8 +115,8 @@ def tessellated_faces(
             "btType": "BTExportTessellatedFacesBody-1321",
             "id": part.id,
             "name": part.name,
-            "bodyType": "SOLID",
-            "constituents": [],
+            "bodyType": part.body.upper(),
+            "constituents": [member.id for member in part.members],
             "faces": faces,
             "facetPoints": points,
         }

@@ -1,16 +1,20 @@
 """The local Onshape over HTTP: paths, auth, errors, headers, counting."""
 
 import base64
+import gzip
 import json
 from http.client import HTTPConnection
 from urllib.parse import urlsplit
 
 import pytest
 
+from stages.fetch.credentials import Credentials
+from stages.fetch.signing import headers
+from tests.onshape.auth import Gate
 from tests.onshape.bundle import requests
 from tests.onshape.replies import Replies
 from tests.onshape.sample import sample_document
-from tests.onshape.server import Fault, OnshapeServer
+from tests.onshape.server import TOKEN, Fault, OnshapeServer
 
 
 @pytest.fixture(scope="module")
@@ -162,3 +166,40 @@ def test_the_browsers_address_names_document_state_and_element(server, document)
         url = server.document_url(kind)
         assert url.startswith(server.url + "/documents/" + document.id + f"/{kind}/")
         assert url.endswith("/e/" + document.root.element)
+
+
+def test_a_body_is_packed_where_the_client_takes_that(server, document):
+    connection = HTTPConnection(urlsplit(server.url).netloc, timeout=10)
+    headers = {"Authorization": f"Bearer {TOKEN}", "Accept-Encoding": "gzip"}
+    connection.request("GET", assembly(document), headers=headers)
+    reply = connection.getresponse()
+    packed = reply.read()
+    connection.close()
+    assert reply.getheader("Content-Encoding") == "gzip"
+    assert int(reply.getheader("Content-Length")) == len(packed)
+    assert json.loads(gzip.decompress(packed)) == get(server, assembly(document))[1]
+
+
+@pytest.fixture
+def signed():
+    return headers(Credentials("acc", "sec", "signature"), "GET", "/api/v16/x?a=b")
+
+
+@pytest.mark.parametrize(
+    ("broken", "why"),
+    [
+        ({"On-Nonce": "short"}, "nonce"),
+        ({"Date": "Mon, 02 Mar 2020 10:11:12 GMT"}, "too far"),
+        ({"Date": "today"}, "date"),
+        ({"Content-Type": "text/plain"}, "signature"),
+    ],
+)
+def test_a_signature_holds_for_the_headers_it_was_made_for(signed, broken, why):
+    assert why in Gate(("acc", "sec"), "token").refuses("GET", "/api/v16/x?a=b", {**signed, **broken})
+
+
+def test_a_signature_holds_for_one_request_and_once(signed):
+    gate = Gate(("acc", "sec"), "token")
+    assert "signature" in gate.refuses("GET", "/api/v16/x?a=c", signed)
+    assert gate.refuses("GET", "/api/v16/x?a=b", signed) == ""
+    assert "nonce" in gate.refuses("GET", "/api/v16/x?a=b", signed)

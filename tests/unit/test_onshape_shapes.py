@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from tests.onshape.extended_sample import ask, extended_sample, studio
-from tests.onshape.replies import PATHS, QUERIES
+from tests.onshape.replies import PATHS, QUERIES, Replies
+from tests.onshape.settable import configured_stand, driven_stand, typed_arm
 
 RECORDED = Path(__file__).resolve().parents[3] / "shared" / "data" / "onshape"
 
@@ -100,6 +101,59 @@ def test_every_key_and_type_that_is_sent_is_in_the_description(api, document):
         check("tessellatedfaces", parts, outputFaceAppearances=flags, outputVertexNormals=flags)
     check("currentmicroversion", "")
     check("elements", "")
+    check("features", document.root.element)
+
+
+def test_what_can_be_set_is_told_as_the_description_has_it(api):
+    def check(made, endpoint, element, **query):
+        path = PATHS[endpoint]
+        responses = next(iter(api["paths"][path]["get"]["responses"].values()))
+        schema = next(iter(responses["content"].values()))["schema"]
+        conforms(api, schema, ask(made, endpoint, element, **query), endpoint)
+
+    stand, driven = configured_stand(), driven_stand()
+    check(stand, "configuration", stand.root.element)
+    check(stand, "configuration", stand.studios[2].element)
+    check(stand, "massproperties", stand.studios[2].element, configuration="jaw=L")
+    for flag in ("true", "false"):
+        for element in (driven.root, driven.studios[0], driven.variable_studios[0]):
+            check(driven, "variables", element.element, includeValuesAndReferencedVariables=flag)
+    check(driven, "elements", "")
+    post = api["paths"][PATHS["variables"].replace("{wv}/{wvid}", "w/{wid}")]["post"]
+    schema = next(iter(post["requestBody"]["content"].values()))["schema"]
+    rows = [
+        {"name": name, "type": kind, "expression": expression, "description": ""}
+        for name, (kind, expression) in driven.variable_studios[0].table.items()
+    ]
+    conforms(api, schema, rows, "post")
+
+
+@pytest.mark.parametrize("old", [True, False])
+def test_a_list_of_features_has_the_recorded_keys_in_both_envelopes(old):
+    document = typed_arm()
+    path = f"/assemblies/d/{document.id}/m/{document.microversion}/e/{document.root.element}/features"
+    ours = json.loads(Replies(document, old=old).answer(path).body)
+    real = recorded("kscale_dummy_features.json")
+    assert set(real) <= set(ours)
+    assert isinstance(ours["featureStates"], list if old else dict)
+
+    def opened(record):
+        return record.get("message", record)
+
+    def mates(reply):
+        return [one for one in map(opened, reply["features"]) if one["featureType"] == "mate"]
+
+    theirs = {one["parameterId"]: one for one in map(opened, mates(real)[0]["parameters"])}
+    for mate in mates(ours):
+        assert {"featureId", "name", "parameters", "suppressed"} <= set(mate)
+        for one in map(opened, mate["parameters"]):
+            assert one["parameterId"] in theirs
+            known = theirs[one["parameterId"]]
+            assert set(one) - {"btType"} <= set(known)
+            assert all(type(one[key]) is type(known[key]) for key in set(one) - {"btType"})
+    if old:
+        assert set(ours["features"][0]) == set(real["features"][0])
+        assert set(ours["featureStates"][0]) == set(real["featureStates"][0])
 
 
 def test_the_queries_that_are_accepted_are_those_of_the_description(api):

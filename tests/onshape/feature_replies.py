@@ -1,0 +1,76 @@
+"""The list of features of one assembly, in the old envelope and in the new one.
+
+The old: `{type, typeName, message: {...}}`, states as a list. The new: flat with `btType`, states by
+id. Both give limits as the author typed them, beside a value that is always 0.
+"""
+
+from tests.onshape.elements import Connector, Gear, Group, Mate
+
+_KINDS = {
+    Mate: (64, "BTMMate", "mate"),
+    Connector: (66, "BTMMateConnector", "mateConnector"),
+    Group: (65, "BTMMateGroup", "mateGroup"),
+    Gear: (1412, "BTMMateRelation", "mateRelation"),
+}
+_SIDES = ("X", "Y", "Z", "AxialX", "AxialY", "AxialZ")
+
+
+def features(assembly, *, old):
+    """The reply; `old`: in the old envelope."""
+    made = [_feature(feature, old) for feature in assembly.features]
+    state = _wrap(1688, "BTFeatureState", {"featureStatus": "OK", "inactive": False}, old)
+    ids = [feature.id for feature in assembly.features]
+    return {
+        **({} if old else {"btType": "BTAssemblyFeatureListResponse-1174"}),
+        "features": made,
+        "featureStates": [{"key": one, "value": state} for one in ids] if old else dict.fromkeys(ids, state),
+        "isComplete": True,
+        "serializationVersion": "1.2.12",
+        "sourceMicroversion": assembly.home.microversion,
+        "rejectMicroversionSkew": False,
+        "microversionSkew": False,
+        "libraryVersion": 0,
+    }
+
+
+def _feature(feature, old):
+    number, name, kind = _KINDS[type(feature)]
+    record = {
+        "featureId": feature.id,
+        "name": feature.name,
+        "featureType": kind,
+        "suppressed": getattr(feature, "suppressed", False),
+        "parameters": _mate(feature, old) if isinstance(feature, Mate) else [],
+    }
+    return _wrap(number, name, record, old)
+
+
+def _mate(mate, old):
+    typed = mate.typed_limits
+    limits = {f"limit{side}{end}": None for side in _SIDES for end in ("Min", "Max")}
+    own = {"REVOLUTE": "AxialZ", "SLIDER": "Z"}.get(mate.type)
+    switched = any(text is not None for text in typed)
+    parameters = [
+        _wrap(145, "BTMParameterEnum", {"parameterId": "mateType", "value": mate.type}, old),
+        _wrap(144, "BTMParameterBoolean", {"parameterId": "limitsEnabled", "value": switched}, old),
+    ]
+    for name in limits:
+        side, end = name.removeprefix("limit")[:-3], name[-3:]
+        text = typed[end == "Max"] if side == own else None
+        record = {
+            "parameterId": name,
+            "isNull": side == own and switched and text is None,
+            "nullValue": "No minimum" if end == "Min" else "No maximum",
+            "value": 0.0,
+            "units": "",
+            "isInteger": False,
+            "expression": text or ("0 deg" if "Axial" in name else "0 mm"),
+        }
+        parameters.append(_wrap(807, "BTMParameterNullableQuantity", record, old))
+    return parameters
+
+
+def _wrap(number, name, record, old):
+    if old:
+        return {"type": number, "typeName": name, "message": record}
+    return {"btType": f"{name}-{number}", **record}
