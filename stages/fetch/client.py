@@ -1,48 +1,64 @@
-"""The one HTTP client: authenticated, counted, a few calls at a time.
+"""The one client: authenticated, counted, patient within bounds, a few calls at a time.
 
-The only module that imports httpx.
+What a failure leads to is decided here. What passes by itself (5xx, a reply cut short or late) is
+asked again; a closed window (429) is waited for; a used-up quota (402) stops all calls at once;
+every other refusal is explained and final.
 """
 
+import tempfile
 import threading
+from collections.abc import Callable, Mapping
 from types import TracebackType
 from urllib.parse import urlsplit
 
-import httpx
-
+from stages.fetch import redirects, retries, signing
 from stages.fetch.credentials import Credentials
-from stages.fetch.refusals import refusal
-from stages.fetch.requests import API, describe
+from stages.fetch.ledger import Ledger, billed, endpoint
+from stages.fetch.refusals import cut_short, offline, rate_limited, refusal, web_page
+from stages.fetch.requests import API, JSON, describe
+from stages.fetch.retries import Passing, Patience
 from stages.fetch.url import AssemblyUrl
-from stages.robot.errors import Offline, ProtocolError
+from stages.fetch.windows import Windows, left, retry_after
+from stages.fetch.wire import AT_ONCE, Answer, Lost, TooLarge, Wire
+from stages.robot.errors import Offline, ProtocolError, QuotaExhausted, RateLimited, SourceError
 
-AT_ONCE = 4
-"""Calls in flight at most: the server's limits are per window, and it answers no faster to more."""
+__all__ = ["AT_ONCE", "JSON", "Client"]
 
-_CONNECT_S = 30.0
-_READ_S = 300.0
-_LARGEST = 1 << 30
-_LARGEST_REFUSAL = 64 * 1024
 _PAGE = b"<"
+_MET = {"X-Api-Version": "api", "On-Version": "release"}
+_PATIENCE = Patience()
 
 
 class Client:
-    """Asks one host. Safe to call from several threads; a context manager."""
+    """Asks one host. Safe to call from several threads; a context manager.
 
-    def __init__(self, url: AssemblyUrl, credentials: Credentials) -> None:
+    `ledger` takes down what is billed; `tell` gets a line wherever the user has to wait.
+    """
+
+    def __init__(
+        self,
+        url: AssemblyUrl,
+        credentials: Credentials,
+        *,
+        patience: Patience = _PATIENCE,
+        ledger: Ledger | None = None,
+        tell: Callable[[str], None] = lambda _: None,
+    ) -> None:
         self.host = urlsplit(url.origin).netloc
+        self.met: dict[str, str] = {}
+        """What the server said of itself: `api`, the version that it serves, and its `release`."""
+        self._origin = url.origin
+        self._origins: dict[str, str] = {}
         self._credentials = credentials
+        self._patience = patience
+        self._ledger = ledger
+        self._tell_user = tell
         self._lock = threading.Lock()
         self._calls = 0
-        self._http = httpx.Client(
-            base_url=f"{url.origin}/api/{API}",
-            auth=httpx.BasicAuth(credentials.access, credentials.secret),
-            headers={"Accept": "application/json;charset=UTF-8; qs=0.09", "User-Agent": "linkwright"},
-            timeout=httpx.Timeout(_READ_S, connect=_CONNECT_S),
-            limits=httpx.Limits(max_connections=AT_ONCE, max_keepalive_connections=AT_ONCE),
-            follow_redirects=False,
-            # A proxy is for the world outside; it cannot reach this computer's own loopback.
-            trust_env=not url.loopback,
-        )
+        self._stopped = threading.Event()
+        self._reason: SourceError | None = None
+        self._windows = Windows(patience.max_wait, self._stopped)
+        self._wire = Wire(patience, loopback=url.loopback)
 
     def __enter__(self) -> "Client":
         return self
@@ -50,77 +66,188 @@ class Client:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._http.close()
+        self._wire.close()
 
     @property
     def calls(self) -> int:
         """Calls that count against the quota so far: every 2xx and 3xx."""
         return self._calls
 
-    def get(self, request: str) -> bytes:
+    @property
+    def left(self) -> Mapping[str, int]:
+        """Calls left in the server's windows, by endpoint, where it told."""
+        return dict(self._windows.left)
+
+    @property
+    def waited(self) -> float:
+        """Seconds waited because the server asked for it."""
+        return self._windows.waited
+
+    def get(self, request: str, accept: str = JSON, check: Callable[[bytes], None] | None = None) -> bytes:
         """The body of the reply to `request`.
+
+        `check` raises ProtocolError for a body that is not what was asked for; that is paid for, so
+        it is asked for once more and no further.
 
         AuthError, NotFound, QuotaExhausted, RateLimited, SourceError or ProtocolError where the
         server refuses or answers with something else; Offline where it cannot be reached.
         """
-        answered = False
+
+        def once() -> bytes:
+            answer = self._answer("GET", request, accept, None)
+            if answer.status != 200:
+                raise self._refusal(answer, request)
+            if answer.body[:64].lstrip()[:1] == _PAGE:
+                raise web_page(describe(request), self.host)
+            if check is not None:
+                self._check(answer.body, check)
+            return answer.body
+
+        return retries.persist(once, self._patience)
+
+    def post(self, request: str, body: bytes) -> bytes:
+        """The body of the reply to what is posted (JSON); errors as for `get`.
+
+        Asked again only where the server cannot have carried it out: it was not reached, or its
+        window was closed.
+        """
+
+        def once() -> bytes:
+            answer = self._answer("POST", request, JSON, body)
+            if not 200 <= answer.status < 300:
+                raise self._refusal(answer, request, final=True)
+            return answer.body
+
+        return retries.persist(once, self._patience)
+
+    def stop(self) -> None:
+        """Lets no further call begin and ends all waits: their calls raise Offline."""
+        self._halt(Offline("the calls were stopped", self.host, "run the same command again"))
+
+    def _answer(self, method: str, request: str, accept: str, content: bytes | None) -> Answer:
+        """The reply, whatever its status, once the server's window is open."""
+        kind, seconds = endpoint(request), self._patience.first_wait
+        for _ in range(self._patience.refusals):
+            self._windows.wait(kind)
+            answer = self._whole(method, request, accept, content)
+            if answer.status != 429:
+                return answer
+            # Never less than our own pause: a server that says 0 must not be asked in a rush.
+            asked = retry_after(answer.headers)
+            seconds = max(asked or 0.0, seconds)
+            if not self._windows.close(kind, seconds):
+                break
+            self._say(f"{self.host} allows no more calls for {describe(request)}: waiting {seconds:.0f} s")
+            seconds = min(2 * seconds, self._patience.longest_wait) if asked is None else seconds
+        error = rate_limited(
+            describe(request),
+            self._said(answer),
+            self.host,
+            asked=retry_after(answer.headers),
+            waited=self._windows.waited,
+            max_wait=self._patience.max_wait,
+        )
+        self._halt(error)
+        raise error
+
+    def _whole(self, method: str, request: str, accept: str, content: bytes | None) -> Answer:
+        """A whole reply, or the error for the lack of one."""
         try:
-            # Built by hand: the canonical request is sent as it is, never encoded a second time.
-            url = httpx.URL(str(self._http.base_url).rstrip("/") + request)
-            with self._http.stream("GET", url) as response:
-                answered = True
-                self._count(response.status_code)
-                if response.status_code != 200:
-                    raise self._refusal(response, request)
-                return self._body(response, request)
-        except httpx.TimeoutException as error:
-            msg = f"{self.host} did not answer in time for {describe(request)}"
-            raise Offline(msg, self.host, "run the same command again; what was fetched is kept") from error
-        except (httpx.RemoteProtocolError, httpx.DecodingError) as error:
-            raise self._broken(request) from error
-        except httpx.HTTPError as error:
-            if answered:
-                raise self._broken(request) from error
-            msg = f"{self.host} cannot be reached: {type(error).__name__}"
-            hint = (
-                "check the network and the host in source.url, or build offline: source=sample, source=bundle"
+            return self._follow(method, request, accept, content)
+        except Lost as lost:
+            what = describe(request)
+            if lost.late or not lost.status:
+                error: SourceError = offline(what, self.host, str(lost), late=lost.late)
+            else:
+                error = cut_short(what, self.host)
+            if method != "GET" and lost.begun:
+                hint = "it may have been carried out all the same: look at the document in the browser"
+                raise type(error)(error.message, error.where, hint) from lost
+            raise Passing(error, "billed" if billed(lost.status) else "free", self._say) from lost
+        except TooLarge as error:
+            msg = f"the reply with {describe(request)} is larger than any that makes sense"
+            raise ProtocolError(msg, self.host, "use a coarser source.tessellation") from error
+        except OSError as error:
+            msg = f"the reply with {describe(request)} cannot be written: {error.strerror or error}"
+            hint = "make room there, or name another folder in the environment variable TMPDIR"
+            raise SourceError(msg, tempfile.gettempdir(), hint) from error
+
+    def _follow(self, method: str, request: str, accept: str, content: bytes | None) -> Answer:
+        """The reply where it is in the end. Every stop on the way is authenticated, and billed."""
+        kind, what = endpoint(request), describe(request)
+        document = request.partition("/d/")[2].partition("/")[0]
+        with self._lock:
+            origin = self._origins.get(document, self._origin)
+        first = address = f"{origin}/api/{API}{request}"
+        for _ in range(1 + redirects.MOST):
+            self._may_go()
+            answer = self._wire.send(
+                method,
+                address,
+                lambda target: {
+                    "Accept": accept,
+                    **({} if content is None else {"Content-Type": signing.CONTENT_TYPE}),
+                    **signing.headers(self._credentials, method, target),
+                },
+                content,
+                lambda status, headers: self._note(kind, status, headers),
             )
-            raise Offline(msg, self.host, hint) from error
+            if not redirects.followed(method, answer.status):
+                return answer
+            address = redirects.target(address, answer.headers.get("Location", ""), what)
+            region = redirects.moved(first, address)
+            if region is not None:
+                # The other calls for this document go there directly: each stop costs a call.
+                with self._lock:
+                    self._origins[document] = region
+        msg = f"the server points elsewhere for {what} more than {redirects.MOST} times"
+        raise ProtocolError(msg, self.host, "use the host that the browser shows for this document")
 
-    def _count(self, status: int) -> None:
-        if 200 <= status < 400:
-            with self._lock:
-                self._calls += 1
-
-    def _body(self, response: httpx.Response, request: str) -> bytes:
-        body = bytearray()
-        for chunk in response.iter_bytes():
-            body += chunk
-            if len(body) > _LARGEST:
-                msg = f"the reply with {describe(request)} is larger than {_LARGEST >> 20} MiB"
-                raise ProtocolError(msg, self.host, "use a coarser source.tessellation")
-        promised = response.headers.get("Content-Length", "")
-        if promised.isdigit() and int(promised) != response.num_bytes_downloaded:
-            raise self._broken(request)
-        if body.lstrip()[:1] == _PAGE:
-            msg = f"the server sent a web page instead of {describe(request)}"
-            raise ProtocolError(
-                msg, self.host, "check the host in source.url, and that no proxy asks for a login"
-            )
-        return bytes(body)
-
-    def _refusal(self, response: httpx.Response, request: str) -> Exception:
-        body = b""
+    def _check(self, body: bytes, check: Callable[[bytes], None]) -> None:
         try:
-            for chunk in response.iter_bytes():
-                body += chunk
-                if len(body) > _LARGEST_REFUSAL:
-                    break
-        except httpx.HTTPError:
-            pass  # the status says enough; only the server's own words are lost
-        text = self._credentials.scrub(body.decode("utf-8", "replace"))
-        return refusal(response.status_code, response.headers, text, request, self.host)
+            check(body)
+        except ProtocolError as error:
+            told = ProtocolError(error.message, self.host, error.hint)
+            raise Passing(told, "billed", self._say) from error
 
-    def _broken(self, request: str) -> ProtocolError:
-        msg = f"the reply with {describe(request)} was cut short"
-        return ProtocolError(msg, self.host, "run the same command again; what was fetched is kept")
+    def _refusal(self, answer: Answer, request: str, *, final: bool = False) -> Exception:
+        """The error for a refusal; `Passing` where it may pass by itself, unless it is `final`."""
+        error = refusal(
+            answer.status, answer.headers, self._said(answer), request, self.host, self._credentials.kind
+        )
+        if isinstance(error, QuotaExhausted):
+            self._halt(error)
+        if final or not (answer.status >= 500 or answer.status == 499):
+            return error
+        asked = retry_after(answer.headers)
+        if asked and not self._windows.close(endpoint(request), asked):
+            return error
+        return Passing(error, "free", self._say)
+
+    def _said(self, answer: Answer) -> str:
+        return self._credentials.scrub(answer.body.decode("utf-8", "replace"))
+
+    def _note(self, kind: str, status: int, headers: Mapping[str, str]) -> None:
+        rest = left(headers)
+        self._windows.note(kind, rest)
+        with self._lock:
+            self._calls += billed(status)
+            for header, name in _MET.items():
+                if headers.get(header):
+                    self.met[name] = self._credentials.scrub(headers[header])[:40]
+        if self._ledger is not None:
+            self._ledger.note(kind, status, rest)
+
+    def _say(self, line: str) -> None:
+        with self._lock:
+            self._tell_user(line)
+
+    def _halt(self, reason: QuotaExhausted | RateLimited | Offline) -> None:
+        with self._lock:
+            self._reason = self._reason or reason
+        self._stopped.set()
+
+    def _may_go(self) -> None:
+        """Raises what stopped all calls, if something did."""
+        if self._reason is not None:
+            raise type(self._reason)(self._reason.message, self._reason.where, self._reason.hint)

@@ -1,41 +1,74 @@
-"""The user's API key: from the environment, or from `.env` where they work."""
+"""The user's key to Onshape: from the environment, or from `.env` where they work."""
 
 from base64 import b64encode
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from hashlib import sha256
 from pathlib import Path
+from typing import Literal
 
 from stages.robot.errors import ConfigError
 
 ACCESS = "ONSHAPE_ACCESS_KEY"
 SECRET = "ONSHAPE_SECRET_KEY"
+TOKEN = "ONSHAPE_ACCESS_TOKEN"
+OLD_TOKEN = "ONSHAPE_SECRET_BEARER"
+AUTH = "ONSHAPE_AUTH"
+
+Kind = Literal["basic", "signature", "bearer"]
 
 
 @dataclass(frozen=True, slots=True)
 class Credentials:
-    """An API key. Its text never shows in `repr`, so that no log or traceback holds it."""
+    """An API key, or a bearer `token`. Its text never shows in `repr`, so that no log or traceback
+    holds it. `kind`: how a request shows it."""
 
-    access: str = field(repr=False)
-    secret: str = field(repr=False)
+    access: str = field(default="", repr=False)
+    secret: str = field(default="", repr=False)
+    kind: Kind = "basic"
+    token: str = field(default="", repr=False)
+
+    @property
+    def who(self) -> str:
+        """A name for whose calls these are, which does not tell the key.
+
+        Bearer tokens live for an hour, so all of them are one.
+        """
+        return "bearer" if self.kind == "bearer" else sha256(self.access.encode()).hexdigest()[:16]
+
+    @property
+    def private(self) -> tuple[str, ...]:
+        """The texts that must never be written anywhere, the longest first."""
+        plain = {text for text in (self.access, self.secret, self.token) if text}
+        pair = {f"{self.access}:{self.secret}"} if self.access and self.secret else set()
+        packed = {b64encode(text.encode()).decode() for text in plain | pair}
+        return tuple(sorted(plain | packed, key=lambda text: (-len(text), text)))
 
     def scrub(self, text: str) -> str:
         """`text` with the key blotted out, for what a server sent back."""
-        header = b64encode(f"{self.access}:{self.secret}".encode()).decode()
-        for private in (header, self.secret, self.access):
+        for private in self.private:
             text = text.replace(private, "***")
         return text
 
 
 def find(environ: Mapping[str, str], folder: Path | None = None) -> Credentials:
-    """The API key of `environ`, else of `.env` in `folder` (default: the working folder).
+    """The key in `environ`, else in `.env` in `folder` (default: the working folder).
 
-    ConfigError names the variable that is missing.
+    A bearer token where one is set, else an API key. ConfigError names the variable that is missing.
     """
-    path = (folder or Path.cwd()) / ".env"
-    values = _dotenv(path) | {
-        name: environ[name] for name in (ACCESS, SECRET) if environ.get(name, "").strip()
-    }
-    access, secret = (values.get(name, "").strip() for name in (ACCESS, SECRET))
+    names = (ACCESS, SECRET, TOKEN, OLD_TOKEN, AUTH)
+    outside = {name: environ[name].strip() for name in names if environ.get(name, "").strip()}
+    inside = {name: value.strip() for name, value in _dotenv((folder or Path.cwd()) / ".env").items()}
+    values = inside | outside
+    kind = _kind(values.get(AUTH, "basic").lower())
+    # A whole key in the environment goes before a token in the file.
+    whole_key = ACCESS in outside and SECRET in outside
+    tokens = outside if whole_key else values
+    token = tokens.get(TOKEN) or tokens.get(OLD_TOKEN)
+    if token:
+        _require_plain(token, f"{TOKEN} or {OLD_TOKEN}")
+        return Credentials(kind="bearer", token=token)
+    access, secret = (values.get(name, "") for name in (ACCESS, SECRET))
     missing = [name for name, value in ((ACCESS, access), (SECRET, secret)) if not value]
     if missing:
         msg = f"no Onshape API key: {' and '.join(missing)} not set, neither in the environment nor in .env"
@@ -44,10 +77,24 @@ def find(environ: Mapping[str, str], folder: Path | None = None) -> Credentials:
             "variables, or build without the network: linkwright source=sample"
         )
         raise ConfigError(msg, hint=hint)
-    if not (access + secret).isascii() or not (access + secret).isprintable():
-        msg = f"{ACCESS} or {SECRET} holds characters that no Onshape key has"
+    _require_plain(access + secret, f"{ACCESS} or {SECRET}")
+    return Credentials(access, secret, kind)
+
+
+def _kind(text: str) -> Kind:
+    if text == "basic":
+        return "basic"
+    if text == "signature":
+        return "signature"
+    msg = f"{AUTH} is neither basic nor signature"
+    raise ConfigError(msg, hint=f"set {AUTH}=signature to sign each request, or leave it out")
+
+
+def _require_plain(text: str, names: str) -> None:
+    """ConfigError for text that cannot be a key; the text itself is not shown."""
+    if not text.isascii() or not text.isprintable():
+        msg = f"{names} holds characters that no Onshape key has"
         raise ConfigError(msg, hint="copy the key again, without quotes or line breaks")
-    return Credentials(access, secret)
 
 
 def _dotenv(path: Path) -> dict[str, str]:
@@ -60,4 +107,4 @@ def _dotenv(path: Path) -> dict[str, str]:
     except (OSError, UnicodeDecodeError) as error:
         msg = f"the file .env cannot be read: {type(error).__name__}"
         raise ConfigError(msg, ".env", f"write lines such as {ACCESS}=... in it, as UTF-8 text") from None
-    return {name: value for name, value in values.items() if value}
+    return {name: value for name, value in values.items() if value and value.strip()}

@@ -13,7 +13,8 @@ EXAMPLE = (
 )
 _PATH = re.compile(r"/documents/([0-9a-f]{24})/([wvm])/([0-9a-f]{24})/e/([0-9a-f]{24})/?", re.IGNORECASE)
 _NO_TAB = re.compile(r"/documents/[0-9a-f]{24}(/[wvm]/[0-9a-f]{24})?/?", re.IGNORECASE)
-_OWNER = "onshape.com"
+OWNER = "onshape.com"
+"""The domain whose hosts may be sent a key."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +39,7 @@ class AssemblyUrl:
     @property
     def loopback(self) -> bool:
         """Whether the host is this computer."""
-        return _is_loopback(urlsplit(self.origin).hostname or "")
+        return is_loopback(urlsplit(self.origin).hostname or "")
 
 
 def parse(text: str) -> AssemblyUrl:
@@ -78,16 +79,17 @@ def _split(text: str) -> SplitResult:
         # The address is not shown: what stands before the @ may be a key.
         msg = "the address must hold no user name or password"
         raise ConfigError(msg, "source.url", "keys belong in ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY")
-    if _is_loopback(host):
+    if is_loopback(host):
         return parts
     if parts.scheme == "http":
         raise _refused(parts, "plain http would send your key in the open; use https://")
-    if host != _OWNER and not host.endswith(f".{_OWNER}"):
-        raise _refused(parts, f"its host is not {_OWNER} or below it, and no key is sent elsewhere")
+    if host != OWNER and not host.endswith(f".{OWNER}"):
+        raise _refused(parts, f"its host is not {OWNER} or below it, and no key is sent elsewhere")
     return parts
 
 
-def _is_loopback(host: str) -> bool:
+def is_loopback(host: str) -> bool:
+    """Whether a host name or address means this computer."""
     if host == "localhost":
         return True
     try:

@@ -38,8 +38,34 @@ def test_a_key_with_a_line_break_is_refused_without_showing_it(tmp_path):
     assert "zq" not in str(caught.value)
 
 
+def test_a_token_goes_before_a_key_but_a_whole_key_outside_goes_before_a_token_in_dotenv(tmp_path):
+    keys = {"ONSHAPE_ACCESS_KEY": "a", "ONSHAPE_SECRET_KEY": "s"}
+    assert find({**keys, "ONSHAPE_ACCESS_TOKEN": "t"}, tmp_path) == Credentials(kind="bearer", token="t")
+    (tmp_path / ".env").write_text("ONSHAPE_SECRET_BEARER=from-file\n")
+    assert find({}, tmp_path) == Credentials(kind="bearer", token="from-file")
+    assert find(keys, tmp_path) == Credentials("a", "s")
+
+
+def test_signing_is_chosen_by_name(tmp_path):
+    keys = {"ONSHAPE_ACCESS_KEY": "a", "ONSHAPE_SECRET_KEY": "s"}
+    assert find({**keys, "ONSHAPE_AUTH": "Signature"}, tmp_path) == Credentials("a", "s", "signature")
+    with pytest.raises(ConfigError, match="neither basic nor signature"):
+        find({**keys, "ONSHAPE_AUTH": "oauth"}, tmp_path)
+
+
+def test_a_ledgers_name_does_not_tell_the_key():
+    key = Credentials("my-access", "my-secret")
+    assert len(key.who) == 16
+    assert key.who == Credentials("my-access", "another", "signature").who != Credentials("x", "y").who
+    assert "access" not in key.who
+    assert Credentials(kind="bearer", token="t").who == "bearer"
+
+
 def test_neither_repr_nor_scrubbed_text_holds_the_key():
     key = Credentials("my-access", "my-secret")
     assert "my-" not in repr(key)
     header = "bXktYWNjZXNzOm15LXNlY3JldA=="
     assert key.scrub(f"my-access:my-secret Basic {header}") == "***:*** Basic ***"
+    bearer = Credentials(kind="bearer", token="my-token")
+    assert "my-" not in repr(bearer)
+    assert bearer.scrub("Bearer my-token, and more") == "Bearer ***, and more"

@@ -1,0 +1,149 @@
+"""What was asked and billed, by key and calendar year: a count that Onshape itself does not tell.
+
+    ledger/<who>-<year>.json     one line of JSON a call: {"at", "endpoint", "status", "left"}
+
+`who` is a hash of the access key. A line is appended whole or not at all, by any number of
+processes; a line that a full disk cut short is passed over. Imports nothing heavy.
+"""
+
+import contextlib
+import json
+import os
+import re
+import time
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+FOLDER = "ledger"
+"""Its place in the cache folder."""
+
+_FILE = re.compile(r"([0-9a-z]{1,16})-(\d{4})\.json")
+_PLACES = re.compile(r"/(?:d|[wvm]|e|partid)/[^/]+")
+_NAMES = {"assemblies": "assembly definition", "assemblies/massproperties": "assembly massproperties"}
+
+
+def endpoint(request: str) -> str:
+    """The kind of a request, as the server's windows count it: "massproperties" (of part studios).
+
+    Only the path is looked at; ids are no part of the name.
+    """
+    path = _PLACES.sub("", request.partition("?")[0]).strip("/")
+    return _NAMES.get(path) or path.rpartition("/")[2]
+
+
+def billed(status: int) -> bool:
+    """Whether a reply with this status counts against the yearly quota."""
+    return 200 <= status < 400
+
+
+@dataclass(frozen=True, slots=True)
+class Year:
+    """One key's calendar year (UTC): billed calls by endpoint, and whether the quota ended (402)."""
+
+    who: str
+    year: int
+    calls: Mapping[str, int]
+    exhausted: bool
+
+    @property
+    def counted(self) -> int:
+        return sum(self.calls.values())
+
+
+class Ledger:
+    """The calls of one key. `who`: a name that does not tell the key, `Credentials.who`.
+
+    `year` is that of each call where it is not given. Safe between threads and processes.
+    """
+
+    def __init__(self, folder: Path, who: str, year: int | None = None) -> None:
+        self._folder = folder
+        self._who = who
+        self._year = year
+
+    def note(self, kind: str, status: int, left: int | None = None) -> None:
+        """Writes down a reply that was billed, or the one that tells that the quota is used up (402).
+
+        `left`: calls left in the window of this endpoint. A ledger that cannot be written is no
+        reason to lose a reply that was paid for: the call then goes uncounted.
+        """
+        if not billed(status) and status != 402:
+            return
+        entry: dict[str, Any] = {"at": int(time.time()), "endpoint": kind, "status": status}
+        if left is not None:
+            entry["left"] = left
+        with contextlib.suppress(OSError):
+            self._folder.mkdir(parents=True, exist_ok=True)
+            _append(self._path(), json.dumps(entry, separators=(",", ":")).encode() + b"\n")
+
+    def counted(self) -> int:
+        """Billed calls of the year so far."""
+        return self.told().counted
+
+    def told(self) -> Year:
+        """The year so far."""
+        return _read(self._path(), self._who, self._this_year())
+
+    def _this_year(self) -> int:
+        return self._year if self._year is not None else time.gmtime().tm_year
+
+    def _path(self) -> Path:
+        return self._folder / f"{self._who}-{self._this_year()}.json"
+
+
+def years(folder: Path) -> list[Year]:
+    """What all ledgers in `folder` tell, by key and year."""
+    if not folder.is_dir():
+        return []
+    found = ((path, _FILE.fullmatch(path.name)) for path in sorted(folder.iterdir()))
+    return [_read(path, match[1], int(match[2])) for path, match in found if match]
+
+
+def _read(path: Path, who: str, year: int) -> Year:
+    calls: Counter[str] = Counter()
+    exhausted = False
+    for entry in _entries(path):
+        status, kind = entry.get("status"), entry.get("endpoint")
+        if isinstance(status, int) and isinstance(kind, str):
+            if billed(status):
+                calls[kind] += 1
+            exhausted = status == 402
+    return Year(who, year, dict(sorted(calls.items())), exhausted)
+
+
+def _entries(path: Path) -> Iterator[dict[str, Any]]:
+    try:
+        lines = path.read_bytes().splitlines()
+    except OSError:
+        return
+    for line in lines:
+        try:
+            entry = json.loads(line)
+        except ValueError:
+            continue
+        if isinstance(entry, dict):
+            yield entry
+
+
+def _append(path: Path, line: bytes) -> None:
+    """Adds a line in one write at the file's end, under its lock where the system has locks.
+
+    The kernel moves to the end and writes as one step on a local disk; over a network it needs the
+    lock, which ends with the process however that ends.
+    """
+    handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
+    try:
+        with contextlib.suppress(ImportError, OSError):
+            import fcntl
+
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        if os.fstat(handle).st_size:
+            os.lseek(handle, -1, os.SEEK_END)
+            if os.read(handle, 1) != b"\n":
+                line = b"\n" + line
+        os.write(handle, line)
+    finally:
+        os.close(handle)

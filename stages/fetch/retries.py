@@ -1,0 +1,99 @@
+"""Asking again: which failures pass by themselves, how often to try, and how long to wait between."""
+
+from collections import Counter
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import stamina
+from stamina.instrumentation import RetryDetails, set_on_retry_hooks
+
+from stages.robot.errors import SourceError
+
+Kind = Literal["free", "billed"]
+"""Whether a failed attempt cost a call: a reply that begins with 200 is billed however it ends."""
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """How long a server is borne with. Times in seconds."""
+
+    max_wait: float = 120.0
+    """Longest wait in all that the server may ask for (`Retry-After`)."""
+
+    attempts: int = 3
+    """How often one call is made that fails and is not billed (5xx, no connection, no answer)."""
+
+    billed: int = 2
+    """How often one call is made whose reply is billed but of no use (cut short, late, nonsense)."""
+
+    refusals: int = 8
+    """How often one call is made that the server's window refuses (429)."""
+
+    first_wait: float = 1.0
+    """Wait before the second attempt; doubled each time."""
+
+    longest_wait: float = 30.0
+    """Bound of the doubling."""
+
+    jitter: float = 1.0
+    """Up to this much is added at random, so that several callers do not come back at once."""
+
+    connect: float = 30.0
+    """Limit for reaching the server."""
+
+    read: float = 300.0
+    """Limit for each pause in a reply; large assemblies make the server think for minutes."""
+
+    whole: float = 900.0
+    """Limit for a whole reply: 16 MB at 20 kB/s."""
+
+
+class Passing(Exception):
+    """A failure that may pass by itself. `error` is what to tell if it does not."""
+
+    def __init__(self, error: SourceError, kind: Kind, tell: Callable[[str], None]) -> None:
+        super().__init__(error.message)
+        self.error = error
+        self.kind: Kind = kind
+        self.tell = tell
+
+
+def persist(once: Callable[[], bytes], patience: Patience) -> bytes:
+    """What `once` gives, asked again while it raises `Passing` and `patience` lasts.
+
+    Raises the last failure's own error, with the number of attempts; any other error at once.
+    """
+    limits = {"free": patience.attempts, "billed": patience.billed}
+    failures: Counter[Kind] = Counter()
+
+    def again(error: Exception) -> bool:
+        if not isinstance(error, Passing):
+            return False
+        failures[error.kind] += 1
+        return failures[error.kind] < limits[error.kind]
+
+    caller = stamina.RetryingCaller(
+        attempts=sum(limits.values()),
+        timeout=None,
+        wait_initial=patience.first_wait,
+        wait_max=patience.longest_wait,
+        wait_jitter=patience.jitter,
+    )
+    try:
+        return caller(again, once)
+    except Passing as last:
+        error, times = last.error, failures.total()
+        message = error.message if times == 1 else f"{error.message}; asked {times} times"
+        raise type(error)(message, error.where, error.hint) from last.__cause__
+
+
+def _tell(details: RetryDetails) -> None:
+    """Tells the user of a coming attempt."""
+    if isinstance(details.caused_by, Passing):
+        error = details.caused_by.error
+        details.caused_by.tell(f"{error.message}; asking again in {details.wait_for:.0f} s")
+
+
+# In place of the library's own logging, which would write past the display.
+set_on_retry_hooks([_tell])

@@ -1,0 +1,85 @@
+"""The server's windows: how many calls of each kind it still allows, and waiting where it allows none.
+
+The limits are per endpoint. A wait holds back all calls of its kind, whichever thread makes them, and
+what is waited in all stays within what the user allows.
+"""
+
+import time
+from collections.abc import Callable, Mapping
+from datetime import UTC, datetime
+from email.utils import parsedate_to_datetime
+from threading import Event, Lock
+
+
+class Windows:
+    """The windows of one server, as its replies tell them. `max_wait` [s] bounds all waits together."""
+
+    def __init__(self, max_wait: float, stopped: Event) -> None:
+        self._max_wait = max_wait
+        self._stopped = stopped
+        self._lock = Lock()
+        self._closed: dict[str, float] = {}
+        self._until = 0.0
+        self.waited = 0.0
+        """What the waits asked for so far come to [s]; waits at the same time count once."""
+        self.left: dict[str, int] = {}
+        """Calls left by endpoint, where the server told (`X-Rate-Limit-Remaining`)."""
+
+    def note(self, endpoint: str, left: int | None) -> None:
+        """Takes down what a reply told of its window."""
+        if left is not None:
+            with self._lock:
+                self.left[endpoint] = left
+
+    def close(self, endpoint: str, seconds: float) -> bool:
+        """Holds back calls of this kind for `seconds`; False where that is more than may be waited."""
+        now = time.monotonic()
+        with self._lock:
+            until = max(self._until, now + seconds)
+            more = until - max(self._until, now)
+            if self.waited + more > self._max_wait:
+                return False
+            self.waited += more
+            self._until = until
+            self._closed[endpoint] = max(self._closed.get(endpoint, 0.0), now + seconds)
+            return True
+
+    def wait(self, endpoint: str) -> None:
+        """Returns when a call of this kind may be made, or all calls were stopped."""
+        while not self._stopped.is_set():
+            with self._lock:
+                rest = self._closed.get(endpoint, 0.0) - time.monotonic()
+            if rest <= 0:
+                return
+            self._stopped.wait(rest)
+
+
+def left(headers: Mapping[str, str]) -> int | None:
+    """Calls left in the window of the endpoint that replied, where the server tells."""
+    text = headers.get("X-Rate-Limit-Remaining", "").strip()
+    return int(text) if text.isascii() and text.isdigit() and len(text) < 10 else None
+
+
+def retry_after(headers: Mapping[str, str], now: Callable[[], float] = time.time) -> float | None:
+    """How long to wait [s], from seconds or an HTTP date; None where the server does not say.
+
+    A date is compared with the server's own clock where it tells that (`Date`).
+    """
+    text = headers.get("Retry-After", "").strip()
+    if text.isascii() and text.isdigit() and len(text) < 10:
+        return float(text)
+    then = date(text)
+    if then is None:
+        return None
+    here = date(headers.get("Date", ""))
+    return max(0.0, then - (now() if here is None else here))
+
+
+def date(text: str) -> float | None:
+    """An HTTP date as seconds since 1970; None where it is none."""
+    try:
+        found = parsedate_to_datetime(text)
+    except (ValueError, TypeError, IndexError, OverflowError):
+        return None
+    aware: datetime = found if found.tzinfo else found.replace(tzinfo=UTC)
+    return aware.timestamp()
