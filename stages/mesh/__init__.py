@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 1
+VERSION = 2
 """Grows with every change of what this stage makes of the same input."""
 
 Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]

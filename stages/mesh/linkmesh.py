@@ -19,10 +19,11 @@ from stages.robot.model import Array, MeshRef
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Use:
-    """A part's mesh in a link: which, and `link_from_part` (4, 4)."""
+    """A part's mesh in a link: which, `link_from_part` (4, 4), and whether it is more than seen."""
 
     mesh: MeshRef
     link_from_part: Array
+    collides: bool = True
 
     def key(self) -> list[Any]:
         """The use as plain data, exact to the bit."""
@@ -30,6 +31,7 @@ class Use:
             self.mesh.part,
             [(value + 0.0).hex() for value in self.link_from_part.ravel().tolist()],
             self.mesh.reply,
+            *([] if self.collides else ["seen"]),
         ]
 
 
@@ -56,7 +58,12 @@ def make(uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh]) -> LinkMesh:
         (moved(mesh.surface, use.link_from_part), mesh) for use in uses if (mesh := meshes.get(use.mesh))
     ]
     visuals = [part for colour, surface in _by_colour(placed) for part in piece.visuals(surface, colour)]
-    hull = convex_hull(np.concatenate([surface.vertices for surface, _ in placed])) if placed else None
+    solid = [
+        moved(mesh.surface, use.link_from_part).vertices
+        for use in uses
+        if use.collides and (mesh := meshes.get(use.mesh))
+    ]
+    hull = convex_hull(np.concatenate(solid)) if solid else None
     return LinkMesh(
         visuals=tuple(visuals),
         collision=piece.collider(hull) if hull is not None else None,

@@ -39,18 +39,23 @@ def visuals(surface: Surface, colour: Colour) -> Iterator[Piece]:
     MuJoCo refuses meshes that span no volume, and a single coloured face is one: it gets a back,
     a thousandth of a millimetre behind. Specks too small even for that, below 1e-14 m³, are left out.
     """
-    for part in _portions(rounded(surface)):
-        solid = rounded(_backed(part)) if _flat(part) else part
-        if len(solid.triangles) and _span(solid) >= _SPECK:
+    for part, span in _portions(rounded(surface)):
+        solid = part
+        if _flat(part, span):
+            solid = rounded(_backed(part))
+            span = _span(solid)
+        if len(solid.triangles) and span >= _SPECK:
             yield _piece(solid, colour)
 
 
-def _portions(surface: Surface) -> Iterator[Surface]:
+def _portions(surface: Surface) -> Iterator[tuple[Surface, float]]:
+    """Surfaces of a size that is read, and the span [m³] of each."""
     count = len(surface.triangles)
     if not count:
         return
-    if count <= (MOST_FACES // 2 if _flat(surface) else MOST_FACES):
-        yield surface
+    span = _span(surface)
+    if count <= (MOST_FACES // 2 if _flat(surface, span) else MOST_FACES):
+        yield surface, span
         return
     for half in np.array_split(surface.triangles, 2):
         yield from _portions(compacted(Surface(surface.vertices, half)))
@@ -61,9 +66,9 @@ def _scale(surface: Surface) -> float:
     return max(1.0, float(np.abs(surface.vertices).max()))
 
 
-def _flat(surface: Surface) -> bool:
-    """Whether the surface lies in a plane, as far as single precision can tell."""
-    return _span(surface) <= 0.2 * _SKIN * _scale(surface) * surface.area()
+def _flat(surface: Surface, span: float) -> bool:
+    """Whether a surface of that span lies in a plane, as far as single precision can tell."""
+    return span <= 0.2 * _SKIN * _scale(surface) * surface.area()
 
 
 def _span(surface: Surface) -> float:

@@ -5,12 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from stages.robot.triangles import distinct
+
 Points = npt.NDArray[np.float64]
 """(n, 3) coordinates [m]."""
 Triangles = npt.NDArray[np.int64]
 """(m, 3) indices into the points, counter-clockwise seen from outside."""
 
-_SAME = 1e-9
+_SAME = 1e-8  # m: the linear precision of the CAD kernel, which tells no nearer points apart
+_SAME_OF_SIZE = 1e-9  # numbers carry about 16 digits, and some were lost on the way
+_LEAST_OF_SIZE = 1e-3  # however small, a surface keeps its shape
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,10 +67,10 @@ class Surface:
 def weld(points: Points, triangles: Triangles) -> tuple[Surface, npt.NDArray[np.int64]]:
     """One surface out of loose triangles, in canonical order, and which triangles it kept.
 
-    Points equal within 1e-9 of the size become one. Triangles that lose a corner so are dropped;
-    slivers stay, since their neighbours need their edges. Points are sorted lexicographically,
-    triangles by their points, so that the order of the input does not matter. The second value
-    (m,) has the index of each triangle in the input.
+    Points nearer than 1e-8 m, or than 1e-9 of the size where that is more, become one. Triangles
+    that lose a corner so are dropped; slivers stay, since their neighbours need their edges. Points
+    are sorted lexicographically, triangles by their points, so that the order of the input does not
+    matter. The second value (m,) has the index of each triangle in the input.
     """
     used, compact = np.unique(triangles, return_inverse=True)
     vertices, merged = _nearly_distinct(points[used])
@@ -108,7 +112,7 @@ def moved(surface: Surface, transform: npt.NDArray[np.float64]) -> Surface:
 
 
 def _nearly_distinct(points: Points) -> tuple[Points, npt.NDArray[np.int64]]:
-    """As `distinct`, but points within 1e-9 of the size count as one: the first of them."""
+    """As `distinct`, but points that are near to each other count as one: the first of them."""
     vertices, index = distinct(points)
     size = float(np.linalg.norm(np.ptp(vertices, axis=0))) if len(vertices) else 0.0
     if size == 0.0:
@@ -117,7 +121,7 @@ def _nearly_distinct(points: Points) -> tuple[Points, npt.NDArray[np.int64]]:
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
-    pairs = cKDTree(vertices).query_pairs(_SAME * size, output_type="ndarray")
+    pairs = cKDTree(vertices).query_pairs(_tolerance(size), output_type="ndarray")
     if not len(pairs):
         return vertices, index
     count = len(vertices)
@@ -131,13 +135,6 @@ def _nearly_distinct(points: Points) -> tuple[Points, npt.NDArray[np.int64]]:
     return vertices[leaders[order]], rank[member.ravel()][index]
 
 
-def distinct(points: Points) -> tuple[Points, npt.NDArray[np.int64]]:
-    """The points without repetitions, sorted, and the index among them of each given point (−0 is 0)."""
-    points = points + 0.0
-    order = np.lexsort(points.T[::-1])
-    ordered = points[order]
-    new = np.ones(len(points), dtype=bool)
-    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
-    index = np.empty(len(points), dtype=np.int64)
-    index[order] = np.cumsum(new) - 1
-    return ordered[new], index
+def _tolerance(size: float) -> float:
+    """How near [m] two points of a surface that is `size` [m] across count as one."""
+    return min(max(_SAME, _SAME_OF_SIZE * size), _LEAST_OF_SIZE * size)

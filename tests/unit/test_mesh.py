@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from stages.fetch.triangles import compact
 from stages.mesh import make_geometry
 from stages.robot.bundle import Bundle
 from stages.robot.model import Base, Inertial, Link, MeshRef, Part, Provenance, Robot, frozen
@@ -37,9 +38,10 @@ def plate(name):
     return {"id": name, "faces": [{"facets": facets}]}
 
 
-REPLY = json.dumps(
+_JSON = json.dumps(
     {"bodies": [block("A", RED), block("B", BLUE, (0.5, 0.5, 2.0)), block("C", RED, top=BLUE), plate("P")]}
 ).encode()
+REPLY = compact(_JSON)
 DIGEST = sha256(REPLY).hexdigest()
 BUNDLE = Bundle("onshape", "v16", {}, "", (), {}, {DIGEST: REPLY})
 

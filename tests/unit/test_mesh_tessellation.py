@@ -5,17 +5,27 @@ from base64 import b64encode
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from stages.mesh.appearance import NEUTRAL, colour_of
-from stages.mesh.tessellation import read
+from stages.fetch import triangles as reply_triangles
+from stages.fetch.appearance import NEUTRAL, colour_of
+from stages.mesh import tessellation
 from stages.robot.errors import ProtocolError
+from tests.onshape import outlines, solids
 from tests.recorded import DATA, needs_data
 
 # A unit cube, corner at the origin: each face as four corners, anticlockwise from outside.
 CORNERS = [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)]
 SIDES = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
 TRIANGLES = [[(a, b, c), (a, c, d)] for a, b, c, d in SIDES]
+HOLE = outlines.circle(0.02, at=(0.1, 0.05), segments=24)
 RED, BLUE = {"color": [255, 0, 0], "opacity": 255}, {"color": [0, 0, 255], "opacity": 51}
+
+
+def read(reply, parts):
+    """The meshes of parts in a reply, by way of the compact form."""
+    return tessellation.read(reply_triangles.compact(reply), parts)
 
 
 def xyz(point):
@@ -100,16 +110,39 @@ def test_a_face_colour_wins_over_the_body_colour_and_both_over_grey():
     assert (in_red[:, :, 0] == 0).all()  # the first side is the one at x = 0
 
 
-def test_nearly_equal_points_are_welded_and_separate_ones_are_not():
-    record = body("loose", scale=0.1)
-    noise = iter(np.random.default_rng(3).uniform(-2e-11, 2e-11, 1000))
-    for face in record["faces"]:
-        for facet in face["facets"]:
-            facet["vertices"] = [{k: v + next(noise) for k, v in p.items()} for p in facet["vertices"]]
-    mesh = read(reply(record), {"JHD"})["JHD"]
-    assert len(mesh.surface.vertices) == 8
+# Closed solids, and how thin each is at its thinnest [m].
+SOLIDS = {
+    "cube": (solids.box(0.1, 0.1, 0.1), 0.1),
+    "foil": (solids.box(1.0, 0.5, 2e-6), 2e-6),
+    "grain": (solids.box(1e-4, 2e-4, 3e-4), 1e-4),
+    "pin": (solids.cylinder(0.02, 0.05, chamfer=0.001), 0.04),
+    "thin tube": (solids.tube(0.02, 0.019999, 0.1), 1e-6),
+    "ball": (solids.ball(0.01), 0.02),
+    "plate": (solids.extrude([(0, 0), (0.2, 0), (0.2, 0.1), (0, 0.1)], 0.005, holes=[HOLE]), 0.005),
+}
+
+
+@settings(max_examples=60, deadline=None)
+@given(name=st.sampled_from(sorted(SOLIDS)), seed=st.integers(0, 2**32 - 1))
+def test_a_closed_solid_stays_closed_whatever_the_last_digits_of_its_faces_say(name, seed):
+    solid, thickness = SOLIDS[name]
+    rng = np.random.default_rng(seed)
+    faces = []
+    for face in solid.faces:  # each face brings its own copies of its corners, each a little off
+        corners = solid.vertices[face.triangles]
+        noisy = corners + rng.uniform(-1e-9, 1e-9, corners.shape)
+        faces.append({"facets": [{"vertices": [list(map(float, c)) for c in row]} for row in noisy]})
+    mesh = read(reply({"id": "A", "faces": faces}), {"A"})["A"]
+    used = np.unique(solid.triangles)
     assert mesh.closed
-    record["faces"][0]["facets"][0]["vertices"][0]["x"] += 1e-8
+    assert len(mesh.surface.vertices) == len(np.unique(solid.vertices[used], axis=0))
+    assert len(mesh.surface.triangles) == len(solid.triangles)
+    assert mesh.volume == pytest.approx(solid.properties.volume, rel=8e-9 / thickness)
+
+
+def test_points_that_are_apart_are_not_welded():
+    record = body("loose", scale=0.1)
+    record["faces"][0]["facets"][0]["vertices"][0]["x"] += 1e-7
     assert not read(reply(record), {"JHD"})["JHD"].closed
 
 

@@ -1,0 +1,221 @@
+"""Onshape's tessellated faces out of their JSON, which takes about 300 bytes a triangle.
+
+Reads both envelopes (an object with `bodies`, a bare list) and both forms of facets (`indices` into
+the body's `facetPoints`, `vertices` of their own), piece by piece into arrays.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain
+from operator import itemgetter
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stages.fetch import jsonpieces
+from stages.fetch.appearance import colour_of
+from stages.fetch.jsonpieces import Document, MalformedError
+from stages.robot import triangles
+from stages.robot.errors import ProtocolError
+from stages.robot.geometry import Colour
+from stages.robot.triangles import Body
+
+_Record = Mapping[str, Any]
+_Points = npt.NDArray[np.float64]
+_Indices = npt.NDArray[np.int64]
+_XYZ = itemgetter("x", "y", "z")
+_BATCH = 4096
+_HINT = "run the same command again; if it fails each time, the API has changed"
+
+
+def compact(reply: bytes) -> bytes:
+    """The compact form of a reply with tessellated faces; a reply in that form is returned as it is.
+
+    ProtocolError where the reply is not JSON, has no bodies, or has a body in no known shape.
+    """
+    if triangles.is_compact(reply):
+        triangles.check(reply)
+        return reply
+    return triangles.encode(read(reply))
+
+
+def read(reply: bytes) -> list[Body]:
+    """The bodies of a reply in its order; one without triangles has none. Errors as `compact`.
+
+    A composite part is its own triangles, or else those of its constituents.
+    """
+    try:
+        root = Document(reply).root()
+        record = root if isinstance(root, dict) else {}
+        listed = record.get("bodies") if record else root
+        if not isinstance(listed, list | jsonpieces.Pieces):
+            msg = "the reply with triangles has no bodies"
+            raise ProtocolError(msg, hint=_HINT)
+        shared = _points(record.get("facetPoints"))
+        bodies, composites = [], dict[str, list[Any]]()
+        for body in jsonpieces.elements(listed):
+            name = body.get("id") if isinstance(body, dict) else None
+            if isinstance(name, str):
+                bodies.append(_named(name, body, shared))
+                composites[name] = list(jsonpieces.elements(body.get("constituents")))
+    except MalformedError as error:
+        msg = f"the reply with triangles is not JSON, or was cut short: {error}"
+        raise ProtocolError(msg, hint=_HINT) from None
+    return [_whole(body, composites[body.id], bodies) for body in bodies]
+
+
+def _whole(body: Body, constituents: Sequence[Any], bodies: Sequence[Body]) -> Body:
+    """A composite without triangles of its own with those of its constituents; else the body itself."""
+    if not constituents or len(body.triangles):
+        return body
+    parts = [one for one in bodies if one.id in constituents and len(one.triangles)]
+    if not parts:
+        return body
+    first = np.cumsum([0, *(len(part.points) for part in parts)])
+    shade = np.cumsum([0, *(len(part.palette) for part in parts)])
+    return merged(
+        body.id,
+        np.concatenate([part.points for part in parts]),
+        np.concatenate([part.triangles + at for part, at in zip(parts, first, strict=False)]),
+        [colour for part in parts for colour in part.palette],
+        np.concatenate([part.colours + at for part, at in zip(parts, shade, strict=False)]),
+    )
+
+
+def merged(name: str, points: _Points, corners: _Indices, colours: Sequence[Colour], which: _Indices) -> Body:
+    """A body out of loose triangles: points that are equal to the last bit become one.
+
+    `corners` (m, 3) index the points (n, 3), `which` (m,) the colours.
+    """
+    used = np.zeros(len(points), dtype=bool)
+    used[corners] = True
+    if not used.all():
+        corners = (np.cumsum(used) - 1)[corners]
+        points = points[used]
+    points, index = triangles.distinct(points)
+    palette = tuple(sorted({colours[seen] for seen in np.unique(which)}))
+    rank = {colour: place for place, colour in enumerate(palette)}
+    ranks = np.array([rank.get(colour, 0) for colour in colours], dtype=np.uint16)
+    return Body(
+        id=name,
+        points=points,
+        triangles=index.astype(np.int32)[corners],
+        palette=palette,
+        colours=ranks[which],
+    )
+
+
+def _named(name: str, record: _Record, shared: _Points) -> Body:
+    try:
+        return _body(name, record, shared)
+    except MalformedError:
+        raise
+    except (AttributeError, IndexError, KeyError, OverflowError, TypeError, ValueError) as error:
+        msg = f"the triangles are not in a known shape ({type(error).__name__}: {error})"
+        raise ProtocolError(msg, f"part {name}", _HINT) from error
+
+
+def _body(name: str, record: _Record, shared: _Points) -> Body:
+    own = _points(record.get("facetPoints"))
+    soup = _Soup(own if len(own) else shared)
+    colours: list[Colour] = []
+    for face in jsonpieces.elements(record.get("faces")):
+        for facets in jsonpieces.runs(face.get("facets")):
+            soup.add(facets, len(colours))
+        colours.append(colour_of(face.get("appearance"), record.get("appearance")))
+    return merged(name, *soup.joined(), colours, soup.faces())
+
+
+class _Soup:
+    """A body's facets as they are read, in batches: faces have few facets, arrays like many.
+
+    `table` (n, 3): the points that indices name.
+    """
+
+    def __init__(self, table: _Points) -> None:
+        self._table = len(table)
+        self._points, self._known = [table], len(table)
+        self._corners = [np.empty((0, 3), dtype=np.int64)]
+        self._faces = [np.empty(0, dtype=np.int64)]
+        self._facets: list[_Record] = []
+        self._face: list[int] = []
+
+    def add(self, facets: Sequence[_Record], face: int) -> None:
+        """Facets of the face with this number."""
+        self._facets += facets
+        self._face += [face] * len(facets)
+        if len(self._facets) >= _BATCH:
+            self._flush()
+
+    def joined(self) -> tuple[_Points, _Indices]:
+        """All points (n, 3), and the corners (m, 3) of all triangles among them."""
+        self._flush()
+        points, corners = np.concatenate(self._points), np.concatenate(self._corners)
+        self._points, self._corners = [points], [corners]
+        return points, corners
+
+    def faces(self) -> _Indices:
+        """(m,): the number of each triangle's face."""
+        self._flush()
+        return np.concatenate(self._faces)
+
+    def _flush(self) -> None:
+        if not self._facets:
+            return
+        facets, face = self._facets, np.array(self._face, dtype=np.int64)
+        self._facets, self._face = [], []
+        rows = [facet.get("indices") or () for facet in facets] if self._table else [()] * len(facets)
+        lengths = np.fromiter(map(len, rows), dtype=np.int64, count=len(rows))
+        corners = np.fromiter(chain.from_iterable(rows), dtype=np.int64, count=int(lengths.sum()))
+        if len(corners) and not 0 <= corners.min() <= corners.max() < self._table:
+            msg = f"an index lies outside of the {self._table} points"
+            raise IndexError(msg)
+        self._keep(corners, lengths, face)
+        if not lengths.all():  # facets without indices bring points of their own
+            pairs = zip(facets, rows, strict=True)
+            own = [() if row else facet.get("vertices") or () for facet, row in pairs]
+            loose = _array(list(chain.from_iterable(own)))
+            own_lengths = np.fromiter(map(len, own), dtype=np.int64, count=len(own))
+            self._keep(np.arange(self._known, self._known + len(loose)), own_lengths, face)
+            self._points.append(loose)
+            self._known += len(loose)
+
+    def _keep(self, corners: _Indices, lengths: _Indices, face: _Indices) -> None:
+        found, owner = _fan(corners, lengths)
+        self._corners.append(found)
+        self._faces.append(face[owner])
+
+
+def _fan(corners: _Indices, lengths: _Indices) -> tuple[_Indices, _Indices]:
+    """Polygons, their corners end to end, as triangles (m, 3), and the polygon of each (m,).
+
+    A polygon with more than three corners becomes a fan.
+    """
+    counts = np.maximum(lengths - 2, 0)
+    owner = np.repeat(np.arange(len(lengths)), counts)
+    start = (np.cumsum(lengths) - lengths)[owner]
+    step = np.arange(len(owner)) - (np.cumsum(counts) - counts)[owner]
+    picks = np.stack([start, start + step + 1, start + step + 2], axis=1)
+    return corners[picks].reshape(-1, 3), owner
+
+
+def _points(listed: Any) -> _Points:
+    """(n, 3) from an array of points, large or small."""
+    pieces: Iterable[_Points] = [_array(run) for run in jsonpieces.runs(listed)]
+    return np.concatenate([np.empty((0, 3)), *pieces])
+
+
+def _array(records: Sequence[Any]) -> _Points:
+    """(n, 3) from {x, y, z} mappings or from lists of three."""
+    if not records:
+        return np.empty((0, 3))
+    rows = list(map(_XYZ, records)) if isinstance(records[0], dict) else records
+    if set(map(len, rows)) != {3}:
+        msg = "a point does not have three coordinates"
+        raise ValueError(msg)
+    # Flat, since a list of numbers becomes an array several times faster than one of lists.
+    points = np.array(list(chain.from_iterable(rows)), dtype=np.float64).reshape(-1, 3)
+    if not np.isfinite(points).all():
+        msg = "a coordinate is not a finite number"
+        raise ValueError(msg)
+    return points

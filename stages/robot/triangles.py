@@ -1,0 +1,174 @@
+"""The triangles of a part studio in a compact form: what fetch keeps of a reply, and mesh reads.
+
+The form is an exact and deterministic function of the bodies. After a line that names it and its
+version: the length of the header (unsigned, 4 bytes), the header (JSON), then for each body
+
+    points     n × 3 float64 [m], in the part studio's frame
+    triangles  m × 3 int32, indices into the points, counter-clockwise seen from outside
+    colours    m × uint16, indices into the header's palette of the body
+
+all little-endian. The header has `bodies`: id, points (n), triangles (m) and palette (RGBA in 0..1).
+A closed mesh takes about 26 bytes a triangle so.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from stages.robot.errors import ProtocolError
+from stages.robot.geometry import Colour
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
+MAGIC = b"linkwright triangles 1\n"
+
+_LENGTH = struct.Struct("<I")
+_MOST_COLOURS = 1 << 16
+_POINT, _TRIANGLE, _COLOUR = 24, 12, 2
+_HINT = "fetch again with source.refresh=true"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body:
+    """One body's triangles.
+
+    `points` (n, 3) float64 [m]; `triangles` (m, 3) int32; `palette`: its colours, sorted;
+    `colours` (m,) uint16: each triangle's index in the palette.
+    """
+
+    id: str
+    points: npt.NDArray[np.float64]
+    triangles: npt.NDArray[np.int32]
+    palette: tuple[Colour, ...]
+    colours: npt.NDArray[np.uint16]
+
+
+def encode(bodies: Sequence[Body]) -> bytes:
+    """The compact form of bodies, in their order; ValueError for more than 65536 colours in one."""
+    import numpy as np
+
+    records, arrays = [], []
+    for body in bodies:
+        if len(body.palette) > _MOST_COLOURS:
+            msg = f"body {body.id} has {len(body.palette)} colours; at most {_MOST_COLOURS} are kept"
+            raise ValueError(msg)
+        records.append(
+            {
+                "id": body.id,
+                "points": len(body.points),
+                "triangles": len(body.triangles),
+                "palette": [list(colour) for colour in body.palette],
+            }
+        )
+        for array, kind in ((body.points, "<f8"), (body.triangles, "<i4"), (body.colours, "<u2")):
+            arrays.append(np.ascontiguousarray(array, dtype=kind).tobytes())
+    header = json.dumps({"bodies": records}, separators=(",", ":")).encode()
+    return b"".join([MAGIC, _LENGTH.pack(len(header)), header, *arrays])
+
+
+def decode(data: bytes, wanted: Collection[str] | None = None) -> dict[str, Body]:
+    """The bodies by id, only the `wanted` ones where that is given; ProtocolError where `data` is none.
+
+    Of two bodies with one id the first counts.
+    """
+    import numpy as np
+
+    bodies: dict[str, Body] = {}
+    records, start = _opened(data)
+    for record in records:
+        name, n, m = record["id"], record["points"], record["triangles"]
+        points, triangles = start, start + n * _POINT
+        colours = triangles + m * _TRIANGLE
+        start = colours + m * _COLOUR
+        if name in bodies or (wanted is not None and name not in wanted):
+            continue
+        body = Body(
+            id=name,
+            points=np.frombuffer(data, "<f8", 3 * n, points).reshape(n, 3),
+            triangles=np.frombuffer(data, "<i4", 3 * m, triangles).reshape(m, 3),
+            palette=tuple((r, g, b, a) for r, g, b, a in record["palette"]),
+            colours=np.frombuffer(data, "<u2", m, colours),
+        )
+        _require_within(body)
+        bodies[name] = body
+    return bodies
+
+
+def names(data: bytes) -> frozenset[str]:
+    """The ids of the bodies that have triangles; ProtocolError where `data` is not the compact form."""
+    return frozenset(record["id"] for record in _opened(data)[0] if record["triangles"])
+
+
+def is_compact(data: bytes) -> bool:
+    """Whether `data` begins as the compact form does."""
+    return data.startswith(MAGIC)
+
+
+def check(data: bytes) -> None:
+    """ProtocolError where `data` is not the compact form, or is cut short. Needs no array library."""
+    _opened(data)
+
+
+def distinct(points: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.int64]]:
+    """The points (n, 3) without repetitions, sorted, and the index among them of each given point.
+
+    −0 counts as 0.
+    """
+    import numpy as np
+
+    order = np.lexsort(points.T[::-1])
+    ordered = points[order]
+    new = np.ones(len(points), dtype=bool)
+    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    ordered = ordered[new] + 0.0
+    index = np.empty(len(points), dtype=np.int64)
+    index[order] = np.cumsum(new) - 1
+    return ordered, index
+
+
+def _opened(data: bytes) -> tuple[list[dict[str, Any]], int]:
+    """The header's bodies, and where the arrays begin, once they are known to be all there."""
+    start = len(MAGIC) + _LENGTH.size
+    try:
+        if not is_compact(data) or len(data) < start:
+            msg = "it does not begin as such"
+            raise ValueError(msg)
+        (length,) = _LENGTH.unpack_from(data, len(MAGIC))
+        records = json.loads(data[start : start + length])["bodies"]
+        size = sum(_size(record) for record in records)
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        msg = f"the triangles are not in the compact form: {error}"
+        raise ProtocolError(msg, hint=_HINT) from None
+    if len(data) != start + length + size:
+        msg = f"the triangles have {len(data)} bytes where {start + length + size} are announced"
+        raise ProtocolError(msg, hint=_HINT)
+    return records, start + length
+
+
+def _size(record: dict[str, Any]) -> int:
+    """The bytes of a body's arrays, by its record in the header."""
+    points, triangles = record["points"], record["triangles"]
+    counts = isinstance(points, int) and isinstance(triangles, int) and min(points, triangles) >= 0
+    colours = all(len(colour) == 4 for colour in record["palette"])
+    if not counts or not colours or not isinstance(record["id"], str):
+        msg = f"the record of body {record['id']!r} is malformed"
+        raise ValueError(msg)
+    return int(points * _POINT + triangles * (_TRIANGLE + _COLOUR))
+
+
+def _require_within(body: Body) -> None:
+    """ProtocolError where a triangle names a point or a colour that is not there."""
+    import numpy as np
+
+    if not len(body.triangles):
+        return
+    within = body.triangles.min() >= 0 and body.triangles.max() < len(body.points)
+    if not within or body.colours.max() >= len(body.palette) or not np.isfinite(body.points).all():
+        msg = "a triangle has a corner or a colour that is not there"
+        raise ProtocolError(msg, f"part {body.id}", _HINT)
