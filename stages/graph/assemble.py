@@ -9,41 +9,52 @@ from stages.graph.assembly import Assembly, Mate, read_assembly
 from stages.graph.bodies import Bodies, find_bodies
 from stages.graph.joints import KINDS, Placed, place
 from stages.graph.keys import GraphKeys
-from stages.graph.mass import PartKey, read_masses
+from stages.graph.limits import MateKey, resolve_limits
+from stages.graph.mass import (
+    SHEET,
+    Masses,
+    check_link_masses,
+    check_masses,
+    part_key,
+    read_masses,
+    with_sheets,
+)
 from stages.graph.naming import Names, is_link_name, name_everything
 from stages.graph.properties import check_limits, with_properties
 from stages.graph.relations import on_their_drivers, read_relations, related_mates
 from stages.graph.tree import Tree, choose_root, spanning_tree, weights
-from stages.robot.bundle import Bundle, StudioKey
+from stages.robot.bundle import Bundle
 from stages.robot.errors import AssemblyError, Diagnostic
 from stages.robot.inertia import ZERO, is_physical, merged, moved
-from stages.robot.model import Array, Base, Frame, Inertial, Link, MeshRef, Part, Provenance, Robot, frozen
+from stages.robot.model import Array, Base, Frame, Joint, Link, MeshRef, Part, Provenance, Robot, frozen
 from stages.robot.names import legal
 from stages.robot.poses import inverse
-
-Masses = Mapping[PartKey, tuple[Inertial, float]]
 
 
 def assemble(bundle: Bundle, keys: GraphKeys) -> Robot:
     """Reads, merges, names, roots, places and weighs: one robot from one bundle."""
     problems: list[Diagnostic] = []
     assembly = read_assembly(bundle.body(bundle.definition))
-    masses = read_masses(bundle)
+    unknown_limits = resolve_limits(assembly, bundle)
+    found = list(assembly.diagnostics)
+    masses = with_sheets(read_masses(bundle), assembly, found)
     _check_mates(assembly, problems)
     bodies = find_bodies(assembly, problems)
-    _check_masses(assembly, masses, problems)
+    check_masses(assembly, masses, problems)
     _raise(problems)
-    found = list(assembly.diagnostics)
     bodies.moving = [mate for mate in bodies.moving if not _is_rigid(mate, bodies, found)]
     names = name_everything(assembly, bodies, masses)
-    part_mass = {part.path: masses[_part_key(part.record)][0].mass for part in assembly.parts}
+    check_link_masses(bodies, assembly, masses, names.links, problems)
+    _raise(problems)
+    part_mass = {part.path: masses[part_key(part.record)][0].mass for part in assembly.parts}
     root = choose_root(keys.root.select, assembly, bodies, names, weights(part_mass, bodies))
     tree = spanning_tree(bodies, names, root, related_mates(assembly), assembly)
-    _check_loops(tree, problems, found)
+    _check_loops(tree, unknown_limits, problems, found)
     placed = place(assembly, bodies, tree, names, keys.loops.solref, found)
     joints = with_properties(placed.joints, keys.joints)
     relations = read_relations(assembly, names, joints, found, problems)
-    joints = check_limits(on_their_drivers(joints, relations), found, problems)
+    unknown = _unknown(placed.joints, joints, unknown_limits)
+    joints = check_limits(on_their_drivers(joints, relations), unknown, found, problems)
     links = tuple(_link(body, assembly, bodies, names, placed, masses, bundle) for body in tree.order)
     _check_links(links, problems)
     _tell_names(assembly, bodies, names, found)
@@ -65,10 +76,6 @@ def _raise(problems: list[Diagnostic]) -> None:
     if problems:
         msg = f"the assembly cannot be built: {len(problems)} problem(s)"
         raise AssemblyError(msg, problems=sorted(problems, key=lambda p: (p.code, p.where)))
-
-
-def _part_key(record: Mapping[str, str]) -> PartKey:
-    return StudioKey.of(record), record["partId"]
 
 
 def _check_mates(assembly: Assembly, problems: list[Diagnostic]) -> None:
@@ -94,31 +101,6 @@ def _mirrors(transform: Array) -> bool:
     return bool(np.linalg.det(transform[:3, :3]) < 0)
 
 
-def _check_masses(assembly: Assembly, masses: Masses, problems: list[Diagnostic]) -> None:
-    told: set[PartKey] = set()
-    for part in assembly.parts:
-        key = _part_key(part.record)
-        if key in told:
-            continue
-        told.add(key)
-        kind = assembly.body_types.get(key, "solid")
-        if kind != "solid":
-            problems.append(
-                Diagnostic("E-BODY-TYPE", f"a {kind} body is not supported yet", part.title, "suppress it")
-            )
-        elif key not in masses:
-            problems.append(Diagnostic("E-MASS", "the mass reply does not know this part", part.title))
-        elif masses[key][0].mass <= 0:
-            problems.append(
-                Diagnostic(
-                    "E-MASS",
-                    "the part has no mass",
-                    part.title,
-                    "give it a material, or a mass override, in Onshape",
-                )
-            )
-
-
 def _is_rigid(mate: Mate, bodies: Bodies, found: list[Diagnostic]) -> bool:
     """Whether both sides of a moving mate are in one body: then it moves nothing."""
     first, second = (bodies.of[entity.path] for entity in mate.entities)
@@ -135,8 +117,16 @@ def _is_rigid(mate: Mate, bodies: Bodies, found: list[Diagnostic]) -> bool:
     return True
 
 
-def _check_loops(tree: Tree, problems: list[Diagnostic], found: list[Diagnostic]) -> None:
+def _check_loops(
+    tree: Tree,
+    unknown_limits: Mapping[MateKey, str],
+    problems: list[Diagnostic],
+    found: list[Diagnostic],
+) -> None:
     for mate in tree.cut:
+        unknown = unknown_limits.get((mate.ref.owner, mate.ref.feature))
+        if unknown:
+            found.append(Diagnostic("W-LIMIT", f"its limits in CAD are not known: {unknown}", mate.title))
         if mate.limits:
             found.append(
                 Diagnostic(
@@ -171,7 +161,7 @@ def _link(
     parts = []
     for path in bodies.members[body]:
         occurrence = assembly.occurrences[path]
-        key = _part_key(occurrence.record)
+        key = part_key(occurrence.record)
         reply = tessellations.get(key[0])
         inertial, volume = masses[key]
         parts.append(
@@ -184,10 +174,23 @@ def _link(
                 world_from_part=occurrence.world_from_occurrence,
                 inertial=inertial,
                 volume=volume,
+                collides=assembly.body_types.get(key) != SHEET or inertial.mass > 0,
             )
         )
     inertial = merged([moved(part.inertial, part.link_from_part) for part in parts]) if parts else ZERO
     return Link(names.links[body], inertial, tuple(parts), names.paths[body])
+
+
+def _unknown(
+    drawn: tuple[Joint, ...], joints: tuple[Joint, ...], reasons: Mapping[MateKey, str]
+) -> dict[str, str]:
+    """Why limits are not known, by joint, of the joints to which YAML gave none either."""
+    keys = {joint.name: (joint.mate.owner, joint.mate.feature) for joint in joints}
+    return {
+        joint.name: reasons[keys[joint.name]]
+        for before, joint in zip(drawn, joints, strict=True)
+        if keys[joint.name] in reasons and joint.limits is before.limits
+    }
 
 
 def _check_links(links: tuple[Link, ...], problems: list[Diagnostic]) -> None:

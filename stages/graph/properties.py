@@ -58,13 +58,19 @@ def _ends(joint: Joint) -> tuple[float, float]:
 
 
 def check_limits(
-    joints: tuple[Joint, ...], found: list[Diagnostic], problems: list[Diagnostic]
+    joints: tuple[Joint, ...],
+    unknown: Mapping[str, str],
+    found: list[Diagnostic],
+    problems: list[Diagnostic],
 ) -> tuple[Joint, ...]:
-    """Tells what limits lack or contradict; gives locked joints the little play that engines need."""
-    return tuple(_checked(joint, found, problems) for joint in joints)
+    """Tells what limits lack or contradict; gives locked joints the little play that engines need.
+
+    `unknown`: why limits that CAD has are not known, by joint.
+    """
+    return tuple(_checked(joint, unknown.get(joint.name), found, problems) for joint in joints)
 
 
-def _checked(joint: Joint, found: list[Diagnostic], problems: list[Diagnostic]) -> Joint:
+def _checked(joint: Joint, unknown: str | None, found: list[Diagnostic], problems: list[Diagnostic]) -> Joint:
     low, high = _ends(joint)
     unit = "rad" if joint.type == "revolute" else "m"
     settle = f"joints: {{{joint.name}: {{limits: [low, high]}}}}  # {unit}"
@@ -72,10 +78,13 @@ def _checked(joint: Joint, found: list[Diagnostic], problems: list[Diagnostic]) 
         text = f"the lower limit {low:.6g} is above the upper {high:.6g}"
         problems.append(Diagnostic("E-LIMIT", text, joint.name, f"mend the mate, or {settle}"))
         return joint
-    if math.isinf(low) and math.isinf(high):
+    if unknown:
+        text = f"its limits in CAD are not known: {unknown}"
+        found.append(Diagnostic("W-LIMIT", text, joint.name, f"set them on the mate, or {settle}"))
+    elif math.isinf(low) and math.isinf(high):
         text = "the joint has no limits" + (": it turns freely" if joint.type == "revolute" else "")
         found.append(Diagnostic("W-LIMIT", text, joint.name, f"set them on the mate, or {settle}"))
-    elif not low - POSE_TOLERANCE <= joint.saved <= high + POSE_TOLERANCE:
+    if not low - POSE_TOLERANCE <= joint.saved <= high + POSE_TOLERANCE:
         text = f"the saved pose has it at {joint.saved:.6g}, outside its limits [{low:.6g}, {high:.6g}]"
         hint = "move it back in Onshape, or mend the limits"
         found.append(Diagnostic("W-SAVED-POSE", text, joint.name, hint))

@@ -42,13 +42,27 @@ class Studio:
 
 
 @dataclass(frozen=True, slots=True)
+class Features:
+    """What one assembly says about its mates' limits where the definition does not, by digest.
+
+    `features`: its list of features; `variables`: its variables, None where they are not needed or
+    cannot be had.
+    """
+
+    key: StudioKey
+    features: str
+    variables: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Bundle:
     """Raw replies, kept byte for byte.
 
     `root` names the assembly: `document`, `microversion`, `element`, `configuration`.
     `definition` is the digest of the assembly definition; `requests` maps each request (the path
     below `/api/<version>` with its query, pinned to a version or microversion) to the SHA-256 of
-    its body; `blobs` maps that digest to the body.
+    its body; `blobs` maps that digest to the body; `features` is empty where the definition gives all
+    limits.
     """
 
     kind: str
@@ -58,6 +72,7 @@ class Bundle:
     studios: tuple[Studio, ...]
     requests: Mapping[str, str]
     blobs: Mapping[str, bytes]
+    features: tuple[Features, ...] = ()
 
     def body(self, digest: str) -> bytes:
         """The body with this digest; ProtocolError where the bundle lacks it."""

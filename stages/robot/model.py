@@ -51,7 +51,8 @@ class Part:
     """One occurrence of a part, as CAD has it.
 
     `path`: instance ids from the root; `name`: the same in words, joined by "/".
-    `inertial` and `volume` [m³] are CAD's, in the part's own frame.
+    `inertial` and `volume` [m³] are CAD's, in the part's own frame. `collides`: whether its shape
+    takes part in contact; a sheet without mass is only seen.
     """
 
     path: tuple[str, ...]
@@ -62,6 +63,7 @@ class Part:
     world_from_part: Array
     inertial: Inertial
     volume: float
+    collides: bool = True
 
 
 @dataclass(frozen=True, slots=True, eq=False)

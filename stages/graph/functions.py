@@ -1,0 +1,109 @@
+"""The functions and constants that expressions may use, as FeatureScript's math library has them.
+
+Sine and its kin take angles with a unit, and their inverses give angles.
+"""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from fractions import Fraction
+
+from stages.graph.quantity import ANGLE, NONE, ExpressionError, Quantity, Value
+
+Function = Callable[[Sequence[Quantity]], Quantity]
+
+CONSTANTS: Mapping[str, Value] = {"PI": Quantity(math.pi), "true": True, "false": False}
+
+_MANY = 64
+
+
+def _angle(name: str, compute: Callable[[float], float]) -> Function:
+    """A function of an angle."""
+
+    def call(values: Sequence[Quantity]) -> Quantity:
+        (value,) = values
+        if value.dimension != ANGLE:
+            msg = f"{name}() takes an angle, not {value.what}: write its unit, {name}(30 deg)"
+            raise ExpressionError(msg)
+        return Quantity(compute(value.value))
+
+    return call
+
+
+def _number(name: str, compute: Callable[[float], float], angle: int = 0) -> Function:
+    """A function of a plain number, which gives one or (`angle` = 1) an angle."""
+
+    def call(values: Sequence[Quantity]) -> Quantity:
+        (value,) = values
+        if value.dimension != NONE:
+            msg = f"{name}() takes a number, not {value.what}"
+            raise ExpressionError(msg)
+        try:
+            return Quantity(compute(value.value), angle=Fraction(angle))
+        except (ValueError, OverflowError):
+            msg = f"{name}({value.value:g}) is not defined"
+            raise ExpressionError(msg) from None
+
+    return call
+
+
+def _alike(name: str, compute: Callable[[Sequence[float]], float]) -> Function:
+    """A function of quantities of one kind, which gives one more of it."""
+
+    def call(values: Sequence[Quantity]) -> Quantity:
+        for other in values[1:]:
+            values[0].same(other, f"{name}()")
+        return values[0].like(compute([value.value for value in values]))
+
+    return call
+
+
+def _stepped(name: str, compute: Callable[[float], float]) -> Function:
+    """Rounding of a number, or of any quantity to multiples of the second one."""
+
+    def call(values: Sequence[Quantity]) -> Quantity:
+        value, step = values[0], values[1] if len(values) == 2 else Quantity(1.0)
+        value.same(step, f"{name}()")
+        if step.value == 0.0:
+            msg = f"{name}() to multiples of zero"
+            raise ExpressionError(msg)
+        steps = Quantity(value.value / step.value).checked().value
+        return value.like(compute(steps) * step.value)
+
+    return call
+
+
+def _atan2(values: Sequence[Quantity]) -> Quantity:
+    y, x = values
+    y.same(x, "atan2()")
+    return Quantity(math.atan2(y.value, x.value), angle=Fraction(1))
+
+
+def _root(values: Sequence[Quantity]) -> Quantity:
+    (value,) = values
+    if value.value < 0:
+        msg = "sqrt() of a negative value"
+        raise ExpressionError(msg)
+    return Quantity(math.sqrt(value.value), value.length / 2, value.angle / 2)
+
+
+def _half_up(value: float) -> float:
+    return float(math.floor(value + 0.5))
+
+
+FUNCTIONS: Mapping[str, tuple[int, int, Function]] = {
+    **{name: (1, 1, _angle(name, getattr(math, name))) for name in ("sin", "cos", "tan")},
+    **{name: (1, 1, _number(name, getattr(math, name), 1)) for name in ("asin", "acos", "atan")},
+    **{name: (1, 1, _number(name, getattr(math, name))) for name in ("sinh", "cosh", "tanh", "exp")},
+    "log": (1, 1, _number("log", math.log)),
+    "log10": (1, 1, _number("log10", math.log10)),
+    "atan2": (2, 2, _atan2),
+    "sqrt": (1, 1, _root),
+    "abs": (1, 1, _alike("abs", lambda values: abs(values[0]))),
+    "min": (1, _MANY, _alike("min", min)),
+    "max": (1, _MANY, _alike("max", max)),
+    "hypot": (2, 2, _alike("hypot", lambda values: math.hypot(*values))),
+    "floor": (1, 2, _stepped("floor", lambda value: float(math.floor(value)))),
+    "ceil": (1, 2, _stepped("ceil", lambda value: float(math.ceil(value)))),
+    "round": (1, 2, _stepped("round", _half_up)),
+}
+"""Name → (fewest values, most values, the function)."""

@@ -1,0 +1,183 @@
+"""Limits that the assembly definition does not give: read from the lists of features.
+
+Servers before 2026 send mates without `mateLimits`. What the designer typed then stands in each
+assembly's own list of features, as expressions: the `value` beside them is a stale zero. Lists come
+in two envelopes, `{typeName, message: {...}}` and flat with `btType`.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import orjson
+
+from stages.graph.assembly import Assembly, Mate, Path, Record
+from stages.graph.expressions import ExpressionError, Scope, measured
+from stages.robot.bundle import Bundle, Features, StudioKey
+from stages.robot.configuration import decoded, split
+from stages.robot.errors import ProtocolError
+
+MateKey = tuple[Path, str]
+
+SIDES: Mapping[str, tuple[str, ...]] = {
+    "REVOLUTE": ("AxialZ",),
+    "SLIDER": ("Z",),
+    "CYLINDRICAL": ("Z", "AxialZ"),
+    "PIN_SLOT": ("X", "AxialZ"),
+    "PLANAR": ("X", "Y", "AxialZ"),
+    "PARALLEL": ("X", "Y", "Z", "AxialZ"),
+}
+"""Mate type → the freedoms that its limits bound; a mate lists all of them, whatever its type."""
+
+CONE = "limitEulerConeAngleMax"
+"""The one limit of a BALL."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Owner:
+    """One assembly's mates as typed: feature id → parameter id → parameter; and its names."""
+
+    mates: Mapping[str, Mapping[str, Record]]
+    configuration: Mapping[str, str]
+    scope: Scope
+
+
+def resolve_limits(assembly: Assembly, bundle: Bundle) -> dict[MateKey, str]:
+    """Gives every mate that moves its limits, in the shape of `mateLimits`: in place.
+
+    Returns why the limits of a mate are not known, or not exactly, by (owner path, feature id).
+    """
+    unknown: dict[MateKey, str] = {}
+    replies = {features.key: features for features in bundle.features}
+    owners: dict[tuple[StudioKey, str], _Owner] = {}
+    for index, mate in enumerate(assembly.mates):
+        if mate.limits is not None or mate.ref.type == "FASTENED":
+            continue
+        record = assembly.occurrences[mate.ref.owner].record if mate.ref.owner else assembly.root
+        key = StudioKey.of(record)
+        if key not in replies:
+            unknown[_key(mate)] = "the server told no limits, and the list of features is not there"
+            continue
+        settings = record.get("fullConfiguration") or key.configuration
+        owner = owners.get((key, settings))
+        if owner is None:
+            owner = owners[key, settings] = _read(bundle, replies[key], settings)
+        limits, reasons = _limits(mate, owner)
+        assembly.mates[index] = replace(mate, limits=limits)
+        if reasons:
+            unknown[_key(mate)] = "; ".join(reasons)
+    return unknown
+
+
+def _key(mate: Mate) -> MateKey:
+    return mate.ref.owner, mate.ref.feature
+
+
+def _read(bundle: Bundle, features: Features, settings: str) -> _Owner:
+    configuration = {name: decoded(value) for name, value in split(settings).items()}
+    expressions, values = dict(configuration), dict[str, str]()
+    if features.variables is not None:
+        for name, expression, value in _variables(bundle.body(features.variables)):
+            expressions.setdefault(name, expression)
+            values.setdefault(name, value)
+    return _Owner(dict(_mates(bundle.body(features.features))), configuration, Scope(expressions, values))
+
+
+def _variables(body: bytes) -> Iterator[tuple[str, str, str]]:
+    """(name, expression, value as text) of all tables; the element's own before what it refers to."""
+    tables = _parsed(body, "variables")
+    for table in sorted(tables, key=lambda table: table.get("variableStudioReference") is not None):
+        for variable in table.get("variables") or ():
+            value = str(variable.get("value") or "")
+            yield variable.get("name", ""), str(variable.get("expression") or value), value
+
+
+def _mates(body: bytes) -> Iterator[tuple[str, Mapping[str, Record]]]:
+    for feature in _parsed(body, "features")["features"]:
+        record = _open(feature)
+        parameters = [_open(one) for one in record.get("parameters") or ()]
+        named = {one.get("parameterId", ""): one for one in parameters}
+        if "limitsEnabled" in named:
+            yield record.get("featureId", ""), named
+
+
+def _parsed(body: bytes, what: str) -> Any:
+    try:
+        return orjson.loads(body)
+    except orjson.JSONDecodeError as error:
+        msg = f"the reply with the {what} of an assembly is not JSON"
+        raise ProtocolError(msg, hint="fetch it again") from error
+
+
+def _open(record: Any) -> Record:
+    """A feature or parameter out of its envelope, if it has one."""
+    inside = record.get("message")
+    return inside if isinstance(inside, dict) else record
+
+
+def _limits(mate: Mate, owner: _Owner) -> tuple[Record, list[str]]:
+    """The limits of a mate [m and rad, by Onshape's names], and what is not known of them."""
+    parameters = owner.mates.get(mate.ref.feature)
+    if parameters is None:
+        return {}, ["the list of features lacks this mate"]
+    reasons: list[str] = []
+    limits: dict[str, float] = {}
+    try:
+        if not _configured(parameters["limitsEnabled"], owner).get("value"):
+            return {}, []
+        wanted = [CONE] if mate.ref.type == "BALL" else []
+        wanted += [f"limit{side}{end}" for side in SIDES.get(mate.ref.type, ()) for end in ("Min", "Max")]
+        for name in wanted:
+            if name in parameters:
+                _limit(name, _configured(parameters[name], owner), owner.scope, limits, reasons)
+    except ExpressionError as error:
+        return {}, [str(error)]
+    for side in SIDES.get(mate.ref.type, ()):
+        low, high = (limits.get(f"limit{side}{end}") for end in ("Min", "Max"))
+        if low is not None and high is not None and low > high:
+            reasons.append(f"its lower limit {low:.6g} lies above the upper one, {high:.6g}")
+            del limits[f"limit{side}Min"], limits[f"limit{side}Max"]
+    return limits, reasons
+
+
+def _limit(name: str, parameter: Record, scope: Scope, limits: dict[str, float], reasons: list[str]) -> None:
+    """Takes one limit down, in `limits` or in `reasons`; one that is null is open."""
+    if parameter.get("isNull"):
+        return
+    text = str(parameter.get("expression") or "")
+    scope.rounded.clear()
+    try:
+        limits[name] = measured(text, "angle" if "Axial" in name or name == CONE else "length", scope)
+    except ExpressionError as error:
+        reasons.append(f"{name} is {text!r}, which has no value: {error}")
+    if scope.rounded:
+        names = ", ".join(f"#{variable}" for variable in sorted(scope.rounded))
+        reasons.append(f"{name} is {text!r}, with {names} as Onshape shows it, rounded")
+
+
+def _configured(parameter: Record, owner: _Owner) -> Record:
+    """The parameter that holds in this configuration; ExpressionError where that is not known."""
+    if "configurationParameterId" not in parameter:
+        return parameter
+    name = parameter["configurationParameterId"]
+    chosen = owner.configuration.get(name)
+    for value in map(_open, parameter.get("values") or ()):
+        if chosen is not None and chosen in _options(value):
+            return _open(value["value"])
+    setting = f"{name} = {chosen!r}" if chosen is not None else f"the unknown value of {name}"
+    msg = f"{parameter.get('parameterId')} depends on the configuration, and nothing fits {setting}"
+    raise ExpressionError(msg)
+
+
+def _options(value: Record) -> set[str]:
+    """The option of a configuration parameter that a value belongs to, in each form it may have."""
+    flag = value.get("booleanValue")
+    return {
+        str(option)
+        for option in (
+            value.get("configurationValueString"),
+            value.get("enumValue"),
+            None if flag is None else str(flag).lower(),
+        )
+        if option
+    }

@@ -1,0 +1,151 @@
+"""The grammar of expressions: text to a tree, by precedence climbing.
+
+Precedence from loose to tight: `? :`, `||`, `&&`, equality, order, `+ -`, `* / %`, a unit after a
+value, unary signs, `^` (which groups to the right). So `6 mm / 3 mm` is 2; but a fraction of two
+numbers is one number, as on paper: `1/2 in` is half an inch. Length and depth are bounded, since the
+text comes from a document that anyone may have written.
+"""
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+from stages.graph.quantity import ExpressionError
+from stages.robot.units import UNITS
+
+_TOKEN = re.compile(
+    r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
+    r"|(?P<variable>#[A-Za-z_]\w*)"
+    r"|(?P<name>[A-Za-z_]\w*|°)"
+    r"|(?P<sign>&&|\|\||==|!=|<=|>=|[-+*/%^()<>?:,!]))"
+)
+_MOST_TOKENS = 400
+DEEPEST = 60
+_BINARY = {"||": 2, "&&": 3, "==": 4, "!=": 4, "<": 5, ">": 5, "<=": 5, ">=": 5}
+_BINARY |= {"+": 6, "-": 6, "*": 7, "/": 7, "%": 7, "^": 10}
+_TERNARY, _UNIT, _UNARY = 1, 8, 9
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """`kind` says what `name` is; `below` are the operands."""
+
+    kind: Literal["number", "variable", "name", "call", "unary", "binary", "choice"]
+    name: str
+    below: tuple["Node", ...] = ()
+
+
+def parse(text: str) -> Node:
+    """The tree of a whole expression; ExpressionError where it is none."""
+    return _Parser(text).whole()
+
+
+class _Parser:
+    """Precedence climbing over the tokens of one expression."""
+
+    def __init__(self, text: str) -> None:
+        self._tokens = _tokens(text)
+        self._at = 0
+        self._depth = 0
+
+    def whole(self) -> Node:
+        node = self._expression(0)
+        kind, token = self._peek()
+        if kind:
+            msg = f"{token!r} is not expected there"
+            raise ExpressionError(msg)
+        return node
+
+    def _expression(self, least: int, *, exponent: bool = False) -> Node:
+        self._depth += 1
+        if self._depth > DEEPEST:
+            msg = f"it is nested more than {DEEPEST} deep"
+            raise ExpressionError(msg)
+        left = self._operand(exponent=exponent)
+        while True:
+            kind, token = self._peek()
+            if kind == "name" and token in UNITS and least <= _UNIT:
+                # A unit binds its own power first: 5 mm^2 is 5·(mm²).
+                left = Node("binary", "*", (left, self._expression(_UNIT + 1)))
+            elif kind == "sign" and token in _BINARY and _BINARY[token] >= least:
+                self._at += 1
+                power = _BINARY[token]
+                # `^` groups to the right and takes a sign: 2^-1, 2^3^2.
+                right = self._expression(_UNARY if token == "^" else power + 1, exponent=token == "^")
+                left = Node("binary", token, (left, right))
+            elif kind == "sign" and token == "?" and least <= _TERNARY:
+                self._at += 1
+                then = self._expression(_TERNARY)
+                self._expect(":")
+                left = Node("choice", "?", (left, then, self._expression(_TERNARY)))
+            else:
+                self._depth -= 1
+                return left
+
+    def _operand(self, *, exponent: bool) -> Node:
+        kind, token = self._peek()
+        self._at += 1
+        if kind == "number":
+            return Node("number", token) if exponent else self._fraction(token)
+        if kind == "variable":
+            return Node("variable", token[1:])
+        if kind == "name":
+            if self._peek()[1] == "(":
+                self._at += 1
+                return Node("call", token, self._arguments())
+            return Node("name", token)
+        if kind == "sign" and token in "-+!":
+            return Node("unary", token, (self._expression(_UNARY),))
+        if token == "(":
+            inner = self._expression(0)
+            self._expect(")")
+            return inner
+        msg = f"{token!r} is not expected there" if kind else "it ends too early"
+        raise ExpressionError(msg)
+
+    def _fraction(self, number: str) -> Node:
+        """A number, with what it is divided by where that is a number and a unit follows."""
+        slash, below, after = (self._peek(ahead) for ahead in range(3))
+        if slash[1] == "/" and below[0] == "number" and after[0] == "name" and after[1] in UNITS:
+            self._at += 2
+            return Node("binary", "/", (Node("number", number), Node("number", below[1])))
+        return Node("number", number)
+
+    def _arguments(self) -> tuple[Node, ...]:
+        if self._peek()[1] == ")":
+            self._at += 1
+            return ()
+        found = [self._expression(0)]
+        while self._peek()[1] == ",":
+            self._at += 1
+            found.append(self._expression(0))
+        self._expect(")")
+        return tuple(found)
+
+    def _expect(self, sign: str) -> None:
+        kind, token = self._peek()
+        if token != sign:
+            msg = f"{sign!r} is expected" + (f" where {token!r} stands" if kind else " at the end")
+            raise ExpressionError(msg)
+        self._at += 1
+
+    def _peek(self, ahead: int = 0) -> tuple[str, str]:
+        at = self._at + ahead
+        return self._tokens[at] if at < len(self._tokens) else ("", "")
+
+
+def _tokens(text: str) -> list[tuple[str, str]]:
+    found = []
+    at, end = 0, len(text.rstrip())
+    while at < end:
+        match = _TOKEN.match(text, at)
+        if match is None:
+            msg = f"{text[at:].strip()[:1]!r} is not understood"
+            raise ExpressionError(msg)
+        kind = match.lastgroup or ""
+        found.append((kind, match[kind]))
+        if len(found) > _MOST_TOKENS:
+            msg = f"it has more than {_MOST_TOKENS} pieces"
+            raise ExpressionError(msg)
+        at = match.end()
+    return found

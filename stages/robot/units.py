@@ -1,0 +1,34 @@
+"""Units as Onshape's users write them: factors to SI, and what they measure.
+
+Factors: the inch is 0.0254 m exactly (international yard and pound agreement, 1959).
+"""
+
+import math
+from collections.abc import Mapping
+from typing import Literal
+
+Measure = Literal["length", "angle"]
+
+SI: Mapping[Measure, str] = {"length": "m", "angle": "rad"}
+"""The unit of each measure in which numbers without a unit are given."""
+
+_LENGTHS = {
+    1e-6: ("um", "micrometer", "micrometers", "micron", "microns"),
+    1e-3: ("mm", "millimeter", "millimeters", "millimetre", "millimetres"),
+    1e-2: ("cm", "centimeter", "centimeters", "centimetre", "centimetres"),
+    1.0: ("m", "meter", "meters", "metre", "metres"),
+    0.0254: ("in", "inch", "inches"),
+    0.3048: ("ft", "foot", "feet"),
+    0.9144: ("yd", "yard", "yards"),
+}
+_ANGLES = {
+    math.pi / 180: ("deg", "degree", "degrees", "°"),
+    1.0: ("rad", "radian", "radians"),
+    2 * math.pi: ("rev", "revolution", "revolutions"),
+}
+
+UNITS: Mapping[str, tuple[float, Measure]] = {
+    **{name: (factor, "length") for factor, names in _LENGTHS.items() for name in names},
+    **{name: (factor, "angle") for factor, names in _ANGLES.items() for name in names},
+}
+"""Name of a unit → (its size in m or rad, what it measures)."""

@@ -1,0 +1,267 @@
+"""Limits out of lists of features, where the definition has none."""
+
+import dataclasses
+import json
+import math
+
+import pytest
+
+from stages.fetch.bundle import read
+from stages.fetch.onshape import gather
+from stages.fetch.recorded import Recorded
+from stages.graph import build_robot
+from stages.robot.bundle import Bundle
+from stages.robot.model import Robot
+from tests.building import plan_of
+from tests.onshape.replies import Replies
+from tests.onshape.settable import typed_arm
+from tests.recorded import KBOT, kbot_definition, kbot_masses, needs_data, pack
+
+THIRTY = math.radians(30)
+
+
+def features_request(record: dict) -> str:
+    """The request that a definition's root or sub-assembly is asked for its features by."""
+    where = f"/assemblies/d/{record['documentId']}/m/{record['documentMicroversion']}/e/{record['elementId']}"
+    return f"{where}/features?configuration=default"
+
+
+def recorded(definition: bytes, replies: dict[str, bytes]) -> Bundle:
+    return gather(Recorded(read(pack(definition, replies), "recording"), "recording"))
+
+
+def arm_replies(change=None, old: bool = False, variables: bool = True, **typed) -> tuple[bytes, dict]:
+    """The arm's definition without limits, and its replies; `change` edits the root's features."""
+    document = typed_arm(**typed)
+    server = Replies(document, limits=False, old=old)
+    answers = {}
+    for assembly in document.assemblies:
+        base = f"/d/{document.id}/m/{document.microversion}/e/{assembly.element}"
+        body = json.loads(server.answer(f"/assemblies{base}/features", "").body)
+        if change and assembly is document.root:
+            change(body)
+        answers[f"/assemblies{base}/features?configuration=default"] = json.dumps(body).encode()
+        if variables:
+            there = base.replace(f"/m/{document.microversion}", f"/w/{document.workspace}")
+            query = "includeValuesAndReferencedVariables=true"
+            kept = f"/variables{base}/variables?configuration=default&{query}"
+            answers[kept] = server.answer(f"/variables{there}/variables", query).body
+    for studio in document.studios:
+        path = f"/partstudios/d/{document.id}/m/{document.microversion}/e/{studio.element}/massproperties"
+        query = "massAsGroup=false&useMassPropertyOverrides=true"
+        answers[f"{path}?configuration=default&{query}"] = server.answer(path, query).body
+    path = f"/assemblies/d/{document.id}/m/{document.microversion}/e/{document.root.element}"
+    definition = server.answer(path, "includeMateFeatures=true&includeMateConnectors=true").body
+    return definition, answers
+
+
+def arm(change=None, keys=None, **how) -> Robot:
+    return build_robot(recorded(*arm_replies(change, **how)), plan_of(**(keys or {})))
+
+
+def limits(robot: Robot) -> dict[str, tuple]:
+    return {joint.name: (joint.limits.lower, joint.limits.upper) for joint in robot.joints}
+
+
+def told(robot: Robot) -> dict[str, str]:
+    return {d.where: d.message for d in robot.diagnostics if d.code == "W-LIMIT"}
+
+
+def parameter(body: dict, mate: str, name: str) -> dict:
+    """A parameter of a mate in a list of features, in either envelope."""
+    records = [feature.get("message", feature) for feature in body["features"]]
+    found = next(record for record in records if record["name"] == mate)
+    inside = [one.get("message", one) for one in found["parameters"]]
+    return next(one for one in inside if one["parameterId"] == name)
+
+
+@pytest.mark.parametrize("old", [True, False])
+def test_typed_limits_are_read_in_both_envelopes_at_any_depth(old: bool) -> None:
+    robot = arm(old=old)
+    assert told(robot) == {}
+    found = limits(robot)
+    assert found["turn"] == pytest.approx((-THIRTY, 2 * THIRTY + math.radians(15)))
+    assert found["push"] == pytest.approx((0.0, 0.0127))
+    assert found["curl"] == (pytest.approx(-THIRTY), None)
+
+
+def test_the_number_beside_an_expression_is_not_believed() -> None:
+    def stale(body: dict) -> None:
+        assert parameter(body, "Turn", "limitAxialZMax")["value"] == 0.0
+        parameter(body, "Turn", "limitAxialZMax")["value"] = 9.0
+
+    assert limits(arm(stale))["turn"][1] == pytest.approx(2 * THIRTY + math.radians(15))
+
+
+def test_limits_that_are_switched_off_are_none() -> None:
+    def off(body: dict) -> None:
+        parameter(body, "Turn", "limitsEnabled")["value"] = False
+
+    robot = arm(off)
+    assert limits(robot)["turn"] == (None, None)
+    assert told(robot) == {"turn": "the joint has no limits: it turns freely"}
+
+
+def test_a_variable_that_nobody_gives_is_named_with_its_expression() -> None:
+    robot = arm(variables=False)
+    assert limits(robot)["turn"] == (None, None)
+    assert limits(robot)["push"] == pytest.approx((0.0, 0.0127))
+    assert told(robot).keys() == {"turn", "curl"}
+    message = told(robot)["turn"]
+    assert "limitAxialZMin is '-#Reach'" in message
+    assert "limitAxialZMax is '2 * #Reach + 15 deg'" in message
+    assert "the variable #Reach is not known" in message
+
+
+def test_what_the_user_says_settles_limits_that_are_not_known() -> None:
+    robot = arm(variables=False, keys={"joints": {"turn": {"limits": [-1, 1]}}})
+    assert limits(robot)["turn"] == (-1, 1)
+    assert told(robot).keys() == {"curl"}
+
+
+def test_a_length_is_no_angle() -> None:
+    robot = arm(low="-5 mm")
+    assert limits(robot)["turn"] == (None, pytest.approx(2 * THIRTY + math.radians(15)))
+    assert "limitAxialZMin is '-5 mm'" in told(robot)["turn"]
+    assert "a length where an angle is expected" in told(robot)["turn"]
+
+
+def test_limits_the_wrong_way_round_are_left_out_and_told() -> None:
+    robot = arm(low="90 deg", high="-90 deg")
+    assert limits(robot)["turn"] == (None, None)
+    assert "its lower limit 1.5708 lies above the upper one, -1.5708" in told(robot)["turn"]
+
+
+def test_a_mate_that_the_list_lacks_is_told() -> None:
+    def drop(body: dict) -> None:
+        body["features"] = [one for one in body["features"] if one["name"] != "Turn"]
+
+    assert told(arm(drop)) == {
+        "turn": "its limits in CAD are not known: the list of features lacks this mate"
+    }
+
+
+def test_without_a_list_every_joint_of_it_is_told() -> None:
+    definition, replies = arm_replies()
+    masses = {request: body for request, body in replies.items() if "massproperties" in request}
+    robot = build_robot(recorded(definition, masses), plan_of())
+    assert told(robot).keys() == {"turn", "push", "curl"}
+    assert all("the list of features is not there" in message for message in told(robot).values())
+
+
+@pytest.mark.parametrize(
+    ("settings", "upper"), [("size=Small", 20), ("size=Large", 70), ("open=true;size=Small", 20)]
+)
+def test_a_configured_limit_is_the_one_of_this_configuration(settings: str, upper: float) -> None:
+    def configured(body: dict) -> None:
+        mate = next(one for one in body["features"] if one["name"] == "Turn")
+        at = [one["parameterId"] for one in mate["parameters"]].index("limitAxialZMax")
+        value = mate["parameters"][at]
+        by_enum = [
+            {
+                "btType": "BTMConfiguredValueByEnum-1923",
+                "enumValue": option,
+                "value": {**value, "expression": expression},
+            }
+            for option, expression in (("Small", "20 deg"), ("Large", "#Reach + 40 deg"))
+        ]
+        mate["parameters"][at] = {
+            "btType": "BTMParameterConfigured-2222",
+            "parameterId": "limitAxialZMax",
+            "configurationParameterId": "size",
+            "values": by_enum,
+        }
+
+    definition, replies = arm_replies(configured)
+    data = json.loads(definition)
+    data["rootAssembly"]["fullConfiguration"] = settings
+    robot = build_robot(recorded(json.dumps(data).encode(), replies), plan_of())
+    assert limits(robot)["turn"][1] == pytest.approx(math.radians(upper))
+    data["rootAssembly"]["fullConfiguration"] = "size=Medium"
+    robot = build_robot(recorded(json.dumps(data).encode(), replies), plan_of())
+    assert "nothing fits size = 'Medium'" in told(robot)["turn"]
+
+
+def test_a_value_of_the_configuration_is_a_variable_before_any_other() -> None:
+    definition, replies = arm_replies()
+    data = json.loads(definition)
+    data["rootAssembly"]["fullConfiguration"] = "Reach=10+deg"
+    robot = build_robot(recorded(json.dumps(data).encode(), replies), plan_of())
+    assert limits(robot)["turn"][0] == pytest.approx(math.radians(-10))
+    assert limits(robot)["curl"][0] == pytest.approx(-THIRTY)
+
+
+def test_limits_of_the_definition_are_used_where_it_has_them() -> None:
+    document = typed_arm()
+    server = Replies(document)
+    definition, replies = arm_replies()
+    path = f"/assemblies/d/{document.id}/m/{document.microversion}/e/{document.root.element}"
+    resolved = server.answer(path, "includeMateFeatures=true").body
+    bundle = recorded(resolved, replies)
+    assert bundle.features == ()
+    found = build_robot(bundle, plan_of())
+    old = build_robot(recorded(definition, replies), plan_of())
+    assert {name: pytest.approx(pair) for name, pair in limits(old).items()} == limits(found)
+
+
+@needs_data
+def test_the_kbot_has_its_limits_where_its_variables_are_known() -> None:
+    """Twenty limits, each an expression with a variable and a stale 0 beside it."""
+    definition = kbot_definition()
+    data = json.loads(definition)
+    lists = {
+        json.loads(file.read_bytes())["sourceMicroversion"]: file.read_bytes()
+        for file in KBOT.glob("features_*.json")
+    }
+    records = [data["rootAssembly"], *data["subAssemblies"]]
+    replies = {features_request(one): lists[one["documentMicroversion"]] for one in records}
+    bundle = recorded(definition, {**kbot_masses(), **replies})
+    assert len(bundle.features) == 2
+    nothing = build_robot(bundle, plan_of())
+    unknown = told(nothing)
+    assert len(unknown) == 20
+    assert all("the variable #" in message for message in unknown.values())
+    assert any("'-#LHipPitchNeg'" in message for message in unknown.values())
+
+    typed = expressions_of(lists.values())
+    names = sorted({text.lstrip("-#") for pair in typed.values() for text in pair})
+    values = {name: 10.0 + index for index, name in enumerate(names)}
+    tables = json.dumps(
+        [
+            {
+                "variables": [
+                    {"name": name, "type": "ANGLE", "expression": f"{value} deg", "value": ""}
+                    for name, value in values.items()
+                ]
+            }
+        ]
+    ).encode()
+    supplied = dataclasses.replace(
+        bundle,
+        features=tuple(dataclasses.replace(one, variables="tables") for one in bundle.features),
+        blobs={**bundle.blobs, "tables": tables},
+    )
+    robot = build_robot(supplied, plan_of())
+    found = {joint.mate.feature: (joint.limits.lower, joint.limits.upper) for joint in robot.joints}
+    assert len(found) == 20
+    for feature, pair in typed.items():
+        want = [
+            (-1 if text.startswith("-") else 1) * math.radians(values[text.lstrip("-#")]) for text in pair
+        ]
+        if want[0] <= want[1]:
+            assert found[feature] == pytest.approx(tuple(want))
+        else:  # one elbow is bounded by a variable that must be negative
+            assert found[feature] == (None, None)
+
+
+def expressions_of(bodies) -> dict[str, list[str]]:
+    """Feature id → (lower, upper) as typed, of every mate with limits, straight from the recordings."""
+    typed = {}
+    for body in bodies:
+        for feature in (one["message"] for one in json.loads(body)["features"]):
+            named = {one["message"]["parameterId"]: one["message"] for one in feature.get("parameters", ())}
+            if named.get("limitsEnabled", {}).get("value"):
+                typed[feature["featureId"]] = [
+                    named[name]["expression"] for name in ("limitAxialZMin", "limitAxialZMax")
+                ]
+    return typed
