@@ -3,6 +3,7 @@
 import functools
 import json
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.cache import Cache, Files
@@ -24,7 +25,8 @@ FILES = "files/"
 class Bench:
     """What a stage works with: the plan, the earlier stages' files, and the cache for its parts.
 
-    `calls` counts the API calls of this build; a stage tells what it does through `tell`.
+    `calls` counts the API calls of this build (as `Report.calls`); a stage tells what it does through
+    `tell`. `ledger` is the folder that takes down all calls of all builds, None where nothing does.
     """
 
     def __init__(
@@ -33,13 +35,15 @@ class Bench:
         cache: Cache,
         environ: Mapping[str, str],
         tell: Callable[[str], None] = lambda _: None,
+        ledger: Path | None = None,
     ) -> None:
         self.plan = plan
         self.cache = cache
         self.environ = environ
         self.tell = tell
         self.files: dict[str, Files] = {}
-        self.calls = {"made": 0, "saved": 0}
+        self.ledger = ledger
+        self.calls: dict[str, Any] = {"made": 0, "saved": 0}
 
     def digests(self, stage: str) -> dict[str, str]:
         """The digests of an earlier stage's result, without its notes."""

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from pipeline import cache, report
+from pipeline import bundles, cache, report
 from pipeline.bench import FILES, NOTES, Bench
 from pipeline.cache import Action, Files
 from pipeline.errors import ConfigError, LinkwrightError, as_problems, exit_status, refusal
@@ -18,6 +18,7 @@ from pipeline.preflight import beforehand
 from pipeline.progress import Both, Log, Progress, Quiet
 from pipeline.report import Report, StageReport
 from pipeline.stage import STAGES, Stage, libraries, stages_until
+from stages.fetch.ledger import FOLDER as LEDGER
 from stages.robot import codec
 from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
@@ -52,7 +53,9 @@ def build(
     output.prepare(suffix)
     try:
         with cache.opened(plan.cache.mode, plan.cache.dir, environ) as store:
-            bench = Bench(plan, store, environ)
+            # Beside the cache that lasts, also where this build does not use it.
+            ledger = cache.folder(plan.cache.dir, environ) / LEDGER
+            bench = Bench(plan, store, environ, ledger=ledger)
             for stage in stages:
                 run.stage(stage, bench)
             done = run.finished(bench)
@@ -84,7 +87,7 @@ def perform(stage: Stage, bench: Bench) -> tuple[Files, bool]:
     if config is None:
         return bench.cache.keep(stage.run(bench)), False
     action = Action(stage.name, stage.version, config, stage.inputs(bench), libraries(stage))
-    return bench.cache.run(action, lambda: stage.run(bench))
+    return bench.cache.run(action, lambda: stage.run(bench), anew=stage.anew(bench))
 
 
 @dataclass(slots=True)
@@ -97,7 +100,8 @@ class Run:
     progress: Progress
     stages: list[StageReport] = field(default_factory=list)
     source: dict[str, Any] = field(default_factory=dict)
-    calls: dict[str, int] = field(default_factory=lambda: {"made": 0, "saved": 0})
+    calls: dict[str, Any] = field(default_factory=lambda: {"made": 0, "saved": 0})
+    bundle: dict[str, str] = field(default_factory=dict)
     figures: dict[str, float] = field(default_factory=dict)
     diagnostics: list[Diagnostic] = field(default_factory=list)
 
@@ -107,17 +111,19 @@ class Run:
     def stage(self, stage: Stage, bench: Bench) -> None:
         """Performs one stage, timed, and takes down what it found."""
         bench.tell = bench.cache.tell = lambda line: self.progress.tell(stage.name, line)
+        self.calls = bench.calls
         self.progress.start(stage.name)
         start = time.perf_counter()
         files, cached = perform(stage, bench)
         seconds = time.perf_counter() - start
         bench.files[stage.name] = files
+        if stage.name == "fetch":
+            self.bundle = {"manifest": bundles.remember(bench.cache, files)}
         found = json.loads(files[NOTES])
         self.figures |= found["figures"]
         self.source |= found.get("source", {})
         if cached:
             bench.calls["saved"] += found.get("calls", 0)
-        self.calls = bench.calls
         for diagnostic in codec.decode_diagnostics(found["diagnostics"]):
             if diagnostic not in self.diagnostics:
                 self.diagnostics.append(diagnostic)
@@ -168,6 +174,7 @@ class Run:
             until=self.plan.until,
             source=self.source,
             calls=dict(self.calls),
+            bundle=self.bundle,
             stages=tuple(self.stages),
             figures=self.figures,
             diagnostics=tuple(self.diagnostics),

@@ -94,17 +94,20 @@ class Cache:
         self.tell: Callable[[str], None] = lambda _: None
         self._fresh: set[str] = set()
 
-    def run(self, action: Action, make: Callable[[], Mapping[str, bytes]]) -> tuple[Files, bool]:
+    def run(
+        self, action: Action, make: Callable[[], Mapping[str, bytes]], *, anew: bool = False
+    ) -> tuple[Files, bool]:
         """The outputs of `action`, from the cache or from `make()`; and whether from the cache.
 
-        Of several processes that ask at once one makes them and the others wait for it.
+        `anew` makes them again and overwrites the record. Of several processes that ask at once one
+        makes them and the others wait for it.
         """
         key = action.key
-        found = self._lookup(key)
+        found = None if anew else self._lookup(key)
         if found is not None:
             return found, True
         with self.store.lock(key, lambda: self.tell(f"waiting for another build of the same {action.stage}")):
-            found = self._lookup(key)
+            found = None if anew else self._lookup(key)
             if found is not None:
                 return found, True
             start = time.perf_counter()
@@ -125,6 +128,18 @@ class Cache:
     def keep(self, outputs: Mapping[str, bytes]) -> Files:
         """Stores outputs that no record names: those of an action that cannot be keyed."""
         return Files(self.store, {path: self.store.put(outputs[path]) for path in sorted(outputs)})
+
+    def name(self, action: Action, files: Files) -> None:
+        """Records files that are in the store already as the outputs of `action`."""
+        record = {
+            "stage": action.stage,
+            "version": action.version,
+            "outputs": files.digests,
+            "sizes": {path: self.store.size(digest) for path, digest in files.digests.items()},
+            "seconds": 0.0,
+        }
+        if self.store.record(action.key) != record:
+            self.store.publish(action.key, record)
 
     def memo(self, stage: str, version: int, libraries: Mapping[str, str]) -> Memo:
         """For results inside a stage, one action each: `memo(kind, key, make)`."""
@@ -161,7 +176,10 @@ class Cache:
 
 
 class Replies:
-    """Pinned replies by request: immutable, so `cache.mode=refresh` spends no call on them."""
+    """What the fetch stage keeps: replies by request, and facts that change by what they are about.
+
+    Replies are pinned, hence immutable: `cache.mode=refresh` spends no call on them.
+    """
 
     def __init__(self, cache: Cache) -> None:
         self._cache = cache
@@ -174,19 +192,42 @@ class Replies:
     def put(self, request: str, body: bytes) -> None:
         """Keeps the body of the reply to a pinned request."""
         files = self._cache.keep({"body": body})
+        self._publish("reply", request, files.digests, {"body": len(body)})
+
+    def recall(self, subject: str) -> Mapping[str, Any] | None:
+        """What was last remembered of `subject`."""
+        record = self._cache.store.record(self._action(subject, "fact").key)
+        fact = None if record is None else record.get("fact")
+        return fact if isinstance(fact, dict) else None
+
+    def remember(self, subject: str, fact: Mapping[str, Any]) -> None:
+        """Keeps `fact` of `subject`, in place of what was remembered before."""
+        self._publish("fact", subject, {}, {}, fact=dict(fact))
+
+    def alone(self, subject: str) -> contextlib.AbstractContextManager[None]:
+        """Only one thread of one process is inside at a time, for each subject.
+
+        The lock of a process that is killed ends with it.
+        """
+        return self._cache.store.lock(self._action(subject, "alone").key)
+
+    def _publish(
+        self, kind: str, request: str, outputs: Mapping[str, str], sizes: Mapping[str, int], **more: Any
+    ) -> None:
         record = {
-            "stage": "reply",
+            "stage": kind,
             "version": 1,
             "request": request,
-            "outputs": files.digests,
-            "sizes": {"body": len(body)},
+            "outputs": dict(outputs),
+            "sizes": dict(sizes),
             "seconds": 0.0,
+            **more,
         }
-        self._cache.store.publish(self._action(request).key, record)
+        self._cache.store.publish(self._action(request, kind).key, record)
 
     @staticmethod
-    def _action(request: str) -> Action:
-        return Action("reply", 1, config=request)
+    def _action(request: str, kind: str = "reply") -> Action:
+        return Action(kind, 1, config=request)
 
 
 def folder(configured: str | None, environ: Mapping[str, str]) -> Path:

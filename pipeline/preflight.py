@@ -19,3 +19,15 @@ def beforehand(
         except ConfigError as error:
             found += as_problems(error)
     return found
+
+
+def before_a_sweep(plan: Plan) -> list[Diagnostic]:
+    """The problems of one job of a sweep: those of a build, and what jobs must not do to each other."""
+    from stages.fetch import writes
+
+    found = beforehand(plan)
+    if writes(plan):
+        text = "a sweep must not change the document: its jobs would disturb each other"
+        hint = "sweep source.configuration, or build one robot at a time"
+        found.append(Diagnostic("E-VALUE", text, "source.variables", hint))
+    return found

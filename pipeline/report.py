@@ -28,7 +28,11 @@ class Report:
     """Everything about one build.
 
     `status`: built (exit status 0), invalid (built, but a check failed: 3) or failed (1 or 2).
-    `source`: its kind and what it is pinned to. `calls`: API calls `made`, and `saved` by the cache.
+    `source`: its kind and what it is pinned to. `calls`: API calls `made`, and `saved` by the cache;
+    where any was made also `counted_this_year` by the ledger of this key, `remaining` in the server's
+    windows by kind of request, as it told, `served` (its API version and release) and the seconds
+    `waited` because it asked for that.
+    `bundle`: what was read, by the SHA-256 of its `manifest` (`linkwright bundle` finds it so).
     `figures`: counts of links, joints, dof (joints that follow no other), loops, parts, meshes and
     triangles, and the mass [kg]. `outputs`: SHA-256 of each file of the robot, by path below
     `folder`. `error`: of a failed build, its class, message, place, hint and problems.
@@ -40,7 +44,8 @@ class Report:
     until: str
     exit_status: int
     source: Mapping[str, Any] = field(default_factory=dict)
-    calls: Mapping[str, int] = field(default_factory=lambda: {"made": 0, "saved": 0})
+    calls: Mapping[str, Any] = field(default_factory=lambda: {"made": 0, "saved": 0})
+    bundle: Mapping[str, str] = field(default_factory=dict)
     stages: tuple[StageReport, ...] = ()
     figures: Mapping[str, float] = field(default_factory=dict)
     diagnostics: tuple[Diagnostic, ...] = ()
@@ -85,7 +90,9 @@ def findings(report: Report) -> list[str]:
         lines.append(f"{passed} of {len(report.checks)} checks passed")
     made, saved = report.calls.get("made", 0), report.calls.get("saved", 0)
     if made or saved:
-        lines.append(f"{made} API calls made, {saved} saved by the cache")
+        year = report.calls.get("counted_this_year")
+        so_far = "" if year is None else f"; {year} of this key counted this year"
+        lines.append(f"{made} API calls made, {saved} saved by the cache{so_far}")
     lines.append(f"{report.name}: {report.folder}")
     return lines
 

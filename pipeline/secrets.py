@@ -14,12 +14,13 @@ class Secrets:
     """The keys in the environment and in `.env`."""
 
     def __init__(self, environ: Mapping[str, str]) -> None:
-        from stages.fetch.credentials import ACCESS, SECRET, find
+        from stages.fetch.credentials import ACCESS, OLD_TOKEN, SECRET, TOKEN, Credentials, find
 
-        found = {environ.get(ACCESS, ""), environ.get(SECRET, "")}
+        texts = [environ.get(name, "").strip() for name in (ACCESS, SECRET, TOKEN, OLD_TOKEN)]
+        keys = [Credentials(texts[0], texts[1]), *(Credentials(token=token) for token in texts[2:])]
         with contextlib.suppress(ConfigError):
-            key = find(environ)
-            found |= {key.access, key.secret}
+            keys.append(find(environ))
+        found = {text for key in keys for text in key.private}
         # The longest first: one may hold another.
         self._found = sorted((one for one in found if len(one) >= SHORTEST), key=lambda one: (-len(one), one))
 

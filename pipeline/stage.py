@@ -15,6 +15,7 @@ from pipeline.bench import FILES, NOTES, ROBOT, Bench, count, notes
 from pipeline.output import write_tree
 from pipeline.plan import Plan, section
 from stages.robot import codec
+from stages.robot.errors import ConfigError
 
 
 @functools.cache
@@ -48,6 +49,9 @@ class Stage(Protocol):
     def config(self, bench: Bench) -> Any:
         """The stage's part of the plan, as plain data; None where the result must be made anew."""
 
+    def anew(self, bench: Bench) -> bool:
+        """Whether the stage runs even where its result is in the cache, and replaces it."""
+
     def inputs(self, bench: Bench) -> Mapping[str, str]:
         """The digests of the files that the stage reads."""
 
@@ -69,14 +73,20 @@ class Common:
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         pass
 
+    def anew(self, bench: Bench) -> bool:
+        return False
+
 
 class Fetch(Common):
     name = "fetch"
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
-        from stages.fetch import preflight
+        from stages.fetch import preflight, writes
 
         preflight(plan, environ)
+        if writes(plan) and plan.cache.mode == "bypass":
+            msg = "variables cannot be set without a cache: it remembers what to put back"
+            raise ConfigError(msg, "source.variables", "leave out cache.mode=bypass")
 
     def config(self, bench: Bench) -> Any:
         from stages.fetch import pinned
@@ -84,15 +94,31 @@ class Fetch(Common):
         identity = pinned(bench.plan)
         return None if identity is None else {"pinned": identity}
 
+    def anew(self, bench: Bench) -> bool:
+        from stages.fetch import anew
+
+        return anew(bench.plan)
+
     def inputs(self, bench: Bench) -> Mapping[str, str]:
         return {}
 
     def run(self, bench: Bench) -> dict[str, bytes]:
         from stages.fetch import fetch
+        from stages.fetch.plan_of_calls import Calls
 
-        fetched = fetch(bench.plan, bench.cache.replies(), bench.environ, bench.tell)
-        bench.calls["made"] += fetched.calls
-        bench.calls["saved"] += fetched.saved
+        calls = Calls()
+        try:
+            fetched = fetch(bench.plan, bench.cache.replies(), bench.environ, bench.tell, bench.ledger, calls)
+        finally:
+            # Also what a fetch spent that failed.
+            bench.calls |= {"made": calls.made, "saved": calls.saved}
+            if calls.made:
+                bench.calls |= {
+                    "counted_this_year": calls.year,
+                    "remaining": dict(calls.remaining),
+                    "served": dict(calls.served),
+                    "waited": round(calls.waited, 1),
+                }
         bundle = fetched.bundle
         size = sum(len(body) for body in bundle.blobs.values())
         replies, studios = (
@@ -103,6 +129,7 @@ class Fetch(Common):
             **codec.encode_bundle(bundle),
             NOTES: notes(
                 f"{replies} about {studios}, {size / 1e6:.2f} MB",
+                fetched.diagnostics,
                 source=dict(bundle.root),
                 calls=fetched.calls + fetched.saved,
             ),

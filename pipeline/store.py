@@ -67,6 +67,13 @@ class Store:
             return None
         return data if sha256(data) == digest else None
 
+    def size(self, digest: str) -> int:
+        """The length of a blob that is there [bytes]; -1, which fits none, where it is missing."""
+        try:
+            return self._blob(digest).stat().st_size
+        except OSError:
+            return -1
+
     def intact(self, digest: str, size: int) -> bool:
         """Whether the blob is there, `size` bytes long and unharmed (its bytes are read once a run)."""
         try:
@@ -127,13 +134,16 @@ class Store:
 
     def _write(self, path: Path, data: bytes, mode: int = 0o644) -> Path:
         """Writes the whole file or nothing."""
-        path.parent.mkdir(exist_ok=True)
         handle, name = tempfile.mkstemp(dir=self._tmp)
         try:
             with os.fdopen(handle, "wb") as file:
                 file.write(data)
             os.chmod(name, mode)  # noqa: PTH101
-            os.replace(name, path)  # noqa: PTH105
+            try:
+                os.replace(name, path)  # noqa: PTH105
+            except FileNotFoundError:
+                path.parent.mkdir(exist_ok=True)
+                os.replace(name, path)  # noqa: PTH105
         except BaseException:
             with contextlib.suppress(OSError):
                 os.unlink(name)  # noqa: PTH108

@@ -1,21 +1,25 @@
 """Fetch: a source in, a `Bundle` out. `fetch` is the stage; the rest is what is known before it.
 
-An Onshape document costs one call for its definition and two for each part studio; a bundle and
-the sample replay recorded replies through the same code.
+An Onshape document costs one call for its definition and two for each part studio, and one where it
+did not change since; a bundle and the sample replay recorded replies through the same code.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from stages.fetch.keys import FetchKeys
+    from stages.fetch.keys import FetchKeys, OnshapeKeys
+    from stages.fetch.plan_of_calls import Calls
     from stages.fetch.replies import Replies
+    from stages.fetch.retries import Patience
     from stages.robot.bundle import Bundle
+    from stages.robot.errors import Diagnostic
 
-VERSION = 1
+VERSION = 2
 """Grows with every change of what this stage makes of the same input."""
 
 
@@ -26,51 +30,131 @@ class Fetched:
     bundle: Bundle
     calls: int
     saved: int
+    diagnostics: tuple[Diagnostic, ...] = ()
 
 
 def fetch(
-    keys: FetchKeys, replies: Replies, environ: Mapping[str, str], tell: Callable[[str], None]
+    keys: FetchKeys,
+    replies: Replies,
+    environ: Mapping[str, str],
+    tell: Callable[[str], None],
+    ledger: Path | None = None,
+    calls: Calls | None = None,
+    patience: Patience | None = None,
 ) -> Fetched:
     """The bundle of what `keys.source` names. `tell` gets lines about progress.
+
+    Calls are taken down in the folder `ledger`, and in `calls` also where the fetch fails. `patience`:
+    how failures of the server are borne with, but for `source.max_wait`.
 
     ConfigError where a call is due and there is no API key; SourceError and its kinds where the
     source cannot be read; AssemblyError where the assembly has no part.
     """
-    from stages.fetch.onshape import gather
-
     source = keys.source
     if source.kind == "onshape":
-        from stages.fetch.network import Network
-        from stages.fetch.url import parse
+        from stages.fetch.plan_of_calls import Calls
 
-        with Network(parse(source.url), source.tessellation, replies, environ, tell) as network:
-            bundle = gather(network)
-            return Fetched(bundle, network.calls, network.saved)
+        calls = Calls() if calls is None else calls
+        return _from_onshape(source, replies, environ, tell, ledger, calls, patience)
 
     from stages.fetch.bundle import read
     from stages.fetch.files import content, label
+    from stages.fetch.onshape import gather
     from stages.fetch.recorded import Recorded
 
     where = label(source)
     return Fetched(gather(Recorded(read(content(source), where), where)), calls=0, saved=0)
 
 
+def _from_onshape(
+    source: OnshapeKeys,
+    replies: Replies,
+    environ: Mapping[str, str],
+    tell: Callable[[str], None],
+    ledger: Path | None,
+    calls: Calls,
+    patience: Patience | None,
+) -> Fetched:
+    from stages.fetch.asking import Asking
+    from stages.fetch.network import Network
+    from stages.fetch.onshape import gather
+    from stages.fetch.server import Server
+    from stages.fetch.url import parse
+    from stages.fetch.variables import Variables
+    from stages.robot.errors import Diagnostic, QuotaExhausted, SourceError
+
+    url = parse(source.url)
+    with Server(url, environ, tell, source.max_wait, ledger, patience) as server:
+        asking = Asking(
+            server, replies, offline=source.offline, refresh=source.refresh, max_calls=source.max_calls
+        )
+        network = Network(url, source, asking, tell)
+        found: tuple[Diagnostic, ...] = ()
+        try:
+            variables = Variables(url, asking, server, tell)
+            variables.mend()
+            if source.variables:
+                url = variables.applied(source.variables)
+                network = Network(url, source, asking, tell)
+            try:
+                bundle = gather(network)
+            except QuotaExhausted as exhausted:
+                if url.pinned:
+                    raise
+                asking = Asking(server, replies, offline=True, refresh=False, max_calls=source.max_calls)
+                network = Network(url, source, asking, tell)
+                try:
+                    bundle = gather(network)
+                except SourceError:
+                    raise exhausted from None
+                msg = f"{exhausted.message}; this is the assembly as it was last fetched completely"
+                found = (Diagnostic("W-QUOTA", msg, exhausted.where, exhausted.hint),)
+        finally:
+            server.account(calls)
+            calls.saved = asking.saved
+    return Fetched(bundle, calls.made, calls.saved, (*network.diagnostics, *found))
+
+
 def preflight(keys: FetchKeys, environ: Mapping[str, str]) -> None:
     """ConfigError for what is wrong with the source before any work: address, file, missing key.
 
-    An address pinned to a version or microversion may need no call, so its key is asked for later.
+    An address pinned to a version or microversion may need no call, so its key is asked for later;
+    nothing needs one offline.
     """
     source = keys.source
     if source.kind == "onshape":
         from stages.fetch.credentials import find
         from stages.fetch.url import parse
 
-        if not parse(source.url).pinned:
+        if source.offline and source.refresh:
+            from stages.robot.errors import ConfigError
+
+            msg = "offline makes no call, and refresh makes all of them"
+            raise ConfigError(msg, "source.refresh", "set one of source.offline and source.refresh to false")
+        url = parse(source.url)
+        if source.variables and (url.pinned or source.offline):
+            from stages.robot.errors import ConfigError
+
+            why = "offline makes no call" if source.offline else "a version or microversion never changes"
+            msg = f"variables cannot be set here: {why}"
+            hint = "give the address of a workspace (…/w/…), or set the variables in Onshape"
+            raise ConfigError(msg, "source.variables", hint)
+        if not url.pinned and not source.offline:
             find(environ)
     elif source.kind == "bundle":
         from stages.fetch.files import require
 
         require(source)
+
+
+def writes(keys: FetchKeys) -> bool:
+    """Whether a build changes the user's document, if only for a moment."""
+    return keys.source.kind == "onshape" and bool(keys.source.variables)
+
+
+def anew(keys: FetchKeys) -> bool:
+    """Whether the source must be read again although nothing about it may have changed."""
+    return keys.source.kind == "onshape" and keys.source.refresh
 
 
 def pinned(keys: FetchKeys) -> dict[str, Any] | None:
@@ -89,6 +173,7 @@ def pinned(keys: FetchKeys) -> dict[str, Any] | None:
             "kind": "onshape",
             "api": API,
             "request": request,
+            "configuration": sorted(source.configuration.items()),
             "tessellation": [quality.angle, quality.chord, quality.max_facet_width],
         }
 

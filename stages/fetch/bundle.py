@@ -3,6 +3,19 @@
 A bundle comes from anyone, so it is read with distrust: nothing is unpacked to disk, only the
 names that a bundle has are accepted, sizes are bounded before anything is inflated, and every
 reply must have the digest that it is named by.
+
+`manifest.json` is an object:
+
+    format, kind   1 and "onshape"
+    api            the version of the API that was asked, "v16"
+    root           {document, microversion, element, configuration} of the assembly
+    definition     the digest of the assembly definition
+    requests       {request: digest}: the path below /api/<api> with its query, and its reply
+
+A recording of another client can be made one: the assembly definition, and of each part studio in it
+the mass properties, whole (`/partstudios/.../massproperties`) or of each part that is used
+(`/parts/.../partid/<id>/massproperties`); without `.../tessellatedfaces` the robot has no meshes. A
+request may hold any query: what a recording has is what there is. `pack` makes the zip.
 """
 
 import io
@@ -19,6 +32,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
 
+from stages.fetch.files import LARGEST
 from stages.robot.bundle import Bundle
 from stages.robot.errors import SourceError
 
@@ -27,7 +41,6 @@ _MANIFEST = "manifest.json"
 _FOLDER = "replies/"
 _REPLY = re.compile(r"replies/([0-9a-f]{64})")
 _MOST_ENTRIES = 20_000
-_MOST_BYTES = 1 << 30
 _MOST_RATIO = 400
 _RATIO_MATTERS = 1 << 20
 _EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -152,6 +165,9 @@ def _check_names(infos: list[zipfile.ZipInfo], where: str) -> None:
             raise _refused(f"its entry {name!r} is neither manifest.json nor replies/<sha256>", where)
         if info.flag_bits & 1:
             raise _refused(f"its entry {name!r} is encrypted", where)
+        if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+            # Other methods let a file of a few bytes ask for gigabytes of working memory.
+            raise _refused(f"its entry {name!r} is packed by another method than deflate", where)
         if name in seen:
             raise _refused(f"its entry {name!r} is there twice", where)
         seen.add(name)
@@ -159,8 +175,8 @@ def _check_names(infos: list[zipfile.ZipInfo], where: str) -> None:
 
 def _check_sizes(infos: list[zipfile.ZipInfo], where: str) -> None:
     total = sum(info.file_size for info in infos)
-    if total > _MOST_BYTES:
-        raise _refused(f"it would unpack to {total} bytes; at most {_MOST_BYTES} are read", where)
+    if total > LARGEST:
+        raise _refused(f"it would unpack to {total} bytes; at most {LARGEST} are read", where)
     for info in infos:
         bound = _MOST_RATIO * max(info.compress_size, 1)
         if info.file_size > _RATIO_MATTERS and info.file_size > bound:
@@ -170,7 +186,7 @@ def _check_sizes(infos: list[zipfile.ZipInfo], where: str) -> None:
 def _manifest(body: bytes, where: str) -> _Manifest:
     try:
         data = json.loads(body)
-    except ValueError:
+    except (ValueError, RecursionError):
         raise _refused("its manifest.json is not JSON", where) from None
     if not isinstance(data, dict):
         raise _refused("its manifest.json is no JSON object", where)

@@ -64,23 +64,31 @@ def require_parts(definition: Definition) -> None:
 _HINT = "check that the address is one of an assembly; if it is, the API has changed"
 
 
-def _part_instances(root: _Record, subs: Any) -> Iterator[_Record]:
-    """The unsuppressed part instances of the root and of the sub-assemblies that it uses."""
+def assemblies(root: _Record, subs: Any) -> Iterator[_Record]:
+    """The root and, of its sub-assemblies, those that unsuppressed instances use."""
     definitions = {StudioKey.of(sub): sub for sub in subs}
     waiting = [root]
     seen = {StudioKey.of(root)}
     while waiting:
-        for instance in waiting.pop()["instances"]:
-            if instance.get("suppressed"):
+        record = waiting.pop()
+        yield record
+        for instance in record["instances"]:
+            if instance.get("suppressed") or instance.get("type") != "Assembly":
                 continue
-            if instance.get("type") == "Part":
-                yield instance
-            elif instance.get("type") == "Assembly" and (key := StudioKey.of(instance)) not in seen:
+            if (key := StudioKey.of(instance)) not in seen:
                 if key not in definitions:
                     msg = f"the definition does not describe the sub-assembly {instance.get('name')!r}"
                     raise ProtocolError(msg, hint=_HINT)
                 seen.add(key)
                 waiting.append(definitions[key])
+
+
+def _part_instances(root: _Record, subs: Any) -> Iterator[_Record]:
+    """The unsuppressed part instances of the root and of the sub-assemblies that it uses."""
+    for record in assemblies(root, subs):
+        for instance in record["instances"]:
+            if instance.get("type") == "Part" and not instance.get("suppressed"):
+                yield instance
 
 
 def _text(record: _Record, key: str) -> str:

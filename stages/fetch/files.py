@@ -6,6 +6,9 @@ from typing import Any
 
 from stages.robot.errors import ConfigError, SourceError
 
+LARGEST = 1 << 30
+"""Larger bundles are not read: neither as a file nor unpacked [bytes]."""
+
 _SAMPLE = "sample.zip"
 
 
@@ -29,7 +32,12 @@ def content(source: Any) -> bytes:
     try:
         if source.kind == "sample":
             return files("stages.fetch").joinpath(_SAMPLE).read_bytes()
-        return Path(source.path).read_bytes()
+        path = Path(source.path)
+        size = path.stat().st_size
+        if size > LARGEST:
+            msg = f"not readable as a bundle: it has {size} bytes; at most {LARGEST} are read"
+            raise SourceError(msg, label(source), "check that source.path names the right file")
+        return path.read_bytes()
     except OSError as error:
         msg = f"it cannot be read: {error.strerror or type(error).__name__}"
         hint = (

@@ -1,12 +1,13 @@
 """What the fetch stage is told: where the robot comes from."""
 
+import math
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, Tag
+from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo, field_validator
 from pydantic_core import PydanticCustomError
 
 from stages.robot.errors import ConfigError
-from stages.robot.keys import Count, Flag, Keys, NonNegative, Positive, Text, not_yet
+from stages.robot.keys import Count, Flag, Keys, NonNegative, Positive, Text
 
 ADDRESS = "address"
 """The error type of an address that cannot be one; its context holds `message` and `hint`."""
@@ -36,6 +37,16 @@ class TessellationKeys(Keys):
     """Largest width of a facet [m]; null sets no bound."""
 
 
+def _setting(value: Any) -> bool | float | str:
+    if isinstance(value, bool | int | float | str) and (isinstance(value, str) or math.isfinite(value)):
+        return value
+    raise PydanticCustomError("setting", "must be text, a number, or true or false")
+
+
+Setting = Annotated[Any, AfterValidator(_setting)]
+"""A value that the document knows the meaning of."""
+
+
 class OnshapeKeys(Keys):
     """An assembly in an Onshape document."""
 
@@ -45,32 +56,44 @@ class OnshapeKeys(Keys):
     url: Annotated[Text, AfterValidator(_address)]
     """The assembly's address as the browser shows it."""
 
-    configuration: dict[str, Any] = not_yet(dict)
-    """The assembly's configuration: parameter → value."""
+    configuration: dict[Text, Setting] = Field(default_factory=dict)
+    """The assembly's configuration, over what the address says: name or id of a parameter → an option by
+    label or id, true or false, text, or a quantity: "0.25 m", or a number in SI."""
 
-    variables: dict[str, Any] = not_yet(dict)
-    """Variables of the document, set before a build; needs `allow_write`."""
+    variables: dict[Text, Setting] = Field(default_factory=dict)
+    """Variables of the document's variable studios, set for the build and put back: name → expression,
+    or a number in SI. Writes to the document, so it needs `allow_write` and a workspace."""
 
-    allow_write: Flag = not_yet(False)
+    allow_write: Annotated[Flag, Field(validate_default=True)] = False
     """Whether `variables` may be written to the document."""
 
     tessellation: TessellationKeys = TessellationKeys()
     """How finely curved faces are cut into triangles."""
 
-    verify: Flag = not_yet(True)
-    """After an edit: one call that must equal our sum of masses."""
+    verify: Flag = True
+    """After an edit: one call for the assembly's mass, which must equal our sum; else what was kept is
+    fetched again."""
 
-    offline: Flag = not_yet(False)
+    offline: Flag = False
     """Make no call: use what earlier builds have cached."""
 
-    refresh: Flag = not_yet(False)
+    refresh: Flag = False
     """Ask again, even for what is cached."""
 
-    max_calls: Count = not_yet(200)
-    """Calls that one build may make."""
+    max_calls: Count = 200
+    """Calls that one build may make; one that needs more ends before it makes them."""
 
-    max_wait: NonNegative = not_yet(120)
-    """Longest wait that the server may ask for [s]."""
+    max_wait: NonNegative = 120
+    """Longest wait in all that the server may ask for in one build [s]; where it asks for more the
+    build ends, with what was fetched kept."""
+
+    @field_validator("allow_write")
+    @classmethod
+    def _said_before_written(cls, value: bool, info: ValidationInfo) -> bool:
+        if info.data.get("variables") and not value:
+            text = "source.variables writes to the document: say true to allow it"
+            raise PydanticCustomError("allow_write", text)
+        return value
 
 
 class BundleKeys(Keys):

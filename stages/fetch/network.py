@@ -1,151 +1,199 @@
-"""Answers from an Onshape server, each paid for once."""
+"""Answers from an Onshape server: as few calls as tell how the assembly is now."""
 
-from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from threading import Lock
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
-from stages.fetch import definition, requests
-from stages.fetch.client import AT_ONCE, Client
-from stages.fetch.credentials import find
-from stages.fetch.envelope import check
-from stages.fetch.onshape import Answer, Needs, Reply
-from stages.fetch.replies import Replies
+from stages.fetch import requests, verify
+from stages.fetch.asking import Asking
+from stages.fetch.configured import Configured
+from stages.fetch.features import Owner
+from stages.fetch.freshness import Workspace, tabs_to_ask, unchanged
+from stages.fetch.limits import limits_of
+from stages.fetch.onshape import Answer, Needs, Reply, Told
+from stages.fetch.plan_of_calls import count
+from stages.fetch.shapes import NOTHING, Shapes
 from stages.fetch.url import AssemblyUrl
-from stages.robot.errors import ProtocolError
+from stages.robot.errors import Diagnostic
+
+if TYPE_CHECKING:
+    from stages.fetch.keys import OnshapeKeys
+
+_Bodies = dict[str, bytes]
 
 
 class Network:
-    """Asks the kept replies first and the server for the rest; keeps what arrives at once.
+    """Answers about the assembly at `url`; `keys` are those of the source.
 
-    A context manager: the connections live as long as it.
+    Pinned replies are kept for ever. Of a workspace that changed, replies about part studios that
+    did not are taken from the microversion that was last built, and filed under the new one once the
+    mass of the assembly proves them.
     """
 
     def __init__(
-        self,
-        url: AssemblyUrl,
-        quality: requests.Tessellation,
-        replies: Replies,
-        environ: Mapping[str, str],
-        tell: Callable[[str], None],
+        self, url: AssemblyUrl, keys: "OnshapeKeys", asking: Asking, tell: Callable[[str], None]
     ) -> None:
         self._url = url
-        self._quality = quality
-        self._replies = replies
-        self._environ = environ
+        self._keys = keys
+        self._asking = asking
         self._tell = tell
-        self._lock = Lock()
-        self._client: Client | None = None
-        self.saved = 0
-        """Calls that kept replies made needless."""
-
-    def __enter__(self) -> "Network":
-        return self
-
-    def __exit__(self, *reason: object) -> None:
-        if self._client is not None:
-            self._client.__exit__(None, None, None)
-
-    @property
-    def calls(self) -> int:
-        """Calls made that count against the quota."""
-        return self._client.calls if self._client else 0
+        self._shapes = Shapes(asking, keys.tessellation)
+        self._workspace = None if url.pinned else Workspace(url, asking)
+        self._then: str | None = None
+        self._pin = url.pin
+        self._definition: Reply | None = None
+        self.diagnostics: tuple[Diagnostic, ...] = ()
+        """What was found about the replies."""
 
     def configuration(self) -> str:
         return self._url.configuration
 
     def definition(self) -> Reply:
+        if self._keys.configuration:
+            self._configure()
+        elif self._workspace is not None:
+            self._then = self._workspace.last()
+            self._tell("asking whether the document changed" if self._then else _ASKING)
+            self._pin = f"m/{self._workspace.current(anew=self._keys.refresh)}"
         url = self._url
-        request = requests.definition(url.document, url.pin, url.element, url.configuration)
-        if url.pinned:
-            body = self._kept(request)
-            if body is None:
-                self._tell("asking for the assembly definition")
-                body = self._fetched(request, keep=request)
-            return Reply(request, body)
-        self._tell("asking for the assembly definition")
-        body = self._fetched(request, keep=None)
-        # What a workspace holds changes; what its microversion holds does not.
-        found = definition.read(body)
-        pinned = requests.definition(url.document, f"m/{found.microversion}", url.element, url.configuration)
-        self._keep(pinned, body)
-        return Reply(pinned, body)
+        request = requests.definition(url.document, self._pin, url.element, url.configuration)
+        if self._asking.kept(request) is None and not self._asking.offline:
+            self._tell(_ASKING)
+        self._definition = Reply(request, self._asking.one(request))
+        return self._definition
+
+    def _configure(self) -> None:
+        """The address, in the configuration that is wanted, and the microversion that it is at."""
+        configured = Configured(self._url, self._keys.configuration, self._asking)
+        if self._workspace is None:
+            self._url = configured.at(self._pin)
+            return
+        self._tell("asking how the assembly can be configured, and whether it changed")
+        self._url, self._then, microversion = configured.now(anew=self._keys.refresh)
+        self._pin = f"m/{microversion}"
+        self._workspace = Workspace(self._url, self._asking)
+
+    def features(self, owners: Sequence[Owner], root: str) -> Sequence[Told]:
+        if owners:
+            self._tell(f"{count(len(owners), 'list')} of features for limits that the definition lacks")
+        return limits_of(owners, root, self._url, self._asking)
 
     def studios(self, needs: Sequence[Needs]) -> Sequence[Answer]:
-        wanted = [
-            (
-                requests.mass_properties(need.studio, need.root),
-                requests.tessellated_faces(need.studio, need.root, self._quality),
-            )
-            for need in needs
-        ]
-        bodies = self._all([request for pair in wanted for request in pair])
-        return [
-            Answer((Reply(mass, bodies[mass]),), Reply(triangles, bodies[triangles]))
-            for mass, triangles in wanted
-        ]
+        asking = self._asking
+        known = [request for need in needs for request in self._requests(need)]
+        kept = {request: body for request in known if (body := asking.kept(request)) is not None}
+        reused = self._reused(needs, kept)
+        wanted = [request for need in needs for request in self._requests(need, {**kept, **reused})]
+        missing = [request for request in wanted if request not in kept and request not in reused]
+        suspects = {*reused, *self._unchecked(wanted)}
+        calls = len(missing) + self._to_weigh(suspects)
+        held = len(kept) + len(reused)
+        self._tell(f"{count(len(needs), 'part studio')}: {count(calls, 'call')}, {held} kept")
+        asking.spare(held)
+        if missing and not asking.offline:
+            asking.allow(calls)
+        weights = set(wanted[::2])
+        bodies = {**kept, **reused, **asking.all([request for request in missing if request in weights])}
+        # After the masses, which tell how much of a part studio the assembly uses.
+        bodies |= self._shapes.gathered(needs, bodies)
+        fresh = self._verified(needs, bodies, suspects)
+        # Before they are filed: a kill between the two must not make them look checked.
+        self._check_later(() if self._keys.verify else suspects)
+        for request in reused.keys() - fresh.keys():
+            asking.keep(request, reused[request])
+        if self._workspace is not None and not asking.offline:
+            self._workspace.completed(self._pin[2:])
+        bodies |= fresh
+        self.diagnostics += self._shapes.diagnostics(needs, bodies)
+        return [self._shapes.answer(need, bodies) for need in needs]
 
-    def _all(self, wanted: Sequence[str]) -> dict[str, bytes]:
-        """The bodies of all requests, kept or fetched, a few at a time.
+    def _requests(self, need: Needs, known: Mapping[str, bytes] = NOTHING) -> tuple[str, str]:
+        """The requests for the mass properties and for the triangles of a part studio.
 
-        After a failure no further call begins, but those on their way are finished and kept, since
-        they are paid for. Of several failures the first in order is told.
+        `known`: bodies beside the kept ones; which triangles are asked for depends on what is there.
         """
-        kept = {request: self._kept(request) for request in wanted}
-        bodies = {request: body for request, body in kept.items() if body is not None}
-        missing = [request for request in wanted if request not in bodies]
-        studios = len(wanted) // 2
-        self._tell(f"{_count(studios, 'part studio')}: {_count(len(missing), 'call')}, {len(bodies)} kept")
-        if not missing:
-            return bodies
-        self._connection()
-        pool = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="fetch")
-        try:
-            futures = [pool.submit(self._fetched, request, request) for request in missing]
-            wait(futures, return_when=FIRST_EXCEPTION)
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
-        for future in futures:
-            if not future.cancelled() and (error := future.exception()):
-                raise error
-        return bodies | {request: future.result() for request, future in zip(missing, futures, strict=True)}
+        return self._shapes.mass(need), self._shapes.request(need, known)
 
-    def _fetched(self, request: str, keep: str | None) -> bytes:
-        """The reply from the server, checked, and kept under `keep`."""
-        client = self._connection()
-        body = client.get(request)
-        try:
-            check(request, body)
-            if requests.is_definition(request):
-                self._same_assembly(body)
-        except ProtocolError as error:
-            raise ProtocolError(error.message, client.host, error.hint) from error
-        if keep is not None:
-            self._keep(keep, body)
-        return body
+    def _reused(self, needs: Sequence[Needs], kept: Mapping[str, bytes]) -> _Bodies:
+        """Bodies of requests that lack one, from the microversion `then`, where their tab is the same.
 
-    def _same_assembly(self, body: bytes) -> None:
-        found = definition.read(body)
-        if (found.document, found.element) != (self._url.document, self._url.element):
-            msg = f"the server gave assembly {found.element} where {self._url.element} was asked for"
-            raise ProtocolError(msg, hint="run the same command again")
+        Nothing where asking which tabs are the same would cost as much as asking for all anew.
+        """
+        then, now = self._then, self._pin[2:]
+        if then is None or then == now:
+            return {}
+        found = [(need.studio.element, self._earlier(need, kept, then)) for need in needs]
+        spared = sum(len(bodies) for _, bodies in found)
+        tabs = [r for r in tabs_to_ask(self._url.document, then, now) if self._asking.kept(r) is None]
+        if spared <= len(tabs) + self._to_weigh(["any"]):
+            return {}
+        same = unchanged(self._url.document, then, now, self._asking)
+        return {
+            request: body for element, bodies in found if element in same for request, body in bodies.items()
+        }
 
-    def _kept(self, request: str) -> bytes | None:
-        with self._lock:
-            body = self._replies.get(request)
-        if body is not None:
-            self.saved += 1
-        return body
+    def _earlier(self, need: Needs, kept: Mapping[str, bytes], then: str) -> _Bodies:
+        """What a part studio of this very document lacks, as it was at the microversion `then`."""
+        studio = need.studio
+        if (studio.document, studio.pin) != (self._url.document, self._pin):
+            return {}
+        before = replace(need, studio=replace(studio, pin=f"m/{then}"))
+        pairs = [(self._shapes.mass(need), self._shapes.mass(before)), self._shapes.same(need, before)]
+        bodies = {new: body for new, old in pairs if (body := self._asking.kept(old)) is not None}
+        mass = pairs[0][0]
+        # Where the masses differ the studio was found changed: its old triangles are wrong as well.
+        if mass not in bodies or kept.get(mass, bodies[mass]) != bodies[mass]:
+            return {}
+        return {request: body for request, body in bodies.items() if request not in kept}
 
-    def _keep(self, request: str, body: bytes) -> None:
-        with self._lock:
-            self._replies.put(request, body)
+    def _verified(self, needs: Sequence[Needs], bodies: _Bodies, suspects: set[str]) -> _Bodies:
+        """The replies of `suspects`, asked for anew, where the assembly's mass shows that one is stale."""
+        asking = self._asking
+        total = asking.kept(self._total())
+        if total is None and self._to_weigh(suspects) == 0:
+            return {}
+        if total is None:
+            self._tell("holding the mass of the assembly against the sum of its parts")
+            total = asking.one(self._total())
+        fresh: _Bodies = {}
+        masses = self._masses(needs, bodies, total)
+        if not masses.agree and suspects and not asking.offline:
+            again = sorted(suspects)
+            self._tell(f"a part studio changed with another one: {count(len(again), 'call')}")
+            asking.doubt(again)
+            fresh = asking.all(again)
+            masses = self._masses(needs, {**bodies, **fresh}, total)
+        if not masses.agree:
+            self.diagnostics = (masses.diagnostic(self._url.element),)
+        return fresh
 
-    def _connection(self) -> Client:
-        """The client, made when the first call is due: a build from kept replies needs no key."""
-        if self._client is None:
-            self._client = Client(self._url, find(self._environ))
-        return self._client
+    def _masses(self, needs: Sequence[Needs], bodies: Mapping[str, bytes], total: bytes) -> verify.Masses:
+        weights = {need.studio: verify.read_weights(bodies[self._requests(need)[0]]) for need in needs}
+        assert self._definition is not None
+        return verify.compare(self._definition.body, weights, total)
+
+    def _to_weigh(self, suspects: Iterable[str]) -> int:
+        """Calls for the assembly's mass: one where replies are in doubt and it is not kept."""
+        wanted = self._keys.verify and not self._asking.offline
+        return int(wanted and any(suspects) and self._asking.kept(self._total()) is None)
+
+    def _total(self) -> str:
+        url = self._url
+        return requests.assembly_mass_properties(url.document, self._pin, url.element, url.configuration)
+
+    def _unchecked(self, wanted: Iterable[str]) -> set[str]:
+        """Kept replies that were taken from an earlier microversion without a check."""
+        if self._workspace is None or self._asking.offline:
+            return set()
+        found = self._asking.recall(self._total()).get("unchecked", ())
+        return set(wanted).intersection(found)
+
+    def _check_later(self, unchecked: Iterable[str]) -> None:
+        if self._workspace is None or self._asking.offline:
+            return
+        listed = sorted(unchecked)
+        if listed != self._asking.recall(self._total()).get("unchecked", []):
+            self._asking.remember(self._total(), {"unchecked": listed})
 
 
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+_ASKING = "asking for the assembly definition"

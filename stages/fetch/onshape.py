@@ -8,9 +8,10 @@ from dataclasses import dataclass
 from hashlib import sha256
 from typing import Protocol
 
-from stages.fetch import definition
+from stages.fetch import definition, features
+from stages.fetch.features import Owner
 from stages.fetch.requests import API
-from stages.robot.bundle import Bundle, Studio, StudioKey
+from stages.robot.bundle import Bundle, Features, Studio, StudioKey
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,6 +39,14 @@ class Answer:
     triangles: Reply | None
 
 
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What one assembly says about the limits of its mates; None where it cannot be had."""
+
+    features: Reply | None
+    variables: Reply | None = None
+
+
 class Answers(Protocol):
     """Who answers: the network or a recording."""
 
@@ -51,6 +60,10 @@ class Answers(Protocol):
 
     def studios(self, needs: Sequence[Needs]) -> Sequence[Answer]:
         """The answers about part studios, in the order of `needs`."""
+        ...
+
+    def features(self, owners: Sequence[Owner], root: str) -> Sequence[Told]:
+        """What assemblies say about limits, in the order of `owners`; `root` is the root's document."""
         ...
 
 
@@ -70,6 +83,14 @@ def gather(answers: Answers) -> Bundle:
         replies += [*answer.mass, *([answer.triangles] if answer.triangles else [])]
         triangles = digest(answer.triangles.body) if answer.triangles else None
         studios.append(Studio(need.studio, tuple(digest(reply.body) for reply in answer.mass), triangles))
+    limits = []
+    owners = features.owners(first.body)
+    for owner, told in zip(owners, answers.features(owners, assembly.document), strict=True):
+        if told.features is None:
+            continue
+        replies += [told.features, *([told.variables] if told.variables else [])]
+        variables = digest(told.variables.body) if told.variables else None
+        limits.append(Features(owner.key, digest(told.features.body), variables))
     return Bundle(
         kind="onshape",
         api=API,
@@ -83,6 +104,7 @@ def gather(answers: Answers) -> Bundle:
         studios=tuple(studios),
         requests=_by_request(replies),
         blobs={digest(reply.body): reply.body for reply in replies},
+        features=tuple(limits),
     )
 
 

@@ -4,8 +4,9 @@ from collections.abc import Sequence
 
 from stages.fetch import definition, requests
 from stages.fetch.bundle import Recording
-from stages.fetch.envelope import check
-from stages.fetch.onshape import Answer, Needs, Reply
+from stages.fetch.envelope import accepted, compacted
+from stages.fetch.features import Owner
+from stages.fetch.onshape import Answer, Needs, Reply, Told
 from stages.robot.errors import ProtocolError, SourceError
 
 
@@ -40,7 +41,12 @@ class Recorded:
         return Reply(min(filed, default=pinned), body)
 
     def studios(self, needs: Sequence[Needs]) -> Sequence[Answer]:
-        return [Answer(self._mass(need), self._find(requests.recorded_faces(need.studio))) for need in needs]
+        masses = [self._mass(need) for need in needs]
+        return [Answer(mass, self._triangles(need, mass)) for need, mass in zip(needs, masses, strict=True)]
+
+    def features(self, owners: Sequence[Owner], root: str) -> Sequence[Told]:
+        asked = [(requests.features(o.key, root), requests.variables(o.key, root)) for o in owners]
+        return [Told(self._find(features), self._find(variables)) for features, variables in asked]
 
     def _mass(self, need: Needs) -> tuple[Reply, ...]:
         """One reply for the whole studio, else one for each part used; SourceError where one lacks."""
@@ -55,6 +61,17 @@ class Recorded:
             raise SourceError(msg, self._where, "make the bundle again from a complete build")
         return tuple(reply for reply in each.values() if reply is not None)
 
+    def _triangles(self, need: Needs, mass: tuple[Reply, ...]) -> Reply | None:
+        """The tessellated faces, else the glTF, in the compact form; None where neither is there."""
+        found = self._find(requests.recorded_faces(need.studio))
+        found = found or self._find(requests.recorded_gltf(need.studio))
+        if found is None:
+            return None
+        try:
+            return Reply(found.request, compacted(found.request, found.body, mass[0].body))
+        except ProtocolError as error:
+            raise ProtocolError(error.message, self._where, "make the bundle again") from error
+
     def _find(self, request: str) -> Reply | None:
         recording = self._recording
         if request not in recording.requests:
@@ -63,7 +80,7 @@ class Recorded:
             return None
         body = recording.blobs[recording.requests[request]]
         try:
-            check(request, body)
+            body = accepted(request, body)
         except ProtocolError as error:
             raise ProtocolError(error.message, self._where, "make the bundle again") from error
         return Reply(request, body)

@@ -1,12 +1,14 @@
-"""What fetch asks of the pipeline: a place that keeps replies for ever."""
+"""What fetch asks of the pipeline: a place that keeps replies for ever, and facts until they change."""
 
-from typing import Protocol
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
+from typing import Any, Protocol
 
 
 class Replies(Protocol):
     """Kept replies by request. Only pinned, hence immutable, replies come here.
 
-    Fetch calls it from one thread at a time.
+    Fetch calls it from one thread at a time, except for `alone`.
     """
 
     def get(self, request: str) -> bytes | None:
@@ -14,5 +16,17 @@ class Replies(Protocol):
         ...
 
     def put(self, request: str, body: bytes) -> None:
-        """Keep `body` as the reply to `request`."""
+        """Keep `body` as the reply to `request`, in place of any other."""
+        ...
+
+    def recall(self, subject: str) -> Mapping[str, Any] | None:
+        """What was last remembered of `subject`, or None."""
+        ...
+
+    def remember(self, subject: str, fact: Mapping[str, Any]) -> None:
+        """Keep `fact` (plain data) of `subject`, in place of what was remembered before."""
+        ...
+
+    def alone(self, subject: str) -> AbstractContextManager[None]:
+        """Only one thread of one process at a time is inside, for each `subject`."""
         ...

@@ -4,7 +4,7 @@ A request is the path below `/api/<version>` and its query with the keys in sort
 encoded: the same text is sent, cached and written in bundles. Ids hold `/` and `+`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Protocol
 from urllib.parse import parse_qsl, quote
 
@@ -13,6 +13,16 @@ from stages.robot.bundle import StudioKey
 API = "v16"
 """The API version that is asked: the shape of replies depends on it."""
 
+JSON = "application/json;charset=UTF-8; qs=0.09"
+"""What is accepted unless a request has another form."""
+
+_GLTF = "model/gltf-binary;qs=0.08"
+
+_BY_END = {
+    "/configuration": "the configuration parameters of element",
+    "/features": "the features of assembly",
+    "/variables": "the variables of element",
+}
 _QUALITY = {
     "angleTolerance",
     "chordTolerance",
@@ -45,14 +55,68 @@ def definition(document: str, pin: str, element: str, configuration: str) -> str
     return _request(_element("assemblies", document, pin, element), query)
 
 
+def current_microversion(document: str, workspace: str) -> str:
+    """Which microversion a workspace is at now; `workspace` is its id."""
+    pieces = [quote(piece, safe="") for piece in (document, workspace)]
+    return "/documents/d/{}/w/{}/currentmicroversion".format(*pieces)
+
+
+def elements(document: str, microversion: str) -> str:
+    """The tabs of a document at a microversion, each with a microversion of its own."""
+    pieces = [quote(piece, safe="") for piece in (document, microversion)]
+    return "/documents/d/{}/m/{}/elements".format(*pieces)
+
+
+def assembly_mass_properties(document: str, pin: str, element: str, configuration: str) -> str:
+    """The mass properties of the whole assembly, at `pin`."""
+    path = _element("assemblies", document, pin, element)
+    return _request(f"{path}/massproperties", {"configuration": configuration})
+
+
+def configuration(document: str, pin: str, element: str) -> str:
+    """The configuration parameters of an element, at `pin`."""
+    return _element("elements", document, pin, element) + "/configuration"
+
+
+def features(owner: StudioKey, root: str) -> str:
+    """The features of one assembly alone; `root` is the id of the root assembly's document."""
+    path = _element("assemblies", owner.document, owner.pin, owner.element)
+    return _request(path + "/features", _access(owner, root))
+
+
+def variables(owner: StudioKey, root: str) -> str:
+    """The variables that one element may use, values included.
+
+    The server takes only workspaces ("w/<id>") and versions as pins; at a microversion it is the
+    name under which the reply is kept.
+    """
+    path = _element("variables", owner.document, owner.pin, owner.element)
+    query = {"includeValuesAndReferencedVariables": "true"} | _access(owner, root)
+    return _request(path + "/variables", query)
+
+
+def variable_studio(document: str, workspace: str, element: str) -> str:
+    """The variables of a variable studio, to read and to write; `workspace` is its id."""
+    return _element("variables", document, f"w/{workspace}", element) + "/variables"
+
+
+def tabs(document: str, workspace: str) -> str:
+    """The tabs of a workspace as they are now; `workspace` is its id."""
+    pieces = [quote(piece, safe="") for piece in (document, workspace)]
+    return "/documents/d/{}/w/{}/elements".format(*pieces)
+
+
 def mass_properties(studio: StudioKey, root: str) -> str:
     """The mass properties of all parts of a studio; `root` is the id of the assembly's document."""
     query = {"massAsGroup": "false", "useMassPropertyOverrides": "true"} | _access(studio, root)
     return _request(_studio(studio) + "/massproperties", query)
 
 
-def tessellated_faces(studio: StudioKey, root: str, quality: Tessellation) -> str:
-    """The triangles of all parts of a studio; `root` is the id of the assembly's document."""
+def tessellated_faces(studio: StudioKey, root: str, quality: Tessellation, parts: Iterable[str] = ()) -> str:
+    """The triangles of a studio's parts: of all, or of those that are named.
+
+    `root` is the id of the assembly's document.
+    """
     query = {
         "angleTolerance": repr(float(quality.angle)),
         "chordTolerance": repr(float(quality.chord)),
@@ -62,12 +126,29 @@ def tessellated_faces(studio: StudioKey, root: str, quality: Tessellation) -> st
     } | _access(studio, root)
     if quality.max_facet_width is not None:
         query["maxFacetWidth"] = repr(float(quality.max_facet_width))
-    return _request(_studio(studio) + "/tessellatedfaces", query)
+    return _request(_studio(studio) + "/tessellatedfaces", query, parts)
+
+
+def gltf(studio: StudioKey, root: str, quality: Tessellation, parts: Iterable[str] = ()) -> str:
+    """The same triangles as `tessellated_faces`, as glTF."""
+    query = {
+        "angleTolerance": repr(float(quality.angle)),
+        "chordTolerance": repr(float(quality.chord)),
+        "outputFaceAppearances": "true",
+    } | _access(studio, root)
+    if quality.max_facet_width is not None:
+        query["maxFacetWidth"] = repr(float(quality.max_facet_width))
+    return _request(_studio(studio) + "/gltf", query, parts)
 
 
 def recorded_faces(studio: StudioKey) -> str:
     """The triangles of a studio in a recording, which has one quality: the one it was made with."""
     return _request(_studio(studio) + "/tessellatedfaces", {"configuration": studio.configuration})
+
+
+def recorded_gltf(studio: StudioKey) -> str:
+    """The glTF of a studio in a recording."""
+    return _request(_studio(studio) + "/gltf", {"configuration": studio.configuration})
 
 
 def part_mass_properties(studio: StudioKey, part: str) -> str:
@@ -78,7 +159,7 @@ def part_mass_properties(studio: StudioKey, part: str) -> str:
 
 
 def subject(request: str) -> tuple[str, tuple[tuple[str, str], ...]]:
-    """What a request is about: path and query without triangle quality and way of access.
+    """What a request is about: path and query without triangle quality, choice of parts and access.
 
     For recordings: what they hold is what there is, whatever quality was asked for.
     """
@@ -88,7 +169,8 @@ def subject(request: str) -> tuple[str, tuple[tuple[str, str], ...]]:
         kept = {"configuration": dict(parse_qsl(query)).get("configuration", "default")}
     else:
         pairs = parse_qsl(query, keep_blank_values=True)
-        kept = {key: value for key, value in pairs if key not in _QUALITY and key != "linkDocumentId"}
+        incidental = {*_QUALITY, "linkDocumentId", *(() if path.endswith("/massproperties") else ("partId",))}
+        kept = {key: value for key, value in pairs if key not in incidental}
         kept["configuration"] = kept.get("configuration") or "default"
     return path, tuple(sorted(kept.items()))
 
@@ -97,6 +179,15 @@ def describe(request: str) -> str:
     """A request in words, for messages: "the mass properties of part studio <id>"."""
     path = request.partition("?")[0]
     element = path.partition("/e/")[2].partition("/")[0]
+    if path.startswith("/documents/"):
+        document = path.split("/")[3]
+        what = "the tabs" if path.endswith("/elements") else "the current microversion"
+        return f"{what} of document {document}"
+    if is_assembly_mass(request):
+        return f"the mass of assembly {element}"
+    for end, told in _BY_END.items():
+        if path.endswith(end):
+            return f"{told} {element}"
     if path.startswith("/assemblies/"):
         return f"the definition of assembly {element}"
     what = "the mass properties" if path.endswith("/massproperties") else "the triangles"
@@ -104,7 +195,31 @@ def describe(request: str) -> str:
 
 
 def is_definition(request: str) -> bool:
-    return request.startswith("/assemblies/")
+    path = request.partition("?")[0]
+    return path.startswith("/assemblies/") and "/" not in path.partition("/e/")[2]
+
+
+def is_triangles(request: str) -> bool:
+    return request.partition("?")[0].endswith("/tessellatedfaces")
+
+
+def is_gltf(request: str) -> bool:
+    return request.partition("?")[0].endswith("/gltf")
+
+
+def accept(request: str) -> str:
+    """The form in which a reply is asked for; another one than it has is refused (406)."""
+    return _GLTF if is_gltf(request) else JSON
+
+
+def is_features(request: str) -> bool:
+    path = request.partition("?")[0]
+    return path.startswith("/assemblies/") and path.endswith("/features")
+
+
+def is_assembly_mass(request: str) -> bool:
+    path = request.partition("?")[0]
+    return path.startswith("/assemblies/") and path.endswith("/massproperties")
 
 
 def _access(studio: StudioKey, root: str) -> dict[str, str]:
@@ -124,5 +239,6 @@ def _element(kind: str, document: str, pin: str, element: str) -> str:
     return "/{}/d/{}/{}/{}/e/{}".format(kind, *pieces)
 
 
-def _request(path: str, query: Mapping[str, str]) -> str:
-    return path + "?" + "&".join(f"{key}={quote(query[key], safe='')}" for key in sorted(query))
+def _request(path: str, query: Mapping[str, str], parts: Iterable[str] = ()) -> str:
+    pairs = sorted([*query.items(), *(("partId", part) for part in set(parts))])
+    return path + "?" + "&".join(f"{key}={quote(value, safe='')}" for key, value in pairs)

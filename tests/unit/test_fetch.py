@@ -4,39 +4,21 @@ import io
 import json
 import zipfile
 from pathlib import Path
-from threading import Lock
 from types import SimpleNamespace
 
 import pytest
+from pydantic import ValidationError
 
 from stages import fetch as stage
 from stages.fetch.bundle import pack
 from stages.fetch.keys import FetchKeys
 from stages.robot.errors import AssemblyError, ConfigError, NotFound, ProtocolError, SourceError
+from tests.kept import Kept, fetched, onshape
 from tests.onshape import solids
 from tests.onshape.bundle import bundle_bytes
 from tests.onshape.document import Document
 from tests.onshape.server import Fault, OnshapeServer
 from tests.recorded import kbot_bundle, needs_data
-
-
-class Kept(dict):
-    """Replies that are kept in memory; asserts that one thread at a time comes."""
-
-    def __init__(self):
-        super().__init__()
-        self._lock = Lock()
-
-    def get(self, request):
-        assert self._lock.acquire(blocking=False)
-        found = super().get(request)
-        self._lock.release()
-        return found
-
-    def put(self, request, body):
-        assert self._lock.acquire(blocking=False)
-        self[request] = body
-        self._lock.release()
 
 
 def two_studios():
@@ -54,18 +36,8 @@ def two_studios():
     return document
 
 
-def onshape(url):
-    quality = SimpleNamespace(angle=0.2, chord=0.0005, max_facet_width=None)
-    return SimpleNamespace(source=SimpleNamespace(kind="onshape", url=url, tessellation=quality))
-
-
 def zip_source(path):
     return SimpleNamespace(source=SimpleNamespace(kind="bundle", path=str(path)))
-
-
-def fetched(keys, kept=None, environ=None, lines=None):
-    tell = (lines if lines is not None else []).append
-    return stage.fetch(keys, Kept() if kept is None else kept, environ or {}, tell)
 
 
 def test_a_cold_build_makes_one_call_and_two_a_studio_and_then_only_what_can_change():
@@ -77,7 +49,7 @@ def test_a_cold_build_makes_one_call_and_two_a_studio_and_then_only_what_can_cha
         assert 2 <= server.most_at_once <= 4
         assert "3 part studios: 6 calls, 0 kept" in lines
         again = fetched(keys, kept, server.environ)
-        assert (again.calls, again.saved, server.count) == (1, 6, 8)
+        assert (again.calls, again.saved, server.count) == (1, 7, 8)
         assert again.bundle == cold.bundle
         assert len(kept) == 7
         assert all("/w/" not in request for request in kept)
@@ -118,9 +90,11 @@ def test_what_arrived_before_a_failure_is_kept_and_not_paid_for_again(broken):
     with OnshapeServer(two_studios()) as server:
         keys = onshape(server.document_url("m"))
         server.fault = lambda method, path, number: (
-            Fault(500, b'{"message": "An internal error"}') if number == broken else None
+            Fault(406, b'{"message": "Request not acceptable."}')
+            if number == broken or "/gltf" in path
+            else None
         )
-        with pytest.raises(ProtocolError, match="An internal error"):
+        with pytest.raises(ProtocolError, match="Request not acceptable"):
             fetched(keys, kept, server.environ)
         paid = server.count
         assert len(kept) == paid
@@ -135,9 +109,12 @@ def test_what_arrived_before_a_failure_is_kept_and_not_paid_for_again(broken):
 def test_a_reply_that_is_not_what_was_asked_for_is_not_kept(body):
     kept = Kept()
     with OnshapeServer(two_studios()) as server:
-        server.fault = lambda method, path, number: Fault(200, body) if number == 2 else None
+        server.fault = lambda method, path, number: Fault(200, body) if "/massproperties" in path else None
         with pytest.raises(ProtocolError) as caught:
             fetched(onshape(server.document_url()), kept, server.environ)
+        # Each such reply is billed, so none is asked for more than twice.
+        asked = [target for _, target, _ in server.calls]
+        assert max(asked.count(target) for target in asked) == 2
         assert caught.value.where == server.url.removeprefix("http://")
     assert body not in kept.values()
 
@@ -199,12 +176,13 @@ class TestBeforeTheFirstStage:
         stage.preflight(onshape(self.URL), {"ONSHAPE_ACCESS_KEY": "a", "ONSHAPE_SECRET_KEY": "s"})
         pinned = onshape(self.URL.replace("/w/", "/v/"))
         stage.preflight(pinned, {})
+        stage.preflight(onshape(self.URL, offline=True), {})
         with pytest.raises(ConfigError, match="ONSHAPE_ACCESS_KEY"):
             fetched(pinned)
 
     def test_a_malformed_address_and_a_missing_file_are_told(self):
-        with pytest.raises(ConfigError, match="24 hex"):
-            stage.preflight(onshape("https://cad.onshape.com/x"), {})
+        with pytest.raises(ValidationError, match="24 hex"):
+            onshape("https://cad.onshape.com/x")
         with pytest.raises(ConfigError, match=r"arm\.zip does not exist"):
             stage.preflight(zip_source("arm.zip"), {})
         Path("folder").mkdir()
@@ -215,8 +193,7 @@ class TestBeforeTheFirstStage:
         assert stage.pinned(onshape(self.URL)) is None
         version = onshape(self.URL.replace("/w/", "/v/"))
         other = onshape(self.URL.replace("/w/", "/v/") + "?configuration=x%3D1")
-        finer = onshape(self.URL.replace("/w/", "/v/"))
-        finer.source.tessellation.angle = 0.1
+        finer = onshape(self.URL.replace("/w/", "/v/"), tessellation={"angle": 0.1})
         identities = [json.dumps(stage.pinned(keys)) for keys in (version, other, finer)]
         assert len(set(identities)) == 3
         Path("a.zip").write_bytes(b"one")

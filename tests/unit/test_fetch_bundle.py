@@ -2,14 +2,17 @@
 
 import io
 import json
+import random
 import stat
 import zipfile
 from hashlib import sha256
+from types import SimpleNamespace
 
 import pytest
 
 from stages.fetch import bundle as module
 from stages.fetch.bundle import pack, read
+from stages.fetch.files import content
 from stages.robot.bundle import Bundle
 from stages.robot.errors import SourceError
 
@@ -102,10 +105,40 @@ def test_other_names_links_and_doubles_are_refused():
     refused(doubled, "there twice")
 
 
+@pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_methods_that_may_ask_for_gigabytes_are_refused(method):
+    refused(zipped(GOOD, method), "another method than deflate")
+
+
+def test_a_file_too_large_is_refused_before_it_is_read(tmp_path):
+    with (tmp_path / "arm.zip").open("wb") as file:
+        file.truncate((1 << 30) + 1)
+    source = SimpleNamespace(kind="bundle", path=str(tmp_path / "arm.zip"))
+    with pytest.raises(SourceError, match="1073741825 bytes"):
+        content(source)
+
+
+def test_however_a_bundle_is_harmed_it_is_refused_or_read_as_it_was():
+    good = zipped(GOOD)
+    whole, chance = read(good, "x.zip"), random.Random(3)
+    refusals = 0
+    for _ in range(3000):
+        harmed = bytearray(good)
+        for _ in range(chance.randint(1, 3)):
+            harmed[chance.randrange(len(harmed))] = chance.randrange(256)
+        try:
+            assert (
+                read(bytes(harmed[: chance.choice([len(good), chance.randrange(len(good))])]), "x") == whole
+            )
+        except SourceError:
+            refusals += 1
+    assert 1000 < refusals < 3000
+
+
 def test_bombs_are_refused_before_they_are_inflated(monkeypatch):
     bomb = zipped({**GOOD, f"replies/{'0' * 64}": bytes(8 << 20)})
     refused(bomb, "packed too tightly")
-    monkeypatch.setattr(module, "_MOST_BYTES", 1000)
+    monkeypatch.setattr(module, "LARGEST", 1000)
     refused(zipped({**GOOD, f"replies/{'0' * 64}": bytes(2000)}), "would unpack to")
     monkeypatch.setattr(module, "_MOST_ENTRIES", 2)
     refused(zipped(GOOD), "3 entries")
@@ -127,6 +160,8 @@ def test_a_missing_reply_is_named_with_its_request():
         (b"{", "not JSON"),
         (b"[]", "no JSON object"),
         (b"\xff\xfe", "not JSON"),
+        (b'{"format": ' + b"[" * 100_000, "not JSON"),
+        ({**MANIFEST, "root": {**ROOT, "element": "\ud800"}}, "malformed (root.element"),
         ({**MANIFEST, "format": 2}, "format 2, and this version reads 1"),
         ({**MANIFEST, "format": "one"}, "malformed (format"),
         ({**MANIFEST, "kind": "urdf"}, "malformed (kind"),

@@ -61,3 +61,30 @@ def test_a_recorded_part_is_found_with_and_without_a_query():
     bare = request.partition("?")[0]
     assert requests.subject(request) == requests.subject(bare)
     assert requests.subject(request) == requests.subject(bare + "?inferMetadataOwner=true")
+
+
+def test_the_state_of_a_document_is_asked_without_a_query():
+    assert requests.current_microversion("doc", "space") == "/documents/d/doc/w/space/currentmicroversion"
+    assert requests.elements("doc", "micro") == "/documents/d/doc/m/micro/elements"
+
+
+def test_the_mass_of_an_assembly_is_no_definition_and_no_part_studio():
+    request = requests.assembly_mass_properties("doc", "m/micro", "elem", "a=b")
+    assert request == "/assemblies/d/doc/m/micro/e/elem/massproperties?configuration=a%3Db"
+    assert requests.is_assembly_mass(request)
+    assert not requests.is_definition(request)
+    assert requests.is_definition(requests.definition("doc", "m/micro", "elem", "a=b"))
+    assert not requests.is_assembly_mass(requests.mass_properties(OWN, "doc"))
+
+
+def test_messages_name_what_was_asked_for():
+    asked = [
+        requests.current_microversion("doc", "space"),
+        requests.elements("doc", "micro"),
+        requests.assembly_mass_properties("doc", "m/micro", "elem", "default"),
+    ]
+    assert [requests.describe(request) for request in asked] == [
+        "the current microversion of document doc",
+        "the tabs of document doc",
+        "the mass of assembly elem",
+    ]

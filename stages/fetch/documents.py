@@ -1,0 +1,41 @@
+"""What fetch reads of a document's state: the microversions of a workspace and of its tabs."""
+
+from collections.abc import Mapping
+
+import orjson
+
+from stages.robot.errors import ProtocolError
+
+_HINT = "run the same command again; if it fails each time, the API has changed"
+
+
+def microversion(body: bytes) -> str:
+    """The microversion that a `currentmicroversion` reply names; ProtocolError where it names none."""
+    data = _json(body, "the current microversion")
+    found = data.get("microversion") if isinstance(data, dict) else None
+    if not isinstance(found, str) or not found:
+        msg = "the reply with the current microversion does not name one"
+        raise ProtocolError(msg, hint=_HINT)
+    return found
+
+
+def tabs(body: bytes) -> Mapping[str, str]:
+    """Element id → the microversion of that element alone, of an `elements` reply.
+
+    Tabs that tell none are left out: they count as changed. ProtocolError where it is no such list.
+    """
+    data = _json(body, "the tabs of a document")
+    if not isinstance(data, list) or not all(isinstance(tab, dict) for tab in data):
+        msg = "the reply with the tabs of a document is no list of tabs"
+        raise ProtocolError(msg, hint=_HINT)
+    found = ((tab.get("id"), tab.get("microversionId")) for tab in data)
+    return {str(element): str(version) for element, version in found if element and version}
+
+
+def _json(body: bytes, what: str) -> object:
+    try:
+        data: object = orjson.loads(body)
+    except orjson.JSONDecodeError:
+        msg = f"the reply with {what} is not JSON, or was cut short"
+        raise ProtocolError(msg, hint=_HINT) from None
+    return data

@@ -1,0 +1,100 @@
+"""Whether a workspace changed since it was last built, and which of its tabs did.
+
+A workspace is asked for its microversion alone; all else is asked for, and kept, at that
+microversion. An edit anywhere gives the whole document a new one, but each tab has a microversion of
+its own: replies about a tab that kept it still hold.
+"""
+
+import time
+from typing import Any
+
+from stages.fetch import definition, documents, requests
+from stages.fetch.asking import Asking
+from stages.fetch.url import AssemblyUrl
+from stages.robot.errors import Offline
+
+
+class Workspace:
+    """The workspace that an address names, and the microversions of it that earlier builds met."""
+
+    def __init__(self, url: AssemblyUrl, asking: Asking) -> None:
+        self._url = url
+        self._asking = asking
+        self._place = f"/documents/d/{url.document}/{url.pin}"
+        self._definition = requests.definition(url.document, url.pin, url.element, url.configuration)
+
+    def last(self) -> str | None:
+        """The microversion that was last built completely, else the one first met; None at first."""
+        return self._recalled(f"{self._definition}#complete") or self._recalled(f"{self._definition}#first")
+
+    def completed(self, microversion: str) -> None:
+        """Takes down that all replies about this assembly are kept at `microversion`."""
+        if self._recalled(f"{self._definition}#complete") != microversion:
+            self._asking.remember(f"{self._definition}#complete", {"microversion": microversion})
+
+    def current(self, *, anew: bool = False, began: float | None = None) -> str:
+        """The microversion that the workspace is at, for one call; the last one met when offline.
+
+        The first time, and with `anew`, the definition itself is asked for: it names the
+        microversion. Of several builders that ask at once the first does, and the others take what
+        it was told while they waited: since `began`, which is now unless they waited before.
+        """
+        began = time.time() if began is None else began
+        asking = self._asking
+        if asking.offline:
+            return self._without_network()
+        with asking.alone(self._place):
+            told = asking.recall(self._place)
+            # A time to come is one of a clock that was put back since.
+            if not anew and began <= _number(told.get("at")) <= time.time():
+                asking.spare(1)
+                microversion = str(told["microversion"])
+            else:
+                microversion = self._asked(anew)
+                asking.remember(self._place, {"microversion": microversion, "at": time.time()})
+        if self.last() is None:
+            asking.remember(f"{self._definition}#first", {"microversion": microversion})
+        return microversion
+
+    def definition(self, microversion: str) -> str:
+        """The request for the assembly definition at a microversion."""
+        url = self._url
+        return requests.definition(url.document, f"m/{microversion}", url.element, url.configuration)
+
+    def _asked(self, anew: bool) -> str:
+        if self.last() is None or anew:
+            body = self._asking.now(self._definition)
+            microversion = definition.read(body).microversion
+            self._asking.keep(self.definition(microversion), body)
+            return microversion
+        body = self._asking.now(requests.current_microversion(self._url.document, self._url.pin[2:]))
+        return documents.microversion(body)
+
+    def _without_network(self) -> str:
+        last = self.last()
+        if last is None:
+            msg = f"nothing is known yet about the workspace of assembly {self._url.element}"
+            hint = "build it once with source.offline=false, or build from a bundle (source=bundle)"
+            raise Offline(msg, "source.offline", hint)
+        return last
+
+    def _recalled(self, subject: str) -> str | None:
+        found = self._asking.recall(subject).get("microversion")
+        return found if isinstance(found, str) else None
+
+
+def tabs_to_ask(document: str, then: str, now: str) -> tuple[str, str]:
+    """The requests that tell which tabs changed between two microversions."""
+    return requests.elements(document, then), requests.elements(document, now)
+
+
+def unchanged(document: str, then: str, now: str, asking: Asking) -> frozenset[str]:
+    """The ids of the elements that are the same at both microversions."""
+    asked = tabs_to_ask(document, then, now)
+    bodies = asking.all(asked)
+    before, after = (documents.tabs(bodies[request]) for request in asked)
+    return frozenset(element for element, version in after.items() if before.get(element) == version)
+
+
+def _number(value: Any) -> float:
+    return float(value) if isinstance(value, int | float) else -1.0

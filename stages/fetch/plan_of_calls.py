@@ -1,0 +1,44 @@
+"""The plan of calls: how many a build still needs, and whether it may make them.
+
+Onshape counts calls by the year, so a build says what it is about to spend before it does, and
+spends nothing where the user allows less.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from stages.robot.errors import SourceError
+
+
+@dataclass(slots=True)
+class Calls:
+    """What a build spent: filled in while it fetches, so that it also tells of a fetch that failed.
+
+    `made`: calls that count against the quota; `saved`: replies that were kept already; `year`: all
+    calls of this key in this year, None where nothing counts them; `remaining`: calls that the
+    server said are left in its window, by kind of request; `served`: what it said of itself, the
+    `api` version and its `release`; `waited`: seconds waited because it asked for that.
+    """
+
+    made: int = 0
+    saved: int = 0
+    year: int | None = None
+    remaining: Mapping[str, int] = field(default_factory=dict)
+    served: Mapping[str, str] = field(default_factory=dict)
+    waited: float = 0.0
+
+
+def allow(more: int, made: int, limit: int) -> None:
+    """SourceError where `more` calls besides those `made` would be more than `limit`."""
+    if made + more <= limit:
+        return
+    needs = f"made {count(made, 'call')} and needs {more} more" if made else f"needs {count(more, 'call')}"
+    msg = f"this build {needs}, but it may make {limit}"
+    kept = "; what was fetched is kept" if made else ""
+    hint = f"set source.max_calls={made + more} or more to allow it{kept}"
+    raise SourceError(msg, "source.max_calls", hint)
+
+
+def count(number: int, noun: str) -> str:
+    """A number with its noun: "1 call", "2 calls"."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

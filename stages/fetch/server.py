@@ -1,0 +1,97 @@
+"""The server of one assembly: connected when the first call is due, its replies checked."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from stages.fetch import definition, requests
+from stages.fetch.client import AT_ONCE, Client
+from stages.fetch.credentials import find
+from stages.fetch.envelope import accepted
+from stages.fetch.ledger import Ledger
+from stages.fetch.plan_of_calls import Calls
+from stages.fetch.retries import Patience
+from stages.fetch.url import AssemblyUrl
+from stages.robot.errors import ProtocolError
+
+
+class Server:
+    """A context manager: the connections live as long as it.
+
+    `max_wait` [s] bounds the waits that the server may ask for; `ledger` is the folder where calls
+    are taken down, if any; `patience` is what else is borne with.
+    """
+
+    at_once = AT_ONCE
+
+    def __init__(
+        self,
+        url: AssemblyUrl,
+        environ: Mapping[str, str],
+        tell: Callable[[str], None],
+        max_wait: float,
+        ledger: Path | None,
+        patience: Patience | None = None,
+    ) -> None:
+        self._url = url
+        self._environ = environ
+        self._tell = tell
+        self._patience = replace(patience or Patience(), max_wait=max_wait)
+        self._folder = ledger
+        self._ledger: Ledger | None = None
+        self._client: Client | None = None
+
+    def __enter__(self) -> "Server":
+        return self
+
+    def __exit__(self, *reason: object) -> None:
+        if self._client is not None:
+            self._client.__exit__(None, None, None)
+
+    @property
+    def calls(self) -> int:
+        """Calls made that count against the quota."""
+        return self._client.calls if self._client else 0
+
+    def account(self, calls: Calls) -> None:
+        """Takes down in `calls` what this server was asked so far."""
+        calls.made = self.calls
+        calls.remaining = dict(sorted(self._client.left.items())) if self._client else {}
+        calls.year = self._ledger.counted() if self._ledger else None
+        if self._client is not None:
+            calls.served = dict(sorted(self._client.met.items()))
+            calls.waited = self._client.waited
+
+    def ready(self) -> Client:
+        """The client, made when the first call is due: a build from kept replies needs no key."""
+        if self._client is None:
+            credentials = find(self._environ)
+            self._ledger = Ledger(self._folder, credentials.who) if self._folder else None
+            self._client = Client(
+                self._url, credentials, patience=self._patience, ledger=self._ledger, tell=self._tell
+            )
+        return self._client
+
+    def stop(self) -> None:
+        """Lets no further call begin and ends all waits."""
+        if self._client is not None:
+            self._client.stop()
+
+    def ask(self, request: str) -> bytes:
+        """What is kept of the reply to `request`. Safe to call from several threads once `ready`."""
+        kept = b""
+
+        def fits(body: bytes) -> None:
+            nonlocal kept
+            kept = accepted(request, body)
+            if requests.is_definition(request):
+                self._same_assembly(body)
+
+        self.ready().get(request, requests.accept(request), check=fits)
+        return kept
+
+    def _same_assembly(self, body: bytes) -> None:
+        found = definition.read(body)
+        if (found.document, found.element) != (self._url.document, self._url.element):
+            msg = f"the server gave assembly {found.element} where {self._url.element} was asked for"
+            raise ProtocolError(msg, hint="run the same command again")

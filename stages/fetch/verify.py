@@ -1,0 +1,103 @@
+"""Our sum of masses against Onshape's own: whether reused replies still tell how the assembly is.
+
+A part studio that derives from another one can change while its own microversion stays. What it
+weighs then differs from the reply that is kept, and so does the mass of the assembly, which the
+server gives in one call.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import orjson
+
+from stages.robot.bundle import StudioKey
+from stages.robot.errors import Diagnostic, ProtocolError
+
+_RELATIVE = 1e-6
+"""Sums of the same parts agree to rounding; a part that changed shows as more."""
+
+_HINT = "run the same command again; if it fails each time, set source.verify: false"
+
+
+@dataclass(frozen=True, slots=True)
+class Masses:
+    """Masses [kg]: `theirs`, the server's for the assembly; `ours`, the sum over all occurrences.
+
+    `shown`: our sum without hidden ones. Whether hidden instances are in the server's is not
+    documented, so either may agree.
+    """
+
+    theirs: float
+    ours: float
+    shown: float
+
+    @property
+    def agree(self) -> bool:
+        within = _RELATIVE * max(abs(self.theirs), abs(self.ours))
+        return min(abs(self.theirs - self.ours), abs(self.theirs - self.shown)) <= within
+
+    def diagnostic(self, element: str) -> Diagnostic:
+        """What the report says where they differ although everything was fetched."""
+        return Diagnostic(
+            "W-VERIFY",
+            f"the parts weigh {self.ours:.9g} kg together, but Onshape weighs the assembly at "
+            f"{self.theirs:.9g} kg; every part studio of the document was fetched as it is now",
+            f"assembly {element}",
+            "compare with the mass properties that Onshape shows for the assembly (overridden masses?); "
+            "source.refresh=true asks for everything again, source.verify=false does not compare",
+        )
+
+
+def compare(definition: bytes, weights: Mapping[StudioKey, Mapping[str, float]], total: bytes) -> Masses:
+    """The masses of an assembly: `definition` and `total` are replies, `weights` [kg] by part id.
+
+    A part without a weight counts nothing: the server's total leaves parts without mass out.
+    """
+    ours = shown = 0.0
+    for studio, part, hidden in _occurrences(orjson.loads(definition)):
+        weight = weights.get(studio, {}).get(part, 0.0)
+        ours += weight
+        shown += 0.0 if hidden else weight
+    return Masses(read_total(total), ours, shown)
+
+
+def read_total(body: bytes) -> float:
+    """The mass [kg] in an assembly's mass properties; ProtocolError where there is none."""
+    try:
+        return _mass(orjson.loads(body))
+    except (orjson.JSONDecodeError, AttributeError, KeyError, IndexError, TypeError, ValueError):
+        msg = "the reply with the mass of the assembly has no mass"
+        raise ProtocolError(msg, hint=_HINT) from None
+
+
+def read_weights(body: bytes) -> Mapping[str, float]:
+    """Part id → mass [kg], of a part studio's mass properties; ProtocolError where one is unreadable."""
+    try:
+        return {part: _mass(found) for part, found in orjson.loads(body)["bodies"].items()}
+    except (orjson.JSONDecodeError, AttributeError, KeyError, IndexError, TypeError, ValueError):
+        msg = "the reply with the mass properties of a part studio has a part without mass properties"
+        raise ProtocolError(msg, hint=_HINT) from None
+
+
+def _mass(found: Mapping[str, Any]) -> float:
+    """The nominal mass; none where nothing has a material."""
+    return float(found["mass"][0]) if found.get("hasMass", True) else 0.0
+
+
+def _occurrences(data: Mapping[str, Any]) -> Iterator[tuple[StudioKey, str, bool]]:
+    """(part studio, part id, hidden) of every part in the assembly, at any depth."""
+    root = data["rootAssembly"]
+    subs = {StudioKey.of(sub): sub for sub in data.get("subAssemblies") or ()}
+    by_id = {id(each): {i["id"]: i for i in each["instances"]} for each in (root, *subs.values())}
+    for occurrence in root.get("occurrences") or ():
+        owner: Mapping[str, Any] | None = root
+        instance: Mapping[str, Any] | None = None
+        for step in occurrence["path"]:
+            instance = by_id[id(owner)].get(step) if owner is not None else None
+            if instance is None or instance.get("suppressed"):
+                instance = None
+                break
+            owner = subs.get(StudioKey.of(instance)) if instance.get("type") == "Assembly" else None
+        if instance is not None and instance.get("type") == "Part":
+            yield StudioKey.of(instance), instance["partId"], bool(occurrence.get("hidden"))

@@ -1,0 +1,65 @@
+"""Replies that are kept in memory, and a fetch that uses them."""
+
+import contextlib
+from collections import defaultdict
+from threading import Lock, RLock
+
+from stages import fetch as stage
+from stages.fetch.keys import FetchKeys
+from stages.fetch.retries import Patience
+
+QUICK = Patience(first_wait=0.001, longest_wait=0.004, jitter=0.001, connect=5, read=10, whole=20)
+"""Asks again at once: tests have no time to wait."""
+
+
+class Kept(dict):
+    """Replies by request, and `facts`; asserts that one thread at a time comes."""
+
+    def __init__(self):
+        super().__init__()
+        self.facts = {}
+        self._lock = Lock()
+        self._alone = defaultdict(RLock)
+
+    def get(self, request):
+        with self._one_at_a_time():
+            return super().get(request)
+
+    def put(self, request, body):
+        with self._one_at_a_time():
+            self[request] = body
+
+    def recall(self, subject):
+        with self._one_at_a_time():
+            return self.facts.get(subject)
+
+    def remember(self, subject, fact):
+        with self._one_at_a_time():
+            self.facts[subject] = fact
+
+    def alone(self, subject):
+        return self._alone[subject]
+
+    @contextlib.contextmanager
+    def _one_at_a_time(self):
+        assert self._lock.acquire(blocking=False)
+        try:
+            yield
+        finally:
+            self._lock.release()
+
+
+ADDRESS = "https://cad.onshape.com/documents/{}/w/{}/e/{}".format("a" * 24, "b" * 24, "c" * 24)
+"""An address that has the shape of one, and is nobody's."""
+
+
+def onshape(url, **keys):
+    """The fetch stage's keys for an address."""
+    return FetchKeys.model_validate({"source": {"kind": "onshape", "url": url, **keys}})
+
+
+def fetched(keys, kept=None, environ=None, lines=None, **more):
+    """What the stage fetches, with replies in memory."""
+    tell = (lines if lines is not None else []).append
+    more.setdefault("patience", QUICK)
+    return stage.fetch(keys, Kept() if kept is None else kept, environ or {}, tell, **more)
