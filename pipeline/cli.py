@@ -1,5 +1,7 @@
 """The command `linkwright`: arguments, help, exit status, error border. Imports nothing heavy."""
 
+import gc
+import importlib
 import importlib.util
 import os
 import sys
@@ -26,6 +28,10 @@ usage: linkwright [-m] [--config-dir DIR] [group=option ...] [key=value ...]
                                                 change keys and options of a robot
   linkwright -m robot=my_arm root=fixed,free    a sweep: every combination, a folder each
 
+other verbs (linkwright VERB --help tells more):
+  linkwright bundle NAME out.zip                pack what the build of NAME read, to build it anywhere
+  linkwright cache info|gc|verify               the cache: its size and the API calls counted, clean, check
+
 options:
   -m, --multirun        sweep over values that are separated by commas;
                         side by side with hydra/launcher=workstation
@@ -47,6 +53,7 @@ groups, each a set of presets (group=option):
 
 keys (key=value; with their units and defaults in stages/<stage>/keys.py of the package):
   name  source.url  source.path  source.tessellation.{angle,chord,max_facet_width}
+  source.{offline,refresh,verify,max_calls,max_wait}
   root.{select,base}  joints.<glob>.{limits,effort,velocity,damping,friction,armature}
   loops.solref  frames.include  ground.{kind,size,xyz,rpy,friction}
   scene.pose.{xyz,rpy}  scene.option.timestep  validate.level
@@ -54,12 +61,17 @@ keys (key=value; with their units and defaults in stages/<stage>/keys.py of the 
 
 environment:
   ONSHAPE_ACCESS_KEY, ONSHAPE_SECRET_KEY    credentials, from here or from .env, never from YAML
+  ONSHAPE_AUTH=signature                    sign each request with them, so that the secret is never sent
+  ONSHAPE_ACCESS_TOKEN                      a bearer token, in place of a key
   LINKWRIGHT_TRACEBACK=1                    show where an error came from
 
 exit status:
   0  built and valid           1  failed                  2  wrong configuration, nothing was built
   3  built, a check failed   130  interrupted
 """
+
+VERBS = {"bundle": "pipeline.verbs.bundle", "cache": "pipeline.verbs.cache"}
+"""What else the command does: verb → the module with its `HELP` and its `run(arguments) -> exit status`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,12 +90,19 @@ class UsageError(Exception):
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """The console script: runs the command line and returns the exit status."""
-    return run(sys.argv[1:] if arguments is None else arguments)
+    # Nearly all objects that a command makes live until it ends. Looking through them for cycles, again
+    # and again on the way and once more at the end, takes a tenth of its time.
+    gc.set_threshold(100_000, 50, 100)
+    status = run(sys.argv[1:] if arguments is None else arguments)
+    gc.freeze()
+    return status
 
 
 def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = None) -> int:
     """Runs a command line; the exit status. `build` stands in for a build without display."""
     try:
+        if arguments and arguments[0] in VERBS:
+            return _verb(arguments[0], arguments[1:])
         command = parse(arguments)
         if command.show:
             print(command.show)
@@ -156,6 +175,19 @@ def _version() -> str:
         return "(not installed)"
 
 
+def _verb(name: str, arguments: Sequence[str]) -> int:
+    """Runs a verb, or shows its help; the exit status. UsageError where our packages are shadowed."""
+    verb = importlib.import_module(VERBS[name])
+    if "-h" in arguments or "--help" in arguments:
+        print(verb.HELP.rstrip())
+        return 0
+    shadowed = shadows()
+    if shadowed:
+        raise UsageError(shadowed)
+    status: int = verb.run(arguments)
+    return status
+
+
 def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     from pipeline.compose import compose_plan
     from pipeline.preflight import beforehand
@@ -174,17 +206,17 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     from pipeline.compose import session
-    from pipeline.preflight import beforehand
+    from pipeline.preflight import before_a_sweep
     from pipeline.sweep import Outcome, Task, jobs_of, prepare, summary, sweep_status
 
     if build is None:
         from pipeline.build import build as build_robot
 
         build = build_robot
-    with session(command.config_dirs, judge=beforehand) as composer:
+    with session(command.config_dirs, judge=before_a_sweep) as composer:
         overrides, problems = composer.read(command.overrides, multirun=True)
         problems += composer.check_launcher(overrides)
-        jobs, folder = jobs_of(composer, overrides, problems, beforehand)
+        jobs, folder = jobs_of(composer, overrides, problems, before_a_sweep)
         prepare(folder)
         outcomes: list[Outcome] = composer.launch(overrides, Task(jobs, build), folder)
     print(summary(outcomes, folder))

@@ -109,13 +109,16 @@ def is_ours(folder: Path) -> bool:
 def write_tree(folder: Path, files: Mapping[str, bytes]) -> None:
     """Writes files by relative path into a folder, which is made if need be."""
     folder.mkdir(parents=True, exist_ok=True)
+    made = {folder}
     for name in sorted(files):
         path = PurePosixPath(name)
         if path.is_absolute() or ".." in path.parts:
             msg = f"{name!r} is no path inside a build"
             raise OutputError(msg, where=str(folder), hint="clear the cache folder and build again")
         target = folder / path
-        target.parent.mkdir(parents=True, exist_ok=True)
+        if target.parent not in made:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            made.add(target.parent)
         target.write_bytes(files[name])
 
 

@@ -232,11 +232,11 @@ def test_a_number_as_the_name_of_a_joint_is_told_to_be_quoted():
             ),
         ),
         (
-            {"source": {**ONSHAPE, "configuration": {"leg": "0.2 m"}}},
+            {"depth": {"rigid": ["*motor*"]}},
             (
-                "source.configuration",
-                "not supported yet (given {'leg': '0.2 m'})",
-                "leave it out: only its default works so far, {}",
+                "depth.rigid",
+                "not supported yet (given ['*motor*'])",
+                "leave it out: only its default works so far, []",
             ),
         ),
     ],
@@ -246,9 +246,6 @@ def test_what_is_not_there_yet_is_refused_by_name(data, told):
 
 
 LATER = [
-    *[{"source": {**ONSHAPE, key: value}} for key, value in {
-        "variables": {"a": 1}, "allow_write": True, "verify": False, "offline": True, "refresh": True,
-        "max_calls": 3, "max_wait": 1}.items()],
     {"root": {"frame": "base"}}, {"root": {"disconnected": "drop"}}, {"depth": {"max": 0}},
     {"depth": {"rigid": ["*motor*"]}}, {"depth": {"flexible": ["a"]}}, {"hidden": "drop"}, {"mirror": "weld"},
     {"conventions": "onshape_to_robot"}, {"names": {"links": {"a": "b"}}}, {"names": {"joints": {"a": "b"}}},

@@ -44,6 +44,9 @@ class Fake:
     def config(self, bench):
         return {"name": bench.plan.name} if self.pinned else None
 
+    def anew(self, bench):
+        return False
+
     def inputs(self, bench):
         return {} if self.name == "fetch" else bench.digests(list(bench.files)[-1])
 

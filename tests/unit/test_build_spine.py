@@ -54,10 +54,15 @@ def test_http_and_bundle_give_the_same_bytes_and_a_second_build_costs_one_call(d
         asked = plan(tmp_path / "http", {"kind": "onshape", "url": server.document_url()})
         first = build(asked, environ=server.environ)
         cold = server.count
-        assert first.calls == {"made": cold, "saved": 0}
+        assert (first.calls["made"], first.calls["saved"]) == (cold, 0)
+        assert first.calls["counted_this_year"] == cold
         second = build(asked, environ=server.environ)
         assert server.count - cold == 1
-        assert second.calls == {"made": 1, "saved": cold - 1}
+        assert (second.calls["made"], second.calls["saved"]) == (1, cold)
+        assert second.calls["counted_this_year"] == cold + 1
+        assert second.calls["remaining"]["currentmicroversion"] < 400
+        assert second.calls["served"] == {"api": "v16", "release": "1.218.0"}
+        assert second.calls["waited"] == 0
         pinned = plan(tmp_path / "http", {"kind": "onshape", "url": server.document_url("m")})
         server.reset()
         third = build(pinned, environ=server.environ)

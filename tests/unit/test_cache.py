@@ -1,6 +1,8 @@
 """Actions: what is in the key, what is a hit, and what the modes do."""
 
 import json
+import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -204,9 +206,48 @@ def test_memo_keys_by_kind_key_and_library_and_may_run_inside_an_action(cache):
     assert len(asked) == 4
 
 
+def test_what_is_made_anew_replaces_the_record(cache):
+    cache.run(ACTION, Maker(a=b"one"))
+    files, cached = cache.run(ACTION, Maker(a=b"two"), anew=True)
+    assert (dict(files), cached) == ({"a": b"two"}, False)
+    files, cached = again(cache).run(ACTION, Maker(a=b"three"))
+    assert (dict(files), cached) == ({"a": b"two"}, True)
+
+
 def test_replies_are_kept_by_request_and_survive_refresh(cache):
     request = "/assemblies/d/x/m/y/e/z?configuration=default"
     assert cache.replies().get(request) is None
     cache.replies().put(request, b"{}")
     assert again(cache, "refresh").replies().get(request) == b"{}"
     assert cache.replies().get(request + "&x=1") is None
+
+
+def test_a_later_reply_takes_the_place_of_the_first(cache):
+    cache.replies().put("/x", b"{}")
+    cache.replies().put("/x", b"[]")
+    assert again(cache).replies().get("/x") == b"[]"
+
+
+def test_facts_are_remembered_until_they_change_and_are_no_replies(cache):
+    assert cache.replies().recall("/x") is None
+    cache.replies().remember("/x", {"microversion": "a"})
+    cache.replies().remember("/x", {"microversion": "b", "at": 1.5})
+    assert again(cache).replies().recall("/x") == {"microversion": "b", "at": 1.5}
+    assert cache.replies().get("/x") is None
+    cache.replies().put("/x", b"{}")
+    assert cache.replies().recall("/x") == {"microversion": "b", "at": 1.5}
+
+
+def test_one_at_a_time_is_alone_with_a_subject(cache):
+    inside, most = [], []
+
+    def work(_):
+        with cache.replies().alone("/x"), cache.replies().alone("/y"):
+            inside.append(1)
+            most.append(len(inside))
+            time.sleep(0.005)
+            inside.pop()
+
+    with ThreadPoolExecutor(4) as pool:
+        list(pool.map(work, range(8)))
+    assert most == [1] * 8

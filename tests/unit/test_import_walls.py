@@ -12,6 +12,7 @@ REPO = Path(__file__).parents[2]
 
 HOMES = {
     "httpx": ("stages/fetch/",),
+    "stamina": ("stages/fetch/",),
     "dotenv": ("stages/fetch/",),
     "mujoco": ("stages/validate/",),
     "trimesh": ("stages/mesh/",),

@@ -1,0 +1,181 @@
+"""`linkwright bundle NAME OUT.zip`: what a build read, as one file that builds the robot anywhere."""
+
+import contextlib
+import json
+import os
+import tempfile
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pipeline.errors import CacheError, ConfigError, OutputError
+
+HELP = """\
+linkwright bundle: pack what a build read into one file, which builds the robot anywhere.
+
+usage: linkwright bundle NAME OUT.zip [cache.dir=FOLDER]
+
+  linkwright bundle my_arm my_arm.zip           what the build in outputs/my_arm read
+  linkwright bundle builds/arm.failed arm.zip   any folder of a build, also of one that failed
+
+NAME is the robot's name, or the folder that its build left. The replies come from the cache, so no
+call is made: the one that the build used (key cache.dir, environment LINKWRIGHT_CACHE, or the
+platform's), unless cache.dir= names another. OUT.zip is replaced if it is a zip file.
+
+The zip holds replies of the CAD system as they came: no key, and nothing about this computer. To
+build from it, on any computer, with the same configuration and to the same robot files:
+
+  linkwright robot=my_arm source=bundle source.path=my_arm.zip
+
+exit status: 0 packed; 1 failed (the cache no longer has it); 2 wrong usage
+"""
+
+_USAGE = "linkwright bundle NAME OUT.zip; linkwright bundle --help tells more"
+_CACHE = "cache.dir="
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """What is asked for: the build, the file to write, and the cache folder if one is named."""
+
+    name: str
+    out: Path
+    cache: str | None
+
+
+def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> int:
+    """Packs the bundle; the exit status.
+
+    ConfigError for wrong usage and where there is no such build; CacheError where the cache no longer
+    has what the build read; OutputError where the build read nothing or the file cannot be written.
+    """
+    asked = parse(arguments)
+    folder = find(asked.name)
+    _check_place(asked.out)
+    manifest = _manifest(folder)
+    data, replies = _packed(folder, manifest, asked, environ)
+    _write(asked.out, data)
+    print(f"{asked.out}: {replies} replies, {len(data) / 1e6:.2f} MB, all that {folder} was built from")
+    print(f"  → linkwright source=bundle source.path={asked.out}")
+    return 0
+
+
+def parse(arguments: Sequence[str]) -> Request:
+    """The arguments taken apart; ConfigError for any that are missing or not there."""
+    places = [argument for argument in arguments if not argument.startswith((_CACHE, "-"))]
+    options = [argument for argument in arguments if argument.startswith("-")]
+    caches = [argument.removeprefix(_CACHE) for argument in arguments if argument.startswith(_CACHE)]
+    if options:
+        msg = f"there is no option {options[0]}"
+        raise ConfigError(msg, "bundle", _USAGE)
+    if len(places) != 2:
+        msg = f"a build and the file to write are expected, and {len(places)} were given"
+        raise ConfigError(msg, "bundle", _USAGE)
+    if caches and not caches[-1]:
+        msg = "a folder is expected"
+        raise ConfigError(msg, "cache.dir", _USAGE)
+    return Request(places[0], Path(places[1]), caches[-1] if caches else None)
+
+
+def find(name: str) -> Path:
+    """The folder of a build: `outputs/<name>`, else the folder `name`; ConfigError if neither is one."""
+    from pipeline.output import is_ours
+
+    places = [Path("outputs") / name, Path(name)]
+    for place in places:
+        if is_ours(place):
+            return place
+    kin = sorted(str(place) for place in _siblings(Path("outputs"), name) if is_ours(place))
+    there = f"there is {', '.join(kin)}: name it" if kin else "build it first, or name the folder of a build"
+    msg = f"no build is in {places[0]} or {places[1]}"
+    raise ConfigError(msg, "bundle", there)
+
+
+def _siblings(folder: Path, name: str) -> list[Path]:
+    """What builds of that name leave beside their output: of an earlier stage, or failed."""
+    try:
+        return [place for place in folder.iterdir() if place.name.startswith(f"{name}.")]
+    except OSError:
+        return []
+
+
+def _check_place(out: Path) -> None:
+    import zipfile
+
+    if not out.parent.is_dir():
+        msg = f"{out} cannot be written: there is no folder {out.parent}"
+        raise ConfigError(msg, "bundle", "make the folder, or choose another place")
+    if out.is_dir() or (out.exists() and not zipfile.is_zipfile(out)):
+        msg = f"{out} is there already, and is no zip file"
+        raise ConfigError(msg, "bundle", "choose another name: only an older bundle is replaced")
+
+
+def _manifest(folder: Path) -> str:
+    """The digest of what the build read, from its report; OutputError where it read nothing."""
+    report = json.loads((folder / "report.json").read_bytes())
+    bundle = report.get("bundle")
+    manifest = bundle.get("manifest") if isinstance(bundle, dict) else None
+    if not isinstance(manifest, str):
+        msg = "its report names no bundle: the build ended before everything was fetched"
+        raise OutputError(msg, str(folder), "build it again; what was fetched is kept")
+    return manifest
+
+
+def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, str]) -> tuple[bytes, int]:
+    """The zip's bytes and how many replies it holds."""
+    from pipeline.bundles import recall
+    from pipeline.cache import Cache
+    from pipeline.store import Store
+    from stages.fetch.bundle import pack, read
+
+    roots = _caches(folder, asked.cache, environ)
+    for root in roots:
+        bundle = recall(Cache(Store(root)), manifest) if root.is_dir() else None
+        if bundle is not None:
+            data = pack(bundle)
+            # What cannot be read back (too large) is no bundle; that is told here, not elsewhere.
+            return data, len(read(data, str(asked.out)).blobs)
+    msg = f"the cache does not have all that {folder} was built from"
+    hint = (
+        "build it again without cache.mode=bypass (only replies that are gone are asked for), or name the "
+        "cache folder that the build used: cache.dir=FOLDER"
+    )
+    raise CacheError(msg, ", ".join(str(root) for root in roots), hint)
+
+
+def _caches(folder: Path, named: str | None, environ: Mapping[str, str]) -> list[Path]:
+    """The folders that may have it: the one that is named, else the build's own, then the usual one."""
+    from pipeline.cache import folder as cache_folder
+
+    wanted = [named] if named else [_configured(folder), None]
+    return list(dict.fromkeys(cache_folder(one, environ) for one in wanted))
+
+
+def _configured(folder: Path) -> str | None:
+    """The key `cache.dir` of the build, if it had one."""
+    import yaml
+
+    try:
+        plan: Any = yaml.safe_load((folder / "config.yaml").read_bytes())
+    except (OSError, yaml.YAMLError):
+        return None
+    cache = plan.get("cache") if isinstance(plan, dict) else None
+    configured = cache.get("dir") if isinstance(cache, dict) else None
+    return configured if isinstance(configured, str) else None
+
+
+def _write(out: Path, data: bytes) -> None:
+    """Writes the whole file or nothing; OutputError where it cannot."""
+    temporary = ""
+    try:
+        with tempfile.NamedTemporaryFile(dir=out.parent, prefix=f".{out.name}.", delete=False) as file:
+            temporary = file.name
+            file.write(data)
+        Path(temporary).chmod(0o644)
+        Path(temporary).replace(out)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            Path(temporary).unlink()
+        msg = f"the bundle cannot be written: {error.strerror or error}"
+        raise OutputError(msg, str(out), "choose another place, or make room there") from error

@@ -1,0 +1,119 @@
+"""`linkwright cache info|gc|verify`: what the cache holds, the calls counted, making room, checking."""
+
+import os
+import re
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from pipeline import upkeep
+from pipeline.cache import folder
+from pipeline.errors import ConfigError
+from stages.fetch import ledger
+
+HELP = """\
+linkwright cache: look after the cache, where builds keep what they fetched and made.
+
+usage: linkwright cache info|gc|verify [--max-size SIZE] [cache.dir=FOLDER]
+
+  linkwright cache info                         where it is, its size, and the API calls counted
+  linkwright cache gc --max-size 5G             make room: drop what was used longest ago
+  linkwright cache verify                       read everything; remove what a disk has harmed
+
+The calls are those that count against the yearly quota, by key and calendar year (UTC), as far as
+builds with this cache made them. A key is told by the start of a hash; it is kept nowhere.
+
+--max-size is a number with K, M, G or T (powers of 1000), 20G unless said. Replies that cost API
+calls are dropped last; what was used within the hour stays. The folder is that of cache.dir=, else
+of the environment variable LINKWRIGHT_CACHE, else the platform's.
+
+exit status: 0 done, all whole; 1 verify found something harmed, or the folder cannot be used; 2 wrong usage
+"""
+
+_USAGE = "linkwright cache info|gc|verify; linkwright cache --help tells more"
+_DIR = "cache.dir="
+_SIZE = re.compile(r"(\d+(?:\.\d+)?)([KMGT]?)B?", re.IGNORECASE)
+_POWERS = {"": 1, "K": 10**3, "M": 10**6, "G": 10**9, "T": 10**12}
+_MOST = 20 * 10**9
+_SHOWN = 8
+
+
+def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> int:
+    """Does what is asked; the exit status. ConfigError for wrong usage, CacheError for the folder."""
+    dirs = [text for text in arguments if text.startswith(_DIR)]
+    rest = [text for text in arguments if text not in dirs]
+    most = _max_size(rest)
+    verbs: dict[str, Callable[[Path], int]] = {
+        "info": _info,
+        "gc": lambda root: _gc(root, _MOST if most is None else most),
+        "verify": _verify,
+    }
+    if len(rest) != 1 or rest[0] not in verbs or (most is not None and rest[0] != "gc"):
+        msg = f"one of info, gc and verify is expected, not: {' '.join(arguments) or 'nothing'}"
+        raise ConfigError(msg, "cache", _USAGE)
+    configured = dirs[-1].removeprefix(_DIR) if dirs else None
+    return verbs[rest[0]](folder(configured, environ))
+
+
+def _max_size(rest: list[str]) -> int | None:
+    """Takes `--max-size SIZE` or `--max-size=SIZE` out of `rest`: bytes, None where it is not there."""
+    for index, text in enumerate(rest):
+        option, equal, value = text.partition("=")
+        if option != "--max-size":
+            continue
+        rest.pop(index)
+        if not equal:
+            value = rest.pop(index) if index < len(rest) else ""
+        match = _SIZE.fullmatch(value)
+        if match is None:
+            msg = f"--max-size needs a number with K, M, G or T, not {value or 'nothing'}"
+            raise ConfigError(msg, "cache gc", "linkwright cache gc --max-size 20G")
+        return int(float(match[1]) * _POWERS[match[2].upper()])
+    return None
+
+
+def _info(root: Path) -> int:
+    found = upkeep.survey(root)
+    print(root)
+    print(
+        f"  {_size(found.size)}: {found.blobs} files and {found.records} records, "
+        f"{found.replies} of them replies that were paid for"
+    )
+    years = ledger.years(root / ledger.FOLDER)
+    print("API calls counted, by key (start of its hash) and year:" if years else "no API call counted")
+    for year in years:
+        who = year.who[:_SHOWN]
+        kinds = ", ".join(f"{number} {kind}" for kind, number in year.calls.items())
+        end = "; the quota is used up (402)" if year.exhausted else ""
+        print(f"  {who:{_SHOWN}}  {year.year}  {year.counted:5d}  {kinds}{end}")
+    return 0
+
+
+def _gc(root: Path, most: int) -> int:
+    done = upkeep.collect(root, most)
+    paid = f" ({done.paid} of them replies that were paid for)" if done.paid else ""
+    print(f"{root}: {_size(done.freed)} freed, {_size(done.size)} left")
+    print(f"  dropped {done.records} records{paid} and {done.blobs} files")
+    if done.size > most:
+        print(f"  more than {_size(most)} is left, since the rest was used within the hour: try again later")
+    return 0
+
+
+def _verify(root: Path) -> int:
+    found = upkeep.verify(root)
+    if not found.broken and not found.records:
+        print(f"{root}: {found.blobs} files, all whole")
+        return 0
+    print(f"{root}: {found.blobs} files, {len(found.broken)} harmed and removed")
+    for digest in found.broken:
+        print(f"  {digest}")
+    print(f"  {found.records} records named what is gone, and were removed: it will be made again")
+    if found.paid:
+        print(f"  {found.paid} of them were replies: to get them again costs as many API calls")
+    return 1
+
+
+def _size(number: int) -> str:
+    for unit, power in (("GB", 10**9), ("MB", 10**6), ("kB", 10**3)):
+        if number >= power:
+            return f"{number / power:.2f} {unit}"
+    return f"{number} bytes"

@@ -1,0 +1,38 @@
+"""The command against a server that fails: one message, and the next run goes on where it ended."""
+
+import json
+
+import pytest
+
+from tests.e2e.command import environment, linkwright
+from tests.faulty import CALLS, desk
+from tests.onshape.faults import Fault
+from tests.onshape.server import OnshapeServer
+
+
+@pytest.mark.parametrize(
+    ("fault", "said"),
+    [
+        (Fault(402), "the yearly quota of API calls is used up (402)"),
+        (Fault(429, headers={"Retry-After": "5623"}), "source.max_wait allows 120 s"),
+    ],
+)
+def test_a_build_that_is_stopped_says_how_to_go_on_and_goes_on(tmp_path, fault, said):
+    with OnshapeServer(desk()) as server:
+        environ = environment(tmp_path, **server.environ)
+        arguments = ["source=onshape", f"source.url='{server.document_url()}'", "until=fetch", "output=desk"]
+        server.fault = lambda method, target, number: fault if number == 4 else None
+        stopped = linkwright(tmp_path, *arguments, environ=environ)
+        assert stopped.returncode == 1
+        assert said in stopped.stderr
+        assert "kept" in stopped.stderr
+        assert "Traceback" not in stopped.stderr
+        report = json.loads((tmp_path / "desk.failed" / "report.json").read_bytes())
+        assert report["calls"]["made"] == server.count
+        server.fault = None
+        assert linkwright(tmp_path, *arguments, environ=environ).returncode == 0
+        arrived = [target for _, target, status in server.calls if status == 200 and "/w/" not in target]
+        assert len(set(arrived)) == len(arrived) == CALLS - 1
+        told = linkwright(tmp_path, "cache", "info", environ=environ).stdout
+        assert f" {server.count} " in told
+        assert not any(secret in told for secret in server.keys)

@@ -1,0 +1,196 @@
+"""No key in anything that a build leaves: a failing and a passing one, in every way of showing a key.
+
+The server repeats everything that it was sent, wherever a reply has room for it.
+"""
+
+import base64
+import json
+import subprocess
+import zipfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from urllib.parse import quote
+
+import pytest
+
+from tests.e2e.command import environment, linkwright
+from tests.onshape.sample import sample_document
+from tests.onshape.server import Fault, OnshapeServer
+
+ACCESS, SECRET, TOKEN = (
+    "AkZq7Distinct0Access1Key",
+    "SkXw9Distinct2Secret3Key4Long",
+    "TkVv5Distinct6Bearer7Token",
+)
+USER = "zaphod-beeblebrox"
+KEY = {"ONSHAPE_ACCESS_KEY": ACCESS, "ONSHAPE_SECRET_KEY": SECRET}
+WAYS: dict[str, Mapping[str, str]] = {
+    "basic": KEY,
+    "signature": {**KEY, "ONSHAPE_AUTH": "signature"},
+    "bearer": {"ONSHAPE_ACCESS_TOKEN": TOKEN},
+}
+
+
+def packed(text: str) -> str:
+    return base64.b64encode(text.encode()).decode()
+
+
+PRIVATE = {
+    "the access key": ACCESS,
+    "the secret key": SECRET,
+    "the token": TOKEN,
+    "both in base64": packed(f"{ACCESS}:{SECRET}"),
+    "the access key in base64": packed(ACCESS).rstrip("="),
+    "the secret key in base64": packed(SECRET).rstrip("="),
+    "the token in base64": packed(TOKEN).rstrip("="),
+    "the user's name": USER,
+}
+ECHOES = {
+    "basic": f"Basic {packed(f'{ACCESS}:{SECRET}')} / {ACCESS}:{SECRET}",
+    "signature": f"On {ACCESS}:HmacSHA256:x / {SECRET} / {packed(ACCESS)} / {packed(SECRET)}",
+    "bearer": f"Bearer {TOKEN} / {packed(TOKEN)}",
+}
+"""What a server may know of a key, and some more."""
+
+
+def faults(way: str) -> dict[str, Fault]:
+    """Replies of a server that repeats the key, by name."""
+    echo = ECHOES[way]
+    said = json.dumps({"message": f"You sent Authorization: {echo}", "status": 0}).encode()
+    page = f"<html><title>{echo}</title><body>{echo}</body></html>".encode()
+    return {
+        "401": Fault(401, said, {"WWW-Authenticate": echo}),
+        "403": Fault(403, said),
+        "402": Fault(402, said),
+        "404, a page": Fault(404, page),
+        "429": Fault(429, said, {"Retry-After": "3600", "X-Echo": echo}),
+        "429, nonsense": Fault(429, said, {"Retry-After": echo}),
+        "a redirect": Fault(307, b"", {"Location": f"https://example.com/?key={quote(echo)}"}),
+        "a redirect with a user": Fault(307, b"", {"Location": f"https://{ACCESS}:{SECRET}@example.com/"}),
+        "500": Fault(500, said),
+        "200, a page": Fault(200, page),
+        "200, no definition": Fault(200, json.dumps({"rootAssembly": {echo: echo}}).encode()),
+        "200, cut short": Fault(200, said, cut=30),
+    }
+
+
+TRANSIENT = {"500", "200, a page", "200, no definition", "200, cut short"}
+"""These are asked for again after a while, so they take long."""
+
+
+def left(here: Path) -> Iterator[tuple[str, bytes]]:
+    """Name and content of everything below `here` but `.env`; of zip files also what is in them."""
+    for path in sorted(here.rglob("*")):
+        name = path.relative_to(here).as_posix()
+        yield f"the name {name}", name.encode()
+        if path.is_file() and name != ".env":
+            yield name, path.read_bytes()
+            if zipfile.is_zipfile(path):
+                with zipfile.ZipFile(path) as archive:
+                    yield from ((f"{name}: {one}", archive.read(one)) for one in archive.namelist())
+
+
+def told(here: Path, done: subprocess.CompletedProcess[str]) -> list[str]:
+    """Which secret is where, in what a command said and left."""
+    said = {"stdout": done.stdout.encode(), "stderr": done.stderr.encode()}
+    return [
+        f"{what} in {name}"
+        for name, content in [*said.items(), *left(here)]
+        for what, secret in PRIVATE.items()
+        if secret.encode() in content
+    ]
+
+
+def run(
+    here: Path, server: OnshapeServer, way: str, place: str, *more: str
+) -> subprocess.CompletedProcess[str]:
+    """Builds with the key in the environment or in `.env`, tracebacks shown."""
+    given = dict(WAYS[way])
+    if place == ".env":
+        (here / ".env").write_text("".join(f"{name}={value}\n" for name, value in given.items()))
+        given = {}
+    given |= {"USER": USER, "LOGNAME": USER, "LINKWRIGHT_TRACEBACK": "1"}
+    source = ["source=onshape", f"source.url='{server.document_url()}'", "source.max_wait=0"]
+    return linkwright(here, "robot=sample", *source, "until=graph", *more, environ=environment(here, **given))
+
+
+@pytest.mark.parametrize("place", ["environment", ".env"])
+@pytest.mark.parametrize("way", WAYS)
+def test_a_build_that_passes_and_its_bundle_tell_no_secret(tmp_path: Path, way: str, place: str) -> None:
+    with OnshapeServer(sample_document(), keys=(ACCESS, SECRET), token=TOKEN) as server:
+        done = run(tmp_path, server, way, place)
+        assert done.returncode == 0, done.stderr
+        assert told(tmp_path, done) == []
+        host = server.url.partition("//")[2]
+    bundled = linkwright(tmp_path, "bundle", "sample.graph", "arm.zip")
+    assert bundled.returncode == 0, bundled.stderr
+    assert told(tmp_path, bundled) == []
+    with zipfile.ZipFile(tmp_path / "arm.zip") as archive:
+        contents = b"".join(archive.read(name) for name in archive.namelist())
+    assert not any(text.encode() in contents for text in (host, "127.0.0.1", str(tmp_path)))
+    counted = linkwright(tmp_path, "cache", "info")
+    assert counted.returncode == 0, counted.stderr
+    assert told(tmp_path, counted) == []
+
+
+def _fails(tmp_path: Path, way: str, place: str, fault: str, call: int) -> None:
+    with OnshapeServer(sample_document(), keys=(ACCESS, SECRET), token=TOKEN) as server:
+        put = faults(way)[fault]
+        server.fault = lambda method, target, number: put if number >= call else None
+        done = run(tmp_path, server, way, place)
+    assert done.returncode == 1, done.stderr
+    assert "\nerror: " in done.stderr
+    assert "a fault of linkwright itself" not in done.stderr
+    assert (tmp_path / "outputs" / "sample.graph.failed").is_dir() or (
+        tmp_path / "outputs" / "sample.failed"
+    ).is_dir()
+    assert told(tmp_path, done) == []
+
+
+@pytest.mark.parametrize("fault", sorted(faults("basic").keys() - TRANSIENT))
+@pytest.mark.parametrize("way", WAYS)
+def test_a_build_that_a_server_refuses_tells_no_secret(tmp_path: Path, way: str, fault: str) -> None:
+    _fails(tmp_path, way, ".env" if fault == "403" else "environment", fault, call=0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("call", [0, 1])
+@pytest.mark.parametrize("fault", sorted(TRANSIENT))
+@pytest.mark.parametrize("way", WAYS)
+def test_a_build_that_a_server_fails_tells_no_secret(tmp_path: Path, way: str, fault: str, call: int) -> None:
+    _fails(tmp_path, way, "environment", fault, call)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_wrong_key_is_not_told_either(tmp_path: Path, way: str) -> None:
+    with OnshapeServer(sample_document(), keys=("another", "one"), token="and-another") as server:
+        done = run(tmp_path, server, way, "environment")
+    assert done.returncode == 1
+    assert "(401)" in done.stderr
+    assert told(tmp_path, done) == []
+
+
+def test_a_key_in_the_address_is_refused_without_being_repeated(tmp_path: Path) -> None:
+    for secret in (f"{ACCESS}:{SECRET}@cad.onshape.com/documents/x", f"cad.onshape.com/?token={TOKEN}"):
+        done = linkwright(tmp_path, "source=onshape", f"source.url='https://{secret}'")
+        assert done.returncode == 2
+        assert told(tmp_path, done) == []
+
+
+def test_the_search_finds_what_is_there(tmp_path: Path) -> None:
+    """What the tests above rely on: a secret in a file, a name, a zip or a message is found."""
+    silent = subprocess.CompletedProcess([], 0, "", "")
+    assert told(tmp_path, silent) == []
+    (tmp_path / ".env").write_text(SECRET)
+    assert told(tmp_path, silent) == []
+    (tmp_path / "log").write_text(f"Basic {packed(f'{ACCESS}:{SECRET}')}")
+    (tmp_path / TOKEN).mkdir()
+    with zipfile.ZipFile(tmp_path / "a.zip", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("x", f"{USER} " * 50)
+    assert told(tmp_path, silent) == [
+        f"the token in the name {TOKEN}",
+        "the user's name in a.zip: x",
+        "both in base64 in log",
+        "the access key in base64 in log",
+    ]
+    assert told(tmp_path, subprocess.CompletedProcess([], 0, SECRET, ""))[0] == "the secret key in stdout"
