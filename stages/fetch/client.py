@@ -105,17 +105,18 @@ class Client:
 
         return retries.persist(once, self._patience)
 
-    def post(self, request: str, body: bytes) -> bytes:
+    def post(self, request: str, body: bytes, *, restoring: bool = False) -> bytes:
         """The body of the reply to what is posted (JSON); errors as for `get`.
 
         Asked again only where the server cannot have carried it out: it was not reached, or its
-        window was closed.
+        window was closed. `restoring`: what is posted undoes a change and may be done twice, so it is
+        asked again as `get` does, and sent even where all other calls were stopped.
         """
 
         def once() -> bytes:
-            answer = self._answer("POST", request, JSON, body)
+            answer = self._answer("POST", request, JSON, body, restoring=restoring)
             if not 200 <= answer.status < 300:
-                raise self._refusal(answer, request, final=True)
+                raise self._refusal(answer, request, final=not restoring)
             return answer.body
 
         return retries.persist(once, self._patience)
@@ -124,12 +125,14 @@ class Client:
         """Lets no further call begin and ends all waits: their calls raise Offline."""
         self._halt(Offline("the calls were stopped", self.host, "run the same command again"))
 
-    def _answer(self, method: str, request: str, accept: str, content: bytes | None) -> Answer:
+    def _answer(
+        self, method: str, request: str, accept: str, content: bytes | None, *, restoring: bool = False
+    ) -> Answer:
         """The reply, whatever its status, once the server's window is open."""
         kind, seconds = endpoint(request), self._patience.first_wait
         for _ in range(self._patience.refusals):
-            self._windows.wait(kind)
-            answer = self._whole(method, request, accept, content)
+            self._windows.wait(kind, stoppable=not restoring)
+            answer = self._whole(method, request, accept, content, restoring)
             if answer.status != 429:
                 return answer
             # Never less than our own pause: a server that says 0 must not be asked in a rush.
@@ -150,17 +153,19 @@ class Client:
         self._halt(error)
         raise error
 
-    def _whole(self, method: str, request: str, accept: str, content: bytes | None) -> Answer:
+    def _whole(
+        self, method: str, request: str, accept: str, content: bytes | None, restoring: bool
+    ) -> Answer:
         """A whole reply, or the error for the lack of one."""
         try:
-            return self._follow(method, request, accept, content)
+            return self._follow(method, request, accept, content, restoring)
         except Lost as lost:
             what = describe(request)
             if lost.late or not lost.status:
                 error: SourceError = offline(what, self.host, str(lost), late=lost.late)
             else:
                 error = cut_short(what, self.host)
-            if method != "GET" and lost.begun:
+            if method != "GET" and lost.begun and not restoring:
                 hint = "it may have been carried out all the same: look at the document in the browser"
                 raise type(error)(error.message, error.where, hint) from lost
             raise Passing(error, "billed" if billed(lost.status) else "free", self._say) from lost
@@ -172,7 +177,9 @@ class Client:
             hint = "make room there, or name another folder in the environment variable TMPDIR"
             raise SourceError(msg, tempfile.gettempdir(), hint) from error
 
-    def _follow(self, method: str, request: str, accept: str, content: bytes | None) -> Answer:
+    def _follow(
+        self, method: str, request: str, accept: str, content: bytes | None, restoring: bool
+    ) -> Answer:
         """The reply where it is in the end. Every stop on the way is authenticated, and billed."""
         kind, what = endpoint(request), describe(request)
         document = request.partition("/d/")[2].partition("/")[0]
@@ -180,7 +187,8 @@ class Client:
             origin = self._origins.get(document, self._origin)
         first = address = f"{origin}/api/{API}{request}"
         for _ in range(1 + redirects.MOST):
-            self._may_go()
+            if not restoring:
+                self._may_go()
             answer = self._wire.send(
                 method,
                 address,

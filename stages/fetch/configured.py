@@ -41,7 +41,7 @@ class Configured:
         began = time.time()
         with self._asking.alone(self._subject):
             known = self._known()
-            body = b"" if known else self._asking.now(self._request(self._url.pin))
+            body = b"" if known else self._parameters()
             url = known or self._with(body)
             workspace = Workspace(url, self._asking)
             then = workspace.last()
@@ -49,6 +49,11 @@ class Configured:
             if not known:
                 self._asking.keep(self._request(f"m/{microversion}"), body)
             return self.at(f"m/{microversion}"), then, microversion
+
+    def _parameters(self) -> bytes:
+        """The parameters that the workspace has now, while no build has its variables changed."""
+        with self._asking.settled():
+            return self._asking.now(self._request(self._url.pin))
 
     def _known(self) -> AssemblyUrl | None:
         """The address by the parameters of the last build, if they allow what is wanted now."""

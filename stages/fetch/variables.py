@@ -9,15 +9,17 @@ What to put back is remembered before anything is written: a process that is kil
 it to the next build.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from typing import Any
 
 import orjson
 
-from stages.fetch import documents, requests
+from stages.fetch import definition, documents, requests
 from stages.fetch.asking import Asking
+from stages.fetch.freshness import Workspace
 from stages.fetch.plan_of_calls import count
 from stages.fetch.server import Server
 from stages.fetch.url import AssemblyUrl
@@ -60,20 +62,30 @@ class Variables:
 
     def mend(self) -> None:
         """Puts back what a build that was killed had changed."""
-        if self._url.pinned or self._asking.offline or not self._left():
-            return
+        if not self._url.pinned and not self._asking.offline and self._left():
+            with self.settled():
+                pass
+
+    @contextmanager
+    def settled(self) -> Iterator[None]:
+        """Within it the workspace is as its users left it, and no other build changes its variables.
+
+        Waits until a build that has them changed has put them back; what one that was killed had
+        changed is put back first.
+        """
         with self._asking.alone(self._subject):
             left = self._left()
             if left:
                 self._tell("putting back the variables that a build which was killed had changed")
                 self._put_back([_Change(**change) for change in left], look=True)
+            yield
 
     def applied(self, wanted: Mapping[str, Any]) -> AssemblyUrl:
         """The address, pinned to the microversion at which the variables have the values wanted.
 
         SourceError lists the variables that the document does not have; no value is changed then.
         """
-        with self._asking.alone(self._subject):
+        with self.settled():
             now = self._microversion()
             known = self._asking.recall(self._state(now, wanted)).get("microversion")
             if known:
@@ -81,21 +93,40 @@ class Variables:
             changes = self._changes(wanted)
             if not changes:
                 return self._pinned(now)
-            calls = 2 * len(changes) + 2
-            self._asking.allow(calls)
-            what = f"{count(len(wanted), 'variable')} of the document"
-            self._tell(f"setting {what}, and putting back what was there: {calls} calls")
+            self._plan(len(wanted), 2 * len(changes) + 2)
             self._asking.remember(self._subject, {"changes": [_plain(change) for change in changes]})
             written: list[_Change] = []
             try:
                 for change in changes:
                     self._set(change, written)
                 made = self._microversion()
-            finally:
-                self._put_back(written, look=False)
+            except BaseException as first:
+                self._put_back(written, look=False, first=first)
+                raise
+            self._put_back(written, look=False)
             # The same values in the same state of the document need no second write.
             self._asking.remember(self._state(self._microversion(), wanted), {"microversion": made})
             return self._pinned(made)
+
+    def _plan(self, variables: int, writing: int) -> None:
+        """Tells the calls to come; SourceError before the first write where they are too many.
+
+        `writing`: calls to write, to put back and to ask what the state is. What the build itself
+        needs is known from the last complete one: the definition, and two for each part studio of
+        this document, whose replies at the new state nobody has yet.
+        """
+        workspace = Workspace(self._url, self._asking)
+        last = workspace.last()
+        body = self._asking.kept(workspace.definition(last)) if last else None
+        studios = definition.read(body).parts if body else ()
+        mine = [key for key in studios if (key.document, key.pin) == (self._url.document, f"m/{last}")]
+        building = 1 + 2 * len(mine)
+        self._asking.allow(writing + building)
+        least = self._asking.made + writing + building
+        self._tell(
+            f"setting {count(variables, 'variable')} of the document, and putting back what was there: "
+            f"{writing} calls; with the build at least {building} more, {least} in all"
+        )
 
     def _set(self, change: _Change, written: list[_Change]) -> None:
         """Writes the wanted values of one studio; `written` grows where that may have been done."""
@@ -111,29 +142,44 @@ class Variables:
             written.pop()
             raise
 
-    def _put_back(self, changes: list[_Change], *, look: bool) -> None:
+    def _put_back(
+        self, changes: Sequence[_Change], *, look: bool, first: BaseException | None = None
+    ) -> None:
         """Writes what was there before; with `look` only where it still is as we left it.
 
-        SourceError where that fails; what is to be put back stays remembered.
+        Each studio is tried, whatever becomes of the others. SourceError where one fails, which tells
+        what made the build end (`first`) as well; what is to be put back stays remembered.
         """
+        failed = [(change, error) for change in changes if (error := self._restored(change, look=look))]
+        self._asking.remember(self._subject, {"changes": [_plain(change) for change, _ in failed]})
+        if not failed:
+            return
+        errors = [error for _, error in failed]
+        if isinstance(first, SourceError):
+            errors.insert(0, first)
+        names = [name for change, _ in failed for name in _by_hand(change)]
+        # A dict keeps the order and tells what is said of several studios once.
+        why = "; ".join(dict.fromkeys(error.message for error in errors))
+        hints = dict.fromkeys(error.hint for error in errors if error.hint)
+        msg = f"variables of the document could not be put back to {', '.join(names)}: {why}"
+        own = "run the same command again, which does it first, or set them in Onshape"
+        raise SourceError(msg, _KEY, "; ".join([own, *hints])) from (first or errors[0])
+
+    def _restored(self, change: _Change, *, look: bool) -> SourceError | None:
+        """Writes a studio's variables as they were; the error where that fails."""
+        sent = False
         try:
-            for change in changes:
-                there = _values(self._table(change.studio)) if look else _values(change.after)
-                if there == _values(change.after):
-                    self._write(change.studio, change.before)
-                elif there != _values(change.before):
-                    self._tell(f"variable studio {change.studio} was edited since: left as it is")
+            there = _values(self._table(change.studio)) if look else _values(change.after)
+            if there == _values(change.after):
+                sent = True
+                self._write(change.studio, change.before, restoring=True)
+            elif there != _values(change.before):
+                self._tell(f"variable studio {change.studio} was edited since: left as it is")
         except SourceError as error:
-            names = [
-                f"{old['name']} = {old.get('expression')}"
-                for change in changes
-                for old, new in zip(change.before, change.after, strict=True)
-                if old != new
-            ]
-            msg = f"variables of the document could not be put back to {', '.join(names)}: {error.message}"
-            hint = "run the same command again, which does it first, or set them in Onshape"
-            raise SourceError(msg, _KEY, hint) from error
-        self._asking.remember(self._subject, {"changes": []})
+            what = "was not put back" if sent else "could not be looked at, so nothing was sent to it"
+            msg = f"variable studio {change.studio} {what}: {error.message}"
+            return SourceError(msg, error.where, error.hint)
+        return None
 
     def _changes(self, wanted: Mapping[str, Any]) -> list[_Change]:
         tables = {studio: self._table(studio) for studio in self._studios()}
@@ -189,9 +235,9 @@ class Variables:
             raise ProtocolError(msg, _KEY, "run the same command again; the API may have changed")
         return [{key: row[key] for key in _SENT if row.get(key) is not None} for row in rows]
 
-    def _write(self, studio: str, table: Table) -> None:
+    def _write(self, studio: str, table: Table, *, restoring: bool = False) -> None:
         request = requests.variable_studio(self._url.document, self._url.pin[2:], studio)
-        self._server.ready().post(request, orjson.dumps(table))
+        self._server.ready().post(request, orjson.dumps(table), restoring=restoring)
 
     def _microversion(self) -> str:
         request = requests.current_microversion(self._url.document, self._url.pin[2:])
@@ -223,6 +269,12 @@ def expression(value: Any, kind: str) -> str:
 
 def _plain(change: _Change) -> dict[str, Any]:
     return {"studio": change.studio, "before": change.before, "after": change.after}
+
+
+def _by_hand(change: _Change) -> list[str]:
+    """What a user has to set in a studio for it to be as it was."""
+    rows = zip(change.before, change.after, strict=True)
+    return [f"{old['name']} = {old.get('expression')}" for old, new in rows if old != new]
 
 
 def _values(table: Table) -> dict[str, Any]:

@@ -44,14 +44,15 @@ class Windows:
             self._closed[endpoint] = max(self._closed.get(endpoint, 0.0), now + seconds)
             return True
 
-    def wait(self, endpoint: str) -> None:
-        """Returns when a call of this kind may be made, or all calls were stopped."""
-        while not self._stopped.is_set():
+    def wait(self, endpoint: str, *, stoppable: bool = True) -> None:
+        """Returns when a call of this kind may be made, or if `stoppable` when all were stopped."""
+        stopped = self._stopped if stoppable else Event()
+        while not stopped.is_set():
             with self._lock:
                 rest = self._closed.get(endpoint, 0.0) - time.monotonic()
             if rest <= 0:
                 return
-            self._stopped.wait(rest)
+            stopped.wait(rest)
 
 
 def left(headers: Mapping[str, str]) -> int | None:

@@ -356,6 +356,46 @@ def test_what_may_have_been_carried_out_is_not_posted_again(bad):
     assert next(numbers) == 1
 
 
+@pytest.mark.parametrize("bad", [reply(500), reply(499), hang_up])
+def test_what_undoes_a_change_is_posted_again_within_bounds(bad):
+    numbers, fails = count(), [1]
+
+    def answer(handler):
+        handler.rfile.read(int(handler.headers["Content-Length"]))
+        (bad if next(numbers) < fails[0] else reply(200, b"[]"))(handler)
+
+    with serving(answer) as client:
+        assert client.post("/variables/d/D/w/W/e/E/variables", b"[1]", restoring=True) == b"[]"
+        assert next(numbers) == 2
+        fails[0] = 1000
+        with pytest.raises(SourceError, match="asked 3 times"):
+            client.post("/variables/d/D/w/W/e/E/variables", b"[1]", restoring=True)
+        assert next(numbers) == 2 + 1 + 3
+
+
+@pytest.mark.parametrize("status", [402, 429])
+def test_what_undoes_a_change_is_posted_where_all_calls_were_stopped(status):
+    times = []
+
+    def answer(handler):
+        if handler.command == "GET":
+            return reply(status, Retry_After="450")(handler)
+        handler.rfile.read(int(handler.headers["Content-Length"]))
+        times.append(monotonic())
+        return reply(429, Retry_After="1")(handler) if len(times) == 1 else reply(200, b"[]")(handler)
+
+    with serving(answer) as client:
+        for _ in range(2):
+            with pytest.raises((QuotaExhausted, RateLimited)):
+                client.get(MASS)
+        with pytest.raises((QuotaExhausted, RateLimited)):
+            client.post("/variables/d/D/w/W/e/E/variables", b"[1]")
+        assert times == []
+        assert client.post("/variables/d/D/w/W/e/E/variables", b"[1]", restoring=True) == b"[]"
+    # Its own window is waited for all the same.
+    assert times[1] - times[0] >= 1
+
+
 def test_what_the_server_is_is_taken_down():
     with serving(reply(200, b"{}", X_Api_Version="v16", On_Version="1.218.0")) as client:
         client.get(MASS)

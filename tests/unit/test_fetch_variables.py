@@ -22,6 +22,7 @@ from stages.robot.errors import (
     NotFound,
     ProtocolError,
     QuotaExhausted,
+    RateLimited,
     SourceError,
 )
 from tests.building import plan_of
@@ -191,6 +192,76 @@ def test_of_two_studios_only_the_one_that_was_written_is_put_back(server, kept):
     assert first == third
 
 
+LATER = {"Retry-After": "3600"}
+
+
+@pytest.mark.parametrize(("status", "kind"), [(429, RateLimited), (402, QuotaExhausted)])
+def test_what_stops_all_calls_after_the_write_does_not_stop_the_put_back(server, kept, status, kind):
+    before = tables(server)
+    server.fault = lambda method, target, at: (
+        Fault(status, b"{}", LATER) if at > 4 and target.endswith("currentmicroversion") else None
+    )
+    with pytest.raises(kind):
+        fetched(keys(server), kept, server.environ)
+    assert tables(server) == before
+    assert len(posts(server)) == 2
+
+
+@pytest.mark.parametrize("fault", [Fault(503, b"{}"), Fault(silent=True), Fault(body=None, cut=0, claimed=5)])
+def test_a_put_back_that_fails_in_passing_is_done_again(server, kept, fault):
+    before = tables(server)
+    server.fault = lambda method, target, at: fault if at == 6 else None
+    assert leg(fetched(keys(server), kept, server.environ)) == 0.36
+    assert tables(server) == before
+    assert len(posts(server)) == 3
+
+
+def test_each_studio_is_put_back_whatever_becomes_of_the_others(server, kept):
+    before = tables(server)
+    stopped = []
+
+    def fault(method, target, at):
+        if at > 5 and target.endswith("currentmicroversion"):
+            stopped.append(target)
+            return Fault(402, b"{}")
+        # The first studio's put-back.
+        return (
+            Fault(429, b"{}", LATER) if stopped and method == "POST" and target == posts(server)[0] else None
+        )
+
+    server.fault = fault
+    with pytest.raises(SourceError) as caught:
+        fetched(keys(server, {**TALL, "Other": "20 deg"}), kept, server.environ)
+    changed = [
+        index for index, (then, now) in enumerate(zip(before, tables(server), strict=True)) if then != now
+    ]
+    assert len(changed) == 1
+    still, undone = [("LegLength = 200 mm", "Other = 10 deg"), ("Other = 10 deg", "LegLength = 200 mm")][
+        changed[0]
+    ]
+    assert still in caught.value.message
+    assert undone not in caught.value.message
+    assert "yearly quota" in caught.value.message
+    assert "it asks to wait 3600 s" in caught.value.message
+    assert "in 60 min" in caught.value.hint
+    assert f"variable studio {posts(server)[0].split('/')[-2]} was not put back" in caught.value.message
+    server.fault = None
+    server.reset()
+    assert leg(fetched(onshape(server.document_url()), kept, server.environ)) == 0.18
+    assert tables(server) == before
+    assert len(posts(server)) == 1
+
+
+def test_what_cannot_be_looked_at_is_not_written(server, kept):
+    abandoned(server, kept)
+    server.fault = lambda method, target, at: Fault(429, b"{}", LATER)
+    with pytest.raises(SourceError, match="nothing was sent to it") as caught:
+        fetched(onshape(server.document_url()), kept, server.environ)
+    assert "LegLength = 200 mm" in caught.value.message
+    assert "in 60 min" in caught.value.hint
+    assert posts(server) == []
+
+
 def abandoned(server, kept):
     """A build that wrote and could not put back: what is remembered is all that is left of it."""
     server.fault = lambda method, target, at: Fault(403, b"{}") if at == 6 else None
@@ -238,12 +309,6 @@ def test_two_builds_with_other_values_do_not_disturb_each_other(server):
         # Each in its own memory, as two computers have; the lock is the workspace's.
         found[text] = leg(fetched(keys(server, {"LegLength": text}), shared, server.environ))
 
-    class Shared(Kept):
-        """Kept by several builders at once."""
-
-        def _one_at_a_time(self):
-            return threading.RLock()
-
     shared = Shared()
     threads = [threading.Thread(target=one, args=(f"{size} mm",)) for size in (300, 400, 500)]
     for thread in threads:
@@ -258,6 +323,81 @@ def test_what_may_not_be_spent_is_refused_before_the_write(server, kept):
     with pytest.raises(SourceError, match="may make 6"):
         fetched(keys(server, max_calls=6), kept, server.environ)
     assert posts(server) == []
+
+
+def test_what_the_build_needs_afterwards_is_counted_before_the_write(server, kept):
+    """Known since the last build: a definition and two calls for each of three part studios."""
+    fetched(onshape(server.document_url()), kept, server.environ)
+    server.reset()
+    total = 4 + 4 + 1 + 2 * 3
+    with pytest.raises(SourceError, match=f"made 4 calls and needs {total - 4} more") as caught:
+        fetched(keys(server, max_calls=total - 1), kept, server.environ)
+    assert f"source.max_calls={total}" in caught.value.hint
+    assert posts(server) == []
+    lines = []
+    assert fetched(keys(server, max_calls=total), kept, server.environ, lines).calls == total
+    assert any(f"at least 7 more, {total} in all" in line for line in lines)
+
+
+class Shared(Kept):
+    """Kept by several builders at once."""
+
+    def _one_at_a_time(self):
+        return threading.RLock()
+
+
+def test_a_plain_build_waits_until_the_variables_are_put_back(server):
+    written, found, reading = threading.Event(), [], threading.Event()
+
+    class Late(Shared):
+        """The plain build finds nothing to put back, just before the other one begins to write."""
+
+        def recall(self, subject):
+            fact = super().recall(subject)
+            if threading.current_thread() is plain and subject.endswith("#variables"):
+                reading.set()
+                assert written.wait(20)
+            return fact
+
+    def fault(method, target, number):
+        if number == 5:
+            written.set()
+            time.sleep(0.3)
+        return
+
+    def build_plainly():
+        found.append(leg(fetched(onshape(server.document_url()), shared, server.environ)))
+
+    shared = Late()
+    plain = threading.Thread(target=build_plainly)
+    server.fault = fault
+    plain.start()
+    assert reading.wait(20)
+    assert leg(fetched(keys(server), shared, server.environ)) == 0.36
+    plain.join()
+    assert found == [0.18]
+
+
+@pytest.mark.parametrize("wanted", [{}, {"LegLength": "300 mm"}])
+def test_what_is_left_while_a_build_waits_for_its_turn_is_put_back_first(server, wanted):
+    class Unseen(Kept):
+        """What another build left is there only at the second look."""
+
+        looks = -1
+
+        def recall(self, subject):
+            if subject.endswith("#variables") and self.looks >= 0:
+                self.looks += 1
+                return None if self.looks == 1 else super().recall(subject)
+            return super().recall(subject)
+
+    before, kept = tables(server), Unseen()
+    abandoned(server, kept)
+    kept.looks = 0
+    made = fetched(keys(server, wanted), kept, server.environ)
+    assert kept.looks > 1
+    assert leg(made) == (0.27 if wanted else 0.18)
+    assert tables(server) == before
 
 
 def test_writing_needs_to_be_allowed():
