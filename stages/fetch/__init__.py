@@ -92,6 +92,7 @@ def _from_onshape(
         found: tuple[Diagnostic, ...] = ()
         try:
             variables = Variables(url, asking, server, tell)
+            asking.settled = variables.settled
             variables.mend()
             if source.variables:
                 url = variables.applied(source.variables)

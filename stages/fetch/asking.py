@@ -1,8 +1,8 @@
 """Kept replies first, the server for the rest: each reply is paid for once, also by many processes."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from threading import Lock
 from typing import Any
 
@@ -10,8 +10,8 @@ from stages.fetch.plan_of_calls import allow, count
 from stages.fetch.refusals import Declined
 from stages.fetch.replies import Replies
 from stages.fetch.requests import describe
-from stages.fetch.server import Server
-from stages.robot.errors import NotFound, Offline
+from stages.fetch.server import Promise, Server
+from stages.robot.errors import NotFound, Offline, ProtocolError
 
 Refused = dict[str, NotFound | Declined]
 
@@ -35,16 +35,33 @@ class Asking:
         self._lock = Lock()
         self._asked: set[str] = set()
         self._doubted: set[str] = set()
+        self._promises: dict[str, Promise] = {}
+        self._held: set[str] = set()
         self.offline = offline
         self.saved = 0
         """Calls that kept replies made needless."""
+        self.settled: Callable[[], AbstractContextManager[None]] = nullcontext
+        """Within it the workspace is as its users left it: no build has its variables changed."""
 
     def kept(self, request: str) -> bytes | None:
-        """The kept reply to a pinned request, or None."""
+        """The kept reply to a pinned request, or None; one that lacks what it must have is as none."""
         with self._lock:
             if (self._refresh or request in self._doubted) and request not in self._asked:
                 return None
-            return self._replies.get(request)
+            body = self._replies.get(request)
+        promise = None if request in self._held else self._promises.get(request)
+        if body is None or promise is None:
+            return body
+        try:
+            promise(body)
+        except ProtocolError:
+            return None
+        self._held.add(request)
+        return body
+
+    def require(self, request: str, promise: Promise) -> None:
+        """Makes the reply to a request count, and be kept, only where it holds the `promise`."""
+        self._promises[request] = promise
 
     def keep(self, request: str, body: bytes) -> None:
         """Keeps the reply to a pinned request."""
@@ -61,6 +78,11 @@ class Asking:
         """Takes down that kept replies made `calls` needless."""
         with self._lock:
             self.saved += calls
+
+    @property
+    def made(self) -> int:
+        """Calls made so far that count against the quota."""
+        return self._server.calls
 
     def allow(self, more: int) -> None:
         """SourceError where `more` calls from now on are more than the build may make."""
@@ -134,7 +156,7 @@ class Asking:
             if body is not None:
                 self.spare(1)
                 return body
-            body = self._server.ask(request)
+            body = self._server.ask(request, self._promises.get(request))
             self.keep(request, body)
             return body
 

@@ -16,13 +16,15 @@ _Record = Mapping[str, Any]
 class Definition:
     """An assembly definition, as far as fetch needs it.
 
-    `parts`: the part ids that the assembly uses of each part studio, keys and ids sorted.
+    `parts`: the part ids that the assembly uses of each part studio, keys and ids sorted; `solids`:
+    those of them that are listed as solid bodies, which have a mass and triangles for sure.
     """
 
     document: str
     microversion: str
     element: str
     parts: Mapping[StudioKey, tuple[str, ...]]
+    solids: Mapping[StudioKey, tuple[str, ...]]
 
 
 def read(body: bytes) -> Definition:
@@ -36,11 +38,17 @@ def read(body: bytes) -> Definition:
         used: dict[StudioKey, set[str]] = {}
         for instance in _part_instances(root, data.get("subAssemblies") or ()):
             used.setdefault(StudioKey.of(instance), set()).add(instance["partId"])
+        solid = {
+            (StudioKey.of(part), part.get("partId"))
+            for part in data.get("parts") or ()
+            if part.get("bodyType") == "solid"
+        }
         return Definition(
             document=_text(root, "documentId"),
             microversion=_text(root, "documentMicroversion"),
             element=_text(root, "elementId"),
             parts={key: tuple(sorted(used[key])) for key in sorted(used)},
+            solids={key: tuple(sorted(p for p in used[key] if (key, p) in solid)) for key in sorted(used)},
         )
     except orjson.JSONDecodeError:
         msg = "the assembly definition is not JSON, or was cut short"

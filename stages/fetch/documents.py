@@ -32,6 +32,14 @@ def tabs(body: bytes) -> Mapping[str, str]:
     return {str(element): str(version) for element, version in found if element and version}
 
 
+def require_tab(body: bytes, element: str) -> None:
+    """ProtocolError where an `elements` reply does not list a tab that is there for sure."""
+    tabs(body)
+    if not any(tab.get("id") == element for tab in orjson.loads(body)):
+        msg = f"the reply with the tabs of a document lacks {element}, the tab of the assembly"
+        raise ProtocolError(msg, hint="run the same command again; nothing of that reply was kept")
+
+
 def _json(body: bytes, what: str) -> object:
     try:
         data: object = orjson.loads(body)

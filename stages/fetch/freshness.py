@@ -6,6 +6,7 @@ its own: replies about a tab that kept it still hold.
 """
 
 import time
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stages.fetch import definition, documents, requests
@@ -43,7 +44,8 @@ class Workspace:
         asking = self._asking
         if asking.offline:
             return self._without_network()
-        with asking.alone(self._place):
+        # Not while another build has the variables changed: that state is not the user's.
+        with asking.settled(), asking.alone(self._place):
             told = asking.recall(self._place)
             # A time to come is one of a clock that was put back since.
             if not anew and began <= _number(told.get("at")) <= time.time():
@@ -55,6 +57,15 @@ class Workspace:
         if self.last() is None:
             asking.remember(f"{self._definition}#first", {"microversion": microversion})
         return microversion
+
+    def discrepancy(self) -> Mapping[str, Any]:
+        """What was last taken down of masses that differ though all is known anew; empty for nothing."""
+        return self._asking.recall(f"{self._definition}#discrepancy")
+
+    def differs(self, fact: Mapping[str, Any]) -> None:
+        """Takes down a discrepancy, or with an empty one that there is none."""
+        if self.discrepancy() != fact:
+            self._asking.remember(f"{self._definition}#discrepancy", fact)
 
     def definition(self, microversion: str) -> str:
         """The request for the assembly definition at a microversion."""
@@ -83,14 +94,16 @@ class Workspace:
         return found if isinstance(found, str) else None
 
 
-def tabs_to_ask(document: str, then: str, now: str) -> tuple[str, str]:
-    """The requests that tell which tabs changed between two microversions."""
-    return requests.elements(document, then), requests.elements(document, now)
+def tabs_to_ask(url: AssemblyUrl, then: str, now: str, asking: Asking) -> tuple[str, str]:
+    """The requests that tell which tabs changed between two microversions, both of the assembly."""
+    asked = requests.elements(url.document, then), requests.elements(url.document, now)
+    for request in asked:
+        asking.require(request, lambda body: documents.require_tab(body, url.element))
+    return asked
 
 
-def unchanged(document: str, then: str, now: str, asking: Asking) -> frozenset[str]:
-    """The ids of the elements that are the same at both microversions."""
-    asked = tabs_to_ask(document, then, now)
+def unchanged(asked: Sequence[str], asking: Asking) -> frozenset[str]:
+    """The ids of the elements that are the same in the replies to both of `tabs_to_ask`."""
     bodies = asking.all(asked)
     before, after = (documents.tabs(bodies[request]) for request in asked)
     return frozenset(element for element, version in after.items() if before.get(element) == version)

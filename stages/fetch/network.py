@@ -14,7 +14,7 @@ from stages.fetch.onshape import Answer, Needs, Reply, Told
 from stages.fetch.plan_of_calls import count
 from stages.fetch.shapes import NOTHING, Shapes
 from stages.fetch.url import AssemblyUrl
-from stages.robot.errors import Diagnostic
+from stages.robot.errors import Diagnostic, NotFound, ProtocolError
 
 if TYPE_CHECKING:
     from stages.fetch.keys import OnshapeKeys
@@ -96,9 +96,9 @@ class Network:
         bodies = {**kept, **reused, **asking.all([request for request in missing if request in weights])}
         # After the masses, which tell how much of a part studio the assembly uses.
         bodies |= self._shapes.gathered(needs, bodies)
-        fresh = self._verified(needs, bodies, suspects)
+        fresh, checked = self._verified(needs, bodies, suspects)
         # Before they are filed: a kill between the two must not make them look checked.
-        self._check_later(() if self._keys.verify else suspects)
+        self._check_later(() if checked else suspects)
         for request in reused.keys() - fresh.keys():
             asking.keep(request, reused[request])
         if self._workspace is not None and not asking.offline:
@@ -124,10 +124,11 @@ class Network:
             return {}
         found = [(need.studio.element, self._earlier(need, kept, then)) for need in needs]
         spared = sum(len(bodies) for _, bodies in found)
-        tabs = [r for r in tabs_to_ask(self._url.document, then, now) if self._asking.kept(r) is None]
+        asked = tabs_to_ask(self._url, then, now, self._asking)
+        tabs = [request for request in asked if self._asking.kept(request) is None]
         if spared <= len(tabs) + self._to_weigh(["any"]):
             return {}
-        same = unchanged(self._url.document, then, now, self._asking)
+        same = unchanged(asked, self._asking)
         return {
             request: body for element, bodies in found if element in same for request, body in bodies.items()
         }
@@ -146,26 +147,44 @@ class Network:
             return {}
         return {request: body for request, body in bodies.items() if request not in kept}
 
-    def _verified(self, needs: Sequence[Needs], bodies: _Bodies, suspects: set[str]) -> _Bodies:
-        """The replies of `suspects`, asked for anew, where the assembly's mass shows that one is stale."""
+    def _verified(self, needs: Sequence[Needs], bodies: _Bodies, suspects: set[str]) -> tuple[_Bodies, bool]:
+        """The replies of `suspects`, asked for anew, where the assembly's mass shows that one is stale.
+
+        And whether `suspects` need no check any more. Where that mass cannot be had, they do.
+        """
         asking = self._asking
         total = asking.kept(self._total())
         if total is None and self._to_weigh(suspects) == 0:
-            return {}
+            return {}, self._keys.verify
         if total is None:
             self._tell("holding the mass of the assembly against the sum of its parts")
-            total = asking.one(self._total())
+            try:
+                total = asking.one(self._total())
+            except (NotFound, ProtocolError) as error:
+                self.diagnostics += (verify.unchecked(self._url.element, error),)
+                return {}, False
         fresh: _Bodies = {}
         masses = self._masses(needs, bodies, total)
-        if not masses.agree and suspects and not asking.offline:
+        lasting = not masses.agree and self._differed(needs, masses)
+        if not masses.agree and not lasting and suspects and not asking.offline:
             again = sorted(suspects)
             self._tell(f"a part studio changed with another one: {count(len(again), 'call')}")
             asking.doubt(again)
             fresh = asking.all(again)
             masses = self._masses(needs, {**bodies, **fresh}, total)
+            if self._workspace is not None:
+                excess = {"excess": list(masses.excess), "studios": _tabs(needs)}
+                self._workspace.differs({} if masses.agree else excess)
         if not masses.agree:
-            self.diagnostics = (masses.diagnostic(self._url.element),)
-        return fresh
+            self.diagnostics += (masses.diagnostic(self._url.element, lasting=lasting),)
+        return fresh, self._keys.verify
+
+    def _differed(self, needs: Sequence[Needs], masses: verify.Masses) -> bool:
+        """Whether the masses differed by as much when all these part studios had been asked for anew."""
+        known = self._workspace.discrepancy() if self._workspace is not None else {}
+        if not known or not set(_tabs(needs)) <= set(known["studios"]):
+            return False
+        return masses.as_before(known["excess"])
 
     def _masses(self, needs: Sequence[Needs], bodies: Mapping[str, bytes], total: bytes) -> verify.Masses:
         weights = {need.studio: verify.read_weights(bodies[self._requests(need)[0]]) for need in needs}
@@ -194,6 +213,11 @@ class Network:
         listed = sorted(unchecked)
         if listed != self._asking.recall(self._total()).get("unchecked", []):
             self._asking.remember(self._total(), {"unchecked": listed})
+
+
+def _tabs(needs: Sequence[Needs]) -> list[str]:
+    """The part studios, in whatever state of their documents."""
+    return sorted({f"{n.studio.document}/{n.studio.element}/{n.studio.configuration}" for n in needs})
 
 
 _ASKING = "asking for the assembly definition"

@@ -24,11 +24,15 @@ class Reply:
 
 @dataclass(frozen=True, slots=True)
 class Needs:
-    """What a build needs of one part studio: `parts` are the ids used, sorted; `root` the document."""
+    """What a build needs of one part studio: `parts` are the ids used, sorted; `root` the document.
+
+    `solids`: those of the parts that are solid bodies by the definition.
+    """
 
     studio: StudioKey
     parts: tuple[str, ...]
     root: str
+    solids: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,7 +80,9 @@ def gather(answers: Answers) -> Bundle:
     first = answers.definition()
     assembly = definition.read(first.body)
     definition.require_parts(assembly)
-    needs = [Needs(key, parts, assembly.document) for key, parts in assembly.parts.items()]
+    needs = [
+        Needs(key, parts, assembly.document, assembly.solids[key]) for key, parts in assembly.parts.items()
+    ]
     replies = [first]
     studios = []
     for need, answer in zip(needs, answers.studios(needs), strict=True):

@@ -10,9 +10,13 @@ from stages.fetch.credentials import find
 from stages.fetch.envelope import accepted
 from stages.fetch.ledger import Ledger
 from stages.fetch.plan_of_calls import Calls
+from stages.fetch.refusals import Declined
 from stages.fetch.retries import Patience
 from stages.fetch.url import AssemblyUrl
 from stages.robot.errors import ProtocolError
+
+Promise = Callable[[bytes], None]
+"""Raises ProtocolError for an accepted reply that lacks something that it must have."""
 
 
 class Server:
@@ -77,17 +81,31 @@ class Server:
         if self._client is not None:
             self._client.stop()
 
-    def ask(self, request: str) -> bytes:
-        """What is kept of the reply to `request`. Safe to call from several threads once `ready`."""
+    def ask(self, request: str, promise: Promise | None = None) -> bytes:
+        """What is kept of the reply to `request`. Safe to call from several threads once `ready`.
+
+        A reply that is not what was asked for, or does not hold the `promise`, is asked for once more.
+        Not so where the promise raises Declined, and the mass of an assembly: it only checks others.
+        """
         kept = b""
+        final: ProtocolError | None = None
 
         def fits(body: bytes) -> None:
-            nonlocal kept
-            kept = accepted(request, body)
-            if requests.is_definition(request):
-                self._same_assembly(body)
+            nonlocal kept, final
+            try:
+                kept = accepted(request, body)
+                if requests.is_definition(request):
+                    self._same_assembly(body)
+                if promise is not None:
+                    promise(kept)
+            except ProtocolError as error:
+                if not (isinstance(error, Declined) or requests.is_assembly_mass(request)):
+                    raise
+                final = error
 
         self.ready().get(request, requests.accept(request), check=fits)
+        if final is not None:
+            raise final
         return kept
 
     def _same_assembly(self, body: bytes) -> None:

@@ -24,6 +24,13 @@ NOTHING: Mapping[str, bytes] = MappingProxyType({})
 _FEW = 8
 """So many parts more are no reason to ask for some only: another robot may use them."""
 
+_NO_MASS = b'{"bodies":{}}'
+
+_NOT_KEPT = (
+    "run the same command again (source.refresh=true is not needed: nothing of that reply was kept); "
+    "if it fails each time, open the part studio in the browser and look whether it regenerates"
+)
+
 _MOST_NAMED = 200
 """Part ids in one request at most: servers take lines of about 8 kB."""
 
@@ -37,8 +44,10 @@ class Shapes:
         self._refusals: dict[str, str] = {}
 
     def mass(self, need: Needs) -> str:
-        """The request for the mass properties of a part studio."""
-        return requests.mass_properties(need.studio, need.root)
+        """The request for the mass properties of a part studio, which must tell of all solids."""
+        request = requests.mass_properties(need.studio, need.root)
+        self._asking.require(request, lambda body: _require_masses(need, body))
+        return request
 
     def request(self, need: Needs, known: Mapping[str, bytes]) -> str:
         """The request for its triangles: one whose reply is there, else the one to make.
@@ -89,18 +98,14 @@ class Shapes:
 
     def _one(self, need: Needs, known: Mapping[str, bytes], refused: Refused) -> tuple[str, bytes]:
         """The first request for triangles that is not refused, and its reply."""
-        mass = known[self.mass(need)]
-        some, whole, gltf = self._ways(need, mass)
+        some, whole, gltf = self._ways(need, known[self.mass(need)])
         first: NotFound | Declined | None = None
         for request in dict.fromkeys([self.request(need, known), some, whole, gltf]):
             try:
                 if request in refused:
                     raise refused[request]
                 body = self._body(request, known)
-                body = self._asking.one(request) if body is None else body
-                if request != whole:
-                    _require_complete(need, request, body, mass)
-                return request, body
+                return request, self._asking.one(request) if body is None else body
             except (NotFound, Declined) as error:
                 first = first or error
                 self._refusals.setdefault(need.studio.element, error.message)
@@ -108,13 +113,19 @@ class Shapes:
         raise first
 
     def _ways(self, need: Needs, mass: bytes | None) -> tuple[str, str, str]:
-        """The requests for triangles: of what is needed, of all parts, as glTF."""
+        """The requests for triangles: of what is needed, of all parts, as glTF.
+
+        Each must bring what is needed. Where faces of all parts lack some, no other way is tried.
+        """
         studio, root, only = need.studio, need.root, selected(need.parts, mass)
-        return (
-            requests.tessellated_faces(studio, root, self._quality, only),
-            requests.tessellated_faces(studio, root, self._quality),
-            requests.gltf(studio, root, self._quality, only),
-        )
+        some = requests.tessellated_faces(studio, root, self._quality, only)
+        whole = requests.tessellated_faces(studio, root, self._quality)
+        gltf = requests.gltf(studio, root, self._quality, only)
+        known = mass or _NO_MASS
+        self._asking.require(some, lambda body: _require_complete(need, some, body, known))
+        self._asking.require(gltf, lambda body: _require_complete(need, gltf, body, known))
+        self._asking.require(whole, lambda body: _require_solids(need, whole, body, known))
+        return some, whole, gltf
 
     def _body(self, request: str, known: Mapping[str, bytes]) -> bytes | None:
         return known[request] if request in known else self._asking.kept(request)
@@ -142,6 +153,27 @@ def _require_complete(need: Needs, request: str, body: bytes, mass: bytes) -> No
     if lacking:
         msg = f"the triangles of part studio {need.studio.element} lack the parts {', '.join(lacking)}"
         raise Declined(msg, hint="run the same command again; if it fails each time, report it")
+
+
+def _require_masses(need: Needs, body: bytes) -> None:
+    """ProtocolError where a reply with mass properties lacks those of a needed solid."""
+    bodies = orjson.loads(body)["bodies"]
+    lacking = [part for part in need.solids if not bodies.get(part)]
+    if lacking:
+        msg = f"the mass properties of part studio {need.studio.element} lack the parts {', '.join(lacking)}"
+        raise ProtocolError(msg, hint=_NOT_KEPT)
+
+
+def _require_solids(need: Needs, request: str, body: bytes, mass: bytes) -> None:
+    """ProtocolError where the triangles of all parts lack a needed solid that has a volume.
+
+    A solid whose volume is not known, since `mass` does not tell it, counts as having one.
+    """
+    volumes, there = _volumes(mass), triangles.names(compacted(request, body, mass))
+    lacking = [part for part in need.solids if volumes.get(part, 1.0) > 0 and part not in there]
+    if lacking:
+        msg = f"the triangles of part studio {need.studio.element} lack the parts {', '.join(lacking)}"
+        raise ProtocolError(msg, hint=_NOT_KEPT)
 
 
 def _volumes(mass: bytes) -> dict[str, float]:

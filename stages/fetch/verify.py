@@ -5,14 +5,14 @@ weighs then differs from the reply that is kept, and so does the mass of the ass
 server gives in one call.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import orjson
 
 from stages.robot.bundle import StudioKey
-from stages.robot.errors import Diagnostic, ProtocolError
+from stages.robot.errors import Diagnostic, ProtocolError, SourceError
 
 _RELATIVE = 1e-6
 """Sums of the same parts agree to rounding; a part that changed shows as more."""
@@ -37,16 +37,45 @@ class Masses:
         within = _RELATIVE * max(abs(self.theirs), abs(self.ours))
         return min(abs(self.theirs - self.ours), abs(self.theirs - self.shown)) <= within
 
-    def diagnostic(self, element: str) -> Diagnostic:
-        """What the report says where they differ although everything was fetched."""
+    @property
+    def excess(self) -> tuple[float, float]:
+        """Theirs less ours [kg]: with hidden occurrences, and without."""
+        return self.theirs - self.ours, self.theirs - self.shown
+
+    def as_before(self, excess: Sequence[float]) -> bool:
+        """Whether they differ by what they did when all replies were known to be right."""
+        within = _RELATIVE * max(abs(self.theirs), abs(self.ours))
+        return any(abs(now - then) <= within for now, then in zip(self.excess, excess, strict=True))
+
+    def diagnostic(self, element: str, *, lasting: bool = False) -> Diagnostic:
+        """What the report says where they differ although everything was fetched.
+
+        `lasting`: it was fetched at an earlier state of the document, and they differed as much.
+        """
+        seen = (
+            "they differed by as much when every part studio of the document was last asked for"
+            if lasting
+            else "every part studio of the document was fetched as it is now"
+        )
         return Diagnostic(
             "W-VERIFY",
             f"the parts weigh {self.ours:.9g} kg together, but Onshape weighs the assembly at "
-            f"{self.theirs:.9g} kg; every part studio of the document was fetched as it is now",
+            f"{self.theirs:.9g} kg; {seen}",
             f"assembly {element}",
             "compare with the mass properties that Onshape shows for the assembly (overridden masses?); "
             "source.refresh=true asks for everything again, source.verify=false does not compare",
         )
+
+
+def unchecked(element: str, error: SourceError) -> Diagnostic:
+    """What the report says where the mass of the assembly cannot be had."""
+    return Diagnostic(
+        "W-VERIFY",
+        f"whether a part studio changed with another one could not be checked: {error.message}",
+        f"assembly {element}",
+        "run the same command again to check it; source.refresh=true asks for everything again, "
+        "source.verify=false does not check",
+    )
 
 
 def compare(definition: bytes, weights: Mapping[StudioKey, Mapping[str, float]], total: bytes) -> Masses:

@@ -213,6 +213,62 @@ class TestVerify:
             assert f"{server.document.truth.total_mass():.6g}" in found.message
             assert server.document.root.element in found.where
 
+    def test_a_difference_that_lasts_is_asked_for_once_and_then_only_reported(self, server, kept):
+        build(server, kept)
+
+        def overridden(method, path, number):
+            if "/assemblies/" not in path or "/massproperties" not in path:
+                return None
+            return Fault(200, b'{"mass": [%r]}' % (server.document.truth.total_mass() + 1))
+
+        server.edit(resized(server.document, "Steel part", "Steel"))
+        server.fault = overridden
+        assert build(server, kept).calls == 7 + 2 * 3
+        for name in ("Glass", "Wood"):
+            server.edit(resized(server.document, f"{name} part", name))
+            made = build(server, kept)
+            assert made.calls == 6
+            assert same_as_cold(server, made.bundle)
+            (found,) = made.diagnostics
+            assert found.code == "W-VERIFY"
+            assert "differed by as much" in found.message
+            assert build(server, kept).calls == 1
+        after = resized(server.document, "Steel part", "Steel")
+        after.part("Copy of wood part").solid = solids.box(0.3, 0.3, 0.3)
+        server.edit(after)
+        made = build(server, kept)
+        assert made.calls == 6 + 2 * 3
+        assert same_as_cold(server, made.bundle)
+
+    @pytest.mark.parametrize(
+        ("fault", "billed"),
+        [
+            (Fault(404), 0),
+            (Fault(400), 0),
+            (Fault(406), 0),
+            (Fault(500), 0),
+            (Fault(200, b"{}"), 1),
+            (Fault(200, b'{"mass": ["much"'), 1),
+        ],
+    )
+    def test_a_mass_that_cannot_be_had_leaves_the_robot_unchecked(self, server, kept, fault, billed):
+        build(server, kept)
+        server.edit(self.derived(server))
+        server.fault = lambda method, path, number: (
+            fault if "/assemblies/" in path and "/massproperties" in path else None
+        )
+        for calls in (6, 1):
+            made = build(server, kept)
+            assert made.calls == calls + billed
+            (found,) = made.diagnostics
+            assert (found.code, found.where) == ("W-VERIFY", f"assembly {server.document.root.element}")
+            assert "could not be checked: the " in found.message
+        server.fault = None
+        made = build(server, kept)
+        assert made.calls == 1 + 1 + 2 * 3
+        assert made.diagnostics == ()
+        assert same_as_cold(server, made.bundle)
+
     def test_ending_between_the_replies_and_the_mass_files_nothing_as_checked(self, server, kept):
         build(server, kept)
         server.edit(self.derived(server))
@@ -368,6 +424,27 @@ def test_a_wrong_answer_about_the_document_is_refused(server, kept, body):
     with pytest.raises(ProtocolError):
         build(server, kept)
     assert body not in kept.values()
+
+
+@pytest.mark.parametrize("body", [b"[]", b'[{"id": "another", "microversionId": "m"}]'])
+def test_tabs_without_the_assembly_s_own_are_asked_for_once_more_and_not_kept(server, kept, body):
+    build(server, kept)
+    server.edit(resized(server.document, "Steel part", "Steel"))
+    asked = []
+
+    def elements(method, path, number):
+        if path.partition("?")[0].endswith("/elements"):
+            asked.append(path)
+            return Fault(200, body)
+        return None
+
+    server.fault = elements
+    with pytest.raises(ProtocolError, match=f"lacks {server.document.root.element}, the tab of the assembly"):
+        build(server, kept)
+    assert max(map(asked.count, asked)) == 2
+    assert body not in kept.values()
+    server.fault = None
+    assert same_as_cold(server, build(server, kept).bundle)
 
 
 def test_a_used_up_quota_leaves_the_last_complete_state_and_says_so(server, kept):
