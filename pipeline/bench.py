@@ -26,7 +26,8 @@ class Bench:
     """What a stage works with: the plan, the earlier stages' files, and the cache for its parts.
 
     `calls` counts the API calls of this build (as `Report.calls`); a stage tells what it does through
-    `tell`. `ledger` is the folder that takes down all calls of all builds, None where nothing does.
+    `tell`. `ledger` is the folder that takes down all calls of all builds, None where nothing does;
+    `began`: when the sweep started that this build is a job of [s since the epoch].
     """
 
     def __init__(
@@ -36,6 +37,7 @@ class Bench:
         environ: Mapping[str, str],
         tell: Callable[[str], None] = lambda _: None,
         ledger: Path | None = None,
+        began: float | None = None,
     ) -> None:
         self.plan = plan
         self.cache = cache
@@ -43,6 +45,7 @@ class Bench:
         self.tell = tell
         self.files: dict[str, Files] = {}
         self.ledger = ledger
+        self.began = began
         self.calls: dict[str, Any] = {"made": 0, "saved": 0}
 
     def digests(self, stage: str) -> dict[str, str]:

@@ -29,12 +29,16 @@ def build(
     progress: Progress | None = None,
     environ: Mapping[str, str] | None = None,
     stages: tuple[Stage, ...] = STAGES,
+    began: float | None = None,
 ) -> Report:
     """Builds the robot that `plan` describes and puts it into its output folder.
 
     Returns the report, whose `exit_status` is 3 where a check failed. Raises ConfigError for what is
     wrong before the first stage, and any other LinkwrightError for what goes wrong later; the last
     good output is whole then, and `<output>.failed` holds the report and the log.
+
+    `began` [s since the epoch]: the start of the sweep that this is a job of; its jobs share what a
+    workspace said since then, so that all build the same state of it.
     """
     environ = os.environ if environ is None else environ
     stages = stages_until(plan.until, stages)
@@ -55,7 +59,7 @@ def build(
         with cache.opened(plan.cache.mode, plan.cache.dir, environ) as store:
             # Beside the cache that lasts, also where this build does not use it.
             ledger = cache.folder(plan.cache.dir, environ) / LEDGER
-            bench = Bench(plan, store, environ, ledger=ledger)
+            bench = Bench(plan, store, environ, ledger=ledger, began=began)
             for stage in stages:
                 run.stage(stage, bench)
             done = run.finished(bench)

@@ -210,9 +210,12 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     from pipeline.sweep import Outcome, Task, jobs_of, prepare, summary, sweep_status
 
     if build is None:
+        import functools
+        import time
+
         from pipeline.build import build as build_robot
 
-        build = build_robot
+        build = functools.partial(build_robot, began=time.time())
     with session(command.config_dirs, judge=before_a_sweep) as composer:
         overrides, problems = composer.read(command.overrides, multirun=True)
         problems += composer.check_launcher(overrides)

@@ -108,7 +108,15 @@ class Fetch(Common):
 
         calls = Calls()
         try:
-            fetched = fetch(bench.plan, bench.cache.replies(), bench.environ, bench.tell, bench.ledger, calls)
+            fetched = fetch(
+                bench.plan,
+                bench.cache.replies(),
+                bench.environ,
+                bench.tell,
+                bench.ledger,
+                calls,
+                began=bench.began,
+            )
         finally:
             # Also what a fetch spent that failed.
             bench.calls |= {"made": calls.made, "saved": calls.saved}

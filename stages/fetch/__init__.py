@@ -41,11 +41,13 @@ def fetch(
     ledger: Path | None = None,
     calls: Calls | None = None,
     patience: Patience | None = None,
+    began: float | None = None,
 ) -> Fetched:
     """The bundle of what `keys.source` names. `tell` gets lines about progress.
 
     Calls are taken down in the folder `ledger`, and in `calls` also where the fetch fails. `patience`:
-    how failures of the server are borne with, but for `source.max_wait`.
+    how failures of the server are borne with, but for `source.max_wait`. `began`: the start of the
+    sweep that this build is a job of [s since the epoch].
 
     ConfigError where a call is due and there is no API key; SourceError and its kinds where the
     source cannot be read; AssemblyError where the assembly has no part.
@@ -55,7 +57,7 @@ def fetch(
         from stages.fetch.plan_of_calls import Calls
 
         calls = Calls() if calls is None else calls
-        return _from_onshape(source, replies, environ, tell, ledger, calls, patience)
+        return _from_onshape(source, replies, environ, tell, ledger, calls, patience, began)
 
     from stages.fetch.bundle import read
     from stages.fetch.files import content, label
@@ -74,6 +76,7 @@ def _from_onshape(
     ledger: Path | None,
     calls: Calls,
     patience: Patience | None,
+    began: float | None,
 ) -> Fetched:
     from stages.fetch.asking import Asking
     from stages.fetch.network import Network
@@ -84,10 +87,11 @@ def _from_onshape(
     from stages.robot.errors import Diagnostic, QuotaExhausted, SourceError
 
     url = parse(source.url)
-    with Server(url, environ, tell, source.max_wait, ledger, patience) as server:
+    with Server(url, environ, tell, source.max_wait, ledger, patience, source.max_calls) as server:
         asking = Asking(
             server, replies, offline=source.offline, refresh=source.refresh, max_calls=source.max_calls
         )
+        asking.began = began
         network = Network(url, source, asking, tell)
         found: tuple[Diagnostic, ...] = ()
         try:

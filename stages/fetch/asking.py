@@ -1,8 +1,8 @@
 """Kept replies first, the server for the rest: each reply is paid for once, also by many processes."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from contextlib import AbstractContextManager, nullcontext
+from functools import partial
 from threading import Lock
 from typing import Any
 
@@ -11,6 +11,7 @@ from stages.fetch.refusals import Declined
 from stages.fetch.replies import Replies
 from stages.fetch.requests import describe
 from stages.fetch.server import Promise, Server
+from stages.fetch.threads import run_all
 from stages.robot.errors import NotFound, Offline, ProtocolError
 
 Refused = dict[str, NotFound | Declined]
@@ -40,6 +41,8 @@ class Asking:
         self.offline = offline
         self.saved = 0
         """Calls that kept replies made needless."""
+        self.began: float | None = None
+        """The start of a sweep: since then what a workspace told to one of its jobs holds for all."""
         self.settled: Callable[[], AbstractContextManager[None]] = nullcontext
         """Within it the workspace is as its users left it: no build has its variables changed."""
 
@@ -114,16 +117,12 @@ class Asking:
         self._reachable(missing)
         self.allow(len(missing))
         self._server.ready()
-        pool = ThreadPoolExecutor(self._server.at_once, thread_name_prefix="fetch")
         try:
-            futures = [pool.submit(self._once, request) for request in missing]
-            wait(futures, return_when=FIRST_EXCEPTION)
+            futures = run_all([partial(self._once, request) for request in missing], self._server.at_once)
         except BaseException:
-            # Interrupted: a call that waits for its turn must not keep the user waiting.
+            # Interrupted: nothing is asked again, and nothing waits for its turn.
             self._server.stop()
             raise
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
         for request, future in zip(missing, futures, strict=True):
             if future.cancelled():
                 continue

@@ -7,13 +7,15 @@ every other refusal is explained and final.
 
 import tempfile
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from types import TracebackType
 from urllib.parse import urlsplit
 
 from stages.fetch import redirects, retries, signing
 from stages.fetch.credentials import Credentials
 from stages.fetch.ledger import Ledger, billed, endpoint
+from stages.fetch.plan_of_calls import allow
 from stages.fetch.refusals import cut_short, offline, rate_limited, refusal, web_page
 from stages.fetch.requests import API, JSON, describe
 from stages.fetch.retries import Passing, Patience
@@ -32,7 +34,8 @@ _PATIENCE = Patience()
 class Client:
     """Asks one host. Safe to call from several threads; a context manager.
 
-    `ledger` takes down what is billed; `tell` gets a line wherever the user has to wait.
+    `ledger` takes down what is billed; `tell` gets a line wherever the user has to wait; `max_calls`
+    bounds what is billed, whatever has to be asked again.
     """
 
     def __init__(
@@ -43,6 +46,7 @@ class Client:
         patience: Patience = _PATIENCE,
         ledger: Ledger | None = None,
         tell: Callable[[str], None] = lambda _: None,
+        max_calls: int | None = None,
     ) -> None:
         self.host = urlsplit(url.origin).netloc
         self.met: dict[str, str] = {}
@@ -54,7 +58,8 @@ class Client:
         self._ledger = ledger
         self._tell_user = tell
         self._lock = threading.Lock()
-        self._calls = 0
+        self._calls = self._pending = 0
+        self._max_calls = max_calls
         self._stopped = threading.Event()
         self._reason: SourceError | None = None
         self._windows = Windows(patience.max_wait, self._stopped)
@@ -165,6 +170,8 @@ class Client:
                 error: SourceError = offline(what, self.host, str(lost), late=lost.late)
             else:
                 error = cut_short(what, self.host)
+            if self._stopped.is_set() and not restoring:
+                raise error from lost
             if method != "GET" and lost.begun and not restoring:
                 hint = "it may have been carried out all the same: look at the document in the browser"
                 raise type(error)(error.message, error.where, hint) from lost
@@ -189,17 +196,23 @@ class Client:
         for _ in range(1 + redirects.MOST):
             if not restoring:
                 self._may_go()
-            answer = self._wire.send(
-                method,
-                address,
-                lambda target: {
-                    "Accept": accept,
-                    **({} if content is None else {"Content-Type": signing.CONTENT_TYPE}),
-                    **signing.headers(self._credentials, method, target),
-                },
-                content,
-                lambda status, headers: self._note(kind, status, headers),
-            )
+            with self._budgeted(restoring) as spent:
+
+                def met(status: int, headers: Mapping[str, str], spent: Callable[[], None] = spent) -> None:
+                    self._note(kind, status, headers)
+                    spent()
+
+                answer = self._wire.send(
+                    method,
+                    address,
+                    lambda target: {
+                        "Accept": accept,
+                        **({} if content is None else {"Content-Type": signing.CONTENT_TYPE}),
+                        **signing.headers(self._credentials, method, target),
+                    },
+                    content,
+                    met,
+                )
             if not redirects.followed(method, answer.status):
                 return answer
             address = redirects.target(address, answer.headers.get("Location", ""), what)
@@ -210,6 +223,30 @@ class Client:
                     self._origins[document] = region
         msg = f"the server points elsewhere for {what} more than {redirects.MOST} times"
         raise ProtocolError(msg, self.host, "use the host that the browser shows for this document")
+
+    @contextmanager
+    def _budgeted(self, restoring: bool) -> Iterator[Callable[[], None]]:
+        """A place for one call within `max_calls`, given up when it is counted or comes to nothing.
+
+        What is asked again and every stop of a redirect takes one too; only putting values back does
+        not, as it must go out whatever the budget.
+        """
+        held = not restoring and self._max_calls is not None
+        if held:
+            with self._lock:
+                allow(self._pending + 1, self._calls, self._max_calls or 0)
+                self._pending += 1
+
+        def spent() -> None:
+            nonlocal held
+            with self._lock:
+                self._pending -= held
+            held = False
+
+        try:
+            yield spent
+        finally:
+            spent()
 
     def _check(self, body: bytes, check: Callable[[bytes], None]) -> None:
         try:

@@ -38,10 +38,11 @@ class Workspace:
 
         The first time, and with `anew`, the definition itself is asked for: it names the
         microversion. Of several builders that ask at once the first does, and the others take what
-        it was told while they waited: since `began`, which is now unless they waited before.
+        it was told while they waited: since `began`, which is now unless they waited before. All jobs
+        of a sweep take what the first of them was told.
         """
-        began = time.time() if began is None else began
         asking = self._asking
+        began = asking.began or began or time.time()
         if asking.offline:
             return self._without_network()
         # Not while another build has the variables changed: that state is not the user's.

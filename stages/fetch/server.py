@@ -36,8 +36,10 @@ class Server:
         max_wait: float,
         ledger: Path | None,
         patience: Patience | None = None,
+        max_calls: int | None = None,
     ) -> None:
         self._url = url
+        self._max_calls = max_calls
         self._environ = environ
         self._tell = tell
         self._patience = replace(patience or Patience(), max_wait=max_wait)
@@ -72,7 +74,12 @@ class Server:
             credentials = find(self._environ)
             self._ledger = Ledger(self._folder, credentials.who) if self._folder else None
             self._client = Client(
-                self._url, credentials, patience=self._patience, ledger=self._ledger, tell=self._tell
+                self._url,
+                credentials,
+                patience=self._patience,
+                ledger=self._ledger,
+                tell=self._tell,
+                max_calls=self._max_calls,
             )
         return self._client
 

@@ -1,0 +1,88 @@
+"""What a user's patience and quota may come to: Ctrl-C, a bound on calls, a sweep."""
+
+import json
+import signal
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.e2e.command import COMMAND, environment, linkwright
+from tests.onshape.sample import sample_document
+from tests.onshape.server import Fault, OnshapeServer
+
+STUDIOS = 4
+
+
+def test_ctrl_c_ends_a_build_whose_server_does_not_answer(tmp_path: Path) -> None:
+    """Within seconds, though the triangles would take half a minute; what arrived is not paid again."""
+    slow, asked = threading.Event(), threading.Event()
+
+    def hold(method: str, target: str, number: int) -> Fault | None:
+        if "tessellatedfaces" in target and not slow.is_set():
+            asked.set()
+            slow.wait(30)
+        return None
+
+    with OnshapeServer(sample_document(), fault=hold) as server:
+        environ = environment(tmp_path, **server.environ)
+        line = [str(COMMAND), "source=onshape", f"source.url='{server.document_url()}'"]
+        build = subprocess.Popen(
+            line, cwd=tmp_path, env=environ, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        assert asked.wait(20)
+        time.sleep(0.3)
+        began = time.monotonic()
+        build.send_signal(signal.SIGINT)
+        _, said = build.communicate(timeout=20)
+        ended = time.monotonic() - began
+        slow.set()
+        assert build.returncode == 130
+        assert ended < 5
+        assert said.count("error:") == 1
+        assert "asking again" not in said
+        server.reset()
+        done = linkwright(tmp_path, *line[1:], environ=environ)
+        assert done.returncode == 0, done.stderr
+        assert server.count <= 1 + STUDIOS
+
+
+def test_max_calls_bounds_what_is_asked_again_too(tmp_path: Path) -> None:
+    """Every reply with triangles is cut short once, which costs a call each."""
+    cut: set[str] = set()
+
+    def short(method: str, target: str, number: int) -> Fault | None:
+        if "tessellatedfaces" in target and target not in cut:
+            cut.add(target)
+            return Fault(200, b'{"bodies": [')
+        return None
+
+    limit = 1 + 2 * STUDIOS
+    with OnshapeServer(sample_document(), fault=short) as server:
+        environ = environment(tmp_path, **server.environ)
+        line = ["source=onshape", f"source.url='{server.document_url()}'", f"source.max_calls={limit}"]
+        done = linkwright(tmp_path, *line, environ=environ)
+        assert done.returncode == 1
+        assert "source.max_calls" in done.stderr
+        assert server.count <= limit
+        server.reset()
+        assert linkwright(tmp_path, *line, environ=environ).returncode == 0
+        assert server.count <= limit
+
+
+@pytest.mark.parametrize("launcher", ["basic", "joblib"])
+def test_the_jobs_of_a_sweep_share_one_state_of_a_workspace(tmp_path: Path, launcher: str) -> None:
+    with OnshapeServer(sample_document()) as server:
+        environ = environment(tmp_path, **server.environ)
+        line = ["-m", "source=onshape", f"source.url='{server.document_url()}'", "ground=none,plane"]
+        line += ["root=fixed,free", f"hydra/launcher={launcher}"]
+        assert linkwright(tmp_path, *line, environ=environ).returncode == 0
+        assert server.count == 1 + 2 * STUDIOS
+        server.reset()
+        assert linkwright(tmp_path, *line, environ=environ).returncode == 0
+        assert server.count == 1
+    reports = [json.loads(path.read_text()) for path in tmp_path.rglob("report.json")]
+    assert len(reports) == 4
+    assert len({report["source"]["microversion"] for report in reports}) == 1
