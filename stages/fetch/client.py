@@ -5,17 +5,17 @@ asked again; a closed window (429) is waited for; a used-up quota (402) stops al
 every other refusal is explained and final.
 """
 
+import functools
 import tempfile
 import threading
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from types import TracebackType
 from urllib.parse import urlsplit
 
 from stages.fetch import redirects, retries, signing
 from stages.fetch.credentials import Credentials
 from stages.fetch.ledger import Ledger, billed, endpoint
-from stages.fetch.plan_of_calls import allow
+from stages.fetch.plan_of_calls import Budget, Place
 from stages.fetch.refusals import cut_short, offline, rate_limited, refusal, web_page
 from stages.fetch.requests import API, JSON, describe
 from stages.fetch.retries import Passing, Patience
@@ -58,8 +58,7 @@ class Client:
         self._ledger = ledger
         self._tell_user = tell
         self._lock = threading.Lock()
-        self._calls = self._pending = 0
-        self._max_calls = max_calls
+        self._budget = Budget(max_calls)
         self._stopped = threading.Event()
         self._reason: SourceError | None = None
         self._windows = Windows(patience.max_wait, self._stopped)
@@ -76,7 +75,7 @@ class Client:
     @property
     def calls(self) -> int:
         """Calls that count against the quota so far: every 2xx and 3xx."""
-        return self._calls
+        return self._budget.made
 
     @property
     def left(self) -> Mapping[str, int]:
@@ -108,7 +107,7 @@ class Client:
                 self._check(answer.body, check)
             return answer.body
 
-        return retries.persist(once, self._patience)
+        return self._persist(once)
 
     def post(self, request: str, body: bytes, *, restoring: bool = False) -> bytes:
         """The body of the reply to what is posted (JSON); errors as for `get`.
@@ -124,11 +123,25 @@ class Client:
                 raise self._refusal(answer, request, final=not restoring)
             return answer.body
 
-        return retries.persist(once, self._patience)
+        return self._persist(once, restoring=restoring)
 
     def stop(self) -> None:
-        """Lets no further call begin and ends all waits: their calls raise Offline."""
+        """Lets no further call begin, and ends those on their way and all waits: they raise Offline."""
         self._halt(Offline("the calls were stopped", self.host, "run the same command again"))
+        self._wire.hang_up()
+
+    def _persist(self, once: Callable[[], bytes], *, restoring: bool = False) -> bytes:
+        """What `once` gives, asked again where that may help and the calls were not stopped."""
+
+        def unless_stopped() -> bytes:
+            try:
+                return once()
+            except Passing:
+                if not restoring:
+                    self._may_go()
+                raise
+
+        return retries.persist(unless_stopped, self._patience)
 
     def _answer(
         self, method: str, request: str, accept: str, content: bytes | None, *, restoring: bool = False
@@ -140,6 +153,8 @@ class Client:
             answer = self._whole(method, request, accept, content, restoring)
             if answer.status != 429:
                 return answer
+            if not restoring:
+                self._may_go()
             # Never less than our own pause: a server that says 0 must not be asked in a rush.
             asked = retry_after(answer.headers)
             seconds = max(asked or 0.0, seconds)
@@ -170,8 +185,6 @@ class Client:
                 error: SourceError = offline(what, self.host, str(lost), late=lost.late)
             else:
                 error = cut_short(what, self.host)
-            if self._stopped.is_set() and not restoring:
-                raise error from lost
             if method != "GET" and lost.begun and not restoring:
                 hint = "it may have been carried out all the same: look at the document in the browser"
                 raise type(error)(error.message, error.where, hint) from lost
@@ -196,12 +209,8 @@ class Client:
         for _ in range(1 + redirects.MOST):
             if not restoring:
                 self._may_go()
-            with self._budgeted(restoring) as spent:
-
-                def met(status: int, headers: Mapping[str, str], spent: Callable[[], None] = spent) -> None:
-                    self._note(kind, status, headers)
-                    spent()
-
+            # What is put back must go out whatever the budget.
+            with self._budget.place(needed=restoring) as place:
                 answer = self._wire.send(
                     method,
                     address,
@@ -211,7 +220,7 @@ class Client:
                         **signing.headers(self._credentials, method, target),
                     },
                     content,
-                    met,
+                    functools.partial(self._note, kind, place),
                 )
             if not redirects.followed(method, answer.status):
                 return answer
@@ -223,30 +232,6 @@ class Client:
                     self._origins[document] = region
         msg = f"the server points elsewhere for {what} more than {redirects.MOST} times"
         raise ProtocolError(msg, self.host, "use the host that the browser shows for this document")
-
-    @contextmanager
-    def _budgeted(self, restoring: bool) -> Iterator[Callable[[], None]]:
-        """A place for one call within `max_calls`, given up when it is counted or comes to nothing.
-
-        What is asked again and every stop of a redirect takes one too; only putting values back does
-        not, as it must go out whatever the budget.
-        """
-        held = not restoring and self._max_calls is not None
-        if held:
-            with self._lock:
-                allow(self._pending + 1, self._calls, self._max_calls or 0)
-                self._pending += 1
-
-        def spent() -> None:
-            nonlocal held
-            with self._lock:
-                self._pending -= held
-            held = False
-
-        try:
-            yield spent
-        finally:
-            spent()
 
     def _check(self, body: bytes, check: Callable[[bytes], None]) -> None:
         try:
@@ -272,11 +257,11 @@ class Client:
     def _said(self, answer: Answer) -> str:
         return self._credentials.scrub(answer.body.decode("utf-8", "replace"))
 
-    def _note(self, kind: str, status: int, headers: Mapping[str, str]) -> None:
+    def _note(self, kind: str, place: Place, status: int, headers: Mapping[str, str]) -> None:
+        place.settle(billed(status))
         rest = left(headers)
         self._windows.note(kind, rest)
         with self._lock:
-            self._calls += billed(status)
             for header, name in _MET.items():
                 if headers.get(header):
                     self.met[name] = self._credentials.scrub(headers[header])[:40]

@@ -4,8 +4,10 @@ Onshape counts calls by the year, so a build says what it is about to spend befo
 spends nothing where the user allows less.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from threading import Lock
 
 from stages.robot.errors import SourceError
 
@@ -26,6 +28,53 @@ class Calls:
     remaining: Mapping[str, int] = field(default_factory=dict)
     served: Mapping[str, str] = field(default_factory=dict)
     waited: float = 0.0
+
+
+class Budget:
+    """What one build may spend, whatever has to be asked again. Safe to use from several threads.
+
+    A call has its place before it is made, so that calls on their way at the same time cannot
+    overdraw it together.
+    """
+
+    def __init__(self, limit: int | None) -> None:
+        self.made = 0
+        """Calls that count against the quota so far."""
+        self._limit = limit
+        self._held = 0
+        self._lock = Lock()
+
+    @contextmanager
+    def place(self, *, needed: bool = False) -> Iterator["Place"]:
+        """A place for one call; SourceError where none is left, unless the call must be made (`needed`)."""
+        with self._lock:
+            if self._limit is not None and not needed:
+                allow(self._held + 1, self.made, self._limit)
+            self._held += 1
+        place = Place(self)
+        try:
+            yield place
+        finally:
+            place.settle(0)
+
+    def settle(self, calls: int) -> None:
+        """Gives up a place for what the call came to. Both at once: nobody may see it counted twice."""
+        with self._lock:
+            self._held -= 1
+            self.made += calls
+
+
+class Place:
+    """One call's place in a budget, settled once."""
+
+    def __init__(self, budget: Budget) -> None:
+        self._budget: Budget | None = budget
+
+    def settle(self, calls: int) -> None:
+        """The call came to so many `calls`; what is said later changes nothing."""
+        budget, self._budget = self._budget, None
+        if budget is not None:
+            budget.settle(calls)
 
 
 def allow(more: int, made: int, limit: int) -> None:

@@ -1,9 +1,14 @@
 """One request over HTTP and its reply, whole or not at all. The only module that imports httpx."""
 
+import contextlib
+import socket
 import tempfile
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from threading import Lock
+from typing import Any
+from weakref import WeakSet
 
 import httpx
 
@@ -49,6 +54,8 @@ class Wire:
 
     def __init__(self, patience: Patience, *, loopback: bool) -> None:
         self._whole = patience.whole
+        self._sockets: WeakSet[socket.socket] = WeakSet()
+        self._lock = Lock()
         self._http = httpx.Client(
             headers={"User-Agent": "linkwright"},
             # A call that waits for a free connection has not begun; no limit fits that.
@@ -61,6 +68,24 @@ class Wire:
 
     def close(self) -> None:
         self._http.close()
+
+    def hang_up(self) -> None:
+        """Ends what is on its way: whoever waits for it gets Lost at once. New requests may be sent.
+
+        To close a socket does not wake a thread that waits for it; to shut it down does.
+        """
+        with self._lock:
+            sockets = list(self._sockets)
+        for connected in sockets:
+            with contextlib.suppress(OSError):
+                # Not the method of a TLS socket, which first takes the encryption off.
+                socket.socket.shutdown(connected, socket.SHUT_RDWR)
+
+    def _trace(self, event: str, told: Mapping[str, Any]) -> None:
+        """Takes down each socket as it is made. TLS puts another in the place of the plain one."""
+        if event.endswith(("connect_tcp.complete", "start_tls.complete")):
+            with self._lock:
+                self._sockets.add(told["return_value"].get_extra_info("socket"))
 
     def send(
         self,
@@ -80,7 +105,11 @@ class Wire:
         status, until = 0, time.monotonic() + self._whole
         try:
             request = self._http.build_request(
-                method, url, headers=dict(headers(url.raw_path.decode("ascii"))), content=content
+                method,
+                url,
+                headers=dict(headers(url.raw_path.decode("ascii"))),
+                content=content,
+                extensions={"trace": self._trace},
             )
             response = self._http.send(request, stream=True)
             try:

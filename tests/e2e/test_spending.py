@@ -42,6 +42,7 @@ def test_ctrl_c_ends_a_build_whose_server_does_not_answer(tmp_path: Path) -> Non
         assert build.returncode == 130
         assert ended < 5
         assert said.count("error:") == 1
+        assert "interrupted" in said
         assert "asking again" not in said
         server.reset()
         done = linkwright(tmp_path, *line[1:], environ=environ)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.cli import HELP, Command, UsageError, parse, run
+from pipeline.cli import HELP, VERBS, Command, UsageError, parse, run
 from pipeline.presets import GROUPS, Presets
 from pipeline.report import Report
 from stages.robot.errors import AssemblyError, ConfigError
@@ -69,6 +69,10 @@ def test_help_names_every_group_and_option(tmp_path):
     ]
     assert missing == []
     assert set(GROUPS) <= words
+
+
+def test_help_names_every_verb():
+    assert [verb for verb in VERBS if f"\n  linkwright {verb} " not in HELP] == []
 
 
 def test_help_names_only_keys_that_are_there():

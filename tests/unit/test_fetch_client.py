@@ -328,6 +328,48 @@ def test_a_stop_ends_all_waits():
             client.get(MASS)
 
 
+@pytest.mark.parametrize("begun", [False, True], ids=["no answer yet", "within the body"])
+def test_a_stop_ends_a_call_on_its_way_and_nothing_is_asked_again(begun):
+    asked, over, said = [], threading.Event(), []
+
+    def slow(handler):
+        asked.append(handler.path)
+        if begun:
+            handler.send_response_only(200)
+            handler.send_header("Content-Length", "100")
+            handler.end_headers()
+            handler.wfile.flush()
+        over.wait(20)
+
+    with serving(slow, patience=replace(QUICK, read=20.0, whole=20.0), tell=said.append) as client:
+        threading.Timer(0.3, client.stop).start()
+        start = monotonic()
+        with pytest.raises(Offline, match="stopped"):
+            client.get(MASS)
+        assert monotonic() - start < 3
+        over.set()
+    assert (len(asked), said) == (1, [])
+
+
+@pytest.mark.parametrize(
+    ("answer", "limit"),
+    [(reply(200, b"{}", length=9), 1), (reply(302, Location=f"/api/v16{MASS}"), 2)],
+    ids=["asked again", "sent elsewhere"],
+)
+def test_a_bound_on_calls_holds_for_what_was_not_planned(answer, limit):
+    with serving(answer, max_calls=limit) as client, pytest.raises(SourceError) as caught:
+        client.get(MASS)
+    assert (client.calls, caught.value.where) == (limit, "source.max_calls")
+    assert f"source.max_calls={limit + 1} or more to allow it; what was fetched is kept" in caught.value.hint
+
+
+def test_what_undoes_a_change_is_posted_whatever_the_bound_on_calls():
+    with serving(reply(200, b"{}"), max_calls=0) as client:
+        with pytest.raises(SourceError, match="may make 0"):
+            client.get(MASS)
+        assert client.post("/variables/d/D/w/W/e/E/variables", b"[]", restoring=True) == b"{}"
+
+
 def test_what_is_posted_is_sent_with_its_type_and_asked_again_only_if_it_cannot_have_been_done():
     seen, numbers = [], count()
 

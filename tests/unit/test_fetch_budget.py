@@ -1,0 +1,46 @@
+"""The bound on what one build may spend: a call has its place before it is made."""
+
+import pytest
+
+from stages.fetch.plan_of_calls import Budget
+from stages.robot.errors import SourceError
+
+
+def test_calls_on_their_way_cannot_overdraw_together():
+    budget = Budget(2)
+    with budget.place(), budget.place():
+        with pytest.raises(SourceError, match="may make 2"), budget.place():
+            pass
+        assert budget.made == 0
+
+
+def test_what_came_to_nothing_gives_its_place_back():
+    budget = Budget(1)
+    with pytest.raises(OSError), budget.place():
+        raise OSError
+    with budget.place() as place:
+        place.settle(0)
+    with budget.place() as place:
+        place.settle(1)
+    assert budget.made == 1
+    with pytest.raises(SourceError, match="made 1 call and needs 1 more"), budget.place():
+        pass
+
+
+def test_a_call_counts_once_from_when_it_is_billed():
+    """While its body still arrives it holds no place beside the call that it came to."""
+    budget = Budget(2)
+    with budget.place() as first:
+        first.settle(1)
+        with budget.place() as second:
+            second.settle(1)
+        first.settle(1)
+    assert budget.made == 2
+
+
+def test_without_a_limit_calls_are_only_counted():
+    budget = Budget(None)
+    for _ in range(3):
+        with budget.place() as place:
+            place.settle(1)
+    assert budget.made == 3
