@@ -220,14 +220,13 @@ def _tell_names(assembly: Assembly, bodies: Bodies, names: Names, found: list[Di
     for connector in sorted(assembly.connectors, key=lambda c: (c.names, c.name, c.feature)):
         if not is_link_name(connector):
             continue
-        title = "/".join((*connector.names, connector.name))
         body = bodies.of.get(connector.entity.path)
         if body is None:
             message = "the connector names no link: it is on no part"
-            found.append(Diagnostic("W-NAME", message, title, "put it on a part of the link"))
-        elif named.setdefault(body, title) != title:
+            found.append(Diagnostic("W-NAME", message, connector.title, "put it on a part of the link"))
+        elif named.setdefault(body, connector.title) != connector.title:
             message = f"the link has its name from {named[body]} already"
-            found.append(Diagnostic("W-NAME", message, title, "remove one of the two connectors"))
+            found.append(Diagnostic("W-NAME", message, connector.title, "remove one of the two connectors"))
 
 
 def _frames(
@@ -248,15 +247,19 @@ def _frames(
             continue
         body = bodies.of.get(connector.entity.path)
         if body is None:
-            title = "/".join((*connector.names, connector.name))
             found.append(
-                Diagnostic("W-FRAME", "the connector is on no part (origin or sub-assembly): left out", title)
+                Diagnostic(
+                    "W-FRAME",
+                    "the connector is on no part (origin or sub-assembly): left out",
+                    connector.title,
+                )
             )
             continue
         pose = inverse(placed.world_from_link[body]) @ assembly.world_from(connector.entity)
         if _mirrors(pose):
-            title = "/".join((*connector.names, connector.name))
-            found.append(Diagnostic("W-FRAME", "the connector is on a mirrored part: left out", title))
+            found.append(
+                Diagnostic("W-FRAME", "the connector is on a mirrored part: left out", connector.title)
+            )
             continue
         frames.append(Frame(name, names.links[body], frozen(pose), connector.name))
     return tuple(sorted(frames, key=lambda frame: frame.name))

@@ -87,6 +87,10 @@ class Connector:
     names: tuple[str, ...]
     entity: Entity
 
+    @property
+    def title(self) -> str:
+        return "/".join((*self.names, self.name))
+
 
 @dataclass(slots=True)
 class Assembly:

@@ -4,9 +4,7 @@ import math
 
 import numpy as np
 
-from stages.robot.model import Array, JointType, frozen
-
-IDENTITY = frozen(np.eye(4))
+from stages.robot.model import Array, JointType
 
 
 def inverse(a_from_b: Array) -> Array:
