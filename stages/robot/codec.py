@@ -52,7 +52,14 @@ def plain(value: Any) -> Any:
 
 @functools.cache
 def hints(kind: type) -> dict[str, Any]:
-    return get_type_hints(kind)
+    """The types of a dataclass's fields. A module that must not import numpy names the model's classes
+    for the type checker alone: those are looked up in the model."""
+    try:
+        return get_type_hints(kind)
+    except NameError:
+        from stages.robot import model
+
+        return get_type_hints(kind, localns=vars(model))
 
 
 def typed(kind: Any, data: Any) -> Any:
@@ -67,9 +74,7 @@ def typed(kind: Any, data: Any) -> Any:
             return tuple(typed(items[0], item) for item in data)
         return tuple(typed(item_kind, item) for item_kind, item in zip(items, data, strict=True))
     if origin in (Union, types.UnionType):
-        if data is None:
-            return None
-        return typed(next(option for option in get_args(kind) if option is not types.NoneType), data)
+        return None if data is None else typed(_option(kind, data), data)
     if origin is Literal or kind in (str, int, bool):
         return data
     if kind is float:
@@ -79,6 +84,14 @@ def typed(kind: Any, data: Any) -> Any:
     from stages.robot.model import frozen
 
     return frozen(data)
+
+
+def _option(kind: Any, data: Any) -> Any:
+    """The member of a union that `data` is one of: a list is the tuple, where there is a choice."""
+    options = [option for option in get_args(kind) if option is not types.NoneType]
+    if len(options) == 1:
+        return options[0]
+    return next(option for option in options if (get_origin(option) is tuple) == isinstance(data, list))
 
 
 def encode_robot(robot: "Robot") -> bytes:

@@ -1,36 +1,47 @@
 """What the mesh stage hands on: the shapes of every link and the mesh files behind them."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from stages.robot.errors import Diagnostic
+
+if TYPE_CHECKING:  # numpy comes with the model
+    from stages.robot.model import Primitive
 
 Role = Literal["visual", "collision"]
 Colour = tuple[float, float, float, float]
 
+NEUTRAL: Colour = (0.7, 0.7, 0.7, 1.0)
+"""The colour of what has none of its own."""
+
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """One mesh of a link, in the link's frame.
+    """One shape of a link: a mesh in the link's frame, or a primitive; the other one is None.
 
     `file` names an entry of `Geometry.files`; `colour` is RGBA in 0..1 (visual shapes only);
-    `area` [m²] and `volume` [m³] are the mesh's own (volume 0 where it is not closed).
+    `area` [m²] and `volume` [m³] are the shape's own (volume 0 where a mesh is not closed). A
+    primitive has neither `vertices` nor `faces`, and is a shape once for each role that it has.
     """
 
     link: str
     role: Role
-    file: str
+    file: str | None
     colour: Colour | None
     vertices: int
     faces: int
     area: float
     volume: float
+    primitive: Primitive | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Geometry:
-    """Shapes sorted by link order, then role, then file; `files`: binary STL by name, metres."""
+    """Shapes in the order of the links; of a link the meshes, colliders first and then by file, then
+    its primitives in their own order. `files`: binary STL by name, metres."""
 
     shapes: tuple[Shape, ...]
     files: Mapping[str, bytes]

@@ -1,23 +1,34 @@
 """The robot's own kinematics: poses of its links at any configuration."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable
 
 import numpy as np
 
-from stages.robot.model import Array, Robot
-from stages.robot.poses import motion
+from stages.robot.model import Array, Configuration, Dof, Robot
+from stages.robot.poses import at_rest, motion
 
 
-def link_poses(robot: Robot, q: Mapping[str, float] | None = None) -> dict[str, Array]:
-    """root_from_link (4, 4) of every link at joint values `q` [rad or m]; a missing value is 0."""
-    q = q or {}
+def link_poses(robot: Robot, q: Configuration | None = None) -> dict[str, Array]:
+    """root_from_link (4, 4) of every link at the values `q`; a missing one is 0 (no motion)."""
     poses: dict[str, Array] = {robot.root.name: np.eye(4)}
     for joint in robot.joints:
-        step = motion(joint.type, joint.axis, q.get(joint.name, 0.0))
-        poses[joint.child] = poses[joint.parent] @ joint.parent_from_joint @ step
+        poses[joint.child] = poses[joint.parent] @ joint.parent_from_joint @ chain(joint.dofs, q or {})
     return poses
 
 
-def saved_configuration(robot: Robot) -> dict[str, float]:
-    """Joint values of the pose that CAD was left in."""
-    return {joint.name: joint.saved for joint in robot.joints}
+def chain(dofs: Iterable[Dof], q: Configuration) -> Array:
+    """before_from_after (4, 4) of dofs in a row at the values `q`; a missing one is 0."""
+    pose = np.eye(4)
+    for dof in dofs:
+        pose = pose @ dof.origin @ motion(dof.kind, dof.axis, q.get(dof.name, at_rest(dof.kind)))
+    return pose
+
+
+def saved_configuration(robot: Robot) -> Configuration:
+    """Values of the pose that CAD was left in."""
+    return {dof.name: dof.saved for dof in robot.dofs}
+
+
+def rest_configuration(robot: Robot) -> Configuration:
+    """Every value zero: no motion."""
+    return {dof.name: at_rest(dof.kind) for dof in robot.dofs}

@@ -3,10 +3,12 @@
 Conventions: SI units; radians; a transform `a_from_b` is a (4, 4) array that takes coordinates in
 frame b to frame a, so names read left to right and cancel. Arrays are float64 and read-only.
 
-A link's frame is its joint's frame; the root link's frame is the assembly origin. q = 0 is where
-the two mate frames coincide, and q is the pose of the mate's first entity relative to its second.
+A link's frame is its joint's frame; the root link's frame is the assembly origin, or the frame that
+the user chose. q = 0 is where the two mate frames coincide, and q is the pose of the mate's first
+entity relative to its second.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -16,7 +18,17 @@ import numpy.typing as npt
 from stages.robot.errors import Diagnostic
 
 Array = npt.NDArray[np.float64]
-JointType = Literal["revolute", "prismatic"]
+JointType = Literal[
+    "fixed", "revolute", "prismatic", "cylindrical", "ball", "planar", "pin_slot", "parallel", "free"
+]
+DofKind = Literal["turn", "slide", "ball", "free"]
+
+Value = float | tuple[float, ...]
+"""A dof's value: a turn [rad], a slide [m]; a ball's unit quaternion (w, x, y, z); of a free joint the
+position [m] and quaternion (x, y, z, w, qx, qy, qz)."""
+
+Configuration = Mapping[str, Value]
+"""Values by the names of dofs."""
 
 
 def frozen(values: object) -> Array:
@@ -66,19 +78,43 @@ class Part:
     collides: bool = True
 
 
+PrimitiveKind = Literal["box", "sphere", "cylinder", "capsule"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Primitive:
+    """A shape that is no mesh. `size` [m]: a box's lengths along x, y, z; a sphere's (radius,); a
+    cylinder's or capsule's (radius, length), along z, the caps of a capsule beyond its length.
+    `colour`: RGBA in 0..1, None for neutral grey."""
+
+    kind: PrimitiveKind
+    size: tuple[float, ...]
+    link_from_shape: Array
+    colour: tuple[float, float, float, float] | None = None
+    visual: bool = True
+    collision: bool = True
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Link:
-    """A rigid body. `path`: the occurrence that names it; `parts` are sorted by path."""
+    """A rigid body. `path`: the occurrence that names it; `parts` are sorted by path.
+
+    `given`: the inertial that the user gave in place of what the parts sum up to. `shapes`: what the
+    user made up beside the parts. A link that CAD does not have has neither path nor parts.
+    """
 
     name: str
     inertial: Inertial
     parts: tuple[Part, ...]
     path: tuple[str, ...]
+    given: Inertial | None = None
+    shapes: tuple[Primitive, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The joint's range [rad or m] in the mate's own value; None is open."""
+    """The dof's range [rad or m] in the mate's own value; None is open. A ball's `upper` is the half
+    angle [rad] of the cone that its z axis stays in."""
 
     lower: float | None = None
     upper: float | None = None
@@ -86,7 +122,7 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class Dynamics:
-    """What moves and resists a joint; None is unset.
+    """What moves and resists a dof; None is unset.
 
     damping [N m s/rad or N s/m], friction [N m or N], armature [kg m² or kg],
     effort [N m or N], velocity [rad/s or m/s].
@@ -101,21 +137,50 @@ class Dynamics:
 
 @dataclass(frozen=True, slots=True)
 class MateRef:
-    """The CAD feature behind a joint: owning occurrence path, feature id, its name and mate type."""
+    """The CAD feature behind a joint: owning occurrence path, feature id, its name and mate type.
+
+    `copy`: the instance for which a pattern or mirror repeats it; "" for the feature itself.
+    """
 
     owner: tuple[str, ...]
     feature: str
     name: str
     type: str
+    copy: str = ""
+
+    @property
+    def key(self) -> tuple[tuple[str, ...], str, str]:
+        """What tells it from every other."""
+        return self.owner, self.feature, self.copy
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Dof:
+    """A coordinate of a joint: a turn about or a slide along `axis` (3,), a ball, or free motion.
+
+    `axis` is a unit vector in the dof's own frame, zero for a ball and for free motion. `origin`
+    (4, 4) is that frame in the one which the dof before it moves (previous_from_dof); the first has
+    the identity. The only dof of a joint has the joint's name. `saved`: the value in the pose that
+    CAD was left in.
+    """
+
+    name: str
+    kind: DofKind
+    axis: Array
+    origin: Array
+    limits: Limits
+    dynamics: Dynamics
+    saved: Value
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Joint:
-    """One degree of freedom between a parent and a child link.
+    """A parent link, a child link and the dofs between them, from parent to child.
 
-    The child's frame at value q is `parent_from_joint @ motion(q)`, where `motion` turns or slides
-    about/along `axis` (3,), which is +z or −z: −z where the mate's first entity is the parent, so
-    that q keeps the mate's own meaning. `saved` is q in the pose CAD was left in.
+    The child's frame at q is `parent_from_joint @ Π dof.origin @ motion(dof, q)`. A mate is the chain
+    second entity → slides → turn → first entity; where the second is the child it runs `backwards`:
+    the dofs in reverse, each axis negated (a ball's quaternion conjugated), so that q keeps the mate's
+    own meaning. `mate` is None for a joint that CAD does not have.
     """
 
     name: str
@@ -123,11 +188,9 @@ class Joint:
     parent: str
     child: str
     parent_from_joint: Array
-    axis: Array
-    limits: Limits
-    dynamics: Dynamics
-    saved: float
-    mate: MateRef
+    dofs: tuple[Dof, ...]
+    backwards: bool
+    mate: MateRef | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,8 +198,9 @@ class Loop:
     """A mate that closes a loop: what the tree leaves open.
 
     The mate's first entity is on `link_a` at `a_from_frame`, its second on `link_b` at
-    `b_from_frame`. `lever` [m] is a length on the loop's own scale; `solref` is MuJoCo's.
-    `residual` [m] is how far the two frames' constraint is from met at the saved pose.
+    `b_from_frame`: closed where world_from_a @ a_from_frame is world_from_b @ b_from_frame @
+    Π dof.origin @ motion(dof, q) for some q. `lever` [m] is a length on the loop's own scale;
+    `solref` is MuJoCo's. `residual` [m, rad] is how far that is from met at the saved pose.
     """
 
     name: str
@@ -145,8 +209,7 @@ class Loop:
     link_b: str
     a_from_frame: Array
     b_from_frame: Array
-    limits: Limits
-    saved: float
+    dofs: tuple[Dof, ...]
     lever: float
     solref: tuple[float, float]
     residual: float
@@ -155,7 +218,7 @@ class Loop:
 
 @dataclass(frozen=True, slots=True)
 class Relation:
-    """`follower` = multiplier · `driver` + offset, in the joints' own values."""
+    """`follower` = multiplier · `driver` + offset: names of dofs, in the mates' own values."""
 
     name: str
     follower: str
@@ -192,9 +255,25 @@ class Provenance:
     configuration: str
 
 
+@dataclass(frozen=True, slots=True)
+class Mobility:
+    """How a mechanism can move. `coordinates`: dofs of the tree. `gruebler`: those less what relations
+    and loops take away if all their conditions are independent. `dof`: the same by the rank of the
+    conditions at the saved pose. `redundant`: (loop, how many of its conditions say nothing new)."""
+
+    coordinates: int
+    gruebler: int
+    dof: int
+    redundant: tuple[tuple[str, int], ...]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Robot:
-    """Links and joints in tree order (a parent before its children; the root first)."""
+    """Links and joints in tree order (a parent before its children; the root first).
+
+    `world_from_root` (4, 4): where the root link's frame is in the assembly at the saved pose. A root
+    link called `world` is the assembly's origin itself.
+    """
 
     name: str
     links: tuple[Link, ...]
@@ -203,12 +282,19 @@ class Robot:
     relations: tuple[Relation, ...]
     frames: tuple[Frame, ...]
     base: Base
+    world_from_root: Array
+    mobility: Mobility
     provenance: Provenance
     diagnostics: tuple[Diagnostic, ...] = field(default=())
 
     @property
     def root(self) -> Link:
         return self.links[0]
+
+    @property
+    def dofs(self) -> tuple[Dof, ...]:
+        """All coordinates, in the order of the joints."""
+        return tuple(dof for joint in self.joints for dof in joint.dofs)
 
     def link(self, name: str) -> Link:
         return next(link for link in self.links if link.name == name)

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from stages.robot.model import Array, JointType
+from stages.robot.model import Array, DofKind, Value
 
 
 def inverse(a_from_b: Array) -> Array:
@@ -24,10 +24,22 @@ def from_parts(rotation: Array, position: Array) -> Array:
     return out
 
 
-def motion(kind: JointType, axis: Array, value: float) -> Array:
-    """The transform of a joint at `value` [rad or m]: a turn about or a slide along `axis` (3,)."""
+def at_rest(kind: DofKind) -> Value:
+    """The value of a dof that moves nothing."""
+    if kind == "ball":
+        return (1.0, 0.0, 0.0, 0.0)
+    if kind == "free":
+        return (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    return 0.0
+
+
+def motion(kind: DofKind, axis: Array, value: Value) -> Array:
+    """The transform of a dof at `value` (see `model.Value`); `axis` (3,) of a turn or a slide."""
     out = np.eye(4)
-    if kind == "prismatic":
+    if isinstance(value, tuple):
+        out[:3, :3] = rotation_from_quat(np.array(value[-4:]))
+        out[:3, 3] = value[:-4] or 0.0
+    elif kind == "slide":
         out[:3, 3] = np.asarray(axis) * value
     else:
         out[:3, :3] = turn(axis, value)

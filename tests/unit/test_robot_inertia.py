@@ -1,11 +1,22 @@
-"""Merging and moving inertias, against solids cut in pieces and against point masses."""
+"""Inertias moved, merged and of solids, against cut solids, point masses, closed forms and trimesh."""
+
+import math
 
 import numpy as np
+import pytest
+import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from stages.robot.inertia import is_physical, merged, moved
+from stages.robot.inertia import (
+    is_physical,
+    merged,
+    moved,
+    primitive_inertial,
+    primitive_volume,
+    solid_inertia,
+)
 from stages.robot.model import Inertial, frozen
 
 quats = st.tuples(*[st.floats(-1, 1)] * 4).filter(lambda q: sum(v * v for v in q) > 1e-3)
@@ -67,3 +78,77 @@ def test_massless_parts_change_nothing() -> None:
     ghost = Inertial(0.0, frozen([9, 9, 9]), frozen(np.zeros((3, 3))))
     assert np.array_equal(merged([body, ghost]).inertia, merged([body]).inertia)
     assert merged([ghost]).mass == 0.0
+
+
+def same(one: Inertial, other: Inertial, scale: float, rel: float = 1e-12) -> None:
+    assert one.mass == pytest.approx(other.mass, rel=rel)
+    assert np.abs(one.com - other.com).max() < rel * scale
+    assert np.abs(one.inertia - other.inertia).max() < rel * other.mass * scale**2
+
+
+def test_a_solid_box_anywhere_has_the_closed_form() -> None:
+    mesh = trimesh.creation.box((0.1, 0.2, 0.4))
+    placed = pose((0.3, -0.5, 0.1, 0.8), (3.0, -2.0, 1.0))
+    vertices = mesh.vertices @ placed[:3, :3].T + placed[:3, 3]
+    expected = moved(box(0.1 * 0.2 * 0.4 * 700, (0.1, 0.2, 0.4), (0, 0, 0)), placed)
+    same(solid_inertia(vertices, mesh.faces, 700), expected, 0.4, rel=1e-11)
+    same(solid_inertia(vertices, mesh.faces[:, ::-1], 700), expected, 0.4, rel=1e-11)
+
+
+def test_a_solid_corner_tetrahedron_has_the_closed_form() -> None:
+    # Corners 0, e_x, e_y, e_z: V = 1/6, c = 1/4, ∫x² = 1/60, ∫xy = 1/120.
+    vertices = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    triangles = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+    spread = np.full((3, 3), 1 / 120 - 1 / 96) + np.eye(3) / 120
+    expected = Inertial(1.0, frozen([0.25] * 3), frozen(6 * (np.trace(spread) * np.eye(3) - spread)))
+    same(solid_inertia(vertices, triangles, 6), expected, 1.0, rel=1e-14)
+
+
+def test_a_hollow_solid_of_curved_faces_is_what_trimesh_says() -> None:
+    outer = trimesh.creation.capsule(height=0.3, radius=0.1, count=[12, 12])
+    hole = trimesh.creation.icosphere(subdivisions=1, radius=0.05)
+    hole.apply_translation([0.01, 0.02, 0.1])
+    hole.invert()
+    mesh = outer + hole
+    there = trimesh.triangles.mass_properties(mesh.triangles, density=900.0)
+    expected = Inertial(there["mass"], frozen(there["center_mass"]), frozen(there["inertia"]))
+    found = solid_inertia(mesh.vertices, mesh.faces, 900)
+    assert abs(found.inertia[0, 1]) > 1e-7
+    same(found, expected, 0.3)
+
+
+@pytest.mark.parametrize("triangles", [np.zeros((0, 3), dtype=int), np.array([[0, 1, 2], [0, 2, 1]])])
+def test_what_encloses_nothing_is_refused(triangles: np.ndarray) -> None:
+    with pytest.raises(ValueError, match="encloses nothing"):
+        solid_inertia(np.eye(3), triangles, 1000)
+
+
+def test_primitives_have_the_textbook_moments() -> None:
+    same(primitive_inertial("box", (0.1, 0.2, 0.4), 3), box(3, (0.1, 0.2, 0.4), (0, 0, 0)), 0.4)
+    assert primitive_volume("box", (0.1, 0.2, 0.4)) == pytest.approx(0.008)
+    sphere = primitive_inertial("sphere", (0.2,), 5)
+    assert np.allclose(sphere.inertia, 2 / 5 * 5 * 0.04 * np.eye(3), rtol=1e-14)
+    assert primitive_volume("sphere", (0.2,)) == pytest.approx(4 / 3 * math.pi * 0.008)
+    rod = primitive_inertial("cylinder", (0.2, 0.6), 5)
+    moments = [5 * (3 * 0.04 + 0.36) / 12] * 2 + [5 * 0.04 / 2]
+    assert np.allclose(rod.inertia, np.diag(moments), rtol=1e-14)
+    assert primitive_volume("cylinder", (0.2, 0.6)) == pytest.approx(math.pi * 0.04 * 0.6)
+
+
+def test_a_capsule_is_the_limit_of_its_meshes() -> None:
+    mass, radius, length = 2.0, 0.1, 0.3
+    found = primitive_inertial("capsule", (radius, length), mass)
+    errors, wrong_volume = [], []
+    for count in (32, 64):
+        mesh = trimesh.creation.capsule(height=length, radius=radius, count=[count, count])
+        mesh.apply_translation(-mesh.bounds.mean(axis=0))
+        solid = solid_inertia(mesh.vertices, mesh.faces, mass / mesh.volume)
+        errors.append(np.abs(solid.inertia - found.inertia).max())
+        wrong_volume.append(abs(mesh.volume - primitive_volume("capsule", (radius, length))))
+    # The error of an inscribed mesh goes with the square of its step: what is left is none.
+    assert abs(errors[0] / errors[1] - 4) < 0.3
+    assert errors[1] < 1e-2 * found.inertia.max()
+    assert abs(wrong_volume[0] / wrong_volume[1] - 4) < 0.3
+    assert is_physical(found)
+    ball = primitive_inertial("capsule", (0.2, 0.0), 5)
+    assert np.allclose(ball.inertia, primitive_inertial("sphere", (0.2,), 5).inertia, rtol=1e-14)

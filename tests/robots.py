@@ -1,0 +1,236 @@
+"""Robots made by hand: every type of joint and loop, without a document behind them."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from stages.robot.inertia import moved
+from stages.robot.kinematics import link_poses, saved_configuration
+from stages.robot.model import (
+    Array,
+    Base,
+    Dof,
+    DofKind,
+    Dynamics,
+    Frame,
+    Inertial,
+    Joint,
+    JointType,
+    Limits,
+    Link,
+    Loop,
+    MateRef,
+    Mobility,
+    Part,
+    Primitive,
+    Provenance,
+    Relation,
+    Robot,
+    Value,
+    frozen,
+)
+from stages.robot.poses import at_rest, from_parts, inverse, rotation_from_quat
+
+X, Y, Z, NONE = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
+
+CHAINS: Mapping[JointType, tuple[tuple[str, DofKind, tuple[float, float, float]], ...]] = {
+    "fixed": (),
+    "revolute": (("", "turn", Z),),
+    "prismatic": (("", "slide", Z),),
+    "cylindrical": (("_slide", "slide", Z), ("_turn", "turn", Z)),
+    "ball": (("", "ball", NONE),),
+    "planar": (("_x", "slide", X), ("_y", "slide", Y), ("_turn", "turn", Z)),
+    "pin_slot": (("_slide", "slide", X), ("_turn", "turn", Z)),
+    "parallel": (("_x", "slide", X), ("_y", "slide", Y), ("_z", "slide", Z), ("_turn", "turn", Z)),
+    "free": (("", "free", NONE),),
+}
+"""The dofs of a mate from its second entity to its first: suffix, kind, axis."""
+
+EVERY: tuple[JointType, ...] = tuple(CHAINS)
+LOOPS: tuple[JointType, ...] = tuple(kind for kind in CHAINS if kind != "free")
+CARRIED: tuple[JointType, ...] = ("prismatic", "cylindrical", "planar", "pin_slot", "parallel")
+
+
+def pose(rng: np.random.Generator, reach: float = 0.3) -> Array:
+    """Some rigid transform (4, 4)."""
+    return from_parts(rotation_from_quat(rng.normal(size=4)), rng.uniform(-reach, reach, 3))
+
+
+def at(*xyz: float) -> Array:
+    """A shift (4, 4)."""
+    return from_parts(np.eye(3), np.array(xyz, dtype=float))
+
+
+def some_value(kind: DofKind, rng: np.random.Generator, reach: float = 1.5) -> Value:
+    """Some value of a dof: scalars within ±`reach`, quaternions of unit length."""
+    if kind in ("turn", "slide"):
+        return float(rng.uniform(-reach, reach))
+    quat = rng.normal(size=4)
+    place = rng.uniform(-reach, reach, 3) if kind == "free" else ()
+    return tuple(float(x) for x in (*place, *(quat / np.linalg.norm(quat))))
+
+
+def some_values(robot: Robot, rng: np.random.Generator) -> dict[str, Value]:
+    """Some value for each dof of the tree."""
+    return {dof.name: some_value(dof.kind, rng) for dof in robot.dofs}
+
+
+def dofs_of(
+    name: str,
+    kind: JointType,
+    saved: Sequence[Value] | None = None,
+    *,
+    backwards: bool = False,
+    mirrored: bool = False,
+    limits: Mapping[str, Limits] | None = None,
+    dynamics: Dynamics | None = None,
+    origins: Sequence[Array] = (),
+) -> tuple[Dof, ...]:
+    """A mate's dofs in the order of a tree's chain. `saved`: in the mate's own order; `limits`: by the
+    dof's name; `origins`: of the second dof in the chain and those after it."""
+    made = []
+    for index, (suffix, what, axis) in enumerate(CHAINS[kind]):
+        value: Value = at_rest(what) if saved is None else saved[index]
+        sign = -1.0 if mirrored and what == "slide" and axis == Z else 1.0
+        if backwards:
+            sign = -sign
+            if what == "ball" and isinstance(value, tuple):
+                value = (value[0], -value[1], -value[2], -value[3])
+        made.append((name + suffix, what, frozen(np.array(axis) * sign + 0.0), value))
+    if backwards:
+        made.reverse()
+    frames = [np.eye(4), *origins, *[np.eye(4)] * len(made)]
+    return tuple(
+        Dof(
+            label,
+            what,
+            axis,
+            frozen(frame),
+            (limits or {}).get(label, Limits()),
+            dynamics or Dynamics(),
+            value,
+        )
+        for (label, what, axis, value), frame in zip(made, frames, strict=False)
+    )
+
+
+def joint(
+    kind: JointType,
+    parent: str,
+    child: str,
+    saved: Sequence[Value] | None = None,
+    *,
+    name: str | None = None,
+    place: Array | None = None,
+    backwards: bool = False,
+    mirrored: bool = False,
+    limits: Mapping[str, Limits] | None = None,
+    dynamics: Dynamics | None = None,
+    origins: Sequence[Array] = (),
+) -> Joint:
+    """A joint called `<child>_joint` unless named, at `place` in its parent (the identity)."""
+    name = name or f"{child}_joint"
+    dofs = dofs_of(
+        name,
+        kind,
+        saved,
+        backwards=backwards,
+        mirrored=mirrored,
+        limits=limits,
+        dynamics=dynamics,
+        origins=origins,
+    )
+    mate = MateRef((), name, name, kind.upper())
+    where = frozen(np.eye(4) if place is None else place)
+    return Joint(name, kind, parent, child, where, dofs, backwards, mate)
+
+
+def loop(
+    kind: JointType,
+    link_a: str,
+    link_b: str,
+    a_from_frame: Array,
+    b_from_frame: Array,
+    saved: Sequence[Value] | None = None,
+    *,
+    name: str = "loop",
+    lever: float = 0.05,
+    limits: Mapping[str, Limits] | None = None,
+    solref: tuple[float, float] = (0.004, 1.0),
+) -> Loop:
+    """A mate that closes a loop: its first entity on `link_a`."""
+    dofs = dofs_of(name, kind, saved, limits=limits)
+    mate = MateRef((), name, name, kind.upper())
+    frames = frozen(a_from_frame), frozen(b_from_frame)
+    return Loop(name, kind, link_a, link_b, *frames, dofs, lever, solref, 0.0, mate)
+
+
+def solid(mass: float, com: Sequence[float] = (0.0, 0.0, 0.0), radius: float = 0.1) -> Inertial:
+    """An uneven body: moments in the ratio 4 : 5 : 6, with products of inertia."""
+    twist = rotation_from_quat(np.array([1.0, 0.2, -0.3, 0.4]))
+    tensor = mass * radius**2 * twist @ np.diag([0.4, 0.5, 0.6]) @ twist.T
+    return Inertial(mass, frozen(com), frozen((tensor + tensor.T) / 2))
+
+
+def robot_with(
+    joints: Sequence[Joint] = (),
+    *,
+    loops: Sequence[Loop] = (),
+    relations: Sequence[Relation] = (),
+    frames: Sequence[Frame] = (),
+    root: str = "base",
+    fixed: bool = True,
+    world_from_root: Array | None = None,
+    inertials: Mapping[str, Inertial] | None = None,
+    given: Mapping[str, Inertial] | None = None,
+    shapes: Mapping[str, tuple[Primitive, ...]] | None = None,
+    name: str = "robot",
+) -> Robot:
+    """A robot of these joints: a link for the root and for each child, of one part each.
+
+    `inertials`: of links by name, in place of made-up ones; `given`: the user's, on top of the part's.
+    A root called `world` has neither part nor mass.
+    """
+    names = [root, *(joint.child for joint in joints)]
+    origin = np.eye(4) if world_from_root is None else world_from_root
+
+    def assembled(links: tuple[Link, ...]) -> Robot:
+        coordinates = sum({"ball": 3, "free": 6}.get(d.kind, 1) for j in joints for d in j.dofs)
+        return Robot(
+            name=name,
+            links=links,
+            joints=tuple(joints),
+            loops=tuple(loops),
+            relations=tuple(relations),
+            frames=tuple(frames),
+            base=Base(fixed, "made so"),
+            world_from_root=frozen(origin),
+            mobility=Mobility(coordinates, coordinates, coordinates, ()),
+            provenance=Provenance("d", "e", "m", ""),
+        )
+
+    massless = Inertial(0.0, frozen(np.zeros(3)), frozen(np.zeros((3, 3))))
+    bare = assembled(tuple(Link(link, massless, (), ()) for link in names))
+    poses = link_poses(bare, saved_configuration(bare))
+    links = []
+    for index, link in enumerate(names):
+        if link == "world":
+            links.append(Link(link, massless, (), ()))
+            continue
+        made_up = solid(1.0 + 0.1 * index, (0.02, -0.01 * index, 0.03))
+        weight = (inertials or {}).get(link, made_up)
+        tilt = rotation_from_quat(np.array([1.0, 0.1 * index, 0.2, 0.0]))
+        part_pose = from_parts(tilt, np.array([0.01, 0.0, 0.02]))
+        part = Part(
+            path=(link,),
+            name=link,
+            part_id=link,
+            mesh=None,
+            link_from_part=frozen(part_pose),
+            world_from_part=frozen(origin @ poses[link] @ part_pose),
+            inertial=moved(weight, inverse(part_pose)),
+            volume=weight.mass / 1000.0,
+        )
+        own = (given or {}).get(link)
+        links.append(Link(link, own or weight, (part,), (link,), own, (shapes or {}).get(link, ())))
+    return assembled(tuple(links))
