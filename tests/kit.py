@@ -9,6 +9,8 @@ from tests.onshape.document import Assembly, Document
 from tests.onshape.frames import frame, turn
 
 TOP = frame((0, 0, 0.1))
+OFF = turn((0.6, 0.0, 0.8), 0.7, (0.1, -0.2, 0.05))
+ON = turn((0.0, 0.6, 0.8), -1.1, (-0.05, 0.1, 0.2))
 SIDE = turn((0, 1, 0), math.pi / 2, (0.05, 0, 0))
 
 

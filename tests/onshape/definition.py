@@ -4,20 +4,16 @@ import random
 
 from tests.onshape import settings
 from tests.onshape.document import Document
-from tests.onshape.elements import Connector, Gear, Group, Mate
-
-# Which of `mateLimits` bounds a mate's own motion.
-LIMIT_NAMES = {
-    "REVOLUTE": ("limitAxialZMin", "limitAxialZMax"),
-    "SLIDER": ("limitZMin", "limitZMax"),
-}
+from tests.onshape.elements import Connector, Group, Mate, Relation
+from tests.onshape.mates import FREEDOMS, SWAPPABLE, bounds
 
 
 def definition(document: Document, *, configuration="default", shuffle=None, swap=(), limits=True):
     """The definition as plain data.
 
-    `shuffle`: a seed that reorders instances, occurrences, features and parts (they mean the same).
-    `swap`: names of mates whose two entities change places; their values and limits change sign.
+    `shuffle`: a seed that reorders instances, occurrences, features, patterns and parts (they mean the same).
+    `swap`: names of mates whose two entities change places; their values are inverted and their limits
+    change sign. ValueError where that is another mate (one with a slide across the turn's axis).
     `limits`: False leaves limits out, as servers before 2026 do.
     """
     return _Writer(document, configuration, shuffle, frozenset(swap), limits).write()
@@ -35,7 +31,7 @@ class _Writer:
             {
                 "path": list(path),
                 "transform": [float(number) for number in poses[path].ravel()],
-                "fixed": place.instance.fixed,
+                "fixed": place.instance.fixed or path in self.document.truth.tree.held,
                 "hidden": place.instance.hidden,
             }
             for path, place in self.document.truth.places.items()
@@ -72,12 +68,13 @@ class _Writer:
         return list(used.values())
 
     def _assembly(self, assembly, configuration):
+        patterns = assembly.patterns
         return {
             **_address(assembly, configuration),
             "instances": self._shuffled([self._instance(instance) for instance in assembly.instances]),
             "features": self._shuffled([self._feature(feature) for feature in assembly.features]),
-            "patterns": [],
-            "parametricInstances": [],
+            "patterns": self._shuffled([_pattern(one) for one in patterns if one.type != "MIRROR"]),
+            "parametricInstances": self._shuffled([_mirror(one) for one in patterns if one.type == "MIRROR"]),
         }
 
     @staticmethod
@@ -107,7 +104,7 @@ class _Writer:
     def _feature(self, feature):
         kinds = {
             Mate: ("mate", self._mate),
-            Gear: ("mateRelation", self._gear),
+            Relation: ("mateRelation", self._relation),
             Group: ("mateGroup", self._group),
             Connector: ("mateConnector", self._connector),
         }
@@ -117,21 +114,29 @@ class _Writer:
         return {"id": feature.id, "featureType": kind, "suppressed": suppressed, "featureData": data}
 
     def _mate(self, mate):
-        entities, (low, high) = mate.entities, mate.limits
+        entities, limits = mate.entities, bounds(mate.type, mate.limits)
         if mate.name in self.swap:
+            if mate.type not in SWAPPABLE:
+                msg = f"{mate.name!r}, a {mate.type}, is another mate with its entities swapped"
+                raise ValueError(msg)
             entities = entities[::-1]
-            low, high = (None if end is None else -end for end in (high, low))
-        limits = zip(LIMIT_NAMES.get(mate.type, ()), (low, high), strict=False)
+            if mate.type != "BALL":  # a cone is the same from either side
+                limits = [[None if end is None else -end for end in pair[::-1]] for pair in limits]
         made = {
             "mateType": mate.type,
-            "mateLimits": {name: float(end) for name, end in limits if end is not None},
+            "mateLimits": {
+                name: float(end)
+                for freedom, pair in zip(FREEDOMS[mate.type], limits, strict=True)
+                for name, end in zip(freedom.limit_names, pair, strict=True)
+                if end is not None
+            },
             "matedEntities": [
                 {
                     "matedOccurrence": list(occurrence.path),
                     "matedCS": _axes(frame),
                     "mateConnectorCS": _axes(frame),
                 }
-                for occurrence, frame in entities
+                for occurrence, frame in entities[: 1 if mate.broken else 2]
             ],
         }
         if not self.limits:
@@ -140,13 +145,16 @@ class _Writer:
                 del entity["mateConnectorCS"]
         return made
 
-    def _gear(self, gear):
-        swapped = sum(mate.name in self.swap for _, mate in gear.mates) == 1
+    def _relation(self, relation):
+        # Both coordinates of one swapped mate change sign, so that a screw stays what it is.
+        swapped = len(relation.mates) == 2 and sum(mate.name in self.swap for _, mate in relation.mates) == 1
         return {
-            "relationType": "GEAR",
-            "relationRatio": float(gear.ratio),
-            "reverseDirection": gear.reverse != swapped,
-            "mates": [{"featureId": mate.id, "occurrence": list(owner.path)} for owner, mate in gear.mates],
+            "relationType": relation.type,
+            "relationLength" if relation.by_length else "relationRatio": float(relation.amount),
+            "reverseDirection": relation.reverse != swapped,
+            "mates": [
+                {"featureId": mate.id, "occurrence": list(owner.path)} for owner, mate in relation.mates
+            ],
         }
 
     @staticmethod
@@ -175,6 +183,32 @@ def _address(element, configuration):
     if home.linked:
         address["documentVersion"] = home.version
     return address
+
+
+def _pattern(pattern):
+    return {
+        "id": pattern.id,
+        "type": pattern.type,
+        "name": pattern.name,
+        "suppressed": False,
+        "seedToPatternInstances": {
+            seed.last.id: [copy.last.id for copy in copies]
+            for seed, copies in zip(pattern.seeds, pattern.copies, strict=True)
+        },
+    }
+
+
+def _mirror(pattern):
+    return {
+        "id": pattern.id,
+        "type": "Mirror",
+        "name": pattern.name,
+        "suppressed": False,
+        "children": [
+            {"instanceIds": [copy.last.id for copy in copies], "seedOccurrence": seed.last.id}
+            for seed, copies in zip(pattern.seeds, pattern.copies, strict=True)
+        ],
+    }
 
 
 def _axes(frame):

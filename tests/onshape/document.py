@@ -9,27 +9,16 @@
     wing = door.add(leaf)
     door.revolute("Hinge", (wing, frame_on_wing), (post, frame_on_post), value=0.3, limits=(0, 1.5))
 
-A mate's value q is the pose of its first entity's mate frame in its second's: Rz(q) or Tz(q). The
-author gives values; all poses follow from them (`kinematics`). A mate that closes a loop is
-declared with `closing=True`; its value is whatever the rest makes it.
+A mate's value q is the pose of its first entity's mate frame in its second's: Rz(q) or Tz(q), or what
+`mates` says for the others. The author gives values; all poses follow from them (`kinematics`). A mate
+that closes a loop is declared with `closing=True`; its value is whatever the rest makes it.
 """
 
 import copy
 
-import numpy as np
-
 from tests.onshape import ids, settings
-from tests.onshape.elements import (
-    OPEN,
-    ORIGIN,
-    Connector,
-    Gear,
-    Group,
-    Instance,
-    Mate,
-    Occurrence,
-    Studio,
-)
+from tests.onshape.assembly import Assembly
+from tests.onshape.elements import ORIGIN, Occurrence, Studio
 from tests.onshape.variables import VariableStudio
 
 __all__ = ["ORIGIN", "Assembly", "Document", "Home", "Occurrence"]
@@ -79,117 +68,6 @@ class Home:
     def linked(self):
         """Whether this is another document, used through one of its versions."""
         return self.document is not self
-
-
-class Assembly:
-    """An assembly: instances and features."""
-
-    def __init__(self, home, name):
-        self.home, self.name = home, name
-        self.element = ids.hex_id(home.name, name, "assembly")
-        self.instances, self.features = [], []
-        self._ground = None
-
-    def add(
-        self,
-        source,
-        *,
-        fixed=False,
-        hidden=False,
-        suppressed=False,
-        pose=None,
-        configuration=None,
-        name=None,
-    ):
-        """A new instance of a part or an assembly; returns its `Occurrence`.
-
-        `pose` (4, 4), in this assembly, places a fixed instance, or one that nothing else places.
-        `configuration`: by default the one that the part is of.
-        """
-        if configuration is None:
-            configuration = getattr(getattr(source, "studio", None), "configuration", settings.DEFAULT)
-        number = 1 + sum(instance.source is source for instance in self.instances)
-        instance = Instance(
-            self,
-            source,
-            name or f"{source.name} <{number}>",
-            fixed=fixed,
-            hidden=hidden,
-            suppressed=suppressed,
-            pose=pose,
-            configuration=configuration,
-        )
-        if any(other.id == instance.id for other in self.instances):
-            msg = f"assembly {self.name!r} has two instances named {instance.name!r}"
-            raise ValueError(msg)
-        self.instances.append(instance)
-        self.home.document.changed()
-        return Occurrence([instance])
-
-    def ground(self, occurrence, pose=None):
-        """Say which occurrence carries this assembly's own frame, and its pose (4, 4) in it."""
-        self._ground = (occurrence, np.eye(4) if pose is None else np.asarray(pose, float))
-        self.home.document.changed()
-
-    @property
-    def carrier(self):
-        """The occurrence that carries this assembly's frame and its pose in it; None if empty."""
-        if self._ground is not None:
-            return self._ground
-        for instance in self.instances:
-            if not instance.suppressed and (instance.is_part or instance.source.carrier):
-                return Occurrence([instance]), np.eye(4)
-        return None
-
-    def fasten(self, name, first, second, *, closing=False, suppressed=False):
-        """FASTENED: the two mate frames coincide."""
-        return self._mate("FASTENED", name, first, second, closing=closing, suppressed=suppressed)
-
-    def revolute(
-        self, name, first, second, value=0.0, limits=OPEN, *, closing=False, suppressed=False, typed=None
-    ):
-        """REVOLUTE about the mate frames' z; `value` and `limits` in rad (None is open).
-
-        `typed`: the limits as the expressions that their author typed.
-        """
-        return self._mate("REVOLUTE", name, first, second, value, limits, closing, suppressed, typed)
-
-    def slider(
-        self, name, first, second, value=0.0, limits=OPEN, *, closing=False, suppressed=False, typed=None
-    ):
-        """SLIDER along the mate frames' z; `value` and `limits` in m (None is open); `typed` as above."""
-        return self._mate("SLIDER", name, first, second, value, limits, closing, suppressed, typed)
-
-    def gear(self, name, first, second, ratio=1.0, *, reverse=False):
-        """GEAR: the second (mate, or (owner occurrence, mate)) follows the first."""
-        mates = tuple(mate if isinstance(mate, tuple) else (ORIGIN, mate) for mate in (first, second))
-        return self._feature(Gear(self._id(name), name, mates, ratio, reverse))
-
-    def group(self, name, members):
-        """A mate group of (occurrence, pose in the first one's frame)."""
-        return self._feature(Group(self._id(name), name, tuple(members)))
-
-    def connector(self, name, occurrence, frame):
-        """An explicit mate connector on an occurrence."""
-        return self._feature(Connector(self._id(name), name, occurrence, np.asarray(frame, float)))
-
-    def _mate(
-        self, kind, name, first, second, value=0.0, limits=OPEN, closing=False, suppressed=False, typed=None
-    ):
-        entities = tuple((occurrence, np.asarray(frame, float)) for occurrence, frame in (first, second))
-        held = value, limits, closing, suppressed, typed
-        return self._feature(Mate(self._id(name), name, kind, entities, *held))
-
-    def _id(self, name):
-        return ids.node_id(self.element, "feature", name)
-
-    def _feature(self, feature):
-        if any(other.name == feature.name for other in self.features):
-            msg = f"assembly {self.name!r} has two features named {feature.name!r}"
-            raise ValueError(msg)
-        self.features.append(feature)
-        self.home.document.changed()
-        return feature
 
 
 class Document(Home):
@@ -264,7 +142,7 @@ class Document(Home):
         self.changed()
 
     def set_value(self, owner, mate, value):
-        """The value [rad or m] of a mate inside one occurrence of its assembly (else the mate's own)."""
+        """The value of a mate inside one occurrence of its assembly (else the mate's own)."""
         self.values[owner.path, mate.id] = value
         self.changed()
 

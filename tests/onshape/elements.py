@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tests.onshape import ids, settings
+from tests.onshape.mates import FREEDOMS, OPEN, bounds
 from tests.onshape.solids import Solid
 
 GREY = (200, 205, 210)
-OPEN = (None, None)
 
 
 @dataclass(eq=False)
@@ -132,12 +132,14 @@ class Studio:
 class Instance:
     """One use of a part or an assembly inside an assembly."""
 
-    def __init__(self, owner, source, name, *, fixed, hidden, suppressed, pose, configuration):
+    def __init__(
+        self, owner, source, name, *, fixed, hidden, suppressed, pose, configuration, mirrored=False
+    ):
         self.owner, self.source, self.name = owner, source, name
         self.id = ids.node_id(owner.element, name)
         self.fixed, self.hidden, self.suppressed = fixed, hidden, suppressed
         self.pose = np.eye(4) if pose is None else np.asarray(pose, float)
-        self.configuration = configuration
+        self.configuration, self.mirrored = configuration, mirrored
 
     @property
     def is_part(self):
@@ -168,36 +170,70 @@ ORIGIN = Occurrence()
 
 @dataclass(eq=False)
 class Mate:
-    """A mate feature: FASTENED, REVOLUTE or SLIDER between two (occurrence, frame) entities."""
+    """A mate feature between two (occurrence, frame) entities; value and limits as `mates` says.
+
+    `closing`: it closes a loop. `redundant`: what it says, another mate says already. `broken`: its
+    second entity is lost.
+    """
 
     id: str
     name: str
     type: str
     entities: tuple
-    value: float = 0.0
+    value: object = 0.0
     limits: tuple = OPEN
     closing: bool = False
     suppressed: bool = False
     typed: tuple | None = None
+    redundant: bool = False
+    broken: bool = False
 
     @property
     def typed_limits(self):
-        """(lower, upper) as expressions: as the author typed them, else made from the numbers."""
+        """A pair (lower, upper) for each freedom, as expressions: as typed, else made from the numbers."""
         if self.typed is not None:
-            return self.typed
-        unit = "m" if self.type == "SLIDER" else "rad"
-        return tuple(None if end is None else f"{float(end)!r} {unit}" for end in self.limits)
+            return bounds(self.type, self.typed)
+        return tuple(
+            tuple(None if end is None else f"{float(end)!r} {unit}" for end in pair)
+            for pair, unit in zip(bounds(self.type, self.limits), self._units, strict=True)
+        )
+
+    @property
+    def _units(self):
+        return ["m" if freedom.kind == "slide" else "rad" for freedom in FREEDOMS[self.type]]
 
 
 @dataclass(eq=False)
-class Gear:
-    """A gear relation between two (owner occurrence, mate): q2 = −ratio·q1, +ratio·q1 reversed."""
+class Relation:
+    """A relation of (owner occurrence, mate)s: q2 = −k·q1, +k·q1 reversed.
+
+    `amount` is k itself for GEAR and LINEAR, and metres in a turn for RACK_AND_PINION and SCREW; a SCREW
+    has one mate, whose slide follows its turn.
+    """
 
     id: str
     name: str
+    type: str
     mates: tuple
-    ratio: float
+    amount: float
     reverse: bool
+
+    @property
+    def by_length(self):
+        return self.type in ("RACK_AND_PINION", "SCREW")
+
+
+@dataclass(eq=False)
+class Pattern:
+    """Copies of instances: `copies[i][k]` is the seed `seeds[i]` moved by `transforms[k]` (4, 4), in the
+    assembly's frame at the saved pose. `type`: LINEAR, CIRCULAR or MIRROR, whose transform reflects."""
+
+    id: str
+    name: str
+    type: str
+    seeds: tuple
+    copies: tuple
+    transforms: tuple
 
 
 @dataclass(eq=False)

@@ -4,13 +4,14 @@ The old: `{type, typeName, message: {...}}`, states as a list. The new: flat wit
 id. Both give limits as the author typed them, beside a value that is always 0.
 """
 
-from tests.onshape.elements import Connector, Gear, Group, Mate
+from tests.onshape.elements import Connector, Group, Mate, Relation
+from tests.onshape.mates import FREEDOMS
 
 _KINDS = {
     Mate: (64, "BTMMate", "mate"),
     Connector: (66, "BTMMateConnector", "mateConnector"),
     Group: (65, "BTMMateGroup", "mateGroup"),
-    Gear: (1412, "BTMMateRelation", "mateRelation"),
+    Relation: (1412, "BTMMateRelation", "mateRelation"),
 }
 _SIDES = ("X", "Y", "Z", "AxialX", "AxialY", "AxialZ")
 
@@ -46,25 +47,28 @@ def _feature(feature, old):
 
 
 def _mate(mate, old):
-    typed = mate.typed_limits
-    limits = {f"limit{side}{end}": None for side in _SIDES for end in ("Min", "Max")}
-    own = {"REVOLUTE": "AxialZ", "SLIDER": "Z"}.get(mate.type)
-    switched = any(text is not None for text in typed)
+    typed = {
+        name: text
+        for freedom, pair in zip(FREEDOMS[mate.type], mate.typed_limits, strict=True)
+        for name, text in zip(freedom.limit_names, pair, strict=True)
+        if name
+    }
+    switched = any(text is not None for text in typed.values())
     parameters = [
         _wrap(145, "BTMParameterEnum", {"parameterId": "mateType", "value": mate.type}, old),
         _wrap(144, "BTMParameterBoolean", {"parameterId": "limitsEnabled", "value": switched}, old),
     ]
-    for name in limits:
-        side, end = name.removeprefix("limit")[:-3], name[-3:]
-        text = typed[end == "Max"] if side == own else None
+    every = dict.fromkeys(f"limit{side}{end}" for side in _SIDES for end in ("Min", "Max"))
+    for name in {**every, **typed}:
+        text = typed.get(name)
         record = {
             "parameterId": name,
-            "isNull": side == own and switched and text is None,
-            "nullValue": "No minimum" if end == "Min" else "No maximum",
+            "isNull": name in typed and switched and text is None,
+            "nullValue": "No minimum" if name.endswith("Min") else "No maximum",
             "value": 0.0,
             "units": "",
             "isInteger": False,
-            "expression": text or ("0 deg" if "Axial" in name else "0 mm"),
+            "expression": text or ("0 deg" if "Axial" in name or "Angle" in name else "0 mm"),
         }
         parameters.append(_wrap(807, "BTMParameterNullableQuantity", record, old))
     return parameters

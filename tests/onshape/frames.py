@@ -30,15 +30,6 @@ def turn(axis, angle, xyz=(0.0, 0.0, 0.0)):
     return made
 
 
-def motion(kind, value):
-    """The pose of a mate's first frame in its second at `value`: Rz for REVOLUTE, Tz for SLIDER."""
-    if kind == "REVOLUTE":
-        return turn((0, 0, 1), value)
-    if kind == "SLIDER":
-        return frame((0, 0, value))
-    return np.eye(4)
-
-
 def product(*matrices):
     """The matrix product, from left to right, the same on every processor."""
     total = matrices[0]

@@ -4,56 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from tests.onshape.copies import copied_poses, copy_edges
 from tests.onshape.document import Document
-from tests.onshape.elements import Gear, Group, Instance, Mate
-from tests.onshape.frames import inverse, motion, product, rotation_vector
-
-Path = tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class Place:
-    """An occurrence: its path, its words ("Arm <1>/Hand <1>") and its last instance."""
-
-    path: Path
-    name: str
-    instance: Instance
-
-
-@dataclass(frozen=True, eq=False)
-class Edge:
-    """Two occurrences held together: first @ first_frame == second @ second_frame @ motion(q)."""
-
-    name: str
-    owner: Path
-    feature: str
-    type: str
-    first: Path
-    second: Path
-    first_frame: np.ndarray
-    second_frame: np.ndarray
-    value: float = 0.0
-    limits: tuple = (None, None)
-    closing: bool = False
-
-    @property
-    def key(self):
-        """(owner occurrence path, feature id)."""
-        return self.owner, self.feature
-
-    @property
-    def moves(self):
-        return self.type in ("REVOLUTE", "SLIDER")
-
-
-@dataclass(frozen=True, eq=False)
-class GearRelation:
-    """`follower` = multiplier · `driver`, both names of joints."""
-
-    name: str
-    driver: str
-    follower: str
-    multiplier: float
+from tests.onshape.edges import Coupling, Dof, Edge, Path, Place, coupling
+from tests.onshape.elements import Group, Mate, Pattern, Relation
+from tests.onshape.frames import inverse, product
+from tests.onshape.mates import joined, split
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,42 +25,53 @@ class Step:
 class Tree:
     """Occurrences, edges and relations of a document, and its poses.
 
-    `cut`: (saved values, names of mates) makes exactly those mates the closing ones.
-    ValueError where a loop has no mate with `closing=True`.
+    `redundant`: the mates that say nothing new; `held`: paths of occurrences that are fixed one by one.
+    `cut`: (saved values, names of mates, names or None) makes exactly the first mates the closing ones,
+    and the last, if given, the redundant ones. ValueError where a loop has no mate with `closing=True`.
     """
 
     def __init__(self, document: Document, cut=None):
         self.document = document
         self.places: dict[Path, Place] = {}
         self.edges: list[Edge] = []
-        self.relations: list[GearRelation] = []
+        self.redundant: list[Edge] = []
+        self.relations: list[Coupling] = []
+        self.patterns: list[tuple[Path, Pattern]] = []
+        self.held: list[Path] = []
+        self._placed: dict[Path, np.ndarray] = {}
         self._flatten(document.root, (), "")
+        self._index()
+        # What is inside a copied sub-assembly must be there before the copy is.
+        for owner, pattern in sorted(self.patterns, key=lambda one: -len(one[0])):
+            self._copy(owner, pattern)
+        for path in self.held:
+            self._hold(path)
         if cut is not None:
-            saved, names = cut
-            self.edges = [
-                replace(edge, closing=edge.name in names, value=saved.get(edge.name, 0.0))
-                for edge in self.edges
-            ]
-        self.leaves = [place.path for place in self.places.values() if place.instance.is_part]
-        self.joints = [edge for edge in self.edges if edge.moves]
-        self.tree_joints = [edge for edge in self.joints if not edge.closing]
-        self.closings = [edge for edge in self.edges if edge.closing]
-        self._by_name = {joint.name: joint for joint in self.joints}
-        self._by_key = {joint.key: joint for joint in self.joints}
-        self._components: dict[Path | None, list[tuple[Path, list[Step]]]] = {}
+            self._cut(*cut)
         self._check_tree()
         self.saved_poses = self.poses()
 
     def joint(self, name_or_key):
-        """The joint with this name, or (owner path, feature id)."""
+        """The mate's edge with this name, or with this key (see `Edge.key`)."""
         return self._by_key.get(name_or_key) or self._by_name[name_or_key]
 
     def values(self, q=None):
-        """{joint name: value} of all joints of the tree: `q` (by name or key) over the saved ones."""
-        values = {joint.name: joint.value for joint in self.tree_joints}
+        """{name of dof: value} of the whole tree: `q` over the saved ones.
+
+        `q`: by names of dofs, or by a mate's name or key, with the mate's whole value.
+        """
+        values = {dof.name: dof.value for dof in self.dofs}
         for key, value in (q or {}).items():
-            values[self.joint(key).name] = float(value)
+            edge = None if key in values else self.joint(key)
+            given = {key: value} if edge is None else self.by_dof(edge, value)
+            for name, one in given.items():
+                values[name] = tuple(one) if np.ndim(one) else float(one)
         return values
+
+    @staticmethod
+    def by_dof(edge, value):
+        """{name of dof: value} of one edge."""
+        return {dof.name: one for dof, one in zip(edge.dofs, split(edge.type, value), strict=True)}
 
     def poses(self, q=None, root=None):
         """{occurrence path: (4, 4) world pose} at joint values `q`.
@@ -112,6 +79,12 @@ class Tree:
         `root`: the occurrence that stays at its saved pose (default: the origin if something is
         fixed to it, else the first part).
         """
+        poses = self.all_poses(q, root)
+        poses.pop((), None)
+        return poses
+
+    def all_poses(self, q=None, root=None):
+        """As `poses`, with the pose of the assembly's origin, (), among them."""
         values = self.values(q)
         poses = {}
         for head, steps in self.components(root):
@@ -121,10 +94,8 @@ class Tree:
                 poses[head] = np.eye(4)
             for step in steps:
                 edge = step.edge
-                turned = motion(edge.type, values.get(edge.name, 0.0))
-                moved = product(edge.second_frame, turned, inverse(edge.first_frame))
+                moved = edge.first_in_second(joined(edge.type, tuple(values[d.name] for d in edge.dofs)))
                 poses[step.child] = product(poses[step.parent], moved if step.forward else inverse(moved))
-        poses.pop((), None)
         return poses
 
     def components(self, root=None):
@@ -154,99 +125,120 @@ class Tree:
 
     def welds(self):
         """Sets of paths (parts, sub-assemblies, () for the world) that move as one."""
-        leader = {path: path for path in [(), *self.places]}
-
-        def find(path):
-            while leader[path] != path:
-                path = leader[path]
-            return path
-
-        for edge in self.edges:
-            if not edge.moves:
-                leader[find(edge.first)] = find(edge.second)
+        find = _joined(self.places, [edge for edge in self.edges if not edge.moves])
         sets: dict[Path, set[Path]] = {}
-        for path in leader:
+        for path in [(), *self.places]:
             sets.setdefault(find(path), set()).add(path)
         return list(sets.values())
 
-    def error(self, edge, poses):
-        """How far an edge is from met: (3,) rad and (3,) m, without its own freedom."""
-        there = {(): np.eye(4), **poses}
-        apart = inverse(there[edge.second] @ edge.second_frame) @ there[edge.first] @ edge.first_frame
-        turned, moved = rotation_vector(apart[:3, :3]), apart[:3, 3].copy()
-        if edge.type == "REVOLUTE":
-            turned = np.array([apart[0, 2], apart[1, 2], 0.0])
-        if edge.type == "SLIDER":
-            moved[2] = 0.0
-        return np.concatenate([turned, moved])
-
-    def value_at(self, edge, poses):
-        """The value [rad or m] that the poses give a joint."""
-        there = {(): np.eye(4), **poses}
-        apart = inverse(there[edge.second] @ edge.second_frame) @ there[edge.first] @ edge.first_frame
-        return float(np.arctan2(apart[1, 0], apart[0, 0]) if edge.type == "REVOLUTE" else apart[2, 3])
-
     def _flatten(self, assembly, owner, words):
         carrier = assembly.carrier
-        if owner and carrier is not None:
-            occurrence, pose = carrier
-            self._weld(f"{words} frame", owner, owner + occurrence.path, owner, np.eye(4), pose)
+        mirrored = bool(owner) and self.places[owner].mirrored
+        self.patterns += [(owner, pattern) for pattern in assembly.patterns]
+        self.held += [owner + occurrence.path for occurrence in assembly.fixes]
         for instance in assembly.instances:
             if instance.suppressed:
                 continue
             path, name = (*owner, instance.id), f"{words}/{instance.name}".lstrip("/")
-            self.places[path] = Place(path, name, instance)
+            self.places[path] = Place(path, name, instance, mirrored != instance.mirrored)
             if instance.fixed:
-                self._weld(f"{name} fixed", owner, path, (), np.eye(4), instance.pose)
+                self._weld(f"{name} fixed", owner, path, (), instance.pose)
             if not instance.is_part:
                 self._flatten(instance.source, path, name)
+        if owner and carrier is not None:
+            occurrence, pose = carrier
+            self._weld(f"{words} frame", owner, owner + occurrence.path, owner, pose)
         for feature in assembly.features:
             name = f"{words}/{feature.name}".lstrip("/")
-            if isinstance(feature, Mate) and not feature.suppressed:
-                (first, first_frame), (second, second_frame) = feature.entities
-                value = self.document.values.get((owner, feature.id), feature.value)
-                ends = owner + first.path, owner + second.path, first_frame, second_frame
-                held = feature.type, *ends, value, feature.limits, feature.closing
-                self.edges.append(Edge(name, owner, feature.id, *held))
+            if isinstance(feature, Mate) and not (feature.suppressed or feature.broken):
+                self._mate(name, owner, feature)
             elif isinstance(feature, Group):
                 (lead, lead_pose), *others = feature.members
                 for member, pose in others:
-                    self._weld(
-                        name,
-                        owner,
-                        owner + member.path,
-                        owner + lead.path,
-                        np.eye(4),
-                        product(inverse(lead_pose), pose),
-                    )
-            elif isinstance(feature, Gear):
-                driver, follower = (_joint_name(words, at, mate) for at, mate in feature.mates)
-                sign = 1.0 if feature.reverse else -1.0
-                self.relations.append(GearRelation(name, driver, follower, sign * feature.ratio))
+                    ends = owner + member.path, owner + lead.path
+                    self._weld(name, owner, *ends, product(inverse(lead_pose), pose), feature.id)
+            elif isinstance(feature, Relation):
+                self.relations.append(coupling(name, feature, words))
 
-    def _weld(self, name, owner, first, second, first_frame, second_frame):
-        self.edges.append(Edge(name, owner, "", "FASTENED", first, second, first_frame, second_frame))
+    def _mate(self, name, owner, mate):
+        (first, first_frame), (second, second_frame) = mate.entities
+        value = self.document.values.get((owner, mate.id), mate.value)
+        ends = owner + first.path, owner + second.path, first_frame, second_frame
+        held = mate.type, *ends, value, mate.limits, mate.closing
+        self._add(Edge(name, owner, mate.id, *held), mate.redundant)
+
+    def _weld(self, name, owner, first, second, pose, feature=""):
+        """`first` stands at `pose` in `second`."""
+        self._add(Edge(name, owner, feature, "FASTENED", first, second, np.eye(4), pose))
+
+    def _add(self, edge, redundant=False):
+        mirrored = (bool(path) and self.places[path].mirrored for path in (edge.first, edge.second))
+        (self.redundant if redundant else self.edges).append(edge.proper(*mirrored))
+
+    def _copy(self, owner, pattern):
+        self._placed |= copied_poses(self, owner, pattern)
+        for edge, redundant in copy_edges(self, owner, pattern):
+            if not edge.moves and not (edge.closing or redundant):
+                find = _joined(self.places, [one for one in self.edges if not (one.moves or one.closing)])
+                if find(edge.first) == find(edge.second):
+                    continue  # a group's lead: its members hold together without it
+            self._add(edge, redundant)
+        self._index()
+
+    def _hold(self, path):
+        if not any({(), path} <= weld for weld in self.welds()):
+            name = f"{self.places[path].name} fixed"
+            self._weld(name, (), path, (), self.poses()[path])
+            self._index()
+
+    def _cut(self, saved, names, redundant):
+        every = [*self.edges, *self.redundant]
+        left = {edge.name for edge in self.redundant if redundant is None or not edge.moves}
+        left |= redundant or set()
+        values = {edge.name: joined(edge.type, tuple(saved[dof.name] for dof in edge.dofs)) for edge in every}
+        changed = [replace(edge, closing=edge.name in names, value=values[edge.name]) for edge in every]
+        self.edges = [edge for edge in changed if edge.name not in left]
+        self.redundant = [edge for edge in changed if edge.name in left]
+        self._index()
+
+    def _index(self):
+        self.leaves = [place.path for place in self.places.values() if place.instance.is_part]
+        self.joints = [edge for edge in self.edges if edge.moves]
+        self.tree_joints = [edge for edge in self.joints if not edge.closing]
+        self.closings = [edge for edge in self.edges if edge.closing]
+        self.dofs: list[Dof] = [dof for joint in self.tree_joints for dof in joint.dofs]
+        mates = [edge for edge in (*self.edges, *self.redundant) if edge.feature]
+        self._by_name = {edge.name: edge for edge in mates}
+        self._by_key = {key: edge for edge in mates for key in edge.keys}
+        self._components: dict[Path | None, list[tuple[Path, list[Step]]]] = {}
 
     def _head_pose(self, head, poses):
-        return product(poses.get(head[:-1], np.eye(4)), self.places[head].instance.pose)
+        pose = self._placed.get(head)
+        return product(
+            poses.get(head[:-1], np.eye(4)), self.places[head].instance.pose if pose is None else pose
+        )
 
     def _check_tree(self):
         leader: dict[Path, Path] = {path: path for path in [(), *self.places]}
-
-        def find(path):
-            while leader[path] != path:
-                path = leader[path]
-            return path
-
         for edge in self.edges:
             if edge.closing:
                 continue
-            one, two = find(edge.first), find(edge.second)
+            one, two = _find(leader, edge.first), _find(leader, edge.second)
             if one == two:
                 msg = f"{edge.name!r} closes a loop: give it closing=True"
                 raise ValueError(msg)
             leader[one] = two
 
 
-def _joint_name(words, owner, mate):
-    return "/".join([*([words] if words else []), *(i.name for i in owner.instances), mate.name])
+def _joined(places, edges):
+    """A function that gives all occurrences that edges join, directly or not, the same leader."""
+    leader: dict[Path, Path] = {path: path for path in [(), *places]}
+    for edge in edges:
+        leader[_find(leader, edge.first)] = _find(leader, edge.second)
+    return lambda path: _find(leader, path)
+
+
+def _find(leader, path):
+    while leader[path] != path:
+        path = leader[path]
+    return path

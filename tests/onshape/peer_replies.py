@@ -10,9 +10,9 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from tests.onshape.definition import LIMIT_NAMES
 from tests.onshape.document import Assembly
-from tests.onshape.elements import Gear, Mate, Studio
+from tests.onshape.elements import Mate, Relation, Studio
+from tests.onshape.mates import FREEDOMS, bounds
 from tests.onshape.replies import RefusedError, Replies, Reply, error_body
 from tests.onshape.studio_replies import mass_properties
 
@@ -65,7 +65,7 @@ class PeerReplies:
 
     def _features(self, names, query):
         assembly = self.replies.element(names, query, Assembly)
-        kinds = {Mate: _mate, Gear: _gear}
+        kinds = {Mate: _mate, Relation: _relation}
         features = [kinds[type(one)](one) for one in assembly.features if type(one) in kinds]
         return {"features": features, "featureStates": [], "isComplete": True}
 
@@ -122,23 +122,29 @@ class PeerReplies:
 
 
 def _mate(mate):
-    low, high = mate.limits
-    parameters = [_boolean("limitsEnabled", low is not None or high is not None)]
-    unit = "m" if mate.type == "SLIDER" else "rad"
-    for name, end in zip(LIMIT_NAMES.get(mate.type, ()), mate.limits, strict=False):
-        expression = "" if end is None else f"{end!r} {unit}"
-        parameters.append(_parameter("BTMParameterNullableQuantity", parameterId=name, expression=expression))
+    limits = bounds(mate.type, mate.limits)
+    parameters = [_boolean("limitsEnabled", any(end is not None for pair in limits for end in pair))]
+    for freedom, pair in zip(FREEDOMS[mate.type], limits, strict=True):
+        unit = "m" if freedom.kind == "slide" else "rad"
+        for name, end in zip(freedom.limit_names, pair, strict=True):
+            if name is not None:
+                text = "" if end is None else f"{end!r} {unit}"
+                parameters.append(
+                    _parameter("BTMParameterNullableQuantity", parameterId=name, expression=text)
+                )
     return _feature("BTMMate", mate, "mate", parameters)
 
 
-def _gear(gear):
-    queries = [_parameter("BTMFeatureQueryWithOccurrence", featureId=mate.id) for _, mate in gear.mates]
+def _relation(relation):
+    queries = [_parameter("BTMFeatureQueryWithOccurrence", featureId=mate.id) for _, mate in relation.mates]
+    name = "relationLength" if relation.by_length else "relationRatio"
+    text = f"{float(relation.amount)!r} m" if relation.by_length else repr(float(relation.amount))
     parameters = [
         _parameter("BTMParameterQueryWithOccurrenceList", parameterId="matesQuery", queries=queries),
-        _parameter("BTMParameterQuantity", parameterId="relationRatio", expression=repr(float(gear.ratio))),
-        _boolean("reverseDirection", gear.reverse),
+        _parameter("BTMParameterQuantity", parameterId=name, expression=text),
+        _boolean("reverseDirection", relation.reverse),
     ]
-    return _feature("BTMMateRelation", gear, "mateRelation", parameters)
+    return _feature("BTMMateRelation", relation, "mateRelation", parameters)
 
 
 def _feature(kind, feature, name, parameters):

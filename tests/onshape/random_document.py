@@ -9,26 +9,34 @@ from hypothesis import strategies as st
 
 from tests.onshape import outlines, solids
 from tests.onshape.document import ORIGIN, Document
-from tests.onshape.frames import inverse, motion, product, turn
+from tests.onshape.frames import inverse, product, turn
+from tests.onshape.mates import motion
 
 MOST_PARTS = 14
 
 
 @st.composite
-def documents(draw, max_bodies=12, depth=3, gears=True, loops=False, fixed=None):
+def documents(draw, max_bodies=12, depth=3, gears=True, loops=False, fixed=None, everything=False):
     """A document with 2..`max_bodies` bodies in one tree, and sub-assemblies `depth` deep at most.
 
     `gears`: up to two gear relations. `loops`: up to two closing REVOLUTE mates that are met at the
     saved pose. `fixed`: True: a part of the root assembly is fixed, False: none is, None: drawn.
     The saved values are at most 1.2 rad (2.4 behind a gear) or 0.2 m and within the limits; gears
     hold without an offset.
+
+    `everything`: all that an assembly can hold (`random_everything`), one level deeper, and copies of
+    patterns and mirrors beyond `max_bodies`.
     """
-    return _Author(draw, max_bodies, depth).write(
+    if everything:
+        from tests.onshape.random_everything import Everything
+
+        return Everything(draw, max_bodies, depth + 1).write(gears, loops, fixed)
+    return Author(draw, max_bodies, depth).write(
         gears, loops, draw(st.booleans()) if fixed is None else fixed
     )
 
 
-class _Author:
+class Author:
     def __init__(self, draw, max_bodies, depth):
         self.draw, self.depth = draw, depth
         self.joints_left, self.parts_left = max_bodies - 1, MOST_PARTS
@@ -150,7 +158,7 @@ class _Author:
         for index in range(self.draw(st.integers(1, 2), label="loops")):
             truth = self.document.truth
             one, two = self.draw(st.tuples(*[st.sampled_from(occurrences)] * 2), label="loop")
-            if truth.body_of(one.path) is truth.body_of(two.path):
+            if touching(truth, one.path, two.path):
                 continue
             poses = truth.poses()
             frame, value = self._frame(), self._value("REVOLUTE")
@@ -174,3 +182,11 @@ class _Author:
             float(self.rng.uniform(-3, 3)),
             self.rng.uniform(-0.3, 0.3, 3),
         )
+
+
+def touching(truth, one, two):
+    """Whether two parts are of one body, or of two that a mate joins: there another one closes no loop
+    but takes away motion."""
+    weld = {path: number for number, paths in enumerate(truth.tree.welds()) for path in paths}
+    pairs = [{weld[edge.first], weld[edge.second]} for edge in truth.joints]
+    return weld[one] == weld[two] or {weld[one], weld[two]} in pairs

@@ -7,8 +7,10 @@ from hypothesis import strategies as st
 
 from tests.onshape import solids
 from tests.onshape.definition import definition
+from tests.onshape.differences import differences_hold
 from tests.onshape.document import ORIGIN, Document
 from tests.onshape.frames import frame
+from tests.onshape.mates import joined, motion
 from tests.onshape.random_document import documents
 from tests.onshape.sample import sample_document
 
@@ -210,6 +212,34 @@ def test_a_random_document_closes_its_loops_keeps_its_gears_and_counts_its_bodie
         assert high is None or joint.value < high
     parts = [path for body in truth.bodies for path in body.parts]
     assert sorted(parts) == sorted(truth.leaves)
+
+
+@QUICK
+@given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)), st.data())
+def test_a_random_document_with_everything_holds_together(document, data):
+    truth = document.truth
+    truth.check()
+    poses = truth.poses()
+    drawn = {edge.key[:2] for edge in (*truth.tree.edges, *truth.redundant) if edge.feature}
+    for owner, mate in mates(document):
+        assert (owner, mate["id"]) in drawn
+        edge = truth.joint((owner, mate["id"]))
+        one, two = entity_frames(owner, mate, poses)
+        if np.linalg.det(one[:3, :3]) < 0:
+            one, two = one @ np.diag([1, 1, -1, 1]), two @ np.diag([1, 1, -1, 1])
+        value = joined(edge.type, tuple(truth.saved[dof.name] for dof in edge.dofs))
+        expected = motion(edge.type, value, edge.mirrored)
+        assert np.linalg.inv(two) @ one == pytest.approx(expected, abs=1e-9)
+    for dof in truth.dofs:
+        if dof.kind != "ball":
+            low, high = dof.limits
+            assert low is None or low < dof.value
+            assert high is None or dof.value < high
+    other = truth.cut_at({edge.name for edge in truth.closings})
+    for path, pose in other.poses().items():
+        assert pose == pytest.approx(poses[path], abs=1e-9)
+    root = data.draw(st.sampled_from(truth.leaves))
+    differences_hold(truth, truth.values(), roots=(root,))
 
 
 def test_each_use_of_a_sub_assembly_has_joint_values_of_its_own():
