@@ -37,6 +37,6 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     if keys.export.urdf is not None:
         files[f"{robot.name}.urdf"] = write_urdf(robot, geometry, diagnostics)
     if keys.export.mjcf is not None:
-        files[f"{robot.name}.xml"] = write_mjcf(robot, geometry, keys, start)
+        files[f"{robot.name}.xml"] = write_mjcf(robot, geometry, keys, start, diagnostics)
         files["scene.xml"] = write_scene(robot, keys)
     return Exported(dict(sorted(files.items())), tuple(diagnostics))

@@ -1,24 +1,43 @@
 """robot.json: the model, neutral, with the way back to CAD."""
 
 import json
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from stages.export.urdf import unset
-from stages.robot.model import Array, Joint, Link, Loop, Robot
+from stages.export.lowering import lower, unset
+from stages.robot.model import (
+    Array,
+    Configuration,
+    Dof,
+    Joint,
+    Link,
+    Loop,
+    MateRef,
+    Part,
+    Primitive,
+    Robot,
+    Value,
+)
 from stages.robot.numbers import number, numbers
 from stages.robot.poses import quat_from_rotation
 
 FORMAT = "linkwright-robot"
 
 
-def describe(robot: Robot, start: Mapping[str, float]) -> bytes:
-    """Links, joints, loops, relations and frames; `start` is the MJCF's qpos0 (rad or m).
+def describe(robot: Robot, start: Configuration) -> bytes:
+    """Links, joints, loops, relations and frames; `start` is the MJCF's qpos0, by dof.
 
-    Poses are {xyz [m], quat (w, x, y, z)}; inertia is the 3x3 tensor about the centre of mass in
-    the link's axes [kg m²].
+    Poses are {xyz [m], quat (w, x, y, z)}; inertia is the 3x3 tensor about the centre of mass in the
+    link's axes [kg m²]. A part that is `mirrored` has the quat of R·diag(1, 1, -1), R the orthogonal
+    matrix of its left-handed pose. `root_pose` is the root link's in the assembly.
+
+    Every joint has its `dofs`, from parent to child, each with an axis (null for a ball and for free
+    motion) in its own frame, and the `origin` of that in the frame which the dof before it moves
+    (null where they are the same). Values are numbers [rad or m], a ball's quaternion, or the seven
+    of free motion (x, y, z, quat). A ball's are its chain's, from parent to child; `mate_quat` is the
+    saved one as the mate has it: the inverse where the joint runs backwards. `lowered` has what
+    stands for a joint in the URDF where that is several joints with links between them.
     """
     table = {
         "format": FORMAT,
@@ -31,10 +50,12 @@ def describe(robot: Robot, start: Mapping[str, float]) -> bytes:
             "configuration": robot.provenance.configuration,
         },
         "root": robot.root.name,
+        "root_pose": _pose(robot.world_from_root),
         "base": {"fixed": robot.base.fixed, "reason": robot.base.reason},
         "mass": _float(sum(link.inertial.mass for link in robot.links)),
+        "mobility": _mobility(robot),
         "links": [_link(link) for link in robot.links],
-        "joints": [_joint(joint, start[joint.name]) for joint in robot.joints],
+        "joints": [_joint(joint, start) for joint in robot.joints],
         "relations": [
             {
                 "name": relation.name,
@@ -55,6 +76,15 @@ def describe(robot: Robot, start: Mapping[str, float]) -> bytes:
             }
             for frame in robot.frames
         ],
+        "lowered": [
+            {
+                "joint": item.joint.name,
+                "joints": [step.name for step in item.steps],
+                "links": list(item.between),
+            }
+            for item in lower(robot)
+            if item.between
+        ],
     }
     return (json.dumps(table, indent=2, ensure_ascii=False) + "\n").encode()
 
@@ -63,13 +93,29 @@ def _float(value: float | None, scale: float | None = None) -> float | None:
     return None if value is None else float(number(value, scale))
 
 
-def _floats(values: Array) -> Any:
+def _floats(values: Array, scale: float | None = None) -> Any:
     """Nested lists of the array's shape, each number as short as the formatter makes it."""
-    return np.array([float(text) for text in numbers(values)]).reshape(np.shape(values)).tolist()
+    return np.array([float(text) for text in numbers(values, scale)]).reshape(np.shape(values)).tolist()
+
+
+def _value(value: Value) -> Any:
+    """A dof's value: a number, or a list of them."""
+    array = np.array(value)
+    return _floats(array, max(1.0, float(np.abs(array).max())))
 
 
 def _pose(pose: Array) -> dict[str, Any]:
     return {"xyz": _floats(pose[:3, 3]), "quat": _floats(quat_from_rotation(pose[:3, :3]))}
+
+
+def _mobility(robot: Robot) -> dict[str, Any]:
+    mobility = robot.mobility
+    return {
+        "coordinates": mobility.coordinates,
+        "gruebler": mobility.gruebler,
+        "dof": mobility.dof,
+        "redundant": [{"loop": loop, "conditions": count} for loop, count in mobility.redundant],
+    }
 
 
 def _link(link: Link) -> dict[str, Any]:
@@ -78,43 +124,77 @@ def _link(link: Link) -> dict[str, Any]:
         "mass": _float(link.inertial.mass),
         "com": _floats(link.inertial.com),
         "inertia": _floats(link.inertial.inertia),
-        "cad": {"path": list(link.path)},
-        "parts": [
-            {
-                "name": part.name,
-                "path": list(part.path),
-                "part": part.part_id,
-                "mass": _float(part.inertial.mass),
-                "pose": _pose(part.link_from_part),
-            }
-            for part in link.parts
-        ],
+        "given": link.given is not None,
+        "cad": {"path": list(link.path)} if link.path or link.parts else None,
+        "parts": [_part(part) for part in link.parts],
+        "shapes": [_shape(shape) for shape in link.shapes],
     }
 
 
-def _joint(joint: Joint, start: float) -> dict[str, Any]:
+def _part(part: Part) -> dict[str, Any]:
+    mirrored = bool(np.linalg.det(part.link_from_part[:3, :3]) < 0)
+    pose = part.link_from_part @ np.diag([1.0, 1.0, -1.0, 1.0]) if mirrored else part.link_from_part
+    return {
+        "name": part.name,
+        "path": list(part.path),
+        "part": part.part_id,
+        "mass": _float(part.inertial.mass),
+        "pose": _pose(pose),
+        "mirrored": mirrored,
+    }
+
+
+def _shape(shape: Primitive) -> dict[str, Any]:
+    return {
+        "kind": shape.kind,
+        "size": [_float(length) for length in shape.size],
+        "pose": _pose(shape.link_from_shape),
+        "colour": None if shape.colour is None else [_float(part) for part in shape.colour],
+        "visual": shape.visual,
+        "collision": shape.collision,
+    }
+
+
+def _joint(joint: Joint, start: Configuration) -> dict[str, Any]:
     return {
         "name": joint.name,
         "type": joint.type,
         "parent": joint.parent,
         "child": joint.child,
         "origin": _pose(joint.parent_from_joint),
-        "axis": _floats(joint.axis),
-        "limits": [_float(joint.limits.lower), _float(joint.limits.upper)],
-        "damping": _float(joint.dynamics.damping),
-        "friction": _float(joint.dynamics.friction),
-        "armature": _float(joint.dynamics.armature),
-        "effort": _float(joint.dynamics.effort),
-        "velocity": _float(joint.dynamics.velocity),
-        "unset": unset(joint),
-        "saved": _float(joint.saved, max(1.0, abs(joint.saved))),
-        "qpos0": _float(start, max(1.0, abs(start))),
-        "cad": _mate(joint),
+        "backwards": joint.backwards,
+        "dofs": [
+            {**_dof(dof, joint.backwards), "unset": unset(dof), "qpos0": _value(start[dof.name])}
+            for dof in joint.dofs
+        ],
+        "cad": _mate(joint.mate),
     }
 
 
-def _mate(joint: Joint | Loop) -> dict[str, Any]:
-    mate = joint.mate
+def _dof(dof: Dof, backwards: bool = False) -> dict[str, Any]:
+    scalar = dof.kind in ("turn", "slide")
+    table = {
+        "name": dof.name,
+        "kind": dof.kind,
+        "axis": _floats(dof.axis) if scalar else None,
+        "origin": None if np.array_equal(dof.origin, np.eye(4)) else _pose(dof.origin),
+        "limits": [_float(dof.limits.lower), _float(dof.limits.upper)],
+        "damping": _float(dof.dynamics.damping),
+        "friction": _float(dof.dynamics.friction),
+        "armature": _float(dof.dynamics.armature),
+        "effort": _float(dof.dynamics.effort),
+        "velocity": _float(dof.dynamics.velocity),
+        "saved": _value(dof.saved),
+    }
+    if dof.kind == "ball" and isinstance(dof.saved, tuple):
+        w, x, y, z = dof.saved
+        table["mate_quat"] = _value((w, -x, -y, -z) if backwards else dof.saved)
+    return table
+
+
+def _mate(mate: MateRef | None) -> dict[str, Any] | None:
+    if mate is None:
+        return None
     return {"owner": list(mate.owner), "feature": mate.feature, "name": mate.name, "type": mate.type}
 
 
@@ -126,8 +206,7 @@ def _loop(loop: Loop) -> dict[str, Any]:
         "link_b": loop.link_b,
         "frame_a": _pose(loop.a_from_frame),
         "frame_b": _pose(loop.b_from_frame),
-        "limits": [_float(loop.limits.lower), _float(loop.limits.upper)],
-        "saved": _float(loop.saved, max(1.0, abs(loop.saved))),
+        "dofs": [_dof(dof) for dof in loop.dofs],
         "residual": _float(loop.residual, 1.0),
-        "cad": _mate(loop),
+        "cad": _mate(loop.mate),
     }

@@ -4,59 +4,50 @@ Element and attribute rules are those of MuJoCo's XML reference. Every body has 
 `inertial`; geoms weigh nothing. Orientation is always `quat`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator
 
 import numpy as np
 
+from stages.export.closures import Closures
 from stages.export.keys import ExportKeys
-from stages.export.pose import home
-from stages.robot.geometry import Colour, Geometry
-from stages.robot.kinematics import saved_configuration
-from stages.robot.model import Array, Joint, Link, Loop, Robot
+from stages.export.mjcf_joints import free_qpos, qpos, unwritten, write_joints
+from stages.export.placement import placement, scene_pose
+from stages.export.pose import home, saved
+from stages.robot.errors import Diagnostic
+from stages.robot.geometry import Colour, Geometry, Shape
+from stages.robot.kinematics import chain
+from stages.robot.model import Array, Configuration, Inertial, Joint, Primitive, Robot, Value
 from stages.robot.names import free
 from stages.robot.numbers import number, spaced
-from stages.robot.poses import from_parts, motion, quat_from_rotation, rotation_from_rpy
 from stages.robot.xml import Element, element, to_bytes
 
-OPEN = "1e6"
-"""Stands for the open side of a one-sided limit: MuJoCo has no such thing as half a range."""
-
-TYPES = {"revolute": "hinge", "prismatic": "slide"}
+WORLD = "world"
+"""The link that is the assembly's origin: MuJoCo's worldbody, with a site of that name in its place."""
 
 
-def write_mjcf(robot: Robot, geometry: Geometry, keys: ExportKeys, start: Mapping[str, float]) -> bytes:
-    """The model, whose qpos0 is `start` (joint values in rad or m)."""
+def write_mjcf(
+    robot: Robot,
+    geometry: Geometry,
+    keys: ExportKeys,
+    start: Configuration,
+    diagnostics: list[Diagnostic],
+) -> bytes:
+    """The model, whose qpos0 is `start` (values of the tree's dofs and of the loops' own)."""
     root = element(None, "mujoco", model=robot.name)
     element(root, "compiler", angle="radian", meshdir="assets", autolimits="true")
     element(root, "option", timestep=number(keys.scene.option.timestep), integrator="implicitfast")
     top = free(robot.name, {"main", "visual", "collision"})
     _defaults(root, top)
     colours = _assets(root, geometry)
-    sites = _Sites(robot)
+    closures = Closures(robot)
     world = element(root, "worldbody")
-    _bodies(world, robot, geometry, keys, start, colours, sites)
-    for body in world:
+    _Bodies(world, robot, geometry, start, scene_pose(keys), colours, closures).write()
+    for body in world.iterchildren("body"):
         body.set("childclass", top)
-    _equalities(root, robot, start, sites)
-    _keyframes(root, robot, keys)
+    _equalities(root, robot, start, closures)
+    _keyframes(root, world, robot, start, scene_pose(keys))
+    diagnostics.extend(unwritten(robot))
     return to_bytes(root)
-
-
-def placement(pose: Array) -> dict[str, str]:
-    """`pos` and `quat` of a (4, 4) pose; what is identity is left out."""
-    out = {}
-    position = spaced(pose[:3, 3])
-    if position != "0 0 0":
-        out["pos"] = position
-    quat = spaced(quat_from_rotation(pose[:3, :3]))
-    if quat != "1 0 0 0":
-        out["quat"] = quat
-    return out
-
-
-def scene_pose(keys: ExportKeys) -> Array:
-    """world_from_root (4, 4): where the scene puts the robot."""
-    return from_parts(rotation_from_rpy(keys.scene.pose.rpy), np.array(keys.scene.pose.xyz))
 
 
 def _defaults(root: Element, top: str) -> None:
@@ -77,102 +68,122 @@ def _assets(root: Element, geometry: Geometry) -> dict[Colour, str]:
         element(asset, "material", name=name, rgba=spaced(colour))
     for shape in geometry.shapes:
         # Geoms weigh nothing here, so the volume of a mesh never matters; "shell" accepts open ones.
-        element(asset, "mesh", file=shape.file, inertia="shell" if shape.role == "visual" else None)
+        if shape.file is not None:
+            inertia = "shell" if shape.role == "visual" else None
+            element(asset, "mesh", file=shape.file, inertia=inertia)
     return names
 
 
-class _Sites:
-    """Names of the sites that close loops: unique beside the frames."""
+class _Bodies:
+    """The tree of bodies, below the worldbody."""
 
-    def __init__(self, robot: Robot) -> None:
-        taken = {frame.name for frame in robot.frames}
-        self.by_loop: dict[str, tuple[str, str, str, str]] = {}
-        for loop in robot.loops:
-            names = []
-            for suffix in ("a", "b", "a_axis", "b_axis"):
-                names.append(free(f"{loop.name}_{suffix}", taken))
-                taken.add(names[-1])
-            self.by_loop[loop.name] = (names[0], names[1], names[2], names[3])
+    def __init__(
+        self,
+        world: Element,
+        robot: Robot,
+        geometry: Geometry,
+        start: Configuration,
+        world_from_root: Array,
+        colours: dict[Colour, str],
+        closures: Closures,
+    ) -> None:
+        self.world = world
+        self.robot = robot
+        self.geometry = geometry
+        self.start = start
+        self.world_from_root = world_from_root
+        self.colours = colours
+        self.closures = closures
+        self.elements: dict[str, tuple[Element, Array]] = {}
+        """By link: its element, and element_from_link (4, 4), which only the link `world` needs."""
 
+    def write(self) -> None:
+        joints = {joint.child: joint for joint in self.robot.joints}
+        for link in self.robot.links:
+            joint = joints.get(link.name)
+            body, place = self._root() if joint is None else (self._child(joint), np.eye(4))
+            self.elements[link.name] = body, place
+            _inertial(body, self.closures.share(link.name, link.inertial))
+            self._geoms(body, link.name, place)
+            for frame in self.robot.frames:
+                if frame.link == link.name:
+                    element(body, "site", name=frame.name, **placement(place @ frame.link_from_frame))
+            self.closures.write_sites(body, link.name, place)
+        for carrier in self.closures.carriers:
+            above, place = self.elements[carrier.parent]
+            pose = place @ carrier.pose(self.start)
+            body = element(above, "body", name=carrier.name, **placement(pose))
+            write_joints(body, carrier.dofs, self.start)
+            _inertial(body, self.closures.carries(carrier))
+            self.closures.write_sites(body, carrier.name, np.eye(4))
 
-def _bodies(
-    world: Element,
-    robot: Robot,
-    geometry: Geometry,
-    keys: ExportKeys,
-    start: Mapping[str, float],
-    colours: Mapping[Colour, str],
-    sites: _Sites,
-) -> None:
-    elements: dict[str, Element] = {}
-    joint_of = {joint.child: joint for joint in robot.joints}
-    for link in robot.links:
-        joint = joint_of.get(link.name)
-        if joint is None:
-            body = element(world, "body", name=link.name, **placement(scene_pose(keys)))
-            if not robot.base.fixed:
-                element(body, "freejoint", name=free_joint_name(robot))
-        else:
-            pose = joint.parent_from_joint @ motion(joint.type, joint.axis, start[joint.name])
-            body = element(elements[joint.parent], "body", name=link.name, **placement(pose))
-            _joint(body, joint, start[joint.name])
-        elements[link.name] = body
-        _inertial(body, link)
-        _geoms(body, link, geometry, colours)
-        _sites(body, link, robot, sites)
+    def _root(self) -> tuple[Element, Array]:
+        name = self.robot.root.name
+        if name == WORLD:
+            element(self.world, "site", name=WORLD, **placement(self.world_from_root))
+            return self.world, self.world_from_root
+        body = element(self.world, "body", name=name, **placement(self.world_from_root))
+        if not self.robot.base.fixed:
+            element(body, "freejoint", name=free_joint_name(self.robot))
+        return body, np.eye(4)
+
+    def _child(self, joint: Joint) -> Element:
+        above, place = self.elements[joint.parent]
+        if joint.type == "free":
+            above, place = self.world, self.world_from_root
+        pose = place @ joint.parent_from_joint @ chain(joint.dofs, self.start)
+        body = element(above, "body", name=joint.child, **placement(pose))
+        write_joints(body, joint.dofs, self.start)
+        return body
+
+    def _geoms(self, body: Element, link: str, place: Array) -> None:
+        for shape in self.geometry.of(link, "visual"):
+            colour = None if shape.colour is None else self.colours[shape.colour]
+            element(body, "geom", class_="visual", **_form(shape, place), material=colour)
+        collisions = self.geometry.of(link, "collision")
+        for count, shape in enumerate(collisions):
+            suffix = f"_{count}" if len(collisions) > 1 else ""
+            name = f"{link}_collision{suffix}"
+            element(body, "geom", name=name, class_="collision", **_form(shape, place))
 
 
 def free_joint_name(robot: Robot) -> str:
     """The name of the free joint of a floating base."""
-    return free(f"{robot.root.name}_free", {joint.name for joint in robot.joints})
+    loops = {dof.name for loop in robot.loops for dof in loop.dofs}
+    return free(f"{robot.root.name}_free", {dof.name for dof in robot.dofs} | loops)
 
 
-def _joint(body: Element, joint: Joint, reference: float) -> None:
-    limits, dynamics = joint.limits, joint.dynamics
-    limited = limits.lower is not None or limits.upper is not None
-    low = f"-{OPEN}" if limits.lower is None else number(limits.lower)
-    high = OPEN if limits.upper is None else number(limits.upper)
-    effort = dynamics.effort
-    element(
-        body,
-        "joint",
-        name=joint.name,
-        type=TYPES[joint.type],
-        axis=spaced(joint.axis),
-        range=f"{low} {high}" if limited else None,
-        ref=None if reference == 0.0 else number(reference),
-        damping=None if dynamics.damping is None else number(dynamics.damping),
-        frictionloss=None if dynamics.friction is None else number(dynamics.friction),
-        armature=None if dynamics.armature is None else number(dynamics.armature),
-        actuatorfrcrange=None if effort is None else f"{number(-effort)} {number(effort)}",
-    )
-
-
-def _inertial(body: Element, link: Link) -> None:
-    """CAD's own mass properties; fullinertia is M11 M22 M33 M12 M13 M23."""
-    if link.inertial.mass == 0.0:
+def _inertial(body: Element, inertial: Inertial) -> None:
+    """Mass properties; fullinertia is M11 M22 M33 M12 M13 M23."""
+    if inertial.mass == 0.0:
         return
-    i = link.inertial.inertia
+    i = inertial.inertia
     full = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
     element(
         body,
         "inertial",
-        pos=spaced(link.inertial.com),
-        mass=number(link.inertial.mass),
+        pos=spaced(inertial.com),
+        mass=number(inertial.mass),
         fullinertia=spaced(full),
     )
 
 
-def _geoms(body: Element, link: Link, geometry: Geometry, colours: Mapping[Colour, str]) -> None:
-    for shape in geometry.of(link.name, "visual"):
-        colour = None if shape.colour is None else colours[shape.colour]
-        element(body, "geom", class_="visual", mesh=stem(shape.file), material=colour)
-    collisions = geometry.of(link.name, "collision")
-    for count, shape in enumerate(collisions):
-        suffix = f"_{count}" if len(collisions) > 1 else ""
-        element(
-            body, "geom", name=f"{link.name}_collision{suffix}", class_="collision", mesh=stem(shape.file)
-        )
+def _form(shape: Shape, body_from_link: Array) -> dict[str, str]:
+    """What a geom is: a mesh, which is in the link's frame, or a primitive."""
+    if shape.file is not None:
+        return {"mesh": stem(shape.file), **placement(body_from_link)}
+    assert shape.primitive is not None
+    primitive = shape.primitive
+    pose = placement(body_from_link @ primitive.link_from_shape)
+    return {"type": primitive.kind, "size": spaced(_half_sizes(primitive)), **pose}
+
+
+def _half_sizes(primitive: Primitive) -> list[float]:
+    """MuJoCo takes radii as they are and lengths halved."""
+    size = primitive.size
+    if primitive.kind == "box":
+        return [length / 2 for length in size]
+    return [size[0], *(length / 2 for length in size[1:])]
 
 
 def stem(file: str) -> str:
@@ -180,49 +191,18 @@ def stem(file: str) -> str:
     return file.rsplit(".", 1)[0]
 
 
-def _sites(body: Element, link: Link, robot: Robot, sites: _Sites) -> None:
-    for frame in robot.frames:
-        if frame.link == link.name:
-            element(body, "site", name=frame.name, **placement(frame.link_from_frame))
-    for loop in robot.loops:
-        a, b, a_axis, b_axis = sites.by_loop[loop.name]
-        for owner, pose, near, far in (
-            (loop.link_a, loop.a_from_frame, a, a_axis),
-            (loop.link_b, loop.b_from_frame, b, b_axis),
-        ):
-            if owner == link.name:
-                element(body, "site", name=near, **placement(pose))
-                element(body, "site", name=far, **placement(_along_axis(pose, loop)))
-
-
-def _along_axis(pose: Array, loop: Loop) -> Array:
-    shifted = np.array(pose)
-    shifted[:3, 3] += pose[:3, 2] * loop.lever
-    return shifted
-
-
-def _equalities(root: Element, robot: Robot, start: Mapping[str, float], sites: _Sites) -> None:
-    """Loops as two points on the axis that must meet; relations as joint equalities.
-
-    Two `connect`s hold a hinge exactly and need no made-up body: a body of next to no mass would
-    make MuJoCo scale the constraint by its inverse inertia, and so leave it slack. A joint
-    equality counts from qpos0: y − y₀ = a₀ + a₁ (x − x₀).
-    """
+def _equalities(root: Element, robot: Robot, start: Configuration, closures: Closures) -> None:
+    """Loops between sites; relations as joint equalities, which count from qpos0:
+    y − y₀ = a₀ + a₁ (x − x₀)."""
     if not robot.loops and not robot.relations:
         return
     equality = element(root, "equality")
-    taken = {loop.name for loop in robot.loops} | {relation.name for relation in robot.relations}
-    for loop in robot.loops:
-        a, b, a_axis, b_axis = sites.by_loop[loop.name]
-        solref = spaced(loop.solref)
-        element(equality, "connect", name=loop.name, site1=a, site2=b, solref=solref)
-        axis = free(f"{loop.name}_axis", taken)
-        taken.add(axis)
-        element(equality, "connect", name=axis, site1=a_axis, site2=b_axis, solref=solref)
+    closures.write_equalities(equality)
     for relation in robot.relations:
-        constant = relation.multiplier * start[relation.driver] + relation.offset - start[relation.follower]
+        follower, driver = _scalar(start[relation.follower]), _scalar(start[relation.driver])
+        constant = relation.multiplier * driver + relation.offset - follower
         # Where qpos0 satisfies the relation the constant is rounding noise on the joints' own scale.
-        scale = max(1.0, abs(start[relation.follower]))
+        scale = max(1.0, abs(follower))
         coefficients = f"{number(constant, scale)} {number(relation.multiplier)} 0 0 0"
         element(
             equality,
@@ -234,15 +214,33 @@ def _equalities(root: Element, robot: Robot, start: Mapping[str, float], sites: 
         )
 
 
-def _keyframes(root: Element, robot: Robot, keys: ExportKeys) -> None:
+def _scalar(value: Value) -> float:
+    assert not isinstance(value, tuple), "only turns and slides are related"
+    return value
+
+
+def _keyframes(
+    root: Element, world: Element, robot: Robot, start: Configuration, world_from_root: Array
+) -> None:
     """`cad`: the pose the document was saved in; `home`: the same, clipped to the limits."""
-    base = []
-    if not robot.base.fixed:
-        pose = scene_pose(keys)
-        base = [spaced(pose[:3, 3]), spaced(quat_from_rotation(pose[:3, :3]))]
-    if not base and not robot.joints:
+    joints = [node.get("name") for node in world.iter("joint", "freejoint")]
+    if not joints:
         return
     keyframe = element(root, "keyframe")
-    for name, q in (("home", home(robot)), ("cad", saved_configuration(robot))):
-        values = [number(q[joint.name], max(1.0, abs(q[joint.name]))) for joint in robot.joints]
-        element(keyframe, "key", name=name, qpos=" ".join(base + values))
+    for name, q in (("home", home(robot)), ("cad", saved(robot))):
+        texts = dict(_qpos(robot, q, start, world_from_root))
+        element(keyframe, "key", name=name, qpos=" ".join(texts[joint] for joint in joints))
+
+
+def _qpos(
+    robot: Robot, q: Configuration, start: Configuration, world_from_root: Array
+) -> Iterator[tuple[str, str]]:
+    """(name, numbers) of every joint of the model at `q`."""
+    if not robot.base.fixed:
+        yield free_joint_name(robot), free_qpos(world_from_root)
+    chains = [(joint.parent_from_joint, joint.dofs) for joint in robot.joints]
+    chains += [(loop.b_from_frame, loop.dofs) for loop in robot.loops]
+    for parent_from_joint, dofs in chains:
+        for dof in dofs:
+            place = world_from_root @ parent_from_joint
+            yield dof.name, qpos(dof, q[dof.name], start[dof.name], place)

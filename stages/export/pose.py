@@ -1,41 +1,95 @@
-"""Where a model starts: the joint values at which a fresh simulation has all its loops closed."""
+"""Where a model starts: the values at which a fresh simulation has all its loops closed."""
 
 import math
-from collections.abc import Mapping
 
-from stages.robot.kinematics import link_poses, saved_configuration
-from stages.robot.model import Joint, Loop, Robot
-from stages.robot.poses import inverse
+import numpy as np
+
+from stages.robot.kinematics import chain, link_poses, saved_configuration
+from stages.robot.model import Array, Configuration, Dof, Loop, Robot, Value
+from stages.robot.poses import at_rest, inverse, quat_from_rotation
 
 CLOSED = 1e-6
-"""A loop counts as closed when its frames meet within this [m, and rad of tilt]."""
+"""A loop counts as closed when its frames meet within this [m, and rad]."""
 
 
-def starting_point(robot: Robot) -> dict[str, float]:
-    """qpos0: mate zero where every loop and relation holds there, else the saved pose."""
-    zero = dict.fromkeys((joint.name for joint in robot.joints), 0.0)
+def starting_point(robot: Robot) -> Configuration:
+    """qpos0: mate zero where every loop and relation holds there, else the saved pose.
+
+    Values of the tree's dofs and of the loops' own. What moves freely has no mate, and so no zero: it
+    starts where it was saved.
+    """
+    zero = {dof.name: dof.saved if dof.kind == "free" else at_rest(dof.kind) for dof in robot.dofs}
     holds = all(abs(relation.offset) == 0.0 for relation in robot.relations)
     if holds and all(gap(robot, loop, zero) <= CLOSED for loop in robot.loops):
+        for loop in robot.loops:
+            zero |= closing(loop, across(robot, loop, zero))
         return zero
-    return saved_configuration(robot)
+    return saved(robot)
 
 
-def gap(robot: Robot, loop: Loop, q: Mapping[str, float]) -> float:
-    """How far a loop is from closed at `q`: the larger of offset [m] and tilt of the axes [rad]."""
-    poses = link_poses(robot, q)
-    first = poses[loop.link_a] @ loop.a_from_frame
-    second = poses[loop.link_b] @ loop.b_from_frame
-    relative = inverse(second) @ first
-    offset = math.hypot(*relative[:3, 3])
-    return max(offset, math.hypot(relative[0, 2], relative[1, 2]))
+def saved(robot: Robot) -> dict[str, Value]:
+    """Values of the pose that CAD was left in: the tree's dofs and the loops' own."""
+    return {
+        **saved_configuration(robot),
+        **{dof.name: dof.saved for loop in robot.loops for dof in loop.dofs},
+    }
 
 
-def home(robot: Robot) -> dict[str, float]:
+def home(robot: Robot) -> dict[str, Value]:
     """The saved pose, clipped to the limits."""
-    return {joint.name: _clipped(joint) for joint in robot.joints}
+    dofs = [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]
+    return {dof.name: _clipped(dof) for dof in dofs}
 
 
-def _clipped(joint: Joint) -> float:
-    low = -math.inf if joint.limits.lower is None else joint.limits.lower
-    high = math.inf if joint.limits.upper is None else joint.limits.upper
-    return min(max(joint.saved, low), high)
+def gap(robot: Robot, loop: Loop, q: Configuration) -> float:
+    """How far a loop is from closed at `q`: the larger of the offset [m] and the turn [rad, for small
+    ones] that no values of its own dofs make up for."""
+    relative = across(robot, loop, q)
+    left = inverse(chain(loop.dofs, closing(loop, relative))) @ relative
+    return max(math.hypot(*left[:3, 3]), float(np.linalg.norm(left[:3, :3] - np.eye(3))) / math.sqrt(2))
+
+
+def across(robot: Robot, loop: Loop, q: Configuration) -> Array:
+    """second_from_first (4, 4) of a loop's two frames at the tree's values `q`."""
+    poses = link_poses(robot, q)
+    return inverse(poses[loop.link_b] @ loop.b_from_frame) @ poses[loop.link_a] @ loop.a_from_frame
+
+
+def closing(loop: Loop, second_from_first: Array) -> dict[str, Value]:
+    """The values of a loop's dofs whose chain comes closest to `second_from_first` (4, 4).
+
+    A mate has one turn at most and slides turn nothing, so the turn follows from the rotations alone;
+    with it known, the offset is linear in the slides.
+    """
+    q: dict[str, Value] = {dof.name: at_rest(dof.kind) for dof in loop.dofs}
+    for index, dof in enumerate(loop.dofs):
+        if dof.kind != "slide":
+            before = chain(loop.dofs[:index], q) @ dof.origin
+            after = chain(loop.dofs[index + 1 :], q)
+            q[dof.name] = _rotation(dof, before[:3, :3].T @ second_from_first[:3, :3] @ after[:3, :3].T)
+    slides = [index for index, dof in enumerate(loop.dofs) if dof.kind == "slide"]
+    if slides:
+        frames = [chain(loop.dofs[:index], q) @ loop.dofs[index].origin for index in slides]
+        ways = [frame[:3, :3] @ loop.dofs[index].axis for frame, index in zip(frames, slides, strict=True)]
+        offset = (second_from_first - chain(loop.dofs, q))[:3, 3]
+        lengths = np.linalg.lstsq(np.column_stack(ways), offset, rcond=None)[0]
+        q |= {loop.dofs[index].name: float(length) for index, length in zip(slides, lengths, strict=True)}
+    return q
+
+
+def _rotation(dof: Dof, rotation: Array) -> Value:
+    """The value of a turn, or ball, that comes closest to `rotation` (3, 3): of a turn the whole number
+    of revolutions nearest to the saved value."""
+    quat = quat_from_rotation(rotation)
+    if isinstance(dof.saved, tuple):
+        return tuple(float(x) for x in quat)
+    angle = 2.0 * math.atan2(float(quat[1:] @ dof.axis), float(quat[0]))
+    return angle + 2.0 * math.pi * round((dof.saved - angle) / (2.0 * math.pi))
+
+
+def _clipped(dof: Dof) -> Value:
+    if isinstance(dof.saved, tuple):
+        return dof.saved
+    low = -math.inf if dof.limits.lower is None else dof.limits.lower
+    high = math.inf if dof.limits.upper is None else dof.limits.upper
+    return min(max(dof.saved, low), high)

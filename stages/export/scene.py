@@ -3,7 +3,7 @@
 import numpy as np
 
 from stages.export.keys import ExportKeys
-from stages.export.mjcf import placement
+from stages.export.placement import placement
 from stages.robot.model import Robot
 from stages.robot.numbers import spaced
 from stages.robot.poses import from_parts, rotation_from_rpy

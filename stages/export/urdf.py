@@ -1,24 +1,30 @@
 """URDF: the tree of links and joints.
 
 Element rules are those of urdfdom's 1.0 format. A link's frame is its joint's; `rpy` is extrinsic
-xyz. What URDF cannot say (loops; a joint without numbers) is told in one diagnostic each.
+xyz. What URDF cannot say (loops; joints of several degrees of freedom; cones; a joint without
+numbers) is told in one diagnostic each.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
+import numpy as np
+
+from stages.export.lowering import NEXT_TO_NOTHING, Lowered, Step, lower, unset
 from stages.robot.errors import Diagnostic
-from stages.robot.geometry import Colour, Geometry, Role
-from stages.robot.model import Array, Joint, Link, Robot
+from stages.robot.geometry import Colour, Geometry, Role, Shape
+from stages.robot.model import Array, Inertial, Limits, Primitive, Robot, frozen
 from stages.robot.names import free
 from stages.robot.numbers import number, numbers, spaced
-from stages.robot.poses import rpy_from_rotation
+from stages.robot.poses import from_parts, rpy_from_rotation
 from stages.robot.xml import Element, element, to_bytes
 
 UNSET_EFFORT = 100.0
 UNSET_VELOCITY = 10.0
 UNSET_REACH = {"revolute": 2 * math.pi, "prismatic": 1.0}
 """What stands in for a limit that nobody set [rad, m]: URDF demands a number."""
+
+_BETWEEN = Inertial(NEXT_TO_NOTHING, frozen(np.zeros(3)), frozen(NEXT_TO_NOTHING * np.eye(3)))
 
 
 def write_urdf(robot: Robot, geometry: Geometry, diagnostics: list[Diagnostic]) -> bytes:
@@ -29,11 +35,17 @@ def write_urdf(robot: Robot, geometry: Geometry, diagnostics: list[Diagnostic]) 
     element(mujoco, "compiler", strippath="false", fusestatic="false", discardvisual="false")
     colours = _materials(root, geometry)
     for link in robot.links:
-        _link(root, link, geometry, colours)
+        node = _link(root, link.name, link.inertial)
+        _shapes(node, link.name, geometry, colours)
+    lowered = lower(robot)
+    for joint in lowered:
+        for name in joint.between:
+            _link(root, name, _BETWEEN)
+    steps = [step for joint in lowered for step in joint.steps]
     relations = {relation.follower: relation for relation in robot.relations}
-    for joint in robot.joints:
-        node = _joint(root, joint)
-        relation = relations.get(joint.name)
+    for step in steps:
+        node = _joint(root, step)
+        relation = relations.get(step.name)
         if relation is not None:
             element(
                 node,
@@ -42,17 +54,10 @@ def write_urdf(robot: Robot, geometry: Geometry, diagnostics: list[Diagnostic]) 
                 multiplier=number(relation.multiplier),
                 offset=number(relation.offset) if relation.offset else None,
             )
-    _frames(root, robot)
-    _tell(robot, diagnostics)
+    links = {link.name for link in robot.links}.union(*(joint.between for joint in lowered))
+    _frames(root, robot, links, {step.name for step in steps})
+    _tell(robot, lowered, diagnostics)
     return to_bytes(root)
-
-
-def unset(joint: Joint) -> list[str]:
-    """What URDF demands of a joint and nobody gave: among lower, upper, effort, velocity."""
-    missing = [side for side in ("lower", "upper") if getattr(joint.limits, side) is None]
-    if joint.type == "revolute" and len(missing) == 2:
-        missing = []  # continuous: URDF wants no range then
-    return missing + [key for key in ("effort", "velocity") if getattr(joint.dynamics, key) is None]
 
 
 def _origin(parent: Element, pose: Array) -> None:
@@ -69,39 +74,69 @@ def _materials(root: Element, geometry: Geometry) -> dict[Colour, str]:
     return names
 
 
-def _link(root: Element, link: Link, geometry: Geometry, colours: Mapping[Colour, str]) -> None:
-    node = element(root, "link", name=link.name)
-    if link.inertial.mass > 0:
+def _link(root: Element, name: str, body: Inertial) -> Element:
+    node = element(root, "link", name=name)
+    if body.mass > 0:
         inertial = element(node, "inertial")
-        element(inertial, "origin", xyz=spaced(link.inertial.com), rpy="0 0 0")
-        element(inertial, "mass", value=number(link.inertial.mass))
-        texts = numbers(link.inertial.inertia)
+        element(inertial, "origin", xyz=spaced(body.com), rpy="0 0 0")
+        element(inertial, "mass", value=number(body.mass))
+        texts = numbers(body.inertia)
         keys = {"ixx": 0, "ixy": 1, "ixz": 2, "iyy": 4, "iyz": 5, "izz": 8}
         element(inertial, "inertia", **{key: texts[index] for key, index in keys.items()})
+    return node
+
+
+def _shapes(node: Element, link: str, geometry: Geometry, colours: Mapping[Colour, str]) -> None:
     roles: tuple[Role, ...] = ("visual", "collision")
     for role in roles:
-        for shape in geometry.of(link.name, role):
-            holder = element(node, role)
-            element(holder, "origin", xyz="0 0 0", rpy="0 0 0")
-            element(element(holder, "geometry"), "mesh", filename=f"assets/{shape.file}")
-            if shape.colour is not None:
-                element(holder, "material", name=colours[shape.colour])
+        for shape in geometry.of(link, role):
+            for pose, tag, attributes in _solids(shape):
+                holder = element(node, role)
+                _origin(holder, pose)
+                element(element(holder, "geometry"), tag, **attributes)
+                if shape.colour is not None:
+                    element(holder, "material", name=colours[shape.colour])
 
 
-def _joint(root: Element, joint: Joint) -> Element:
-    limits, dynamics = joint.limits, joint.dynamics
-    continuous = joint.type == "revolute" and limits.lower is None and limits.upper is None
-    node = element(root, "joint", name=joint.name, type="continuous" if continuous else joint.type)
-    _origin(node, joint.parent_from_joint)
-    element(node, "parent", link=joint.parent)
-    element(node, "child", link=joint.child)
-    element(node, "axis", xyz=spaced(joint.axis))
-    low, high = _range(joint)
+def _solids(shape: Shape) -> Iterator[tuple[Array, str, dict[str, str]]]:
+    """The URDF geometries of a shape: link_from_solid (4, 4), element, attributes."""
+    if shape.primitive is None:
+        yield np.eye(4), "mesh", {"filename": f"assets/{shape.file}"}
+    else:
+        yield from _primitive(shape.primitive)
+
+
+def _primitive(primitive: Primitive) -> Iterator[tuple[Array, str, dict[str, str]]]:
+    pose, size = primitive.link_from_shape, primitive.size
+    if primitive.kind == "box":
+        yield pose, "box", {"size": spaced(size)}
+        return
+    radius = {"radius": number(size[0])}
+    if primitive.kind == "sphere":
+        yield pose, "sphere", radius
+        return
+    yield pose, "cylinder", {**radius, "length": number(size[1])}
+    if primitive.kind == "capsule":
+        # URDF has no capsule: a ball at either end makes one.
+        for end in (-size[1] / 2, size[1] / 2):
+            yield pose @ from_parts(np.eye(3), np.array([0.0, 0.0, end])), "sphere", radius
+
+
+def _joint(root: Element, step: Step) -> Element:
+    node = element(root, "joint", name=step.name, type=step.type)
+    _origin(node, step.parent_from_step)
+    element(node, "parent", link=step.parent)
+    element(node, "child", link=step.child)
+    if step.axis is None:
+        return node
+    limits, dynamics = step.limits, step.dynamics
+    element(node, "axis", xyz=spaced(step.axis))
+    low, high = (None, None) if step.type == "continuous" else map(number, _range(step.type, limits))
     element(
         node,
         "limit",
-        lower=None if continuous else number(low),
-        upper=None if continuous else number(high),
+        lower=low,
+        upper=high,
         effort=number(UNSET_EFFORT if dynamics.effort is None else dynamics.effort),
         velocity=number(UNSET_VELOCITY if dynamics.velocity is None else dynamics.velocity),
     )
@@ -115,10 +150,10 @@ def _joint(root: Element, joint: Joint) -> Element:
     return node
 
 
-def _range(joint: Joint) -> tuple[float, float]:
+def _range(kind: str, limits: Limits) -> tuple[float, float]:
     """Both ends of the range; an open one lies a fixed reach away, beyond zero and the other end."""
-    reach = UNSET_REACH[joint.type]
-    low, high = joint.limits.lower, joint.limits.upper
+    reach = UNSET_REACH[kind]
+    low, high = limits.lower, limits.upper
     if low is None:
         low = -reach if high is None else min(-reach, high - reach)
     if high is None:
@@ -126,10 +161,8 @@ def _range(joint: Joint) -> tuple[float, float]:
     return low, high
 
 
-def _frames(root: Element, robot: Robot) -> None:
+def _frames(root: Element, robot: Robot, links: set[str], joints: set[str]) -> None:
     """Frames, and both sides of every loop, as links without mass on fixed joints."""
-    links = {link.name for link in robot.links}
-    joints = {joint.name for joint in robot.joints}
     markers = [(frame.name, frame.link, frame.link_from_frame) for frame in robot.frames]
     for loop in robot.loops:
         markers.append((f"{loop.name}_a", loop.link_a, loop.a_from_frame))
@@ -146,31 +179,51 @@ def _frames(root: Element, robot: Robot) -> None:
         element(node, "child", link=name)
 
 
-def _tell(robot: Robot, diagnostics: list[Diagnostic]) -> None:
+def _tell(robot: Robot, lowered: Sequence[Lowered], diagnostics: list[Diagnostic]) -> None:
+    def tell(code: str, message: str, hint: str) -> None:
+        diagnostics.append(Diagnostic(code, message, f"{robot.name}.urdf", hint))
+
+    several = [
+        f"{item.joint.name} ({item.joint.type}: {', '.join(step.name for step in item.steps)})"
+        for item in lowered
+        if item.between
+    ]
+    if several:
+        tell(
+            "I-URDF-LOWERED",
+            "a URDF joint has one degree of freedom, so several stand for each of these, with links of "
+            f"{number(NEXT_TO_NOTHING)} kg between them: " + "; ".join(several),
+            "the MJCF needs none; robot.json lists them under lowered",
+        )
+    cones = [dof.name for dof in robot.dofs if dof.kind == "ball" and dof.limits.upper is not None]
+    if cones:
+        tell(
+            "W-BALL-CONE",
+            "URDF has no limit of a ball's tilt, so these tilt freely there: " + ", ".join(cones),
+            "robot.json has the half angle of the cone",
+        )
+    afloat = [joint.name for joint in robot.joints if joint.type == "free"]
+    if afloat:
+        tell(
+            "I-URDF-FREE",
+            "joints of type floating, which many readers of URDF leave out or hold fixed: "
+            + ", ".join(afloat),
+            "use the MJCF where these bodies must move: of a URDF, MuJoCo takes such a joint only under a "
+            "root link called world",
+        )
     if robot.loops:
-        diagnostics.append(
-            Diagnostic(
-                "I-URDF-LOOP",
-                "URDF has no loops: "
-                + _listed([loop.name for loop in robot.loops])
-                + " stay(s) open there, with a frame on either side (<name>_a, <name>_b)",
-                f"{robot.name}.urdf",
-                "the MJCF closes them; robot.json lists them under loops",
-            )
+        tell(
+            "I-URDF-LOOP",
+            "URDF has no loops: "
+            + ", ".join(loop.name for loop in robot.loops)
+            + " stay(s) open there, with a frame on either side (<name>_a, <name>_b)",
+            "the MJCF closes them; robot.json lists them under loops",
         )
-    lacking = {joint.name: unset(joint) for joint in robot.joints if unset(joint)}
+    lacking = {dof.name: unset(dof) for dof in robot.dofs if unset(dof)}
     if lacking:
-        diagnostics.append(
-            Diagnostic(
-                "I-URDF-UNSET",
-                "URDF demands numbers that nobody gave, and got stand-ins (effort 100, velocity 10, "
-                "±1 m, ±2π rad): "
-                + "; ".join(f"{name}: {', '.join(keys)}" for name, keys in lacking.items()),
-                f"{robot.name}.urdf",
-                'set them: joints: {"*": {effort: ..., velocity: ...}}',
-            )
+        tell(
+            "I-URDF-UNSET",
+            "URDF demands numbers that nobody gave, and got stand-ins (effort 100, velocity 10, "
+            "±1 m, ±2π rad): " + "; ".join(f"{name}: {', '.join(keys)}" for name, keys in lacking.items()),
+            'set them: joints: {"*": {effort: ..., velocity: ...}}',
         )
-
-
-def _listed(names: Sequence[str]) -> str:
-    return ", ".join(names)

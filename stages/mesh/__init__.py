@@ -1,6 +1,7 @@
 """Mesh: a `Robot` and the triangles of its parts in, a `Geometry` out.
 
-Every link gets one visual mesh a colour and, as its collider, its convex hull, in its own frame.
+Every link gets one visual mesh a colour and, as its collider, its convex hull, in its own frame; the
+primitives that the user gave it stay what they are.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 2
+VERSION = 3
 """Grows with every change of what this stage makes of the same input."""
 
 Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]
@@ -25,7 +26,8 @@ Who gives the memo adds this stage's version and those of numpy and scipy to the
 
 
 def make_geometry(robot: Robot, bundle: Bundle, keys: MeshKeys, memo: Memo) -> Geometry:
-    """The shapes of all links and their files. Diagnostics: W-NO-MESH, W-FLAT, W-MESH-VOLUME.
+    """The shapes of all links and their files. Diagnostics: W-NO-MESH, W-FLAT,
+    W-MESH-VOLUME, W-COM-OUTSIDE.
 
     Each link is made through `memo`, by the content of its parts: a rename makes nothing anew.
     """

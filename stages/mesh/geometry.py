@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from stages.mesh import Memo, linkmesh, tessellation
+from stages.mesh import Memo, linkmesh, primitives, tessellation
+from stages.mesh.balance import unbalanced
 from stages.mesh.findings import diagnostics
 from stages.mesh.linkmesh import Finding, LinkMesh, Use
 from stages.mesh.names import file_names
@@ -11,7 +12,7 @@ from stages.mesh.piece import Piece
 from stages.mesh.tessellation import PartMesh
 from stages.robot.bundle import Bundle
 from stages.robot.geometry import Geometry, Role, Shape
-from stages.robot.model import Link, MeshRef, Robot
+from stages.robot.model import Link, MeshRef, Part, Robot
 
 if TYPE_CHECKING:
     from stages.mesh.keys import MeshKeys
@@ -32,8 +33,10 @@ def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: Memo) -> Geom
         meshes[link.name] = mesh = _link_mesh([use for use, _ in uses], library, config, memo)
         lacking = [(part, Finding(False, None)) for part in link.parts if part.mesh is None]
         found[link.name] = [*zip((part for _, part in uses), mesh.findings, strict=True), *lacking]
-    shapes, files = _named(meshes)
-    return Geometry(tuple(shapes), files, tuple(diagnostics(robot.links, meshes, found)))
+    named, files = _named(meshes)
+    shapes = [shape for link in robot.links for shape in (*named[link.name], *primitives.shapes(link))]
+    problems = diagnostics(robot.links, meshes, found) + unbalanced(robot.links, meshes, library.of_parts)
+    return Geometry(tuple(shapes), files, tuple(problems))
 
 
 def _link_mesh(uses: list[Use], library: "_Library", config: Mapping[str, Any], memo: Memo) -> LinkMesh:
@@ -41,7 +44,11 @@ def _link_mesh(uses: list[Use], library: "_Library", config: Mapping[str, Any], 
         return LinkMesh((), None, ())
     key = {**config, "parts": [use.key() for use in uses]}
     return linkmesh.decode(
-        memo("mesh.link", key, lambda: linkmesh.encode(linkmesh.make(uses, library.meshes(uses))))
+        memo(
+            "mesh.link",
+            key,
+            lambda: linkmesh.encode(linkmesh.make(uses, library.meshes(use.mesh for use in uses))),
+        )
     )
 
 
@@ -57,10 +64,14 @@ class _Library:
                 if part.mesh:
                     self._wanted.setdefault(part.mesh.reply, set()).add(part.mesh.part)
 
-    def meshes(self, uses: Iterable[Use]) -> dict[MeshRef, PartMesh]:
-        """The meshes of these uses, where there are any."""
+    def of_parts(self, parts: Iterable[Part]) -> dict[MeshRef, PartMesh]:
+        """The meshes of these parts, where there are any."""
+        return self.meshes(part.mesh for part in parts if part.mesh)
+
+    def meshes(self, refs: Iterable[MeshRef]) -> dict[MeshRef, PartMesh]:
+        """The meshes that these refer to, where there are any."""
         result = {}
-        for ref in {use.mesh for use in uses}:
+        for ref in set(refs):
             if ref.reply not in self._read:
                 body = self._bundle.body(ref.reply)
                 self._read[ref.reply] = tessellation.read(body, self._wanted[ref.reply])
@@ -69,19 +80,21 @@ class _Library:
         return result
 
 
-def _named(meshes: Mapping[str, LinkMesh]) -> tuple[list[Shape], dict[str, bytes]]:
+def _named(meshes: Mapping[str, LinkMesh]) -> tuple[dict[str, list[Shape]], dict[str, bytes]]:
+    """The shapes of each link's meshes, and their files by name."""
     names = file_names(
         {link: (len(mesh.visuals), mesh.collision is not None) for link, mesh in meshes.items()}
     )
-    shapes: list[Shape] = []
+    shapes: dict[str, list[Shape]] = {}
     files: dict[str, bytes] = {}
     for link, mesh in meshes.items():
         visual_names, collision_name = names[link]
+        shapes[link] = []
         if mesh.collision:
-            shapes.append(_shape(link, "collision", collision_name, mesh.collision))
+            shapes[link].append(_shape(link, "collision", collision_name, mesh.collision))
             files[collision_name] = mesh.collision.data
         for name, piece in zip(visual_names, mesh.visuals, strict=True):
-            shapes.append(_shape(link, "visual", name, piece))
+            shapes[link].append(_shape(link, "visual", name, piece))
             files[name] = piece.data
     return shapes, dict(sorted(files.items()))
 

@@ -3,6 +3,7 @@
 import struct
 
 import numpy as np
+import numpy.typing as npt
 
 from stages.mesh.surface import Surface
 
@@ -19,3 +20,10 @@ def write(surface: Surface) -> bytes:
     faces["normal"] = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0) + 0.0
     faces["corners"] = surface.corners
     return HEADER + struct.pack("<I", len(faces)) + faces.tobytes()
+
+
+def read(data: bytes) -> npt.NDArray[np.float64]:
+    """(m, 3, 3): the corners of each triangle of a file that `write` made."""
+    (count,) = struct.unpack_from("<I", data, len(HEADER))
+    faces = np.frombuffer(data, dtype=_FACE, count=count, offset=len(HEADER) + 4)
+    return faces["corners"].astype(np.float64)

@@ -1,7 +1,7 @@
 """What a compiled model must agree with: the parts, where CAD put them and what CAD says they weigh.
 
 The expected values are summed afresh over the parts, by second moments, not taken from the links
-that the files were written from.
+that the files were written from. Where the user gave a link an inertial, that is what it must have.
 """
 
 from collections.abc import Iterator
@@ -11,9 +11,21 @@ import mujoco
 import numpy as np
 
 from stages.robot.check import Check
-from stages.robot.kinematics import saved_configuration
-from stages.robot.model import Array, Link, Robot
-from stages.validate.motion import body_index, check_motion, distance, pose_of, set_joints
+from stages.robot.model import Array, Inertial, Link, Robot
+from stages.robot.poses import inverse
+from stages.validate.coordinates import (
+    WIDTH,
+    body_index,
+    distance,
+    every_saved,
+    joints_of,
+    link_pose,
+    placed,
+    root_pose,
+    set_values,
+)
+from stages.validate.loops import carriers
+from stages.validate.motion import check_motion
 
 EXACT = 1e-9
 """Mass (relative), centre of mass [m], inertia (relative to its tensor's largest entry)."""
@@ -22,16 +34,21 @@ LENGTH = 1e-6
 """Poses [m, rad], loops [m]: what CAD's own solver leaves open is below this."""
 
 
+Lump = tuple[float, Array, Array]
+"""Mass, centre of mass, inertia about it."""
+
+
 def check_model(file: str, model: Any, robot: Robot) -> Iterator[Check]:
     """All checks of one model: contents, masses, poses, and loops where the format has them."""
-    yield _contents(file, model, robot)
+    urdf = file.endswith(".urdf")
+    yield _contents(file, model, robot, urdf)
     data = mujoco.MjData(model)
     yield from _start(file, model, data, robot)
-    if _lost(model, robot):
+    if _lost(model, robot, urdf):
         return
-    yield from _masses(file, model, robot)
-    set_joints(model, data, saved_configuration(robot))
-    yield _poses(file, model, data, robot)
+    yield from _masses(file, model, robot, urdf)
+    set_values(model, data, robot, every_saved(robot), urdf)
+    yield _poses(file, model, data, robot, urdf)
     yield from check_motion(file, model, robot)
 
 
@@ -40,18 +57,18 @@ def _names(model: Any, kind: Any) -> set[str]:
     return {mujoco.mj_id2name(model, kind, index) or "" for index in range(count)}
 
 
-def _lost(model: Any, robot: Robot) -> list[str]:
+def _lost(model: Any, robot: Robot, urdf: bool) -> list[str]:
     """Links and joints that the model does not have."""
     bodies = {link.name for link in robot.links} - _names(model, mujoco.mjtObj.mjOBJ_BODY)
-    joints = {joint.name for joint in robot.joints} - _names(model, mujoco.mjtObj.mjOBJ_JOINT)
+    joints = {name for name, *_ in joints_of(robot, urdf)} - _names(model, mujoco.mjtObj.mjOBJ_JOINT)
     return sorted(bodies | joints)
 
 
-def _contents(file: str, model: Any, robot: Robot) -> Check:
+def _contents(file: str, model: Any, robot: Robot, urdf: bool) -> Check:
     """Every link and joint is there by name, and no other degree of freedom."""
-    free = 0 if robot.base.fixed or file.endswith(".urdf") else 6
-    surplus = model.nv - len(robot.joints) - free
-    lost = _lost(model, robot)
+    floating = 0 if robot.base.fixed or urdf else 6
+    surplus = model.nv - sum(WIDTH[kind] for _, kind, _ in joints_of(robot, urdf)) - floating
+    lost = _lost(model, robot, urdf)
     detail = (
         f"missing: {', '.join(lost)}" if lost else f"{len(robot.links)} links, {model.nv} degrees of freedom"
     )
@@ -70,23 +87,23 @@ def _start(file: str, model: Any, data: Any, robot: Robot) -> Iterator[Check]:
     yield Check(f"{file}: closed at qpos0", worst < LENGTH, detail, worst, LENGTH)
 
 
-def _masses(file: str, model: Any, robot: Robot) -> Iterator[Check]:
+def _masses(file: str, model: Any, robot: Robot, urdf: bool) -> Iterator[Check]:
+    """Each link's body, together with the carriers that have a share of it."""
     worst = dict.fromkeys(("mass", "centre of mass", "inertia"), 0.0)
     where = dict.fromkeys(worst, "")
+    shares = {} if urdf else carriers(model, robot)
     for link in robot.links:
         mass, com, inertia = _expected(link)
-        body = body_index(model, link.name)
-        flat = np.empty(9)
-        mujoco.mju_quat2Mat(flat, model.body_iquat[body])
-        axes = flat.reshape(3, 3)
-        found = axes @ np.diag(model.body_inertia[body]) @ axes.T
+        lumps = [_lump(model, body_index(model, link.name), np.eye(4))]
+        lumps += [_lump(model, body, pose) for body, pose in shares.get(link.name, [])]
+        found_mass, found_com, found = _merged(lumps)
         off = {
-            "mass": abs(float(model.body_mass[body]) - mass) / (mass or 1.0),
-            "centre of mass": float(np.linalg.norm(model.body_ipos[body] - com)) if mass else 0.0,
+            "mass": abs(found_mass - mass) / (mass or 1.0),
+            "centre of mass": float(np.linalg.norm(found_com - com)) if mass else 0.0,
             "inertia": float(np.abs(found - inertia).max()) / (float(np.abs(inertia).max()) or 1.0),
         }
         for key, value in off.items():
-            if value >= worst[key]:
+            if not value < worst[key]:
                 worst[key], where[key] = value, link.name
     units = {"mass": "relative", "centre of mass": "m", "inertia": "relative to the tensor"}
     for key, value in worst.items():
@@ -94,42 +111,60 @@ def _masses(file: str, model: Any, robot: Robot) -> Iterator[Check]:
         yield Check(f"{file}: {key}", value <= EXACT, detail, value, EXACT)
 
 
-def _expected(link: Link) -> tuple[float, Array, Array]:
-    """(mass, centre, inertia about it) of a link in its own frame, from its parts.
+def _lump(model: Any, body: int, link_from_body: Array) -> Lump:
+    """What a body weighs, in the frame of a link."""
+    axes = placed(model.body_iquat[body], model.body_ipos[body])
+    tensor = axes[:3, :3] @ np.diag(model.body_inertia[body]) @ axes[:3, :3].T
+    return _moved(float(model.body_mass[body]), axes[:3, 3], tensor, link_from_body)
+
+
+def _expected(link: Link) -> Lump:
+    """What a link must weigh, in its own frame: what the user gave, else its parts; a link that CAD
+    does not have weighs what it was given as."""
+    own: Inertial | None = link.given or (None if link.parts else link.inertial)
+    if own is not None:
+        return own.mass, own.com, own.inertia
+    parts = ((part.inertial, part.link_from_part) for part in link.parts)
+    return _merged([_moved(inertial.mass, inertial.com, inertial.inertia, pose) for inertial, pose in parts])
+
+
+def _moved(mass: float, com: Array, inertia: Array, a_from_b: Array) -> Lump:
+    rotation = a_from_b[:3, :3]
+    return mass, rotation @ com + a_from_b[:3, 3], rotation @ inertia @ rotation.T
+
+
+def _merged(lumps: list[Lump]) -> Lump:
+    """One body of several in the same frame.
 
     Sums the second-moment matrices ∫ x xᵀ dm = ½ tr(I) 1 − I + m c cᵀ, from which
     I = tr(S) 1 − S, rather than merging tensors by the parallel axis theorem.
     """
-    mass = sum(part.inertial.mass for part in link.parts)
+    mass = sum(lump[0] for lump in lumps)
     if mass == 0.0:
         return 0.0, np.zeros(3), np.zeros((3, 3))
-    centres = [part.link_from_part @ np.append(part.inertial.com, 1.0) for part in link.parts]
-    com = sum(p.inertial.mass * c[:3] for p, c in zip(link.parts, centres, strict=True)) / mass
+    com = sum((own * centre for own, centre, _ in lumps), np.zeros(3)) / mass
     second = np.zeros((3, 3))
-    for part, centre in zip(link.parts, centres, strict=True):
-        rotation, inertia = part.link_from_part[:3, :3], part.inertial.inertia
-        spread = 0.5 * np.trace(inertia) * np.eye(3) - inertia
-        arm = centre[:3] - com
-        second += rotation @ spread @ rotation.T + part.inertial.mass * np.outer(arm, arm)
+    for own, centre, inertia in lumps:
+        arm = centre - com
+        second += 0.5 * np.trace(inertia) * np.eye(3) - inertia + own * np.outer(arm, arm)
     return mass, com, np.trace(second) * np.eye(3) - second
 
 
-def _poses(file: str, model: Any, data: Any, robot: Robot) -> Check:
+def _poses(file: str, model: Any, data: Any, robot: Robot, urdf: bool) -> Check:
     """At the saved configuration every part is where CAD's occurrence has it.
 
-    The scene may put the robot anywhere; where its root is counts as the assembly's origin. A URDF
-    has no scene: there the root is at the origin.
+    The scene may put the robot anywhere: where its root is counts as where CAD has the root's frame. A
+    URDF has no scene: there the root is at the origin.
     """
-    world_from_root = pose_of(data, body_index(model, robot.root.name))
-    if file.endswith(".urdf"):
-        world_from_root = np.eye(4)
+    world_from_root = np.eye(4) if urdf else root_pose(model, data, robot)
+    world_from_cad = world_from_root @ inverse(robot.world_from_root)
     worst, where = 0.0, ""
     for link in robot.links:
-        world_from_link = pose_of(data, body_index(model, link.name))
+        world_from_link = link_pose(model, data, robot, link.name)
         for part in link.parts:
             found = world_from_link @ part.link_from_part
-            value = distance(found, world_from_root @ part.world_from_part)
-            if value >= worst:
+            value = distance(found, world_from_cad @ part.world_from_part)
+            if not value < worst:
                 worst, where = value, part.name
     detail = f"parts against CAD's occurrences at the saved pose [m, rad]; worst: {where}"
     return Check(f"{file}: poses", worst <= LENGTH, detail, worst, LENGTH)

@@ -1,6 +1,7 @@
 """The stage: a robot's links get their shapes, each made once for its content."""
 
 import json
+import math
 from dataclasses import replace
 from hashlib import sha256
 from io import BytesIO
@@ -13,10 +14,25 @@ import trimesh
 from stages.fetch.triangles import compact
 from stages.mesh import make_geometry
 from stages.robot.bundle import Bundle
-from stages.robot.model import Base, Inertial, Link, MeshRef, Part, Provenance, Robot, frozen
+from stages.robot.geometry import NEUTRAL
+from stages.robot.inertia import merged, moved
+from stages.robot.model import (
+    Base,
+    Inertial,
+    Link,
+    MeshRef,
+    Mobility,
+    Part,
+    Primitive,
+    Provenance,
+    Robot,
+    frozen,
+)
 
 KEYS = SimpleNamespace(mesh=SimpleNamespace(collider="hull"))
-INERTIAL = Inertial(1.0, frozen([0, 0, 0]), frozen(np.eye(3)))
+INERTIAL = Inertial(1.0, frozen([0.25, 0.25, 0.25]), frozen(np.eye(3)))
+"""Inside of every block."""
+FLAT = replace(INERTIAL, com=frozen([0.25, 0.25, 0.0]))
 RED, BLUE = [255, 0, 0], [0, 0, 255]
 
 
@@ -31,6 +47,14 @@ def block(name, colour, size=(1.0, 1.0, 1.0), top=None):
     return {"id": name, "appearance": {"color": colour}, "faces": faces}
 
 
+def spike(name):
+    """The tetrahedron between the origin and 1, 2 and 3 m along x, y and z."""
+    x, y, z = np.diag([1.0, 2.0, 3.0]).tolist()
+    triangles = [(0, 0, 0), y, x], [(0, 0, 0), x, z], [(0, 0, 0), z, y], [x, y, z]
+    facets = [{"vertices": [dict(zip("xyz", map(float, c), strict=True)) for c in t]} for t in triangles]
+    return {"id": name, "faces": [{"facets": facets}]}
+
+
 def plate(name):
     """An open square."""
     corners = [[(0, 0, 0), (1, 0, 0), (1, 1, 0)], [(0, 0, 0), (1, 1, 0), (0, 1, 0)]]
@@ -39,7 +63,15 @@ def plate(name):
 
 
 _JSON = json.dumps(
-    {"bodies": [block("A", RED), block("B", BLUE, (0.5, 0.5, 2.0)), block("C", RED, top=BLUE), plate("P")]}
+    {
+        "bodies": [
+            block("A", RED),
+            block("B", BLUE, (0.5, 0.5, 2.0)),
+            block("C", RED, top=BLUE),
+            plate("P"),
+            spike("S"),
+        ]
+    }
 ).encode()
 REPLY = compact(_JSON)
 DIGEST = sha256(REPLY).hexdigest()
@@ -52,17 +84,27 @@ def at(x=0.0, y=0.0, z=0.0, mirror=False):
     return frozen(transform)
 
 
-def part(part_id, where=None, name=None, reply=DIGEST, volume=0.0):
+def part(part_id, where=None, name=None, reply=DIGEST, volume=0.0, inertial=None):
     name = name or f"{part_id} <1>"
     ref = MeshRef(reply, part_id) if reply else None
     where = at() if where is None else where
-    return Part((name,), name, part_id, ref, where, where, INERTIAL, volume)
+    inertial = inertial or (FLAT if part_id == "P" else INERTIAL)
+    return Part((name,), name, part_id, ref, where, where, inertial, volume)
 
 
 def robot(**links):
-    made = tuple(Link(name, INERTIAL, tuple(parts), (name,)) for name, parts in links.items())
+    return of_links(*(link_of(name, *parts) for name, parts in links.items()))
+
+
+def link_of(name, *parts, given=None, shapes=()):
+    total = merged([moved(part.inertial, part.link_from_part) for part in parts])
+    return Link(name, given or total, parts, (name,), given, shapes)
+
+
+def of_links(*links):
     nowhere = Provenance("d", "e", "m", "default")
-    return Robot("r", made, (), (), (), (), Base(True, "said"), nowhere)
+    fixed = Base(True, "said"), frozen(np.eye(4)), Mobility(0, 0, 0, ())
+    return Robot("r", links, (), (), (), (), *fixed, nowhere)
 
 
 class Memory:
@@ -130,6 +172,66 @@ def test_a_mirrored_part_keeps_its_outside_outside():
     solid = mesh.split(only_watertight=True)[0]
     assert solid.volume == pytest.approx(1)
     assert solid.bounds.tolist() == [[4, 0, 0], [5, 1, 1]]
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_mirrored_part_is_the_mirror_image(axis):
+    signs = np.ones(3)
+    signs[axis] = -1.0
+    where = np.diag([*signs, 1.0])
+    where[:3, 3] = [0.5, -2, 4]
+    result = geometry(robot(base=[part("S", frozen(where))]))
+    expected = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]]) * signs + where[:3, 3]
+    slope = math.sqrt(2**2 * 3**2 + 3**2 + 2**2) / 2
+    for shape in result.shapes:
+        mesh = load(result, shape.file)
+        assert sorted(mesh.vertices.tolist()) == sorted(expected.tolist())
+        assert mesh.is_watertight
+        assert mesh.volume == shape.volume == pytest.approx(1, rel=1e-12)
+        assert shape.area == pytest.approx(1 + 1.5 + 3 + slope, rel=1e-12)
+        # The slope faces away from the corner, in the file's own normals too.
+        normal = stored_normals(result.files[shape.file]) @ (np.array([1, 1 / 2, 1 / 3]) * signs)
+        assert sorted(normal > 0) == [False, False, False, True]
+    assert result.diagnostics == ()
+
+
+def stored_normals(data):
+    count = int.from_bytes(data[80:84], "little")
+    return np.frombuffer(data[84:], dtype=np.uint8).reshape(count, 50)[:, :12].copy().view("<f4")
+
+
+BOX = Primitive("box", (0.2, 0.4, 0.6), at(0.1), (0.0, 1.0, 0.0, 1.0))
+POST = Primitive("cylinder", (0.1, 0.5), at(), visual=False)
+PILL = Primitive("capsule", (0.1, 0.5), at(), collision=False)
+BALL = Primitive("sphere", (0.3,), at())
+
+
+def test_primitives_follow_the_meshes_of_their_link_with_their_own_figures():
+    made_up = link_of("tool", part("A"), shapes=(POST, BOX))
+    result = geometry(of_links(made_up, link_of("tip", shapes=(PILL, BALL)), link_of("end", part("A"))))
+    assert [(s.link, s.role, s.file, s.primitive) for s in result.shapes] == [
+        ("tool", "collision", "tool_collision.stl", None),
+        ("tool", "visual", "tool.stl", None),
+        ("tool", "collision", None, POST),
+        ("tool", "collision", None, BOX),
+        ("tool", "visual", None, BOX),
+        ("tip", "visual", None, PILL),
+        ("tip", "collision", None, BALL),
+        ("tip", "visual", None, BALL),
+        ("end", "collision", "end_collision.stl", None),
+        ("end", "visual", "end.stl", None),
+    ]
+    assert set(result.files) == {"tool.stl", "tool_collision.stl", "end.stl", "end_collision.stl"}
+    post, _, box, pill, _, ball = (shape for shape in result.shapes if shape.primitive)
+    assert (box.colour, ball.colour, post.colour) == (BOX.colour, NEUTRAL, None)
+    assert {(shape.vertices, shape.faces) for shape in (post, box, pill, ball)} == {(0, 0)}
+    figures = [(shape.area, shape.volume) for shape in (box, ball, post, pill)]
+    assert figures == [
+        pytest.approx((0.88, 0.048)),
+        pytest.approx((4 * math.pi * 0.09, 4 / 3 * math.pi * 0.027)),
+        pytest.approx((2 * math.pi * 0.1 * (0.5 + 0.1), math.pi * 0.01 * 0.5)),
+        pytest.approx((2 * math.pi * 0.1 * (0.5 + 0.2), math.pi * 0.01 * (0.5 + 4 / 3 * 0.1))),
+    ]
 
 
 def test_the_order_of_instances_does_not_change_a_byte():

@@ -1,0 +1,159 @@
+"""What closes loops in MJCF: sites on either side, equalities between them, and carriers.
+
+A hinge is held by two points on its axis, a ball by one, a rigid mate by a weld. Any other mate gets a
+carrier: a body on the one link that moves by the mate's own dofs, welded to the other link, of which it
+carries a share. MuJoCo scales a constraint by the inverse inertia of what it holds, so a body of next
+to no mass would leave the weld slack; halves keep both of them stiff, and move together as the whole.
+
+That scale is a mean over all directions, which overrates how a body on slides yields across them: by
+MuJoCo's default a weld would give way by some 1e-3 of the motion, so welds get the highest impedance.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stages.export.placement import placement
+from stages.robot.inertia import moved
+from stages.robot.kinematics import chain
+from stages.robot.model import Array, Configuration, Dof, Inertial, Loop, Robot, frozen
+from stages.robot.names import free
+from stages.robot.numbers import spaced
+from stages.robot.poses import inverse
+from stages.robot.xml import Element, element
+
+Site = tuple[str, str, Array]
+"""The link (or carrier) that it is on, its name, and its pose (4, 4) there."""
+
+POINTS = {"revolute": ("", "_axis"), "ball": ("",)}
+"""Loops that points hold, by type: what their names end in."""
+
+STIFF = "0.9999 0.9999 0.001"
+"""`solimp`: the impedance that MuJoCo allows at most, whatever the violation."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Carrier:
+    """A body `name` that hangs on `parent` by `dofs`, welded to the link `carried` whose share it has.
+
+    The carrier's frame is the loop's frame on `carried`.
+    """
+
+    name: str
+    loop: Loop
+    parent: str
+    parent_from_joint: Array
+    dofs: tuple[Dof, ...]
+    carried: str
+    carried_from_carrier: Array
+
+    def pose(self, start: Configuration) -> Array:
+        """parent_from_carrier (4, 4) at the values `start`."""
+        return self.parent_from_joint @ chain(self.dofs, start)
+
+
+class Closures:
+    """The sites, carriers and equalities of a robot's loops; every name is unique in its kind."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self.carriers = tuple(_carriers(robot))
+        self._carrier_of = {carrier.loop.name: carrier for carrier in self.carriers}
+        taken = {frame.name for frame in robot.frames}
+        self._sites: dict[str, tuple[Site, ...]] = {}
+        for loop in robot.loops:
+            named = []
+            for link, suffix, pose in self._ends(loop):
+                named.append((link, free(f"{loop.name}_{suffix}", taken), pose))
+                taken.add(named[-1][1])
+            self._sites[loop.name] = tuple(named)
+
+    def _ends(self, loop: Loop) -> Iterator[Site]:
+        """Where a loop's sites are: both of the first pair, then both of the second."""
+        carrier = self._carrier_of.get(loop.name)
+        if carrier is not None:
+            yield carrier.carried, "a", carrier.carried_from_carrier
+            yield carrier.name, "b", np.eye(4)
+            return
+        yield loop.link_a, "a", loop.a_from_frame
+        yield loop.link_b, "b", loop.b_from_frame
+        if loop.type == "revolute":
+            yield loop.link_a, "a_axis", _along_axis(loop.a_from_frame, loop)
+            yield loop.link_b, "b_axis", _along_axis(loop.b_from_frame, loop)
+
+    def write_sites(self, body: Element, link: str, body_from_link: Array) -> None:
+        """The sites on a link, or carrier, under its element."""
+        for loop in self._robot.loops:
+            here = [(name, pose) for owner, name, pose in self._sites[loop.name] if owner == link]
+            for name, pose in here:
+                element(body, "site", name=name, **placement(body_from_link @ pose))
+
+    def share(self, link: str, inertial: Inertial) -> Inertial:
+        """What a link's own body has of its inertial, and each of its carriers."""
+        count = 1 + sum(carrier.carried == link for carrier in self.carriers)
+        if count == 1:
+            return inertial
+        return replace(inertial, mass=inertial.mass / count, inertia=frozen(inertial.inertia / count))
+
+    def carries(self, carrier: Carrier) -> Inertial:
+        """A carrier's share, in its own frame."""
+        whole = self._robot.link(carrier.carried).inertial
+        return moved(self.share(carrier.carried, whole), inverse(carrier.carried_from_carrier))
+
+    def write_equalities(self, equality: Element) -> None:
+        """Two points meet in a `connect`, two frames in a `weld`."""
+        taken = {loop.name for loop in self._robot.loops}
+        taken |= {relation.name for relation in self._robot.relations}
+        for loop in self._robot.loops:
+            names = [name for _, name, _ in self._sites[loop.name]]
+            kind = "connect" if loop.type in POINTS else "weld"
+            solver = {"solref": spaced(loop.solref), "solimp": STIFF if kind == "weld" else None}
+            for index, suffix in enumerate(POINTS.get(loop.type, ("",))):
+                name = free(loop.name + suffix, taken) if suffix else loop.name
+                taken.add(name)
+                one, other = names[2 * index : 2 * index + 2]
+                element(equality, kind, name=name, site1=one, site2=other, **solver)
+
+
+def _carriers(robot: Robot) -> Iterator[Carrier]:
+    taken = {link.name for link in robot.links}
+    for loop in robot.loops:
+        if loop.type in ("fixed", *POINTS):
+            continue
+        name = free(f"{loop.name}_carrier", taken)
+        taken.add(name)
+        if _moves(robot, loop.link_a):
+            place, dofs = loop.b_from_frame, loop.dofs
+            yield Carrier(name, loop, loop.link_b, place, dofs, loop.link_a, loop.a_from_frame)
+        else:
+            # What stands still may have no mass to share: the other link is carried, by the chain reversed.
+            dofs = _reversed(loop.dofs)
+            yield Carrier(name, loop, loop.link_a, loop.a_from_frame, dofs, loop.link_b, loop.b_from_frame)
+
+
+def _moves(robot: Robot, link: str) -> bool:
+    """Whether a link can move against the world."""
+    if not robot.base.fixed:
+        return True
+    joints = {joint.child: joint for joint in robot.joints}
+    while link in joints:
+        if joints[link].dofs:
+            return True
+        link = joints[link].parent
+    return False
+
+
+def _reversed(dofs: tuple[Dof, ...]) -> tuple[Dof, ...]:
+    """The chain from the last dof's far end to the first one's: (Π O M)⁻¹ as a chain of its own."""
+    origins = [frozen(np.eye(4)), *(frozen(inverse(dof.origin)) for dof in dofs[:0:-1])]
+    return tuple(
+        replace(dof, axis=frozen(-dof.axis), origin=origin)
+        for dof, origin in zip(reversed(dofs), origins, strict=True)
+    )
+
+
+def _along_axis(pose: Array, loop: Loop) -> Array:
+    shifted = np.array(pose)
+    shifted[:3, 3] += pose[:3, :3] @ loop.dofs[0].axis * loop.lever
+    return shifted

@@ -1,0 +1,109 @@
+"""MJCF's joints: the dofs between a body and its parent.
+
+A body stands where qpos0 puts it. Its joints act one after the other, from parent to child, each
+given in the body's own frame at qpos0; `ref` makes a joint's number the dof's value all the same. A
+ball's number counts from the pose at qpos0, a free joint's is the pose in the world.
+"""
+
+from collections.abc import Iterator, Sequence
+
+from stages.robot.errors import Diagnostic
+from stages.robot.kinematics import chain
+from stages.robot.model import Array, Configuration, Dof, Robot, Value
+from stages.robot.numbers import number, spaced
+from stages.robot.poses import inverse, motion, quat_from_rotation
+from stages.robot.xml import Element, element
+
+OPEN = "1e6"
+"""Stands for the open side of a one-sided limit: MuJoCo has no such thing as half a range."""
+
+TYPES = {"turn": "hinge", "slide": "slide", "ball": "ball"}
+
+
+def write_joints(body: Element, dofs: Sequence[Dof], start: Configuration) -> None:
+    """The `<joint>`s of a body whose pose in its parent is the chain of `dofs` at `start`."""
+    for index, dof in enumerate(dofs):
+        body_from_dof = inverse(chain(dofs[index + 1 :], start))
+        if dof.kind == "free":
+            element(body, "freejoint", name=dof.name)
+        else:
+            _joint(body, dof, body_from_dof, start[dof.name])
+
+
+def _joint(body: Element, dof: Dof, body_from_dof: Array, start: Value) -> None:
+    dynamics = dof.dynamics
+    position = spaced(body_from_dof[:3, 3], 1.0)
+    more: dict[str, str | None] = {}
+    if not isinstance(start, tuple):
+        effort = dynamics.effort
+        more = {
+            "axis": spaced(body_from_dof[:3, :3] @ dof.axis),
+            "range": _range(dof),
+            "ref": None if start == 0.0 else number(start),
+            "actuatorfrcrange": None if effort is None else f"{number(-effort)} {number(effort)}",
+        }
+    element(
+        body,
+        "joint",
+        name=dof.name,
+        type=TYPES[dof.kind],
+        pos=None if position == "0 0 0" else position,
+        axis=more.get("axis"),
+        range=more.get("range"),
+        ref=more.get("ref"),
+        damping=_number(dynamics.damping),
+        frictionloss=_number(dynamics.friction),
+        armature=_number(dynamics.armature),
+        actuatorfrcrange=more.get("actuatorfrcrange"),
+    )
+
+
+def _number(value: float | None) -> str | None:
+    return None if value is None else number(value)
+
+
+def _range(dof: Dof) -> str | None:
+    lower, upper = dof.limits.lower, dof.limits.upper
+    if lower is None and upper is None:
+        return None
+    return f"{_number(lower) or '-' + OPEN} {_number(upper) or OPEN}"
+
+
+def qpos(dof: Dof, value: Value, start: Value, world_from_joint: Array) -> str:
+    """A dof's numbers in `qpos` at `value`, where qpos0 stands for `start`.
+
+    `world_from_joint` (4, 4): for a free joint, what its value is measured in.
+    """
+    if not isinstance(value, tuple):
+        return number(value, max(1.0, abs(value)))
+    pose = motion(dof.kind, dof.axis, value)
+    if dof.kind == "free":
+        return free_qpos(world_from_joint @ pose)
+    turned = motion(dof.kind, dof.axis, start)[:3, :3].T @ pose[:3, :3]
+    return spaced(quat_from_rotation(turned))
+
+
+def free_qpos(pose: Array) -> str:
+    """The seven numbers of a free joint at a pose (4, 4) in the world."""
+    return f"{spaced(pose[:3, 3])} {spaced(quat_from_rotation(pose[:3, :3]))}"
+
+
+def unwritten(robot: Robot) -> Iterator[Diagnostic]:
+    """What MJCF has no word for: bounds of ball joints."""
+    balls = [dof for dof in robot.dofs if dof.kind == "ball"]
+    cones = [dof.name for dof in balls if dof.limits.upper is not None]
+    if cones:
+        yield Diagnostic(
+            "W-BALL-CONE",
+            "MuJoCo's range of a ball joint bounds its twist too, which a cone does not: "
+            f"{', '.join(cones)} can swing freely there",
+            f"{robot.name}.xml",
+            "robot.json has the cone's half angle; keep to it in the controller",
+        )
+    efforts = [dof.name for dof in balls if dof.dynamics.effort is not None]
+    if efforts:
+        yield Diagnostic(
+            "W-BALL-EFFORT",
+            f"MuJoCo bounds the force of hinges and slides only: {', '.join(efforts)} has no bound there",
+            f"{robot.name}.xml",
+        )

@@ -1,0 +1,114 @@
+"""Whether a link's centre of mass is where its matter is.
+
+A solid's centre of mass lies inside its convex hull, and that of several inside the hull of them all.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from stages.mesh import stl
+from stages.mesh.linkmesh import LinkMesh
+from stages.mesh.primitives import around
+from stages.mesh.surface import Points
+from stages.mesh.tessellation import PartMesh
+from stages.robot.errors import Diagnostic
+from stages.robot.inertia import merged, moved
+from stages.robot.model import Array, Link, MeshRef, Part
+
+_OF_SIZE = 1e-6
+
+Library = Callable[[Sequence[Part]], Mapping[MeshRef, PartMesh]]
+"""The meshes of these parts, where there are any."""
+
+
+def unbalanced(links: Sequence[Link], meshes: Mapping[str, LinkMesh], library: Library) -> list[Diagnostic]:
+    """W-COM-OUTSIDE for each link whose centre of mass is outside of all that it is made of.
+
+    The triangles of the parts are asked of the `library` only where the link's collider, which is in
+    `meshes` by the link's name, does not hold it already.
+    """
+    problems = []
+    for link in links:
+        collider = meshes[link.name].collision
+        if link.inertial.mass == 0 or (collider and _within(stl.read(collider.data), link.inertial.com)):
+            continue
+        problem = _judged(link, library(link.parts))
+        if problem is not None:
+            problems.append(problem)
+    return problems
+
+
+def _judged(link: Link, meshes: Mapping[MeshRef, PartMesh]) -> Diagnostic | None:
+    pairs = [(part, meshes[part.mesh]) for part in link.parts if part.mesh and part.mesh in meshes]
+    unseen = any(part.inertial.mass > 0 for part in link.parts if not part.mesh or part.mesh not in meshes)
+    if unseen and link.given is not None:
+        return None  # what was given may well lie in what is not seen
+    com = link.inertial.com
+    if unseen:
+        # The parts that are seen must hold their own common centre of mass.
+        known = merged([moved(part.inertial, part.link_from_part) for part, _ in pairs])
+        if known.mass == 0:
+            return None
+        com = known.com
+    points = [_moved(mesh.surface.vertices, part.link_from_part) for part, mesh in pairs]
+    points += [around(primitive) for primitive in link.shapes]
+    if not points:
+        return None
+    cloud = np.concatenate(points)
+    size = float(np.linalg.norm(np.ptp(cloud, axis=0)))
+    distance = outside(cloud, com)
+    return None if distance <= _OF_SIZE * size else _told(link, pairs, distance)
+
+
+def _told(link: Link, pairs: Sequence[tuple[Part, PartMesh]], distance: float) -> Diagnostic:
+    culprits = sorted(part.name for part, mesh in pairs if link.given is None and _astray(part, mesh))
+    message = f"the centre of mass lies {distance:.3g} m or more outside the convex hull of the link"
+    hint = "look at the frame of the mass properties, and at bodies that are in the mass but not in the mesh"
+    if link.given is not None or not link.parts:
+        message += ", and the link's mass properties were given"
+        hint = "give com in the link's frame, in metres"
+    elif culprits:
+        shown = ", ".join(culprits[:5]) + (f" and {len(culprits) - 5} more" if len(culprits) > 5 else "")
+        message += f"; it is outside their own shape for: {shown}"
+        hint = "check their mass properties in Onshape (an override of the centre of mass?)"
+    return Diagnostic("W-COM-OUTSIDE", message, link.name, hint)
+
+
+def _astray(part: Part, mesh: PartMesh) -> bool:
+    """Whether the part's own centre of mass is outside its own mesh's hull."""
+    if part.inertial.mass == 0:
+        return False
+    vertices = mesh.surface.vertices
+    size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    return outside(vertices, part.inertial.com) > _OF_SIZE * size
+
+
+def outside(points: Points, point: Array) -> float:
+    """How far [m] `point` (3,) is outside the convex hull of `points` (n ≥ 3, 3), at least; 0 inside.
+
+    Points may lie in a plane, on a line or in one place: across those they must hold it as well.
+    """
+    from scipy.spatial import ConvexHull
+
+    middle = points.mean(axis=0)
+    _, _, axes = np.linalg.svd(points - middle, full_matrices=False)
+    local, target = (points - middle) @ axes.T, (point - middle) @ axes.T
+    low, high = local.min(axis=0), local.max(axis=0)
+    beyond = float(np.linalg.norm(np.maximum(0.0, np.maximum(low - target, target - high))))
+    wide = high - low > _OF_SIZE / 10 * float((high - low).max())
+    if wide.sum() < 2:
+        return beyond
+    planes = ConvexHull(local[:, wide]).equations
+    return max(beyond, float((planes[:, :-1] @ target[wide] + planes[:, -1]).max()))
+
+
+def _within(corners: Points, point: Array) -> bool:
+    """Whether `point` (3,) is inside the convex surface of triangles (m, 3, 3), by single precision."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    heights = np.einsum("ij,ij->i", normals, point - corners[:, 0])
+    return bool((heights <= 0).all())
+
+
+def _moved(points: Points, transform: Array) -> Points:
+    return np.asarray(points @ transform[:3, :3].T + transform[:3, 3], dtype=np.float64)

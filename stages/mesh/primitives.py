@@ -1,0 +1,61 @@
+"""Shapes that are no meshes: what a `Geometry` says of them, and points to hold them against."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from stages.mesh.surface import Points
+from stages.robot.geometry import NEUTRAL, Shape
+from stages.robot.inertia import primitive_volume
+from stages.robot.model import Link, Primitive
+
+_AROUND = 48
+_UPWARDS = 24
+
+
+def shapes(link: Link) -> Iterator[Shape]:
+    """The shapes of a link's primitives: for each the collider first, then what is seen."""
+    for primitive in link.shapes:
+        area, volume = _area(primitive), primitive_volume(primitive.kind, primitive.size)
+        if primitive.collision:
+            yield Shape(link.name, "collision", None, None, 0, 0, area, volume, primitive)
+        if primitive.visual:
+            colour = primitive.colour or NEUTRAL
+            yield Shape(link.name, "visual", None, colour, 0, 0, area, volume, primitive)
+
+
+def _area(primitive: Primitive) -> float:
+    """The surface [m²]."""
+    if primitive.kind == "box":
+        x, y, z = primitive.size
+        return 2 * (x * y + y * z + z * x)
+    radius = primitive.size[0]
+    ball = 4 * math.pi * radius**2
+    if primitive.kind == "sphere":
+        return ball
+    barrel = 2 * math.pi * radius * primitive.size[1]
+    return barrel + (2 * math.pi * radius**2 if primitive.kind == "cylinder" else ball)
+
+
+def around(primitive: Primitive) -> Points:
+    """(n, 3): points in the link's frame whose convex hull holds the shape, and hardly more: a curved
+    one lies within polygons around it."""
+    if primitive.kind == "box":
+        corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+        local = corners * primitive.size / 2
+    else:
+        half = 0.0 if primitive.kind == "sphere" else primitive.size[1] / 2
+        # A polygon of n corners around a circle has its corners at 1 / cos(π/n) of the radius.
+        radius = primitive.size[0] / math.cos(math.pi / _AROUND)
+        if primitive.kind == "cylinder":
+            rings = [(radius, -half), (radius, half)]
+        else:
+            radius /= math.cos(math.pi / (2 * _UPWARDS))
+            angles = np.linspace(0.0, math.pi / 2, _UPWARDS // 2 + 1)
+            upper = [(radius * math.cos(a), half + radius * math.sin(a)) for a in angles]
+            rings = [*upper, *((r, -z) for r, z in upper)]
+        turns = np.arange(_AROUND) * (2 * math.pi / _AROUND)
+        local = np.array([[r * math.cos(a), r * math.sin(a), z] for r, z in rings for a in turns])
+    pose = primitive.link_from_shape
+    return np.asarray(local @ pose[:3, :3].T + pose[:3, 3], dtype=np.float64)

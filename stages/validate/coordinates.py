@@ -1,0 +1,171 @@
+"""A compiled model's joints and bodies, and the robot's values in its `qpos`.
+
+MJCF keeps a ball as a quaternion counted from qpos0, a URDF as three turns about x, y and z; what
+moves freely has its pose in the world in both.
+"""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from stages.robot.model import Array, Configuration, Dof, Robot, Value
+from stages.robot.names import free
+from stages.robot.poses import inverse, motion, quat_from_rotation
+
+HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
+BALL, FREE = mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_FREE
+KINDS = {"turn": HINGE, "slide": SLIDE, "ball": BALL, "free": FREE}
+
+WIDTH = {HINGE: 1, SLIDE: 1, BALL: 3, FREE: 6}
+"""Degrees of freedom by the type of joint."""
+
+HELD = ("fixed", "revolute", "ball")
+"""Loops that equalities alone hold; of the others the model has the dofs too, on a carrier."""
+
+
+def joints_of(robot: Robot, urdf: bool) -> Iterator[tuple[str, Any, Dof]]:
+    """(name, type, dof) of every joint that a model must have, but for a floating base."""
+    loops = () if urdf else tuple(d for loop in robot.loops if loop.type not in HELD for d in loop.dofs)
+    turns = turns_of(robot)
+    for dof in (*robot.dofs, *loops):
+        if urdf and dof.kind == "ball":
+            yield from ((name, HINGE, dof) for name in turns[dof.name])
+        else:
+            yield dof.name, KINDS[dof.kind], dof
+
+
+def turns_of(robot: Robot) -> dict[str, tuple[str, ...]]:
+    """By ball: its three turns in a URDF, R = Rx Ry Rz; a name that is taken gets a number."""
+    taken = {joint.name for joint in robot.joints} | {dof.name for dof in robot.dofs}
+    turns = {}
+    for ball in (dof for dof in robot.dofs if dof.kind == "ball"):
+        turns[ball.name] = tuple(free(f"{ball.name}_{letter}", taken) for letter in "xyz")
+        taken |= set(turns[ball.name])
+    return turns
+
+
+def joint_index(model: Any, name: str) -> int:
+    return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name))
+
+
+def body_index(model: Any, name: str) -> int:
+    return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
+
+
+def site_index(model: Any, name: str) -> int:
+    return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))
+
+
+def set_values(model: Any, data: Any, robot: Robot, q: Configuration, urdf: bool) -> None:
+    """Resets, sets the values `q` by the names of dofs and computes poses."""
+    mujoco.mj_resetData(model, data)
+    mujoco.mj_kinematics(model, data)
+    turns = turns_of(robot)
+    numbers: dict[str, list[float]] = {}
+    for joint in robot.joints:
+        # What a free joint's value is measured in is the root's pose at qpos0.
+        place = link_pose(model, data, robot, joint.parent) @ joint.parent_from_joint
+        start = inverse(place) @ link_pose(model, data, robot, joint.child)
+        for dof in joint.dofs:
+            value = q[dof.name]
+            pose = motion(dof.kind, dof.axis, value)
+            if not isinstance(value, tuple):
+                numbers[dof.name] = [value]
+            elif dof.kind == "free":
+                numbers[dof.name] = seven(place @ pose)
+            elif urdf:
+                angles = turns_from_rotation(pose[:3, :3])
+                numbers |= {name: [angle] for name, angle in zip(turns[dof.name], angles, strict=True)}
+            else:
+                numbers[dof.name] = list(quat_from_rotation(start[:3, :3].T @ pose[:3, :3]))
+    for loop in robot.loops:
+        numbers |= {dof.name: [value] for dof in loop.dofs if not isinstance(value := q[dof.name], tuple)}
+    for name, _, _ in joints_of(robot, urdf):
+        part = numbers[name]
+        first = int(model.jnt_qposadr[joint_index(model, name)])
+        data.qpos[first : first + len(part)] = part
+    mujoco.mj_kinematics(model, data)
+
+
+def seven(pose: Array) -> list[float]:
+    """A pose (4, 4) as a free joint's numbers: position, then quaternion (w, x, y, z)."""
+    return [*map(float, pose[:3, 3]), *map(float, quat_from_rotation(pose[:3, :3]))]
+
+
+def every_saved(robot: Robot) -> dict[str, Value]:
+    """Saved values of the tree's dofs and of the loops' own."""
+    dofs = (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
+    return {dof.name: dof.saved for dof in dofs}
+
+
+def spread(robot: Robot, turn: int) -> dict[str, Value]:
+    """Values spread evenly, the same ones every time: scalars within ±1.5, quaternions of any turn."""
+    dofs = (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
+    widths = [{"ball": 4, "free": 7}.get(dof.kind, 1) for dof in dofs]
+    values: dict[str, Value] = {}
+    count = turn * sum(widths)
+    for dof, width in zip(dofs, widths, strict=True):
+        # An irrational step spreads the values evenly.
+        some = [3 * math.modf((count + i + 1) * math.e)[0] - 1.5 for i in range(width)]
+        count += width
+        length = math.hypot(*some[-4:])
+        values[dof.name] = some[0] if width == 1 else (*some[:-4], *(x / length for x in some[-4:]))
+    return values
+
+
+def turns_from_rotation(rotation: Array) -> tuple[float, float, float]:
+    """(x, y, z) [rad] with Rx(x) Ry(y) Rz(z) = `rotation` (3, 3); z is 0 where y is ±90°."""
+    r = rotation
+    y = math.atan2(r[0, 2], math.hypot(r[0, 0], r[0, 1]))
+    z = math.atan2(-r[0, 1], r[0, 0]) if math.hypot(r[0, 0], r[0, 1]) > 1e-12 else 0.0
+    # With z taken off, Rx Ry has (0, cos x, sin x) for its second column.
+    second = math.cos(z) * r[:, 1] + math.sin(z) * r[:, 0]
+    return math.atan2(second[2], second[1]), y, z
+
+
+def root_pose(model: Any, data: Any, robot: Robot) -> Array:
+    """world_from_root (4, 4): a root called `world` is the world itself, or the site of that name."""
+    site = site_index(model, robot.root.name)
+    if robot.root.name == "world" and site >= 0:
+        return site_pose(data, site)
+    return pose_of(data, body_index(model, robot.root.name))
+
+
+def link_pose(model: Any, data: Any, robot: Robot, link: str) -> Array:
+    """world_from_link (4, 4)."""
+    if link == robot.root.name:
+        return root_pose(model, data, robot)
+    return pose_of(data, body_index(model, link))
+
+
+def pose_of(data: Any, body: int) -> Array:
+    pose = np.eye(4)
+    pose[:3, :3] = data.xmat[body].reshape(3, 3)
+    pose[:3, 3] = data.xpos[body]
+    return pose
+
+
+def site_pose(data: Any, site: int) -> Array:
+    pose = np.eye(4)
+    pose[:3, :3] = data.site_xmat[site].reshape(3, 3)
+    pose[:3, 3] = data.site_xpos[site]
+    return pose
+
+
+def placed(quat: Array, position: Array) -> Array:
+    """The (4, 4) pose of MuJoCo's quaternion and position."""
+    flat = np.empty(9)
+    mujoco.mju_quat2Mat(flat, np.array(quat))
+    pose = np.eye(4)
+    pose[:3, :3] = flat.reshape(3, 3)
+    pose[:3, 3] = position
+    return pose
+
+
+def distance(found: Array, expected: Array) -> float:
+    """The larger of the offset [m] and the turn [rad, for small ones] between two poses (4, 4)."""
+    off = found - expected
+    return max(math.hypot(*off[:3, 3]), float(np.linalg.norm(off[:3, :3])) / math.sqrt(2))
