@@ -1,21 +1,24 @@
 """What the graph stage is told: how an assembly becomes links and joints."""
 
 import re
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, Strict
 from pydantic_core import PydanticCustomError
 
+from stages.graph.addedkeys import AddedFrameKeys, AddedLinkKeys
+from stages.graph.masskeys import MassKeys
 from stages.robot.keys import (
     Interval,
     Keys,
-    Later,
     NonNegative,
     Number,
     Positive,
     Text,
-    not_yet,
 )
+
+if TYPE_CHECKING:
+    pass
 
 NAME_PATTERN = "[A-Za-z0-9_-]+"
 
@@ -33,47 +36,51 @@ def _file_name(name: str) -> str:
 class RootKeys(Keys):
     """The link that the tree hangs on."""
 
-    select: Annotated[Text, Later("central")] = "auto"
-    """auto (what is fixed in CAD, else the heaviest), or the name of a link, or a glob."""
+    select: Text = "auto"
+    """auto (what is fixed in CAD, else the heaviest), central (the nearest to all others, whatever is
+    fixed), or the name of a link or an instance, or a glob."""
 
     base: Literal["auto", "fixed", "free"] = "auto"
     """Whether the root is fixed to the world; auto: if CAD fixes one of its occurrences."""
 
-    frame: Text | None = not_yet(None)
-    """The mate connector or frame that is the root's frame; null: the assembly's origin."""
+    frame: Text | None = None
+    """The mate connector whose frame is the root's (its link is the root, if select is auto); null: the
+    assembly's origin."""
 
-    disconnected: Literal["error"] = not_yet("error")
-    """What becomes of parts that hang on nothing."""
+    disconnected: Literal["error", "weld", "drop", "separate"] = "error"
+    """What becomes of parts that hang on nothing. weld: fixed to the root where they are; drop: left out;
+    separate: they float on their own."""
 
 
 class DepthKeys(Keys):
     """Which sub-assemblies may move inside; by default all of them, at any depth."""
 
-    max: Annotated[int, Field(ge=0)] | None = not_yet(None)
+    max: Annotated[int, Strict(), Field(ge=0)] | None = None
     """Levels of sub-assemblies that are taken apart; 0: each is rigid; null: no bound."""
 
-    rigid: tuple[Text, ...] = not_yet(())
-    """Globs of sub-assemblies that are rigid."""
+    rigid: tuple[Text, ...] = ()
+    """Globs of sub-assemblies that are rigid, with all in them; one with a slash fits whole titles."""
 
-    flexible: tuple[Text, ...] = not_yet(())
+    flexible: tuple[Text, ...] = ()
     """Globs of sub-assemblies that are flexible all the same."""
 
 
 class NamesKeys(Keys):
     """Names of the user's own: CAD name or glob → name."""
 
-    links: dict[Text, Text] = not_yet(dict)
-    """Names of links."""
+    links: dict[Text, Text] = Field(default_factory=dict)
+    """Names of links: each entry means exactly one."""
 
-    joints: dict[Text, Text] = not_yet(dict)
-    """Names of joints."""
+    joints: dict[Text, Text] = Field(default_factory=dict)
+    """Names of joints: each entry means exactly one."""
 
 
 class JointKeys(Keys):
-    """Properties of the joints that a glob matches; what is left out or null stays as it is."""
+    """Properties of the dofs that a glob matches; what is left out or null stays as it is."""
 
     limits: Interval | None = None
-    """[lower, upper] [rad or m] in the mate's own value; a side that is null is open."""
+    """[lower, upper] [rad or m] in the mate's own value; a side that is null is open. Of a ball
+    [null, cone]: the half angle that its z axis stays in."""
 
     effort: Positive | None = None
     """Largest torque or force [N m or N]."""
@@ -91,37 +98,21 @@ class JointKeys(Keys):
     """The rotor's inertia as the joint feels it [kg m² or kg]."""
 
 
-class MassKeys(Keys):
-    """What is done about parts without mass."""
-
-    missing: Literal["auto"] = not_yet("auto")
-    """auto: small parts are estimated, larger ones are an error."""
-
-    density: Positive = not_yet(1200)
-    """Density of estimated parts [kg/m³]."""
-
-    parts: dict[Text, Any] = not_yet(dict)
-    """Mass properties of parts, by glob."""
-
-    links: dict[Text, Any] = not_yet(dict)
-    """Mass properties of links, by glob."""
-
-
 class FramesKeys(Keys):
     """Named frames on links."""
 
     include: tuple[Text, ...] = ("*",)
     """Globs of mate connectors that become frames."""
 
-    add: dict[Text, Any] = not_yet(dict)
-    """Frames that CAD does not have."""
+    add: dict[Text, AddedFrameKeys] = Field(default_factory=dict)
+    """Frames that CAD does not have, by name."""
 
 
 class LoopsKeys(Keys):
     """Closed kinematic loops."""
 
-    cut: tuple[Text, ...] = not_yet(())
-    """Mates at which loops are cut; by default they are chosen."""
+    cut: tuple[Text, ...] = ()
+    """Names or globs of the mates at which loops are cut; the others are chosen."""
 
     solref: tuple[Number, Number] = (0.005, 1)
     """MuJoCo's [time constant in s, damping ratio] of the constraint that closes a loop."""
@@ -139,29 +130,31 @@ class GraphKeys(Keys):
     depth: DepthKeys = DepthKeys()
     """Which sub-assemblies may move inside."""
 
-    hidden: Literal["keep"] = not_yet("keep")
-    """What becomes of instances that are hidden in CAD."""
+    hidden: Literal["keep", "drop"] = "keep"
+    """What becomes of instances that are hidden in CAD; drop: as if they were suppressed."""
 
-    zero: Literal["mate"] = not_yet("mate")
-    """mate: q = 0 where the mate's frames coincide."""
+    zero: Literal["mate", "saved"] = "mate"
+    """Where q = 0. mate: where the mate's frames coincide; saved: in the pose that CAD was left in."""
 
-    mirror: Literal["joints"] = not_yet("joints")
-    """What becomes of mirrored sub-assemblies: joints copies the seed's joints."""
+    mirror: Literal["joints", "weld"] = "joints"
+    """What becomes of mirrored and patterned instances: joints copies the seed's joints, weld none."""
 
-    conventions: Literal["linkwright"] = not_yet("linkwright")
-    """Names in CAD that carry meaning."""
+    conventions: Literal["linkwright", "onshape_to_robot"] = "linkwright"
+    """Names in CAD that carry meaning. onshape_to_robot: those of that tool (dof_, closing_, frame_, fix_,
+    link_, _inv), and with them its zero (saved), its root (the first instance) and rigid sub-assemblies."""
 
     names: NamesKeys = NamesKeys()
     """Names of the user's own."""
 
     joints: dict[Text, JointKeys] = Field(default_factory=dict)
-    """Glob on joint names → properties; later entries win, property by property."""
+    """Glob on names of dofs → properties; later entries win, property by property. A joint of one dof
+    lends it its name; others have e.g. lift_slide and lift_turn."""
 
     mass: MassKeys = MassKeys()
     """What is done about parts without mass."""
 
-    links: dict[Text, Any] = not_yet(dict)
-    """Links that CAD does not have."""
+    links: dict[Text, AddedLinkKeys] = Field(default_factory=dict)
+    """Links that CAD does not have, by name."""
 
     frames: FramesKeys = FramesKeys()
     """Named frames on links."""

@@ -1,95 +1,203 @@
-"""Properties of joints: what the user's YAML says of them, and whether their limits make sense."""
+"""Properties of dofs: what the user's YAML says of them, and whether their limits make sense."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 
-from stages.graph.joints import POSE_TOLERANCE
+from stages.graph.globs import listed
 from stages.graph.keys import JointKeys
-from stages.robot.errors import AssemblyError, Diagnostic
-from stages.robot.model import Dynamics, Joint, Limits
+from stages.graph.notes import Notes
+from stages.robot.model import Dof, DofKind, Dynamics, Joint, Limits, Loop, Robot, Value
 
 LOCKED_PLAY = 1e-6
-"""Half the range [rad or m] of a joint whose limits are equal: MuJoCo takes none for unlimited."""
+"""Half the range [rad or m] of a dof whose limits are equal: MuJoCo takes none for unlimited."""
+
+BEYOND = 1e-6
+"""How far [rad or m] a saved value may lie beyond its limits before we say so."""
+
+POINTWISE = frozenset({"fixed", "revolute", "ball"})
+"""Types of loops that close by holding points together: no dof of theirs is in the simulation."""
+
+UNITS: Mapping[DofKind, str] = {"turn": "rad", "slide": "m", "ball": "rad", "free": ""}
 
 
-def with_properties(joints: tuple[Joint, ...], wanted: Mapping[str, JointKeys]) -> tuple[Joint, ...]:
-    """The joints with what `joints:` says about them: later entries win, field by field.
+def with_each_dof(robot: Robot, change: Callable[[Dof], Dof]) -> Robot:
+    """The robot with every dof of its joints and loops changed."""
+    joints = tuple(replace(j, dofs=tuple(change(dof) for dof in j.dofs)) for j in robot.joints)
+    loops = tuple(replace(one, dofs=tuple(change(dof) for dof in one.dofs)) for one in robot.loops)
+    return replace(robot, joints=joints, loops=loops)
 
-    A glob that matches no joint is an error that lists the joints. A saved angle is then taken by
-    whole turns into the limits, where one turn fits.
+
+def with_properties(robot: Robot, wanted: Mapping[str, JointKeys], notes: Notes) -> Robot:
+    """The robot with what `joints:` says about its dofs: later entries win, field by field.
+
+    Globs match names of dofs, those of loops too. One that matches none is told (E-GLOB), and limits
+    that cannot be meant (E-JOINT). A saved turn is then taken by whole turns into its limits, where one fits.
     """
-    lost = [glob for glob in wanted if glob != "*" and not any(fnmatchcase(j.name, glob) for j in joints)]
-    if lost:
-        msg = f"no joint matches {', '.join(map(repr, lost))}"
-        hint = "joints are: " + ", ".join(joint.name for joint in joints)
-        raise AssemblyError(msg, where="joints", hint=hint)
-    return tuple(unwrapped(_with(joint, wanted)) for joint in joints)
-
-
-def _with(joint: Joint, wanted: Mapping[str, JointKeys]) -> Joint:
-    limits, dynamics = joint.limits, joint.dynamics
+    dofs = (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
     for glob, keys in wanted.items():
-        if not fnmatchcase(joint.name, glob):
+        _check_glob(glob, keys, [dof for dof in dofs if fnmatchcase(dof.name, glob)], robot, notes)
+        _tell_idle(glob, keys, robot.loops, notes)
+    return with_each_dof(robot, lambda dof: unwrapped(_with(dof, wanted)))
+
+
+def _check_glob(glob: str, keys: JointKeys, matched: Sequence[Dof], robot: Robot, notes: Notes) -> None:
+    if not matched and glob != "*":
+        every: list[Joint | Loop] = [*robot.joints, *robot.loops]
+        names = ", ".join(dof.name for one in every if fnmatchcase(one.name, glob) for dof in one.dofs)
+        if names:
+            text = f"{glob!r} is no dof: it has several of them (or stands for joints that have)"
+            notes.tell("E-GLOB", text, "joints", f"say which: {names}")
+            return
+        known = listed(dof.name for one in every for dof in one.dofs)
+        notes.tell("E-GLOB", f"no joint matches {glob!r}", "joints", f"joints are: {known or 'none'}")
+    if keys.limits is None:
+        return
+    kinds = {dof.kind for dof in matched}
+    if len(kinds) > 1:
+        named = ", ".join(f"{dof.name} ({dof.kind})" for dof in matched)
+        text = f"{glob!r} would give one range to dofs of several kinds: {named}"
+        notes.tell("E-JOINT", text, "joints", "give limits to each kind under its own glob")
+    elif "free" in kinds:
+        notes.tell("E-JOINT", f"{glob!r}: free motion takes no limits", "joints", "leave limits out")
+    elif "ball" in kinds and keys.limits[0] is not None:
+        text = f"{glob!r}: a ball has no lower limit, only a cone [rad] that its z axis stays in"
+        notes.tell("E-JOINT", text, "joints", "limits: [null, cone]")
+
+
+def _tell_idle(glob: str, keys: JointKeys, loops: Sequence[Loop], notes: Notes) -> None:
+    """What is said of a dof that no simulation has; "*" means those that it has."""
+    given = [key for key in Dynamics.__slots__ if getattr(keys, key) is not None]
+    idle = [dof.name for one in loops if one.type in POINTWISE for dof in one.dofs]
+    idle = [name for name in idle if fnmatchcase(name, glob)]
+    if glob != "*" and given and idle:
+        text = f"the mate closes a loop by its point, where {', '.join(given)} of {glob!r} act on nothing"
+        hint = "let another mate close the loop (loops.cut), or leave it out"
+        notes.tell("W-LOOP-DYNAMICS", text, ", ".join(idle), hint)
+
+
+def _with(dof: Dof, wanted: Mapping[str, JointKeys]) -> Dof:
+    limits, dynamics = dof.limits, dof.dynamics
+    for glob, keys in wanted.items():
+        if not fnmatchcase(dof.name, glob):
             continue
         if keys.limits is not None:
             limits = Limits(*keys.limits)
         given = {key: getattr(keys, key) for key in Dynamics.__slots__}
         dynamics = replace(dynamics, **{key: value for key, value in given.items() if value is not None})
-    return replace(joint, limits=limits, dynamics=dynamics)
+    return replace(dof, limits=limits, dynamics=dynamics)
 
 
-def unwrapped(joint: Joint) -> Joint:
-    """The joint with its saved value taken by whole turns into its limits, where one turn fits."""
-    if joint.type != "revolute":
-        return joint
-    low, high = _ends(joint)
-    turns = sorted(range(-3, 4), key=abs)
-    fits = [joint.saved + math.tau * count for count in turns]
-    saved = next((v for v in fits if low - POSE_TOLERANCE <= v <= high + POSE_TOLERANCE), joint.saved)
-    return replace(joint, saved=saved)
+def unwrapped(dof: Dof) -> Dof:
+    """The dof with the saved value of a turn taken by whole turns into its limits, where one fits."""
+    if dof.kind != "turn" or not isinstance(dof.saved, float):
+        return dof
+    low, high = ends(dof.limits)
+    turns = 0
+    if dof.saved < low - BEYOND:
+        turns = math.ceil((low - BEYOND - dof.saved) / math.tau)
+    elif dof.saved > high + BEYOND:
+        turns = -math.ceil((dof.saved - high - BEYOND) / math.tau)
+    saved = dof.saved + turns * math.tau
+    return replace(dof, saved=saved) if low - BEYOND <= saved <= high + BEYOND else dof
 
 
-def _ends(joint: Joint) -> tuple[float, float]:
-    low = -math.inf if joint.limits.lower is None else joint.limits.lower
-    high = math.inf if joint.limits.upper is None else joint.limits.upper
-    return low, high
+def ends(limits: Limits) -> tuple[float, float]:
+    """Both limits; an open one is infinite."""
+    low = -math.inf if limits.lower is None else limits.lower
+    return low, math.inf if limits.upper is None else limits.upper
 
 
 def check_limits(
-    joints: tuple[Joint, ...],
-    unknown: Mapping[str, str],
-    found: list[Diagnostic],
-    problems: list[Diagnostic],
-) -> tuple[Joint, ...]:
-    """Tells what limits lack or contradict; gives locked joints the little play that engines need.
+    robot: Robot, unknown: Mapping[str, str], notes: Notes, wanted: Mapping[str, JointKeys] | None = None
+) -> Robot:
+    """Tells what limits lack or contradict; gives locked dofs the little play that engines need.
 
-    `unknown`: why limits that CAD has are not known, by joint.
+    `unknown`: why limits that CAD has are not known, by dof. `wanted`: what `joints:` says; limits that
+    it leaves open are open on purpose.
     """
-    return tuple(_checked(joint, unknown.get(joint.name), found, problems) for joint in joints)
+    settled = [glob for glob, keys in (wanted or {}).items() if keys.limits is not None]
+    _tell_missing(robot, unknown, settled, notes)
+    idle = {dof.name for loop in robot.loops if loop.type in POINTWISE for dof in loop.dofs}
+    return with_each_dof(robot, lambda dof: dof if dof.name in idle else _checked(dof, notes))
 
 
-def _checked(joint: Joint, unknown: str | None, found: list[Diagnostic], problems: list[Diagnostic]) -> Joint:
-    low, high = _ends(joint)
-    unit = "rad" if joint.type == "revolute" else "m"
-    settle = f"joints: {{{joint.name}: {{limits: [low, high]}}}}  # {unit}"
+def tell_loops(robot: Robot, unknown: Mapping[str, str], notes: Notes) -> None:
+    """Tells what becomes of the limits of mates that close loops; that one has none is as it should be."""
+    for loop in robot.loops:
+        for dof in loop.dofs:
+            if dof.name in unknown:
+                text = f"its limits in CAD are not known: {unknown[dof.name]}"
+                notes.tell("W-LIMIT", text, dof.name, "leave the mate that closes a loop without limits")
+            if loop.type in POINTWISE and dof.limits != Limits():
+                text = "this mate closes a loop, where its limits are not enforced"
+                hint = "leave one mate of the loop without limits: it will be the one that closes it"
+                notes.tell("W-LOOP-LIMIT", text, dof.name, hint)
+
+
+def _tell_missing(robot: Robot, unknown: Mapping[str, str], settled: Sequence[str], notes: Notes) -> None:
+    """Every dof of the tree whose limits are not known or not there; one block of YAML for them all."""
+    lacking: list[tuple[Joint, Dof, str]] = []
+    for joint in robot.joints:
+        for dof in joint.dofs:
+            if dof.kind == "free" or any(fnmatchcase(dof.name, glob) for glob in settled):
+                continue
+            if dof.name in unknown:
+                lacking.append((joint, dof, f"its limits in CAD are not known: {unknown[dof.name]}"))
+            elif dof.kind != "ball" and dof.limits == Limits():
+                freely = ": it turns freely" if dof.kind == "turn" else ""
+                lacking.append((joint, dof, f"the joint has no limits{freely}"))
+    for joint, dof, text in lacking:
+        hint = "set them on the mate, or " if joint.mate else ""
+        hint += f"joints: {{{dof.name}: {{limits: [low, high]}}}}  # {UNITS[dof.kind]}"
+        if len(lacking) > 1 and dof is lacking[-1][1]:
+            hint += f"\nall at once, null being open:\n{_block([dof for _, dof, _ in lacking])}"
+        notes.tell("W-LIMIT", text, dof.name, hint)
+
+
+def _block(dofs: Sequence[Dof]) -> str:
+    """YAML that settles the limits of these dofs as they are."""
+
+    def text(end: float | None) -> str:
+        return "null" if end is None else f"{end:.9g}"
+
+    lines = [
+        f"  {dof.name}: {{limits: [{text(dof.limits.lower)}, {text(dof.limits.upper)}]}}  # {UNITS[dof.kind]}"
+        for dof in dofs
+    ]
+    return "\n".join(["joints:", *lines])
+
+
+def _checked(dof: Dof, notes: Notes) -> Dof:
+    low, high = ends(dof.limits)
+    settle = f"joints: {{{dof.name}: {{limits: [low, high]}}}}  # {UNITS[dof.kind]}"
+    if dof.kind == "ball" and dof.limits.upper is not None and not 0 < high <= math.pi:
+        text = f"its cone of {high:.6g} rad is none: it must lie above 0 and not beyond π"
+        notes.tell("E-LIMIT", text, dof.name, settle.replace("low, high", "null, cone"))
+        return dof
     if low > high:
         text = f"the lower limit {low:.6g} is above the upper {high:.6g}"
-        problems.append(Diagnostic("E-LIMIT", text, joint.name, f"mend the mate, or {settle}"))
-        return joint
-    if unknown:
-        text = f"its limits in CAD are not known: {unknown}"
-        found.append(Diagnostic("W-LIMIT", text, joint.name, f"set them on the mate, or {settle}"))
-    elif math.isinf(low) and math.isinf(high):
-        text = "the joint has no limits" + (": it turns freely" if joint.type == "revolute" else "")
-        found.append(Diagnostic("W-LIMIT", text, joint.name, f"set them on the mate, or {settle}"))
-    if not low - POSE_TOLERANCE <= joint.saved <= high + POSE_TOLERANCE:
-        text = f"the saved pose has it at {joint.saved:.6g}, outside its limits [{low:.6g}, {high:.6g}]"
-        hint = "move it back in Onshape, or mend the limits"
-        found.append(Diagnostic("W-SAVED-POSE", text, joint.name, hint))
+        notes.tell("E-LIMIT", text, dof.name, f"mend the mate, or {settle}")
+        return dof
+    value = measured(dof.saved)
+    if value is not None and not low - BEYOND <= value <= high + BEYOND:
+        text = f"the saved pose has it at {value:.6g}, outside its limits [{low:.6g}, {high:.6g}]"
+        notes.tell("W-SAVED-POSE", text, dof.name, "move it back in Onshape, or mend the limits")
     if low == high:
-        text = f"the joint is locked at {low:.6g}: it keeps a play of {LOCKED_PLAY:g} {unit} either way"
-        found.append(Diagnostic("W-LIMIT-LOCKED", text, joint.name, "FASTEN the mate to make one link of it"))
-        return replace(joint, limits=Limits(low - LOCKED_PLAY, high + LOCKED_PLAY))
-    return joint
+        text = f"the joint is locked at {low:.6g}: it keeps a play of {LOCKED_PLAY:g} {UNITS[dof.kind]}"
+        hint = "FASTEN the mate to make one link of it"
+        notes.tell("W-LIMIT-LOCKED", f"{text} either way", dof.name, hint)
+        return replace(dof, limits=Limits(low - LOCKED_PLAY, high + LOCKED_PLAY))
+    return dof
+
+
+def measured(value: Value) -> float | None:
+    """What limits bound of a value: the number itself; of a ball the angle [rad] between the z axes
+    before and after, 2 asin √(x² + y²); None of free motion."""
+    if isinstance(value, float):
+        return value
+    if len(value) != 4:
+        return None
+    w, x, y, z = value
+    return 2.0 * math.atan2(math.hypot(x, y), math.hypot(w, z))

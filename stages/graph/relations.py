@@ -1,166 +1,177 @@
-"""Relations between joints: q₂ = −k·q₁, or +k·q₁ when reversed, in the mates' own values.
+"""Relations between dofs: q₂ = −k·q₁, or +k·q₁ when reversed, in the mates' own values.
 
-The sign is measured on recorded gears. The offset comes from the saved pose; a chain of relations
-is flattened to the joint that drives it.
+k is the ratio of a GEAR or LINEAR; from a turn to a slide, by RACK_AND_PINION or SCREW, it is L/2π for
+a length L a turn, and 2π/L the other way. The sign is measured on recorded gears and taken for the
+same in all four. What is related hangs together as a tree, of which one dof drives all others.
 """
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
-from stages.graph.assembly import Assembly, MateRelation, Path
-from stages.graph.naming import Names
-from stages.robot.errors import Diagnostic
-from stages.robot.model import Joint, Relation
+from stages.graph.bonds import Bonded, bonded
+from stages.graph.mechanism import Bond
+from stages.graph.notes import Notes
+from stages.graph.properties import ends, with_each_dof
+from stages.robot.model import Dof, DofKind, Relation, Robot
 from stages.robot.names import free, legal
 
 ZERO_OFFSET = 1e-6
 """An offset [rad or m] that the saved pose leaves below this is rounding."""
 
 
-def read_relations(
-    assembly: Assembly,
-    names: Names,
-    joints: Sequence[Joint],
-    found: list[Diagnostic],
-    problems: list[Diagnostic],
-) -> tuple[Relation, ...]:
-    """Every gear relation as follower = multiplier · driver + offset, sorted by follower."""
-    by_name = {joint.name: joint for joint in joints}
-    direct: dict[str, Relation] = {}
-    taken = set(names.joints.values())
-    for relation in sorted(assembly.relations, key=lambda r: (r.title, r.owner, r.feature)):
-        pair = _joints_of(relation, names, by_name)
-        if relation.type != "GEAR" or pair is None or relation.ratio == 0:
-            found.append(_not_modelled(relation, pair))
-            continue
-        driver, follower = pair
-        name = free(legal(relation.title.rsplit("/", 1)[-1]) or "relation", taken)
-        taken.add(name)
-        gear = _gear(name, relation, driver, follower, found)
-        if gear.follower in direct:
-            # Which mate was picked first is no physics: the other one may as well follow.
-            gear = _turned_round(gear)
-        if gear.follower in direct or gear.follower == gear.driver:
-            problems.append(
-                Diagnostic(
-                    "E-RELATION",
-                    f"the joints {gear.driver!r} and {gear.follower!r} are related already",
-                    relation.title,
-                    "remove the relation that says too much",
-                )
-            )
-            continue
-        direct[gear.follower] = gear
-    return _flattened(direct, problems)
+@dataclass(frozen=True, slots=True)
+class Step:
+    """From a dof to the next in its tree: `child` = factor · `parent` + offset."""
+
+    name: str
+    parent: str
+    child: str
+    factor: float
+    offset: float = 0.0
+
+    def turned_round(self) -> "Step":
+        """The same, solved for the parent."""
+        return Step(self.name, self.child, self.parent, 1 / self.factor, 0.0 - self.offset / self.factor)
 
 
-def related_mates(assembly: Assembly) -> set[tuple[Path, str]]:
-    """(owner, feature) of every mate that a relation names."""
-    return {mate for relation in assembly.relations for mate in relation.mates}
+def with_relations(robot: Robot, bonds: Sequence[Bond], notes: Notes) -> Robot:
+    """The robot with its bonds as relations, sorted by follower, each to the dof that drives its tree;
+    saved turns are the ones that the relations give.
 
-
-def _joints_of(
-    relation: MateRelation, names: Names, by_name: Mapping[str, Joint]
-) -> tuple[Joint, Joint] | None:
-    if len(relation.mates) != 2:
-        return None
-    pair = [by_name.get(names.joints.get(mate, "")) for mate in relation.mates]
-    if pair[0] is None or pair[1] is None:
-        return None
-    return pair[0], pair[1]
-
-
-def _not_modelled(relation: MateRelation, pair: object) -> Diagnostic:
-    if relation.type != "GEAR":
-        why = f"a {relation.type} relation is not supported yet"
-    elif pair is None:
-        why = "the relation names a mate that is no joint of the tree (broken, rigid, or closing a loop)"
-    else:
-        why = "the relation has the ratio 0"
-    return Diagnostic("W-RELATION", f"{why}: its joints move independently", relation.title)
-
-
-def _gear(
-    name: str, relation: MateRelation, driver: Joint, follower: Joint, found: list[Diagnostic]
-) -> Relation:
-    multiplier = relation.ratio if relation.reverse else -relation.ratio
-    offset = _offset(multiplier, driver, follower)
-    if abs(offset) > ZERO_OFFSET:
-        if abs(_offset(-multiplier, driver, follower)) <= ZERO_OFFSET:
-            found.append(
-                Diagnostic(
-                    "I-RELATION-SIGN",
-                    "the saved pose fits the opposite direction, which is believed",
-                    relation.title,
-                )
-            )
-            multiplier, offset = -multiplier, 0.0
-        else:
-            found.append(
-                Diagnostic(
-                    "W-RELATION-OFFSET",
-                    f"the saved pose has an offset of {offset:.6g} in this relation, which is kept",
-                    relation.title,
-                )
-            )
-    return Relation(
-        name, follower.name, driver.name, multiplier, offset if abs(offset) > ZERO_OFFSET else 0.0
-    )
-
-
-def _turned_round(relation: Relation) -> Relation:
-    """The same relation, solved for its driver."""
-    return Relation(
-        relation.name,
-        follower=relation.driver,
-        driver=relation.follower,
-        multiplier=1 / relation.multiplier,
-        offset=-relation.offset / relation.multiplier,
-    )
-
-
-def _offset(multiplier: float, driver: Joint, follower: Joint) -> float:
-    """What is left of the follower's saved value, whole turns taken off."""
-    rest = follower.saved - multiplier * driver.saved
-    return math.remainder(rest, math.tau) if follower.type == "revolute" else rest
-
-
-def on_their_drivers(joints: Sequence[Joint], relations: Sequence[Relation]) -> tuple[Joint, ...]:
-    """The joints, with followers saved at the turn that their relation gives.
-
-    The pose alone tells an angle up to whole turns; what drives it tells the turn.
+    The driver is the first, by title, that follows nothing; a bond that names dofs the wrong way round
+    for that is solved for the other. Dofs that are related twice are an error (E-RELATION).
     """
-    saved = {joint.name: joint.saved for joint in joints}
-    given = {r.follower: r.multiplier * saved[r.driver] + r.offset for r in relations}
-    return tuple(
-        replace(joint, saved=joint.saved + math.tau * round((given[joint.name] - joint.saved) / math.tau))
-        if joint.name in given and joint.type == "revolute"
-        else joint
-        for joint in joints
-    )
+    dofs = {dof.name: dof for dof in robot.dofs}
+    found = bonded(robot, bonds, notes)
+    names = _names(robot, found)
+    saved = {dof.name: dof.saved for dof in robot.dofs if isinstance(dof.saved, float)}
+    relations: list[Relation] = []
+    for tree in _trees(found, notes):
+        settled = _settled(tree, names, dofs, saved, notes)
+        relations += _flattened(settled, _driver(tree))
+    relations.sort(key=lambda relation: relation.follower)
+    _tell_limits(relations, dofs, notes)
+    moved = with_each_dof(robot, lambda dof: replace(dof, saved=saved.get(dof.name, dof.saved)))
+    return replace(moved, relations=tuple(relations))
 
 
-def _flattened(direct: Mapping[str, Relation], problems: list[Diagnostic]) -> tuple[Relation, ...]:
-    flat = []
-    for follower in sorted(direct):
-        relation = direct[follower]
-        multiplier, offset, driver = relation.multiplier, relation.offset, relation.driver
-        seen = {follower}
-        while driver in direct and driver not in seen:
-            seen.add(driver)
-            above = direct[driver]
-            multiplier, offset = multiplier * above.multiplier, offset + multiplier * above.offset
-            driver = above.driver
-        if driver in seen:
-            problems.append(
-                Diagnostic(
-                    "E-RELATION",
-                    f"the relations of {', '.join(sorted(seen))} run in a circle",
-                    relation.name,
-                    "remove one of them",
-                )
-            )
+def negligible(offset: float, factor: float) -> bool:
+    """Whether an offset [rad or m] of q₂ = factor · q₁ is rounding, of q₂ or of q₁."""
+    return abs(offset) <= ZERO_OFFSET * max(1.0, abs(factor))
+
+
+def _trees(found: Sequence[Bonded], notes: Notes) -> list[list[Bonded]]:
+    """What hangs together; a bond between dofs that do already says too much."""
+    trees: list[list[Bonded]] = []
+    for one in found:
+        ends_of = {one.driver, one.follower}
+        touched = [tree for tree in trees if any(ends_of & {b.driver, b.follower} for b in tree)]
+        if any(ends_of <= {name for b in tree for name in (b.driver, b.follower)} for tree in touched):
+            text = f"the joints {one.driver!r} and {one.follower!r} are related already"
+            notes.tell("E-RELATION", text, one.title, "remove the relation that says too much")
             continue
-        flat.append(Relation(relation.name, follower, driver, multiplier, offset))
-    return tuple(flat)
+        trees = [tree for tree in trees if tree not in touched]
+        trees.append(sorted([one, *(b for tree in touched for b in tree)], key=found.index))
+    return sorted(trees, key=lambda tree: found.index(tree[0]))
+
+
+def _names(robot: Robot, found: Iterable[Bonded]) -> dict[Bonded, str]:
+    """A free name for each bond, from its title."""
+    taken = {joint.name for joint in robot.joints} | {loop.name for loop in robot.loops}
+    taken |= {dof.name for dof in robot.dofs}
+    names: dict[Bonded, str] = {}
+    for one in found:
+        names[one] = free(legal(one.title.rsplit("/", 1)[-1]) or "relation", taken)
+        taken.add(names[one])
+    return names
+
+
+def _driver(tree: Sequence[Bonded]) -> str:
+    """The first dof that follows nothing: there is one, as the bonds are one fewer than the dofs."""
+    followers = {one.follower for one in tree}
+    return next(one.driver for one in tree if one.driver not in followers)
+
+
+def _settled(
+    tree: Sequence[Bonded],
+    names: Mapping[Bonded, str],
+    dofs: Mapping[str, Dof],
+    saved: dict[str, float],
+    notes: Notes,
+) -> list[Step]:
+    """The tree's steps with sign and offset as the saved pose has them; `saved` is put in order.
+
+    A pose tells a slide exactly but a turn only up to whole ones: so the values are settled from a slide
+    outwards where there is one, else from the driver.
+    """
+    driver = _driver(tree)
+    related = [driver, *(name for one in tree for name in (one.driver, one.follower))]
+    start = next((name for name in related if dofs[name].kind == "slide"), driver)
+    drawn = {names[one]: one for one in tree}
+    steps = [Step(names[one], one.driver, one.follower, one.factor) for one in tree]
+    return [_measured(step, drawn[step.name], dofs, saved, notes) for step in _walk(steps, start)]
+
+
+def _walk(steps: Sequence[Step], start: str) -> Iterator[Step]:
+    """Every step of a tree, turned to lead away from `start`, a parent's before its children's."""
+    reached, left = {start}, list(steps)
+    while left:
+        step = next(one for one in left if one.parent in reached or one.child in reached)
+        left.remove(step)
+        away = step if step.parent in reached else step.turned_round()
+        reached.add(away.child)
+        yield away
+
+
+def _measured(
+    step: Step, drawn: Bonded, dofs: Mapping[str, Dof], saved: dict[str, float], notes: Notes
+) -> Step:
+    """The step as the saved pose has it, its child's saved turn the one that it gives."""
+    parent, child = saved[step.parent], saved[step.child]
+    kind = dofs[step.child].kind
+    factor, offset = step.factor, _rest(child, step.factor * parent, kind)
+    if negligible(offset, factor):
+        offset = 0.0
+    elif negligible(_rest(child, -factor * parent, kind), factor):
+        text = "the saved pose fits the opposite direction, which is believed"
+        notes.tell("I-RELATION-SIGN", text, drawn.title)
+        factor, offset = -factor, 0.0
+    found = replace(step, factor=factor, offset=offset)
+    if offset:
+        told = found if step.child == drawn.follower else found.turned_round()
+        text = f"the saved pose has an offset of {told.offset:.6g} in this relation, which is kept"
+        notes.tell("W-RELATION-OFFSET", text, drawn.title)
+    if kind == "turn":
+        saved[step.child] = child + math.tau * round((factor * parent + offset - child) / math.tau)
+    return found
+
+
+def _rest(child: float, given: float, kind: DofKind) -> float:
+    """What is left of a saved value, whole turns taken off."""
+    return math.remainder(child - given, math.tau) if kind == "turn" else child - given
+
+
+def _flattened(steps: Sequence[Step], driver: str) -> list[Relation]:
+    """Each dof of a tree as following its driver: the steps on the way, one put into the next."""
+    whole = {driver: (1.0, 0.0)}
+    relations = []
+    for step in _walk(steps, driver):
+        factor, offset = whole[step.parent]
+        factor, offset = step.factor * factor, step.factor * offset + step.offset
+        whole[step.child] = factor, 0.0 if negligible(offset, factor) else offset
+        relations.append(Relation(step.name, step.child, driver, *whole[step.child]))
+    return relations
+
+
+def _tell_limits(relations: Iterable[Relation], dofs: Mapping[str, Dof], notes: Notes) -> None:
+    """A follower whose limits hold no value that its driver gives it."""
+    for one in relations:
+        image = sorted(one.multiplier * end + one.offset for end in ends(dofs[one.driver].limits))
+        low, high = ends(dofs[one.follower].limits)
+        if image[0] > high or image[1] < low:
+            text = (
+                f"its driver {one.driver!r} takes it through [{image[0]:.6g}, {image[1]:.6g}], "
+                f"all outside its own limits [{low:.6g}, {high:.6g}]"
+            )
+            notes.tell("W-RELATION-LIMIT", text, one.follower, "mend the limits of one of the two")

@@ -1,93 +1,132 @@
-"""The kinematic tree: which mates carry the tree, which close loops, which body is the root."""
+"""The kinematic tree: which couplings carry the tree, which close loops, and in which order it grows."""
 
 import re
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from typing import Literal
 
 import networkx as nx
 
-from stages.graph.assembly import Assembly, Mate, Path
-from stages.graph.bodies import Bodies
-from stages.graph.naming import Names
-from stages.robot.errors import Diagnostic, Disconnected, NoRoot
-from stages.robot.names import legal
+from stages.graph.keys import GraphKeys
+from stages.graph.mechanism import Coupling, Mechanism
+from stages.graph.notes import Notes
+from stages.graph.root import choose_root, heaviest
+from stages.robot.errors import AssemblyError, Diagnostic, Disconnected
+from stages.robot.model import Array, JointType
 
-CUT_LATER = {"SLIDER": 0, "REVOLUTE": 1}
-"""Mates that go into the tree first; the last are the first to be cut."""
+CUT_LAST: dict[JointType, int] = {"prismatic": 0, "revolute": 2, "ball": 3, "fixed": 4}
+"""Couplings go into the tree by this rank (others: 1); the last are the first to be cut."""
 
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """A tree mate from a parent body to a child body."""
+    """From a parent body to a child body: a coupling, or what stands in for one."""
 
-    mate: Mate
     parent: int
     child: int
+    coupling: Coupling | None
+    stand_in: Literal["fixed", "free"] = "fixed"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Tree:
-    """`order`: bodies, root first, a parent before its children; `cut`: mates that close loops."""
+    """`order`: bodies, root first, a parent before its children; `cut`: couplings that close loops."""
 
     root: int
+    world_from_root: Array
     order: tuple[int, ...]
     edges: tuple[Edge, ...]
-    cut: tuple[Mate, ...]
+    cut: tuple[Coupling, ...]
 
 
-def spanning_tree(
-    bodies: Bodies, names: Names, root: int, related: Collection[tuple[Path, str]], assembly: Assembly
-) -> Tree:
+def spanning_tree(mechanism: Mechanism, keys: GraphKeys, notes: Notes) -> Tree:
     """The tree that keeps what a user drives: relations, then limited mates, sliders before turns.
 
-    Kruskal over a total order of the mates, so neither the root nor the order of features decides
-    what is cut; mates that nobody limits or drives close the loops.
+    Kruskal over a total order of the couplings, so neither the root nor the order of features decides
+    what is cut; mates that nobody limits or drives close the loops, unless `loops.cut` names others.
     """
-
-    def rank(mate: Mate) -> tuple[object, ...]:
-        key = (mate.ref.owner, mate.ref.feature)
-        name = names.joints[key]
-        return (CUT_LATER[mate.ref.type], key not in related, not mate.limits, natural(name), name)
-
-    forest = nx.utils.UnionFind(range(len(bodies.members)))
+    root, world_from_root = choose_root(mechanism, keys.root)
+    forest = nx.utils.UnionFind(range(len(mechanism.bodies)))
     kept: nx.MultiGraph = nx.MultiGraph()
-    kept.add_nodes_from(range(len(bodies.members)))
+    kept.add_nodes_from(range(len(mechanism.bodies)))
     cut = []
-    for mate in sorted(bodies.moving, key=rank):
-        first, second = (bodies.of[entity.path] for entity in mate.entities)
+    for coupling in _ranked(mechanism, keys.loops.cut, notes):
+        first, second = coupling.bodies
         if forest[first] == forest[second]:
-            cut.append(mate)
+            cut.append(coupling)
         else:
             forest.union(first, second)
-            kept.add_edge(first, second, mate=mate)
-    order, edges = _walk(kept, root, names)
-    if len(order) < len(bodies.members):
-        raise _disconnected(assembly, bodies, names, root, set(order))
-    return Tree(root, tuple(order), tuple(edges), tuple(cut))
+            kept.add_edge(first, second, coupling=coupling)
+    _tell_uncut(mechanism, keys.loops.cut, cut, notes)
+    order, edges = _walk(kept, root)
+    loose = _loose(mechanism, kept, set(order))
+    if loose and keys.root.disconnected == "error":
+        raise _disconnected(mechanism, root, loose)
+    for island in loose:
+        _settle(mechanism, kept, root, island, keys, order, edges, notes)
+    there = set(order)
+    cut = [coupling for coupling in cut if there.issuperset(coupling.bodies)]
+    return Tree(root, world_from_root, tuple(order), tuple(edges), tuple(cut))
 
 
-def _walk(kept: nx.MultiGraph, root: int, names: Names) -> tuple[list[int], list[Edge]]:
+def _ranked(mechanism: Mechanism, cut: Collection[str], notes: Notes) -> list[Coupling]:
+    """The couplings, those that shall be in the tree first."""
+    related = {name for bond in mechanism.bonds for name in bond.couplings}
+    for glob in cut:
+        if not any(_named(coupling, glob) for coupling in mechanism.couplings):
+            there = ", ".join(sorted(coupling.name for coupling in mechanism.couplings))
+            raise AssemblyError(f"no mate matches {glob!r}", "loops.cut", f"mates that move are: {there}")
+
+    def rank(coupling: Coupling) -> tuple[object, ...]:
+        return (
+            any(_named(coupling, glob) for glob in cut),
+            CUT_LAST.get(coupling.type, 1),
+            coupling.name not in related,
+            not coupling.limited,
+            natural(coupling.name),
+            coupling.name,
+        )
+
+    return sorted(mechanism.couplings, key=rank)
+
+
+def _named(coupling: Coupling, glob: str) -> bool:
+    return any(fnmatchcase(name, glob) for name in (coupling.name, coupling.ref.name, coupling.title))
+
+
+def _tell_uncut(
+    mechanism: Mechanism, wanted: Collection[str], cut: Collection[Coupling], notes: Notes
+) -> None:
+    """What the user wanted cut and is not: it closes no loop, or others of its loop are cut."""
+    for glob in wanted:
+        if glob != "*" and not any(_named(coupling, glob) for coupling in cut):
+            names = [coupling.title for coupling in mechanism.couplings if _named(coupling, glob)]
+            what = f"{', '.join(sorted(names))} closes no loop, so it stays in the tree"
+            notes.tell("W-LOOP-CUT", what, "loops.cut", "leave it out")
+
+
+def _walk(kept: nx.MultiGraph, root: int) -> tuple[list[int], list[Edge]]:
     """Depth first, children by the names of their joints: the order of every exported file."""
-    order, edges, seen = [root], [], {root}
-    stack = [_branches(kept, root, names)]
+    order: list[int] = [root]
+    edges: list[Edge] = []
+    seen = {root}
+    stack = [_branches(kept, root)]
     while stack:
-        step = next(stack[-1], None)
-        if step is None:
+        edge = next(stack[-1], None)
+        if edge is None:
             stack.pop()
-        elif step[1] not in seen:
-            mate, child, parent = step
-            seen.add(child)
-            order.append(child)
-            edges.append(Edge(mate, parent, child))
-            stack.append(_branches(kept, child, names))
+        elif edge.child not in seen:
+            seen.add(edge.child)
+            order.append(edge.child)
+            edges.append(edge)
+            stack.append(_branches(kept, edge.child))
     return order, edges
 
 
-def _branches(kept: nx.MultiGraph, body: int, names: Names) -> Iterator[tuple[Mate, int, int]]:
-    steps = [(data["mate"], other, body) for _, other, data in kept.edges(body, data=True)]
-    steps.sort(key=lambda step: natural(names.joints[step[0].ref.owner, step[0].ref.feature]))
-    return iter(steps)
+def _branches(kept: nx.MultiGraph, body: int) -> Iterator[Edge]:
+    edges = [Edge(body, other, data["coupling"]) for _, other, data in kept.edges(body, data=True)]
+    return iter(sorted(edges, key=lambda edge: natural(edge.coupling.name if edge.coupling else "")))
 
 
 def natural(name: str) -> tuple[tuple[int, int | str], ...]:
@@ -95,57 +134,50 @@ def natural(name: str) -> tuple[tuple[int, int | str], ...]:
     return tuple((0, int(text)) if text.isdigit() else (1, text) for text in re.split(r"(\d+)", name))
 
 
-def _disconnected(
-    assembly: Assembly, bodies: Bodies, names: Names, root: int, reached: set[int]
-) -> Disconnected:
-    loose = [body for body in range(len(bodies.members)) if body not in reached]
-    problems = [
-        Diagnostic(
-            "E-LOOSE",
-            f"{len(bodies.members[body])} part(s) hang on nothing that reaches the root",
-            assembly.occurrences[min(bodies.members[body])].title,
-        )
-        for body in sorted(loose, key=lambda body: names.links[body])
-    ]
-    msg = f"{len(loose)} of {len(bodies.members)} bodies are not connected to the root {names.links[root]!r}"
-    hint = "mate them in Onshape (a FASTENED mate makes two parts one link), or suppress them"
+def _loose(mechanism: Mechanism, kept: nx.MultiGraph, reached: set[int]) -> list[list[int]]:
+    """Bodies that hang on nothing that reaches the root, together as they hang together."""
+    islands = [sorted(found) for found in nx.connected_components(kept) if reached.isdisjoint(found)]
+    return sorted(islands, key=lambda island: min(mechanism.bodies[body].name for body in island))
+
+
+def _disconnected(mechanism: Mechanism, root: int, loose: list[list[int]]) -> Disconnected:
+    bodies = mechanism.bodies
+    problems = []
+    for island in loose:
+        parts = sorted(part.name for body in island for part in bodies[body].parts)
+        names = ", ".join(sorted(bodies[body].name for body in island))
+        what = f"{len(parts)} part(s) hang on nothing that reaches the root: {names}"
+        problems.append(Diagnostic("E-LOOSE", what, parts[0] if parts else names))
+    count = sum(len(island) for island in loose)
+    msg = f"{count} of {len(bodies)} bodies are not connected to the root {bodies[root].name!r}"
+    hint = (
+        "mate them in Onshape (a FASTENED mate makes two parts one link) or suppress them; or say "
+        "root.disconnected: weld (fix them to the root), drop (leave them out), separate (let them float)"
+    )
     return Disconnected(msg, hint=hint, problems=problems)
 
 
-def choose_root(
-    select: str, assembly: Assembly, bodies: Bodies, names: Names, weights: Sequence[float]
-) -> int:
-    """The root body: `auto` is the fixed one, else the heaviest; else the one that `select` names.
-
-    `select` is a glob over link names and instance names ("Base plate*", "base_plate").
-    """
-    if select == "auto":
-        if bodies.world is not None:
-            return bodies.world
-        return min(range(len(weights)), key=lambda body: (-weights[body], names.links[body]))
-    hits = _matches(select, assembly, bodies, names)
-    if len(hits) == 1:
-        return next(iter(hits))
-    found = ", ".join(sorted(names.links[body] for body in hits or range(len(names.links))))
-    msg = f"{len(hits) or 'no'} links match {select!r}"
-    hint = f"name one of: {found}"
-    raise NoRoot(msg, where="root.select", hint=hint)
-
-
-def _matches(select: str, assembly: Assembly, bodies: Bodies, names: Names) -> set[int]:
-    by_link = {body for body, name in enumerate(names.links) if fnmatchcase(name, select)}
-    if by_link:
-        return by_link
-    hits = set()
-    for body, members in enumerate(bodies.members):
-        for path in members:
-            for depth in range(1, len(path) + 1):
-                title = assembly.occurrences[path[:depth]].names[-1]
-                if fnmatchcase(title, select) or fnmatchcase(legal(title), select):
-                    hits.add(body)
-    return hits
-
-
-def weights(masses: Mapping[Path, float], bodies: Bodies) -> list[float]:
-    """Mass [kg] of each body."""
-    return [sum(masses[path] for path in members) for members in bodies.members]
+def _settle(
+    mechanism: Mechanism,
+    kept: nx.MultiGraph,
+    root: int,
+    island: list[int],
+    keys: GraphKeys,
+    order: list[int],
+    edges: list[Edge],
+    notes: Notes,
+) -> None:
+    """Does with what hangs on nothing as `root.disconnected` says, and tells it."""
+    bodies = mechanism.bodies
+    names = ", ".join(sorted(bodies[body].name for body in island))
+    where = f"root.disconnected: {keys.root.disconnected}"
+    if keys.root.disconnected == "drop":
+        notes.tell("W-LOOSE", f"{names}: left out, as it hangs on nothing", where)
+        return
+    welded = keys.root.disconnected == "weld"
+    head = heaviest(mechanism, [body for body in island if bodies[body].held] or island)
+    done = "fixed to the root" if welded else "floats on its own"
+    notes.tell("W-LOOSE", f"{names}: {done}, as it hangs on nothing", where)
+    below, grown = _walk(kept, head)
+    order += below
+    edges += [Edge(root, head, None, "fixed" if welded else "free"), *grown]

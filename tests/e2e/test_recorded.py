@@ -96,7 +96,7 @@ def test_masses_are_the_direct_sum_over_the_recorded_parts(kbot: tuple[Path, dic
 
 def test_all_mate_frames_coincide_at_the_saved_pose(kbot: tuple[Path, dict, Robot]) -> None:
     """Every mate of the recording, FASTENED ones too, through the robot's own kinematics."""
-    from stages.graph.assembly import read_assembly
+    from stages.graph.onshape.definition import read_assembly
 
     _, _, robot = kbot
     poses = link_poses(robot, saved_configuration(robot))

@@ -32,11 +32,12 @@ def test_q_is_the_first_entity_relative_to_the_second_whichever_is_the_child(
     sides = [(arm, TOP), (base, SIDE)]
     kit.root.revolute("Elbow", *(sides if first_is_child else sides[::-1]), value=0.4, limits=(-0.5, 1.5))
     robot = robot_of(kit.document)
-    (joint,) = robot.joints
+    (joint,), (dof,) = robot.joints, robot.dofs
     assert (joint.parent, joint.child) == ("base", "arm")
-    assert joint.saved == pytest.approx(0.4, abs=1e-12)
-    assert joint.limits == Limits(-0.5, 1.5)
-    assert joint.axis[2] == (1 if first_is_child else -1)
+    assert joint.backwards == (not first_is_child)
+    assert dof.saved == pytest.approx(0.4, abs=1e-12)
+    assert dof.limits == Limits(-0.5, 1.5)
+    assert dof.axis[2] == (1 if first_is_child else -1)
     pose = link_poses(robot, {"elbow": 1.0})["arm"] @ robot.link("arm").parts[0].link_from_part
     assert np.abs(pose - kit.document.truth.poses({"Elbow": 1.0})[arm.path]).max() < 1e-12
 
@@ -45,9 +46,10 @@ def test_sliders_take_their_limits_in_metres_and_may_be_open_on_one_side(kit: Ki
     base, cart = kit.place("Base", fixed=True), kit.place("Cart")
     kit.root.slider("Rail", (cart, TOP), (base, SIDE), value=0.2, limits=(None, 0.3))
     (joint,) = robot_of(kit.document).joints
+    (dof,) = joint.dofs
     assert joint.type == "prismatic"
-    assert joint.limits == Limits(None, 0.3)
-    assert joint.saved == pytest.approx(0.2, abs=1e-12)
+    assert dof.limits == Limits(None, 0.3)
+    assert dof.saved == pytest.approx(0.2, abs=1e-12)
 
 
 def test_fastened_parts_and_groups_are_one_link(kit: Kit) -> None:
@@ -72,7 +74,7 @@ def test_joints_inside_a_sub_assembly_used_twice_are_two_joints(kit: Kit) -> Non
     kit.root.fasten("Right", (right / palm, TOP), (hand, TOP))
     kit.document.set_value(right, bend, 0.7)
     robot = robot_of(kit.document)
-    assert {joint.name: round(joint.saved, 9) for joint in robot.joints} == {
+    assert {dof.name: round(dof.saved, 9) for dof in robot.dofs} == {
         "finger_bend": 0.1,
         "finger_2_bend": 0.7,
     }
@@ -146,7 +148,7 @@ def test_a_follower_is_saved_at_the_turn_that_its_driver_gives(kit: Kit, tmp_pat
     second = kit.root.revolute("Second", (two, TOP), (base, TOP), value=-5.0, limits=(-7, 7))
     kit.root.gear("Gear", first, second, 2.0)
     robot = robot_of(kit.document)
-    assert {joint.name: round(joint.saved, 9) for joint in robot.joints} == {"first": 2.5, "second": -5.0}
+    assert {dof.name: round(dof.saved, 9) for dof in robot.dofs} == {"first": 2.5, "second": -5.0}
     assert not codes(robot)
     write(robot, tmp_path)
     assert all(check.passed for check in validate(tmp_path, robot, plan_of()))
@@ -211,7 +213,7 @@ def test_the_root_can_be_chosen_by_name(kit: Kit, select: str) -> None:
     robot = robot_of(kit.document, plan_of(root={"select": select, "base": "free"}))
     assert robot.root.name == "arm"
     assert not robot.base.fixed
-    assert robot.joints[0].limits == Limits(0.0, 1.0)
+    assert robot.dofs[0].limits == Limits(0.0, 1.0)
 
 
 def test_a_root_that_does_not_exist_lists_the_links(kit: Kit) -> None:
@@ -247,7 +249,7 @@ def test_joint_properties_by_glob_later_entries_win_field_by_field(kit: Kit) -> 
             "left*": {"effort": 7, "limits": [-1, None]},
         }
     )
-    left, right = robot_of(kit.document, plan).joints
+    left, right = robot_of(kit.document, plan).dofs
     assert (left.dynamics.damping, left.dynamics.effort, left.limits) == (0.1, 7, Limits(-1, None))
     assert (right.dynamics.damping, right.dynamics.effort, right.limits) == (0.1, 5, Limits())
 

@@ -10,8 +10,10 @@ from stages.fetch.bundle import read
 from stages.fetch.onshape import gather
 from stages.fetch.recorded import Recorded
 from stages.graph import build_robot
-from stages.robot.bundle import Bundle
-from stages.robot.model import Robot
+from stages.graph.onshape.assembly import Assembly, Mate
+from stages.graph.onshape.limits import resolve_limits
+from stages.robot.bundle import Bundle, Features, StudioKey
+from stages.robot.model import MateRef, Robot
 from tests.building import plan_of
 from tests.onshape.replies import Replies
 from tests.onshape.settable import typed_arm
@@ -60,7 +62,7 @@ def arm(change=None, keys=None, **how) -> Robot:
 
 
 def limits(robot: Robot) -> dict[str, tuple]:
-    return {joint.name: (joint.limits.lower, joint.limits.upper) for joint in robot.joints}
+    return {dof.name: (dof.limits.lower, dof.limits.upper) for dof in robot.dofs}
 
 
 def told(robot: Robot) -> dict[str, str]:
@@ -204,6 +206,74 @@ def test_limits_of_the_definition_are_used_where_it_has_them() -> None:
     assert {name: pytest.approx(pair) for name, pair in limits(old).items()} == limits(found)
 
 
+OF_TYPE = {
+    "REVOLUTE": ["AxialZMin", "AxialZMax"],
+    "SLIDER": ["ZMin", "ZMax"],
+    "CYLINDRICAL": ["ZMin", "ZMax", "AxialZMin", "AxialZMax"],
+    "PIN_SLOT": ["XMin", "XMax", "AxialZMin", "AxialZMax"],
+    "PLANAR": ["XMin", "XMax", "YMin", "YMax", "AxialZMin", "AxialZMax"],
+    "PARALLEL": ["XMin", "XMax", "YMin", "YMax", "ZMin", "ZMax", "AxialZMin", "AxialZMax"],
+    "BALL": ["EulerConeAngleMax"],
+    "FASTENED": [],
+}
+EVERY = {
+    "XMin": "10 mm",
+    "XMax": "15 mm",
+    "YMin": "20 mm",
+    "YMax": "25 mm",
+    "ZMin": "30 mm",
+    "ZMax": "35 mm",
+    **{f"Axial{side}{end}": "90 deg" for side in "XYZ" for end in ("Min", "Max")},
+    "EulerConeAngleMax": "45 deg",
+}
+"""What a list of features says of any mate: all limits, whatever its type."""
+
+
+def resolved(kind: str, typed: dict[str, str], copies=("",)) -> tuple[list[Mate], dict]:
+    """Mates of this type in the root, whose list of features gives these limits."""
+    root = {"documentId": "d", "documentMicroversion": "m", "elementId": "e"}
+    parameters = [{"parameterId": f"limit{name}", "expression": text} for name, text in typed.items()]
+    parameters += [{"parameterId": "limitsEnabled", "value": True}, {"expression": "7 m"}]
+    body = {"features": [{"featureId": "f", "parameters": parameters}]}
+    bundle = Bundle(
+        kind="onshape",
+        api="v17",
+        root={},
+        definition="",
+        studios=(),
+        requests={},
+        blobs={"list": json.dumps(body).encode()},
+        features=(Features(StudioKey.of(root), "list"),),
+    )
+    assembly = Assembly(root=root)
+    assembly.mates += [Mate(MateRef((), "f", "Mate", kind, copy), "Mate", (), None) for copy in copies]
+    unknown = resolve_limits(assembly, bundle)
+    return assembly.mates, unknown
+
+
+@pytest.mark.parametrize("kind", OF_TYPE)
+def test_each_type_takes_the_limits_of_its_own_freedoms(kind: str) -> None:
+    (mate,), unknown = resolved(kind, EVERY)
+    assert not unknown
+    want = {"X": (0.010, 0.015), "Y": (0.020, 0.025), "Z": (0.030, 0.035)}
+    quarter, cone = math.radians(90), math.radians(45)
+    every = {f"{side}{end}": pair[end == "Max"] for side, pair in want.items() for end in ("Min", "Max")}
+    every |= {"AxialZMin": quarter, "AxialZMax": quarter, "EulerConeAngleMax": cone}
+    assert (mate.limits or {}) == {f"limit{name}": pytest.approx(every[name]) for name in OF_TYPE[kind]}
+
+
+def test_a_length_is_no_cone() -> None:
+    (mate,), unknown = resolved("BALL", {"EulerConeAngleMax": "45 mm"})
+    assert mate.limits == {}
+    assert "limitEulerConeAngleMax is '45 mm'" in unknown[(), "f"]
+
+
+def test_copies_of_a_mate_take_its_limits() -> None:
+    mates, unknown = resolved("SLIDER", {"ZMin": "1 mm", "ZMax": "#lost"}, copies=("", "I1", "I2"))
+    assert [mate.limits for mate in mates] == [{"limitZMin": pytest.approx(0.001)}] * 3
+    assert list(unknown) == [((), "f")]
+
+
 @needs_data
 def test_the_kbot_has_its_limits_where_its_variables_are_known() -> None:
     """Twenty limits, each an expression with a variable and a stale 0 beside it."""
@@ -242,7 +312,7 @@ def test_the_kbot_has_its_limits_where_its_variables_are_known() -> None:
         blobs={**bundle.blobs, "tables": tables},
     )
     robot = build_robot(supplied, plan_of())
-    found = {joint.mate.feature: (joint.limits.lower, joint.limits.upper) for joint in robot.joints}
+    found = {joint.mate.feature: limits(robot)[joint.name] for joint in robot.joints}
     assert len(found) == 20
     for feature, pair in typed.items():
         want = [

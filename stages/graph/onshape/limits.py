@@ -11,26 +11,15 @@ from typing import Any
 
 import orjson
 
-from stages.graph.assembly import Assembly, Mate, Path, Record
-from stages.graph.expressions import ExpressionError, Scope, measured
+from stages.graph.couplings import TYPES
+from stages.graph.onshape.assembly import Assembly, Mate, Path, Record
+from stages.graph.onshape.expressions import ExpressionError, Scope, measured
 from stages.robot.bundle import Bundle, Features, StudioKey
 from stages.robot.configuration import decoded, split
 from stages.robot.errors import ProtocolError
+from stages.robot.model import DofKind
 
 MateKey = tuple[Path, str]
-
-SIDES: Mapping[str, tuple[str, ...]] = {
-    "REVOLUTE": ("AxialZ",),
-    "SLIDER": ("Z",),
-    "CYLINDRICAL": ("Z", "AxialZ"),
-    "PIN_SLOT": ("X", "AxialZ"),
-    "PLANAR": ("X", "Y", "AxialZ"),
-    "PARALLEL": ("X", "Y", "Z", "AxialZ"),
-}
-"""Mate type → the freedoms that its limits bound; a mate lists all of them, whatever its type."""
-
-CONE = "limitEulerConeAngleMax"
-"""The one limit of a BALL."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,34 +109,43 @@ def _limits(mate: Mate, owner: _Owner) -> tuple[Record, list[str]]:
     parameters = owner.mates.get(mate.ref.feature)
     if parameters is None:
         return {}, ["the list of features lacks this mate"]
+    _, freedoms = TYPES.get(mate.ref.type, ("fixed", ()))
     reasons: list[str] = []
     limits: dict[str, float] = {}
     try:
         if not _configured(parameters["limitsEnabled"], owner).get("value"):
             return {}, []
-        wanted = [CONE] if mate.ref.type == "BALL" else []
-        wanted += [f"limit{side}{end}" for side in SIDES.get(mate.ref.type, ()) for end in ("Min", "Max")]
-        for name in wanted:
-            if name in parameters:
-                _limit(name, _configured(parameters[name], owner), owner.scope, limits, reasons)
+        for freedom in freedoms:
+            for name in freedom.limits:
+                if name and name in parameters:
+                    parameter = _configured(parameters[name], owner)
+                    _limit(name, freedom.kind, parameter, owner.scope, limits, reasons)
     except ExpressionError as error:
         return {}, [str(error)]
-    for side in SIDES.get(mate.ref.type, ()):
-        low, high = (limits.get(f"limit{side}{end}") for end in ("Min", "Max"))
+    for freedom in freedoms:
+        low, high = (limits.get(name) for name in freedom.limits)
         if low is not None and high is not None and low > high:
             reasons.append(f"its lower limit {low:.6g} lies above the upper one, {high:.6g}")
-            del limits[f"limit{side}Min"], limits[f"limit{side}Max"]
+            for name in freedom.limits:
+                del limits[name]
     return limits, reasons
 
 
-def _limit(name: str, parameter: Record, scope: Scope, limits: dict[str, float], reasons: list[str]) -> None:
+def _limit(
+    name: str,
+    kind: DofKind,
+    parameter: Record,
+    scope: Scope,
+    limits: dict[str, float],
+    reasons: list[str],
+) -> None:
     """Takes one limit down, in `limits` or in `reasons`; one that is null is open."""
     if parameter.get("isNull"):
         return
     text = str(parameter.get("expression") or "")
     scope.rounded.clear()
     try:
-        limits[name] = measured(text, "angle" if "Axial" in name or name == CONE else "length", scope)
+        limits[name] = measured(text, "length" if kind == "slide" else "angle", scope)
     except ExpressionError as error:
         reasons.append(f"{name} is {text!r}, which has no value: {error}")
     if scope.rounded:

@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass
 from typing import Literal
 
-from stages.graph.quantity import ExpressionError
+from stages.graph.onshape.quantity import ExpressionError
 from stages.robot.units import UNITS
 
 _TOKEN = re.compile(

@@ -1,120 +1,29 @@
-"""The assembly as drawn: every occurrence at any depth, and every feature in each place it acts.
-
-Reads Onshape's assembly definition. One sub-assembly's features act once for every occurrence of
-that sub-assembly, so what identifies a feature is its owner's occurrence path and its id.
-"""
+"""Reads Onshape's assembly definition into an `Assembly`, tolerant of keys that it does not know."""
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import orjson
 
+from stages.graph.couplings import TYPES
+from stages.graph.onshape.assembly import (
+    Assembly,
+    Connector,
+    Entity,
+    Mate,
+    MateGroup,
+    MateRelation,
+    Occurrence,
+    Path,
+    Pattern,
+    Record,
+    check_parts,
+    leave_out_empty,
+)
 from stages.robot.bundle import StudioKey
-from stages.robot.errors import AssemblyError, Diagnostic, ProtocolError
+from stages.robot.errors import Diagnostic, ProtocolError
 from stages.robot.model import Array, MateRef, frozen
-
-Path = tuple[str, ...]
-Record = Mapping[str, Any]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Occurrence:
-    """One instance in one place: `path` of instance ids, `names` the same in words."""
-
-    path: Path
-    names: tuple[str, ...]
-    record: Record
-    world_from_occurrence: Array
-    fixed: bool
-
-    @property
-    def is_part(self) -> bool:
-        return bool(self.record.get("type") == "Part")
-
-    @property
-    def title(self) -> str:
-        return "/".join(self.names)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Entity:
-    """One side of a mate: an occurrence (the empty path is the assembly origin) and a frame on it."""
-
-    path: Path
-    occurrence_from_frame: Array
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Mate:
-    """`limits` are Onshape's own names and values [rad or m], None where the server did not send any."""
-
-    ref: MateRef
-    title: str
-    entities: tuple[Entity, ...]
-    limits: Mapping[str, float] | None
-
-
-@dataclass(frozen=True, slots=True)
-class MateRelation:
-    """Joins two mates, each named by (owner path, feature id); `mates[1]` follows."""
-
-    owner: Path
-    feature: str
-    title: str
-    type: str
-    mates: tuple[tuple[Path, str], ...]
-    ratio: float
-    reverse: bool
-
-
-@dataclass(frozen=True, slots=True)
-class MateGroup:
-    owner: Path
-    title: str
-    members: tuple[Path, ...]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Connector:
-    """A mate connector that the designer placed and named."""
-
-    owner: Path
-    feature: str
-    name: str
-    names: tuple[str, ...]
-    entity: Entity
-
-    @property
-    def title(self) -> str:
-        return "/".join((*self.names, self.name))
-
-
-@dataclass(slots=True)
-class Assembly:
-    """Everything that is not suppressed. `occurrences` has the root's absent: its path is ()."""
-
-    root: Record
-    occurrences: dict[Path, Occurrence] = field(default_factory=dict)
-    mates: list[Mate] = field(default_factory=list)
-    relations: list[MateRelation] = field(default_factory=list)
-    groups: list[MateGroup] = field(default_factory=list)
-    connectors: list[Connector] = field(default_factory=list)
-    body_types: dict[tuple[StudioKey, str], str] = field(default_factory=dict)
-    diagnostics: list[Diagnostic] = field(default_factory=list)
-
-    @property
-    def parts(self) -> list[Occurrence]:
-        """Part occurrences, sorted by path."""
-        return [o for path, o in sorted(self.occurrences.items()) if o.is_part]
-
-    def world_from(self, entity: Entity) -> Array:
-        """The entity's frame in the root assembly's frame, at the saved pose: (4, 4)."""
-        if not entity.path:
-            return entity.occurrence_from_frame
-        return self.occurrences[entity.path].world_from_occurrence @ entity.occurrence_from_frame
 
 
 def read_assembly(body: bytes) -> Assembly:
@@ -130,17 +39,16 @@ def read_assembly(body: bytes) -> Assembly:
         owners: list[tuple[Path, tuple[str, ...], Record]] = [((), (), root)]
         for path, names, record in owners:
             owners.extend(_expand(assembly, path, names, record, placed, subs))
-    _leave_out_empty(assembly)
+    leave_out_empty(assembly)
     # Features need every occurrence to be known: a mate of one assembly may reach into another.
     for path, names, record in owners:
         for feature in record.get("features") or ():
             if not feature.get("suppressed"):
                 with _shape_of("feature", "/".join((*names, str(feature.get("id"))))):
                     _read_feature(assembly, path, names, feature)
-    if not assembly.parts:
-        msg = "the assembly has no parts"
-        hint = "insert at least one part, or unsuppress what is there"
-        raise AssemblyError(msg, where=root.get("elementId", ""), hint=hint)
+        with _shape_of("pattern", "/".join(names)):
+            assembly.patterns.extend(_read_patterns(path, names, record))
+    check_parts(assembly, "insert at least one part, or unsuppress what is there")
     return assembly
 
 
@@ -153,13 +61,6 @@ def _shape_of(what: str, where: str) -> Iterator[None]:
         msg = f"the {what} is not in the shape of the API ({type(error).__name__}: {error})"
         hint = "fetch it again, or make the bundle again; if it stays so, the API has changed"
         raise ProtocolError(msg, where, hint) from error
-
-
-def _leave_out_empty(assembly: Assembly) -> None:
-    """Forgets sub-assemblies without any part: they are as absent as what is suppressed."""
-    used = {part.path[:depth] for part in assembly.parts for depth in range(1, len(part.path) + 1)}
-    for path in set(assembly.occurrences) - used:
-        del assembly.occurrences[path]
 
 
 def _expand(
@@ -187,7 +88,12 @@ def _expand(
             msg = "the definition gives no transform for this instance"
             raise ProtocolError(msg, where=title)
         assembly.occurrences[child] = Occurrence(
-            child, child_names, instance, _rigid(place["transform"], title), bool(place.get("fixed"))
+            child,
+            child_names,
+            instance,
+            _rigid(place["transform"], title),
+            bool(place.get("fixed")),
+            bool(place.get("hidden")),
         )
         if instance["type"] == "Assembly":
             sub = subs.get(StudioKey.of(instance))
@@ -201,7 +107,7 @@ def _rigid(values: list[float], title: str) -> Array:
     """A row-major 4x4 as an array; ProtocolError unless it keeps lengths."""
     transform = np.array(values, dtype=float).reshape(4, 4)
     rotation = transform[:3, :3]
-    if not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-6):
+    if not abs(rotation @ rotation.T - np.eye(3)).max() < 1e-6:  # nor where one is not a number
         msg = "the transform of this instance is not rigid"
         raise ProtocolError(msg, where=title)
     return frozen(transform)
@@ -220,8 +126,12 @@ def _read_feature(assembly: Assembly, owner: Path, names: tuple[str, ...], featu
                 feature["id"],
                 title,
                 data.get("relationType", "UNKNOWN"),
-                tuple((owner + tuple(m.get("occurrence") or ()), m["featureId"]) for m in data["mates"]),
+                tuple(
+                    (owner + tuple(m.get("occurrence") or ()), m["featureId"])
+                    for m in data.get("mates") or ()
+                ),
                 float(data.get("relationRatio") or 0.0),
+                float(data.get("relationLength") or 0.0),
                 bool(data.get("reverseDirection")),
             )
         )
@@ -264,10 +174,47 @@ def _read_mate(assembly: Assembly, owner: Path, title: str, name: str, feature: 
         )
         return
     ref = MateRef(owner, feature["id"], name, data.get("mateType", "UNKNOWN"))
+    if ref.type not in TYPES:
+        assembly.diagnostics.append(
+            Diagnostic(
+                "E-MATE-TYPE",
+                f"a mate of the type {ref.type} is not known: whether it holds anything neither",
+                title,
+                f"suppress it, or use one of {', '.join(TYPES)}",
+            )
+        )
+        return
     limits = data.get("mateLimits")
     if limits is not None:
         limits = {key: float(value) for key, value in limits.items() if value is not None}
     assembly.mates.append(Mate(ref, title, entities, limits))
+
+
+def _read_patterns(owner: Path, names: tuple[str, ...], record: Record) -> Iterator[Pattern]:
+    """The patterns and mirrors of one assembly, by id: what each is a copy of."""
+    drawn = [
+        (pattern, list((pattern.get("seedToPatternInstances") or {}).items()))
+        for pattern in record.get("patterns") or ()
+    ] + [
+        (
+            mirror,
+            [
+                (child["seedOccurrence"], child.get("instanceIds"))
+                for child in mirror.get("children") or ()
+                if child.get("seedOccurrence")
+            ],
+        )
+        for mirror in record.get("parametricInstances") or ()
+    ]
+    for pattern, pairs in sorted(drawn, key=lambda one: str(one[0].get("id"))):
+        if pattern.get("suppressed"):
+            continue
+        copies: dict[Path, tuple[Path, ...]] = {}
+        for seed, ids in pairs:
+            path = owner + ((seed,) if isinstance(seed, str) else tuple(seed))
+            copies[path] = copies.get(path, ()) + tuple((*owner, ident) for ident in ids or ())
+        name = pattern.get("name") or pattern.get("type") or "pattern"
+        yield Pattern(owner, "/".join((*names, name)), copies)
 
 
 def _frame(cs: Record) -> Array:

@@ -1,0 +1,180 @@
+"""Links and frames that CAD does not have: a payload, a foot under the base, a tool's tip."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+
+from stages.graph.addedkeys import AddedFrameKeys, AddedJointKeys, AddedLinkKeys
+from stages.graph.globs import listed, names_in, unusable
+from stages.graph.masskeys import tensor
+from stages.graph.mechanism import WORLD_LINK
+from stages.graph.notes import Notes
+from stages.robot.inertia import ZERO, primitive_inertial
+from stages.robot.model import (
+    Array,
+    Dof,
+    Dynamics,
+    Frame,
+    Inertial,
+    Joint,
+    JointType,
+    Limits,
+    Link,
+    Primitive,
+    Robot,
+    frozen,
+)
+from stages.robot.names import free
+from stages.robot.poses import from_parts, inverse, rotation_from_rpy
+
+TYPES: Mapping[str, JointType] = {
+    "fixed": "fixed",
+    "revolute": "revolute",
+    "continuous": "revolute",
+    "prismatic": "prismatic",
+}
+
+Wanted = TypeVar("Wanted")
+
+
+def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], notes: Notes) -> Robot:
+    """The robot with more links: the new ones last, in the order of their names as their parents allow.
+
+    One above the root becomes the root: it stands where the old root did not, and the base with it.
+    E-LINK for a parent or a child that is none, E-NAME for a name that is not free.
+    """
+    avoid = {*wanted, *(keys.joint.name for keys in wanted.values() if keys.joint.name)}
+
+    def known(robot: Robot, keys: AddedLinkKeys) -> bool:
+        if keys.child is not None:
+            return keys.child == robot.root.name != WORLD_LINK
+        return _place(robot, keys.parent or "") is not None
+
+    def add(robot: Robot, name: str, keys: AddedLinkKeys) -> Robot:
+        taken = names_in(robot)
+        joint = keys.joint.name or free(f"{name}_joint", taken | avoid)
+        reasons = [unusable(name, taken), unusable(joint, {*taken, name})]
+        for reason in filter(None, reasons):
+            notes.tell("E-NAME", reason, f"links.{name}", "links, joints and frames share their names")
+        return robot if any(reasons) else _with_link(robot, name, joint, keys)
+
+    def lost(robot: Robot, name: str, keys: AddedLinkKeys) -> None:
+        if keys.child is None:
+            text, hint = f"there is no link or frame {keys.parent!r} to hang it on", _places(robot)
+        elif robot.root.name == WORLD_LINK:
+            text, hint = "nothing goes above the assembly's origin, which is the root", "give it a parent"
+        else:
+            text, hint = f"{keys.child!r} is not the root", f"the root is {robot.root.name!r}"
+        notes.tell("E-LINK", text, f"links.{name}", hint)
+
+    return _one_by_one(robot, wanted, known, add, lost)
+
+
+def with_added_frames(robot: Robot, wanted: Mapping[str, AddedFrameKeys], notes: Notes) -> Robot:
+    """The robot with more frames, all sorted by name; one may be given relative to another.
+
+    E-FRAME for a link or frame that is none, E-NAME for a name that is not free.
+    """
+
+    def known(robot: Robot, keys: AddedFrameKeys) -> bool:
+        return _place(robot, keys.link) is not None
+
+    def add(robot: Robot, name: str, keys: AddedFrameKeys) -> Robot:
+        reason = unusable(name, names_in(robot))
+        if reason:
+            hint = "links, joints and frames share their names"
+            notes.tell("E-NAME", reason, f"frames.add.{name}", hint)
+            return robot
+        link, link_from_parent = _place(robot, keys.link) or (keys.link, np.eye(4))
+        frame = Frame(name, link, frozen(link_from_parent @ _pose(keys)), name)
+        return replace(robot, frames=tuple(sorted((*robot.frames, frame), key=lambda one: one.name)))
+
+    def lost(robot: Robot, name: str, keys: AddedFrameKeys) -> None:
+        text = f"there is no link or frame {keys.link!r} to fix it to"
+        notes.tell("E-FRAME", text, f"frames.add.{name}", _places(robot))
+
+    return _one_by_one(robot, wanted, known, add, lost)
+
+
+def _one_by_one(
+    robot: Robot,
+    wanted: Mapping[str, Wanted],
+    known: Callable[[Robot, Wanted], bool],
+    add: Callable[[Robot, str, Wanted], Robot],
+    lost: Callable[[Robot, str, Wanted], None],
+) -> Robot:
+    """Adds what is wanted, each as soon as what it hangs on is known; the rest is lost."""
+    waiting = dict(sorted(wanted.items()))
+    while ready := [name for name, keys in waiting.items() if known(robot, keys)]:
+        robot = add(robot, ready[0], waiting.pop(ready[0]))
+    for name, keys in waiting.items():
+        lost(robot, name, keys)
+    return robot
+
+
+def _with_link(robot: Robot, name: str, joint: str, keys: AddedLinkKeys) -> Robot:
+    link = _link(name, keys)
+    if keys.child is not None:
+        hung = _joint(joint, keys.joint, name, keys.child, _pose(keys))
+        return replace(
+            robot,
+            links=(link, *robot.links),
+            joints=(hung, *robot.joints),
+            world_from_root=frozen(robot.world_from_root @ inverse(hung.parent_from_joint)),
+        )
+    parent, link_from_place = _place(robot, keys.parent or "") or ("", np.eye(4))
+    hung = _joint(joint, keys.joint, parent, name, link_from_place @ _pose(keys))
+    return replace(robot, links=(*robot.links, link), joints=(*robot.joints, hung))
+
+
+def _joint(name: str, keys: AddedJointKeys, parent: str, child: str, parent_from_joint: Array) -> Joint:
+    axis = np.array(keys.axis)
+    dof = Dof(
+        name=name,
+        kind="slide" if keys.type == "prismatic" else "turn",
+        axis=frozen(axis / np.linalg.norm(axis)),
+        origin=frozen(np.eye(4)),
+        limits=Limits(*keys.limits) if keys.limits else Limits(),
+        dynamics=Dynamics(),
+        saved=0.0,
+    )
+    dofs = () if keys.type == "fixed" else (dof,)
+    return Joint(name, TYPES[keys.type], parent, child, frozen(parent_from_joint), dofs, False, None)
+
+
+def _link(name: str, keys: AddedLinkKeys) -> Link:
+    inertial = _inertial(keys)
+    shapes: tuple[Primitive, ...] = ()
+    if keys.geometry is not None:
+        kind, size = keys.geometry.shape()
+        shapes = (Primitive(kind, size, frozen(np.eye(4))),)
+    return Link(name, inertial or ZERO, (), (), inertial, shapes)
+
+
+def _inertial(keys: AddedLinkKeys) -> Inertial | None:
+    if keys.mass is None:
+        return None
+    if keys.inertia is not None:
+        inertia = tensor(keys.inertia)
+    else:
+        assert keys.geometry is not None
+        inertia = primitive_inertial(*keys.geometry.shape(), keys.mass).inertia
+    return Inertial(keys.mass, frozen(keys.com or (0.0, 0.0, 0.0)), inertia)
+
+
+def _place(robot: Robot, name: str) -> tuple[str, Array] | None:
+    """The link and the pose in it (4, 4) that a link's or a frame's name stands for."""
+    if any(link.name == name for link in robot.links):
+        return name, np.eye(4)
+    return next(((f.link, f.link_from_frame) for f in robot.frames if f.name == name), None)
+
+
+def _places(robot: Robot) -> str:
+    text = f"links are: {listed(link.name for link in robot.links)}"
+    return f"{text}; frames are: {listed(f.name for f in robot.frames)}" if robot.frames else text
+
+
+def _pose(keys: AddedLinkKeys | AddedFrameKeys) -> Array:
+    return from_parts(rotation_from_rpy(keys.rpy), np.array(keys.xyz))

@@ -1,0 +1,121 @@
+"""Which dofs a relation as drawn joins, and by what factor; what it cannot mean is told by name."""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from stages.graph.mechanism import Bond
+from stages.graph.notes import Notes
+from stages.robot.model import DofKind, Joint, Robot
+
+PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
+    "GEAR": (("turn", "turn"),),
+    "LINEAR": (("slide", "slide"),),
+    "RACK_AND_PINION": (("turn", "slide"), ("slide", "turn")),
+    "SCREW": (("turn", "slide"),),
+}
+"""Type of relation → the kinds of dofs that it may join, driver first."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bonded:
+    """`follower` = factor · `driver`, names of dofs, but for an offset."""
+
+    title: str
+    driver: str
+    follower: str
+    factor: float
+
+
+class _Unfit(Exception):
+    """Why a bond joins no dofs."""
+
+
+def bonded(robot: Robot, bonds: Sequence[Bond], notes: Notes) -> tuple[Bonded, ...]:
+    """The bonds that join two dofs of the tree, sorted by title; the others are told (W-RELATION), and
+    those that contradict themselves (E-RELATION)."""
+    found = []
+    for bond in sorted(bonds, key=lambda b: (b.title, b.couplings, b.type)):
+        try:
+            one = _bonded(robot, bond)
+        except _Unfit as why:
+            notes.tell("W-RELATION", f"{why}: its joints move independently", bond.title)
+            continue
+        if one is None:
+            text = f"a SCREW is of one CYLINDRICAL mate: {' and '.join(map(repr, bond.couplings))} is none"
+            notes.tell("E-RELATION", text, bond.title, "make the mate CYLINDRICAL")
+        elif one.driver == one.follower:
+            text = f"the joint {one.driver!r} is related to itself"
+            notes.tell("E-RELATION", text, bond.title, "choose two mates")
+        else:
+            found.append(one)
+    return tuple(found)
+
+
+def _bonded(robot: Robot, bond: Bond) -> Bonded | None:
+    """The dofs and the factor of a bond; None for a screw that is none; _Unfit with the reason."""
+    if bond.type not in PAIRS:
+        msg = f"a {bond.type} relation is not supported"
+        raise _Unfit(msg)
+    joints = _joints(robot, bond)
+    if bond.type == "SCREW":
+        if any(joint.type != "cylindrical" for joint in joints):
+            return None
+        joints = (*joints, *joints)
+    kinds, (driver, follower) = _dofs(bond, *joints)
+    factor = _factor(bond, kinds)
+    return Bonded(bond.title, driver, follower, factor if bond.reverse else -factor)
+
+
+def _joints(robot: Robot, bond: Bond) -> tuple[Joint, ...]:
+    wanted = 1 if bond.type == "SCREW" else 2
+    names = bond.couplings if wanted == 2 else tuple(dict.fromkeys(bond.couplings))
+    if len(names) != wanted:
+        msg = f"a {bond.type} relation is of {wanted} mate(s), and this one has {len(names)}"
+        raise _Unfit(msg)
+    joints = {joint.name: joint for joint in robot.joints}
+    for name in names:
+        if name not in joints:
+            raise _Unfit(_why_no_joint(robot, name))
+    return tuple(joints[name] for name in names)
+
+
+def _why_no_joint(robot: Robot, name: str) -> str:
+    if any(loop.name == name for loop in robot.loops):
+        return f"the relation names {name!r}, which closes a loop (loops.cut chooses another)"
+    if name:
+        return f"the relation names {name!r}, which is no joint of the robot"
+    return "the relation names a mate that moves nothing (broken, suppressed, or inside one link)"
+
+
+def _dofs(bond: Bond, first: Joint, second: Joint) -> tuple[tuple[DofKind, DofKind], tuple[str, str]]:
+    """The one pair of dofs that the bond can mean."""
+    fits = [
+        ((one.kind, other.kind), (one.name, other.name))
+        for kinds in PAIRS[bond.type]
+        for one in first.dofs
+        for other in second.dofs
+        if (one.kind, other.kind) == kinds
+    ]
+    if len(fits) == 1:
+        return fits[0]
+    types = f"{first.name!r} ({first.type}) and {second.name!r} ({second.type})"
+    if fits:
+        pairs = ", ".join(" and ".join(names) for _, names in fits)
+        msg = f"a {bond.type} relation of {types} may mean more than one pair: {pairs}"
+    else:
+        wanted = " or ".join(f"a {one} and a {other}" for one, other in PAIRS[bond.type])
+        msg = f"a {bond.type} relation needs {wanted}, which {types} do not have"
+    raise _Unfit(msg)
+
+
+def _factor(bond: Bond, kinds: tuple[DofKind, DofKind]) -> float:
+    """k > 0 of follower = ±k · driver, by the kinds of driver and follower."""
+    by_ratio = kinds[0] == kinds[1]
+    size = bond.ratio if by_ratio else bond.length
+    if not (size > 0 and math.isfinite(size)):
+        msg = f"the relation has the {'ratio' if by_ratio else 'length'} {size:g}"
+        raise _Unfit(msg)
+    if by_ratio:
+        return size
+    return size / math.tau if kinds[0] == "turn" else math.tau / size

@@ -1,0 +1,82 @@
+"""What users type: globs that must match something, and new names that must be free."""
+
+import re
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from fnmatch import fnmatchcase, translate
+from typing import TypeVar
+
+from stages.graph.notes import Notes
+from stages.robot.model import Joint, Loop, Robot
+from stages.robot.names import RESERVED
+
+Entry = TypeVar("Entry")
+
+_SHOWN = 20
+
+
+def unnumbered(name: str) -> str:
+    """The name of an instance without its number: "Foot <2>" → "Foot"."""
+    return re.sub(r"\s*<\d+>\s*\Z", "", name)
+
+
+def escaped(name: str) -> str:
+    """The glob that matches this name only."""
+    return re.sub(r"([*?[])", r"[\1]", name)
+
+
+def entries_of(
+    things: Sequence[Collection[str]],
+    wanted: Mapping[str, Entry],
+    where: str,
+    kind: str,
+    notes: Notes,
+) -> Iterator[tuple[int, ...]]:
+    """For each thing, given by its names, which entries of `wanted` match one of them, in their order.
+
+    E-GLOB for each entry but "*" that matches nothing: it lists the first names, as things of a `kind`.
+    """
+    patterns = [re.compile(translate(glob)).match for glob in wanted]
+    found = [
+        tuple(index for index, matches in enumerate(patterns) if any(map(matches, names))) for names in things
+    ]
+    used = {index for indices in found for index in indices}
+    for index, glob in enumerate(wanted):
+        if index not in used and glob != "*":
+            hint = f"{kind}s are: {listed(min(names, key=lambda n: (len(n), n)) for names in things)}"
+            notes.tell("E-GLOB", f"no {kind} matches {glob!r}", where, hint)
+    return iter(found)
+
+
+def listed(names: Iterable[str]) -> str:
+    """The names once each, sorted, as a user reads them; the first of very many."""
+    every = sorted(set(names))
+    more = f" and {len(every) - _SHOWN} more" if len(every) > _SHOWN else ""
+    return ", ".join(every[:_SHOWN]) + more
+
+
+def matching(glob: str, things: Sequence[Collection[str]]) -> list[int]:
+    """The things that have `glob` for one of their names, or else one that matches it."""
+    exact = [index for index, names in enumerate(things) if glob in names]
+    return exact or [
+        index for index, names in enumerate(things) if any(fnmatchcase(name, glob) for name in names)
+    ]
+
+
+def unusable(name: str, taken: Collection[str]) -> str:
+    """Why nothing can have this name; "" if something can."""
+    if not re.fullmatch("[A-Za-z0-9_]+", name):
+        return f"{name!r} is no name: letters without accents, digits and _ only"
+    if name in RESERVED:
+        return f"the name {name!r} is reserved"
+    return f"the name {name!r} is taken" if name in taken else ""
+
+
+def names_in(robot: Robot) -> set[str]:
+    """Every name that something in the robot has."""
+    joints: list[Joint | Loop] = [*robot.joints, *robot.loops]
+    return (
+        {link.name for link in robot.links}
+        | {frame.name for frame in robot.frames}
+        | {joint.name for joint in joints}
+        | {dof.name for joint in joints for dof in joint.dofs}
+    )

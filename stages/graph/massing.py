@@ -1,0 +1,99 @@
+"""What links weigh: the user's word in place of the sum of parts, and whether a solid can weigh so."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import networkx as nx
+
+from stages.graph.globs import entries_of, listed
+from stages.graph.masskeys import LinkMassKeys, tensor
+from stages.graph.mechanism import WORLD_LINK
+from stages.graph.notes import Notes
+from stages.graph.onshape.mass import scaled
+from stages.robot.inertia import ZERO, is_physical
+from stages.robot.model import Inertial, Link, Robot, frozen
+
+_MEND = "mend the material or the mass override in Onshape, or give inertia in mass."
+
+
+def with_given_masses(robot: Robot, wanted: Mapping[str, LinkMassKeys], notes: Notes) -> Robot:
+    """The robot with what `mass.links` says about its links: later entries win, value by value.
+
+    E-GLOB for a glob that matches no link; E-MASS where too little is said of a link without mass.
+    """
+    names = [{link.name} for link in robot.links]
+    asked = list(wanted.values())
+    links = []
+    for link, entries in zip(
+        robot.links, entries_of(names, wanted, "mass.links", "link", notes), strict=True
+    ):
+        values: dict[str, object] = {}
+        for index in entries:
+            values.update({name: value for name, value in asked[index] if value is not None})
+        links.append(_given(link, LinkMassKeys.model_validate(values), notes) if values else link)
+    return replace(robot, links=tuple(links))
+
+
+def _given(link: Link, asked: LinkMassKeys, notes: Notes) -> Link:
+    if link.name == WORLD_LINK:
+        return link
+    mass = link.inertial.mass if asked.mass is None else asked.mass
+    lacks = [name for name in ("mass", "com", "inertia") if getattr(asked, name) is None]
+    if link.inertial.mass == 0 and lacks:
+        text = f"the link has no mass of its own: {' and '.join(lacks)} must be given too"
+        notes.tell("E-MASS", text, link.name, f"mass: {{links: {{{link.name}: {{mass: ...}}}}}}")
+        return link
+    sum_of_parts = scaled(link.inertial, mass) if link.inertial.mass > 0 else ZERO
+    given = Inertial(
+        mass,
+        sum_of_parts.com if asked.com is None else frozen(asked.com),
+        sum_of_parts.inertia if asked.inertia is None else tensor(asked.inertia),
+    )
+    return replace(link, inertial=given, given=given)
+
+
+def check_links(robot: Robot, notes: Notes) -> None:
+    """E-MASS for what moves without mass, E-INERTIA for an inertia that no solid can have.
+
+    What hangs together by fixed joints moves as one, so a link in it may be without mass. W-INERTIA:
+    a part whose own inertia is impossible, in a link whose inertia is not.
+    """
+    for link in _moving_without_mass(robot):
+        text, hint = "the link moves, but has no mass", f"mass: {{links: {{{link.name}: {{mass: ...}}}}}}"
+        if link.parts:
+            text = "the link has no mass: it is nothing but sheets, or what weighs nothing"
+            hint = "fasten it to a solid part, or thicken it, in Onshape"
+        notes.tell("E-MASS", text, link.name, hint)
+    # Parts of a kind share one inertial, which is looked at once.
+    inertials = {id(part.inertial): part.inertial for link in robot.links for part in link.parts}
+    impossible = {key for key, one in inertials.items() if one.mass > 0 and not is_physical(one)}
+    told: set[int] = set()
+    for link in robot.links:
+        culprits = [part for part in link.parts if id(part.inertial) in impossible]
+        if link.inertial.mass > 0 and not is_physical(link.inertial):
+            text = f"the link {link.name!r} has an inertia that no solid can have"
+            where = listed(part.name for part in culprits) or link.name
+            notes.tell("E-INERTIA", text, where, f"{_MEND}{'parts' if culprits else 'links'}")
+            continue
+        for part in culprits if link.given is None else ():
+            if id(part.inertial) not in told:
+                told.add(id(part.inertial))
+                text = f"no solid can have the part's inertia; that of its link {link.name!r} is possible"
+                notes.tell("W-INERTIA", text, part.name, f"{_MEND}parts")
+
+
+def _moving_without_mass(robot: Robot) -> list[Link]:
+    """Of each group of links that moves as one and weighs nothing, the first."""
+    rigid = nx.utils.UnionFind([link.name for link in robot.links])
+    for joint in robot.joints:
+        if joint.type == "fixed":
+            rigid.union(joint.parent, joint.child)
+    mass: dict[str, float] = {}
+    first: dict[str, Link] = {}
+    for link in robot.links:
+        group = rigid[link.name]
+        mass[group] = mass.get(group, 0.0) + link.inertial.mass
+        first.setdefault(group, link)
+    if robot.base.fixed:
+        del first[rigid[robot.root.name]]
+    return [link for group, link in first.items() if mass[group] <= 0]

@@ -1,0 +1,103 @@
+"""A mechanism at its saved pose: bodies, and what couples them. It has no root and no direction yet.
+
+Every reader makes one, and all frames in it are given in the world: the assembly's own frame, at the
+pose that the source was saved in.
+"""
+
+from dataclasses import dataclass
+
+from stages.robot.model import (
+    Array,
+    Dof,
+    Inertial,
+    JointType,
+    MateRef,
+    Part,
+    Primitive,
+    Provenance,
+)
+
+WORLD_LINK = "world"
+"""The link that the assembly's origin is, where something moves against it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Body:
+    """What moves as one. Its parts have the world for their link's frame.
+
+    `path`: the occurrence that names it. `titles`: all names that mean it, as typed in CAD. `held`:
+    why it is fixed to the world; "" if it is not. `world_from_body` (4, 4): its own frame, which it
+    keeps where it is the root. `given`: an inertial in the world's frame in place of the parts' sum.
+    """
+
+    name: str
+    path: tuple[str, ...]
+    parts: tuple[Part, ...]
+    titles: frozenset[str]
+    held: str
+    world_from_body: Array
+    given: Inertial | None = None
+    shapes: tuple[Primitive, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Coupling:
+    """What lets two bodies move against each other: a mate, or a joint of a URDF.
+
+    `bodies` and `world_from_frames` (4, 4 each, right-handed) are of its first and second entity; the
+    chain `dofs` leads from the second to the first, and `residual` [m or rad] is what it does not
+    explain of the saved pose. `title` is its place in CAD. `unknown` says why its limits, which CAD
+    has, are not known.
+    """
+
+    name: str
+    type: JointType
+    bodies: tuple[int, int]
+    world_from_frames: tuple[Array, Array]
+    dofs: tuple[Dof, ...]
+    residual: float
+    ref: MateRef
+    title: str
+    unknown: str = ""
+
+    @property
+    def limited(self) -> bool:
+        return any((dof.limits.lower, dof.limits.upper) != (None, None) for dof in self.dofs)
+
+
+@dataclass(frozen=True, slots=True)
+class Bond:
+    """A relation as drawn: its type, the names of its couplings ("" for one that moves nothing).
+
+    `ratio` counts for GEAR and LINEAR, `length` [m a turn] for RACK_AND_PINION and SCREW. The second
+    coupling follows, in the opposite direction unless `reverse`.
+    """
+
+    title: str
+    type: str
+    couplings: tuple[str, ...]
+    ratio: float
+    length: float
+    reverse: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Marker:
+    """A frame that the designer named. `source`: the name as typed."""
+
+    name: str
+    title: str
+    body: int
+    world_from_frame: Array
+    source: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mechanism:
+    """Bodies and couplings by their numbers; their names are unique over bodies, dofs and markers."""
+
+    bodies: tuple[Body, ...]
+    couplings: tuple[Coupling, ...]
+    bonds: tuple[Bond, ...]
+    markers: tuple[Marker, ...]
+    provenance: Provenance

@@ -1,0 +1,233 @@
+"""Rigid bodies: which parts move as one.
+
+Parts joined by FASTENED mates or mate groups are one body; so are all parts fixed to the world, and
+whatever lies in a rigid sub-assembly. The assembly's origin is a body of its own where something moves
+against it and nothing is fixed to it.
+"""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import networkx as nx
+import numpy as np
+
+from stages.graph.keys import GraphKeys
+from stages.graph.notes import Notes
+from stages.graph.onshape.assembly import Assembly, Mate, Path
+from stages.graph.onshape.rigidity import rigid_subassemblies
+
+WORLD: Path = ()
+"""The assembly origin, as a node beside the occurrences."""
+
+SHOWN = 6
+"""So many bodies of a sub-assembly are told by name."""
+
+
+@dataclass(slots=True)
+class Bodies:
+    """`of`: occurrence path → body, of parts, of sub-assemblies whose own frame one body carries, and of
+    the assembly's origin, `()`, if it is one; `members`: body → sorted part paths, none for an origin
+    that no part is fixed to; `world`: the body that is or holds the origin, if any, and which part or
+    mate holds it (`fixed_by`, "" without parts); `moving`: the mates between bodies."""
+
+    of: dict[Path, int]
+    members: list[tuple[Path, ...]]
+    world: int | None
+    fixed_by: str
+    moving: list[Mate]
+
+
+def find_bodies(
+    assembly: Assembly, keys: GraphKeys, notes: Notes, welds: Sequence[tuple[Path, Path]] = ()
+) -> Bodies:
+    """Merges what is rigid, sub-assembly frames included, and what `welds` holds together besides.
+
+    The frame of a sub-assembly moves with its parts where they are one body, else with the part
+    that is fixed inside it or fastened to its origin. What hangs on a frame that no part carries is a
+    problem. Mates that move nothing are told, unless it is for `welds` alone.
+    """
+    merger = _Merger(assembly, rigid_subassemblies(assembly, keys.depth, notes))
+    merger.merge_drawn()
+    idle = {mate.key for mate in assembly.mates if merger.idles(mate)}
+    merger.merge(welds)
+    _tell_uncarried(merger, notes)
+    bodies = merger.bodies()
+    _tell_idle(merger, [mate for mate in assembly.mates if mate.key in idle], notes)
+    _tell_mirrored(assembly, bodies.moving, notes)
+    return bodies
+
+
+class _Merger:
+    """Occurrences and the origin, merged step by step. `stiff`: rigid sub-assemblies."""
+
+    def __init__(self, assembly: Assembly, stiff: frozenset[Path]) -> None:
+        self.assembly, self.stiff = assembly, stiff
+        self.rigid = nx.utils.UnionFind([WORLD, *assembly.occurrences])
+        self.reasons: list[str] = []
+        self.leaves: dict[Path, list[Path]] = {}
+        for part in assembly.parts:
+            for depth in range(1, len(part.path)):
+                self.leaves.setdefault(part.path[:depth], []).append(part.path)
+        # A sub-assembly whose parts are mated to its origin has a frame of its own, as the root has.
+        self.anchored = {
+            mate.ref.owner
+            for mate in assembly.mates
+            if any(entity.path == mate.ref.owner for entity in mate.entities)
+        }
+
+    def merge_drawn(self) -> None:
+        """What the drawing and the key `depth` hold together."""
+        for occurrence in self.assembly.occurrences.values():
+            if occurrence.fixed:
+                self.rigid.union(WORLD, occurrence.path)
+                self.reasons.append(f"{occurrence.title} is fixed")
+            if occurrence.path[:-1] in self.stiff:
+                self.rigid.union(occurrence.path[:-1], occurrence.path)
+        for mate in self.assembly.mates:
+            first, second = (entity.path for entity in mate.entities)
+            if mate.ref.type == "FASTENED" or mate.ref.owner in self.stiff:
+                self.rigid.union(first, second)
+                if WORLD in (first, second):
+                    self.reasons.append(f"{mate.title} fastens it to the assembly origin")
+        for group in self.assembly.groups:
+            self.rigid.union(*group.members)
+        self._carry_frames()
+        for path in sorted((o.path for o in self.assembly.occurrences.values() if o.fixed), key=len):
+            if len(path) > 1 and self.loose(path[:-1]):
+                self.rigid.union(path, path[:-1])
+        self._carry_frames()
+
+    def merge(self, pairs: Iterable[tuple[Path, Path]]) -> None:
+        for first, second in pairs:
+            self.rigid.union(first, second)
+        self._carry_frames()
+
+    def _carry_frames(self) -> None:
+        """Joins each sub-assembly's frame to its parts, once those are one body.
+
+        That may make one body of what hangs on two frames, so it is tried until nothing changes.
+        """
+        waiting = sorted(self.leaves, key=len, reverse=True)
+        while waiting:
+            left = []
+            for path in waiting:
+                body = self.rigid[self.leaves[path][0]]
+                if all(self.rigid[leaf] == body for leaf in self.leaves[path]):
+                    self.rigid.union(path, body)
+                else:
+                    left.append(path)
+            if len(left) == len(waiting):
+                return
+            waiting = left[::-1]  # so that a chain which this order ran against is done in one go
+
+    def idles(self, mate: Mate) -> bool:
+        """Whether a mate that could move has both sides in one body."""
+        first, second = (self.rigid[entity.path] for entity in mate.entities)
+        return mate.ref.type != "FASTENED" and bool(first == second)
+
+    def loose(self, path: Path) -> bool:
+        """Whether this is a sub-assembly whose frame none of its parts carries."""
+        body = self.rigid[path]
+        return path in self.leaves and all(self.rigid[leaf] != body for leaf in self.leaves[path])
+
+    def bodies(self) -> Bodies:
+        """The bodies as they are now, in the order of their parts; the origin without parts first."""
+        groups: dict[Path, list[Path]] = {}
+        for part in self.assembly.parts:
+            groups.setdefault(self.rigid[part.path], []).append(part.path)
+        if self.rigid[WORLD] not in groups and self._moves_against_origin():
+            groups[self.rigid[WORLD]] = []
+        members = sorted((tuple(sorted(paths)), root) for root, paths in groups.items())
+        numbers = {root: number for number, (_, root) in enumerate(members)}
+        nodes = (WORLD, *self.assembly.occurrences)
+        of = {path: numbers[self.rigid[path]] for path in nodes if self.rigid[path] in numbers}
+        moving = [
+            mate
+            for mate in self.assembly.mates
+            if not self.idles(mate)
+            and mate.ref.type != "FASTENED"
+            and all(entity.path in of for entity in mate.entities)  # else it is told as a problem
+        ]
+        world = of.get(WORLD)
+        parts = [paths for paths, _ in members]
+        held = min(self.reasons, default="") if world is not None and parts[world] else ""
+        return Bodies(of, parts, world, held, moving)
+
+    def _moves_against_origin(self) -> bool:
+        origin = self.rigid[WORLD]
+        return any(
+            sum(self.rigid[entity.path] == origin for entity in mate.entities) == 1
+            for mate in self.assembly.mates
+        )
+
+
+def _tell_uncarried(merger: _Merger, notes: Notes) -> None:
+    """Whatever holds a sub-assembly whose frame none of its own parts carries."""
+    assembly, rigid = merger.assembly, merger.rigid
+    bodied = {rigid[part.path] for part in assembly.parts} | {rigid[WORLD]}
+    frames = {
+        path: f"parts move against each other ({_told_parts(merger, path)}): which is meant is not known"
+        for path in merger.leaves
+        if merger.loose(path) and not (path in merger.anchored and rigid[path] in bodied)
+    }
+    for path, why in sorted(frames.items()):
+        occurrence = assembly.occurrences[path]
+        if occurrence.fixed:
+            what, hint = f"the sub-assembly is fixed, but its {why}", "fix its base part instead"
+            notes.tell(
+                "E-FIXED-SUBASSEMBLY", what, occurrence.title, f"{hint}, {_way_out(occurrence.names[-1])}"
+            )
+    holders = [(mate.title, [entity.path for entity in mate.entities]) for mate in assembly.mates]
+    holders += [(group.title, list(group.members)) for group in assembly.groups]
+    holders += [
+        (assembly.occurrences[path[:-1]].title, [path]) for path in frames if path[:-1] in merger.stiff
+    ]
+    for title, paths in holders:
+        for path in paths:
+            if path in frames:
+                occurrence = assembly.occurrences[path]
+                what = f"this holds {occurrence.title} as a whole, whose {frames[path]}"
+                hint = f"mate to a part inside it, {_way_out(occurrence.names[-1])}"
+                notes.tell("E-MATE-SUBASSEMBLY", what, title, hint)
+
+
+def _way_out(name: str) -> str:
+    return f'fasten its base part to its own origin, or make it rigid (depth.rigid: ["{name}"])'
+
+
+def _told_parts(merger: _Merger, path: Path) -> str:
+    """The first part of each body in a sub-assembly."""
+    first: dict[Path, str] = {}
+    for leaf in merger.leaves[path]:
+        first.setdefault(merger.rigid[leaf], "/".join(merger.assembly.occurrences[leaf].names[len(path) :]))
+    names = sorted(first.values())
+    return "; ".join(names[:SHOWN] + ["..."] * (len(names) > SHOWN))
+
+
+def _tell_idle(merger: _Merger, mates: Sequence[Mate], notes: Notes) -> None:
+    """Mates that move nothing: those of rigid sub-assemblies are counted for the outermost."""
+    frozen: Counter[Path] = Counter()
+    for mate in mates:
+        path = mate.ref.owner
+        if path not in merger.stiff:
+            what = "both sides of this mate are in one link (fastened, fixed or rigid), so it moves nothing"
+            notes.tell("W-MATE-RIGID", what, mate.title, "suppress the mate that holds them, or this one")
+            continue
+        while path[:-1] in merger.stiff:
+            path = path[:-1]
+        frozen[path] += 1
+    for path, count in sorted(frozen.items()):
+        welded = path in merger.assembly.stiff
+        what = f"the sub-assembly is rigid: {count} joint(s) inside it do not move"
+        hint = "mirror: joints lets it move" if welded else "depth.flexible takes it apart all the same"
+        notes.tell("I-RIGID", what, merger.assembly.occurrences[path].title, hint)
+
+
+def _tell_mirrored(assembly: Assembly, moving: Sequence[Mate], notes: Notes) -> None:
+    """Mates between a mirrored and another instance: y of the mirrored frame is turned round."""
+    for mate in moving:
+        hands = {np.linalg.det(assembly.world_from(entity)[:3, :3]) > 0 for entity in mate.entities}
+        if len(hands) == 2:
+            what = "only one side of this mate is mirrored: where its value is zero is our choice"
+            notes.tell("W-MIRROR", what, mate.title, "check its zero and its limits")

@@ -1,0 +1,210 @@
+"""From an assembly as drawn to a mechanism: the reader of Onshape's documents."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from stages.graph.couplings import TYPES, dofs_of, residual, right_handed
+from stages.graph.keys import GraphKeys
+from stages.graph.mechanism import WORLD_LINK, Body, Bond, Coupling, Marker, Mechanism
+from stages.graph.notes import Notes
+from stages.graph.onshape.assembly import Assembly, Mate, Path
+from stages.graph.onshape.bodies import Bodies, find_bodies
+from stages.graph.onshape.compose import Absorbed, MateKey, composed
+from stages.graph.onshape.definition import read_assembly
+from stages.graph.onshape.hidden import without_hidden
+from stages.graph.onshape.limits import resolve_limits
+from stages.graph.onshape.mass import SHEET, part_key, weighed
+from stages.graph.onshape.naming import Names, is_link_name, name_everything
+from stages.graph.onshape.patterns import with_copies
+from stages.graph.onshape.peer import translated
+from stages.robot.bundle import Bundle
+from stages.robot.errors import AssemblyError
+from stages.robot.kinematics import chain
+from stages.robot.model import Inertial, MeshRef, Part, Provenance, frozen
+from stages.robot.names import legal
+from stages.robot.poses import inverse
+
+Weights = Mapping[Path, tuple[Inertial, float]]
+
+
+def read_drawing(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechanism, GraphKeys]:
+    """Reads an assembly definition and what belongs to it; AssemblyError tells all problems at once.
+
+    The keys come back with what the document's own conventions imply.
+    """
+    assembly = read_assembly(bundle.body(bundle.definition))
+    notes.add(assembly.diagnostics)
+    if keys.hidden == "drop":
+        assembly = without_hidden(assembly, notes)
+    unknown = resolve_limits(assembly, bundle)
+    if keys.conventions == "onshape_to_robot":
+        assembly, keys = translated(assembly, keys, notes)
+    assembly = with_copies(assembly, keys.mirror, notes)
+    _require_mates(assembly, keys)
+    weights = weighed(assembly, bundle, keys.mass, notes)
+    bodies, absorbed = _settled_bodies(assembly, keys, notes)
+    notes.settle()
+    names = name_everything(assembly, bodies, {path: volume for path, (_, volume) in weights.items()})
+    _tell_names(assembly, bodies, names, notes)
+    couplings = tuple(_coupling(mate, assembly, bodies, names, unknown) for mate in bodies.moving)
+    mechanism = Mechanism(
+        bodies=tuple(_bodies(assembly, bodies, names, weights, bundle)),
+        couplings=couplings,
+        bonds=tuple(_bonds(assembly, couplings, absorbed)),
+        markers=tuple(_markers(assembly, bodies, names, notes)),
+        provenance=Provenance(**bundle.root),
+    )
+    return mechanism, keys
+
+
+def _require_mates(assembly: Assembly, keys: GraphKeys) -> None:
+    if (
+        keys.root.disconnected == "error"
+        and len(assembly.parts) > 1
+        and not assembly.mates
+        and not assembly.groups
+    ):
+        msg = "the assembly has no mates: its parts hang on nothing"
+        hint = "mate them in Onshape: FASTENED for what is one link, REVOLUTE or SLIDER for a joint"
+        raise AssemblyError(msg, where=assembly.root.get("elementId", ""), hint=hint)
+
+
+def _settled_bodies(
+    assembly: Assembly, keys: GraphKeys, notes: Notes
+) -> tuple[Bodies, Mapping[MateKey, Absorbed]]:
+    """The bodies, once no two of them are held rigidly together by several mates; and the mates whose
+    place others have taken."""
+    welds: list[tuple[Path, Path]] = []
+    while True:
+        found, told = Notes(), Notes()
+        bodies = find_bodies(assembly, keys, found, welds)
+        result = composed(bodies.moving, assembly, bodies.of, told)
+        if not result.welds:
+            notes.add([*found.problems, *found.found, *told.problems, *told.found])
+            return replace(bodies, moving=list(result.mates)), result.absorbed
+        welds += result.welds
+        notes.add([*told.problems, *told.found])
+
+
+def _bodies(
+    assembly: Assembly, bodies: Bodies, names: Names, weights: Weights, bundle: Bundle
+) -> Iterator[Body]:
+    tessellations = {studio.key: studio.tessellation for studio in bundle.studios}
+    for number, members in enumerate(bodies.members):
+        parts = []
+        titles = {names.links[number]}
+        for path in members:
+            occurrence = assembly.occurrences[path]
+            key = part_key(occurrence.record)
+            reply = tessellations.get(key[0])
+            inertial, volume = weights[path]
+            parts.append(
+                Part(
+                    path=path,
+                    name=occurrence.title,
+                    part_id=key[1],
+                    mesh=MeshRef(reply, key[1]) if reply else None,
+                    link_from_part=occurrence.world_from_occurrence,
+                    world_from_part=occurrence.world_from_occurrence,
+                    inertial=inertial,
+                    volume=volume,
+                    collides=assembly.body_types.get(key) != SHEET or inertial.mass > 0,
+                )
+            )
+            for name in occurrence.names:
+                titles |= {name, legal(name)}
+        yield Body(
+            name=names.links[number],
+            path=names.paths[number],
+            parts=tuple(parts),
+            titles=frozenset(titles),
+            held=(bodies.fixed_by or "it is the assembly's origin") if number == bodies.world else "",
+            world_from_body=frozen(np.eye(4)),
+        )
+
+
+def _coupling(
+    mate: Mate, assembly: Assembly, bodies: Bodies, names: Names, unknown: Mapping[tuple[Path, str], str]
+) -> Coupling:
+    name = names.joints[mate.ref.key]
+    first, second, mirrored = right_handed(*(assembly.world_from(entity) for entity in mate.entities))
+    relative = inverse(second) @ first
+    dofs = dofs_of(name, mate.ref.type, mate.limits or {}, relative, mirrored)
+    explained = chain(dofs, {dof.name: dof.saved for dof in dofs})
+    return Coupling(
+        name=name,
+        type=TYPES[mate.ref.type][0],
+        bodies=(bodies.of[mate.entities[0].path], bodies.of[mate.entities[1].path]),
+        world_from_frames=(frozen(first), frozen(second)),
+        dofs=dofs,
+        residual=residual(relative, explained),
+        ref=mate.ref,
+        title=mate.title,
+        unknown=unknown.get((mate.ref.owner, mate.ref.feature), ""),
+    )
+
+
+def _bonds(
+    assembly: Assembly, couplings: tuple[Coupling, ...], absorbed: Mapping[MateKey, Absorbed]
+) -> Iterator[Bond]:
+    """The relations; one on a mate that another stands for is on that one."""
+    drawn = {coupling.ref.key: coupling.name for coupling in couplings}
+    named = {key: (name, 1) for key, name in drawn.items()}
+    named |= {key: (drawn[one.by] if one.sign else "", one.sign) for key, one in absorbed.items()}
+    for relation in sorted(assembly.relations, key=lambda r: (r.title, r.owner, r.feature)):
+        ends = [named.get((*mate, ""), ("", 0)) for mate in relation.mates]
+        against = sum(sign < 0 for _, sign in ends) % 2 == 1
+        yield Bond(
+            title=relation.title,
+            type=relation.type,
+            couplings=tuple(name for name, _ in ends),
+            ratio=relation.ratio,
+            length=relation.length,
+            reverse=relation.reverse != against,
+        )
+
+
+def _markers(assembly: Assembly, bodies: Bodies, names: Names, notes: Notes) -> Iterator[Marker]:
+    """Mate connectors that the designer placed, on their bodies."""
+    for connector in assembly.connectors:
+        if is_link_name(connector):
+            continue
+        body = bodies.of.get(connector.entity.path)
+        if body is None:
+            what = "the connector is on no part (origin or sub-assembly): left out"
+            notes.tell("W-FRAME", what, connector.title, "put it on a part")
+            continue
+        frame = assembly.world_from(connector.entity)
+        if np.linalg.det(frame[:3, :3]) < 0:
+            what = "the connector is on a mirrored part, so it is left-handed: its y axis is turned round"
+            notes.tell("W-FRAME", what, connector.title, "put a connector of its own on the mirrored part")
+            frame = frame @ np.diag([1.0, -1.0, 1.0, 1.0])
+        name = names.frames[connector.owner, connector.feature]
+        yield Marker(name, connector.title, body, frozen(frame), connector.name)
+
+
+def _tell_names(assembly: Assembly, bodies: Bodies, names: Names, notes: Notes) -> None:
+    """Names of which nothing could be kept, and `link_` connectors that name nothing."""
+    typed = [
+        (name, assembly.occurrences[path].names[-1])
+        for name, path in zip(names.links, names.paths, strict=True)
+        if name != WORLD_LINK
+    ]
+    typed += [(names.joints[m.ref.key], m.ref.name) for m in bodies.moving]
+    for name, text in sorted(typed):
+        if "unnamed" in name and not legal(text):
+            message = f"{text!r} has no letter that a robot file may hold: called {name!r}"
+            notes.tell("W-NAME", message, name, "give it a name with letters or digits")
+    named: dict[int, str] = {}
+    for connector in sorted(assembly.connectors, key=lambda c: (c.names, c.name, c.feature)):
+        if not is_link_name(connector):
+            continue
+        body = bodies.of.get(connector.entity.path)
+        if body is None:
+            message = "the connector names no link: it is on no part"
+            notes.tell("W-NAME", message, connector.title, "put it on a part of the link")
+        elif named.setdefault(body, connector.title) != connector.title:
+            message = f"the link has its name from {named[body]} already"
+            notes.tell("W-NAME", message, connector.title, "remove one of the two connectors")

@@ -1,0 +1,130 @@
+"""Names of links, joints and frames, from what the designer typed.
+
+A link is named by its `link_` connector, else by the sub-assembly that it is, else by its part
+with the most mates to other links (ties: by volume, then by name). Names do not depend on the
+root nor on the order of anything, and adding a screw to a link leaves them alone.
+"""
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import count
+from typing import TypeVar
+
+from stages.graph.couplings import dof_names
+from stages.graph.mechanism import WORLD_LINK
+from stages.graph.onshape.assembly import Assembly, Connector, Path
+from stages.graph.onshape.bodies import Bodies
+from stages.robot.names import legal, shortest_unique
+
+Key = TypeVar("Key")
+
+LINK_PREFIX = "link_"
+MAIN_SHARE = 0.9
+"""A sub-assembly names a link when it holds at least this share of the link's volume."""
+
+
+@dataclass(frozen=True, slots=True)
+class Names:
+    """Link names and naming occurrences by body, joint names by `MateRef.key`, frames by (owner, id)."""
+
+    links: tuple[str, ...]
+    paths: tuple[Path, ...]
+    joints: Mapping[tuple[Path, str, str], str]
+    frames: Mapping[tuple[Path, str], str]
+
+
+def name_everything(assembly: Assembly, bodies: Bodies, volume: Mapping[Path, float]) -> Names:
+    """Unique names over links, joints, their dofs and frames; links choose first, frames last.
+
+    `volume` [m³] of each part. A body without parts is the assembly's origin.
+    """
+    paths = tuple(_naming_paths(assembly, bodies, volume))
+    given = {
+        bodies.of[c.entity.path]: (*c.names, c.name[len(LINK_PREFIX) :])
+        for c in sorted(assembly.connectors, key=lambda c: (c.names, c.name, c.feature), reverse=True)
+        if is_link_name(c) and c.entity.path in bodies.of
+    }
+    words = {
+        _key(path): given.get(body) or assembly.occurrences[path].names
+        for body, path in enumerate(paths)
+        if path
+    }
+    by_path = shortest_unique(words)
+    links = tuple(by_path[_key(path)] if path else WORLD_LINK for path in paths)
+    taken = set(links)
+    mates = {mate.ref.key: (*_names(assembly, mate.ref.owner), mate.ref.name) for mate in bodies.moving}
+    types = {mate.ref.key: mate.ref.type for mate in bodies.moving}
+    joints = _feature_names(mates, taken, "_joint", lambda key, name: dof_names(name, types[key]))
+    taken.update(joints.values())
+    taken.update(name for key, joint in joints.items() for name in dof_names(joint, types[key]))
+    markers = {
+        (c.owner, c.feature): (*_names(assembly, c.owner), c.name)
+        for c in assembly.connectors
+        if not is_link_name(c)
+    }
+    return Names(links, paths, joints, _feature_names(markers, taken, "_frame", lambda _, name: ()))
+
+
+def is_link_name(connector: Connector) -> bool:
+    return connector.name.lower().startswith(LINK_PREFIX) and bool(legal(connector.name[len(LINK_PREFIX) :]))
+
+
+def _key(path: Path) -> str:
+    # Ids hold no space, so the joined text sorts and compares as the path does.
+    return " ".join(path)
+
+
+def _names(assembly: Assembly, owner: Path) -> tuple[str, ...]:
+    return assembly.occurrences[owner].names if owner else ()
+
+
+def _feature_names(
+    features: Mapping[Key, Sequence[str]],
+    taken: set[str],
+    suffix: str,
+    parts: Callable[[Key, str], Sequence[str]],
+) -> dict[Key, str]:
+    """A name for each feature from its words; neither it nor what `parts` makes of it is taken."""
+    texts = {repr(key): key for key in features}
+    unique = shortest_unique({text: features[key] for text, key in texts.items()})
+    # A joint called like a link says what it is rather than counting ("elbow" → "elbow_joint").
+    taken = set(taken)
+    names = {}
+    for text in sorted(unique, key=lambda text: (unique[text], text)):
+        key, name = texts[text], unique[text]
+        if name in taken:
+            name += suffix
+        tried = (name if number == 1 else f"{name}_{number}" for number in count(1))
+        names[key] = next(one for one in tried if taken.isdisjoint((one, *parts(key, one))))
+        taken.update((names[key], *parts(key, names[key])))
+    return names
+
+
+def _naming_paths(assembly: Assembly, bodies: Bodies, volume: Mapping[Path, float]) -> list[Path]:
+    """The occurrence that names each body; the empty path where it has no parts."""
+    mates = Counter(entity.path for mate in bodies.moving for entity in mate.entities)
+    inside: dict[Path, set[int]] = {}
+    filled: dict[Path, float] = {}
+    for part in assembly.parts:
+        for depth in range(1, len(part.path)):
+            inside.setdefault(part.path[:depth], set()).add(bodies.of[part.path])
+            filled[part.path[:depth]] = filled.get(part.path[:depth], 0.0) + volume[part.path]
+    held: dict[int, list[Path]] = {}
+    for path, found in inside.items():
+        if len(found) == 1:
+            held.setdefault(next(iter(found)), []).append(path)
+    named: list[Path] = []
+    for body, members in enumerate(bodies.members):
+        if not members:
+            named.append(())
+            continue
+        total = sum(volume[path] for path in members)
+        candidates = [path for path in held.get(body, ()) if filled[path] >= MAIN_SHARE * total]
+        if candidates and len(members) > 1:
+            named.append(min(candidates, key=lambda path: (len(path), assembly.occurrences[path].names)))
+        else:
+            named.append(
+                min(members, key=lambda p: (-mates[p], -volume[p], assembly.occurrences[p].names, p))
+            )
+    return named

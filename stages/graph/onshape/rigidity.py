@@ -1,0 +1,51 @@
+"""Which sub-assemblies may move inside: the keys `depth.max`, `depth.rigid` and `depth.flexible`."""
+
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+
+from stages.graph.globs import listed, unnumbered
+from stages.graph.keys import DepthKeys
+from stages.graph.notes import Notes
+from stages.graph.onshape.assembly import Assembly, Occurrence, Path
+from stages.robot.names import legal
+
+
+def rigid_subassemblies(assembly: Assembly, depth: DepthKeys, notes: Notes) -> frozenset[Path]:
+    """The sub-assembly occurrences inside which nothing moves.
+
+    Rigid is what lies deeper than `max` levels, what a glob of `rigid` names, what a mirror welds and
+    what lies in such a one; but never what a glob of `flexible` names. A glob without a slash is held
+    against an instance's name (as typed, without its number, and as in robot files), one with a
+    slash against its whole title. E-GLOB tells those that fit nothing.
+    """
+    subs = sorted((o for o in assembly.occurrences.values() if not o.is_part), key=lambda o: o.path)
+    rigid, flexible = (
+        _named(subs, globs, where, notes)
+        for where, globs in (("depth.rigid", depth.rigid), ("depth.flexible", depth.flexible))
+    )
+    found: set[Path] = set()
+    for path in (sub.path for sub in subs):  # sorted: what holds it comes before
+        if path in flexible:
+            continue
+        too_deep = depth.max is not None and len(path) > depth.max
+        if too_deep or path in rigid or path in assembly.stiff or path[:-1] in found:
+            found.add(path)
+    return frozenset(found)
+
+
+def _named(subs: Sequence[Occurrence], globs: Sequence[str], where: str, notes: Notes) -> set[Path]:
+    found: set[Path] = set()
+    for glob in globs:
+        fits = {sub.path for sub in subs if any(fnmatchcase(text, glob) for text in _texts(sub, glob))}
+        if not fits and glob != "*":
+            there = f"sub-assemblies are: {listed(sub.title for sub in subs)}" if subs else "there is none"
+            notes.tell("E-GLOB", f"no sub-assembly matches {glob!r}", where, there)
+        found |= fits
+    return found
+
+
+def _texts(sub: Occurrence, glob: str) -> tuple[str, ...]:
+    if "/" in glob:
+        return (sub.title,)
+    name = sub.names[-1]
+    return name, unnumbered(name), legal(name)

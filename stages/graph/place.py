@@ -1,0 +1,190 @@
+"""From a mechanism and its tree to a robot: frames, joints, loops and links.
+
+With W₀, W₁ the world frames of a coupling's first and second entity, its dofs lead from the second to
+the first. Where the first entity is the parent the chain runs backwards and every axis is negated, so
+that a value keeps its meaning. A child link's frame is its own entity's.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from stages.graph.couplings import backwards
+from stages.graph.keys import GraphKeys
+from stages.graph.mechanism import Body, Coupling, Mechanism
+from stages.graph.notes import Notes
+from stages.graph.root import base_of
+from stages.graph.tree import Edge, Tree
+from stages.robot.errors import AssemblyError
+from stages.robot.inertia import merged, moved
+from stages.robot.model import (
+    Array,
+    Dof,
+    Dynamics,
+    Frame,
+    Joint,
+    Limits,
+    Link,
+    Loop,
+    Mobility,
+    Robot,
+    frozen,
+)
+from stages.robot.names import free
+from stages.robot.poses import at_rest, inverse
+
+POSE_TOLERANCE = 1e-6
+"""How far [m, rad] the saved pose may be from what a mate allows before we say so."""
+
+
+def place(mechanism: Mechanism, tree: Tree, keys: GraphKeys, notes: Notes) -> Robot:
+    """The robot that grows along the tree, at the mechanism's saved pose."""
+    world_from_link: dict[int, Array] = {tree.root: tree.world_from_root}
+    taken = {dof.name for c in mechanism.couplings for dof in c.dofs} | {c.name for c in mechanism.couplings}
+    taken |= {body.name for body in mechanism.bodies}
+    joints = []
+    for edge in tree.edges:
+        if edge.coupling is None:
+            world_from_link[edge.child] = mechanism.bodies[edge.child].world_from_body
+            joints.append(_stand_in(edge, mechanism, world_from_link, taken))
+        else:
+            joints.append(_joint(edge, edge.coupling, mechanism, world_from_link))
+            _check_pose(edge.coupling, notes)
+    for coupling in tree.cut:
+        _check_pose(coupling, notes)
+    return Robot(
+        name=keys.name,
+        links=tuple(_link(mechanism.bodies[body], world_from_link[body]) for body in tree.order),
+        joints=tuple(joints),
+        loops=tuple(_loop(one, mechanism, tree, world_from_link, keys.loops.solref) for one in tree.cut),
+        relations=(),
+        frames=_frames(mechanism, world_from_link, keys.frames.include),
+        base=base_of(mechanism, tree.root, keys.root, notes),
+        world_from_root=frozen(tree.world_from_root),
+        mobility=Mobility(0, 0, 0, ()),
+        provenance=mechanism.provenance,
+    )
+
+
+def _joint(edge: Edge, coupling: Coupling, mechanism: Mechanism, world_from_link: dict[int, Array]) -> Joint:
+    first, second = coupling.world_from_frames
+    turned = coupling.bodies[0] != edge.child
+    parent, child = (first, second) if turned else (second, first)
+    world_from_link[edge.child] = child
+    return Joint(
+        name=coupling.name,
+        type=coupling.type,
+        parent=mechanism.bodies[edge.parent].name,
+        child=mechanism.bodies[edge.child].name,
+        parent_from_joint=frozen(inverse(world_from_link[edge.parent]) @ parent),
+        dofs=backwards(coupling.dofs) if turned else coupling.dofs,
+        backwards=turned,
+        mate=coupling.ref,
+    )
+
+
+def _stand_in(
+    edge: Edge, mechanism: Mechanism, world_from_link: Mapping[int, Array], taken: set[str]
+) -> Joint:
+    """The joint of what hangs on nothing: rigid, or free to float."""
+    child = mechanism.bodies[edge.child].name
+    name = free(f"{child}_{edge.stand_in}", taken)
+    taken.add(name)
+    zero = frozen(np.zeros(3))
+    floating = Dof(name, "free", zero, frozen(np.eye(4)), Limits(), Dynamics(), at_rest("free"))
+    return Joint(
+        name=name,
+        type=edge.stand_in,
+        parent=mechanism.bodies[edge.parent].name,
+        child=child,
+        parent_from_joint=frozen(inverse(world_from_link[edge.parent]) @ world_from_link[edge.child]),
+        dofs=(floating,) if edge.stand_in == "free" else (),
+        backwards=False,
+        mate=None,
+    )
+
+
+def _check_pose(coupling: Coupling, notes: Notes) -> None:
+    if coupling.residual > POSE_TOLERANCE:
+        what = f"the saved pose breaks this {coupling.ref.type} mate by {coupling.residual:.2g} (m or rad)"
+        notes.tell("W-MATE-POSE", what, coupling.title, "solve the assembly in Onshape: a mate is in error")
+
+
+def _link(body: Body, world_from_link: Array) -> Link:
+    link_from_world = inverse(world_from_link)
+    parts = tuple(
+        replace(part, link_from_part=frozen(link_from_world @ part.link_from_part)) for part in body.parts
+    )
+    given = None if body.given is None else moved(body.given, link_from_world)
+    summed = merged([moved(part.inertial, part.link_from_part) for part in parts])
+    shapes = tuple(
+        replace(shape, link_from_shape=frozen(link_from_world @ shape.link_from_shape))
+        for shape in body.shapes
+    )
+    return Link(body.name, given or summed, parts, body.path, given, shapes)
+
+
+def _loop(
+    coupling: Coupling,
+    mechanism: Mechanism,
+    tree: Tree,
+    world_from_link: Mapping[int, Array],
+    solref: tuple[float, float],
+) -> Loop:
+    a, b = coupling.bodies
+    first, second = coupling.world_from_frames
+    return Loop(
+        name=coupling.name,
+        type=coupling.type,
+        link_a=mechanism.bodies[a].name,
+        link_b=mechanism.bodies[b].name,
+        a_from_frame=frozen(inverse(world_from_link[a]) @ first),
+        b_from_frame=frozen(inverse(world_from_link[b]) @ second),
+        dofs=coupling.dofs,
+        lever=_lever(first[:3, 3], _cycle_origins(a, b, tree, world_from_link)),
+        solref=solref,
+        residual=coupling.residual,
+        mate=coupling.ref,
+    )
+
+
+def _cycle_origins(a: int, b: int, tree: Tree, world_from_link: Mapping[int, Array]) -> list[Array]:
+    """Origins of the joints on the two ways from `a` and `b` up to where they meet."""
+    parent = {edge.child: edge.parent for edge in tree.edges}
+    ways: list[list[int]] = []
+    for body in (a, b):
+        way = [body]
+        while way[-1] in parent:
+            way.append(parent[way[-1]])
+        ways.append(way)
+    on_cycle = set(ways[0]) ^ set(ways[1])
+    return [world_from_link[body][:3, 3] for body in sorted(on_cycle)]
+
+
+def _lever(origin: Array, others: list[Array]) -> float:
+    """Half the loop's reach from its closing joint: a length on the mechanism's own scale."""
+    reach = max((float(np.linalg.norm(other - origin)) for other in others), default=0.0)
+    return reach / 2 if reach > 1e-6 else 0.05
+
+
+def _frames(
+    mechanism: Mechanism, world_from_link: Mapping[int, Array], include: tuple[str, ...]
+) -> tuple[Frame, ...]:
+    """The mate connectors that `frames.include` chooses, on their links."""
+    for glob in include:
+        if glob != "*" and not any(fnmatchcase(marker.name, glob) for marker in mechanism.markers):
+            there = ", ".join(sorted(marker.name for marker in mechanism.markers)) or "none"
+            raise AssemblyError(f"no frame matches {glob!r}", "frames.include", f"frames are: {there}")
+    frames = [
+        Frame(
+            marker.name,
+            mechanism.bodies[marker.body].name,
+            frozen(inverse(world_from_link[marker.body]) @ marker.world_from_frame),
+            marker.source,
+        )
+        for marker in mechanism.markers
+        if marker.body in world_from_link and any(fnmatchcase(marker.name, glob) for glob in include)
+    ]
+    return tuple(sorted(frames, key=lambda frame: frame.name))

@@ -1,0 +1,97 @@
+"""Names of the user's own for links and joints, in place of those made from CAD's."""
+
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
+
+from stages.graph.globs import listed, matching, unnumbered, unusable
+from stages.graph.keys import NamesKeys
+from stages.graph.mechanism import WORLD_LINK, Coupling, Mechanism
+from stages.graph.notes import Notes
+
+
+def renamed(mechanism: Mechanism, wanted: NamesKeys, notes: Notes) -> Mechanism:
+    """The mechanism with the names that `wanted` gives; no other name changes.
+
+    An entry means the one body or coupling that has this name; else the one that is called so in CAD
+    or that the glob matches. E-RENAME for none or several, E-NAME for a name that is not free.
+    """
+    links = _new_names(
+        [body.name for body in mechanism.bodies],
+        [_with_plain(body.titles) for body in mechanism.bodies],
+        (wanted.links, "names.links", "link"),
+        notes,
+    )
+    joints = _new_names(
+        [coupling.name for coupling in mechanism.couplings],
+        [{coupling.ref.name, coupling.title} for coupling in mechanism.couplings],
+        (wanted.joints, "names.joints", "joint"),
+        notes,
+    )
+    bodies = tuple(replace(body, name=links.get(i, body.name)) for i, body in enumerate(mechanism.bodies))
+    couplings = tuple(_called(one, joints.get(i, one.name)) for i, one in enumerate(mechanism.couplings))
+    called = {mechanism.couplings[i].name: name for i, name in joints.items()}
+    bonds = tuple(
+        replace(bond, couplings=tuple(called.get(name, name) for name in bond.couplings))
+        for bond in mechanism.bonds
+    )
+    made = replace(mechanism, bodies=bodies, couplings=couplings, bonds=bonds)
+    _check_free(made, {*links.values(), *joints.values()}, notes)
+    return made
+
+
+def _with_plain(titles: Collection[str]) -> set[str]:
+    return {*titles, *(unnumbered(title) for title in titles)}
+
+
+def _new_names(
+    names: Sequence[str],
+    titles: Sequence[Collection[str]],
+    asked: tuple[Mapping[str, str], str, str],
+    notes: Notes,
+) -> dict[int, str]:
+    """New names by the number of the thing; what an entry lacks is told."""
+    wanted, where, kind = asked
+    found: dict[int, str] = {}
+    every = [{name, *more} for name, more in zip(names, titles, strict=True)]
+    for glob, new in wanted.items():
+        hits = [names.index(glob)] if glob in names else matching(glob, every)
+        if len(hits) != 1:
+            fits = f"{len(hits)} {kind}s match" if hits else f"no {kind} matches"
+            hint = f"name one of: {listed(names[i] for i in hits or range(len(names)))}"
+            notes.tell("E-RENAME", f"{fits} {glob!r}", where, hint)
+        elif names[hits[0]] == WORLD_LINK:
+            notes.tell("E-RENAME", f"the assembly's origin is always called {WORLD_LINK!r}", where)
+        elif hits[0] in found:
+            text = f"{glob!r} means {names[hits[0]]!r}, which is called {found[hits[0]]!r} already"
+            notes.tell("E-RENAME", text, where, "leave one of the two out")
+        else:
+            found[hits[0]] = new
+    return found
+
+
+def _called(coupling: Coupling, name: str) -> Coupling:
+    """The coupling by another name: so are its dofs, which have it in front of theirs."""
+    dofs = tuple(replace(dof, name=name + dof.name.removeprefix(coupling.name)) for dof in coupling.dofs)
+    return replace(coupling, name=name, dofs=dofs)
+
+
+def _check_free(mechanism: Mechanism, new: Collection[str], notes: Notes) -> None:
+    """E-NAME for each new name that is none, or that something else has too."""
+    counts = Counter(body.name for body in mechanism.bodies)
+    counts.update(marker.name for marker in mechanism.markers)
+    for coupling in mechanism.couplings:
+        # A coupling of one dof has that dof's name: the two are one thing.
+        counts.update(_names_of(coupling))
+    for coupling in mechanism.couplings:
+        new = {*new, *_names_of(coupling)} if coupling.name in new else new
+    for name in sorted(new):
+        taken = [name] if counts[name] > 1 else []
+        reason = unusable(name, taken)
+        if reason:
+            hint = "links, joints and frames share their names: choose another, or rename that too"
+            notes.tell("E-NAME", reason, "names", hint if taken else "choose another")
+
+
+def _names_of(coupling: Coupling) -> set[str]:
+    return {coupling.name, *(dof.name for dof in coupling.dofs)}

@@ -1,0 +1,99 @@
+"""Which body is the root, where its frame is, and whether the world holds it."""
+
+from fnmatch import fnmatchcase
+
+import networkx as nx
+
+from stages.graph.keys import RootKeys
+from stages.graph.mechanism import WORLD_LINK, Marker, Mechanism
+from stages.graph.notes import Notes
+from stages.robot.errors import NoRoot
+from stages.robot.model import Array, Base
+
+
+def choose_root(mechanism: Mechanism, keys: RootKeys) -> tuple[int, Array]:
+    """The root body and the pose (4, 4) of its frame in the world.
+
+    Where something moves against the assembly's origin, that is the root. Else `select` chooses: auto
+    takes the body that `frame` is on, what is fixed in CAD, or the heaviest; central the body nearest to
+    all others; anything else is a name or a glob over names of links and instances.
+    """
+    marker = _marker(mechanism, keys.frame) if keys.frame else None
+    origin = next((i for i, body in enumerate(mechanism.bodies) if body.name == WORLD_LINK), None)
+    root = _selected(mechanism, keys.select, marker, origin)
+    name = mechanism.bodies[root].name
+    if origin is not None and root != origin:
+        movers = [c.title for c in mechanism.couplings if origin in c.bodies]
+        msg = f"{name!r} cannot be the root: {', '.join(movers)} move(s) against the assembly's origin"
+        raise NoRoot(msg, "root.select", "leave it at auto, or fasten the mates to a part that is fixed")
+    if marker is not None and marker.body != root:
+        other = mechanism.bodies[marker.body].name
+        msg = f"the frame {marker.name!r} is on the link {other!r}, but the root is {name!r}"
+        raise NoRoot(msg, "root.frame", f"leave root.select at auto, or choose root.select={other}")
+    if marker is not None:
+        return root, marker.world_from_frame
+    return root, mechanism.bodies[root].world_from_body
+
+
+def _marker(mechanism: Mechanism, wanted: str) -> Marker:
+    hits = [m for m in mechanism.markers if wanted in (m.name, m.source, m.title)]
+    if len(hits) != 1:
+        msg = f"{len(hits) or 'no'} mate connectors are called {wanted!r}"
+        there = ", ".join(sorted(m.name for m in hits or mechanism.markers)) or "none"
+        raise NoRoot(msg, "root.frame", f"there are: {there}")
+    return hits[0]
+
+
+def _selected(mechanism: Mechanism, select: str, marker: Marker | None, origin: int | None) -> int:
+    bodies = mechanism.bodies
+    if select == "auto":
+        if origin is not None:
+            return origin
+        if marker is not None:
+            return marker.body
+        held = [number for number, body in enumerate(bodies) if body.held]
+        return heaviest(mechanism, held or range(len(bodies)))
+    if select == "central":
+        graph = nx.Graph()
+        graph.add_nodes_from(range(len(bodies)))
+        graph.add_edges_from(coupling.bodies for coupling in mechanism.couplings)
+        closeness = nx.closeness_centrality(graph)
+        return min(range(len(bodies)), key=lambda number: (-closeness[number], bodies[number].name))
+    hits = [number for number, body in enumerate(bodies) if fnmatchcase(body.name, select)]
+    hits = hits or [
+        number
+        for number, body in enumerate(bodies)
+        if any(fnmatchcase(title, select) for title in body.titles)
+    ]
+    if len(hits) == 1:
+        return hits[0]
+    found = ", ".join(sorted(bodies[number].name for number in hits or range(len(bodies))))
+    msg = f"{len(hits) or 'no'} links match {select!r}"
+    raise NoRoot(msg, "root.select", f"name one of: {found}")
+
+
+def heaviest(mechanism: Mechanism, among: "list[int] | range") -> int:
+    """The body with the most mass; of equal ones the first by name."""
+    mass = {n: sum(part.inertial.mass for part in mechanism.bodies[n].parts) for n in among}
+    return min(among, key=lambda number: (-mass[number], mechanism.bodies[number].name))
+
+
+def base_of(mechanism: Mechanism, root: int, keys: RootKeys, notes: Notes) -> Base:
+    """Whether the world holds the root, and why."""
+    body = mechanism.bodies[root]
+    if body.name == WORLD_LINK and keys.base == "free":
+        what = "the root is the assembly's origin, which other links move against: it cannot float"
+        notes.tell("E-BASE", what, "root.base", "leave it at auto, or mate to a part instead of the origin")
+    if keys.base != "auto":
+        return Base(keys.base == "fixed", f"root.base is {keys.base}")
+    if body.held:
+        return Base(True, body.held)
+    other = next((one for one in mechanism.bodies if one.held), None)
+    if other is not None:
+        notes.tell(
+            "W-BASE",
+            f"the root floats, though CAD fixes {other.name!r} ({other.held})",
+            body.name,
+            f"choose that root (root.select={other.name}), or say root.base: fixed or free",
+        )
+    return Base(False, "nothing fixes the root link to the world")

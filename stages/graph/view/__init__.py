@@ -1,0 +1,1 @@
+"""The robot as people read it: an outline, tables, and a picture."""

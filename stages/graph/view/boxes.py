@@ -1,0 +1,129 @@
+"""The boxes of the picture: what a link and the joint to its parent say, and the space that it takes."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from stages.graph.view.canvas import fitted, text_width
+from stages.graph.view.labels import counted, is_origin, kilograms, motions, part_names, rule
+from stages.robot.model import Joint, Link, Loop, Robot
+
+ROOM = 190.0  # what a name may take
+ROW, PAD, MARK = 14.0, 7.0, 14.0  # a row of a box, the space about the rows, what a row's mark takes
+LABEL, LINE = 18.0, 13.0  # a joint's name above its edge, each line below
+SHOWN = 3  # parts and frames that a box names
+
+Kind = Literal["name", "plain", "part", "frame", "loop"]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A line of a box. `full` is told where the mouse rests on it; `loop`: which one it marks."""
+
+    kind: Kind
+    text: str
+    full: str = ""
+    loop: int = 0
+
+    @property
+    def width(self) -> float:
+        mark = MARK if self.kind in ("frame", "loop") else 0.0
+        return mark + text_width(self.text, SIZES[self.kind], bold=self.kind == "name")
+
+
+SIZES: Mapping[Kind, float] = {"name": 12.0, "plain": 10.0, "part": 9.5, "frame": 10.0, "loop": 10.0}
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line below a joint's edge: the range of `dof`, or the rule by which it `follows`."""
+
+    dof: str
+    text: str
+    follows: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """A link and the joint to its parent as they are drawn: (x, y) is the middle of the left side."""
+
+    link: Link
+    joint: Joint | None
+    rows: tuple[Row, ...]
+    lines: tuple[Line, ...]
+    x: float = 0.0
+    y: float = 0.0
+    width: float = 0.0
+    label_x: float = 0.0
+
+    @property
+    def height(self) -> float:
+        return 2 * PAD + ROW * len(self.rows)
+
+    @property
+    def band(self) -> float:
+        """The height that box and label take about their middle."""
+        return max(self.height, 2 * LABEL + 4, 2 * (LINE * len(self.lines) + 6))
+
+    @property
+    def right(self) -> float:
+        return self.x + self.width
+
+    @property
+    def label_width(self) -> float:
+        if self.joint is None:
+            return 0.0
+        name = 18 + text_width(fitted(self.joint.name, 11, ROOM, bold=True), 11, bold=True)
+        return max(name, *(text_width(line.text, 10) for line in self.lines), 0.0)
+
+    def row_y(self, row: Row) -> float:
+        return self.y - self.height / 2 + PAD + (self.rows.index(row) + 0.5) * ROW
+
+    def line_y(self, line: Line) -> float:
+        return self.y + 4 + (self.lines.index(line) + 0.5) * LINE
+
+
+def box_of(link: Link, robot: Robot) -> Box:
+    joint = next((joint for joint in robot.joints if joint.child == link.name), None)
+    lines = () if joint is None else tuple(_lines(joint, robot))
+    return Box(link, joint, tuple(_rows(link, robot)), lines)
+
+
+def _lines(joint: Joint, robot: Robot) -> Iterator[Line]:
+    for dof, words in motions(joint):
+        yield Line(dof.name, words, False)
+        for relation in robot.relations:
+            if relation.follower == dof.name:
+                yield Line(dof.name, f"= {rule(relation, robot, 24)}", True)
+
+
+def _rows(link: Link, robot: Robot) -> Iterator[Row]:
+    yield Row("name", fitted(link.name, SIZES["name"], ROOM, bold=True), link.name)
+    if is_origin(robot, link):
+        yield Row("plain", "the assembly's origin")
+    else:
+        given = " (given)" if link.given else ""
+        counts = [counted(len(link.parts), "part")] if link.parts else []
+        counts += [counted(len(link.shapes), "shape")] if link.shapes else []
+        yield Row("plain", ", ".join([kilograms(link.inertial.mass) + given, *counts]))
+    if len(link.parts) > 1:
+        yield from _few("part", part_names(link))
+    yield from _few("frame", [frame.name for frame in robot.frames if frame.link == link.name])
+    for index, loop in enumerate(robot.loops):
+        if link.name in (loop.link_a, loop.link_b):
+            yield Row("loop", fitted(loop.mate.name or loop.name, 10, ROOM), told(loop), index)
+
+
+def _few(kind: Kind, names: list[str]) -> Iterator[Row]:
+    """A row for each name; of many only the first."""
+    shown = names if len(names) <= SHOWN else names[: SHOWN - 1]
+    for name in shown:
+        yield Row(kind, fitted(name, SIZES[kind], ROOM), name)
+    if len(shown) < len(names):
+        rest = names[len(shown) :]
+        yield Row(kind, f"and {len(rest)} more", "\n".join(rest))
+
+
+def told(loop: Loop) -> str:
+    ends = f"{loop.link_a} to {loop.link_b}"
+    return f"loop {loop.name}: {loop.type}, mate {loop.mate.name}\n{ends}\nresidual {loop.residual:.2g}"

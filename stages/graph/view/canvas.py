@@ -1,0 +1,161 @@
+"""A picture in SVG: text, boxes and lines on a sheet with a ground of its own."""
+
+import math
+import unicodedata
+
+from stages.graph.view.labels import printable, shortened
+from stages.robot import xml
+
+FONT = "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif"
+_NARROW, _BROAD = frozenset(" ijlft.,:;'|()[]!I-"), frozenset("mwMW@%—…+=×±≤≥<>~")
+
+
+def text_width(text: str, size: float, *, bold: bool = False) -> float:
+    """How wide `text` may be [px] in any of the usual fonts: a bound, since no font is at hand."""
+    em = 0.0
+    for letter in text:
+        if unicodedata.east_asian_width(letter) in "WF":
+            em += 1.1
+        elif letter in _NARROW:
+            em += 0.45
+        elif letter in _BROAD:
+            em += 1.0
+        else:
+            em += 0.76 if letter.isupper() else 0.64
+    return em * size * (1.1 if bold else 1.0)
+
+
+def px(value: float) -> str:
+    """A length as short as a tenth of a pixel allows."""
+    return f"{round(value, 1) + 0.0:g}" if abs(value) < 1e5 else f"{value:.0f}"
+
+
+class Canvas:
+    """A sheet of `width` x `height` [px]; what is drawn later lies on top."""
+
+    def __init__(self, width: float, height: float, paper: str, title: str) -> None:
+        width, height = math.ceil(width), math.ceil(height)
+        self._root = xml.element(
+            None,
+            "svg",
+            xmlns="http://www.w3.org/2000/svg",
+            width=str(width),
+            height=str(height),
+            viewBox=f"0 0 {width} {height}",
+            role="img",
+            **{"font-family": FONT},
+        )
+        self._paper = paper
+        self._add(self._root, "title").text = printable(title)
+        self._add(self._root, "rect", width=str(width), height=str(height), fill=paper)
+        self._into = self._root
+
+    def group(self, title: str = "") -> None:
+        """What follows belongs together; `title` (its lines) shows where the mouse rests on it."""
+        self._into = self._add(self._root, "g")
+        if title:
+            self._add(self._into, "title").text = "\n".join(map(printable, title.splitlines()))
+
+    def text(
+        self,
+        x: float,
+        y: float,
+        text: str,
+        size: float,
+        colour: str,
+        *,
+        bold: bool = False,
+        middle: bool = False,
+        halo: bool = False,
+        room: float = math.inf,
+    ) -> float:
+        """A line of text whose letters are centred on `y`; its width at most.
+
+        What does not fit `room` is shortened and told in full where the mouse rests on it. `halo`
+        keeps what lies below from showing through.
+        """
+        shown = fitted(text, size, room, bold=bold)
+        width = text_width(shown, size, bold=bold)
+        into = self._into
+        if shown != printable(text):
+            into = self._add(into, "g")
+            self._add(into, "title").text = printable(text)
+        if halo:
+            left = x - width / 2 if middle else x
+            place = {
+                "x": px(left - 1),
+                "y": px(y - size * 0.6),
+                "width": px(width + 2),
+                "height": px(size * 1.2),
+            }
+            self._add(into, "rect", **place, fill=self._paper, fill_opacity="0.85")
+        self._add(
+            into,
+            "text",
+            x=px(x),
+            y=px(y + 0.35 * size),
+            font_size=px(size),
+            font_weight="600" if bold else None,
+            text_anchor="middle" if middle else None,
+            fill=colour,
+        ).text = shown
+        return width
+
+    def box(
+        self,
+        x: float,
+        y: float,
+        width: float,
+        height: float,
+        fill: str,
+        stroke: str,
+        *,
+        thick: float = 1.0,
+        dash: str | None = None,
+    ) -> None:
+        place = {"x": px(x), "y": px(y), "width": px(width), "height": px(height), "rx": "6"}
+        self._add(
+            self._into,
+            "rect",
+            **place,
+            fill=fill,
+            stroke=stroke,
+            stroke_width=px(thick),
+            stroke_dasharray=dash,
+        )
+
+    def path(
+        self,
+        steps: str,
+        stroke: str,
+        *,
+        thick: float = 1.2,
+        dash: str | None = None,
+        fill: str = "none",
+        at: tuple[float, float] | None = None,
+    ) -> None:
+        """A path in SVG's own words, moved to `at`."""
+        self._add(
+            self._into,
+            "path",
+            d=steps,
+            fill=fill,
+            stroke=stroke,
+            stroke_width=px(thick),
+            stroke_dasharray=dash,
+            stroke_linecap="round",
+            stroke_linejoin="round",
+            transform=None if at is None else f"translate({px(at[0])} {px(at[1])})",
+        )
+
+    def to_bytes(self) -> bytes:
+        return xml.to_bytes(self._root)
+
+    def _add(self, parent: xml.Element, tag: str, **attributes: str | None) -> xml.Element:
+        plain = {name.replace("_", "-"): value for name, value in attributes.items()}
+        return xml.element(parent, tag, **plain)
+
+
+def fitted(text: str, size: float, room: float, *, bold: bool = False) -> str:
+    """`text`, its middle left out where it is wider than `room` [px]."""
+    return shortened(text, room, lambda part: text_width(part, size, bold=bold))

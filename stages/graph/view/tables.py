@@ -1,0 +1,117 @@
+"""The robot as tables of texts, for a page that knows no robotics."""
+
+import json
+import math
+from collections.abc import Iterator
+
+from stages.graph.view.labels import (
+    decimal,
+    kilograms,
+    leaf,
+    limits,
+    mobility,
+    printable,
+    rule,
+    standing,
+    value,
+)
+from stages.robot.model import Dof, Joint, Robot
+
+Rows = list[list[str]]
+
+_JOINT = ("joint", "coordinate", "type", "parent", "child", "range", "saved", "follows")
+_DYNAMICS = ("effort", "velocity", "damping", "friction", "armature")
+
+
+def tables(robot: Robot) -> bytes:
+    """JSON: a list of {title, header, rows}, every cell a text; tables without rows are left out."""
+    found: list[tuple[str, list[str], Rows]] = [
+        ("Mobility", ["what", "value"], _mobility(robot)),
+        (
+            "Joints",
+            [*_JOINT, *_DYNAMICS],
+            [row for joint in robot.joints for row in _joint(joint, robot)],
+        ),
+        (
+            "Loops",
+            ["loop", "type", "mate", "first link", "second link", "open by", "redundant conditions"],
+            _loops(robot),
+        ),
+        ("Links", ["link", "mass", "parts", "frames"], _links(robot)),
+    ]
+    plain = [{"title": title, "header": header, "rows": rows} for title, header, rows in found if rows]
+    return json.dumps(plain, indent=1, ensure_ascii=False).encode()
+
+
+def _mobility(robot: Robot) -> Rows:
+    return [
+        ["base", standing(robot)],
+        ["motion", mobility(robot)],
+        ["coordinates of the tree", str(robot.mobility.coordinates)],
+        ["degrees of freedom by Grübler", str(robot.mobility.gruebler)],
+        ["degrees of freedom by rank", str(robot.mobility.dof)],
+        ["redundant loop conditions", str(sum(number for _, number in robot.mobility.redundant))],
+    ]
+
+
+def _joint(joint: Joint, robot: Robot) -> Iterator[list[str]]:
+    """A row for each dof; a fixed joint has one too."""
+    place = [joint.type, joint.parent, joint.child]
+    if not joint.dofs:
+        yield [joint.name, "", *place, *[""] * 8]
+    for dof in joint.dofs:
+        follows = [rule(relation, robot) for relation in robot.relations if relation.follower == dof.name]
+        name = "" if dof.name == joint.name else dof.name
+        yield [joint.name, name, *place, limits(dof), _saved(dof), "; ".join(follows), *_dynamics(dof)]
+
+
+def _saved(dof: Dof) -> str:
+    if isinstance(dof.saved, tuple):
+        return " ".join(decimal(entry) for entry in dof.saved)
+    return value(dof, dof.saved)
+
+
+def _dynamics(dof: Dof) -> list[str]:
+    """Effort, velocity, damping, friction and armature, "" where unset."""
+    turns = dof.kind != "slide"
+    given = dof.dynamics
+    speed = None if given.velocity is None else given.velocity * (math.degrees(1.0) if turns else 1e3)
+    quantities = (
+        (given.effort, "N m" if turns else "N"),
+        (speed, "deg/s" if turns else "mm/s"),
+        (given.damping, "N m s/rad" if turns else "N s/m"),
+        (given.friction, "N m" if turns else "N"),
+        (given.armature, "kg m²" if turns else "kg"),
+    )
+    return ["" if amount is None else f"{decimal(amount)} {unit}" for amount, unit in quantities]
+
+
+def _loops(robot: Robot) -> Rows:
+    redundant = dict(robot.mobility.redundant)
+    return [
+        [
+            loop.name,
+            loop.type,
+            printable(loop.mate.name),
+            loop.link_a,
+            loop.link_b,
+            f"{loop.residual:.2g}",
+            str(redundant.get(loop.name, 0)),
+        ]
+        for loop in robot.loops
+    ]
+
+
+def _links(robot: Robot) -> Rows:
+    frames: dict[str, list[str]] = {}
+    for frame in robot.frames:
+        frames.setdefault(frame.link, []).append(frame.name)
+    return [
+        [
+            link.name,
+            kilograms(link.inertial.mass) + (" (given)" if link.given else ""),
+            ", ".join(printable(leaf(part.name)) for part in link.parts),
+            ", ".join(frames.get(link.name, [])),
+        ]
+        for link in robot.links
+    ]

@@ -1,0 +1,18 @@
+"""What people see of a robot: files of the graph stage beside its value."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from stages.robot.model import Robot
+
+PICTURE, OUTLINE, TABLES = "graph.svg", "outline.txt", "tables.json"
+VIEWS = (PICTURE, OUTLINE, TABLES)
+
+
+def views(robot: "Robot") -> dict[str, bytes]:
+    """The picture, the outline and the tables, by file name."""
+    from stages.graph.view.outline import outline
+    from stages.graph.view.picture import draw
+    from stages.graph.view.tables import tables
+
+    return {PICTURE: draw(robot), OUTLINE: outline(robot).encode(), TABLES: tables(robot)}

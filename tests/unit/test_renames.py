@@ -1,0 +1,116 @@
+"""Names of the user's own for links and joints."""
+
+import numpy as np
+import pytest
+
+from stages.graph.couplings import dofs_of
+from stages.graph.keys import NamesKeys
+from stages.graph.mechanism import Body, Bond, Coupling, Marker, Mechanism
+from stages.graph.notes import Notes
+from stages.graph.renames import renamed
+from stages.robot.model import MateRef, Provenance
+
+POSE = np.eye(4)
+
+
+def body(name: str, *titles: str) -> Body:
+    return Body(name, (name,), (), frozenset(titles), "", POSE)
+
+
+def coupling(name: str, mate_type: str, bodies: tuple[int, int], cad: str, title: str) -> Coupling:
+    kind = {"REVOLUTE": "revolute", "CYLINDRICAL": "cylindrical"}[mate_type]
+    dofs = dofs_of(name, mate_type, {}, POSE)
+    return Coupling(name, kind, bodies, (POSE, POSE), dofs, 0.0, MateRef((), name, cad, mate_type), title)
+
+
+MECHANISM = Mechanism(
+    bodies=(
+        body("base", "Base plate <1>", "Arm <1>/Base plate <1>"),
+        body("upper_arm_v2", "Upper arm v2 <1>", "Upper arm v2"),
+        body("foot", "Leg <1>/Foot <1>"),
+        body("foot_2", "Leg <2>/Foot <1>", "foot <1>"),
+        body("world"),
+    ),
+    couplings=(
+        coupling("revolute_3", "REVOLUTE", (0, 1), "Revolute 3", "Revolute 3"),
+        coupling("piston", "CYLINDRICAL", (1, 2), "Piston", "Leg <1>/Piston"),
+        coupling("leg_2_piston", "CYLINDRICAL", (1, 3), "Piston", "Leg <2>/Piston"),
+    ),
+    bonds=(Bond("Screw", "SCREW", ("piston", ""), 1.0, 0.1, False),),
+    markers=(Marker("tip", "Tip", 1, POSE, "Tip"),),
+    provenance=Provenance("d", "e", "m", ""),
+)
+
+
+def called(links=None, joints=None):
+    notes = Notes()
+    return renamed(MECHANISM, NamesKeys(links=links or {}, joints=joints or {}), notes), notes
+
+
+def links(mechanism):
+    return [one.name for one in mechanism.bodies]
+
+
+@pytest.mark.parametrize("entry", ["base", "Base plate", "Base plate <1>", "Base*", "Arm <1>/*"])
+def test_a_link_is_found_by_its_name_its_titles_or_a_glob(entry):
+    made, notes = called({entry: "trunk"})
+    assert notes.problems == []
+    assert links(made) == ["trunk", "upper_arm_v2", "foot", "foot_2", "world"]
+    assert [one.name for one in made.couplings] == [one.name for one in MECHANISM.couplings]
+
+
+def test_the_name_that_a_link_has_goes_before_globs_and_titles():
+    made, notes = called({"foot": "left_foot"})
+    assert notes.problems == []
+    assert links(made)[2:4] == ["left_foot", "foot_2"]
+
+
+def test_names_may_be_swapped():
+    made, notes = called({"foot": "foot_2", "foot_2": "foot"})
+    assert notes.problems == []
+    assert links(made)[2:4] == ["foot_2", "foot"]
+
+
+@pytest.mark.parametrize("entry", ["piston", "Leg <1>/Piston"])
+def test_a_joint_takes_its_dofs_and_bonds_with_it(entry):
+    made, notes = called(joints={entry: "drive"})
+    assert notes.problems == []
+    assert [one.name for one in made.couplings] == ["revolute_3", "drive", "leg_2_piston"]
+    assert [dof.name for dof in made.couplings[1].dofs] == ["drive_slide", "drive_turn"]
+    assert made.bonds[0].couplings == ("drive", "")
+    assert links(made) == links(MECHANISM)
+
+
+def test_the_dof_of_a_hinge_is_called_as_the_hinge():
+    made, _ = called(joints={"Revolute 3": "elbow"})
+    assert [dof.name for dof in made.couplings[0].dofs] == ["elbow"]
+
+
+@pytest.mark.parametrize(
+    ("asked", "told"),
+    [
+        ({"links": {"Head": "x"}}, ("E-RENAME", "names.links", "no link matches 'Head'")),
+        ({"links": {"*Foot*": "x"}}, ("E-RENAME", "names.links", "2 links match '*Foot*'")),
+        ({"joints": {"Piston": "x"}}, ("E-RENAME", "names.joints", "2 joints match 'Piston'")),
+        ({"links": {"base": "x", "Base*": "y"}}, ("E-RENAME", "names.links", "is called 'x' already")),
+        ({"links": {"world": "x"}}, ("E-RENAME", "names.links", "always called 'world'")),
+        ({"links": {"base": "Oberarm 1"}}, ("E-NAME", "names", "'Oberarm 1' is no name")),
+        ({"links": {"base": "world"}}, ("E-NAME", "names", "'world' is reserved")),
+        ({"links": {"base": "foot"}}, ("E-NAME", "names", "'foot' is taken")),
+        ({"links": {"base": "tip"}}, ("E-NAME", "names", "'tip' is taken")),
+        ({"links": {"base": "piston_turn"}}, ("E-NAME", "names", "'piston_turn' is taken")),
+        ({"links": {"base": "x"}, "joints": {"Revolute 3": "x"}}, ("E-NAME", "names", "'x' is taken")),
+        ({"joints": {"Revolute 3": "leg_2_piston_slide"}}, ("E-NAME", "names", "_slide' is taken")),
+    ],
+)
+def test_a_name_that_cannot_be_given_is_told(asked, told):
+    _, notes = called(**asked)
+    (problem,) = notes.problems
+    assert (problem.code, problem.where) == told[:2]
+    assert told[2] in problem.message
+    assert problem.hint or "world" in problem.message
+
+
+def test_several_hits_are_listed():
+    _, notes = called({"*Foot*": "x"})
+    assert notes.problems[0].hint == "name one of: foot, foot_2"
