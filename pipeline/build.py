@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pipeline import bundles, cache, report
-from pipeline.bench import FILES, NOTES, Bench
+from pipeline.bench import FILES, NOTES, ROBOT, Bench
 from pipeline.cache import Action, Files
 from pipeline.errors import ConfigError, LinkwrightError, as_problems, exit_status, refusal
 from pipeline.output import FAILED, Output
@@ -18,7 +18,9 @@ from pipeline.preflight import beforehand
 from pipeline.progress import Both, Log, Progress, Quiet
 from pipeline.report import Report, StageReport
 from pipeline.stage import STAGES, Stage, libraries, stages_until
+from pipeline.store import sha256
 from stages.fetch.ledger import FOLDER as LEDGER
+from stages.graph.view.views import OUTLINE, PICTURE, VIEWS
 from stages.robot import codec
 from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
@@ -62,8 +64,9 @@ def build(
             bench = Bench(plan, store, environ, ledger=ledger, began=began)
             for stage in stages:
                 run.stage(stage, bench)
-            done = run.finished(bench)
-            output.publish({**products(bench), **run.documents(done)}, suffix)
+            files = products(bench)
+            done = run.finished(bench, files)
+            output.publish({**files, **run.documents(done, files)}, suffix)
     except Exception as error:
         leave_failure(output, run, error)
         raise
@@ -74,15 +77,31 @@ def build(
 
 
 def products(bench: Bench) -> dict[str, bytes]:
-    """What the build hands to the user: the exported files, or before those the robot alone."""
+    """What the build hands to the user: the exported files, or before those the robot alone; and its
+    picture."""
+    files: dict[str, bytes] = {}
     if "export" in bench.files:
-        return dict(bench.files["export"].below(FILES))
-    if "graph" in bench.files:
+        files = dict(bench.files["export"].below(FILES))
+    elif "graph" in bench.files:
+        files = {"robot.json": described(bench)}
+    if "graph" in bench.files and PICTURE in bench.files["graph"]:
+        files[PICTURE] = bench.files["graph"][PICTURE]
+    return files
+
+
+def described(bench: Bench) -> bytes:
+    """The robot alone as the export stage writes it; kept, so that it costs no import again."""
+    from stages.export import VERSION
+
+    def make() -> bytes:
         from stages.export.description import describe
         from stages.export.pose import starting_point
 
-        return {"robot.json": describe(bench.robot, starting_point(bench.robot))}
-    return {}
+        return describe(bench.robot, starting_point(bench.robot))
+
+    export = next(stage for stage in STAGES if stage.name == "export")
+    memo = bench.cache.memo("export", VERSION, libraries(export))
+    return memo("description", {"robot": bench.files["graph"].digests[ROBOT]}, make)
 
 
 def perform(stage: Stage, bench: Bench) -> tuple[Files, bool]:
@@ -108,6 +127,7 @@ class Run:
     bundle: dict[str, str] = field(default_factory=dict)
     figures: dict[str, float] = field(default_factory=dict)
     diagnostics: list[Diagnostic] = field(default_factory=list)
+    shown: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.source["kind"] = self.plan.source.kind
@@ -123,6 +143,8 @@ class Run:
         bench.files[stage.name] = files
         if stage.name == "fetch":
             self.bundle = {"manifest": bundles.remember(bench.cache, files)}
+        if stage.name == "graph":
+            self.shown = {name: files[name].decode() for name in VIEWS if name in files}
         found = json.loads(files[NOTES])
         self.figures |= found["figures"]
         self.source |= found.get("source", {})
@@ -136,8 +158,8 @@ class Run:
         self.stages.append(done)
         self.progress.done(done)
 
-    def finished(self, bench: Bench) -> Report:
-        """The report of a build whose stages all ran."""
+    def finished(self, bench: Bench, files: Mapping[str, bytes]) -> Report:
+        """The report of a build whose stages all ran and that hands out `files`."""
         checks: tuple[Check, ...] = ()
         if "validate" in bench.files:
             checks = codec.decode_checks(bench.files["validate"]["checks.json"])
@@ -145,12 +167,11 @@ class Run:
         for check in checks:
             self.log.line(f"{'passed' if check.passed else 'FAILED'} {check.name}: {check.detail}")
         valid = all(check.passed for check in checks)
-        outputs = bench.files["export"].below(FILES).digests if "export" in bench.files else {}
         return self.report(
             status="built" if valid else "invalid",
             exit_status=0 if valid else 3,
             checks=checks,
-            outputs=outputs,
+            outputs={path: sha256(data) for path, data in sorted(files.items())},
         )
 
     def strict_checks(self) -> tuple[Check, ...]:
@@ -182,18 +203,23 @@ class Run:
             stages=tuple(self.stages),
             figures=self.figures,
             diagnostics=tuple(self.diagnostics),
+            outline=tuple(self.shown.get(OUTLINE, "").splitlines()),
             versions=report.versions(installed),
             **more,
         )
 
-    def documents(self, done: Report) -> dict[str, bytes]:
-        """What tells about the build, beside what it made."""
+    def documents(self, done: Report, files: Mapping[str, bytes]) -> dict[str, bytes]:
+        """What tells about the build, beside the `files` that it made."""
         import yaml
+
+        from pipeline.page import page
 
         self.log.line(f"{done.status}: exit status {done.exit_status}")
         plan = self.log.secrets.within(self.plan.tree())
+        sizes = {path: len(data) for path, data in files.items()}
         return {
             "report.json": done.to_json(self.log.secrets),
+            "report.html": page(done, self.shown, sizes, self.log.secrets),
             "config.yaml": yaml.safe_dump(plan, sort_keys=False, allow_unicode=True).encode(),
             "build.log": self.log.content(),
         }
@@ -207,7 +233,7 @@ def leave_failure(output: Output, run: Run, error: Exception) -> None:
         for line in "".join(traceback.format_exception(error)).splitlines():
             run.log.line(line)
     try:
-        output.publish(run.documents(run.failed(error)), FAILED)
+        output.publish(run.documents(run.failed(error), {}), FAILED)
     except LinkwrightError as second:
         # The first error is the one to tell.
         run.log.line(str(second))

@@ -42,8 +42,8 @@ options:
 groups, each a set of presets (group=option):
   robot       sample, bare, and the files in ./robot/: everything below, in one file
   source      onshape, bundle (a zip of replies), sample
-  root        auto, fixed, free: the root link and how it stands
-  depth       flexible: which sub-assemblies may move inside
+  root        auto, central, fixed, free: the root link and how it stands
+  depth       flexible, rigid: which sub-assemblies may move inside
   mesh        hull: what collides
   ground      plane, none
   export      [urdf,mjcf], urdf, mjcf

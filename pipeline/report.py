@@ -33,9 +33,10 @@ class Report:
     windows by kind of request, as it told, `served` (its API version and release) and the seconds
     `waited` because it asked for that.
     `bundle`: what was read, by the SHA-256 of its `manifest` (`linkwright bundle` finds it so).
-    `figures`: counts of links, joints, dof (joints that follow no other), loops, parts, meshes and
-    triangles, and the mass [kg]. `outputs`: SHA-256 of each file of the robot, by path below
-    `folder`. `error`: of a failed build, its class, message, place, hint and problems.
+    `figures`: counts of links, joints, dofs, loops, parts, meshes and triangles, the mass [kg], and how
+    the mechanism moves: `coordinates`, `gruebler` and `dof` (see `stages.robot.model.Mobility`).
+    `outline`: the lines of the kinematic tree as text. `outputs`: SHA-256 of each file of the robot, by
+    path below `folder`. `error`: of a failed build, its class, message, place, hint and problems.
     """
 
     status: Status
@@ -50,13 +51,18 @@ class Report:
     figures: Mapping[str, float] = field(default_factory=dict)
     diagnostics: tuple[Diagnostic, ...] = ()
     checks: tuple[Check, ...] = ()
+    outline: tuple[str, ...] = ()
     outputs: Mapping[str, str] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     error: Mapping[str, Any] | None = None
 
+    def tree(self) -> dict[str, Any]:
+        """The report as plain data."""
+        return asdict(self)
+
     def to_json(self, secrets: Secrets | None = None) -> bytes:
         """The content of `report.json`, with secrets blanked."""
-        tree = {FORMAT: 1, **asdict(self)}
+        tree = {FORMAT: 1, **self.tree()}
         blanked = tree if secrets is None else secrets.within(tree)
         return json.dumps(blanked, indent=2, ensure_ascii=False).encode() + b"\n"
 
@@ -74,6 +80,25 @@ def rows(report: Report) -> list[tuple[str, str, str, str]]:
         (stage.name, "cached" if stage.cached else "built", f"{stage.seconds:.2f}", stage.outputs)
         for stage in report.stages
     ]
+
+
+PLAIN = str.maketrans("─│├└…→×≤≥−", "-||`~>*<>-")
+"""What stands for the letters of ours that a stream may not know."""
+
+
+def fitting(text: str, encoding: str | None) -> str:
+    """`text` as a stream with this encoding can write it."""
+    code = encoding or "utf-8"
+    try:
+        text.encode(code)
+    except UnicodeEncodeError:
+        return text.translate(PLAIN).encode(code, "replace").decode(code)
+    return text
+
+
+def found(report: Report) -> list[str]:
+    """What a build that ends at the graph found: the kinematic tree, before the closing table."""
+    return [*report.outline, ""] if report.until == "graph" and report.outline else []
 
 
 def findings(report: Report) -> list[str]:
@@ -98,20 +123,20 @@ def findings(report: Report) -> list[str]:
 
 
 def render(report: Report) -> str:
-    """The closing table and the findings as plain aligned text."""
+    """The kinematic tree where it was asked for, the closing table and the findings as plain text."""
     table = [HEADER, *rows(report)]
     widths = [max(len(row[column]) for row in table) for column in range(3)]
     lines = [
         f"{row[0]:<{widths[0]}}  {row[1]:<{widths[1]}}  {row[2]:>{widths[2]}}  {row[3]}".rstrip()
         for row in table
     ]
-    return "\n".join([*lines, *findings(report)]) + "\n"
+    return "\n".join([*found(report), *lines, *findings(report)]) + "\n"
 
 
 def show(report: Report, stream: TextIO) -> None:
     """Writes the closing table: with rich on a terminal, else as plain text."""
     if not stream.isatty():
-        stream.write(render(report))
+        stream.write(fitting(render(report), stream.encoding))
         return
     from rich.box import SIMPLE
     from rich.console import Console
@@ -120,6 +145,8 @@ def show(report: Report, stream: TextIO) -> None:
 
     styles = {"E": "bold red", "W": "yellow", "I": "cyan"}
     console = Console(file=stream)
+    for line in found(report):
+        console.print(Text(fitting(line, stream.encoding)), soft_wrap=True)
     table = Table(box=SIMPLE, header_style="bold", pad_edge=False)
     for column, title in enumerate(HEADER):
         table.add_column(title, justify="right" if column == 2 else "left")
@@ -131,7 +158,7 @@ def show(report: Report, stream: TextIO) -> None:
         if line[1:2] == "-":
             style = styles.get(line[0], "")
         # As Text: brackets in CAD names are no markup.
-        console.print(Text(line, style=style))
+        console.print(Text(fitting(line, stream.encoding), style=style))
 
 
 def versions(libraries: Mapping[str, str]) -> dict[str, str]:

@@ -146,7 +146,7 @@ class Fetch(Common):
 
 class Graph(Common):
     name = "graph"
-    libraries = ("numpy", "networkx")
+    libraries = ("numpy", "scipy", "networkx", "lxml")
 
     def config(self, bench: Bench) -> Any:
         from stages.graph.keys import GraphKeys
@@ -159,12 +159,16 @@ class Graph(Common):
 
     def run(self, bench: Bench) -> dict[str, bytes]:
         from stages.graph import build_robot
+        from stages.graph.view.views import views
 
         robot = build_robot(bench.bundle, bench.plan)
         figures = {
             "links": len(robot.links),
             "joints": len(robot.joints),
-            "dof": len(robot.joints) - len(robot.relations),
+            "dofs": len(robot.dofs),
+            "coordinates": robot.mobility.coordinates,
+            "gruebler": robot.mobility.gruebler,
+            "dof": robot.mobility.dof,
             "loops": len(robot.loops),
             "mass": sum(link.inertial.mass for link in robot.links),
             "parts": sum(len(link.parts) for link in robot.links),
@@ -173,6 +177,7 @@ class Graph(Common):
         summary = ", ".join(count(len(items), kind) for kind, items in kinds.items())
         return {
             ROBOT: codec.encode_robot(robot),
+            **views(robot),
             NOTES: notes(summary, robot.diagnostics, figures),
         }
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 COMMAND = Path(sys.executable).with_name("linkwright")
-RUN_FACTS = {"report.json", "build.log", "config.yaml"}
+RUN_FACTS = {"report.json", "report.html", "build.log", "config.yaml"}
 
 
 def environment(here: Path, **more: str) -> dict[str, str]:

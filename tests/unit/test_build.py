@@ -102,7 +102,14 @@ def names(folder):
 
 def test_a_build_leaves_the_exported_files_with_report_plan_and_log(make, folder):
     report = make(fakes())
-    assert names(folder) == ["arm.urdf", "assets/a.stl", "build.log", "config.yaml", "report.json"]
+    assert names(folder) == [
+        "arm.urdf",
+        "assets/a.stl",
+        "build.log",
+        "config.yaml",
+        "report.html",
+        "report.json",
+    ]
     assert report.status == "built"
     assert report.exit_status == 0
     assert report.folder == str(folder)
@@ -180,7 +187,7 @@ def test_a_failing_stage_leaves_a_report_beside_and_the_last_build_whole(make, f
         make(fakes(graph={"error": error, "version": 2}))
     assert {name: (folder / name).read_bytes() for name in names(folder)} == before
     failed = folder.with_name("arm.failed")
-    assert names(failed) == ["build.log", "config.yaml", "report.json"]
+    assert names(failed) == ["build.log", "config.yaml", "report.html", "report.json"]
     report = json.loads((failed / "report.json").read_bytes())
     assert (report["status"], report["exit_status"]) == ("failed", 1)
     assert report["error"]["where"] == "Arm"
@@ -300,3 +307,27 @@ def test_the_log_tells_stages_findings_and_checks(make, folder, capsys):
     ):
         assert text in log
     assert "graph    ..." in capsys.readouterr().out
+
+
+SHOWN = {"graph.svg": b"<svg>arm</svg>", "outline.txt": "└─ elbow\n".encode(), "tables.json": b"[]"}
+
+
+def test_the_picture_is_an_output_and_the_tree_is_in_the_report(make, folder):
+    stages = fakes(graph={"files": {"robot.json": b"{}", **SHOWN}})
+    report = make(stages)
+    assert (folder / "graph.svg").read_bytes() == SHOWN["graph.svg"]
+    assert set(report.outputs) == {"arm.urdf", "assets/a.stl", "graph.svg"}
+    assert report.outline == ("└─ elbow",)
+    assert make(stages).outline == report.outline
+    page = (folder / "report.html").read_text()
+    assert "<svg>arm</svg>" in page
+    assert f"<td>{len(SHOWN['graph.svg'])}</td>" in page
+
+
+def test_a_failed_build_shows_what_came_before_in_its_page(make, folder):
+    graph = {"files": {"robot.json": b"{}", **SHOWN}}
+    with pytest.raises(AssemblyError):
+        make(fakes(graph=graph, mesh={"error": AssemblyError("no <mesh>", hint="mend it")}))
+    page = (folder.with_name("arm.failed") / "report.html").read_text()
+    for words in ("<svg>arm</svg>", "└─ elbow", "no &lt;mesh&gt;", "mend it"):
+        assert words in page

@@ -15,7 +15,7 @@ from tests.onshape.sample import sample_document
 from tests.onshape.server import OnshapeServer
 
 REPO = Path(__file__).parents[2]
-RUN_FACTS = {"report.json", "build.log", "config.yaml"}
+RUN_FACTS = {"report.json", "report.html", "build.log", "config.yaml"}
 
 
 @pytest.fixture(scope="module")
@@ -86,7 +86,7 @@ def test_until_graph_leaves_the_same_robot_json_as_the_whole_build(archive, tmp_
     build(plan(tmp_path, source), environ={})
     build(plan(tmp_path, source, until="graph"), environ={})
     left = robot_files(tmp_path / "arm.graph")
-    assert set(left) == {"robot.json"}
+    assert set(left) == {"robot.json", "graph.svg"}
     assert left["robot.json"] == (tmp_path / "arm" / "robot.json").read_bytes()
 
 

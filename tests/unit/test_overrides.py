@@ -49,7 +49,7 @@ def test_an_override_becomes_one_that_hydra_can_carry(values, typed, hydra):
     [
         ("ground=glob(*)", "ground=none,plane"),
         ("root=glob(f*)", "root=fixed,free"),
-        ("root=glob([*],exclude=f*)", "root=auto"),
+        ("root=glob([*],exclude=f*)", "root=auto,central"),
     ],
 )
 def test_a_glob_over_a_group_becomes_the_options_that_it_matches(values, typed, hydra):

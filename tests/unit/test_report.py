@@ -4,7 +4,7 @@ import io
 import json
 from dataclasses import replace
 
-from pipeline.report import Report, StageReport, render, show, versions
+from pipeline.report import Report, StageReport, fitting, render, show, versions
 from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
 
@@ -74,6 +74,32 @@ def test_a_pipe_gets_plain_text_and_a_terminal_the_same_facts():
     assert pipe.getvalue() == render(REPORT)
     for fact in ("3 replies", "cached", "12.50", "Arm/Elbow [left]", "FAILED mass", "outputs/arm"):
         assert fact in screen.getvalue()
+
+
+TREE = ("arm: 2 links", "└─ elbow  ≤ 90 deg  = -1 × drive …")
+
+
+def test_the_tree_is_shown_where_the_build_ends_at_the_graph_only():
+    graph = replace(REPORT, until="graph", outline=TREE)
+    assert render(graph).splitlines()[:4] == [*TREE, "", "stage          seconds  outputs"]
+    assert TREE[1] not in render(replace(graph, until="validate"))
+    assert TREE[1] not in render(replace(graph, until="fetch", outline=()))
+    screen = Screen()
+    show(graph, screen)
+    assert TREE[1] in screen.getvalue()
+
+
+def test_a_stream_that_knows_no_boxes_gets_plain_letters():
+    raw = io.BytesIO()
+    pipe = io.TextIOWrapper(raw, encoding="ascii")
+    show(replace(REPORT, until="graph", outline=TREE), pipe)
+    pipe.flush()
+    text = raw.getvalue().decode("ascii")
+    assert "`- elbow  < 90 deg  = -1 * drive ~" in text
+    assert "    > set joints.elbow.limits" in text
+    assert fitting("Grübler │", "latin-1") == "Grübler |"
+    assert fitting("中 │", "utf-8") == "中 │"
+    assert fitting("中 │", "ascii") == "? |"
 
 
 def test_versions_name_linkwright_and_python_first():

@@ -132,7 +132,7 @@ def test_hydras_account_and_the_summary_lie_beside_the_jobs(tmp_path):
             ["source=sample", "root=auto,fred"],
             "error: 1 of 2 jobs cannot be built; nothing was built\n"
             "  E-OPTION job 1 (root=fred): root=fred: there is no such option\n"
-            "      did you mean free or fixed? options: auto, fixed, free\n",
+            "      did you mean free or fixed? options: auto, central, fixed, free\n",
         ),
         (
             ["source=sample", "root=auto,auto"],
