@@ -54,8 +54,11 @@ groups, each a set of presets (group=option):
 keys (key=value; with their units and defaults in stages/<stage>/keys.py of the package):
   name  source.url  source.path  source.tessellation.{angle,chord,max_facet_width}
   source.{offline,refresh,verify,max_calls,max_wait}
-  root.{select,base}  joints.<glob>.{limits,effort,velocity,damping,friction,armature}
-  loops.solref  frames.include  ground.{kind,size,xyz,rpy,friction}
+  root.{select,base,frame,disconnected}  depth.{max,rigid,flexible}  hidden  zero  mirror  conventions
+  names.{links,joints}  joints.<glob>.{limits,effort,velocity,damping,friction,armature}
+  mass.{missing,density}  mass.parts.<glob>.{mass,density,com,inertia}  mass.links.<glob>.{mass,com,inertia}
+  links.<name>.{parent,child,xyz,rpy,mass,com,inertia,geometry,joint}  frames.include
+  frames.add.<name>.{link,xyz,rpy}  loops.{cut,solref}  ground.{kind,size,xyz,rpy,friction}
   scene.pose.{xyz,rpy}  scene.option.timestep  validate.level
   cache.mode (use, refresh, bypass)  cache.dir  output (default: outputs/<name>)  until
 

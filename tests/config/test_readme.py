@@ -1,0 +1,104 @@
+"""What the README shows is what a user gets: its YAML, its commands, the sample's tree and picture.
+
+The picture anew: `linkwright until=graph`, and outputs/sample.graph/graph.svg is tests/onshape/sample.svg.
+"""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from pipeline.cli import VERBS, parse
+from pipeline.compose import Composed, compose_plan
+from stages.graph.keys import GraphKeys
+from stages.graph.view.outline import outline
+from stages.graph.view.picture import draw
+from stages.robot.keys import Keys
+from stages.robot.model import Robot
+from tests.building import plan_of, robot_of
+from tests.config.users import URL, write
+from tests.onshape.sample import sample_document
+
+TOP = Path(__file__).resolve().parents[2]
+README = (TOP / "README.md").read_text().replace("https://cad.onshape.com/documents/.../w/.../e/...", URL)
+BLOCK = re.compile(r"(?:^<!-- (\w+) -->\n)?^( *)```(\w*)\n(.*?)^ *```$", re.DOTALL | re.MULTILINE)
+HEADER = "# @package _global_\n"
+FROM_SAMPLE = f"{HEADER}defaults: [{{override /source: sample}}]\n"
+
+
+def blocks(language: str) -> list[tuple[str, str]]:
+    """(mark, text) of each block in this language, without the indentation of a list."""
+    return [
+        (mark, re.sub(f"^{indent}", "", text, flags=re.MULTILINE))
+        for mark, indent, found, text in BLOCK.findall(README)
+        if found == language
+    ]
+
+
+def marked(mark: str) -> str:
+    return next(text for language in ("", "yaml") for found, text in blocks(language) if found == mark)
+
+
+def composed(folder: Path, text: str) -> Composed:
+    robot = text if text.startswith(HEADER) else FROM_SAMPLE + text
+    return compose_plan(["robot=my_arm"], (), write(folder, my_arm=robot))
+
+
+def the_sample() -> Robot:
+    return robot_of(sample_document(), plan_of(name="sample"))
+
+
+def commands() -> list[list[str]]:
+    """Arguments of each single build that the README shows."""
+    lines = [line for _, text in blocks("sh") for line in text.splitlines()]
+    found = [shlex.split(line, comments=True)[1:] for line in lines if line.startswith("linkwright ")]
+    return [words for words in found if words[0] not in (*VERBS, "-m")]
+
+
+@pytest.mark.parametrize("number", range(len(blocks("yaml"))))
+def test_each_yaml_block_composes(tmp_path: Path, number: int) -> None:
+    _, text = blocks("yaml")[number]
+    assert composed(tmp_path, text).robot == "my_arm"
+
+
+@pytest.mark.parametrize("words", commands(), ids=" ".join)
+def test_each_command_composes(tmp_path: Path, words: list[str]) -> None:
+    folder = write(tmp_path, my_arm=FROM_SAMPLE)
+    command = parse([word.replace("~/robots", str(folder)) for word in words])
+    compose_plan(command.overrides, command.config_dirs, tmp_path)
+
+
+def test_the_keys_of_the_kinematics_make_a_robot_of_the_sample(tmp_path: Path) -> None:
+    robot = robot_of(sample_document(), composed(tmp_path, marked("sample")).plan)
+    assert {"base_footprint", "payload"} <= {link.name for link in robot.links}
+    assert "elbow_pitch" in {joint.name for joint in robot.joints}
+    assert not robot.base.fixed
+
+
+def test_every_key_of_the_kinematics_is_in_the_readme() -> None:
+    told: set[str] = set()
+    for line in README.splitlines():
+        if line.startswith("| `"):
+            first, *more = re.findall("`([^`]+)`", line.split(" | ")[0])
+            told |= {first, *(first.partition(".")[0] + key for key in more)}
+    wanted = set()
+    for name, field in GraphKeys.model_fields.items():
+        inside = field.annotation
+        if isinstance(inside, type) and issubclass(inside, Keys):
+            wanted |= {f"{name}.{key}" for key in inside.model_fields}
+        elif name != "name":
+            wanted.add(name)
+    assert told >= wanted
+
+
+def test_the_tree_is_that_of_the_sample() -> None:
+    shown = marked("outline").splitlines()
+    lines = iter(outline(the_sample()).splitlines())
+    assert [line for line in shown if line != "..." and line not in lines] == []
+
+
+def test_the_picture_is_that_of_the_sample() -> None:
+    noise = re.compile(r"[\d.]+e-\d+")  # a residual, which is all rounding
+    ours = (TOP / "tests" / "onshape" / "sample.svg").read_text()
+    assert noise.sub("0", ours) == noise.sub("0", draw(the_sample()).decode())

@@ -1,0 +1,102 @@
+"""The table of diagnostics says everything that the product can say, and nothing else."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parents[2]
+CODE = re.compile(r"""["']([EWI]-[A-Z][A-Z0-9-]*)["']""")
+ROW = re.compile(r"^\| `([EWI]-[A-Z0-9-]+)` \| (.+?) \| (.+?) \| (.+?) \|$")
+MAKERS = ("tell", "Diagnostic")
+
+
+def spoken() -> dict[str, set[str]]:
+    """Every code in the source, and the top-level packages and stages that say it."""
+    found: dict[str, set[str]] = {}
+    for package in ("pipeline", "stages"):
+        for file in sorted((TOP / package).rglob("*.py")):
+            parts = file.relative_to(TOP).parts
+            place = parts[1] if parts[0] == "stages" else parts[0]
+            for code in CODE.findall(file.read_text()):
+                found.setdefault(code, set()).add(place)
+    return found
+
+
+def written() -> list[tuple[str, str, str, str]]:
+    lines = (TOP / "stages" / "DIAGNOSTICS.md").read_text().splitlines()
+    return [match.groups() for line in lines if (match := ROW.match(line))]
+
+
+def told(source: str) -> Iterator[tuple[int, str, list[ast.expr]]]:
+    """Line, code, and the arguments (message, where, hint) of each diagnostic that a module makes."""
+    tree = ast.parse(source)
+    named = {
+        target.id: one.value
+        for one in tree.body
+        if isinstance(one, ast.Assign)
+        for target in one.targets
+        if isinstance(target, ast.Name)
+    }
+    for call in ast.walk(tree):
+        if not isinstance(call, ast.Call) or not call.args:
+            continue
+        maker = call.func.attr if isinstance(call.func, ast.Attribute) else getattr(call.func, "id", "")
+        code = call.args[0]
+        code = named.get(code.id, code) if isinstance(code, ast.Name) else code
+        if maker in MAKERS and isinstance(code, ast.Constant) and CODE.fullmatch(repr(code.value)):
+            yield call.lineno, code.value, [*call.args[1:], *(keyword.value for keyword in call.keywords)]
+
+
+def is_blank(value: ast.expr) -> bool:
+    return isinstance(value, ast.Constant) and not value.value
+
+
+def incomplete(source: str, arguments: int = 3) -> list[tuple[int, str]]:
+    """Line and code of each error or warning that lacks a message, a place or a hint."""
+    return [
+        (line, code)
+        for line, code, given in told(source)
+        if code[0] in "EW" and (len(given) < arguments or any(map(is_blank, given)))
+    ]
+
+
+def test_the_table_is_complete() -> None:
+    assert sorted(code for code, *_ in written()) == sorted(spoken())
+
+
+def test_each_row_says_where_it_is_told_what_it_means_and_what_to_do() -> None:
+    said = spoken()
+    for code, place, meaning, remedy in written():
+        assert set(place.split(", ")) == said[code], code
+        assert len(meaning) > 15, code
+        assert len(remedy) > 5 or remedy == "–", code
+
+
+def test_every_error_and_warning_of_a_stage_has_a_place_and_a_hint() -> None:
+    lacking, seen = [], set()
+    for file in sorted((TOP / "stages").rglob("*.py")):
+        source = file.read_text()
+        seen |= {code for _, code, _ in told(source)}
+        # In the URDF's own `tell` the place is the file itself.
+        arguments = 2 if file.name == "urdf.py" else 3
+        lacking += [(file.relative_to(TOP), *one) for one in incomplete(source, arguments)]
+    assert lacking == []
+    assert seen == {code for code, places in spoken().items() if places != {"pipeline"}}
+
+
+def test_what_lacks_a_place_or_a_hint_is_found() -> None:
+    source = [
+        'RIGID = "W-A"',
+        "notes.tell(RIGID, m, w)",
+        'Diagnostic("E-B", m, "", h)',
+        'Diagnostic("E-C", m, w, hint="")',
+    ]
+    assert incomplete("\n".join(source)) == [(2, "W-A"), (3, "E-B"), (4, "E-C")]
+    assert incomplete('notes.tell("I-D", m)\nnotes.tell("E-E", m, w, h)\n') == []
+
+
+def test_the_table_is_in_order_and_the_readme_leads_to_it() -> None:
+    codes = [code for code, *_ in written()]
+    assert codes == sorted(codes, key=lambda code: ("EWI".index(code[0]), code))
+    assert "stages/DIAGNOSTICS.md" in (TOP / "README.md").read_text()
