@@ -11,16 +11,19 @@ SPELLED = str.maketrans(
 )
 """Letters that do not fall apart into a plain one and an accent."""
 
+LONGEST = 80
+"""So many letters of a word are kept: names name files, whose own names may have 255."""
+
 
 def legal(text: str) -> str:
-    """`text` in [A-Za-z0-9_], lower case, words joined by "_"; "" where nothing is left.
+    """`text` in [A-Za-z0-9_], lower case, words joined by "_", cut short; "" where nothing is left.
 
     The instance suffix " <1>" goes; " <3>" stays as "_3", so that adding a second instance never
     renames the first.
     """
     text, suffix = _instance(text)
     plain = unicodedata.normalize("NFKD", text.translate(SPELLED)).encode("ascii", "ignore").decode()
-    plain = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_").lower()
+    plain = re.sub(r"[^A-Za-z0-9]+", "_", plain).strip("_").lower()[:LONGEST].rstrip("_")
     return plain + suffix if plain else ""
 
 

@@ -11,6 +11,7 @@ from stages.graph.onshape.bodies import Bodies, find_bodies
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.hidden import without_hidden
 from stages.robot.errors import AssemblyError
+from tests.building import plan_of, robot_of
 from tests.kit import SIDE, TOP, Kit
 from tests.onshape.definition import definition
 from tests.onshape.document import ORIGIN
@@ -98,6 +99,18 @@ def test_joints_that_rigid_sub_assemblies_freeze_are_counted_for_the_outermost(n
     _, notes = found(nested, max=1)
     counted = [(one.where, one.message.split(": ")[1]) for one in notes.found]
     assert counted == [(f"Fore arm <{n}>/Gripper <1>", "2 joint(s) inside it do not move") for n in (1, 2)]
+
+
+@pytest.mark.parametrize(("depth", "related"), [({}, 1), ({"max": 0}, 0)])
+def test_a_relation_goes_with_the_joints_that_a_rigid_sub_assembly_freezes(kit: Kit, depth, related) -> None:
+    made, case, _ = motor(kit)
+    wheel = kit.place("Wheel", made)
+    made.revolute("Roll", (wheel, TOP), (case, SIDE))
+    made.gear("Gear", *made.features)
+    kit.root.fasten("Bolt", (kit.root.add(made) / case, TOP), (kit.place("Base", fixed=True), SIDE))
+    robot = robot_of(kit.document, plan_of(depth=depth))
+    assert len(robot.relations) == related
+    assert {one.code for one in robot.diagnostics} == ({"W-LIMIT"} if related else {"I-RIGID"})
 
 
 def test_globs_that_fit_no_sub_assembly_list_them(nested: Kit) -> None:

@@ -380,6 +380,61 @@ def test_a_mate_with_one_mirrored_side_is_told(kit: Kit) -> None:
     assert [(told.code, told.where) for told in notes.found] == [("W-MIRROR", "Own")]
 
 
+def _capped(cap: tuple[str, ...], arm: tuple[str, ...], kind: str):
+    """A mate or a group more, of a cap on the seed."""
+
+    def edit(root: dict) -> None:
+        if kind == "group":
+            members = [{"occurrence": list(path)} for path in (cap, arm)]
+            group = {"id": "cap", "featureType": "mateGroup", "featureData": {"name": "Cap"}}
+            group["featureData"]["occurrences"] = members
+            root["features"].append(group)
+            return
+        _mated(cap)(root)
+        own = root["features"][-1]["featureData"]
+        own["mateType"] = kind
+        own["matedEntities"][1]["matedOccurrence"] = list(arm)
+
+    return edit
+
+
+@pytest.mark.parametrize("kind", ["FASTENED", "SLIDER", "group"])
+@pytest.mark.parametrize("mirror", ["joints", "weld"])
+def test_a_copy_does_not_hold_what_hangs_on_its_seed(kit: Kit, kind: str, mirror: str) -> None:
+    base, arm = draw(kit, "revolute", 0.4)
+    cap = kit.place("Cap")
+    ((second,),) = kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
+    assembly, notes = drawn(kit, mirror, edit=_capped(cap.path, arm.path, kind))
+    bodies = bodies_of(assembly, notes)
+    (copy,) = copies(assembly)
+    assert {entity.path for entity in copy.entities} == {base.path, second.path}
+    assert (bodies.of[cap.path] == bodies.of[arm.path]) == (kind != "SLIDER")
+    assert bodies.of[cap.path] != bodies.of[second.path]
+
+
+@pytest.mark.parametrize(("more", "held"), [(0, 2), (1, 1)])
+def test_where_nothing_is_fixed_the_piece_with_the_most_parts_holds_a_seed(
+    kit: Kit, more: int, held: int
+) -> None:
+    base, arm = draw(kit, "revolute", 0.4)
+    base.last.fixed = False
+    cap = kit.place("Cap")
+    for number in range(more):
+        kit.root.fasten(f"Bolt {number}", (kit.place(f"Bolt {number}"), TOP), (base, SIDE))
+    kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
+    assembly, _ = drawn(kit, edit=_capped(cap.path, arm.path, "SLIDER"))
+    # Of two pieces of one size either may hold it: the copy hangs on both.
+    assert len(copies(assembly)) == held
+
+
+def test_a_copy_of_a_fixed_seed_is_held_by_its_mates_alone(kit: Kit) -> None:
+    base, arm = draw(kit, "revolute", 0.4)
+    ((second,),) = kit.root.pattern("Row", [base], [frame((0.2, 0, 0))])
+    assembly, _ = drawn(kit)
+    (copy,) = copies(assembly)
+    assert {entity.path for entity in copy.entities} == {arm.path, second.path}
+
+
 def test_the_order_of_a_reply_changes_nothing(kit: Kit) -> None:
     _, arm = draw(kit, "revolute", 0.4)
     hand = kit.place("Hand")

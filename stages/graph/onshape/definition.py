@@ -1,7 +1,7 @@
 """Reads Onshape's assembly definition into an `Assembly`, tolerant of keys that it does not know."""
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import astuple
 
 import numpy as np
 import orjson
@@ -21,6 +21,7 @@ from stages.graph.onshape.assembly import (
     check_parts,
     leave_out_empty,
 )
+from stages.graph.onshape.replies import check_rigid, number, numbers, path_of, shape_of, text
 from stages.robot.bundle import StudioKey
 from stages.robot.errors import Diagnostic, ProtocolError
 from stages.robot.model import Array, MateRef, frozen
@@ -28,39 +29,30 @@ from stages.robot.model import Array, MateRef, frozen
 
 def read_assembly(body: bytes) -> Assembly:
     """The assembly in an assembly-definition reply; ProtocolError where it is not one."""
-    with _shape_of("assembly definition", ""):
+    with shape_of("assembly definition", ""):
         definition = orjson.loads(body)
         root = definition["rootAssembly"]
         subs = {StudioKey.of(sub): sub for sub in definition.get("subAssemblies") or ()}
         assembly = Assembly(root)
         for part in definition.get("parts") or ():
             assembly.body_types[StudioKey.of(part), part.get("partId", "")] = part.get("bodyType", "solid")
-        placed = {tuple(o["path"]): o for o in root.get("occurrences") or ()}
+        placed = {path_of(o["path"]): o for o in root.get("occurrences") or ()}
         owners: list[tuple[Path, tuple[str, ...], Record]] = [((), (), root)]
         for path, names, record in owners:
             owners.extend(_expand(assembly, path, names, record, placed, subs))
     leave_out_empty(assembly)
     # Features need every occurrence to be known: a mate of one assembly may reach into another.
     for path, names, record in owners:
-        for feature in record.get("features") or ():
-            if not feature.get("suppressed"):
-                with _shape_of("feature", "/".join((*names, str(feature.get("id"))))):
-                    _read_feature(assembly, path, names, feature)
-        with _shape_of("pattern", "/".join(names)):
+        with shape_of("list of features", "/".join(names)):
+            features = [one for one in record.get("features") or () if not one.get("suppressed")]
+            _check_ids(features)
+        for feature in features:
+            with shape_of("feature", "/".join((*names, feature["id"]))):
+                _read_feature(assembly, path, names, feature)
+        with shape_of("pattern", "/".join(names)):
             assembly.patterns.extend(_read_patterns(path, names, record))
     check_parts(assembly, "insert at least one part, or unsuppress what is there")
     return assembly
-
-
-@contextmanager
-def _shape_of(what: str, where: str) -> Iterator[None]:
-    """Turns what Python says of an unexpected shape into a ProtocolError that says where."""
-    try:
-        yield
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        msg = f"the {what} is not in the shape of the API ({type(error).__name__}: {error})"
-        hint = "fetch it again, or make the bundle again; if it stays so, the API has changed"
-        raise ProtocolError(msg, where, hint) from error
 
 
 def _expand(
@@ -75,26 +67,20 @@ def _expand(
     for instance in record.get("instances") or ():
         if instance.get("suppressed"):
             continue
-        child, child_names = (*path, instance["id"]), (*names, instance.get("name") or "unnamed")
+        child, child_names = (*path, text(instance["id"])), (*names, text(instance.get("name") or "unnamed"))
         title = "/".join(child_names)
         if instance.get("type") not in ("Part", "Assembly"):
             kind = instance.get("type") or "without a type"
-            assembly.diagnostics.append(
-                Diagnostic("W-INSTANCE", f"instance is {kind}: neither part nor assembly, left out", title)
-            )
+            what = f"instance is {kind}: neither part nor assembly, left out"
+            hint = "suppress it, or put a part or an assembly in its place"
+            assembly.diagnostics.append(Diagnostic("W-INSTANCE", what, title, hint))
             continue
-        place = placed.get(child)
-        if place is None:
-            msg = "the definition gives no transform for this instance"
-            raise ProtocolError(msg, where=title)
-        assembly.occurrences[child] = Occurrence(
-            child,
-            child_names,
-            instance,
-            _rigid(place["transform"], title),
-            bool(place.get("fixed")),
-            bool(place.get("hidden")),
-        )
+        with shape_of("instance", title):
+            occurrence = _occurrence(child, child_names, instance, placed)
+            if child in assembly.occurrences:
+                msg = f"another instance has its id, {child[-1]!r}, too"
+                raise ValueError(msg)
+            assembly.occurrences[child] = occurrence
         if instance["type"] == "Assembly":
             sub = subs.get(StudioKey.of(instance))
             if sub is None:
@@ -103,19 +89,37 @@ def _expand(
             yield child, child_names, sub
 
 
-def _rigid(values: list[float], title: str) -> Array:
-    """A row-major 4x4 as an array; ProtocolError unless it keeps lengths."""
-    transform = np.array(values, dtype=float).reshape(4, 4)
-    rotation = transform[:3, :3]
-    if not abs(rotation @ rotation.T - np.eye(3)).max() < 1e-6:  # nor where one is not a number
-        msg = "the transform of this instance is not rigid"
-        raise ProtocolError(msg, where=title)
-    return frozen(transform)
+def _occurrence(
+    path: Path, names: tuple[str, ...], instance: Record, placed: Mapping[Path, Record]
+) -> Occurrence:
+    for ident in astuple(StudioKey.of(instance)):
+        text(ident)
+    if instance["type"] == "Part":
+        text(instance["partId"])
+    if path not in placed:
+        msg = "the definition gives no transform for this instance"
+        raise ProtocolError(msg, where="/".join(names))
+    place = placed[path]
+    transform = numbers(place["transform"], 16).reshape(4, 4)
+    check_rigid(transform)
+    return Occurrence(
+        path, names, instance, frozen(transform), bool(place.get("fixed")), bool(place.get("hidden"))
+    )
+
+
+def _check_ids(features: Sequence[Record]) -> None:
+    """ValueError or TypeError unless each feature has an id of its own: by it they are told apart."""
+    seen: set[str] = set()
+    for ident in (text(feature["id"]) for feature in features):
+        if ident in seen:
+            msg = f"two features have the id {ident!r}"
+            raise ValueError(msg)
+        seen.add(ident)
 
 
 def _read_feature(assembly: Assembly, owner: Path, names: tuple[str, ...], feature: Record) -> None:
     data, kind = feature.get("featureData") or {}, feature.get("featureType")
-    name = data.get("name") or feature.get("id", "")
+    name = text(data.get("name") or feature["id"])
     title = "/".join((*names, name))
     if kind == "mate":
         _read_mate(assembly, owner, title, name, feature, data)
@@ -125,23 +129,23 @@ def _read_feature(assembly: Assembly, owner: Path, names: tuple[str, ...], featu
                 owner,
                 feature["id"],
                 title,
-                data.get("relationType", "UNKNOWN"),
+                text(data.get("relationType", "UNKNOWN")),
                 tuple(
-                    (owner + tuple(m.get("occurrence") or ()), m["featureId"])
+                    (owner + path_of(m.get("occurrence")), text(m["featureId"]))
                     for m in data.get("mates") or ()
                 ),
-                float(data.get("relationRatio") or 0.0),
-                float(data.get("relationLength") or 0.0),
+                number(data.get("relationRatio") or 0.0),
+                number(data.get("relationLength") or 0.0),
                 bool(data.get("reverseDirection")),
             )
         )
     elif kind == "mateGroup":
-        members = tuple(owner + tuple(o.get("occurrence") or ()) for o in data.get("occurrences") or ())
+        members = tuple(owner + path_of(o.get("occurrence")) for o in data.get("occurrences") or ())
         assembly.groups.append(
             MateGroup(owner, title, tuple(m for m in members if m in assembly.occurrences))
         )
     elif kind == "mateConnector":
-        path = owner + tuple(data.get("occurrence") or ())
+        path = owner + path_of(data.get("occurrence"))
         if path and path not in assembly.occurrences:
             return  # on a suppressed instance: as absent as the instance itself
         frame = _frame(data["mateConnectorCS"])
@@ -159,8 +163,8 @@ def _read_feature(assembly: Assembly, owner: Path, names: tuple[str, ...], featu
 
 def _read_mate(assembly: Assembly, owner: Path, title: str, name: str, feature: Record, data: Record) -> None:
     entities = tuple(
-        Entity(owner + tuple(e.get("matedOccurrence") or ()), _frame(e["matedCS"]))
-        for e in data["matedEntities"]
+        Entity(owner + path_of(e.get("matedOccurrence")), _frame(e["matedCS"]))
+        for e in data["matedEntities"] or ()
     )
     alive = len(entities) == 2 and all(not e.path or e.path in assembly.occurrences for e in entities)
     if not alive:
@@ -173,7 +177,7 @@ def _read_mate(assembly: Assembly, owner: Path, title: str, name: str, feature: 
             )
         )
         return
-    ref = MateRef(owner, feature["id"], name, data.get("mateType", "UNKNOWN"))
+    ref = MateRef(owner, feature["id"], name, text(data.get("mateType", "UNKNOWN")))
     if ref.type not in TYPES:
         assembly.diagnostics.append(
             Diagnostic(
@@ -186,7 +190,7 @@ def _read_mate(assembly: Assembly, owner: Path, title: str, name: str, feature: 
         return
     limits = data.get("mateLimits")
     if limits is not None:
-        limits = {key: float(value) for key, value in limits.items() if value is not None}
+        limits = {key: number(value) for key, value in limits.items() if value is not None}
     assembly.mates.append(Mate(ref, title, entities, limits))
 
 
@@ -211,8 +215,8 @@ def _read_patterns(owner: Path, names: tuple[str, ...], record: Record) -> Itera
             continue
         copies: dict[Path, tuple[Path, ...]] = {}
         for seed, ids in pairs:
-            path = owner + ((seed,) if isinstance(seed, str) else tuple(seed))
-            copies[path] = copies.get(path, ()) + tuple((*owner, ident) for ident in ids or ())
+            path = owner + path_of([seed] if isinstance(seed, str) else seed)
+            copies[path] = copies.get(path, ()) + tuple((*owner, ident) for ident in path_of(ids))
         name = pattern.get("name") or pattern.get("type") or "pattern"
         yield Pattern(owner, "/".join((*names, name)), copies)
 
@@ -221,5 +225,6 @@ def _frame(cs: Record) -> Array:
     """A mate coordinate system {origin, xAxis, yAxis, zAxis} as occurrence_from_frame (4, 4)."""
     frame = np.eye(4)
     for column, key in enumerate(("xAxis", "yAxis", "zAxis", "origin")):
-        frame[:3, column] = cs[key]
+        frame[:3, column] = numbers(cs[key], 3)
+    check_rigid(frame)
     return frozen(frame)

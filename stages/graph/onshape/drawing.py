@@ -30,7 +30,7 @@ Weights = Mapping[Path, tuple[Inertial, float]]
 
 
 def read_drawing(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechanism, GraphKeys]:
-    """Reads an assembly definition and what belongs to it; AssemblyError tells all problems at once.
+    """Reads an assembly definition and what belongs to it; AssemblyError for what cannot be read at all.
 
     The keys come back with what the document's own conventions imply.
     """
@@ -45,10 +45,10 @@ def read_drawing(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechani
     _require_mates(assembly, keys)
     weights = weighed(assembly, bundle, keys.mass, notes)
     bodies, absorbed = _settled_bodies(assembly, keys, notes)
-    notes.settle()
     names = name_everything(assembly, bodies, {path: volume for path, (_, volume) in weights.items()})
     _tell_names(assembly, bodies, names, notes)
-    couplings = tuple(_coupling(mate, assembly, bodies, names, unknown) for mate in bodies.moving)
+    reasons = _not_known(assembly, unknown, absorbed)
+    couplings = tuple(_coupling(mate, assembly, bodies, names, reasons) for mate in bodies.moving)
     mechanism = Mechanism(
         bodies=tuple(_bodies(assembly, bodies, names, weights, bundle)),
         couplings=couplings,
@@ -126,7 +126,7 @@ def _bodies(
 
 
 def _coupling(
-    mate: Mate, assembly: Assembly, bodies: Bodies, names: Names, unknown: Mapping[tuple[Path, str], str]
+    mate: Mate, assembly: Assembly, bodies: Bodies, names: Names, reasons: Mapping[MateKey, str]
 ) -> Coupling:
     name = names.joints[mate.ref.key]
     first, second, mirrored = right_handed(*(assembly.world_from(entity) for entity in mate.entities))
@@ -142,18 +142,36 @@ def _coupling(
         residual=residual(relative, explained),
         ref=mate.ref,
         title=mate.title,
-        unknown=unknown.get((mate.ref.owner, mate.ref.feature), ""),
+        unknown=reasons.get(mate.key, ""),
     )
+
+
+def _not_known(
+    assembly: Assembly, unknown: Mapping[tuple[Path, str], str], absorbed: Mapping[MateKey, Absorbed]
+) -> dict[MateKey, str]:
+    """Why the limits of a mate are not known, or of those that it stands for, by the mate's key."""
+    reasons: dict[MateKey, list[str]] = {}
+    for mate in sorted(assembly.mates, key=lambda mate: (mate.title, mate.key)):
+        why = unknown.get((mate.ref.owner, mate.ref.feature))
+        if why is not None and mate.key in absorbed:
+            reasons.setdefault(absorbed[mate.key].by, []).append(f"{why} (of {mate.title})")
+        elif why is not None:
+            reasons.setdefault(mate.key, []).append(why)
+    return {key: "; ".join(whys) for key, whys in reasons.items()}
 
 
 def _bonds(
     assembly: Assembly, couplings: tuple[Coupling, ...], absorbed: Mapping[MateKey, Absorbed]
 ) -> Iterator[Bond]:
-    """The relations; one on a mate that another stands for is on that one."""
+    """The relations; one on a mate that another stands for is on that one. Where both mates stand still,
+    which is told of them, so does what they relate."""
     drawn = {coupling.ref.key: coupling.name for coupling in couplings}
     named = {key: (name, 1) for key, name in drawn.items()}
     named |= {key: (drawn[one.by] if one.sign else "", one.sign) for key, one in absorbed.items()}
+    still = {mate.key for mate in assembly.mates} - named.keys()
     for relation in sorted(assembly.relations, key=lambda r: (r.title, r.owner, r.feature)):
+        if relation.mates and all((*mate, "") in still for mate in relation.mates):
+            continue
         ends = [named.get((*mate, ""), ("", 0)) for mate in relation.mates]
         against = sum(sign < 0 for _, sign in ends) % 2 == 1
         yield Bond(
@@ -204,6 +222,9 @@ def _tell_names(assembly: Assembly, bodies: Bodies, names: Names, notes: Notes) 
         body = bodies.of.get(connector.entity.path)
         if body is None:
             message = "the connector names no link: it is on no part"
+            notes.tell("W-NAME", message, connector.title, "put it on a part of the link")
+        elif not bodies.members[body]:
+            message = f"the connector names no link: the assembly's origin is called {WORLD_LINK!r}"
             notes.tell("W-NAME", message, connector.title, "put it on a part of the link")
         elif named.setdefault(body, connector.title) != connector.title:
             message = f"the link has its name from {named[body]} already"

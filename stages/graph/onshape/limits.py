@@ -14,9 +14,9 @@ import orjson
 from stages.graph.couplings import TYPES
 from stages.graph.onshape.assembly import Assembly, Mate, Path, Record
 from stages.graph.onshape.expressions import ExpressionError, Scope, measured
+from stages.graph.onshape.replies import shape_of
 from stages.robot.bundle import Bundle, Features, StudioKey
 from stages.robot.configuration import decoded, split
-from stages.robot.errors import ProtocolError
 from stages.robot.model import DofKind
 
 MateKey = tuple[Path, str]
@@ -48,10 +48,11 @@ def resolve_limits(assembly: Assembly, bundle: Bundle) -> dict[MateKey, str]:
             unknown[_key(mate)] = "the server told no limits, and the list of features is not there"
             continue
         settings = record.get("fullConfiguration") or key.configuration
-        owner = owners.get((key, settings))
-        if owner is None:
-            owner = owners[key, settings] = _read(bundle, replies[key], settings)
-        limits, reasons = _limits(mate, owner)
+        with shape_of("list of features or of variables", f"assembly {key.element}"):
+            owner = owners.get((key, settings))
+            if owner is None:
+                owner = owners[key, settings] = _read(bundle, replies[key], settings)
+            limits, reasons = _limits(mate, owner)
         assembly.mates[index] = replace(mate, limits=limits)
         if reasons:
             unknown[_key(mate)] = "; ".join(reasons)
@@ -74,7 +75,7 @@ def _read(bundle: Bundle, features: Features, settings: str) -> _Owner:
 
 def _variables(body: bytes) -> Iterator[tuple[str, str, str]]:
     """(name, expression, value as text) of all tables; the element's own before what it refers to."""
-    tables = _parsed(body, "variables")
+    tables = orjson.loads(body)
     for table in sorted(tables, key=lambda table: table.get("variableStudioReference") is not None):
         for variable in table.get("variables") or ():
             value = str(variable.get("value") or "")
@@ -82,20 +83,12 @@ def _variables(body: bytes) -> Iterator[tuple[str, str, str]]:
 
 
 def _mates(body: bytes) -> Iterator[tuple[str, Mapping[str, Record]]]:
-    for feature in _parsed(body, "features")["features"]:
+    for feature in orjson.loads(body)["features"]:
         record = _open(feature)
         parameters = [_open(one) for one in record.get("parameters") or ()]
         named = {one.get("parameterId", ""): one for one in parameters}
         if "limitsEnabled" in named:
             yield record.get("featureId", ""), named
-
-
-def _parsed(body: bytes, what: str) -> Any:
-    try:
-        return orjson.loads(body)
-    except orjson.JSONDecodeError as error:
-        msg = f"the reply with the {what} of an assembly is not JSON"
-        raise ProtocolError(msg, hint="fetch it again") from error
 
 
 def _open(record: Any) -> Record:

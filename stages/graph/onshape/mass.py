@@ -18,8 +18,8 @@ from stages.graph.masskeys import MassKeys, PartMassKeys, tensor
 from stages.graph.notes import Notes
 from stages.graph.onshape.assembly import Assembly, Occurrence, Path
 from stages.graph.onshape.estimate import Shape, shapes_of
+from stages.graph.onshape.replies import number, numbers, shape_of
 from stages.robot.bundle import Bundle, StudioKey
-from stages.robot.errors import ProtocolError
 from stages.robot.inertia import ZERO
 from stages.robot.model import Inertial, frozen
 
@@ -219,6 +219,10 @@ def _settling(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKeys) ->
 
 def _inertial(kind: Kind, mass: float, notes: Notes) -> Inertial:
     """The kind's inertial with this mass [kg]: the user's values, else CAD's, else its shape's."""
+    if mass < 0:
+        text = f"its mass is {mass:.4g} kg"
+        hint = "mend its material or its mass override in Onshape, or give its mass in mass.parts"
+        notes.tell("E-MASS", text, kind.title, hint)
     if mass <= 0:
         return ZERO
     base = kind.weight[0] if kind.weight and kind.weight[0].mass > 0 else None
@@ -260,26 +264,25 @@ def read_masses(bundle: Bundle) -> dict[PartKey, Weight]:
     found: dict[PartKey, Weight] = {}
     for studio in bundle.studios:
         for digest in studio.mass:
-            try:
+            with shape_of("reply with the mass properties", f"part studio {studio.key.element}"):
                 bodies = orjson.loads(bundle.body(digest))["bodies"]
                 for part in sorted(set(bodies) - {"-all-"}):
                     volume = _first(bodies[part].get("volume"))
                     found[studio.key, part] = _of_reply(bodies[part]), volume
-            except (KeyError, TypeError, ValueError, AttributeError) as error:
-                msg = f"the mass properties are not in the shape of the API ({type(error).__name__}: {error})"
-                hint = "fetch them again, or make the bundle again; if it stays so, the API has changed"
-                raise ProtocolError(msg, f"part studio {studio.key.element}", hint) from error
     return found
 
 
 def _of_reply(body: Mapping[str, Any]) -> Inertial:
-    centroid = (body.get("centroid") or [0.0] * 3)[:3]
-    inertia = (body.get("inertia") or [0.0] * 9)[:9]
-    tensor = frozen(inertia).reshape(3, 3)
-    return Inertial(float(_first(body.get("mass"))), frozen(centroid), frozen((tensor + tensor.T) / 2))
+    mass = _first(body.get("mass"))
+    if mass == 0:
+        return ZERO
+    centroid = numbers(body["centroid"][:3], 3)
+    tensor = numbers(body["inertia"][:9], 9).reshape(3, 3)
+    return Inertial(mass, frozen(centroid), frozen((tensor + tensor.T) / 2))
 
 
 def _first(values: object) -> float:
+    """The nominal one of [nominal, min, max]; 0 where there is none."""
     if isinstance(values, list):
-        return float(values[0]) if values else 0.0
-    return float(values or 0.0)  # type: ignore[arg-type]
+        values = values[0] if values else 0.0
+    return number(values or 0.0)

@@ -3,6 +3,7 @@
 Onshape gives copies no mates of their own. With S the motion or reflection that takes a seed to its
 copy at the saved pose, a mate of the seed becomes one of the copy: what it holds on the seed it holds
 on the copy, at the same place, and what it holds elsewhere stays where it is, with its frame moved by S.
+A mate by which something hangs on the seed is not repeated (`hanging`).
 """
 
 import re
@@ -13,6 +14,7 @@ import networkx as nx
 
 from stages.graph.notes import Notes
 from stages.graph.onshape.assembly import Assembly, Entity, Mate, MateGroup, Occurrence, Path, Pattern
+from stages.graph.onshape.hanging import Hanging
 from stages.robot.model import Array, frozen
 from stages.robot.poses import inverse
 
@@ -20,11 +22,13 @@ from stages.robot.poses import inverse
 @dataclass(slots=True)
 class _Series:
     """A pattern at work. `gone`: copies that are not there or not like their seed; `free`: those
-    without mates and groups of their own, which get their seed's; `served`: those that got joints."""
+    without mates and groups of their own, which get their seed's; `hanging`: instances that hang on a
+    seed, which a copy does not hold; `served`: those that got joints."""
 
     pattern: Pattern
     free: frozenset[Path]
     gone: frozenset[Path]
+    hanging: frozenset[Path]
     joints: int = 0
     served: set[Path] = field(default_factory=set)
 
@@ -72,11 +76,11 @@ class _Copier:
         self.series: list[_Series] = []
         self.by_seed: dict[Path, list[_Series]] = {}
         self.repeated: set[tuple[Path, str]] = set()
-        mated = _mated(assembly)
+        mated, hanging = _mated(assembly), Hanging(assembly)
         for pattern in assembly.patterns:
-            self._take_on(pattern, mated)
+            self._take_on(pattern, mated, hanging)
 
-    def _take_on(self, pattern: Pattern, mated: Mapping[Path, set[Path]]) -> None:
+    def _take_on(self, pattern: Pattern, mated: Mapping[Path, set[Path]], hanging: Hanging) -> None:
         """Files a pattern under its seeds, and tells what of it cannot be copied."""
         occurrences, own = self.assembly.occurrences, mated.get(pattern.owner, set())
         free, gone, seeds = set(), set(), []
@@ -103,7 +107,8 @@ class _Copier:
                     "where the seed's mates would hold it is not known"
                 )
                 self.notes.tell("W-PATTERN", message, pattern.title, "mate it itself")
-        series = _Series(pattern, frozenset(free), frozenset(gone))
+        hung = hanging.on(seeds, pattern.owner) if free else frozenset()
+        series = _Series(pattern, frozenset(free), frozenset(gone), hung)
         self.series.append(series)
         for seed in seeds:
             self.by_seed.setdefault(seed, []).append(series)
@@ -163,12 +168,18 @@ class _Copier:
     def _image(
         self, series: _Series, number: int, places: Sequence[Path], seeds: Mapping[int, Path], title: str
     ) -> _Image | None:
-        """None where a copy is not there, or where all copies have mates of their own."""
+        """None where a copy is not there, where all copies have mates of their own, or where a place
+        that is no seed's hangs on one."""
         copies = {
             index: (seed, series.pattern.copies[seed][number])
             for index, seed in seeds.items()
             if number < len(series.pattern.copies[seed])
         }
+        beside = {
+            place[: len(series.pattern.owner) + 1] for at, place in enumerate(places) if at not in seeds
+        }
+        if beside & series.hanging:
+            return None
         movers = [pair for pair in copies.values() if pair[1] in series.free]
         if not movers or any(copy in series.gone for _, copy in copies.values()):
             return None

@@ -1,0 +1,60 @@
+"""What a reply of the API must be like, told with its place where it is not."""
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from stages.robot.errors import ProtocolError
+from stages.robot.model import Array
+
+
+@contextmanager
+def shape_of(what: str, where: str) -> Iterator[None]:
+    """Turns what Python says of an unexpected shape into a ProtocolError that says where."""
+    try:
+        yield
+    except (LookupError, TypeError, ValueError, AttributeError) as error:
+        msg = f"the {what} is not in the shape of the API ({type(error).__name__}: {error})"
+        hint = "fetch it again, or make the bundle again; if it stays so, the API has changed"
+        raise ProtocolError(msg, where, hint) from error
+
+
+def numbers(values: Any, count: int) -> Array:
+    """A list of so many finite numbers as an array (count,); else ValueError or TypeError."""
+    if not isinstance(values, list) or len(values) != count:
+        msg = f"{count} numbers are due, not {values!r:.80}"
+        raise ValueError(msg)
+    return np.array([number(value) for value in values])
+
+
+def number(value: Any) -> float:
+    """A finite number; else ValueError or TypeError."""
+    if isinstance(value, bool) or not math.isfinite(value):
+        msg = f"a finite number is due, not {value!r:.80}"
+        raise ValueError(msg)
+    return float(value)
+
+
+def text(value: Any) -> str:
+    """A string that is not empty; else TypeError."""
+    if not isinstance(value, str) or not value:
+        msg = f"a name is due, not {value!r:.80}"
+        raise TypeError(msg)
+    return value
+
+
+def path_of(ids: Any) -> tuple[str, ...]:
+    """A list of ids; none where there is no list."""
+    return tuple(text(one) for one in ids or ())
+
+
+def check_rigid(transform: Array) -> None:
+    """ValueError unless a (4, 4) keeps lengths; it may reflect."""
+    rotation = transform[:3, :3]
+    last = transform[3] - [0.0, 0.0, 0.0, 1.0]
+    if not abs(rotation @ rotation.T - np.eye(3)).max() < 1e-6 or abs(last).max() > 1e-9:
+        msg = "its axes are not of length 1 and at right angles"
+        raise ValueError(msg)
