@@ -10,6 +10,12 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from stages.fetch import requests
+from stages.fetch.bundle import read
+from stages.fetch.onshape import gather
+from stages.fetch.recorded import Recorded
+from stages.robot.bundle import Bundle, StudioKey
+
 DATA = Path(__file__).resolve().parents[1].parent / "shared" / "data" / "onshape"
 KBOT = DATA / "kbot-headless"
 
@@ -31,6 +37,30 @@ def kbot_masses() -> dict[str, bytes]:
         request = f"/parts{element}/partid/{part.replace('/', '%2F').replace('+', '%2B')}/massproperties"
         found[f"{request}?configuration=default"] = file.read_bytes()
     return found
+
+
+def kscale_bundle() -> bytes:
+    """Gears across a sub-assembly that is used twice. Nobody recorded what its parts weigh."""
+    definition = (DATA / "kscale_dummy_assembly.json").read_bytes()
+    root = json.loads(definition)["rootAssembly"]
+    listed = (
+        f"/assemblies/d/{root['documentId']}/m/{root['documentMicroversion']}/e/{root['elementId']}/features"
+    )
+    features = (DATA / "kscale_dummy_features.json").read_bytes()
+    return pack(definition, {f"{listed}?configuration=default": features, **weightless(definition)})
+
+
+def nb_bundle() -> bytes:
+    """A chain of hinges through a sub-assembly that is used twice. Nobody recorded what its parts weigh."""
+    definition = (DATA / "nb_toolkit_assembly.json").read_bytes()
+    return pack(definition, weightless(definition))
+
+
+def weightless(definition: bytes) -> dict[str, bytes]:
+    """Mass replies that know none of the parts, for every part studio of a definition."""
+    studios = {StudioKey.of(part) for part in json.loads(definition)["parts"]}
+    asked = [requests.mass_properties(studio, studio.document) for studio in sorted(studios)]
+    return dict.fromkeys(asked, b'{"bodies": {}}')
 
 
 def pack(definition: bytes, replies: Mapping[str, bytes]) -> bytes:
@@ -65,3 +95,14 @@ def pack(definition: bytes, replies: Mapping[str, bytes]) -> bytes:
 
 def kbot_bundle() -> bytes:
     return pack(kbot_definition(), kbot_masses())
+
+
+def bundle_in(archive: bytes) -> Bundle:
+    """What a fetch gives of a bundle in a file."""
+    return gather(Recorded(read(archive, "recorded"), "recorded"))
+
+
+def definition_in(archive: bytes) -> bytes:
+    """The assembly definition in a bundle."""
+    recording = read(archive, "recorded")
+    return recording.blobs[recording.definition]
