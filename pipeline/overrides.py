@@ -107,11 +107,12 @@ _QUOTE_TWICE = "a URL needs quotes, and around them quotes for the shell"
 
 def _read(argument: str, groups: Collection[str], values: Values) -> Override:
     sign, key, equal, value = _split(argument)
-    if re.match(r"\w+://", argument) or not key or (not equal and sign != "~"):
+    names = _segments(key.partition("@")[0])
+    if re.match(r"\w+://", argument) or not any(names[:1]) or (not equal and sign != "~"):
         raise _RefusedError(*_no_key(argument))
     if sign == "~":
         return Override(argument, key, (), argument)
-    if "/" in key.partition("@")[0] and not key.startswith("hydra/"):
+    if "/" in names[0] and not key.startswith("hydra/"):
         raise _RefusedError("there is no such group", f"groups: {', '.join(sorted(groups))}")
     if _is_group(key, value, groups):
         options = _parsed(argument, argument, values)

@@ -5,10 +5,11 @@ carrier: a body on the one link that moves by the mate's own dofs, welded to the
 carries a share. MuJoCo scales a constraint by the inverse inertia of what it holds, so a body of next
 to no mass would leave the weld slack; halves keep both of them stiff, and move together as the whole.
 
-That scale is a mean over all directions, which overrates how a body on slides yields across them: by
-MuJoCo's default a weld would give way by some 1e-3 of the motion, so welds get the highest impedance.
+That scale is a mean over all directions, which overrates how a body yields in those that are held: by
+MuJoCo's default an equality gives way to a tenth of what pulls at it, so all get the highest impedance.
 """
 
+from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -61,12 +62,16 @@ class Closures:
         self.carriers = tuple(_carriers(robot))
         self._carrier_of = {carrier.loop.name: carrier for carrier in self.carriers}
         taken = {frame.name for frame in robot.frames}
+        self._inertials = {link.name: link.inertial for link in robot.links}
+        self._carried = Counter(carrier.carried for carrier in self.carriers)
         self._sites: dict[str, tuple[Site, ...]] = {}
+        self._sites_on: dict[str, list[Site]] = {}
         for loop in robot.loops:
-            named = []
+            named: list[Site] = []
             for link, suffix, pose in self._ends(loop):
                 named.append((link, free(f"{loop.name}_{suffix}", taken), pose))
                 taken.add(named[-1][1])
+                self._sites_on.setdefault(link, []).append(named[-1])
             self._sites[loop.name] = tuple(named)
 
     def _ends(self, loop: Loop) -> Iterator[Site]:
@@ -84,21 +89,19 @@ class Closures:
 
     def write_sites(self, body: Element, link: str, body_from_link: Array) -> None:
         """The sites on a link, or carrier, under its element."""
-        for loop in self._robot.loops:
-            here = [(name, pose) for owner, name, pose in self._sites[loop.name] if owner == link]
-            for name, pose in here:
-                element(body, "site", name=name, **placement(body_from_link @ pose))
+        for _, name, pose in self._sites_on.get(link, ()):
+            element(body, "site", name=name, **placement(body_from_link @ pose))
 
     def share(self, link: str, inertial: Inertial) -> Inertial:
         """What a link's own body has of its inertial, and each of its carriers."""
-        count = 1 + sum(carrier.carried == link for carrier in self.carriers)
+        count = 1 + self._carried[link]
         if count == 1:
             return inertial
         return replace(inertial, mass=inertial.mass / count, inertia=frozen(inertial.inertia / count))
 
     def carries(self, carrier: Carrier) -> Inertial:
         """A carrier's share, in its own frame."""
-        whole = self._robot.link(carrier.carried).inertial
+        whole = self._inertials[carrier.carried]
         return moved(self.share(carrier.carried, whole), inverse(carrier.carried_from_carrier))
 
     def write_equalities(self, equality: Element) -> None:
@@ -108,22 +111,22 @@ class Closures:
         for loop in self._robot.loops:
             names = [name for _, name, _ in self._sites[loop.name]]
             kind = "connect" if loop.type in POINTS else "weld"
-            solver = {"solref": spaced(loop.solref), "solimp": STIFF if kind == "weld" else None}
             for index, suffix in enumerate(POINTS.get(loop.type, ("",))):
                 name = free(loop.name + suffix, taken) if suffix else loop.name
                 taken.add(name)
                 one, other = names[2 * index : 2 * index + 2]
-                element(equality, kind, name=name, site1=one, site2=other, **solver)
+                solref = spaced(loop.solref)
+                element(equality, kind, name=name, site1=one, site2=other, solref=solref, solimp=STIFF)
 
 
 def _carriers(robot: Robot) -> Iterator[Carrier]:
-    taken = {link.name for link in robot.links}
+    taken, moving = {link.name for link in robot.links}, _moving(robot)
     for loop in robot.loops:
         if loop.type in ("fixed", *POINTS):
             continue
         name = free(f"{loop.name}_carrier", taken)
         taken.add(name)
-        if _moves(robot, loop.link_a):
+        if loop.link_a in moving:
             place, dofs = loop.b_from_frame, loop.dofs
             yield Carrier(name, loop, loop.link_b, place, dofs, loop.link_a, loop.a_from_frame)
         else:
@@ -132,16 +135,15 @@ def _carriers(robot: Robot) -> Iterator[Carrier]:
             yield Carrier(name, loop, loop.link_a, loop.a_from_frame, dofs, loop.link_b, loop.b_from_frame)
 
 
-def _moves(robot: Robot, link: str) -> bool:
-    """Whether a link can move against the world."""
+def _moving(robot: Robot) -> set[str]:
+    """The links that can move against the world."""
     if not robot.base.fixed:
-        return True
-    joints = {joint.child: joint for joint in robot.joints}
-    while link in joints:
-        if joints[link].dofs:
-            return True
-        link = joints[link].parent
-    return False
+        return {link.name for link in robot.links}
+    moving: set[str] = set()
+    for joint in robot.joints:
+        if joint.dofs or joint.parent in moving:
+            moving.add(joint.child)
+    return moving
 
 
 def _reversed(dofs: tuple[Dof, ...]) -> tuple[Dof, ...]:

@@ -30,7 +30,8 @@ def describe(robot: Robot, start: Configuration) -> bytes:
 
     Poses are {xyz [m], quat (w, x, y, z)}; inertia is the 3x3 tensor about the centre of mass in the
     link's axes [kg m²]. A part that is `mirrored` has the quat of R·diag(1, 1, -1), R the orthogonal
-    matrix of its left-handed pose. `root_pose` is the root link's in the assembly.
+    matrix of its left-handed pose. `root_pose` is the root link's in the assembly. `cad` is the way back
+    to the document: null for what CAD does not have.
 
     Every joint has its `dofs`, from parent to child, each with an axis (null for a ball and for free
     motion) in its own frame, and the `origin` of that in the frame which the dof before it moves
@@ -72,7 +73,7 @@ def describe(robot: Robot, start: Configuration) -> bytes:
                 "name": frame.name,
                 "link": frame.link,
                 "pose": _pose(frame.link_from_frame),
-                "cad": {"name": frame.source},
+                "cad": {"name": frame.source} if frame.source else None,
             }
             for frame in robot.frames
         ],

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stages.export.closures import Closures
+from stages.export.closures import STIFF, Closures
 from stages.export.keys import ExportKeys
 from stages.export.mjcf_joints import free_qpos, qpos, unwritten, write_joints
 from stages.export.placement import placement, scene_pose
@@ -16,13 +16,16 @@ from stages.export.pose import home, saved
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Colour, Geometry, Shape
 from stages.robot.kinematics import chain
-from stages.robot.model import Array, Configuration, Inertial, Joint, Primitive, Robot, Value
+from stages.robot.model import Array, Configuration, Inertial, Joint, Primitive, Relation, Robot, Value
 from stages.robot.names import free
 from stages.robot.numbers import number, spaced
 from stages.robot.xml import Element, element, to_bytes
 
 WORLD = "world"
 """The link that is the assembly's origin: MuJoCo's worldbody, with a site of that name in its place."""
+
+SOLREF = "0.005 1"
+"""Of relations: the time constant [s] and damping ratio that loops have too, unless told otherwise."""
 
 
 def write_mjcf(
@@ -192,26 +195,37 @@ def stem(file: str) -> str:
 
 
 def _equalities(root: Element, robot: Robot, start: Configuration, closures: Closures) -> None:
-    """Loops between sites; relations as joint equalities, which count from qpos0:
-    y − y₀ = a₀ + a₁ (x − x₀)."""
+    """Loops between sites, and relations between joints."""
     if not robot.loops and not robot.relations:
         return
     equality = element(root, "equality")
     closures.write_equalities(equality)
     for relation in robot.relations:
-        follower, driver = _scalar(start[relation.follower]), _scalar(start[relation.driver])
-        constant = relation.multiplier * driver + relation.offset - follower
-        # Where qpos0 satisfies the relation the constant is rounding noise on the joints' own scale.
-        scale = max(1.0, abs(follower))
-        coefficients = f"{number(constant, scale)} {number(relation.multiplier)} 0 0 0"
-        element(
-            equality,
-            "joint",
-            name=relation.name,
-            joint1=relation.follower,
-            joint2=relation.driver,
-            polycoef=coefficients,
-        )
+        _relation(equality, relation, start)
+
+
+def _relation(equality: Element, relation: Relation, start: Configuration) -> None:
+    """A relation as MuJoCo counts it, from qpos0: y − y₀ = a₀ + a₁ (x − x₀), solved for |a₁| ≥ 1.
+
+    MuJoCo scales it by the inverse inertias of both joints, but not by a₁: solved the other way round a
+    screw, or a motor behind a gearbox, would slip under load.
+    """
+    y, x, factor, offset = relation.follower, relation.driver, relation.multiplier, relation.offset
+    if 0.0 < abs(factor) < 1.0:
+        y, x, factor, offset = x, y, 1 / factor, -offset / factor
+    constant = factor * _scalar(start[x]) + offset - _scalar(start[y])
+    # Where qpos0 satisfies the relation the constant is rounding noise on the joints' own scale.
+    scale = max(1.0, abs(_scalar(start[y])))
+    element(
+        equality,
+        "joint",
+        name=relation.name,
+        joint1=y,
+        joint2=x,
+        polycoef=f"{number(constant, scale)} {number(factor)} 0 0 0",
+        solref=SOLREF,
+        solimp=STIFF,
+    )
 
 
 def _scalar(value: Value) -> float:

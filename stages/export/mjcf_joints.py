@@ -106,4 +106,5 @@ def unwritten(robot: Robot) -> Iterator[Diagnostic]:
             "W-BALL-EFFORT",
             f"MuJoCo bounds the force of hinges and slides only: {', '.join(efforts)} has no bound there",
             f"{robot.name}.xml",
+            "robot.json has the effort; keep to it in the controller",
         )

@@ -1,6 +1,7 @@
 """Where a model starts: the values at which a fresh simulation has all its loops closed."""
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 
@@ -20,9 +21,10 @@ def starting_point(robot: Robot) -> Configuration:
     """
     zero = {dof.name: dof.saved if dof.kind == "free" else at_rest(dof.kind) for dof in robot.dofs}
     holds = all(abs(relation.offset) == 0.0 for relation in robot.relations)
-    if holds and all(gap(robot, loop, zero) <= CLOSED for loop in robot.loops):
+    poses = link_poses(robot, zero)
+    if holds and all(gap(loop, poses) <= CLOSED for loop in robot.loops):
         for loop in robot.loops:
-            zero |= closing(loop, across(robot, loop, zero))
+            zero |= closing(loop, across(loop, poses))
         return zero
     return saved(robot)
 
@@ -41,17 +43,16 @@ def home(robot: Robot) -> dict[str, Value]:
     return {dof.name: _clipped(dof) for dof in dofs}
 
 
-def gap(robot: Robot, loop: Loop, q: Configuration) -> float:
-    """How far a loop is from closed at `q`: the larger of the offset [m] and the turn [rad, for small
-    ones] that no values of its own dofs make up for."""
-    relative = across(robot, loop, q)
+def gap(loop: Loop, poses: Mapping[str, Array]) -> float:
+    """How far a loop is from closed at the links' `poses`: the larger of the offset [m] and the turn
+    [rad, for small ones] that no values of its own dofs make up for."""
+    relative = across(loop, poses)
     left = inverse(chain(loop.dofs, closing(loop, relative))) @ relative
     return max(math.hypot(*left[:3, 3]), float(np.linalg.norm(left[:3, :3] - np.eye(3))) / math.sqrt(2))
 
 
-def across(robot: Robot, loop: Loop, q: Configuration) -> Array:
-    """second_from_first (4, 4) of a loop's two frames at the tree's values `q`."""
-    poses = link_poses(robot, q)
+def across(loop: Loop, poses: Mapping[str, Array]) -> Array:
+    """second_from_first (4, 4) of a loop's two frames at the links' `poses`."""
     return inverse(poses[loop.link_b] @ loop.b_from_frame) @ poses[loop.link_a] @ loop.a_from_frame
 
 

@@ -89,7 +89,8 @@ def encode(base: str, wanted: Mapping[str, Any], parameters: Sequence[Parameter]
         if parameter is None:
             continue
         if parameter.id in given:
-            problems.append(Diagnostic("E-CONFIGURATION", "given twice, by name and by id", place))
+            text = "given twice, by name and by id"
+            problems.append(Diagnostic("E-CONFIGURATION", text, place, "leave one of the two out"))
             continue
         try:
             given[parameter.id] = _CHECKS[parameter.kind](parameter, value)

@@ -88,7 +88,7 @@ def with_added_frames(robot: Robot, wanted: Mapping[str, AddedFrameKeys], notes:
             notes.tell("E-NAME", reason, f"frames.add.{name}", hint)
             return robot
         link, link_from_parent = _place(robot, keys.link) or (keys.link, np.eye(4))
-        frame = Frame(name, link, frozen(link_from_parent @ _pose(keys)), name)
+        frame = Frame(name, link, frozen(link_from_parent @ _pose(keys)), "")
         return replace(robot, frames=tuple(sorted((*robot.frames, frame), key=lambda one: one.name)))
 
     def lost(robot: Robot, name: str, keys: AddedFrameKeys) -> None:
@@ -118,15 +118,22 @@ def _with_link(robot: Robot, name: str, joint: str, keys: AddedLinkKeys) -> Robo
     link = _link(name, keys)
     if keys.child is not None:
         hung = _joint(joint, keys.joint, name, keys.child, _pose(keys))
+        # What floats on its own does so from the root, whichever that is.
+        below = (_floating_from(name, hung, one) if one.type == "free" else one for one in robot.joints)
         return replace(
             robot,
             links=(link, *robot.links),
-            joints=(hung, *robot.joints),
+            joints=(hung, *below),
             world_from_root=frozen(robot.world_from_root @ inverse(hung.parent_from_joint)),
         )
     parent, link_from_place = _place(robot, keys.parent or "") or ("", np.eye(4))
     hung = _joint(joint, keys.joint, parent, name, link_from_place @ _pose(keys))
     return replace(robot, links=(*robot.links, link), joints=(*robot.joints, hung))
+
+
+def _floating_from(root: str, root_from_old: Joint, joint: Joint) -> Joint:
+    place = root_from_old.parent_from_joint @ joint.parent_from_joint
+    return replace(joint, parent=root, parent_from_joint=frozen(place))
 
 
 def _joint(name: str, keys: AddedJointKeys, parent: str, child: str, parent_from_joint: Array) -> Joint:

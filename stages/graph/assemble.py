@@ -1,12 +1,13 @@
 """The main flow of the graph stage."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from fnmatch import fnmatchcase
 
 from stages.graph.added import with_added_frames, with_added_links
-from stages.graph.keys import GraphKeys
+from stages.graph.keys import GraphKeys, JointKeys
 from stages.graph.massing import check_links, with_given_masses
-from stages.graph.mechanism import Coupling
+from stages.graph.mechanism import Coupling, Mechanism
 from stages.graph.mobility import with_mobility
 from stages.graph.notes import Notes
 from stages.graph.onshape.drawing import read_drawing
@@ -14,10 +15,11 @@ from stages.graph.place import place
 from stages.graph.properties import check_limits, tell_loops, with_properties
 from stages.graph.relations import with_relations
 from stages.graph.renames import renamed
-from stages.graph.tree import spanning_tree
+from stages.graph.tree import Tree, spanning_tree
 from stages.graph.zero import zeroed
 from stages.robot.bundle import Bundle
-from stages.robot.model import Limits, Robot
+from stages.robot.errors import AssemblyError
+from stages.robot.model import Robot
 
 
 def assemble(bundle: Bundle, keys: GraphKeys) -> Robot:
@@ -25,12 +27,12 @@ def assemble(bundle: Bundle, keys: GraphKeys) -> Robot:
     notes = Notes()
     mechanism, keys = read_drawing(bundle, keys, notes)
     mechanism = renamed(mechanism, keys.names, notes)
-    drawn = place(mechanism, spanning_tree(mechanism, keys, notes), keys, notes)
-    robot = with_added_links(drawn, keys.links, notes)
+    robot = place(mechanism, _tree(mechanism, keys, notes), keys, notes)
+    robot = with_added_links(robot, keys.links, notes)
     robot = with_properties(robot, keys.joints, notes)
     robot = with_relations(robot, mechanism.bonds, notes)
-    unknown = _unknown(mechanism.couplings, drawn, robot)
-    robot = check_limits(robot, unknown, notes, keys.joints)
+    unknown = _unknown(mechanism.couplings, keys.joints)
+    robot = check_limits(robot, unknown, notes, keys.joints, keys.links)
     tell_loops(robot, unknown, notes)
     robot = with_given_masses(robot, keys.mass.links, notes)
     check_links(robot, notes)
@@ -42,18 +44,27 @@ def assemble(bundle: Bundle, keys: GraphKeys) -> Robot:
     return replace(robot, diagnostics=tuple(notes.found))
 
 
-def _unknown(couplings: Iterable[Coupling], drawn: Robot, robot: Robot) -> dict[str, str]:
-    """Why limits are not known, by dof, of the dofs to which YAML gave none either."""
-    before, after = _limits(drawn), _limits(robot)
+def _tree(mechanism: Mechanism, keys: GraphKeys, notes: Notes) -> Tree:
+    """The spanning tree. Nothing comes after what leaves none: its error tells all problems so far."""
+    try:
+        return spanning_tree(mechanism, keys, notes)
+    except AssemblyError as error:
+        if not notes.problems:
+            raise
+        message, hint = error.message, error.hint
+        if not error.problems:
+            # A hint comes after the problems: this one is about the message alone.
+            message, hint = f"{message} ({hint})", ""
+        raise type(error)(message, error.where, hint, (*notes.problems, *error.problems)) from error
+
+
+def _unknown(couplings: Iterable[Coupling], wanted: Mapping[str, JointKeys]) -> dict[str, str]:
+    """Why limits are not known, by dof, of the dofs to which YAML gives none either."""
+    given = [glob for glob, keys in wanted.items() if keys.limits is not None]
     return {
         dof.name: coupling.unknown
         for coupling in couplings
         if coupling.unknown
         for dof in coupling.dofs
-        if after.get(dof.name) == before.get(dof.name)
+        if not any(fnmatchcase(dof.name, glob) for glob in given)
     }
-
-
-def _limits(robot: Robot) -> dict[str, Limits]:
-    loops = (dof for loop in robot.loops for dof in loop.dofs)
-    return {dof.name: dof.limits for dof in (*robot.dofs, *loops)}

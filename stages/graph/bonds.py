@@ -35,11 +35,13 @@ def bonded(robot: Robot, bonds: Sequence[Bond], notes: Notes) -> tuple[Bonded, .
     """The bonds that join two dofs of the tree, sorted by title; the others are told (W-RELATION), and
     those that contradict themselves (E-RELATION)."""
     found = []
+    joints = {joint.name: joint for joint in robot.joints}
     for bond in sorted(bonds, key=lambda b: (b.title, b.couplings, b.type)):
         try:
-            one = _bonded(robot, bond)
+            one = _bonded(robot, joints, bond)
         except _Unfit as why:
-            notes.tell("W-RELATION", f"{why}: its joints move independently", bond.title)
+            hint = "mend the relation or its mates in Onshape, or suppress it"
+            notes.tell("W-RELATION", f"{why}: its joints move independently", bond.title, hint)
             continue
         if one is None:
             text = f"a SCREW is of one CYLINDRICAL mate: {' and '.join(map(repr, bond.couplings))} is none"
@@ -52,28 +54,27 @@ def bonded(robot: Robot, bonds: Sequence[Bond], notes: Notes) -> tuple[Bonded, .
     return tuple(found)
 
 
-def _bonded(robot: Robot, bond: Bond) -> Bonded | None:
+def _bonded(robot: Robot, joints: Mapping[str, Joint], bond: Bond) -> Bonded | None:
     """The dofs and the factor of a bond; None for a screw that is none; _Unfit with the reason."""
     if bond.type not in PAIRS:
         msg = f"a {bond.type} relation is not supported"
         raise _Unfit(msg)
-    joints = _joints(robot, bond)
+    meant = _joints(robot, joints, bond)
     if bond.type == "SCREW":
-        if any(joint.type != "cylindrical" for joint in joints):
+        if any(joint.type != "cylindrical" for joint in meant):
             return None
-        joints = (*joints, *joints)
-    kinds, (driver, follower) = _dofs(bond, *joints)
+        meant = (*meant, *meant)
+    kinds, (driver, follower) = _dofs(bond, *meant)
     factor = _factor(bond, kinds)
     return Bonded(bond.title, driver, follower, factor if bond.reverse else -factor)
 
 
-def _joints(robot: Robot, bond: Bond) -> tuple[Joint, ...]:
+def _joints(robot: Robot, joints: Mapping[str, Joint], bond: Bond) -> tuple[Joint, ...]:
     wanted = 1 if bond.type == "SCREW" else 2
     names = bond.couplings if wanted == 2 else tuple(dict.fromkeys(bond.couplings))
     if len(names) != wanted:
         msg = f"a {bond.type} relation is of {wanted} mate(s), and this one has {len(names)}"
         raise _Unfit(msg)
-    joints = {joint.name: joint for joint in robot.joints}
     for name in names:
         if name not in joints:
             raise _Unfit(_why_no_joint(robot, name))

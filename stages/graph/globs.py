@@ -19,6 +19,11 @@ def unnumbered(name: str) -> str:
     return re.sub(r"\s*<\d+>\s*\Z", "", name)
 
 
+def with_plain(titles: Collection[str]) -> set[str]:
+    """Titles of instances, and the same without their numbers."""
+    return {*titles, *(unnumbered(title) for title in titles)}
+
+
 def escaped(name: str) -> str:
     """The glob that matches this name only."""
     return re.sub(r"([*?[])", r"[\1]", name)

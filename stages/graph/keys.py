@@ -1,7 +1,7 @@
 """What the graph stage is told: how an assembly becomes links and joints."""
 
 import re
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, Strict
 from pydantic_core import PydanticCustomError
@@ -17,9 +17,6 @@ from stages.robot.keys import (
     Text,
 )
 
-if TYPE_CHECKING:
-    pass
-
 NAME_PATTERN = "[A-Za-z0-9_-]+"
 
 
@@ -31,6 +28,13 @@ def _file_name(name: str) -> str:
         text = "must be another word: <name>.xml would take the place of scene.xml, the world around it"
         raise PydanticCustomError("file_name", text)
     return name
+
+
+def _of_one_form(solref: tuple[float, float]) -> tuple[float, float]:
+    if not (min(solref) > 0 or max(solref) < 0):
+        text = "must be [time constant, damping ratio] above 0, or [-stiffness, -damping]"
+        raise PydanticCustomError("solref", text)
+    return solref
 
 
 class RootKeys(Keys):
@@ -114,8 +118,9 @@ class LoopsKeys(Keys):
     cut: tuple[Text, ...] = ()
     """Names or globs of the mates at which loops are cut; the others are chosen."""
 
-    solref: tuple[Number, Number] = (0.005, 1)
-    """MuJoCo's [time constant in s, damping ratio] of the constraint that closes a loop."""
+    solref: Annotated[tuple[Number, Number], AfterValidator(_of_one_form)] = (0.005, 1)
+    """MuJoCo's [time constant in s, damping ratio] of the constraint that closes a loop, or its
+    [-stiffness, -damping]."""
 
 
 class GraphKeys(Keys):

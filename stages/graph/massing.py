@@ -55,10 +55,12 @@ def _given(link: Link, asked: LinkMassKeys, notes: Notes) -> Link:
 def check_links(robot: Robot, notes: Notes) -> None:
     """E-MASS for what moves without mass, E-INERTIA for an inertia that no solid can have.
 
-    What hangs together by fixed joints moves as one, so a link in it may be without mass. W-INERTIA:
-    a part whose own inertia is impossible, in a link whose inertia is not.
+    What hangs together by fixed joints moves as one, so a link in it may be without mass; where parts
+    are known to lack theirs, that is told of no link. W-INERTIA: a part whose own inertia is impossible,
+    in a link whose inertia is not.
     """
-    for link in _moving_without_mass(robot):
+    lacking = any(one.code == "E-MASS" for one in notes.problems)
+    for link in () if lacking else _moving_without_mass(robot):
         text, hint = "the link moves, but has no mass", f"mass: {{links: {{{link.name}: {{mass: ...}}}}}}"
         if link.parts:
             text = "the link has no mass: it is nothing but sheets, or what weighs nothing"

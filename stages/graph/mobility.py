@@ -9,15 +9,18 @@ The rank is that at the saved pose: where the pose is singular (a parallelogram 
 its pivots in line) it is lower than elsewhere, and `dof` counts motions that are not there a step on.
 """
 
+import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import networkx as nx
 import numpy as np
+from numpy.typing import NDArray
 
 from stages.graph.notes import Notes
+from stages.graph.tree import ways_up
 from stages.robot.kinematics import link_poses, saved_configuration
-from stages.robot.model import Array, Dof, Loop, Mobility, Relation, Robot
+from stages.robot.model import Array, Dof, Loop, Mobility, Robot
 from stages.robot.poses import motion
 
 FREEDOM = {"turn": 1, "slide": 1, "ball": 3, "free": 6}
@@ -37,13 +40,6 @@ class Coordinate:
     shift: Array
     at: Array
 
-    def twist(self, point: Array, reach: float) -> Array:
-        """(6,): the angular velocity, and that of `point` measured by `reach` [m]. A slide's rate is
-        measured so too."""
-        if not self.spin.any():
-            return np.concatenate([self.spin, self.shift])
-        return np.concatenate([self.spin, (self.shift + np.cross(self.spin, point - self.at)) / reach])
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Ring:
@@ -55,6 +51,21 @@ class _Ring:
     own: tuple[Coordinate, ...]
     point: Array
 
+    @property
+    def way(self) -> tuple[Coordinate, ...]:
+        """All the way round, but for its own."""
+        return self.to_a + self.to_b
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """How a dof moves with its driver: by `multiplier`, times the reach to the `power` where rates of
+    slides are measured by that."""
+
+    driver: str
+    multiplier: float
+    power: int
+
 
 def with_mobility(robot: Robot, notes: Notes) -> Robot:
     """The robot with its mobility; tells loops that lock what they join (W-RIGID-LOOP).
@@ -64,14 +75,16 @@ def with_mobility(robot: Robot, notes: Notes) -> Robot:
     """
     coordinates = sum(FREEDOM[dof.kind] for dof in robot.dofs)
     taken = len(robot.relations) + sum(_conditions(loop) for loop in robot.loops)
-    rank, redundant = 0, dict[str, int]()
-    for relations, rings in _groups(robot):
-        matrix, counts, index = _stacked(relations, rings)
-        ranks = [_rank(matrix[:count]) for count in counts]
-        rank += ranks[-1]
-        for ring, before, after in zip(rings, ranks, ranks[1:], strict=False):
-            redundant[ring.loop.name] = _conditions(ring.loop) - (after - before)
-        _tell_rigid(rings, _motions(matrix), index, notes)
+    # Relations hang together as trees: none of them follows from others.
+    rank, redundant = len(robot.relations), dict[str, int]()
+    shares = _shares(robot)
+    for rings in _groups(_rings(robot), shares):
+        blocks, columns = _stacked(rings, shares)
+        whole, moving = _solved(np.vstack(blocks))
+        rank += whole
+        for ring, added in zip(rings, _added(blocks, 0, whole), strict=True):
+            redundant[ring.loop.name] = _conditions(ring.loop) - added
+        _tell_rigid(rings, moving, columns, notes)
     found = tuple((name, count) for name, count in sorted(redundant.items()) if count)
     return replace(robot, mobility=Mobility(coordinates, coordinates - taken, coordinates - rank, found))
 
@@ -80,53 +93,38 @@ def _conditions(loop: Loop) -> int:
     return 6 - sum(FREEDOM[dof.kind] for dof in loop.dofs)
 
 
-def _groups(robot: Robot) -> Iterator[tuple[list[Relation], list[_Ring]]]:
-    """Relations and loops that share coordinates, loops in the order of their names."""
-    rings = _rings(robot)
-    graph: nx.Graph[str] = nx.Graph()
-    for relation in robot.relations:
-        graph.add_edge(relation.driver, relation.follower)
-    for ring in rings:
-        names = [one.dof for one in (*ring.to_a, *ring.to_b)]
-        nx.add_path(graph, names)
-    groups = sorted(sorted(group) for group in nx.connected_components(graph))
-    for group in groups:
-        inside = set(group)
-        yield (
-            [one for one in robot.relations if one.driver in inside],
-            [ring for ring in rings if any(one.dof in inside for one in (*ring.to_a, *ring.to_b))],
-        )
-    for ring in rings:
-        if not (ring.to_a or ring.to_b):
-            yield [], [ring]
+def _groups(rings: Sequence[_Ring], shares: Mapping[str, Share]) -> list[list[_Ring]]:
+    """Loops that share coordinates, by themselves or through relations, in the order of their names."""
+    forest = nx.utils.UnionFind(range(len(rings)))
+    first: dict[str, int] = {}
+    for number, ring in enumerate(rings):
+        for name in {shares[one.dof].driver if one.dof in shares else one.dof for one in ring.way}:
+            forest.union(number, first.setdefault(name, number))
+    groups: dict[int, list[_Ring]] = {}
+    for number, ring in enumerate(rings):
+        groups.setdefault(forest[number], []).append(ring)
+    return list(groups.values())
 
 
 def _rings(robot: Robot) -> list[_Ring]:
-    q = saved_configuration(robot)
-    poses = link_poses(robot, q)
-    of_joint = {
-        joint.name: tuple(_coordinates(joint.dofs, poses[joint.parent] @ joint.parent_from_joint))
-        for joint in robot.joints
-    }
+    poses = link_poses(robot, saved_configuration(robot))
     above = {joint.child: joint for joint in robot.joints}
+    parents = {joint.child: joint.parent for joint in robot.joints}
+    order = {link.name: number for number, link in enumerate(robot.links)}
+    made: dict[str, tuple[Coordinate, ...]] = {}
 
-    def way(link: str) -> list[str]:
-        names = []
-        while link in above:
-            names.append(above[link].name)
-            link = above[link].parent
-        return names
+    def side(links: Sequence[str]) -> tuple[Coordinate, ...]:
+        for joint in (above[link] for link in links if link not in made):
+            start = poses[joint.parent] @ joint.parent_from_joint
+            made[joint.child] = tuple(_coordinates(joint.dofs, start))
+        return tuple(one for link in reversed(links) for one in made[link])
 
     rings = []
     for loop in sorted(robot.loops, key=lambda one: one.name):
-        ways = way(loop.link_a), way(loop.link_b)
-        sides = [
-            tuple(one for name in reversed(mine) if name not in other for one in of_joint[name])
-            for mine, other in (ways, ways[::-1])
-        ]
+        to_a, to_b = ways_up(loop.link_a, loop.link_b, parents, order)
         own = tuple(_coordinates(loop.dofs, poses[loop.link_b] @ loop.b_from_frame))
         point = (poses[loop.link_a] @ loop.a_from_frame)[:3, 3]
-        rings.append(_Ring(loop, sides[0], sides[1], own, point))
+        rings.append(_Ring(loop, side(to_a), side(to_b), own, point))
     return rings
 
 
@@ -149,44 +147,61 @@ def _coordinates(dofs: Iterable[Dof], root_from_start: Array) -> Iterator[Coordi
         pose = moved
 
 
+def _shares(robot: Robot) -> Mapping[str, Share]:
+    """What every dof of a relation takes part in, drivers too."""
+    slides = {dof.name for dof in robot.dofs if dof.kind == "slide"}
+    found = {one.driver: Share(one.driver, 1.0, 0) for one in robot.relations}
+    for one in robot.relations:
+        power = (one.driver in slides) - (one.follower in slides)
+        found[one.follower] = Share(one.driver, one.multiplier, power)
+    return found
+
+
 def _stacked(
-    relations: Sequence[Relation], rings: Sequence[_Ring]
-) -> tuple[Array, list[int], Mapping[str, list[int]]]:
-    """The rows of all conditions, relations first; how many there are before the first loop and after
-    each; and the columns of each dof."""
-    index: dict[str, list[int]] = {}
-    column: dict[Coordinate, int] = {}
-    known = dict.fromkeys(one for ring in rings for one in (*ring.to_a, *ring.to_b))
-    for number, one in enumerate(known):
-        column[one] = number
-        index.setdefault(one.dof, []).append(number)
-    width = len(known)
-    for relation in relations:
-        for name in (relation.driver, relation.follower):
-            if name not in index:
-                index[name], width = [width], width + 1
+    rings: Sequence[_Ring], shares: Mapping[str, Share]
+) -> tuple[list[Array], Mapping[Coordinate, int]]:
+    """The rows of each loop, and the column of each coordinate.
+
+    What relations tie together has one column, scaled to a length of 1 over its coordinates: so that
+    gears of whatever ratio leave all entries at about 1.
+    """
     reach = _reach(rings)
-    slides = {one.dof for one in known if not one.spin.any()}
-    blocks = [np.zeros((0, width))]
-    for relation in relations:
-        row = np.zeros((1, width))
-        scale = {name: reach if name in slides else 1.0 for name in (relation.driver, relation.follower)}
-        row[0, index[relation.follower][0]] = scale[relation.follower]
-        row[0, index[relation.driver][0]] = -relation.multiplier * scale[relation.driver]
-        blocks.append(row / np.linalg.norm(row))
+    numbers: dict[object, int] = {}
+    columns: dict[Coordinate, int] = {}
+    factors: dict[Coordinate, float] = {}
+    for one in dict.fromkeys(one for ring in rings for one in ring.way):
+        share = shares.get(one.dof)
+        columns[one] = numbers.setdefault(share.driver if share else one, len(numbers))
+        factors[one] = share.multiplier * reach**share.power if share else 1.0
+    lengths = np.zeros(len(numbers))
+    for one, column in columns.items():
+        lengths[column] = math.hypot(lengths[column], factors[one])
+    blocks = []
     for ring in rings:
-        block = np.zeros((6, width))
-        for sign, side in ((1.0, ring.to_a), (-1.0, ring.to_b)):
-            for one in side:
-                block[:, column[one]] = sign * one.twist(ring.point, reach)
-        blocks.append(_locked(ring, reach) @ block)
-    counts = np.cumsum([len(block) for block in blocks])[len(relations) :]
-    return np.vstack(blocks), [int(count) for count in counts], index
+        block = np.zeros((6, len(numbers)))
+        if ring.way:
+            at = [columns[one] for one in ring.way]
+            signs = np.repeat([1.0, -1.0], [len(ring.to_a), len(ring.to_b)])
+            parts = signs * [factors[one] for one in ring.way] / lengths[at]
+            np.add.at(block.T, at, (parts * _twists(ring.way, ring.point, reach)).T)
+        blocks.append(_independent(_locked(ring, reach) @ block))
+    return blocks, columns
+
+
+def _twists(coordinates: Sequence[Coordinate], point: Array, reach: float) -> Array:
+    """(6, n): of each, the angular velocity and that of `point` (3,) measured by `reach` [m]. A slide's
+    rate is measured so too."""
+    spins = np.array([one.spin for one in coordinates])
+    arms = point - np.array([one.at for one in coordinates])
+    shifts = np.array([one.shift for one in coordinates]) + np.cross(spins, arms)
+    shifts[spins.any(axis=1)] /= reach
+    return np.hstack([spins, shifts]).T
 
 
 def _reach(rings: Sequence[_Ring]) -> float:
     """The largest distance [m] of a coordinate from the point of a loop that it is in; 1 without any."""
-    far = [float(np.linalg.norm(one.at - ring.point)) for ring in rings for one in (*ring.to_a, *ring.to_b)]
+    ways = [np.array([one.at for one in ring.way]) - ring.point for ring in rings if ring.way]
+    far = [float(np.linalg.norm(arms, axis=1).max()) for arms in ways]
     return max(far, default=0.0) or 1.0
 
 
@@ -194,31 +209,60 @@ def _locked(ring: _Ring, reach: float) -> Array:
     """(6 − f, 6): an orthonormal basis of the twists that the loop's own dofs do not let through."""
     if not ring.own:
         return np.eye(6)
-    free = np.column_stack([one.twist(ring.point, reach) for one in ring.own])
+    free = _twists(ring.own, ring.point, reach)
     basis: Array = np.linalg.svd(free)[0][:, free.shape[1] :].T
     return basis
 
 
-def _rank(matrix: Array) -> int:
-    if not matrix.size:
-        return 0
-    sizes = np.linalg.svd(matrix, compute_uv=False)
+def _independent(rows: Array) -> Array:
+    """As many rows as `rows` has rank, that say the same."""
+    if not rows.size:
+        return rows[:0]
+    _, sizes, across = np.linalg.svd(rows, full_matrices=False)
+    rank = _count(sizes)
+    independent: Array = sizes[:rank, None] * across[:rank]
+    return independent
+
+
+def _count(sizes: Array) -> int:
+    """The rank, by singular values from the largest down."""
     # Conditions that a plane fulfils are all rounding: measured by the largest they would count.
-    return int((sizes > RANK_TOLERANCE * max(1.0, float(sizes[0]))).sum())
+    return int((sizes > RANK_TOLERANCE * max(1.0, float(sizes[0]))).sum()) if sizes.size else 0
 
 
-def _motions(matrix: Array) -> Array:
-    """(n, d): the directions in which the conditions let n coordinates move."""
+def _solved(matrix: Array) -> tuple[int, NDArray[np.bool_]]:
+    """The rank, and whether the conditions let each of n coordinates move (n,)."""
     if not matrix.size:
-        return np.eye(matrix.shape[1])
-    return np.asarray(np.linalg.svd(matrix)[2][_rank(matrix) :].T)
+        return 0, np.ones(matrix.shape[1], dtype=bool)
+    _, sizes, across = np.linalg.svd(matrix)
+    rank = _count(sizes)
+    return rank, (np.abs(across[rank:]) > RANK_TOLERANCE).any(axis=0)
 
 
-def _tell_rigid(rings: Sequence[_Ring], motions: Array, index: Mapping[str, list[int]], notes: Notes) -> None:
+def _added(blocks: Sequence[Array], before: int, whole: int, above: Sequence[Array] = ()) -> list[int]:
+    """What each block of independent rows adds to the rank of those before it.
+
+    `before` is the rank of the blocks `above`, `whole` with all of `blocks`. Halved until it is plain:
+    a rank for every block would be work of the fourth power of their number.
+    """
+    most = [len(block) for block in blocks]
+    if whole == before or whole - before == sum(most):
+        return [0] * len(blocks) if whole == before else most
+    if len(blocks) == 1:
+        return [whole - before]
+    half = len(blocks) // 2
+    first, second = blocks[:half], blocks[half:]
+    rank = _count(np.linalg.svd(np.vstack([*above, *first]), compute_uv=False))
+    between = min(max(rank, before), whole)  # where a singular value is on the edge of counting
+    return _added(first, before, between, above) + _added(second, between, whole, [*above, *first])
+
+
+def _tell_rigid(
+    rings: Sequence[_Ring], moving: NDArray[np.bool_], columns: Mapping[Coordinate, int], notes: Notes
+) -> None:
     for ring in rings:
-        names = list(dict.fromkeys(one.dof for one in (*ring.to_a, *ring.to_b)))
-        columns = [column for name in names for column in index[name]]
-        if columns and not (np.abs(motions[columns]) > RANK_TOLERANCE).any():
+        if ring.way and not any(moving[columns[one]] for one in ring.way):
+            names = dict.fromkeys(one.dof for one in ring.way)
             text = f"the loop leaves no motion to {', '.join(names)}"
             hint = "take away a mate or a relation of the loop, or FASTEN what is meant to be rigid"
             notes.tell("W-RIGID-LOOP", text, ring.loop.name, hint)

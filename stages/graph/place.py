@@ -12,12 +12,12 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from stages.graph.couplings import backwards
+from stages.graph.globs import listed
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Body, Coupling, Mechanism
 from stages.graph.notes import Notes
 from stages.graph.root import base_of
-from stages.graph.tree import Edge, Tree
-from stages.robot.errors import AssemblyError
+from stages.graph.tree import Edge, Tree, ways_up
 from stages.robot.inertia import merged, moved
 from stages.robot.model import (
     Array,
@@ -54,13 +54,18 @@ def place(mechanism: Mechanism, tree: Tree, keys: GraphKeys, notes: Notes) -> Ro
             _check_pose(edge.coupling, notes)
     for coupling in tree.cut:
         _check_pose(coupling, notes)
+    parents = {edge.child: edge.parent for edge in tree.edges}
+    order = {body: number for number, body in enumerate(tree.order)}
     return Robot(
         name=keys.name,
         links=tuple(_link(mechanism.bodies[body], world_from_link[body]) for body in tree.order),
         joints=tuple(joints),
-        loops=tuple(_loop(one, mechanism, tree, world_from_link, keys.loops.solref) for one in tree.cut),
+        loops=tuple(
+            _loop(one, mechanism, ways_up(*one.bodies, parents, order), world_from_link, keys.loops.solref)
+            for one in tree.cut
+        ),
         relations=(),
-        frames=_frames(mechanism, world_from_link, keys.frames.include),
+        frames=_frames(mechanism, world_from_link, keys.frames.include, notes),
         base=base_of(mechanism, tree.root, keys.root, notes),
         world_from_root=frozen(tree.world_from_root),
         mobility=Mobility(0, 0, 0, ()),
@@ -129,10 +134,11 @@ def _link(body: Body, world_from_link: Array) -> Link:
 def _loop(
     coupling: Coupling,
     mechanism: Mechanism,
-    tree: Tree,
+    ways: tuple[list[int], list[int]],
     world_from_link: Mapping[int, Array],
     solref: tuple[float, float],
 ) -> Loop:
+    """`ways`: from the first and from the second entity's body up the tree to where they meet."""
     a, b = coupling.bodies
     first, second = coupling.world_from_frames
     return Loop(
@@ -143,24 +149,11 @@ def _loop(
         a_from_frame=frozen(inverse(world_from_link[a]) @ first),
         b_from_frame=frozen(inverse(world_from_link[b]) @ second),
         dofs=coupling.dofs,
-        lever=_lever(first[:3, 3], _cycle_origins(a, b, tree, world_from_link)),
+        lever=_lever(first[:3, 3], [world_from_link[body][:3, 3] for way in ways for body in way]),
         solref=solref,
         residual=coupling.residual,
         mate=coupling.ref,
     )
-
-
-def _cycle_origins(a: int, b: int, tree: Tree, world_from_link: Mapping[int, Array]) -> list[Array]:
-    """Origins of the joints on the two ways from `a` and `b` up to where they meet."""
-    parent = {edge.child: edge.parent for edge in tree.edges}
-    ways: list[list[int]] = []
-    for body in (a, b):
-        way = [body]
-        while way[-1] in parent:
-            way.append(parent[way[-1]])
-        ways.append(way)
-    on_cycle = set(ways[0]) ^ set(ways[1])
-    return [world_from_link[body][:3, 3] for body in sorted(on_cycle)]
 
 
 def _lever(origin: Array, others: list[Array]) -> float:
@@ -170,13 +163,13 @@ def _lever(origin: Array, others: list[Array]) -> float:
 
 
 def _frames(
-    mechanism: Mechanism, world_from_link: Mapping[int, Array], include: tuple[str, ...]
+    mechanism: Mechanism, world_from_link: Mapping[int, Array], include: tuple[str, ...], notes: Notes
 ) -> tuple[Frame, ...]:
-    """The mate connectors that `frames.include` chooses, on their links."""
+    """The mate connectors that `frames.include` chooses, on their links; E-GLOB for what chooses none."""
     for glob in include:
         if glob != "*" and not any(fnmatchcase(marker.name, glob) for marker in mechanism.markers):
-            there = ", ".join(sorted(marker.name for marker in mechanism.markers)) or "none"
-            raise AssemblyError(f"no frame matches {glob!r}", "frames.include", f"frames are: {there}")
+            there = listed(marker.name for marker in mechanism.markers) or "none"
+            notes.tell("E-GLOB", f"no frame matches {glob!r}", "frames.include", f"frames are: {there}")
     frames = [
         Frame(
             marker.name,

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fnmatch import fnmatchcase
 
+from stages.graph.addedkeys import AddedLinkKeys
 from stages.graph.globs import listed
 from stages.graph.keys import JointKeys
 from stages.graph.notes import Notes
@@ -110,17 +111,28 @@ def ends(limits: Limits) -> tuple[float, float]:
 
 
 def check_limits(
-    robot: Robot, unknown: Mapping[str, str], notes: Notes, wanted: Mapping[str, JointKeys] | None = None
+    robot: Robot,
+    unknown: Mapping[str, str],
+    notes: Notes,
+    wanted: Mapping[str, JointKeys] | None = None,
+    added: Mapping[str, AddedLinkKeys] | None = None,
 ) -> Robot:
     """Tells what limits lack or contradict; gives locked dofs the little play that engines need.
 
-    `unknown`: why limits that CAD has are not known, by dof. `wanted`: what `joints:` says; limits that
-    it leaves open are open on purpose.
+    `unknown`: why limits that CAD has are not known, by dof. `wanted` and `added`: what `joints:` and
+    `links:` say; limits that they leave open are open on purpose.
     """
     settled = [glob for glob, keys in (wanted or {}).items() if keys.limits is not None]
+    settled += [joint.name for joint in robot.joints if joint.mate is None and _settles(joint, added or {})]
     _tell_missing(robot, unknown, settled, notes)
     idle = {dof.name for loop in robot.loops if loop.type in POINTWISE for dof in loop.dofs}
     return with_each_dof(robot, lambda dof: dof if dof.name in idle else _checked(dof, notes))
+
+
+def _settles(joint: Joint, added: Mapping[str, AddedLinkKeys]) -> bool:
+    """Whether an added link's own keys say what its joint's limits are."""
+    keys = added.get(joint.child)
+    return keys is not None and (keys.joint.type == "continuous" or keys.joint.limits is not None)
 
 
 def tell_loops(robot: Robot, unknown: Mapping[str, str], notes: Notes) -> None:

@@ -8,6 +8,9 @@ same in all four. What is related hangs together as a tree, of which one dof dri
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from heapq import heappop, heappush
+
+import networkx as nx
 
 from stages.graph.bonds import Bonded, bonded
 from stages.graph.mechanism import Bond
@@ -63,17 +66,19 @@ def negligible(offset: float, factor: float) -> bool:
 
 def _trees(found: Sequence[Bonded], notes: Notes) -> list[list[Bonded]]:
     """What hangs together; a bond between dofs that do already says too much."""
-    trees: list[list[Bonded]] = []
+    forest = nx.utils.UnionFind()
+    kept = []
     for one in found:
-        ends_of = {one.driver, one.follower}
-        touched = [tree for tree in trees if any(ends_of & {b.driver, b.follower} for b in tree)]
-        if any(ends_of <= {name for b in tree for name in (b.driver, b.follower)} for tree in touched):
+        if forest[one.driver] == forest[one.follower]:
             text = f"the joints {one.driver!r} and {one.follower!r} are related already"
             notes.tell("E-RELATION", text, one.title, "remove the relation that says too much")
             continue
-        trees = [tree for tree in trees if tree not in touched]
-        trees.append(sorted([one, *(b for tree in touched for b in tree)], key=found.index))
-    return sorted(trees, key=lambda tree: found.index(tree[0]))
+        forest.union(one.driver, one.follower)
+        kept.append(one)
+    trees: dict[str, list[Bonded]] = {}
+    for one in kept:
+        trees.setdefault(forest[one.driver], []).append(one)
+    return list(trees.values())
 
 
 def _names(robot: Robot, found: Iterable[Bonded]) -> dict[Bonded, str]:
@@ -115,13 +120,20 @@ def _settled(
 
 def _walk(steps: Sequence[Step], start: str) -> Iterator[Step]:
     """Every step of a tree, turned to lead away from `start`, a parent's before its children's."""
-    reached, left = {start}, list(steps)
-    while left:
-        step = next(one for one in left if one.parent in reached or one.child in reached)
-        left.remove(step)
+    at: dict[str, list[int]] = {}
+    for number, step in enumerate(steps):
+        at.setdefault(step.parent, []).append(number)
+        at.setdefault(step.child, []).append(number)
+    reached, ready = {start}, at[start]
+    while ready:
+        step = steps[heappop(ready)]
         away = step if step.parent in reached else step.turned_round()
+        if away.child in reached:
+            continue  # the step that led here, seen from its other end
         reached.add(away.child)
         yield away
+        for number in at[away.child]:
+            heappush(ready, number)
 
 
 def _measured(
@@ -141,7 +153,8 @@ def _measured(
     if offset:
         told = found if step.child == drawn.follower else found.turned_round()
         text = f"the saved pose has an offset of {told.offset:.6g} in this relation, which is kept"
-        notes.tell("W-RELATION-OFFSET", text, drawn.title)
+        hint = "if none is meant, move the two in Onshape to where the relation has none, and build again"
+        notes.tell("W-RELATION-OFFSET", text, drawn.title, hint)
     if kind == "turn":
         saved[step.child] = child + math.tau * round((factor * parent + offset - child) / math.tau)
     return found

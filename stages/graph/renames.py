@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.globs import listed, matching, unnumbered, unusable
+from stages.graph.globs import listed, matching, unusable, with_plain
 from stages.graph.keys import NamesKeys
 from stages.graph.mechanism import WORLD_LINK, Coupling, Mechanism
 from stages.graph.notes import Notes
@@ -18,7 +18,7 @@ def renamed(mechanism: Mechanism, wanted: NamesKeys, notes: Notes) -> Mechanism:
     """
     links = _new_names(
         [body.name for body in mechanism.bodies],
-        [_with_plain(body.titles) for body in mechanism.bodies],
+        [with_plain(body.titles) for body in mechanism.bodies],
         (wanted.links, "names.links", "link"),
         notes,
     )
@@ -40,10 +40,6 @@ def renamed(mechanism: Mechanism, wanted: NamesKeys, notes: Notes) -> Mechanism:
     return made
 
 
-def _with_plain(titles: Collection[str]) -> set[str]:
-    return {*titles, *(unnumbered(title) for title in titles)}
-
-
 def _new_names(
     names: Sequence[str],
     titles: Sequence[Collection[str]],
@@ -61,7 +57,8 @@ def _new_names(
             hint = f"name one of: {listed(names[i] for i in hits or range(len(names)))}"
             notes.tell("E-RENAME", f"{fits} {glob!r}", where, hint)
         elif names[hits[0]] == WORLD_LINK:
-            notes.tell("E-RENAME", f"the assembly's origin is always called {WORLD_LINK!r}", where)
+            text = f"the assembly's origin is always called {WORLD_LINK!r}"
+            notes.tell("E-RENAME", text, where, f"leave {glob!r} out")
         elif hits[0] in found:
             text = f"{glob!r} means {names[hits[0]]!r}, which is called {found[hits[0]]!r} already"
             notes.tell("E-RENAME", text, where, "leave one of the two out")

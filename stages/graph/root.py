@@ -1,9 +1,8 @@
 """Which body is the root, where its frame is, and whether the world holds it."""
 
-from fnmatch import fnmatchcase
-
 import networkx as nx
 
+from stages.graph.globs import matching, with_plain
 from stages.graph.keys import RootKeys
 from stages.graph.mechanism import WORLD_LINK, Marker, Mechanism
 from stages.graph.notes import Notes
@@ -59,12 +58,8 @@ def _selected(mechanism: Mechanism, select: str, marker: Marker | None, origin: 
         graph.add_edges_from(coupling.bodies for coupling in mechanism.couplings)
         closeness = nx.closeness_centrality(graph)
         return min(range(len(bodies)), key=lambda number: (-closeness[number], bodies[number].name))
-    hits = [number for number, body in enumerate(bodies) if fnmatchcase(body.name, select)]
-    hits = hits or [
-        number
-        for number, body in enumerate(bodies)
-        if any(fnmatchcase(title, select) for title in body.titles)
-    ]
+    hits = matching(select, [{body.name} for body in bodies])
+    hits = hits or matching(select, [with_plain(body.titles) for body in bodies])
     if len(hits) == 1:
         return hits[0]
     found = ", ".join(sorted(bodies[number].name for number in hits or range(len(bodies))))
@@ -84,7 +79,7 @@ def base_of(mechanism: Mechanism, root: int, keys: RootKeys, notes: Notes) -> Ba
     if body.name == WORLD_LINK and keys.base == "free":
         what = "the root is the assembly's origin, which other links move against: it cannot float"
         notes.tell("E-BASE", what, "root.base", "leave it at auto, or mate to a part instead of the origin")
-    if keys.base != "auto":
+    elif keys.base != "auto":
         return Base(keys.base == "fixed", f"root.base is {keys.base}")
     if body.held:
         return Base(True, body.held)

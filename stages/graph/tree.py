@@ -1,22 +1,28 @@
 """The kinematic tree: which couplings carry the tree, which close loops, and in which order it grows."""
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import Literal
+from typing import Literal, TypeVar
 
 import networkx as nx
 
+from stages.graph.globs import listed
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Coupling, Mechanism
 from stages.graph.notes import Notes
 from stages.graph.root import choose_root, heaviest
-from stages.robot.errors import AssemblyError, Diagnostic, Disconnected
+from stages.robot.errors import Diagnostic, Disconnected
 from stages.robot.model import Array, JointType
+
+Node = TypeVar("Node", int, str)
 
 CUT_LAST: dict[JointType, int] = {"prismatic": 0, "revolute": 2, "ball": 3, "fixed": 4}
 """Couplings go into the tree by this rank (others: 1); the last are the first to be cut."""
+
+LEFT_OUT = ("W-MATE-BROKEN", "W-FEATURE", "W-PEER-MATE")
+"""Findings of what holds nothing: told beside parts that hang on nothing, as they may be why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +68,7 @@ def spanning_tree(mechanism: Mechanism, keys: GraphKeys, notes: Notes) -> Tree:
     order, edges = _walk(kept, root)
     loose = _loose(mechanism, kept, set(order))
     if loose and keys.root.disconnected == "error":
-        raise _disconnected(mechanism, root, loose)
+        raise _disconnected(mechanism, root, loose, notes)
     for island in loose:
         _settle(mechanism, kept, root, island, keys, order, edges, notes)
     there = set(order)
@@ -75,8 +81,8 @@ def _ranked(mechanism: Mechanism, cut: Collection[str], notes: Notes) -> list[Co
     related = {name for bond in mechanism.bonds for name in bond.couplings}
     for glob in cut:
         if not any(_named(coupling, glob) for coupling in mechanism.couplings):
-            there = ", ".join(sorted(coupling.name for coupling in mechanism.couplings))
-            raise AssemblyError(f"no mate matches {glob!r}", "loops.cut", f"mates that move are: {there}")
+            there = listed(coupling.name for coupling in mechanism.couplings) or "none"
+            notes.tell("E-GLOB", f"no mate matches {glob!r}", "loops.cut", f"mates that move are: {there}")
 
     def rank(coupling: Coupling) -> tuple[object, ...]:
         return (
@@ -100,8 +106,8 @@ def _tell_uncut(
 ) -> None:
     """What the user wanted cut and is not: it closes no loop, or others of its loop are cut."""
     for glob in wanted:
-        if glob != "*" and not any(_named(coupling, glob) for coupling in cut):
-            names = [coupling.title for coupling in mechanism.couplings if _named(coupling, glob)]
+        names = [coupling.title for coupling in mechanism.couplings if _named(coupling, glob)]
+        if glob != "*" and names and not any(_named(coupling, glob) for coupling in cut):
             what = f"{', '.join(sorted(names))} closes no loop, so it stays in the tree"
             notes.tell("W-LOOP-CUT", what, "loops.cut", "leave it out")
 
@@ -129,6 +135,21 @@ def _branches(kept: nx.MultiGraph, body: int) -> Iterator[Edge]:
     return iter(sorted(edges, key=lambda edge: natural(edge.coupling.name if edge.coupling else "")))
 
 
+def ways_up(
+    first: Node, second: Node, parents: Mapping[Node, Node], order: Mapping[Node, int]
+) -> tuple[list[Node], list[Node]]:
+    """The two ways up a tree to where they meet, without that, each from its start; `order` has a parent
+    before its children."""
+    ways: tuple[list[Node], list[Node]] = ([], [])
+    ends = [first, second]
+    while ends[0] != ends[1]:
+        # The later of the two is above neither.
+        later = int(order[ends[1]] > order[ends[0]])
+        ways[later].append(ends[later])
+        ends[later] = parents[ends[later]]
+    return ways
+
+
 def natural(name: str) -> tuple[tuple[int, int | str], ...]:
     """A sort key in which "joint_10" comes after "joint_2"."""
     return tuple((0, int(text)) if text.isdigit() else (1, text) for text in re.split(r"(\d+)", name))
@@ -140,19 +161,20 @@ def _loose(mechanism: Mechanism, kept: nx.MultiGraph, reached: set[int]) -> list
     return sorted(islands, key=lambda island: min(mechanism.bodies[body].name for body in island))
 
 
-def _disconnected(mechanism: Mechanism, root: int, loose: list[list[int]]) -> Disconnected:
+def _disconnected(mechanism: Mechanism, root: int, loose: list[list[int]], notes: Notes) -> Disconnected:
     bodies = mechanism.bodies
-    problems = []
+    problems = [one for one in notes.found if one.code in LEFT_OUT]
     for island in loose:
         parts = sorted(part.name for body in island for part in bodies[body].parts)
         names = ", ".join(sorted(bodies[body].name for body in island))
         what = f"{len(parts)} part(s) hang on nothing that reaches the root: {names}"
-        problems.append(Diagnostic("E-LOOSE", what, parts[0] if parts else names))
+        way_out = "mate it in Onshape (a FASTENED mate makes two parts one link), or suppress it"
+        problems.append(Diagnostic("E-LOOSE", what, parts[0] if parts else names, way_out))
     count = sum(len(island) for island in loose)
     msg = f"{count} of {len(bodies)} bodies are not connected to the root {bodies[root].name!r}"
     hint = (
-        "mate them in Onshape (a FASTENED mate makes two parts one link) or suppress them; or say "
-        "root.disconnected: weld (fix them to the root), drop (leave them out), separate (let them float)"
+        "or settle all of them by root.disconnected: weld (fixed to the root), drop (left out), separate "
+        "(afloat on their own)"
     )
     return Disconnected(msg, hint=hint, problems=problems)
 
@@ -171,13 +193,14 @@ def _settle(
     bodies = mechanism.bodies
     names = ", ".join(sorted(bodies[body].name for body in island))
     where = f"root.disconnected: {keys.root.disconnected}"
+    hint = "mate it in Onshape to what it belongs to, or suppress it"
     if keys.root.disconnected == "drop":
-        notes.tell("W-LOOSE", f"{names}: left out, as it hangs on nothing", where)
+        notes.tell("W-LOOSE", f"{names}: left out, as it hangs on nothing", where, hint)
         return
     welded = keys.root.disconnected == "weld"
     head = heaviest(mechanism, [body for body in island if bodies[body].held] or island)
     done = "fixed to the root" if welded else "floats on its own"
-    notes.tell("W-LOOSE", f"{names}: {done}, as it hangs on nothing", where)
+    notes.tell("W-LOOSE", f"{names}: {done}, as it hangs on nothing", where, hint)
     below, grown = _walk(kept, head)
     order += below
     edges += [Edge(root, head, None, "fixed" if welded else "free"), *grown]

@@ -20,7 +20,8 @@ def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Fo
             Diagnostic(
                 "W-NO-MESH",
                 f"there are no triangles for any of the {len(every)} parts: the robot has no shapes",
-                hint="fetch it from Onshape, or use a bundle that holds the triangles",
+                "source",
+                "fetch it from Onshape, or use a bundle that holds the triangles",
             )
         ]
     problems = []

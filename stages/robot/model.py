@@ -229,7 +229,7 @@ class Relation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """A named frame fixed to a link (a mate connector, say)."""
+    """A named frame fixed to a link. `source`: the mate connector's name as typed; "" if it is none."""
 
     name: str
     link: str

@@ -24,7 +24,7 @@ from stages.validate.coordinates import (
     root_pose,
     set_values,
 )
-from stages.validate.loops import carriers
+from stages.validate.loops import carriers, unmet
 from stages.validate.motion import check_motion
 
 EXACT = 1e-9
@@ -81,8 +81,7 @@ def _start(file: str, model: Any, data: Any, robot: Robot) -> Iterator[Check]:
         return
     mujoco.mj_resetData(model, data)
     mujoco.mj_forward(model, data)
-    rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
-    worst = float(np.abs(data.efc_pos[rows]).max(initial=0.0))
+    worst = unmet(model, data)
     detail = f"{len(robot.loops)} loops and {len(robot.relations)} relations hold at qpos0 [m, rad]"
     yield Check(f"{file}: closed at qpos0", worst < LENGTH, detail, worst, LENGTH)
 

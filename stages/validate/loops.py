@@ -49,6 +49,15 @@ def check_loops(file: str, model: Any, robot: Robot) -> Iterator[Check]:
         yield _places(file, model, robot)
 
 
+def unmet(model: Any, data: Any) -> float:
+    """How far the equalities of a pose are from met [m, rad], a relation by the joint that it moves less."""
+    rows = np.flatnonzero(data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+    related = model.eq_type[data.efc_id[rows]] == mujoco.mjtEq.mjEQ_JOINT
+    factors = np.abs(model.eq_data[data.efc_id[rows], 1])
+    scale = np.where(related, np.maximum(1.0, factors), 1.0)
+    return float(np.abs(data.efc_pos[rows] / scale).max(initial=0.0))
+
+
 def carriers(model: Any, robot: Robot) -> dict[str, list[tuple[int, Array]]]:
     """By link: (body, link_from_body) of the carriers that are welded to it."""
     found: dict[str, list[tuple[int, Array]]] = {}

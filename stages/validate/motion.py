@@ -28,7 +28,7 @@ from stages.validate.coordinates import (
     site_pose,
     spread,
 )
-from stages.validate.loops import check_loops
+from stages.validate.loops import check_loops, unmet
 
 CLOSE = 1e-9
 """Poses [m, rad] and joint values [rad, m] that two engines compute from the same numbers."""
@@ -46,7 +46,7 @@ def check_motion(file: str, model: Any, robot: Robot) -> Iterator[Check]:
 
 
 def _joints(file: str, model: Any, robot: Robot, urdf: bool) -> Check:
-    """Type and limits of each joint. A URDF may bound what nobody bounded: it must."""
+    """Type, limits and dynamics of each joint. A URDF may bound what nobody bounded: it must."""
     wrong = []
     for name, kind, dof in joints_of(robot, urdf):
         index = joint_index(model, name)
@@ -56,9 +56,11 @@ def _joints(file: str, model: Any, robot: Robot, urdf: bool) -> Check:
             fits &= not model.jnt_limited[index]
         else:
             fits &= _bounded(model, index, dof, urdf)
+        if dof.kind != "free":
+            fits &= _resists(model, index, dof, urdf)
         if not fits:
             wrong.append(name)
-    detail = f"differ: {', '.join(wrong)}" if wrong else "type, limits and effort of each joint"
+    detail = f"differ: {', '.join(wrong)}" if wrong else "type, limits, effort and dynamics of each joint"
     return Check(f"{file}: joints", not wrong, detail, float(len(wrong)), 0.0)
 
 
@@ -73,6 +75,16 @@ def _bounded(model: Any, index: int, dof: Dof, urdf: bool) -> bool:
     effort = dof.dynamics.effort
     fits &= effort is None or abs(model.jnt_actfrcrange[index][1] - effort) <= CLOSE * effort
     return bool(fits)
+
+
+def _resists(model: Any, index: int, dof: Dof, urdf: bool) -> bool:
+    """Whether a joint has the damping, friction and armature of its dof; URDF has no armature."""
+    wanted, at = dof.dynamics, int(model.jnt_dofadr[index])
+    pairs = [(wanted.damping, model.dof_damping), (wanted.friction, model.dof_frictionloss)]
+    pairs += [] if urdf else [(wanted.armature, model.dof_armature)]
+    return all(
+        abs((value or 0.0) - float(found[at])) <= CLOSE * max(1.0, value or 0.0) for value, found in pairs
+    )
 
 
 def _open(value: float, sign: int, urdf: bool) -> bool:
@@ -117,19 +129,21 @@ def _frame(model: Any, data: Any, name: str) -> Array:
 
 
 def _relations(file: str, model: Any, robot: Robot) -> Check:
-    """Each relation is an equality of its two joints, with its numbers."""
+    """Each relation is an equality of its two joints, solved for either of them, with its numbers."""
     found = {}
     for index in np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT):
         pair = (int(model.eq_obj1id[index]), int(model.eq_obj2id[index]))
         found[pair] = model.eq_data[index][:5]
     wrong = []
     for relation in robot.relations:
-        follower, driver = joint_index(model, relation.follower), joint_index(model, relation.driver)
-        data = found.get((follower, driver))
-        zero = [float(model.qpos0[model.jnt_qposadr[j]]) for j in (follower, driver)]
-        constant = relation.multiplier * zero[1] + relation.offset - zero[0]
-        expected = np.array([constant, relation.multiplier, 0, 0, 0])
-        if data is None or np.abs(data - expected).max() > CLOSE * max(1.0, abs(relation.multiplier)):
+        driver, follower = joint_index(model, relation.driver), joint_index(model, relation.follower)
+        y, x, factor, offset = follower, driver, relation.multiplier, relation.offset
+        if (y, x) not in found and factor:
+            y, x, factor, offset = x, y, 1 / factor, -offset / factor
+        data = found.get((y, x))
+        zero = [float(model.qpos0[model.jnt_qposadr[joint]]) for joint in (y, x)]
+        expected = np.array([factor * zero[1] + offset - zero[0], factor, 0, 0, 0])
+        if data is None or np.abs(data - expected).max() > CLOSE * max(1.0, abs(factor)):
             wrong.append(relation.name)
     surplus = len(found) - len(robot.relations)
     detail = (
@@ -150,10 +164,9 @@ def _keyframe(file: str, model: Any, robot: Robot) -> Iterator[Check]:
     mujoco.mj_kinematics(model, data)
     off = _off(model, data, robot)
     yield Check(f"{file}: keyframe cad", off <= CLOSE, "values and links against the saved pose", off, CLOSE)
+    yield _home(file, model, data.qpos)
     mujoco.mj_forward(model, data)
-    rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
-    open_by = float(np.abs(data.efc_pos[rows]).max(initial=0.0))
-    limit = 1e-6
+    open_by, limit = unmet(model, data), 1e-6
     yield Check(
         f"{file}: closed in keyframe cad",
         open_by <= limit,
@@ -161,6 +174,18 @@ def _keyframe(file: str, model: Any, robot: Robot) -> Iterator[Check]:
         open_by,
         limit,
     )
+
+
+def _home(file: str, model: Any, cad: Array) -> Check:
+    """The keyframe `home` is the keyframe `cad`, its joints taken into their limits."""
+    expected = np.array(cad)
+    for index in np.flatnonzero(model.jnt_limited):
+        at = model.jnt_qposadr[index]
+        expected[at] = np.clip(expected[at], *model.jnt_range[index])
+    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
+    off = float(np.abs(model.key_qpos[key] - expected).max(initial=0.0)) if key >= 0 else math.inf
+    detail = "values against the saved pose, taken into the limits"
+    return Check(f"{file}: keyframe home", off <= CLOSE, detail, off, CLOSE)
 
 
 def _off(model: Any, data: Any, robot: Robot) -> float:

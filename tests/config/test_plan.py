@@ -121,6 +121,11 @@ def test_a_plan_without_source_is_no_plan():
         ({"loops": {"solref": "x"}}, "loops.solref", "must be a list of 2 numbers (given 'x')"),
         ({"ground": {"size": "big"}}, "ground.size", "must be a list of 2 numbers (given 'big')"),
         ({"frames": {"include": "tool"}}, "frames.include", "must be a list (given 'tool')"),
+        (
+            {"loops": {"solref": [0.1, -1]}},
+            "loops.solref",
+            "must be [time constant, damping ratio] above 0, or [-stiffness, -damping] (given [0.1, -1])",
+        ),
         ({"loops": {"solref": [1]}}, "loops.solref", "must be a list of 2 numbers (given [1])"),
         ({"ground": {"xyz": [1, 2, 3, 4]}}, "ground.xyz", "must be a list of 3 numbers (given [1, 2, 3, 4])"),
         ({"ground": {"rpy": [0, 0, float("nan")]}}, "ground.rpy[2]", "must be finite (given nan)"),

@@ -147,8 +147,16 @@ def _fails(tmp_path: Path, way: str, place: str, fault: str, call: int) -> None:
     assert told(tmp_path, done) == []
 
 
-@pytest.mark.parametrize("fault", sorted(faults("basic").keys() - TRANSIENT))
-@pytest.mark.parametrize("way", WAYS)
+REFUSALS = sorted(faults("basic").keys() - TRANSIENT)
+EACH_REFUSED = [
+    # Each fault meets one way of signing, and each way several faults; all of them are the slow suite's.
+    pytest.param(way, fault, marks=() if number % len(WAYS) == place else pytest.mark.slow)
+    for number, fault in enumerate(REFUSALS)
+    for place, way in enumerate(WAYS)
+]
+
+
+@pytest.mark.parametrize(("way", "fault"), EACH_REFUSED)
 def test_a_build_that_a_server_refuses_tells_no_secret(tmp_path: Path, way: str, fault: str) -> None:
     _fails(tmp_path, way, ".env" if fault == "403" else "environment", fault, call=0)
 

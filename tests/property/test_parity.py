@@ -157,19 +157,19 @@ places = st.integers(0, 1000)
 slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
 
 
-@settings(max_examples=40, **slowly)
+@settings(max_examples=25, **slowly)
 @given(documents(), places, places, places)
 def test_both_files_are_the_document(document: Document, root: int, shuffle: int, seed: int) -> None:
     agree(document, root, shuffle, seed)
 
 
-@settings(max_examples=40, **slowly)
+@settings(max_examples=25, **slowly)
 @given(documents(loops=True), places, places, places)
 def test_loops_change_nothing_about_the_tree(document: Document, root: int, shuffle: int, seed: int) -> None:
     agree(document, root, shuffle, seed)
 
 
-@settings(max_examples=60, **slowly)
+@settings(max_examples=40, **slowly)
 @given(documents(everything=True), places, places, places)
 def test_everything_that_can_be_drawn(document: Document, root: int, shuffle: int, seed: int) -> None:
     agree(document, root, shuffle, seed)
@@ -184,7 +184,7 @@ def test_everything_that_can_be_drawn_many_times(
     agree(document, root, shuffle, seed)
 
 
-@settings(max_examples=40, **slowly)
+@settings(max_examples=25, **slowly)
 @given(documents(everything=True, loops=True), places, places)
 def test_neither_root_nor_order_changes_what_is_cut_or_named(
     document: Document, root: int, shuffle: int

@@ -140,6 +140,20 @@ def test_a_link_above_the_root_leaves_everything_where_it_is():
     np.testing.assert_allclose(new["base"], OFFSET, atol=1e-15)
 
 
+def test_what_floats_does_so_from_the_new_root():
+    there = (0.1, 0.2, 0.3, 1.0, 0.0, 0.0, 0.0)
+    before = arm(world_from_root=STAND)
+    crate = joint("free", "base", "crate", [there], place=OFFSET)
+    before = robot_with([*before.joints, crate], world_from_root=STAND)
+    robot, notes = added(before, foot={"child": "base", **PLACE}, ground={"child": "foot", **PLACE})
+    assert problems(notes) == []
+    assert robot.joints[-1].parent == robot.root.name == "ground"
+    q = {"crate_joint": there, "arm_joint": 0.4}
+    old, new = link_poses(before, q), link_poses(robot, q)
+    for name in old:
+        np.testing.assert_allclose(robot.world_from_root @ new[name], STAND @ old[name], atol=1e-14)
+
+
 def test_two_links_above_each_other():
     robot, notes = added(arm(), a={"child": "base"}, b={"child": "a"})
     assert problems(notes) == []
@@ -211,7 +225,7 @@ def test_an_added_frame_is_where_it_is_said_to_be():
     assert [frame.name for frame in robot.frames] == ["eye", "foot", "spot", "tool"]
     frames = {frame.name: frame for frame in robot.frames}
     for name in ("eye", "tool"):
-        assert frames[name].link == "arm"
+        assert (frames[name].link, frames[name].source) == ("arm", "")
         np.testing.assert_allclose(frames[name].link_from_frame, SPOT @ OFFSET, atol=1e-15)
 
 

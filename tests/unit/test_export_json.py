@@ -11,7 +11,7 @@ from stages.export.description import describe
 from stages.export.lowering import lower
 from stages.robot import kinematics
 from stages.robot.kinematics import link_poses, rest_configuration, saved_configuration
-from stages.robot.model import Dynamics, Limits, Mobility, Primitive, Robot, frozen
+from stages.robot.model import Dynamics, Frame, Limits, Mobility, Primitive, Robot, frozen
 from tests.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, solid, some_value, some_values
 
 
@@ -125,10 +125,12 @@ def test_what_cad_does_not_have_says_so() -> None:
     box = Primitive("box", (0.1, 0.2, 0.3), at(1, 0, 0), (1.0, 0.5, 0.0, 1.0), collision=False)
     ball = Primitive("sphere", (0.1,), at(0, 2, 0))
     rows = [replace(joint("fixed", "base", "tool"), mate=None), joint("revolute", "base", "arm")]
-    robot = robot_with(rows, given={"tool": solid(3.0)}, shapes={"tool": (box, ball)})
+    spots = [Frame("tip", "arm", at(0, 0, 1), ""), Frame("eye", "arm", at(0, 1, 0), "The eye")]
+    robot = robot_with(rows, frames=spots, given={"tool": solid(3.0)}, shapes={"tool": (box, ball)})
     tool = replace(robot.link("tool"), path=(), parts=())
     table = told(replace(robot, links=(robot.links[0], tool, robot.links[2])))
     assert [record["cad"] is None for record in table["joints"]] == [True, False]
+    assert [record["cad"] for record in table["frames"]] == [None, {"name": "The eye"}]
     base, tool, arm = table["links"]
     assert (tool["given"], tool["cad"], tool["mass"], tool["parts"]) == (True, None, 3, [])
     assert (arm["given"], arm["cad"], arm["shapes"]) == (False, {"path": ["arm"]}, [])

@@ -458,3 +458,38 @@ def edited(bundle: Bundle, change: dict) -> Bundle:
                 body.update(change)
             blobs[digest] = json.dumps(reply).encode()
     return replace(bundle, blobs=blobs)
+
+
+def test_problems_of_parts_joints_and_names_are_told_together(kit: Kit) -> None:
+    base, arm = kit.place("Base", fixed=True), kit.root.add(kit.bar("Arm", density=None))
+    kit.root.revolute("Hinge", (arm, TOP), (base, SIDE), limits=(1.0, -1.0))
+    plan = plan_of(
+        joints={"knee": {"damping": 1}},
+        names={"links": {"Leg": "leg"}},
+        loops={"cut": ["Knee"]},
+        frames={"include": ["tip*"]},
+    )
+    with pytest.raises(AssemblyError) as caught:
+        robot_of(kit.document, plan)
+    told = [(one.code, one.where) for one in caught.value.problems]
+    assert told == [
+        ("E-GLOB", "frames.include"),
+        ("E-GLOB", "joints"),
+        ("E-GLOB", "loops.cut"),
+        ("E-LIMIT", "hinge"),
+        ("E-MASS", "Arm <1>"),
+        ("E-RENAME", "names.links"),
+    ]
+
+
+def test_what_leaves_no_tree_is_told_with_all_that_is_known_by_then(kit: Kit) -> None:
+    kit.place("Base", fixed=True)
+    crate, lid = kit.root.add(kit.bar("Crate", density=None)), kit.place("Lid")
+    kit.root.fasten("Shut", (lid, TOP), (crate, TOP))
+    with pytest.raises(Disconnected) as caught:
+        robot_of(kit.document, plan_of(names={"links": {"Leg": "leg"}}))
+    assert [one.code for one in caught.value.problems] == ["E-MASS", "E-RENAME", "E-LOOSE"]
+    with pytest.raises(NoRoot) as none:
+        robot_of(kit.document, plan_of(root={"select": "leg"}))
+    assert [one.code for one in none.value.problems] == ["E-MASS"]
+    assert "name one of: base, " in none.value.message

@@ -288,7 +288,7 @@ def test_a_recording_without_triangles_is_told_once():
     bare = [part(str(index), reply=None) for index in range(3)]
     result = geometry(robot(base=bare[:1], arm=bare[1:]))
     (found,) = result.diagnostics
-    assert (found.code, found.where) == ("W-NO-MESH", "")
+    assert (found.code, found.where) == ("W-NO-MESH", "source")
     assert "any of the 3 parts" in found.message
     assert (result.shapes, result.files) == ((), {})
 

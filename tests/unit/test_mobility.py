@@ -169,6 +169,28 @@ def test_a_relation_that_the_loop_implies_takes_nothing(sign: int, dof: int) -> 
     assert counts(robot)[0] == (3, -3, dof, {"loop_0": 3 + dof})
 
 
+def test_a_train_of_gears_has_one_whatever_its_length_and_ratio() -> None:
+    joints = [("revolute", "base", f"wheel_{n}", at(0.1 * n, 0, 0)) for n in range(80)]
+    relations = [
+        Relation(f"gear_{n}", f"wheel_{n}_joint", "wheel_0_joint", (-1.5) ** n, 0.0) for n in range(1, 80)
+    ]
+    found, _ = counts(drawn(joints, relations=relations))
+    assert found == (80, 1, 1, {})
+
+
+def test_two_linkages_that_a_steep_gear_ties_move_as_one() -> None:
+    """Where the one moves a millionth of the other it moves all the same: no loop is rigid."""
+    pins = [at(x, y, 0) for x, y in ((0, 0), (0, 1), (2, 1.5), (2, 0))]
+    joints, loops = [], []
+    for side in "ab":
+        links = ["base", *(f"{side}{number}" for number in range(3))]
+        joints += [("revolute", links[n], links[n + 1], pin) for n, pin in enumerate(pins[:-1])]
+        loops.append(("revolute", links[-1], "base", pins[-1]))
+    found, notes = counts(drawn(joints, loops, [Relation("gear", "b0_joint", "a0_joint", 1e8, 0.0)]))
+    assert found == (6, -5, 1, {"loop_0": 3, "loop_1": 3})
+    assert not told(notes)
+
+
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_rack_that_the_loop_implies_takes_nothing(sign: int) -> None:
     """Crank pin at (x, y), rod to a piston at (d, 0): the piston's rate is −y − x y / (d − x) of the

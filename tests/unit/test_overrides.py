@@ -33,6 +33,7 @@ def values():
         ("joints.*finger*.limits=[-1,1]", "++joints={*finger*:{limits:[-1,1]}}"),
         ("joints.Revolute 3.effort=2", r"++joints={Revolute\ 3:{effort:2}}"),
         ('joints."a.b=c".effort=2', r"++joints={a.b\=c:{effort:2}}"),
+        ('mass.parts."Hand/Pad*".mass=2', "++mass={parts:{Hand/Pad*:{mass:2}}}"),
         ("joints.f[0-9].effort=2", r"++joints={f\[0-9\]:{effort:2}}"),
         ("+joints.*.damping=1", "++joints={*:{damping:1}}"),
         ("source.url='https://x/y?a=b&c=d,e#f'", "++source.url='https://x/y?a=b&c=d,e#f'"),
@@ -112,6 +113,13 @@ def test_the_line_to_paste_can_be_pasted(values):
             "mesh.tolerance=1,2",
             "several values, but no sweep",
             "for a sweep add -m; for one text \"mesh.tolerance='1,2'\"; for a list 'mesh.tolerance=[1,2]'",
+        ),
+        ('"=1', "key=value is expected", 'a robot is chosen with robot="=1; see linkwright --help'),
+        ("@x=1", "key=value is expected", "a robot is chosen with robot=@x=1; see linkwright --help"),
+        (
+            'mass.parts."Hand <1>/*".mass=1',
+            "the command line cannot carry this key",
+            'write it in YAML: mass: {parts: {"Hand <1>/*": {mass: 1}}}',
         ),
         (
             "joints.Gelenk <1>.damping=1",

@@ -10,8 +10,8 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from stages.graph.view.boxes import box_of
-from stages.graph.view.labels import columns, decimal, limits, part_names, printable, rule, shortened
+from stages.graph.view.boxes import boxes_of
+from stages.graph.view.labels import columns, decimal, limits, part_names, printable, rules, shortened
 from stages.graph.view.layout import levels, tidy
 from stages.graph.view.outline import outline
 from stages.graph.view.picture import _placed, draw
@@ -130,7 +130,7 @@ def test_numbers_are_told_without_noise(value, words):
 def test_a_follower_is_told_in_the_units_of_its_range(driver, follower, multiplier, offset, words):
     relation = Relation("r", "b_joint", "a_joint", multiplier, offset)
     robot = robot_with([joint(driver, "base", "a"), joint(follower, "a", "b")], relations=[relation])
-    assert rule(relation, robot) == words
+    assert rules(robot)[relation.follower] == words
 
 
 @pytest.mark.parametrize("room", [1, 2, 7, 12])
@@ -230,7 +230,7 @@ def test_no_boxes_or_labels_overlap_and_all_lie_on_the_sheet(seed):
     svg = xml.parse(draw(robot))
     boxes = list(rectangles(svg))
     assert len(boxes) == len(robot.links)
-    placed = _placed(robot, {link.name: box_of(link, robot) for link in robot.links}).values()
+    placed = _placed(robot, boxes_of(robot)).values()
     labels = [
         (box.label_x, box.y - 18, box.label_x + box.label_width, box.y + 4 + 13 * len(box.lines))
         for box in placed

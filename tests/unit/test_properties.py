@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 import yaml
 
+from stages.graph.added import with_added_links
 from stages.graph.keys import GraphKeys
 from stages.graph.notes import Notes
 from stages.graph.properties import LOCKED_PLAY, check_limits, tell_loops, with_properties
@@ -141,6 +142,19 @@ def test_missing_limits_are_told_with_one_block_that_settles_them(arm: Robot) ->
 def test_a_joint_that_cad_does_not_have_is_not_mended_there() -> None:
     robot = robot_with([replace(joint("revolute", "base", "arm", name="elbow"), mate=None)])
     assert checked(robot)[1].found[0].hint == "joints: {elbow: {limits: [low, high]}}  # rad"
+
+
+def test_an_added_joint_that_is_to_be_open_is_not_told() -> None:
+    asked = {
+        "wheel": "continuous",
+        "drawer": {"type": "prismatic", "limits": [None, None]},
+        "lid": "revolute",
+    }
+    links = GraphKeys(links={name: {"parent": "base", "joint": one} for name, one in asked.items()}).links
+    notes = Notes()
+    robot = with_added_links(robot_with(), links, notes)
+    check_limits(robot, {}, notes, {}, links)
+    assert told(notes) == [("W-LIMIT", "lid_joint")]
 
 
 def limited(kind, value, low, high, name="elbow") -> Robot:

@@ -36,7 +36,8 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> tuple[Robot, Path]:
     second = kit.root.revolute("Idle", (idler, TOP), (held, turn((1, 0, 0), 1)), limits=(-3, 3))
     kit.root.gear("Gear", first, second, 1.5)
     kit.root.connector("Tool", cart, SIDE)
-    plan = plan_of(joints={"*": {"effort": 5, "velocity": 2}})
+    resists = {"damping": 0.25, "friction": 0.125, "armature": 0.0625}
+    plan = plan_of(joints={"*": {"effort": 5, "velocity": 2, **resists}})
     robot = robot_of(kit.document, plan)
     geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
     folder = tmp_path_factory.mktemp("good")
@@ -67,6 +68,11 @@ FAULTS = {
     "a range changed": ("robot.xml", swap('range="-0.1 0.2"', 'range="-0.1 0.3"')),
     "a range dropped": ("robot.xml", drop(r' range="-0.1 0.2"')),
     "effort changed": ("robot.xml", swap('actuatorfrcrange="-5 5"', 'actuatorfrcrange="-6 6"')),
+    "damping changed": ("robot.xml", swap('damping="0.25"', 'damping="0.5"')),
+    "friction dropped": ("robot.xml", swap(' frictionloss="0.125"', "")),
+    "armature changed": ("robot.xml", swap('armature="0.0625"', 'armature="0.5"')),
+    "damping changed in urdf": ("robot.urdf", swap('damping="0.25"', 'damping="0.5"')),
+    "home changed": ("robot.xml", lambda text: re.sub(r'(name="home" qpos=")[^ ]+', r"\g<1>0.123", text)),
     "no keyframes": ("robot.xml", drop(r"<keyframe>.*</keyframe>")),
     "the saved pose changed": (
         "robot.xml",

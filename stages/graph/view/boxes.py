@@ -1,11 +1,11 @@
 """The boxes of the picture: what a link and the joint to its parent say, and the space that it takes."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 from stages.graph.view.canvas import fitted, text_width
-from stages.graph.view.labels import counted, is_origin, kilograms, motions, part_names, rule
+from stages.graph.view.labels import counted, frames_on, is_origin, kilograms, motions, part_names, rules
 from stages.robot.model import Joint, Link, Loop, Robot
 
 ROOM = 190.0  # what a name may take
@@ -83,18 +83,34 @@ class Box:
         return self.y + 4 + (self.lines.index(line) + 0.5) * LINE
 
 
-def box_of(link: Link, robot: Robot) -> Box:
-    joint = next((joint for joint in robot.joints if joint.child == link.name), None)
-    lines = () if joint is None else tuple(_lines(joint, robot))
-    return Box(link, joint, tuple(_rows(link, robot)), lines)
+def boxes_of(robot: Robot) -> dict[str, Box]:
+    """The box of every link, not placed yet."""
+    above = {joint.child: joint for joint in robot.joints}
+    follows = rules(robot, room=24)
+    frames = frames_on(robot)
+    ends: dict[str, list[int]] = {}
+    for index, loop in enumerate(robot.loops):
+        for link in dict.fromkeys((loop.link_a, loop.link_b)):
+            ends.setdefault(link, []).append(index)
+    boxes = {}
+    for one in robot.links:
+        joint = above.get(one.name)
+        rows = [*_rows(one, robot), *_few("frame", frames.get(one.name, ()))]
+        rows += [_end(robot.loops[index], index) for index in ends.get(one.name, ())]
+        lines = () if joint is None else tuple(_lines(joint, follows))
+        boxes[one.name] = Box(one, joint, tuple(rows), lines)
+    return boxes
 
 
-def _lines(joint: Joint, robot: Robot) -> Iterator[Line]:
+def _lines(joint: Joint, follows: Mapping[str, str]) -> Iterator[Line]:
     for dof, words in motions(joint):
         yield Line(dof.name, words, False)
-        for relation in robot.relations:
-            if relation.follower == dof.name:
-                yield Line(dof.name, f"= {rule(relation, robot, 24)}", True)
+        if dof.name in follows:
+            yield Line(dof.name, f"= {follows[dof.name]}", True)
+
+
+def _end(loop: Loop, index: int) -> Row:
+    return Row("loop", fitted(loop.mate.name or loop.name, 10, ROOM), told(loop), index)
 
 
 def _rows(link: Link, robot: Robot) -> Iterator[Row]:
@@ -108,13 +124,9 @@ def _rows(link: Link, robot: Robot) -> Iterator[Row]:
         yield Row("plain", ", ".join([kilograms(link.inertial.mass) + given, *counts]))
     if len(link.parts) > 1:
         yield from _few("part", part_names(link))
-    yield from _few("frame", [frame.name for frame in robot.frames if frame.link == link.name])
-    for index, loop in enumerate(robot.loops):
-        if link.name in (loop.link_a, loop.link_b):
-            yield Row("loop", fitted(loop.mate.name or loop.name, 10, ROOM), told(loop), index)
 
 
-def _few(kind: Kind, names: list[str]) -> Iterator[Row]:
+def _few(kind: Kind, names: Sequence[str]) -> Iterator[Row]:
     """A row for each name; of many only the first."""
     shown = names if len(names) <= SHOWN else names[: SHOWN - 1]
     for name in shown:

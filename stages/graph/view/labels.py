@@ -3,7 +3,7 @@
 import math
 import re
 import unicodedata
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from stages.robot.model import Dof, Joint, Link, Relation, Robot
 
@@ -78,11 +78,14 @@ def motions(joint: Joint) -> list[tuple[Dof, str]]:
     return [(dof, f"{coordinate(joint, dof)} {limits(dof)}".strip()) for dof in joint.dofs]
 
 
-def rule(relation: Relation, robot: Robot, room: float = math.inf) -> str:
-    """What a follower does: "-1.5 × drive + 3 deg", the driver's name within `room` columns; where turns
-    and slides meet the factor has its unit."""
-    kinds = {dof.name: dof for dof in robot.dofs}
-    follower, driver = kinds[relation.follower], kinds[relation.driver]
+def rules(robot: Robot, room: float = math.inf) -> dict[str, str]:
+    """What each follower does: "-1.5 × drive + 3 deg", the driver's name within `room` columns; where
+    turns and slides meet the factor has its unit."""
+    dofs = {dof.name: dof for dof in robot.dofs}
+    return {one.follower: _rule(one, dofs[one.follower], dofs[one.driver], room) for one in robot.relations}
+
+
+def _rule(relation: Relation, follower: Dof, driver: Dof, room: float) -> str:
     (to, unit), (per, from_unit) = _UNITS[follower.kind], _UNITS[driver.kind]
     factor = decimal(relation.multiplier * to / per)
     ratio = factor if follower.kind == driver.kind else f"{factor} {unit}/{from_unit}"
@@ -105,6 +108,14 @@ def part_names(link: Link) -> list[str]:
         weights.setdefault(re.sub(r" <\d+>$", "", leaf(part.name)), []).append(part.inertial.mass)
     order = sorted(weights, key=lambda name: (-sum(weights[name]), name))
     return [name if len(weights[name]) == 1 else f"{name} ×{len(weights[name])}" for name in order]
+
+
+def frames_on(robot: Robot) -> Mapping[str, Sequence[str]]:
+    """The names of the frames on each link that has any."""
+    found: dict[str, list[str]] = {}
+    for frame in robot.frames:
+        found.setdefault(frame.link, []).append(frame.name)
+    return found
 
 
 def is_origin(robot: Robot, link: Link) -> bool:

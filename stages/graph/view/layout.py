@@ -6,9 +6,21 @@ the middle of its children.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
-Contour = list[tuple[float, float]]
-"""The top and the bottom of a subtree at each level, from its root on."""
+
+@dataclass(slots=True)
+class Contour:
+    """The top and the bottom of a subtree at each level, from its deepest up to its root, all to be moved
+    down by `shift`: so neither a new root nor a move touches what lies below."""
+
+    edges: list[tuple[float, float]]
+    shift: float = 0.0
+
+    def down_to(self, depth: int) -> list[tuple[float, float]]:
+        """The first levels, from the root on."""
+        there = self.edges[: -depth - 1 : -1]
+        return [(top + self.shift, bottom + self.shift) for top, bottom in there]
 
 
 def tidy(
@@ -25,31 +37,41 @@ def tidy(
     contours: dict[str, Contour] = {}
     shifts: dict[str, float] = {}
     for name in reversed(order):
-        merged: Contour = []
+        merged = Contour([])
         places = []
         for child in children[name]:
             own = contours.pop(child)
-            pairs = zip(merged, own, strict=False)
+            shared = min(len(merged.edges), len(own.edges))
+            pairs = zip(merged.down_to(shared), own.down_to(shared), strict=True)
             place = max((above[1] + gap - below[0] for above, below in pairs), default=0.0)
             places.append(place)
-            merged = _together(merged, own, place)
+            own.shift += place
+            merged = _together(merged, own, shared)
         middle = (places[0] + places[-1]) / 2 if places else 0.0
         shifts |= {child: place - middle for child, place in zip(children[name], places, strict=True)}
+        merged.shift -= middle
         half = heights[name] / 2
-        contours[name] = [(-half, half), *((top - middle, bottom - middle) for top, bottom in merged)]
-    highest = min(top for top, _ in contours[order[0]])
+        merged.edges.append((-half - merged.shift, half - merged.shift))
+        contours[name] = merged
+    whole = contours[order[0]]
+    highest = min(top for top, _ in whole.edges) + whole.shift
     centres = {order[0]: -highest}
     for name in order[1:]:
         centres[name] = centres[parents[name]] + shifts[name]
     return centres
 
 
-def _together(above: Contour, below: Contour, shift: float) -> Contour:
-    """The contour of both, `below` moved down by `shift`."""
-    moved = [(top + shift, bottom + shift) for top, bottom in below]
-    shared = min(len(above), len(moved))
-    both = [(above[level][0], moved[level][1]) for level in range(shared)]
-    return both + above[shared:] + moved[shared:]
+def _together(above: Contour, below: Contour, shared: int) -> Contour:
+    """The contour of both, which share so many levels: the deeper one, changed where they do."""
+    edges = [
+        (top, bottom)
+        for (top, _), (_, bottom) in zip(above.down_to(shared), below.down_to(shared), strict=True)
+    ]
+    deeper = above if len(above.edges) > len(below.edges) else below
+    if shared:
+        moved = [(top - deeper.shift, bottom - deeper.shift) for top, bottom in reversed(edges)]
+        deeper.edges[-shared:] = moved
+    return deeper
 
 
 def levels(order: Sequence[str], parents: Mapping[str, str]) -> dict[str, int]:

@@ -1,17 +1,18 @@
 """The kinematic tree as text, a line for each link and further dof, no wider than 100 columns."""
 
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from stages.graph.view.labels import (
     columns,
     counted,
+    frames_on,
     is_origin,
     mobility,
     motions,
     printable,
-    rule,
+    rules,
     shortened,
     standing,
     totals,
@@ -52,7 +53,7 @@ def _rows(robot: Robot) -> Iterator[Row]:
     below: dict[str, list[Joint]] = {link.name: [] for link in robot.links}
     for joint in robot.joints:
         below[joint.parent].append(joint)
-    rules = {relation.follower: f"= {rule(relation, robot, 20)}" for relation in robot.relations}
+    follows = rules(robot, room=20)
     links = {link.name: link for link in robot.links}
     base = f"({'fixed' if robot.base.fixed else 'free'} base)"
     waiting: list[tuple[Joint | None, tuple[bool, ...]]] = [(None, ())]
@@ -63,17 +64,17 @@ def _rows(robot: Robot) -> Iterator[Row]:
         waiting += [(child, (*lasts, child is children[-1])) for child in reversed(children)]
         mass = "" if is_origin(robot, link) else f"{link.inertial.mass:.3g}"
         name, kind = (base, "") if above is None else (above.name, above.type)
-        ranges = () if above is None else tuple(_ranges(above, rules))
+        ranges = () if above is None else tuple(_ranges(above, follows))
         cells = (link.name, mass, str(len(link.parts) or ""), name, kind)
         yield Row(lasts, not children, cells, ranges)
 
 
-def _ranges(joint: Joint, rules: dict[str, str]) -> Iterator[str]:
+def _ranges(joint: Joint, follows: Mapping[str, str]) -> Iterator[str]:
     """What each dof may do, and after it what it follows."""
     for dof, words in motions(joint):
         yield words
-        if dof.name in rules:
-            yield rules[dof.name]
+        if dof.name in follows:
+            yield f"= {follows[dof.name]}"
 
 
 def _table(rows: Sequence[Row]) -> Iterator[str]:
@@ -115,7 +116,7 @@ def _trunk(lasts: Sequence[bool], step: int) -> str:
 
 def _stem(lasts: Sequence[bool], step: int) -> str:
     """The lines below a name; of a very deep tree only their end."""
-    stem = "".join((" " if last else "│").ljust(step) for last in lasts)
+    stem = "".join((" " if last else "│").ljust(step) for last in lasts[-_TRUNK:])
     return stem if len(stem) < _TRUNK else "…" + stem[len(stem) - _TRUNK + 2 :]
 
 
@@ -150,10 +151,11 @@ def _loops(robot: Robot) -> list[str]:
 
 
 def _frames(robot: Robot) -> list[str]:
-    lines = []
+    lines: list[str] = []
+    there = frames_on(robot)
     for link in robot.links:
-        names = [shortened(frame.name, 40) for frame in robot.frames if frame.link == link.name]
-        if names:
+        if link.name in there:
+            names = [shortened(name, 40) for name in there[link.name]]
             head = f"{counted(len(names), 'frame')} on {shortened(link.name, 40)}"
             lines += _filled(f"{head}: {', '.join(names)}")
     return lines

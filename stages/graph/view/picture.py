@@ -7,9 +7,9 @@ lines may cross; those lie below all boxes and words.
 from collections.abc import Mapping
 from dataclasses import replace
 
-from stages.graph.view.boxes import LABEL, MARK, PAD, ROOM, SIZES, Box, Kind, box_of, told
+from stages.graph.view.boxes import LABEL, MARK, PAD, ROOM, SIZES, Box, Kind, boxes_of, told
 from stages.graph.view.canvas import Canvas, fitted, text_width
-from stages.graph.view.labels import counted, kilograms, mobility, rule, standing, totals
+from stages.graph.view.labels import counted, kilograms, mobility, rules, standing, totals
 from stages.graph.view.layout import levels, tidy
 from stages.graph.view.symbols import (
     CROSS,
@@ -37,7 +37,7 @@ BUS = 18.0  # from a parent to where its edges part
 
 def draw(robot: Robot) -> bytes:
     """The picture as SVG: the same bytes for the same robot, and a ground of its own."""
-    boxes = _placed(robot, {link.name: box_of(link, robot) for link in robot.links})
+    boxes = _placed(robot, boxes_of(robot))
     curves = [_curve(robot, boxes, index) for index in range(len(robot.loops))]
     heads = (totals(robot), mobility(robot), standing(robot))
     right = max(*(box.right for box in boxes.values()), *(reach for _, reach in curves), 0.0)
@@ -69,9 +69,11 @@ def _placed(robot: Robot, boxes: Mapping[str, Box]) -> dict[str, Box]:
     order = list(boxes)
     level = levels(order, parents)
     centres = tidy(order, parents, {name: box.band for name, box in boxes.items()}, GAP)
+    columns: list[list[Box]] = [[] for _ in range(max(level.values()) + 1)]
+    for name, box in boxes.items():
+        columns[level[name]].append(box)
     lefts, widths, x = [], [], LEFT
-    for depth in range(max(level.values()) + 1):
-        column = [boxes[name] for name in order if level[name] == depth]
+    for depth, column in enumerate(columns):
         label = max(box.label_width for box in column)
         x += BUS + 10 + label + 14 if depth else 0.0
         lefts.append((x, x - label - 14))
@@ -137,10 +139,11 @@ def _draw_relations(canvas: Canvas, robot: Robot, boxes: Mapping[str, Box]) -> N
         for box in boxes.values()
         for line in box.lines
     }
+    follows = rules(robot)
     for relation in robot.relations:
         (ax, ay), (bx, by) = places[relation.driver, False], places[relation.follower, True]
         bend = 16 + min(60, abs(ay - by) / 5)
-        canvas.group(f"{relation.follower} = {rule(relation, robot)}")
+        canvas.group(f"{relation.follower} = {follows[relation.follower]}")
         steps = f"M{ax:.1f} {ay:.1f}C{ax - bend:.1f} {ay:.1f} {bx - bend:.1f} {by:.1f} {bx - 3:.1f} {by:.1f}"
         canvas.path(steps, RELATION, thick=1.4, dash="1 4")
         arrow(canvas, bx, by, RELATION)

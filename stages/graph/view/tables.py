@@ -2,16 +2,17 @@
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from stages.graph.view.labels import (
     decimal,
+    frames_on,
     kilograms,
     leaf,
     limits,
     mobility,
     printable,
-    rule,
+    rules,
     standing,
     value,
 )
@@ -30,7 +31,7 @@ def tables(robot: Robot) -> bytes:
         (
             "Joints",
             [*_JOINT, *_DYNAMICS],
-            [row for joint in robot.joints for row in _joint(joint, robot)],
+            list(_joints(robot)),
         ),
         (
             "Loops",
@@ -54,15 +55,21 @@ def _mobility(robot: Robot) -> Rows:
     ]
 
 
-def _joint(joint: Joint, robot: Robot) -> Iterator[list[str]]:
+def _joints(robot: Robot) -> Iterator[list[str]]:
+    follows = rules(robot)
+    for joint in robot.joints:
+        yield from _joint(joint, follows)
+
+
+def _joint(joint: Joint, follows: Mapping[str, str]) -> Iterator[list[str]]:
     """A row for each dof; a fixed joint has one too."""
     place = [joint.type, joint.parent, joint.child]
     if not joint.dofs:
         yield [joint.name, "", *place, *[""] * 8]
     for dof in joint.dofs:
-        follows = [rule(relation, robot) for relation in robot.relations if relation.follower == dof.name]
+        rule = follows.get(dof.name, "")
         name = "" if dof.name == joint.name else dof.name
-        yield [joint.name, name, *place, limits(dof), _saved(dof), "; ".join(follows), *_dynamics(dof)]
+        yield [joint.name, name, *place, limits(dof), _saved(dof), rule, *_dynamics(dof)]
 
 
 def _saved(dof: Dof) -> str:
@@ -103,9 +110,7 @@ def _loops(robot: Robot) -> Rows:
 
 
 def _links(robot: Robot) -> Rows:
-    frames: dict[str, list[str]] = {}
-    for frame in robot.frames:
-        frames.setdefault(frame.link, []).append(frame.name)
+    frames = frames_on(robot)
     return [
         [
             link.name,
