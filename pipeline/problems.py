@@ -94,6 +94,8 @@ def _diagnostic(details: ErrorDetails, root: type[Keys]) -> Diagnostic:
     hint = ""
     if kind == "string_type" and isinstance(value, int | float):
         hint = f"""quote it: {name}: "..." in YAML, "{key}='...'" on the command line"""
+        if isinstance(name, int):
+            hint = 'quote it: ["..."]'
     return _value(WORDS.get(kind) or details["msg"].replace("Input should be", "must be"), value, key, hint)
 
 

@@ -149,7 +149,11 @@ def tell_loops(robot: Robot, unknown: Mapping[str, str], notes: Notes) -> None:
 
 
 def _tell_missing(robot: Robot, unknown: Mapping[str, str], settled: Sequence[str], notes: Notes) -> None:
-    """Every dof of the tree whose limits are not known or not there; one block of YAML for them all."""
+    """Every dof of the tree whose limits are not known or not there; one block of YAML for them all.
+
+    What follows another is bounded by what drives it.
+    """
+    followers = {relation.follower for relation in robot.relations}
     lacking: list[tuple[Joint, Dof, str]] = []
     for joint in robot.joints:
         for dof in joint.dofs:
@@ -157,7 +161,7 @@ def _tell_missing(robot: Robot, unknown: Mapping[str, str], settled: Sequence[st
                 continue
             if dof.name in unknown:
                 lacking.append((joint, dof, f"its limits in CAD are not known: {unknown[dof.name]}"))
-            elif dof.kind != "ball" and dof.limits == Limits():
+            elif dof.kind != "ball" and dof.limits == Limits() and dof.name not in followers:
                 freely = ": it turns freely" if dof.kind == "turn" else ""
                 lacking.append((joint, dof, f"the joint has no limits{freely}"))
     for joint, dof, text in lacking:

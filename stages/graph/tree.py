@@ -195,12 +195,12 @@ def _settle(
     where = f"root.disconnected: {keys.root.disconnected}"
     hint = "mate it in Onshape to what it belongs to, or suppress it"
     if keys.root.disconnected == "drop":
-        notes.tell("W-LOOSE", f"{names}: left out, as it hangs on nothing", where, hint)
+        notes.tell("I-LOOSE", f"{names}: left out, as it hangs on nothing", where, hint)
         return
     welded = keys.root.disconnected == "weld"
     head = heaviest(mechanism, [body for body in island if bodies[body].held] or island)
     done = "fixed to the root" if welded else "floats on its own"
-    notes.tell("W-LOOSE", f"{names}: {done}, as it hangs on nothing", where, hint)
+    notes.tell("I-LOOSE", f"{names}: {done}, as it hangs on nothing", where, hint)
     below, grown = _walk(kept, head)
     order += below
     edges += [Edge(root, head, None, "fixed" if welded else "free"), *grown]

@@ -189,6 +189,11 @@ def test_a_number_where_text_is_expected_is_told_to_be_quoted(value):
     assert (code, where) == ("E-VALUE", "source.url")
     assert message.startswith("must be text (given ")
     assert hint == """quote it: url: "..." in YAML, "source.url='...'" on the command line"""
+    assert problem(depth={"rigid": ["*", 3]})[1:] == (
+        "depth.rigid[1]",
+        "must be text (given 3)",
+        'quote it: ["..."]',
+    )
 
 
 def test_a_number_as_the_name_of_a_joint_is_told_to_be_quoted():

@@ -10,7 +10,7 @@ from stages.graph.added import with_added_links
 from stages.graph.keys import GraphKeys
 from stages.graph.notes import Notes
 from stages.graph.properties import LOCKED_PLAY, check_limits, tell_loops, with_properties
-from stages.robot.model import Limits, Robot
+from stages.robot.model import Limits, Relation, Robot
 from tests.robots import CARRIED, LOOPS, at, joint, loop, robot_with
 
 
@@ -137,6 +137,12 @@ def test_missing_limits_are_told_with_one_block_that_settles_them(arm: Robot) ->
     assert not told(notes)
     assert not told(more)
     assert {dof.limits for dof in robot.dofs} == {Limits()}
+
+
+def test_what_follows_another_is_bounded_by_its_driver(arm: Robot) -> None:
+    follows = Relation("gear", follower="left_hip", driver="lift_turn", multiplier=2.0, offset=0.0)
+    _, notes = checked(replace(arm, relations=(follows,)))
+    assert told(notes) == [("W-LIMIT", "lift_turn"), ("W-LIMIT", "lift_slide")]
 
 
 def test_a_joint_that_cad_does_not_have_is_not_mended_there() -> None:

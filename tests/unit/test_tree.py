@@ -195,7 +195,7 @@ def test_it_may_be_welded_or_float_on_its_own(how: str, kind: str) -> None:
     assert [link.name for link in robot.links] == ["a", "b", "c", "d", "e"]
     stand_ins = {joint.child: (joint.name, joint.parent) for joint in robot.joints if joint.type == kind}
     assert stand_ins == {"c": (f"c_{kind}", "a"), "e": (f"e_{kind}", "a")}
-    assert [found.code for found in notes.found] == ["W-LOOSE"] * 2
+    assert [found.code for found in notes.found] == ["I-LOOSE"] * 2
     poses = link_poses(robot, saved_configuration(robot))
     for link in robot.links:
         for part in link.parts:
