@@ -1,7 +1,7 @@
 """A bundle: the raw replies that a build reads, pinned and named by their requests."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from stages.robot.errors import ProtocolError
@@ -62,7 +62,7 @@ class Bundle:
     `definition` is the digest of the assembly definition; `requests` maps each request (the path
     below `/api/<version>` with its query, pinned to a version or microversion) to the SHA-256 of
     its body; `blobs` maps that digest to the body; `features` is empty where the definition gives all
-    limits.
+    limits. `options`: what the source was told that concerns its reader (`bad_inertia`).
     """
 
     kind: str
@@ -73,6 +73,7 @@ class Bundle:
     requests: Mapping[str, str]
     blobs: Mapping[str, bytes]
     features: tuple[Features, ...] = ()
+    options: Mapping[str, str] = field(default_factory=dict)
 
     def body(self, digest: str) -> bytes:
         """The body with this digest; ProtocolError where the bundle lacks it."""

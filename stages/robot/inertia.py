@@ -13,6 +13,11 @@ from stages.robot.model import Array, Inertial, PrimitiveKind, frozen
 
 ZERO = Inertial(0.0, frozen(np.zeros(3)), frozen(np.zeros((3, 3))))
 
+NEXT_TO_NOTHING = 1e-12
+"""Mass [kg] and moments of inertia [kg m²] of a link that only stands between two joints."""
+
+SPECK = Inertial(NEXT_TO_NOTHING, frozen(np.zeros(3)), frozen(NEXT_TO_NOTHING * np.eye(3)))
+
 
 def moved(inertial: Inertial, a_from_b: Array) -> Inertial:
     """The same body with its inertial given in frame a, from frame b: I' = R I Rᵀ, c' = R c + p.

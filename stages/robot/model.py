@@ -19,8 +19,18 @@ from stages.robot.errors import Diagnostic
 
 Array = npt.NDArray[np.float64]
 JointType = Literal[
-    "fixed", "revolute", "prismatic", "cylindrical", "ball", "planar", "pin_slot", "parallel", "free"
+    "fixed",
+    "revolute",
+    "prismatic",
+    "cylindrical",
+    "ball",
+    "planar",
+    "pin_slot",
+    "parallel",
+    "free",
+    "compound",
 ]
+"""A mate's types; `compound` is any other chain of dofs, such as three hinges that a file gives one body."""
 DofKind = Literal["turn", "slide", "ball", "free"]
 
 Value = float | tuple[float, ...]
@@ -64,7 +74,8 @@ class Part:
 
     `path`: instance ids from the root; `name`: the same in words, joined by "/".
     `inertial` and `volume` [m³] are CAD's, in the part's own frame. `collides`: whether its shape
-    takes part in contact; a sheet without mass is only seen.
+    takes part in contact; a sheet without mass is only seen. `seen`: whether it is looked at; a mesh made
+    for contact alone is not.
     """
 
     path: tuple[str, ...]
@@ -76,6 +87,7 @@ class Part:
     inertial: Inertial
     volume: float
     collides: bool = True
+    seen: bool = True
 
 
 PrimitiveKind = Literal["box", "sphere", "cylinder", "capsule"]
@@ -227,6 +239,21 @@ class Relation:
     offset: float
 
 
+@dataclass(frozen=True, slots=True)
+class Transmission:
+    """What drives a joint, as its source tells: `joint` is the name of a dof.
+
+    `type` as the source says (a ros2_control's is its plugin); `reduction` 1 where it says nothing;
+    `interfaces`: hardware or command interfaces, as the source names them.
+    """
+
+    name: str
+    joint: str
+    type: str
+    reduction: float
+    interfaces: tuple[str, ...]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """A named frame fixed to a link. `source`: the mate connector's name as typed; "" if it is none."""
@@ -286,6 +313,7 @@ class Robot:
     mobility: Mobility
     provenance: Provenance
     diagnostics: tuple[Diagnostic, ...] = field(default=())
+    transmissions: tuple[Transmission, ...] = ()
 
     @property
     def root(self) -> Link:

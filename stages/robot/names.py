@@ -27,6 +27,14 @@ def legal(text: str) -> str:
     return plain + suffix if plain else ""
 
 
+def plain(text: str) -> str:
+    """`text` in [A-Za-z0-9_], as near to it as can be: unchanged where it is so already."""
+    if re.fullmatch("[A-Za-z0-9_]+", text):
+        return text
+    bare = unicodedata.normalize("NFKD", text.translate(SPELLED)).encode("ascii", "ignore").decode()
+    return re.sub(r"[^A-Za-z0-9]+", "_", bare).strip("_") or "unnamed"
+
+
 def legal_or_unnamed(text: str) -> str:
     """The legal name, or "unnamed" with the instance's number where no letter of it is legal."""
     return legal(text) or "unnamed" + _instance(text)[1]

@@ -8,6 +8,10 @@ Element: TypeAlias = Any
 """An lxml element; lxml ships no types of its own."""
 
 
+class Malformed(ValueError):
+    """The text is no XML, or XML that nobody needs: entities, or nested or long beyond any sense."""
+
+
 def element(parent: Element | None, tag: str, **attributes: str | None) -> Element:
     """A new element, under `parent` unless that is None; None attributes are left out.
 
@@ -26,7 +30,54 @@ def to_bytes(root: Element) -> bytes:
     return text + b"\n"
 
 
-def parse(data: bytes) -> Element:
-    """The root element; no entity is expanded and nothing is fetched."""
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, load_dtd=False, huge_tree=False)
-    return etree.fromstring(data, parser)
+def parse(data: bytes, *, large: bool = False) -> Element:
+    """The root element, without comments; Malformed where there is none. `large`: texts may be longer
+    than 10 MB, as the arrays of a mesh are.
+
+    No entity is expanded and nothing is fetched: a text that declares entities is refused. A prefix
+    that no namespace is declared for is let through, as most readers know of no namespaces.
+    """
+    parser = _parser(large)
+    try:
+        root = etree.fromstring(data, parser)
+    except etree.XMLSyntaxError as error:
+        # The error's own log holds those of earlier texts too.
+        found = list(parser.error_log)
+        if not found or any(one.domain != etree.ErrorDomains.NAMESPACE for one in found):
+            raise Malformed(_why(error, found)) from None
+        root = etree.fromstring(data, _parser(large, recover=True))
+    dtd = root.getroottree().docinfo.internalDTD
+    if dtd is not None and next(dtd.iterentities(), None) is not None:
+        msg = "it declares entities, which are not read"
+        raise Malformed(msg)
+    return root
+
+
+def _parser(large: bool, *, recover: bool = False) -> Any:
+    return etree.XMLParser(
+        resolve_entities=False,
+        no_network=True,
+        load_dtd=False,
+        huge_tree=large,
+        remove_comments=True,
+        remove_pis=True,
+        recover=recover,
+    )
+
+
+def _why(error: Any, found: list[Any]) -> str:
+    """The first thing that is wrong, with its line."""
+    if not found:
+        return str(error.msg)
+    first = next((one for one in found if one.domain != etree.ErrorDomains.NAMESPACE), found[0])
+    text = " ".join(first.message.split())[:200]
+    own = next((ours for theirs, ours in _LIMITS.items() if theirs in text), text)
+    return f"line {first.line}: {own}"
+
+
+_LIMITS = {
+    "Excessive depth": "elements are nested more than 256 deep",
+    "Resource limit": "a text or a value is longer than 10 MB",
+    "amplification": "its entities grow beyond any sense",
+}
+"""The parser's words for its limits, which name switches of its own, and ours."""

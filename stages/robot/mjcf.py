@@ -1,0 +1,105 @@
+"""An MJCF as a value: what MuJoCo made of it, before anything is made of that.
+
+Everything is as compiled: defaults, includes, angles, inertias from geoms and sizes from meshes are
+settled. Poses are (4, 4) float64 transforms at qpos0, named by their frames; SI units, radians. Bodies
+and joints are referred to by their numbers, which are MuJoCo's; a name is "" where the file gives none.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from stages.robot.errors import Diagnostic
+from stages.robot.geometry import Colour
+from stages.robot.model import Array, Dynamics, Inertial, Limits, MeshRef
+
+MjcfJointType = Literal["hinge", "slide", "ball", "free"]
+MjcfGeomKind = Literal["box", "sphere", "cylinder", "capsule", "mesh"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MjcfJoint:
+    """A joint of a body: with its `anchor` (3,) p, its `axis` (3,) and `ref` q₀ it takes the body's frame
+    by T(p) M(axis, q − q₀) T(−p). `axis` is a unit vector, zero for a ball or free motion."""
+
+    name: str
+    type: MjcfJointType
+    anchor: Array
+    axis: Array
+    ref: float
+    limits: Limits
+    dynamics: Dynamics
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MjcfGeom:
+    """A shape of a body. `size` [m] as in `model.Primitive`, () for a mesh, whose triangles are `mesh`.
+
+    `collides`: whether any other geom may touch it; `seen`: whether it is looked at.
+    """
+
+    name: str
+    kind: MjcfGeomKind
+    size: tuple[float, ...]
+    mesh: MeshRef | None
+    body_from_geom: Array
+    colour: Colour | None
+    collides: bool
+    seen: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MjcfSite:
+    """A named frame on a body."""
+
+    name: str
+    body_from_site: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MjcfBody:
+    """A body: its `joints` act one after the other. `inertial` in the body's frame, None without mass."""
+
+    name: str
+    parent: int
+    parent_from_body: Array
+    inertial: Inertial | None
+    joints: tuple[MjcfJoint, ...]
+    geoms: tuple[MjcfGeom, ...]
+    sites: tuple[MjcfSite, ...]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MjcfClosure:
+    """An equality that holds two frames together, `a_from_frame` on the first of `bodies` and
+    `b_from_frame` on the second: a connect their origins, a weld all of them. `sites`: the names of the
+    two sites that it is said by, "" where it is said by bodies."""
+
+    name: str
+    type: Literal["connect", "weld"]
+    bodies: tuple[int, int]
+    sites: tuple[str, str]
+    a_from_frame: Array
+    b_from_frame: Array
+
+
+@dataclass(frozen=True, slots=True)
+class MjcfRelation:
+    """An equality of two joints, in the values of both: `follower` = multiplier · `driver` + offset."""
+
+    name: str
+    follower: int
+    driver: int
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Mjcf:
+    """A model. `bodies[0]` is the world; a body's parent comes before it, and the joints are counted from
+    0 through the bodies. `diagnostics`: what is left out."""
+
+    name: str
+    bodies: tuple[MjcfBody, ...]
+    closures: tuple[MjcfClosure, ...]
+    relations: tuple[MjcfRelation, ...]
+    diagnostics: tuple[Diagnostic, ...]

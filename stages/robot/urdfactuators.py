@@ -1,0 +1,58 @@
+"""The transmissions of a URDF, of either style, and the joints of its ros2_control."""
+
+from stages.robot.urdf import Transmission
+from stages.robot.urdftext import Told, number, tag
+from stages.robot.xml import Element
+
+
+def transmissions(element: Element, told: Told) -> list[Transmission]:
+    """A <transmission>: one for each of its joints.
+
+    The older style has the type in an attribute and the reduction beside the joint, the newer both in
+    elements of their own. ros2_control has the type in <plugin> and the reduction in the joint.
+    """
+    name = element.get("name", "")
+    kind = element.get("type") or _text(element, "type") or _text(element, "plugin")
+    actuators = [one for one in element if tag(one) == "actuator"]
+    found = []
+    for index, joint in enumerate(one for one in element if tag(one) == "joint"):
+        actuator = actuators[min(index, len(actuators) - 1)] if actuators else element
+        interfaces = _interfaces(joint) or _interfaces(actuator)
+        reduction = _reduction((joint, actuator, element), told)
+        found.append(Transmission(name, joint.get("name", ""), kind, reduction, interfaces))
+    return found
+
+
+def controlled(element: Element, told: Told) -> list[Transmission]:
+    """A <ros2_control>: its joints that take commands, and its transmissions."""
+    hardware = next((one for one in element if tag(one) == "hardware"), None)
+    plugin = "" if hardware is None else _text(hardware, "plugin")
+    found = []
+    for one in element:
+        if tag(one) == "joint":
+            commands = [each.get("name", "") for each in one if tag(each) == "command_interface"]
+            if commands:
+                name = element.get("name", "")
+                found.append(Transmission(name, one.get("name", ""), plugin, 1.0, tuple(commands)))
+        elif tag(one) == "transmission":
+            found += transmissions(one, told)
+    return found
+
+
+def _text(element: Element, name: str) -> str:
+    """The text of the first child of that name, "" without one."""
+    return next(((one.text or "").strip() for one in element if tag(one) == name), "")
+
+
+def _interfaces(element: Element) -> tuple[str, ...]:
+    return tuple((one.text or "").strip() for one in element if tag(one) == "hardwareInterface")
+
+
+def _reduction(places: tuple[Element, ...], told: Told) -> float:
+    """The reduction in the first of these elements that has one; 1 without any."""
+    for place in places:
+        for one in place:
+            if tag(one) in ("mechanicalReduction", "mechanical_reduction"):
+                one.set("value", (one.text or "").strip())
+                return number(one, "value", told) or 1.0
+    return 1.0
