@@ -23,6 +23,8 @@ usage: linkwright [-m] [--config-dir DIR] [group=option ...] [key=value ...]
   linkwright robot=my_arm                       build ./robot/my_arm.yaml
   linkwright source=onshape "source.url='https://cad.onshape.com/documents/...'"
                                                 build an assembly; mind both pairs of quotes
+  linkwright source=urdf source.path=arm.urdf   build from a URDF or a xacro file, and its meshes
+  linkwright source=mjcf source.path=arm.xml    build from an MJCF (MuJoCo XML)
   linkwright robot=my_arm until=graph           stop after a stage: fetch graph mesh export validate
   linkwright robot=my_arm "joints.*.damping=0.2" root=free
                                                 change keys and options of a robot
@@ -41,7 +43,7 @@ options:
 
 groups, each a set of presets (group=option):
   robot       sample, bare, and the files in ./robot/: everything below, in one file
-  source      onshape, bundle (a zip of replies), sample
+  source      onshape, urdf, mjcf, bundle (a zip of replies), sample
   root        auto, central, fixed, free: the root link and how it stands
   depth       flexible, rigid: which sub-assemblies may move inside
   mesh        hull: what collides
@@ -54,6 +56,7 @@ groups, each a set of presets (group=option):
 keys (key=value; with their units and defaults in stages/<stage>/keys.py of the package):
   name  source.url  source.path  source.tessellation.{angle,chord,max_facet_width}
   source.{offline,refresh,verify,max_calls,max_wait}
+  source.{packages,args,missing_meshes,bad_inertia}
   root.{select,base,frame,disconnected}  depth.{max,rigid,flexible}  hidden  zero  mirror  conventions
   names.{links,joints}  joints.<glob>.{limits,effort,velocity,damping,friction,armature}
   mass.{missing,density}  mass.parts.<glob>.{mass,density,com,inertia}  mass.links.<glob>.{mass,com,inertia}

@@ -11,7 +11,6 @@ import conf
 from pipeline.problems import nearest
 from pipeline.settle import Choices
 from stages.export.keys import LATER_FORMATS
-from stages.fetch.keys import LATER_SOURCES
 from stages.mesh.keys import LATER_COLLIDERS
 from stages.robot.errors import ConfigError, Diagnostic
 
@@ -24,7 +23,6 @@ SEVERAL = ("export",)
 """Groups of which several options are chosen at once."""
 
 LATER = {
-    "source": LATER_SOURCES,
     "mesh": LATER_COLLIDERS,
     "actuators": ("position",),
     "export": LATER_FORMATS,

@@ -9,7 +9,7 @@ from pydantic_core import ErrorDetails
 
 from pipeline.schema import Place, annotation_at, field_at, is_section, key_of, leaves, names, options
 from stages.export.keys import LATER_FORMATS, ExportSection
-from stages.fetch.keys import ADDRESS, LATER_SOURCES, SOURCES
+from stages.fetch.keys import ADDRESS, SOURCES
 from stages.robot.errors import Diagnostic
 from stages.robot.keys import NOT_YET, Keys
 
@@ -167,6 +167,4 @@ def _source(source: Any) -> Diagnostic:
     kind = source.get("kind")
     if kind is None:
         return Diagnostic("E-MISSING", f"missing (given {shown(source)})", "source.kind", choose)
-    if kind in LATER_SOURCES:
-        return Diagnostic("E-LATER", f"{shown(kind)} is not supported yet", "source.kind", choose)
     return Diagnostic("E-VALUE", f"{shown(kind)} is not allowed", "source.kind", choose)

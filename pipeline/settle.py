@@ -98,7 +98,10 @@ def _name(source: Any, robot: str) -> str:
         return _safe(PurePath(robot).name)
     source = source if isinstance(source, dict) else {}
     if isinstance(source.get("path"), str):
-        return _safe(PurePath(source["path"]).stem)
+        path = PurePath(source["path"])
+        stem = path.stem.removesuffix(".urdf")
+        # What is around a robot is often called so, and a file of ours would take its place.
+        return _safe((path.parent.name or "robot") if stem.lower() == "scene" else stem)
     element = re.search(r"/e/([0-9a-fA-F]{8})", str(source.get("url")))
     if element:
         return f"onshape_{element.group(1).lower()}"

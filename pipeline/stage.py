@@ -9,13 +9,16 @@ import functools
 import importlib.metadata
 from collections.abc import Mapping
 from importlib import import_module
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 from pipeline.bench import FILES, NOTES, ROBOT, Bench, count, notes
 from pipeline.output import write_tree
 from pipeline.plan import Plan, section
 from stages.robot import codec
 from stages.robot.errors import ConfigError
+
+if TYPE_CHECKING:
+    from stages.robot.bundle import Bundle
 
 
 @functools.cache
@@ -91,7 +94,7 @@ class Fetch(Common):
     def config(self, bench: Bench) -> Any:
         from stages.fetch import pinned
 
-        identity = pinned(bench.plan)
+        identity = pinned(bench.plan, bench.environ)
         return None if identity is None else {"pinned": identity}
 
     def anew(self, bench: Bench) -> bool:
@@ -129,19 +132,23 @@ class Fetch(Common):
                 }
         bundle = fetched.bundle
         size = sum(len(body) for body in bundle.blobs.values())
-        replies, studios = (
-            count(len(bundle.blobs), "reply", "replies"),
-            count(len(bundle.studios), "part studio"),
-        )
         return {
             **codec.encode_bundle(bundle),
             NOTES: notes(
-                f"{replies} about {studios}, {size / 1e6:.2f} MB",
+                f"{_held(bundle)}, {size / 1e6:.2f} MB",
                 fetched.diagnostics,
                 source=dict(bundle.root),
                 calls=fetched.calls + fetched.saved,
             ),
         }
+
+
+def _held(bundle: "Bundle") -> str:
+    """What a bundle holds, in words."""
+    if bundle.kind == "onshape":
+        replies = count(len(bundle.blobs), "reply", "replies")
+        return f"{replies} about {count(len(bundle.studios), 'part studio')}"
+    return f"{bundle.root['document']} and {count(len(bundle.requests) - 1, 'mesh', 'meshes')}"
 
 
 class Graph(Common):

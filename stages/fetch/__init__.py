@@ -1,7 +1,8 @@
 """Fetch: a source in, a `Bundle` out. `fetch` is the stage; the rest is what is known before it.
 
 An Onshape document costs one call for its definition and two for each part studio, and one where it
-did not change since; a bundle and the sample replay recorded replies through the same code.
+did not change since; a bundle and the sample replay recorded replies through the same code. A robot's
+own file is read with the meshes that it names.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from stages.robot.bundle import Bundle
     from stages.robot.errors import Diagnostic
 
-VERSION = 2
+VERSION = 3
 """Grows with every change of what this stage makes of the same input."""
 
 
@@ -58,14 +59,27 @@ def fetch(
 
         calls = Calls() if calls is None else calls
         return _from_onshape(source, replies, environ, tell, ledger, calls, patience, began)
+    if source.kind == "urdf":
+        from stages.fetch.local.gather import gather as gathered
 
-    from stages.fetch.bundle import read
+        bundle, found = gathered(source, environ)
+        return Fetched(bundle, calls=0, saved=0, diagnostics=found)
+    if source.kind == "mjcf":
+        from stages.fetch.mjcf import gather as compiled
+
+        bundle, found = compiled(source)
+        return Fetched(bundle, calls=0, saved=0, diagnostics=found)
+
+    from stages.fetch.bundle import read, whole
     from stages.fetch.files import content, label
     from stages.fetch.onshape import gather
     from stages.fetch.recorded import Recorded
 
     where = label(source)
-    return Fetched(gather(Recorded(read(content(source), where), where)), calls=0, saved=0)
+    recording = read(content(source), where)
+    if recording.kind != "onshape":
+        return Fetched(whole(recording, where), calls=0, saved=0)
+    return Fetched(gather(Recorded(recording, where)), calls=0, saved=0)
 
 
 def _from_onshape(
@@ -146,7 +160,7 @@ def preflight(keys: FetchKeys, environ: Mapping[str, str]) -> None:
             raise ConfigError(msg, "source.variables", hint)
         if not url.pinned and not source.offline:
             find(environ)
-    elif source.kind == "bundle":
+    elif source.kind != "sample":
         from stages.fetch.files import require
 
         require(source)
@@ -162,9 +176,20 @@ def anew(keys: FetchKeys) -> bool:
     return keys.source.kind == "onshape" and keys.source.refresh
 
 
-def pinned(keys: FetchKeys) -> dict[str, Any] | None:
-    """What identifies the source for ever, as plain data; None for a workspace, which changes."""
+def pinned(keys: FetchKeys, environ: Mapping[str, str] | None = None) -> dict[str, Any] | None:
+    """What identifies the source for ever, as plain data; None for a workspace, which changes.
+
+    `environ` names the folders of ROS packages. SourceError where a robot's file is not readable.
+    """
     source = keys.source
+    if source.kind == "urdf":
+        from stages.fetch.local.survey import identity
+
+        return identity(source, environ or {})
+    if source.kind == "mjcf":
+        from stages.fetch.mjcf import identity as of_the_model
+
+        return of_the_model(source)
     if source.kind == "onshape":
         from stages.fetch.requests import API, definition
         from stages.fetch.url import parse

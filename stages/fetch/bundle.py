@@ -12,6 +12,10 @@ reply must have the digest that it is named by.
     definition     the digest of the assembly definition
     requests       {request: digest}: the path below /api/<api> with its query, and its reply
 
+That of a robot's own file has its kind ("urdf", "mjcf"), no api, the file's name as the document, the
+digest of its text or model as the definition, a request `mesh/<key>` for each mesh, whose body is in the
+compact form of triangles, and `options`, {name: text}, for its reader.
+
 A recording of another client can be made one: the assembly definition, and of each part studio in it
 the mass properties, whole (`/partstudios/.../massproperties`) or of each part that is used
 (`/parts/.../partid/<id>/massproperties`); without `.../tessellatedfaces` the robot has no meshes. A
@@ -28,13 +32,21 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    StringConstraints,
+    ValidationError,
+    model_validator,
+)
 
 from stages.fetch.files import LARGEST
+from stages.robot import triangles
 from stages.robot.bundle import Bundle
-from stages.robot.errors import SourceError
+from stages.robot.errors import ProtocolError, SourceError
 
 FORMAT = 1
 _MANIFEST = "manifest.json"
@@ -57,16 +69,20 @@ _UNREADABLE = (
 
 _Digest = Annotated[str, StringConstraints(strict=True, pattern=r"^[0-9a-f]{64}$")]
 _Text = Annotated[str, StringConstraints(strict=True, min_length=1)]
+_MaybeText = Annotated[str, StringConstraints(strict=True, min_length=0)]
 
 
 @dataclass(frozen=True, slots=True)
 class Recording:
     """What a zip holds, checked: every digest of `requests` and `definition` is in `blobs`."""
 
+    kind: str
+    api: str
     root: Mapping[str, str]
     definition: str
     requests: Mapping[str, str]
     blobs: Mapping[str, bytes]
+    options: Mapping[str, str]
 
 
 class _Root(BaseModel):
@@ -74,19 +90,27 @@ class _Root(BaseModel):
 
     document: _Text
     microversion: _Text
-    element: _Text
-    configuration: _Text
+    element: _MaybeText
+    configuration: _MaybeText
 
 
 class _Manifest(BaseModel):
     model_config = ConfigDict(frozen=True, extra="ignore")
 
     format: Literal[1]
-    kind: Literal["onshape"]
-    api: Annotated[str, StringConstraints(strict=True, pattern=r"^v\d+$")]
+    kind: Literal["onshape", "urdf", "mjcf"]
+    api: Annotated[str, StringConstraints(strict=True, pattern=r"^(v\d+)?$")]
     root: _Root
     definition: _Digest
     requests: dict[_Text, _Digest]
+    options: dict[_Text, _MaybeText] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _of_a_document(self) -> Self:
+        if self.kind == "onshape" and not (self.api and self.root.element and self.root.configuration):
+            msg = "an Onshape assembly has an api, an element and a configuration"
+            raise ValueError(msg)
+        return self
 
 
 def read(data: bytes, where: str) -> Recording:
@@ -107,10 +131,34 @@ def read(data: bytes, where: str) -> Recording:
         if name not in blobs:
             raise _refused(f"it lacks the reply {name} ({request})", where)
     return Recording(
+        kind=manifest.kind,
+        api=manifest.api,
         root=manifest.root.model_dump(),
         definition=manifest.definition,
         requests=dict(manifest.requests),
         blobs=blobs,
+        options=dict(manifest.options),
+    )
+
+
+def whole(recording: Recording, where: str) -> Bundle:
+    """The bundle of a robot's own file as it was packed; SourceError where its meshes are none."""
+    meshes = {name for request, name in recording.requests.items() if request.startswith("mesh/")}
+    try:
+        for name in sorted(meshes):
+            triangles.check(recording.blobs[name])
+    except ProtocolError as error:
+        raise _refused(error.message, where) from None
+    wanted = {recording.definition, *recording.requests.values()}
+    return Bundle(
+        kind=recording.kind,
+        api=recording.api,
+        root=recording.root,
+        definition=recording.definition,
+        studios=(),
+        requests=recording.requests,
+        blobs={name: recording.blobs[name] for name in sorted(wanted)},
+        options=recording.options,
     )
 
 
@@ -123,6 +171,7 @@ def pack(bundle: Bundle) -> bytes:
         "root": dict(bundle.root),
         "definition": bundle.definition,
         "requests": dict(bundle.requests),
+        **({"options": dict(bundle.options)} if bundle.options else {}),
     }
     text = json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False)
     entries = {_MANIFEST: text.encode() + b"\n"}

@@ -1,4 +1,4 @@
-"""The files behind the sources `bundle` and `sample`."""
+"""The files behind the sources that are files."""
 
 from importlib.resources import files
 from pathlib import Path
@@ -18,13 +18,26 @@ def label(source: Any) -> str:
 
 
 def require(source: Any) -> None:
-    """ConfigError where `source.path` is no file."""
+    """ConfigError where `source.path` is no file, or a package of a robot's file is no folder."""
     path = Path(source.path)
-    if path.is_file():
-        return
-    what = "is a folder, and a bundle is a zip file" if path.is_dir() else "does not exist"
-    msg = f"{source.path} {what}"
-    raise ConfigError(msg, "source.path", f"paths start from the working folder; give one such as {_EXAMPLE}")
+    if not path.is_file():
+        wanted, example = _WANTED[source.kind]
+        what = f"is a folder, and {wanted}" if path.is_dir() else "does not exist"
+        hint = f"paths start from the working folder; give one such as {example}"
+        raise ConfigError(f"{source.path} {what}", "source.path", hint)
+    if source.kind == "urdf":
+        _require_urdf(source, path)
+
+
+def _require_urdf(source: Any, path: Path) -> None:
+    from stages.fetch.local import macros
+
+    for name, folder in source.packages.items():
+        if not Path(folder).is_dir():
+            hint = "name the folder that holds the package's own, such as meshes/"
+            raise ConfigError(f"{folder} is no folder", f"source.packages.{name}", hint)
+    if macros.is_named(path):
+        macros.require(source.path)
 
 
 def content(source: Any) -> bytes:
@@ -46,4 +59,8 @@ def content(source: Any) -> bytes:
         raise SourceError(msg, label(source), hint) from error
 
 
-_EXAMPLE = "robots/arm.zip"
+_WANTED = {
+    "bundle": ("a bundle is a zip file", "robots/arm.zip"),
+    "urdf": ("a URDF is a file", "robots/arm.urdf"),
+    "mjcf": ("an MJCF is a file", "robots/arm.xml"),
+}

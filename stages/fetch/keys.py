@@ -96,6 +96,41 @@ class OnshapeKeys(Keys):
         return value
 
 
+class UrdfKeys(Keys):
+    """A URDF, or a xacro file that makes one, and the meshes that it names."""
+
+    kind: Literal["urdf"] = "urdf"
+    """Tells the sources apart."""
+
+    path: Text
+    """The file, relative to the working directory. One that ends in .xacro is expanded; a xacro file is a
+    program, so expand only one that you trust."""
+
+    packages: dict[Text, Text] = Field(default_factory=dict)
+    """Folders of packages (`package://name/...`), before where ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the
+    folders around the file have them: name → folder, relative to the working directory."""
+
+    args: dict[Text, Setting] = Field(default_factory=dict)
+    """Arguments of the xacro file: name → value."""
+
+    missing_meshes: Literal["refuse", "skip"] = "refuse"
+    """Meshes that are not there or cannot be read: refuse the robot, or build it without them."""
+
+    bad_inertia: Literal["refuse", "recompute", "project"] = "refuse"
+    """Inertias that no body can have: refuse the robot; recompute: from the link's mass and shapes, solid;
+    project: take the nearest that a body can have."""
+
+
+class MjcfKeys(Keys):
+    """An MJCF, MuJoCo's own format, as MuJoCo compiles it."""
+
+    kind: Literal["mjcf"] = "mjcf"
+    """Tells the sources apart."""
+
+    path: Text
+    """The file, relative to the working directory."""
+
+
 class BundleKeys(Keys):
     """A bundle: the replies of an earlier fetch in one zip."""
 
@@ -119,16 +154,21 @@ def _kind(source: Any) -> Any:
 
 SourceKeys = Annotated[
     Annotated[OnshapeKeys, Tag("onshape")]
+    | Annotated[UrdfKeys, Tag("urdf")]
+    | Annotated[MjcfKeys, Tag("mjcf")]
     | Annotated[BundleKeys, Tag("bundle")]
     | Annotated[SampleKeys, Tag("sample")],
     Discriminator(_kind),
 ]
 
-SOURCES: dict[str, type[Keys]] = {"onshape": OnshapeKeys, "bundle": BundleKeys, "sample": SampleKeys}
+SOURCES: dict[str, type[Keys]] = {
+    "onshape": OnshapeKeys,
+    "urdf": UrdfKeys,
+    "mjcf": MjcfKeys,
+    "bundle": BundleKeys,
+    "sample": SampleKeys,
+}
 """Kind of source → its keys."""
-
-LATER_SOURCES = ("urdf", "mjcf")
-"""Kinds of source that are decided but not there yet."""
 
 
 class FetchKeys(Keys):

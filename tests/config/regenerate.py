@@ -16,7 +16,12 @@ GOLDEN = Path(__file__).parent / "golden"
 
 URL = "https://cad.onshape.com/documents/5f1a0c2b9d8e7f6a5b4c3d2e/w/0a1b2c3d4e5f60718293a4b5/e/a1b2c3d4e5f60718293a4b5c"
 
-GIVEN = {"source.onshape": [f"source.url='{URL}'"], "source.bundle": ["source.path=arm.zip"]}
+GIVEN = {
+    "source.onshape": [f"source.url='{URL}'"],
+    "source.urdf": ["source.path=arm.urdf"],
+    "source.mjcf": ["source.path=arm.xml"],
+    "source.bundle": ["source.path=arm.zip"],
+}
 """What an option needs besides itself."""
 
 

@@ -37,6 +37,8 @@ def test_with_a_source_alone_the_robot_is_bare(tmp_path):
         (["robot=sub/leg-2"], "leg-2"),
         (["robot='odd name'"], "odd_name"),
         (["source=bundle", "source.path=data/Arm v2.zip"], "Arm_v2"),
+        (["source=urdf", "source.path=data/arm.v2.urdf"], "arm_v2"),
+        (["source=urdf", "source.path=data/arm.urdf.xacro"], "arm"),
         (["source=onshape", f"source.url='{URL}'"], "onshape_a1b2c3d4"),
         (["source=sample"], "sample"),
     ],
@@ -112,7 +114,7 @@ def test_a_mapping_may_be_given_as_a_whole(tmp_path):
             "name: x\n",
             "the configuration has 2 problems\n"
             "  E-MISSING source: the robot has no source\n"
-            "      choose one: source=onshape, source=bundle, source=sample\n"
+            "      choose one: source=onshape, source=urdf, source=mjcf, source=bundle, source=sample\n"
             "  E-KEY robot: the keys of the robot's file lie under `robot`\n"
             "      the first line of a robot's file must be: # @package _global_",
         ),
@@ -139,7 +141,7 @@ def test_a_mapping_may_be_given_as_a_whole(tmp_path):
             "  E-OPTION ground=foo: there is no such option\n"
             "      options: none, plane\n"
             "  E-OPTION source=sampel: there is no such option\n"
-            "      did you mean sample or onshape? options: bundle, onshape, sample\n"
+            "      did you mean sample or onshape? options: bundle, mjcf, onshape, sample, urdf\n"
             "  E-KEY root.bse: unknown key (given 'free')\n"
             "      did you mean root.base?\n"
             "  E-KEY meshh: unknown key (given 1)\n"
@@ -212,7 +214,6 @@ def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
         (["export=[urdf,obj]"], "E-OPTION export=obj: there is no such option\n      options: mjcf, urdf"),
         (["export=[]"], "E-VALUE export: no format is chosen"),
         (["mesh=ladder"], "E-LATER mesh=ladder: not supported yet\n      options: hull"),
-        (["source=urdf"], "E-LATER source=urdf: not supported yet"),
         (["actuators=position"], "E-LATER actuators=position: not supported yet"),
         (["mesh/collider=x"], "E-OVERRIDE mesh/collider=x: there is no such group\n      groups: actuators"),
         (["hydra.searchpath=[x]"], "this part of Hydra is set by linkwright"),

@@ -1,0 +1,58 @@
+"""DAE without what nobody reads here: images, cameras, lights, and materials that are not whole.
+
+The library that reads the rest drops every shape of which it cannot follow a material to its last
+image, without a word.
+"""
+
+from __future__ import annotations
+
+from stages.robot import xml
+from stages.robot.xml import Element
+
+_WHITE = "1 1 1 1"
+
+
+def cleaned(data: bytes) -> bytes:
+    """The document with its geometry and plain colours; xml.Malformed where it is no XML."""
+    root = xml.parse(data, large=True)
+    for name in ("images", "cameras", "lights", "animations"):
+        _remove(root.findall(f"{{*}}library_{name}"))
+    for name in ("instance_camera", "instance_light", "extra", "newparam"):
+        _remove(list(root.iter(f"{{*}}{name}")))
+    for texture in list(root.iter("{*}texture")):
+        _without_image(texture)
+    _remove_broken(root)
+    return xml.to_bytes(root)
+
+
+def _without_image(texture: Element) -> None:
+    """A colour that an image gives is white; other uses of images are left out."""
+    channel = texture.getparent()
+    namespace, _, name = str(channel.tag).rpartition("}")
+    if name == "diffuse":
+        white = xml.element(None, f"{namespace}}}color" if namespace else "color")
+        white.text = _WHITE
+        channel.replace(texture, white)
+    elif channel.getparent() is not None:
+        channel.getparent().remove(channel)
+
+
+def _remove_broken(root: Element) -> None:
+    """Takes away materials without an effect, and every use of a material that is not there."""
+    effects = {effect.get("id") for effect in root.iter("{*}effect")}
+    materials = set()
+    for material in list(root.iter("{*}material")):
+        effect = material.find("{*}instance_effect")
+        if effect is None or effect.get("url", "").lstrip("#") not in effects:
+            _remove([material])
+        else:
+            materials.add(material.get("id"))
+    uses = list(root.iter("{*}instance_material"))
+    _remove([use for use in uses if use.get("target", "").lstrip("#") not in materials])
+
+
+def _remove(elements: list[Element]) -> None:
+    for element in elements:
+        parent = element.getparent()
+        if parent is not None:
+            parent.remove(element)

@@ -1,0 +1,131 @@
+"""What a robot's file is made of, without reading the robot: its text and the files that it names.
+
+Needs no array or XML library, as it tells a build whether it was made before.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib.metadata
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from hashlib import file_digest, sha256
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stages.fetch.local import macros, text
+from stages.fetch.local.companions import companions
+from stages.fetch.local.packages import Packages
+from stages.fetch.local.places import Place, Places
+
+if TYPE_CHECKING:
+    from stages.fetch.keys import UrdfKeys
+
+LARGEST_MESH = 1 << 29
+"""Larger mesh files are not read [bytes]."""
+
+_NAMING_FILES = (".obj", ".gltf")
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """A robot's text after xacro, as UTF-8, and the places of the mesh files, by the names that the
+    text has for them."""
+
+    document: str
+    text: bytes
+    places: Mapping[str, Place]
+    files: Places
+
+    def digests(self) -> list[list[str]]:
+        """Of each mesh's name: where the file is, as messages tell it, and the SHA-256 of all it holds."""
+        return [[name, *self._digest(self.places[name])] for name in sorted(self.places)]
+
+    def microversion(self) -> str:
+        """What tells the robot from every other: the SHA-256 of all that was read."""
+        told = json.dumps([sha256(self.text).hexdigest(), self.digests()])
+        return sha256(told.encode()).hexdigest()
+
+    def _digest(self, place: Place) -> tuple[str, str]:
+        if place.file is None:
+            return "", place.why
+        return self.files.shown(place.file), _content_digest(place.file)
+
+
+def survey(source: UrdfKeys, environ: Mapping[str, str]) -> Survey:
+    """ConfigError where xacro is needed and not installed; SourceError where the file is not readable."""
+    path = Path(source.path).absolute()
+    given = {name: Path(folder).absolute() for name, folder in source.packages.items()}
+    packages = Packages(path.parent, given, environ)
+    content = text.read(path, path.name)
+    if macros.wanted(path, content):
+        made = macros.expanded(path, path.name, source.args, packages.find)
+        content = text.uncommented(made)
+    places = Places(path.parent, packages, text.meshdir(content))
+    found = {name: places.find(name) for name in text.meshes(content)}
+    public = _public(found, places)
+    content = text.without(text.renamed(content, public), _folders(path.parent, packages))
+    named = {public.get(name, name): place for name, place in found.items()}
+    return Survey(path.name, content.encode(), named, places)
+
+
+def identity(source: UrdfKeys, environ: Mapping[str, str]) -> dict[str, Any]:
+    """What identifies the source for ever, as plain data."""
+    seen = survey(source, environ)
+    return {
+        "kind": "urdf",
+        "document": seen.document,
+        "text": sha256(seen.text).hexdigest(),
+        "meshes": seen.digests(),
+        "bad_inertia": source.bad_inertia,
+        "missing_meshes": source.missing_meshes,
+        "libraries": {name: _version(name) for name in ("trimesh", "pycollada", "numpy")},
+    }
+
+
+def _public(found: Mapping[str, Place], places: Places) -> dict[str, str]:
+    """Other names for those that tell where on this computer a file is."""
+    names: dict[str, str] = {}
+    folders: dict[str, int] = {}
+    for name, place in found.items():
+        if not places.is_private(name):
+            continue
+        shown = places.public(place.file) if place.file and not place.searched else ""
+        if not shown:
+            parent, _, last = name.replace("\\", "/").rpartition("/")
+            shown = f"elsewhere/{folders.setdefault(parent, len(folders) + 1)}/{last}"
+        names[name] = shown
+    return names
+
+
+def _folders(folder: Path, packages: Packages) -> dict[str, str]:
+    """Folders of this computer that the text may name, and what stands for them."""
+    named = {str(place): f"package://{name}" for name, place in packages.found.items()}
+    own = {str(folder): ".", str(packages.root): ".", str(Path.home()): "~"}
+    return {place: name for place, name in {**own, **named}.items() if len(place) > 1}
+
+
+@functools.cache
+def _version(library: str) -> str:
+    try:
+        return importlib.metadata.version(library)
+    except importlib.metadata.PackageNotFoundError:
+        return "absent"
+
+
+def _content_digest(file: Path) -> str:
+    """The SHA-256 of a file, and of the files that it names; its size where it is too large to be read."""
+    try:
+        if file.stat().st_size > LARGEST_MESH:
+            return "too large"
+        if file.suffix.lower() not in _NAMING_FILES:
+            with file.open("rb") as stream:
+                return file_digest(stream, "sha256").hexdigest()
+        data = file.read_bytes()
+    except OSError as error:
+        return error.strerror or type(error).__name__
+    whole = sha256(data)
+    for name, content in sorted(companions(file, data).items()):
+        whole.update(f"{name}\0{sha256(content).hexdigest()}".encode())
+    return whole.hexdigest()
