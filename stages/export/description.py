@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from stages.export.lowering import lower, unset
+from stages.robot.codec import plain
 from stages.robot.model import (
     Array,
     Configuration,
@@ -38,7 +39,8 @@ def describe(robot: Robot, start: Configuration) -> bytes:
     (null where they are the same). Values are numbers [rad or m], a ball's quaternion, or the seven
     of free motion (x, y, z, quat). A ball's are its chain's, from parent to child; `mate_quat` is the
     saved one as the mate has it: the inverse where the joint runs backwards. `lowered` has what
-    stands for a joint in the URDF where that is several joints with links between them.
+    stands for a joint in the URDF where that is several joints with links between them. `transmissions`
+    is there where the source tells what drives the joints.
     """
     table = {
         "format": FORMAT,
@@ -87,6 +89,8 @@ def describe(robot: Robot, start: Configuration) -> bytes:
             if item.between
         ],
     }
+    if robot.transmissions:
+        table["transmissions"] = [plain(one) for one in robot.transmissions]
     return (json.dumps(table, indent=2, ensure_ascii=False) + "\n").encode()
 
 

@@ -11,9 +11,6 @@ from stages.robot.names import free
 
 StepType = Literal["fixed", "continuous", "revolute", "prismatic", "floating"]
 
-NEXT_TO_NOTHING = 1e-12
-"""Mass [kg] and moments of inertia [kg m²] of a link that only stands between two joints."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Step:

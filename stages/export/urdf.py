@@ -10,10 +10,11 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from stages.export.lowering import NEXT_TO_NOTHING, Lowered, Step, lower, unset
+from stages.export.lowering import Lowered, Step, lower, unset
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Colour, Geometry, Role, Shape
-from stages.robot.model import Array, Inertial, Limits, Primitive, Robot, frozen
+from stages.robot.inertia import NEXT_TO_NOTHING, SPECK
+from stages.robot.model import Array, Inertial, Limits, Primitive, Robot
 from stages.robot.names import free
 from stages.robot.numbers import number, numbers, spaced
 from stages.robot.poses import from_parts, rpy_from_rotation
@@ -24,8 +25,6 @@ UNSET_VELOCITY = 10.0
 UNSET_REACH = {"revolute": 2 * math.pi, "prismatic": 1.0}
 """What stands in for a limit that nobody set [rad, m]: URDF demands a number."""
 
-_BETWEEN = Inertial(NEXT_TO_NOTHING, frozen(np.zeros(3)), frozen(NEXT_TO_NOTHING * np.eye(3)))
-
 
 def write_urdf(robot: Robot, geometry: Geometry, diagnostics: list[Diagnostic]) -> bytes:
     """The robot as URDF, meshes at paths relative to the file."""
@@ -35,12 +34,13 @@ def write_urdf(robot: Robot, geometry: Geometry, diagnostics: list[Diagnostic]) 
     element(mujoco, "compiler", strippath="false", fusestatic="false", discardvisual="false")
     colours = _materials(root, geometry)
     for link in robot.links:
-        node = _link(root, link.name, link.inertial)
+        solid = any(shape.link == link.name for shape in geometry.shapes)
+        node = _link(root, link.name, link.inertial, solid)
         _shapes(node, link.name, geometry, colours)
     lowered = lower(robot)
     for joint in lowered:
         for name in joint.between:
-            _link(root, name, _BETWEEN)
+            _link(root, name, SPECK, False)
     steps = [step for joint in lowered for step in joint.steps]
     relations = {relation.follower: relation for relation in robot.relations}
     for step in steps:
@@ -74,9 +74,10 @@ def _materials(root: Element, geometry: Geometry) -> dict[Colour, str]:
     return names
 
 
-def _link(root: Element, name: str, body: Inertial) -> Element:
+def _link(root: Element, name: str, body: Inertial, shaped: bool) -> Element:
     node = element(root, "link", name=name)
-    if body.mass > 0:
+    # MuJoCo would weigh the shapes of a link that says nothing of its mass.
+    if body.mass > 0 or shaped:
         inertial = element(node, "inertial")
         element(inertial, "origin", xyz=spaced(body.com), rpy="0 0 0")
         element(inertial, "mass", value=number(body.mass))

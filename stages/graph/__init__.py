@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from stages.robot.bundle import Bundle
     from stages.robot.model import Robot
 
-VERSION = 4
+VERSION = 5
 
 
 def build_robot(bundle: "Bundle", keys: "GraphKeys") -> "Robot":

@@ -1,6 +1,6 @@
 """The main flow of the graph stage."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from fnmatch import fnmatchcase
 
@@ -10,7 +10,6 @@ from stages.graph.massing import check_links, with_given_masses
 from stages.graph.mechanism import Coupling, Mechanism
 from stages.graph.mobility import with_mobility
 from stages.graph.notes import Notes
-from stages.graph.onshape.drawing import read_drawing
 from stages.graph.place import place
 from stages.graph.properties import check_limits, tell_loops, with_properties
 from stages.graph.relations import with_relations
@@ -19,29 +18,46 @@ from stages.graph.tree import Tree, spanning_tree
 from stages.graph.zero import zeroed
 from stages.robot.bundle import Bundle
 from stages.robot.errors import AssemblyError
-from stages.robot.model import Robot
+from stages.robot.model import Robot, Transmission
+
+Reader = Callable[[Bundle, GraphKeys, Notes], tuple[Mechanism, GraphKeys]]
+"""From a bundle to a mechanism; the keys come back with what the source's own conventions imply."""
+
+
+def _reader(kind: str) -> Reader:
+    if kind == "urdf":
+        from stages.graph.urdf.reader import read_urdf
+
+        return read_urdf
+    if kind == "mjcf":
+        from stages.graph.mjcf.reader import read_mjcf
+
+        return read_mjcf
+    from stages.graph.onshape.drawing import read_drawing
+
+    return read_drawing
 
 
 def assemble(bundle: Bundle, keys: GraphKeys) -> Robot:
     """Reads, names, roots and places; then passes over the robot. All problems are told at once."""
     notes = Notes()
-    mechanism, keys = read_drawing(bundle, keys, notes)
+    mechanism, keys = _reader(bundle.kind)(bundle, keys, notes)
     mechanism = renamed(mechanism, keys.names, notes)
     robot = place(mechanism, _tree(mechanism, keys, notes), keys, notes)
     robot = with_added_links(robot, keys.links, notes)
     robot = with_properties(robot, keys.joints, notes)
     robot = with_relations(robot, mechanism.bonds, notes)
     unknown = _unknown(mechanism.couplings, keys.joints)
-    robot = check_limits(robot, unknown, notes, keys.joints, keys.links)
+    robot = check_limits(robot, unknown, notes, keys.joints, keys.links, mechanism.posed)
     tell_loops(robot, unknown, notes)
     robot = with_given_masses(robot, keys.mass.links, notes)
-    check_links(robot, notes)
+    check_links(robot, notes, mechanism.posed)
     robot = with_added_frames(robot, keys.frames.add, notes)
     if keys.zero == "saved":
         robot = zeroed(robot, notes)
     robot = with_mobility(robot, notes)
     notes.settle()
-    return replace(robot, diagnostics=tuple(notes.found))
+    return replace(robot, diagnostics=tuple(notes.found), transmissions=_transmissions(mechanism, robot))
 
 
 def _tree(mechanism: Mechanism, keys: GraphKeys, notes: Notes) -> Tree:
@@ -68,3 +84,9 @@ def _unknown(couplings: Iterable[Coupling], wanted: Mapping[str, JointKeys]) -> 
         for dof in coupling.dofs
         if not any(fnmatchcase(dof.name, glob) for glob in given)
     }
+
+
+def _transmissions(mechanism: Mechanism, robot: Robot) -> tuple[Transmission, ...]:
+    """What drives the joints, by the names that these have now."""
+    dofs = {joint.mate.name: joint.dofs[0].name for joint in robot.joints if joint.mate and joint.dofs}
+    return tuple(replace(one, joint=dofs[one.joint]) for one in mechanism.transmissions if one.joint in dofs)

@@ -1,7 +1,7 @@
 """Which dofs a relation as drawn joins, and by what factor; what it cannot mean is told by name."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from stages.graph.mechanism import Bond
@@ -19,12 +19,14 @@ PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
 
 @dataclass(frozen=True, slots=True)
 class Bonded:
-    """`follower` = factor · `driver`, names of dofs, but for an offset."""
+    """`follower` = factor · `driver` + offset, names of dofs; the offset is None where the saved pose tells
+    it (and the sign)."""
 
     title: str
     driver: str
     follower: str
     factor: float
+    offset: float | None = None
 
 
 class _Unfit(Exception):
@@ -36,9 +38,10 @@ def bonded(robot: Robot, bonds: Sequence[Bond], notes: Notes) -> tuple[Bonded, .
     those that contradict themselves (E-RELATION)."""
     found = []
     joints = {joint.name: joint for joint in robot.joints}
+    scalar = {dof.name for dof in robot.dofs if dof.kind in ("turn", "slide")}
     for bond in sorted(bonds, key=lambda b: (b.title, b.couplings, b.type)):
         try:
-            one = _bonded(robot, joints, bond)
+            one = _said(robot, scalar, bond) if bond.type == "MIMIC" else _bonded(robot, joints, bond)
         except _Unfit as why:
             hint = "mend the relation or its mates in Onshape, or suppress it"
             notes.tell("W-RELATION", f"{why}: its joints move independently", bond.title, hint)
@@ -67,6 +70,15 @@ def _bonded(robot: Robot, joints: Mapping[str, Joint], bond: Bond) -> Bonded | N
     kinds, (driver, follower) = _dofs(bond, *meant)
     factor = _factor(bond, kinds)
     return Bonded(bond.title, driver, follower, factor if bond.reverse else -factor)
+
+
+def _said(robot: Robot, scalar: Collection[str], bond: Bond) -> Bonded:
+    """A MIMIC names dofs, turns or slides, and says the rest itself."""
+    driver, follower = bond.couplings
+    for name in bond.couplings:
+        if name not in scalar:
+            raise _Unfit(_why_no_joint(robot, name))
+    return Bonded(bond.title, driver, follower, bond.ratio, bond.offset)
 
 
 def _joints(robot: Robot, joints: Mapping[str, Joint], bond: Bond) -> tuple[Joint, ...]:

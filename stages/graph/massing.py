@@ -10,10 +10,14 @@ from stages.graph.masskeys import LinkMassKeys, tensor
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.notes import Notes
 from stages.graph.onshape.mass import scaled
-from stages.robot.inertia import ZERO, is_physical
+from stages.robot.inertia import ZERO, is_physical, principal
 from stages.robot.model import Inertial, Link, Robot, frozen
 
 _MEND = "mend the material or the mass override in Onshape, or give inertia in mass."
+_MEND_FILE = (
+    "mend it in the file, give mass: {links: {...}}, or say source.bad_inertia: recompute (from the shapes) "
+    "or project (to the nearest possible one)"
+)
 
 
 def with_given_masses(robot: Robot, wanted: Mapping[str, LinkMassKeys], notes: Notes) -> Robot:
@@ -52,17 +56,17 @@ def _given(link: Link, asked: LinkMassKeys, notes: Notes) -> Link:
     return replace(link, inertial=given, given=given)
 
 
-def check_links(robot: Robot, notes: Notes) -> None:
+def check_links(robot: Robot, notes: Notes, drawn: bool = True) -> None:
     """E-MASS for what moves without mass, E-INERTIA for an inertia that no solid can have.
 
     What hangs together by fixed joints moves as one, so a link in it may be without mass; where parts
     are known to lack theirs, that is told of no link. W-INERTIA: a part whose own inertia is impossible,
-    in a link whose inertia is not.
+    in a link whose inertia is not. `drawn`: whether CAD is where it can be mended, and not a file.
     """
     lacking = any(one.code == "E-MASS" for one in notes.problems)
     for link in () if lacking else _moving_without_mass(robot):
         text, hint = "the link moves, but has no mass", f"mass: {{links: {{{link.name}: {{mass: ...}}}}}}"
-        if link.parts:
+        if link.parts and drawn:
             text = "the link has no mass: it is nothing but sheets, or what weighs nothing"
             hint = "fasten it to a solid part, or thicken it, in Onshape"
         notes.tell("E-MASS", text, link.name, hint)
@@ -73,9 +77,12 @@ def check_links(robot: Robot, notes: Notes) -> None:
     for link in robot.links:
         culprits = [part for part in link.parts if id(part.inertial) in impossible]
         if link.inertial.mass > 0 and not is_physical(link.inertial):
+            moments = ", ".join(f"{moment:.4g}" for moment in principal(link.inertial.inertia))
             text = f"the link {link.name!r} has an inertia that no solid can have"
+            text = f"{text}: its principal moments are {moments} kg m²"
             where = listed(part.name for part in culprits) or link.name
-            notes.tell("E-INERTIA", text, where, f"{_MEND}{'parts' if culprits else 'links'}")
+            hint = f"{_MEND}{'parts' if culprits else 'links'}" if drawn else _MEND_FILE
+            notes.tell("E-INERTIA", text, where, hint)
             continue
         for part in culprits if link.given is None else ():
             if id(part.inertial) not in told:

@@ -15,6 +15,7 @@ from stages.robot.model import (
     Part,
     Primitive,
     Provenance,
+    Transmission,
 )
 
 WORLD_LINK = "world"
@@ -47,7 +48,7 @@ class Coupling:
     `bodies` and `world_from_frames` (4, 4 each, right-handed) are of its first and second entity; the
     chain `dofs` leads from the second to the first, and `residual` [m or rad] is what it does not
     explain of the saved pose. `title` is its place in CAD. `unknown` says why its limits, which CAD
-    has, are not known.
+    has, are not known. `closes`: the source itself has it close a loop, so it is cut before any other.
     """
 
     name: str
@@ -59,6 +60,7 @@ class Coupling:
     ref: MateRef
     title: str
     unknown: str = ""
+    closes: bool = False
 
     @property
     def limited(self) -> bool:
@@ -70,7 +72,8 @@ class Bond:
     """A relation as drawn: its type, the names of its couplings ("" for one that moves nothing).
 
     `ratio` counts for GEAR and LINEAR, `length` [m a turn] for RACK_AND_PINION and SCREW. The second
-    coupling follows, in the opposite direction unless `reverse`.
+    coupling follows, in the opposite direction unless `reverse`. A MIMIC is said in full, of dofs instead of
+    couplings: the second is `ratio` · the first + `offset`, whatever moves and whatever the sign.
     """
 
     title: str
@@ -79,6 +82,7 @@ class Bond:
     ratio: float
     length: float
     reverse: bool
+    offset: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,10 +98,17 @@ class Marker:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mechanism:
-    """Bodies and couplings by their numbers; their names are unique over bodies, dofs and markers."""
+    """Bodies and couplings by their numbers; their names are unique over bodies, dofs and markers.
+
+    `root`: the body that the source itself hangs the others on, None where it says none. `posed`: whether
+    someone left it in this pose; that of a file is where all its joints are at zero, and means nothing.
+    """
 
     bodies: tuple[Body, ...]
     couplings: tuple[Coupling, ...]
     bonds: tuple[Bond, ...]
     markers: tuple[Marker, ...]
     provenance: Provenance
+    root: int | None = None
+    posed: bool = True
+    transmissions: tuple[Transmission, ...] = ()

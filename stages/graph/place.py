@@ -52,6 +52,7 @@ def place(mechanism: Mechanism, tree: Tree, keys: GraphKeys, notes: Notes) -> Ro
         else:
             joints.append(_joint(edge, edge.coupling, mechanism, world_from_link))
             _check_pose(edge.coupling, notes)
+            _check_afloat(joints[-1], mechanism.bodies[tree.root].name, notes)
     for coupling in tree.cut:
         _check_pose(coupling, notes)
     parents = {edge.child: edge.parent for edge in tree.edges}
@@ -109,6 +110,14 @@ def _stand_in(
         backwards=False,
         mate=None,
     )
+
+
+def _check_afloat(joint: Joint, root: str, notes: Notes) -> None:
+    """What floats is free of all that moves: its pose is measured in the root."""
+    if joint.type == "free" and joint.parent != root:
+        text = f"it floats from the link {joint.parent!r}, and only from the root {root!r} can anything float"
+        hint = f"hang it on the root, or choose the root: root.select={joint.parent}"
+        notes.tell("E-FLOATING", text, joint.name, hint)
 
 
 def _check_pose(coupling: Coupling, notes: Notes) -> None:

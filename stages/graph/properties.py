@@ -116,17 +116,19 @@ def check_limits(
     notes: Notes,
     wanted: Mapping[str, JointKeys] | None = None,
     added: Mapping[str, AddedLinkKeys] | None = None,
+    posed: bool = True,
 ) -> Robot:
     """Tells what limits lack or contradict; gives locked dofs the little play that engines need.
 
     `unknown`: why limits that CAD has are not known, by dof. `wanted` and `added`: what `joints:` and
-    `links:` say; limits that they leave open are open on purpose.
+    `links:` say; limits that they leave open are open on purpose. `posed`: whether someone left the
+    robot in its saved pose.
     """
     settled = [glob for glob, keys in (wanted or {}).items() if keys.limits is not None]
     settled += [joint.name for joint in robot.joints if joint.mate is None and _settles(joint, added or {})]
     _tell_missing(robot, unknown, settled, notes)
     idle = {dof.name for loop in robot.loops if loop.type in POINTWISE for dof in loop.dofs}
-    return with_each_dof(robot, lambda dof: dof if dof.name in idle else _checked(dof, notes))
+    return with_each_dof(robot, lambda dof: dof if dof.name in idle else _checked(dof, notes, posed))
 
 
 def _settles(joint: Joint, added: Mapping[str, AddedLinkKeys]) -> bool:
@@ -157,7 +159,7 @@ def _tell_missing(robot: Robot, unknown: Mapping[str, str], settled: Sequence[st
     lacking: list[tuple[Joint, Dof, str]] = []
     for joint in robot.joints:
         for dof in joint.dofs:
-            if dof.kind == "free" or any(fnmatchcase(dof.name, glob) for glob in settled):
+            if dof.kind == "free" or _endless(joint) or any(fnmatchcase(dof.name, glob) for glob in settled):
                 continue
             if dof.name in unknown:
                 lacking.append((joint, dof, f"its limits in CAD are not known: {unknown[dof.name]}"))
@@ -170,6 +172,11 @@ def _tell_missing(robot: Robot, unknown: Mapping[str, str], settled: Sequence[st
         if len(lacking) > 1 and dof is lacking[-1][1]:
             hint += f"\nall at once, null being open:\n{_block([dof for _, dof, _ in lacking])}"
         notes.tell("W-LIMIT", text, dof.name, hint)
+
+
+def _endless(joint: Joint) -> bool:
+    """Whether its source says outright that it has no limits, as a URDF's continuous joint does."""
+    return joint.mate is not None and joint.mate.type in ("continuous", "planar")
 
 
 def _block(dofs: Sequence[Dof]) -> str:
@@ -185,7 +192,7 @@ def _block(dofs: Sequence[Dof]) -> str:
     return "\n".join(["joints:", *lines])
 
 
-def _checked(dof: Dof, notes: Notes) -> Dof:
+def _checked(dof: Dof, notes: Notes, posed: bool) -> Dof:
     low, high = ends(dof.limits)
     settle = f"joints: {{{dof.name}: {{limits: [low, high]}}}}  # {UNITS[dof.kind]}"
     if dof.kind == "ball" and dof.limits.upper is not None and not 0 < high <= math.pi:
@@ -197,7 +204,7 @@ def _checked(dof: Dof, notes: Notes) -> Dof:
         notes.tell("E-LIMIT", text, dof.name, f"mend the mate, or {settle}")
         return dof
     value = measured(dof.saved)
-    if value is not None and not low - BEYOND <= value <= high + BEYOND:
+    if posed and value is not None and not low - BEYOND <= value <= high + BEYOND:
         text = f"the saved pose has it at {value:.6g}, outside its limits [{low:.6g}, {high:.6g}]"
         notes.tell("W-SAVED-POSE", text, dof.name, "move it back in Onshape, or mend the limits")
     if low == high:

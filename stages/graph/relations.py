@@ -16,7 +16,7 @@ from stages.graph.bonds import Bonded, bonded
 from stages.graph.mechanism import Bond
 from stages.graph.notes import Notes
 from stages.graph.properties import ends, with_each_dof
-from stages.robot.model import Dof, DofKind, Relation, Robot
+from stages.robot.model import Dof, DofKind, Relation, Robot, Value
 from stages.robot.names import free, legal
 
 ZERO_OFFSET = 1e-6
@@ -52,11 +52,24 @@ def with_relations(robot: Robot, bonds: Sequence[Bond], notes: Notes) -> Robot:
     relations: list[Relation] = []
     for tree in _trees(found, notes):
         settled = _settled(tree, names, dofs, saved, notes)
-        relations += _flattened(settled, _driver(tree))
+        relations += _flattened(settled, _driver(tree), _said(tree))
     relations.sort(key=lambda relation: relation.follower)
     _tell_limits(relations, dofs, notes)
     moved = with_each_dof(robot, lambda dof: replace(dof, saved=saved.get(dof.name, dof.saved)))
     return replace(moved, relations=tuple(relations))
+
+
+def said_values(bonds: Iterable[Bond], saved: Mapping[str, Value]) -> dict[str, float]:
+    """The values that dofs have by bonds that say all (MIMIC), where what drives them is as `saved`: what
+    `with_relations` makes of them."""
+    ordered = sorted(bonds, key=lambda bond: (bond.title, bond.couplings))
+    found = [Bonded(one.title, one.couplings[0], one.couplings[1], one.ratio, one.offset) for one in ordered]
+    values = {name: value for name, value in saved.items() if isinstance(value, float)}
+    for tree in _trees([one for one in found if one.driver != one.follower], Notes()):
+        steps = [Step(one.title, one.driver, one.follower, one.factor, one.offset or 0.0) for one in tree]
+        for step in _walk(steps, _driver(tree)):
+            _told(step, values)
+    return values
 
 
 def negligible(offset: float, factor: float) -> bool:
@@ -111,10 +124,12 @@ def _settled(
     outwards where there is one, else from the driver.
     """
     driver = _driver(tree)
+    drawn = {names[one]: one for one in tree}
+    steps = [Step(names[one], one.driver, one.follower, one.factor, one.offset or 0.0) for one in tree]
+    if _said(tree):
+        return [_told(step, saved) for step in _walk(steps, driver)]
     related = [driver, *(name for one in tree for name in (one.driver, one.follower))]
     start = next((name for name in related if dofs[name].kind == "slide"), driver)
-    drawn = {names[one]: one for one in tree}
-    steps = [Step(names[one], one.driver, one.follower, one.factor) for one in tree]
     return [_measured(step, drawn[step.name], dofs, saved, notes) for step in _walk(steps, start)]
 
 
@@ -134,6 +149,17 @@ def _walk(steps: Sequence[Step], start: str) -> Iterator[Step]:
         yield away
         for number in at[away.child]:
             heappush(ready, number)
+
+
+def _said(tree: Sequence[Bonded]) -> bool:
+    """Whether the source says it all, so that nothing is measured."""
+    return all(one.offset is not None for one in tree)
+
+
+def _told(step: Step, saved: dict[str, float]) -> Step:
+    """The step as its source says it, its child's saved value the one that it gives."""
+    saved[step.child] = step.factor * saved[step.parent] + step.offset
+    return step
 
 
 def _measured(
@@ -165,14 +191,15 @@ def _rest(child: float, given: float, kind: DofKind) -> float:
     return math.remainder(child - given, math.tau) if kind == "turn" else child - given
 
 
-def _flattened(steps: Sequence[Step], driver: str) -> list[Relation]:
-    """Each dof of a tree as following its driver: the steps on the way, one put into the next."""
+def _flattened(steps: Sequence[Step], driver: str, exact: bool) -> list[Relation]:
+    """Each dof of a tree as following its driver: the steps on the way, one put into the next. Unless
+    they are `exact`, what is left of an offset may be rounding."""
     whole = {driver: (1.0, 0.0)}
     relations = []
     for step in _walk(steps, driver):
         factor, offset = whole[step.parent]
         factor, offset = step.factor * factor, step.factor * offset + step.offset
-        whole[step.child] = factor, 0.0 if negligible(offset, factor) else offset
+        whole[step.child] = factor, 0.0 if not exact and negligible(offset, factor) else offset
         relations.append(Relation(step.name, step.child, driver, *whole[step.child]))
     return relations
 

@@ -31,6 +31,8 @@ def renamed(mechanism: Mechanism, wanted: NamesKeys, notes: Notes) -> Mechanism:
     bodies = tuple(replace(body, name=links.get(i, body.name)) for i, body in enumerate(mechanism.bodies))
     couplings = tuple(_called(one, joints.get(i, one.name)) for i, one in enumerate(mechanism.couplings))
     called = {mechanism.couplings[i].name: name for i, name in joints.items()}
+    for old, new in zip(mechanism.couplings, couplings, strict=True):
+        called |= {one.name: other.name for one, other in zip(old.dofs, new.dofs, strict=True)}
     bonds = tuple(
         replace(bond, couplings=tuple(called.get(name, name) for name in bond.couplings))
         for bond in mechanism.bonds
@@ -68,9 +70,14 @@ def _new_names(
 
 
 def _called(coupling: Coupling, name: str) -> Coupling:
-    """The coupling by another name: so are its dofs, which have it in front of theirs."""
-    dofs = tuple(replace(dof, name=name + dof.name.removeprefix(coupling.name)) for dof in coupling.dofs)
-    return replace(coupling, name=name, dofs=dofs)
+    """The coupling by another name: so are its dofs, where they have it in front of theirs."""
+    dofs = (
+        replace(dof, name=name + dof.name.removeprefix(coupling.name))
+        if dof.name.startswith(coupling.name)
+        else dof
+        for dof in coupling.dofs
+    )
+    return replace(coupling, name=name, dofs=tuple(dofs))
 
 
 def _check_free(mechanism: Mechanism, new: Collection[str], notes: Notes) -> None:

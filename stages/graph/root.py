@@ -14,8 +14,9 @@ def choose_root(mechanism: Mechanism, keys: RootKeys) -> tuple[int, Array]:
     """The root body and the pose (4, 4) of its frame in the world.
 
     Where something moves against the assembly's origin, that is the root. Else `select` chooses: auto
-    takes the body that `frame` is on, what is fixed in CAD, or the heaviest; central the body nearest to
-    all others; anything else is a name or a glob over names of links and instances.
+    takes the body that `frame` is on, what the source itself has for a root, what is fixed in CAD, or the
+    heaviest; central the body nearest to all others; anything else is a name or a glob over names of links
+    and instances.
     """
     marker = _marker(mechanism, keys.frame) if keys.frame else None
     origin = next((i for i, body in enumerate(mechanism.bodies) if body.name == WORLD_LINK), None)
@@ -50,6 +51,8 @@ def _selected(mechanism: Mechanism, select: str, marker: Marker | None, origin: 
             return origin
         if marker is not None:
             return marker.body
+        if mechanism.root is not None:
+            return mechanism.root
         held = [number for number, body in enumerate(bodies) if body.held]
         return heaviest(mechanism, held or range(len(bodies)))
     if select == "central":

@@ -87,6 +87,7 @@ def _ranked(mechanism: Mechanism, cut: Collection[str], notes: Notes) -> list[Co
     def rank(coupling: Coupling) -> tuple[object, ...]:
         return (
             any(_named(coupling, glob) for glob in cut),
+            coupling.closes,
             CUT_LAST.get(coupling.type, 1),
             coupling.name not in related,
             not coupling.limited,

@@ -27,7 +27,8 @@ def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Fo
     problems = []
     for link in links:
         problems += _missing(link, found[link.name])
-        if meshes[link.name].visuals and meshes[link.name].collision is None:
+        collides = any(part.collides and finding.found for part, finding in found[link.name])
+        if collides and meshes[link.name].collision is None:
             problems.append(
                 Diagnostic(
                     "W-FLAT",

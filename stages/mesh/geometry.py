@@ -27,7 +27,9 @@ def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: Memo) -> Geom
     for link in robot.links:
         # Sorted by content: neither a name nor the order of instances makes the work anew.
         uses = [
-            (Use(part.mesh, part.link_from_part, part.collides), part) for part in link.parts if part.mesh
+            (Use(part.mesh, part.link_from_part, part.collides, part.seen), part)
+            for part in link.parts
+            if part.mesh
         ]
         uses.sort(key=lambda pair: pair[0].key())
         meshes[link.name] = mesh = _link_mesh([use for use, _ in uses], library, config, memo)

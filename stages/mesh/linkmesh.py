@@ -19,11 +19,13 @@ from stages.robot.model import Array, MeshRef
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Use:
-    """A part's mesh in a link: which, `link_from_part` (4, 4), and whether it is more than seen."""
+    """A part's mesh in a link: which, `link_from_part` (4, 4), and whether it is more than seen, and seen
+    at all."""
 
     mesh: MeshRef
     link_from_part: Array
     collides: bool = True
+    seen: bool = True
 
     def key(self) -> list[Any]:
         """The use as plain data, exact to the bit."""
@@ -32,6 +34,7 @@ class Use:
             [(value + 0.0).hex() for value in self.link_from_part.ravel().tolist()],
             self.mesh.reply,
             *([] if self.collides else ["seen"]),
+            *([] if self.seen else ["unseen"]),
         ]
 
 
@@ -55,7 +58,9 @@ class LinkMesh:
 def make(uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh]) -> LinkMesh:
     """The meshes of a link that uses parts so; the order of `uses` is that of the findings."""
     placed = [
-        (moved(mesh.surface, use.link_from_part), mesh) for use in uses if (mesh := meshes.get(use.mesh))
+        (moved(mesh.surface, use.link_from_part), mesh)
+        for use in uses
+        if use.seen and (mesh := meshes.get(use.mesh))
     ]
     visuals = [part for colour, surface in _by_colour(placed) for part in piece.visuals(surface, colour)]
     solid = [

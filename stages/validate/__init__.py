@@ -13,8 +13,9 @@ VERSION = 2
 
 def validate(folder: Path, robot: "Robot", keys: "ValidateKeys") -> "tuple[Check, ...]":
     """Checks of every model file in `folder`; a check that fails does not stop the others."""
+    from stages.robot.listening import listening
     from stages.validate.checks import check_model
-    from stages.validate.engine import listening, load, quiet
+    from stages.validate.engine import load, quiet
 
     thorough = keys.validate.level != "quick"
     checks: list[Check] = []

@@ -1,7 +1,5 @@
 """MuJoCo as a reader of model files: the compiled model, and every warning on the way."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,6 +7,7 @@ from typing import Any
 import mujoco
 
 from stages.robot.check import Check
+from stages.robot.listening import listening
 from stages.robot.xml import element, parse, to_bytes
 
 
@@ -47,18 +46,6 @@ def _compiled(path: Path) -> Any:
         parent.set("link", "world")
     meshes = {f"assets/{mesh.name}": mesh.read_bytes() for mesh in sorted((path.parent / "assets").glob("*"))}
     return mujoco.MjModel.from_xml_string(to_bytes(root).decode(), meshes)
-
-
-@contextmanager
-def listening() -> Iterator[list[str]]:
-    """Collects MuJoCo's warnings, which would go to a log file in the working folder otherwise."""
-    heard: list[str] = []
-    before = mujoco.get_mju_user_warning()
-    mujoco.set_mju_user_warning(heard.append)
-    try:
-        yield heard
-    finally:
-        mujoco.set_mju_user_warning(before)
 
 
 def quiet(name: str, heard: list[str]) -> Check:

@@ -21,6 +21,7 @@ JOINTS: Mapping[str, str] = {
     "M-1.6 0A1.6 1.6 0 1 0 1.6 0A1.6 1.6 0 1 0-1.6 0",
     "parallel": "M-6-2.5H6M-6 2.5H6",
     "free": "M-5 0A5 5 0 0 1 5 0M-3.5 3.5A5 5 0 0 0 3.5 3.5",
+    "compound": "M-6 3L-2-3L2 3L6-3",
 }
 """Type of joint → a path about the origin, some 12 px wide."""
 

@@ -1,0 +1,102 @@
+"""Equalities that hold two bodies together: what closes a loop, and the hinge that two of them make."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stages.graph.couplings import residual
+from stages.graph.mechanism import Coupling
+from stages.robot.kinematics import chain
+from stages.robot.mjcf import MjcfClosure
+from stages.robot.model import Array, Dof, Dynamics, JointType, Limits, MateRef, Value, frozen
+from stages.robot.names import free
+from stages.robot.poses import inverse, quat_from_rotation
+
+SECOND_POINT = "_axis"
+"""What the sites of a hinge's second point are called after those of its first."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Closing:
+    """One closure, or two that are a hinge about `axis` (3,), the same in both its frames."""
+
+    closure: MjcfClosure
+    axis: Array | None = None
+
+
+def closings(closures: Sequence[MjcfClosure]) -> tuple[Closing, ...]:
+    """The closures, with each pair of connects that says a hinge as one: those between sites `a`, `b` and
+    `a_axis`, `b_axis`, as our own files have them."""
+    by_sites = {one.sites: one for one in closures if one.type == "connect" and all(one.sites)}
+    found, spent = [], set[int]()
+    for one in closures:
+        other = by_sites.get((one.sites[0] + SECOND_POINT, one.sites[1] + SECOND_POINT))
+        axis = None if other is None or one.type != "connect" else _axis(one, other)
+        if axis is not None:
+            spent.add(id(other))
+        found.append(Closing(one, axis))
+    return tuple(one for one in found if id(one.closure) not in spent)
+
+
+def _axis(one: MjcfClosure, other: MjcfClosure) -> Array | None:
+    """The axis of the hinge that two connects make; None where they make none of ours."""
+    if one.bodies != other.bodies:
+        return None
+    ends = ((one.a_from_frame, other.a_from_frame), (one.b_from_frame, other.b_from_frame))
+    along = [(inverse(first) @ second)[:3, 3] for first, second in ends]
+    reach = float(np.linalg.norm(along[1]))
+    if reach == 0 or float(np.linalg.norm(along[0] - along[1])) > 1e-9 * max(1.0, reach):
+        return None
+    return frozen(along[1] / reach)
+
+
+def names_of(found: Sequence[Closing], taken: set[str]) -> list[str]:
+    """A free name for each, its own where it has one."""
+    names = []
+    for one in found:
+        names.append(free(one.closure.name or "loop", taken))
+        taken.add(names[-1])
+    return names
+
+
+def couplings(
+    found: Sequence[Closing],
+    names: Sequence[str],
+    numbers: Mapping[int, int],
+    world_from_body: Mapping[int, Array],
+) -> Iterator[Coupling]:
+    """What the closures let move: a connect a ball, a weld nothing, a hinge's two connects a turn."""
+    for one, name in zip(found, names, strict=True):
+        a, b = one.closure.bodies
+        first = world_from_body[a] @ one.closure.a_from_frame
+        second = world_from_body[b] @ one.closure.b_from_frame
+        relative = inverse(second) @ first
+        kind, dofs = _moving(one, name, relative)
+        explained = chain(dofs, {dof.name: dof.saved for dof in dofs})
+        yield Coupling(
+            name=name,
+            type=kind,
+            bodies=(numbers[a], numbers[b]),
+            world_from_frames=(frozen(first), frozen(second)),
+            dofs=dofs,
+            residual=residual(relative, explained),
+            ref=MateRef((), name, one.closure.name or name, one.closure.type),
+            title=name,
+            closes=True,
+        )
+
+
+def _moving(one: Closing, name: str, relative: Array) -> tuple[JointType, tuple[Dof, ...]]:
+    if one.closure.type == "weld":
+        return "fixed", ()
+    quat = quat_from_rotation(relative[:3, :3])
+    saved: Value = tuple(float(number) for number in quat)
+    if one.axis is not None:
+        saved = 2.0 * float(np.arctan2(quat[1:] @ one.axis, quat[0]))
+    axis = frozen(np.zeros(3)) if one.axis is None else one.axis
+    kind = "ball" if one.axis is None else "turn"
+    dof = Dof(
+        name, "turn" if kind == "turn" else "ball", axis, frozen(np.eye(4)), Limits(), Dynamics(), saved
+    )
+    return ("revolute" if one.axis is not None else "ball"), (dof,)

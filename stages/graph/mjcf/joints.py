@@ -1,0 +1,127 @@
+"""A body's joints as one chain of dofs, and which mate such a chain is.
+
+MuJoCo's joint i takes the body's frame by Pᵢ Mᵢ(q − q₀) Pᵢ⁻¹, with Pᵢ the shift to its anchor. A link's
+frame is that of its last joint: the body's own axes at the anchor, where that joint turns. So with the
+body at B in its parent
+
+    B Π Pᵢ Mᵢ(q − q₀) Pᵢ⁻¹ Pₙ = B P₁ M₁(−q₀) · M₁(q) · P₁⁻¹ P₂ M₂(−q₀) · M₂(q) ...
+
+and each dof's origin is what stands before its motion.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stages.graph.couplings import TYPES, Freedom
+from stages.robot.mjcf import MjcfBody, MjcfJoint
+from stages.robot.model import Array, Dof, DofKind, JointType, Value, frozen
+from stages.robot.poses import at_rest, from_parts, inverse, motion
+
+KINDS: Mapping[str, DofKind] = {"hinge": "turn", "slide": "slide", "ball": "ball", "free": "free"}
+
+SINGLE: Mapping[str, JointType] = {
+    "hinge": "revolute",
+    "slide": "prismatic",
+    "ball": "ball",
+    "free": "free",
+}
+"""Type of a body's only joint → type of joint."""
+
+ROUNDING = 1e-12
+"""An origin this near to the identity is that."""
+
+ALIGNED = 1e-9
+"""How far the dot products of axes may be from those of a mate."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """`parent_from_start` (4, 4): from the parent body's frame to where the dofs begin; `body_from_link`
+    (4, 4): where the link's frame is in the body."""
+
+    parent_from_start: Array
+    dofs: tuple[Dof, ...]
+    body_from_link: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Mate:
+    """What a body's joints are together. `backwards`: they run as those of a mate whose second entity is
+    the child. `name` is "" where the joints' own names do not tell."""
+
+    name: str
+    type: JointType
+    backwards: bool
+
+
+def chain_of(body: MjcfBody, names: Sequence[str]) -> Chain:
+    """The dofs of a body, named so, at their references."""
+    dofs: list[Dof] = []
+    before = np.eye(4)
+    places = _places(body.joints)
+    for joint, name, place in zip(body.joints, names, places, strict=True):
+        kind = KINDS[joint.type]
+        scalar = kind in ("turn", "slide")
+        rest: Value = -joint.ref if scalar else at_rest(kind)
+        origin = inverse(before) @ place @ motion(kind, joint.axis, rest)
+        saved: Value = joint.ref if scalar else rest
+        axis = frozen(joint.axis + 0.0)
+        dofs.append(Dof(name, kind, axis, origin, joint.limits, joint.dynamics, saved))
+        before = place
+    start = body.parent_from_body @ _gathered(dofs)
+    return Chain(frozen(start), tuple(dofs), frozen(before))
+
+
+def _places(joints: Sequence[MjcfJoint]) -> list[Array]:
+    """Where (4, 4) in the body each joint acts. A slide acts anywhere: where the next that turns does."""
+    places: list[Array] = []
+    place = np.eye(4)
+    for joint in reversed(joints):
+        place = place if joint.type == "slide" else from_parts(np.eye(3), joint.anchor)
+        places.append(place)
+    return places[::-1]
+
+
+def _gathered(dofs: list[Dof]) -> Array:
+    """What stands before the first dof (4, 4), once each origin after a slide is moved to before it:
+    M(a) O = O M(Oᵀ a). The dofs are changed in place."""
+    origins = [dof.origin for dof in dofs]
+    for index in range(len(dofs) - 1, 0, -1):
+        if dofs[index - 1].kind == "slide":
+            origin, origins[index] = origins[index], np.eye(4)
+            axis = frozen(origin[:3, :3].T @ dofs[index - 1].axis + 0.0)
+            dofs[index - 1] = replace(dofs[index - 1], axis=axis)
+            origins[index - 1] = origins[index - 1] @ origin
+    start = origins[0] if dofs else np.eye(4)
+    for index, dof in enumerate(dofs):
+        still = not index or np.abs(origins[index] - np.eye(4)).max() < ROUNDING
+        dofs[index] = replace(dof, origin=frozen(np.eye(4) if still else origins[index]))
+    return start
+
+
+def mate_of(dofs: Sequence[Dof]) -> Mate:
+    """The mate that a body's dofs are by their kinds, axes and names; else what is no mate: compound."""
+    names = [dof.name for dof in dofs]
+    for kind, freedoms in TYPES.values():
+        if len(freedoms) < 2 or len(freedoms) != len(dofs):
+            continue
+        for backwards in (False, True):
+            row = freedoms[::-1] if backwards else freedoms
+            stem = names[0].removesuffix(row[0].suffix)
+            if stem and names == [stem + one.suffix for one in row] and _fits(dofs, row):
+                return Mate(stem, kind, backwards)
+    return Mate("", "compound", False)
+
+
+def _fits(dofs: Sequence[Dof], freedoms: Sequence[Freedom]) -> bool:
+    """Whether the dofs move as these freedoms do, whichever way the frames are turned; a slide along the
+    axis of a turn may run against it, as a mirrored mate's does."""
+    if any(dof.kind != one.kind for dof, one in zip(dofs, freedoms, strict=True)):
+        return False
+    if any(np.abs(dof.origin - np.eye(4)).max() > ALIGNED for dof in dofs):
+        return False
+    axes = np.array([dof.axis for dof in dofs])
+    wanted = np.array([one.axis for one in freedoms], dtype=float)
+    return bool(np.abs(np.abs(axes @ axes.T) - np.abs(wanted @ wanted.T)).max() < ALIGNED)

@@ -1,0 +1,249 @@
+"""From an MJCF to a mechanism: its bodies and joints at qpos0, followers where their drivers have them."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stages.graph.couplings import backwards
+from stages.graph.keys import GraphKeys
+from stages.graph.mechanism import WORLD_LINK, Body, Bond, Coupling, Marker, Mechanism
+from stages.graph.mjcf.closing import closings, couplings
+from stages.graph.mjcf.closing import names_of as names_of_closings
+from stages.graph.mjcf.joints import SINGLE, Chain, chain_of, mate_of
+from stages.graph.mjcf.naming import Names, names_of
+from stages.graph.mjcf.standing import base_of, bodies_of, floats, joining, root_of
+from stages.graph.notes import Notes
+from stages.graph.relations import said_values
+from stages.graph.unused import tell_unused
+from stages.robot import codec
+from stages.robot.bundle import Bundle
+from stages.robot.errors import ProtocolError
+from stages.robot.inertia import ZERO, moved
+from stages.robot.kinematics import chain
+from stages.robot.mjcf import Mjcf, MjcfBody, MjcfGeom
+from stages.robot.model import (
+    Array,
+    Configuration,
+    JointType,
+    MateRef,
+    Part,
+    Primitive,
+    Provenance,
+    Value,
+    frozen,
+)
+from stages.robot.poses import inverse
+
+HELD = "the MJCF has no joint between it and the world"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Pose:
+    """Where everything is: poses (4, 4) of bodies and links in the world, and the values of that."""
+
+    world_from_body: Mapping[int, Array]
+    world_from_link: Mapping[int, Array]
+    world_from_start: Mapping[int, Array]
+
+
+def read_mjcf(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechanism, GraphKeys]:
+    """Reads what MuJoCo made of an MJCF. ProtocolError where the bundle does not hold that."""
+    mjcf = _decoded(bundle)
+    notes.add(mjcf.diagnostics)
+    tell_unused(keys, "MJCF", notes)
+    found = closings(mjcf.closures)
+    for one in joining(mjcf, found):
+        text = "the equality ties bodies that float apart without it: it becomes a joint between them"
+        notes.tell(
+            "W-MJCF-TREE", text, one.closure.name or mjcf.name, "give one of them a joint to the other"
+        )
+    hidden = frozenset(name for one in mjcf.closures for name in one.sites) | {WORLD_LINK}
+    names = names_of(mjcf, hidden, notes)
+    chains, saved = _chains(mjcf, names)
+    pose = _posed(mjcf, chains, saved)
+    there = bodies_of(mjcf, found, keys.root.base == "free")
+    numbers = {body: number for number, body in enumerate(there)}
+    if 0 not in numbers:
+        base = base_of(mjcf)
+        numbers |= {} if base is None else {0: numbers[base]}
+    found = tuple(one for one in found if len({numbers[body] for body in one.closure.bodies}) > 1)
+    taken = {*names.links.values(), *names.dofs.values(), *names.couplings.values(), *names.sites.values()}
+    closing = couplings(found, names_of_closings(found, taken), numbers, pose.world_from_body)
+    mechanism = Mechanism(
+        bodies=tuple(_body(mjcf, number, names, pose, numbers) for number in there),
+        couplings=(*_tree(mjcf, names, chains, pose, numbers), *closing),
+        bonds=tuple(_bonds(mjcf, names)),
+        markers=tuple(_markers(mjcf, names, pose, numbers, notes)),
+        provenance=Provenance(**bundle.root),
+        root=numbers[root_of(mjcf, there)],
+        posed=False,
+    )
+    return mechanism, keys
+
+
+def _decoded(bundle: Bundle) -> Mjcf:
+    try:
+        mjcf = codec.load(Mjcf, bundle.body(bundle.definition))
+        _require_tree(mjcf)
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+        msg = f"the bundle does not hold a model: {type(error).__name__}: {error}"
+        raise ProtocolError(msg, hint="make the bundle again") from None
+    return mjcf
+
+
+def _require_tree(mjcf: Mjcf) -> None:
+    """ValueError where a number refers to nothing: a bundle may come from anyone."""
+    joints = sum(len(body.joints) for body in mjcf.bodies)
+    numbers = [number for one in mjcf.closures for number in one.bodies]
+    ends = [number for one in mjcf.relations for number in (one.follower, one.driver)]
+    within = all(0 <= number < len(mjcf.bodies) for number in numbers)
+    within = within and all(0 <= number < joints for number in ends)
+    if not within or any(not 0 <= body.parent < max(1, i) for i, body in enumerate(mjcf.bodies)):
+        msg = "it refers to what is not there"
+        raise ValueError(msg)
+    if len(mjcf.bodies) < 2:
+        msg = "it has no body"
+        raise ValueError(msg)
+
+
+def _chains(mjcf: Mjcf, names: Names) -> tuple[dict[int, Chain], Configuration]:
+    """Each body's dofs, saved at qpos0 and followers where their drivers have them; and those values."""
+    chains: dict[int, Chain] = {}
+    count = 0
+    for number, body in enumerate(mjcf.bodies):
+        chains[number] = chain_of(body, [names.dofs[count + i] for i in range(len(body.joints))])
+        count += len(body.joints)
+    saved = {dof.name: dof.saved for one in chains.values() for dof in one.dofs}
+    saved |= said_values(_bonds(mjcf, names), saved)
+    for number, one_chain in chains.items():
+        dofs = tuple(replace(dof, saved=saved[dof.name]) for dof in one_chain.dofs)
+        chains[number] = replace(one_chain, dofs=dofs)
+    return chains, saved
+
+
+def _posed(mjcf: Mjcf, chains: Mapping[int, Chain], saved: Mapping[str, Value]) -> _Pose:
+    bodies: dict[int, Array] = {0: np.eye(4)}
+    links: dict[int, Array] = {0: np.eye(4)}
+    starts: dict[int, Array] = {}
+    for number, body in enumerate(mjcf.bodies[1:], start=1):
+        one = chains[number]
+        starts[number] = bodies[body.parent] @ one.parent_from_start
+        links[number] = starts[number] if floats(body) else starts[number] @ chain(one.dofs, saved)
+        bodies[number] = links[number] @ inverse(one.body_from_link)
+    return _Pose(bodies, links, starts)
+
+
+def _body(mjcf: Mjcf, number: int, names: Names, pose: _Pose, numbers: Mapping[int, int]) -> Body:
+    body = mjcf.bodies[number]
+    name = names.links[number]
+    held = ""
+    if number == 0:
+        held = "it is the world of the MJCF"
+    elif 0 in numbers and numbers[0] == numbers[number]:
+        held = HELD
+    world_from_body = pose.world_from_body[number]
+    return Body(
+        name=name,
+        path=(body.name or name,) if number else (),
+        parts=tuple(_parts(body, name, world_from_body)),
+        titles=frozenset({name, body.name or name}),
+        held=held,
+        world_from_body=pose.world_from_link[number],
+        given=None if body.inertial is None else moved(body.inertial, world_from_body),
+        shapes=tuple(_primitive(geom, world_from_body) for geom in body.geoms if geom.kind != "mesh"),
+    )
+
+
+def _parts(body: MjcfBody, name: str, world_from_body: Array) -> Iterator[Part]:
+    meshes = [geom for geom in body.geoms if geom.mesh is not None]
+    width = len(str(len(meshes)))
+    for count, geom in enumerate(meshes, start=1):
+        assert geom.mesh is not None
+        world_from_part = frozen(world_from_body @ geom.body_from_geom)
+        yield Part(
+            path=(body.name or name, "geom", f"{count:0{width}d}"),
+            name=f"{name}/{geom.name or f'geom {count}'}",
+            part_id=geom.mesh.part,
+            mesh=geom.mesh,
+            link_from_part=world_from_part,
+            world_from_part=world_from_part,
+            inertial=ZERO,
+            volume=0.0,
+            collides=geom.collides,
+            seen=geom.seen,
+        )
+
+
+def _primitive(geom: MjcfGeom, world_from_body: Array) -> Primitive:
+    assert geom.kind != "mesh"
+    pose = frozen(world_from_body @ geom.body_from_geom)
+    return Primitive(geom.kind, geom.size, pose, geom.colour, visual=geom.seen, collision=geom.collides)
+
+
+def _tree(
+    mjcf: Mjcf, names: Names, chains: Mapping[int, Chain], pose: _Pose, numbers: Mapping[int, int]
+) -> Iterator[Coupling]:
+    """The joints between each body and its parent; what floats, or is the base, hangs on nothing."""
+    for number, body in enumerate(mjcf.bodies[1:], start=1):
+        parent = numbers.get(body.parent)
+        if parent is None or parent == numbers[number] or floats(body):
+            continue
+        dofs = chains[number].dofs
+        name, kind, turned = _meaning(number, body, names, chains[number])
+        frames = (pose.world_from_link[number], frozen(pose.world_from_start[number]))
+        bodies = (numbers[number], parent)
+        if turned:
+            frames, bodies, dofs = frames[::-1], bodies[::-1], backwards(dofs)
+        told = "+".join(joint.type for joint in body.joints) or "fixed"
+        title = ", ".join(joint.name or dof.name for joint, dof in zip(body.joints, chains[number].dofs))
+        yield Coupling(
+            name=name,
+            type=kind,
+            bodies=bodies,
+            world_from_frames=(frozen(frames[0]), frozen(frames[1])),
+            dofs=dofs,
+            residual=0.0,
+            ref=MateRef((), name, title or name, told),
+            title=title or name,
+        )
+
+
+def _meaning(number: int, body: MjcfBody, names: Names, own: Chain) -> tuple[str, JointType, bool]:
+    """Name and type of a body's joints together, and whether they run from the first entity's side."""
+    if not own.dofs:
+        return names.couplings[number], "fixed", False
+    if len(own.dofs) == 1:
+        return own.dofs[0].name, SINGLE[body.joints[0].type], False
+    mate = mate_of(own.dofs)
+    return mate.name or names.couplings[number], mate.type, mate.backwards
+
+
+def _bonds(mjcf: Mjcf, names: Names) -> Iterator[Bond]:
+    for one in mjcf.relations:
+        yield Bond(
+            title=one.name or f"{names.dofs[one.follower]}_relation",
+            type="MIMIC",
+            couplings=(names.dofs[one.driver], names.dofs[one.follower]),
+            ratio=one.multiplier,
+            length=0.0,
+            reverse=False,
+            offset=one.offset,
+        )
+
+
+def _markers(
+    mjcf: Mjcf, names: Names, pose: _Pose, numbers: Mapping[int, int], notes: Notes
+) -> Iterator[Marker]:
+    """Sites, as frames of their links."""
+    lost = []
+    for (number, index), name in sorted(names.sites.items()):
+        site = mjcf.bodies[number].sites[index]
+        if number not in numbers:
+            lost.append(site.name)
+            continue
+        frame = frozen(pose.world_from_body[number] @ site.body_from_site)
+        yield Marker(name, site.name, numbers[number], frame, site.name)
+    if lost:
+        text = f"sites of the world are left out, as no link is there: {', '.join(sorted(lost))}"
+        notes.tell("W-FRAME", text, mjcf.name, "put them on a body")

@@ -1,0 +1,66 @@
+"""What stands in the world of an MJCF, what floats in it, and what the rest hangs on."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stages.graph.mjcf.closing import Closing
+from stages.robot.mjcf import Mjcf, MjcfBody
+
+
+def _tops(mjcf: Mjcf) -> list[int]:
+    return [number for number, body in enumerate(mjcf.bodies) if number and body.parent == 0]
+
+
+def floats(body: MjcfBody) -> bool:
+    return any(joint.type == "free" for joint in body.joints)
+
+
+def base_of(mjcf: Mjcf) -> int | None:
+    """The one body that stands still in the world, where the file has one and nothing else moves there."""
+    held = [number for number in _tops(mjcf) if not floats(mjcf.bodies[number])]
+    return held[0] if len(held) == 1 and not mjcf.bodies[held[0]].joints else None
+
+
+def bodies_of(mjcf: Mjcf, found: Sequence[Closing], free: bool) -> list[int]:
+    """The bodies that become links, the world among them where something moves or stands against it.
+
+    A single body that stands in the world's own frame is the base itself, and needs no world; wherever
+    it stands, where it shall float (`free`).
+    """
+    tops = _tops(mjcf)
+    everything = list(range(len(mjcf.bodies)))
+    base = base_of(mjcf)
+    if base is not None:
+        in_place = bool(np.abs(mjcf.bodies[base].parent_from_body - np.eye(4)).max() < 1e-12)
+        return everything[1:] if in_place or (free and len(tops) == 1) else everything
+    held = any(not floats(mjcf.bodies[number]) for number in tops)
+    tied = any(0 in one.closure.bodies for one in found)
+    return everything if held or tied else everything[1:]
+
+
+def joining(mjcf: Mjcf, found: Sequence[Closing]) -> list[Closing]:
+    """The closures between bodies that float apart without: the tree has a joint in their place."""
+    top = _top_of(mjcf)
+    held = {number for number in _tops(mjcf) if not floats(mjcf.bodies[number])} | {0}
+    trees = ({0 if top[body] in held else top[body] for body in one.closure.bodies} for one in found)
+    return [one for one, ends in zip(found, trees, strict=True) if len(ends) > 1]
+
+
+def _top_of(mjcf: Mjcf) -> dict[int, int]:
+    """The body of the world's that each body hangs on in the end; the world's own number is its own."""
+    top: dict[int, int] = {}
+    for number, body in enumerate(mjcf.bodies):
+        top[number] = top[body.parent] if body.parent else number
+    return top
+
+
+def root_of(mjcf: Mjcf, there: Sequence[int]) -> int:
+    """The world or the base; else the floating body that most others hang on, the first of equals."""
+    if there[0] == 0:
+        return 0
+    base = base_of(mjcf)
+    if base is not None:
+        return base
+    count = list(_top_of(mjcf).values())
+    return min(_tops(mjcf), key=lambda number: (-count.count(number), number))

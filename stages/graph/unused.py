@@ -1,0 +1,20 @@
+"""What is said of things that only CAD has, where the source is a robot's own file."""
+
+from typing import Literal
+
+from stages.graph.keys import GraphKeys
+from stages.graph.notes import Notes
+
+_CAD_ALONE = ("depth", "hidden", "mirror", "conventions")
+
+
+def tell_unused(keys: GraphKeys, source: Literal["URDF", "MJCF"], notes: Notes) -> None:
+    """E-SOURCE-KEY for each key that such a file has nothing for."""
+    default = GraphKeys()
+    given = [name for name in _CAD_ALONE if getattr(keys, name) != getattr(default, name)]
+    if keys.mass.parts:
+        given.append("mass.parts")
+    for name in given:
+        text = f"this is about assemblies in CAD, and {'a' if source == 'URDF' else 'an'} {source} is none"
+        hint = "leave it out" if name != "mass.parts" else "its links have masses: mass: {links: {...}}"
+        notes.tell("E-SOURCE-KEY", text, name, hint)

@@ -1,0 +1,142 @@
+"""Links that are no bodies: frames that a file writes as links, and links that only carry the next joint."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stages.graph.globs import listed
+from stages.graph.mechanism import WORLD_LINK
+from stages.graph.notes import Notes
+from stages.robot.inertia import NEXT_TO_NOTHING, SPECK, merged, moved
+from stages.robot.model import Array, Inertial, frozen
+from stages.robot.urdf import Urdf, UrdfJoint, UrdfLink, UrdfShape
+
+LEAST_MOMENT = 1e-14
+"""The smallest principal moment [kg m²] that MuJoCo takes for one."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class UrdfFrame:
+    """What is left of a link that is none: where it was on `link`, under its name in the file."""
+
+    name: str
+    link: str
+    link_from_frame: Array
+
+
+def without_dummies(urdf: Urdf, notes: Notes) -> tuple[Urdf, tuple[UrdfFrame, ...]]:
+    """The file with each dummy on a fixed joint merged into its parent, as a frame (I-URDF-FRAME).
+
+    A dummy has no mass, or has some but next to no extent: a point that its parent carries. Its shapes
+    and its joints go to the parent with it. The link `world` takes in nothing: what stands on it stays.
+    """
+    joints = {joint.child: joint for joint in urdf.joints}
+    links = {link.name: link for link in urdf.links}
+    world = WORLD_LINK if has_world(urdf) else None
+    dummies = {
+        child
+        for child, joint in joints.items()
+        if joint.type == "fixed" and joint.parent != world and _is_point(links[child].inertial)
+    }
+    places = {name: _place(name, dummies, joints) for name in sorted(dummies)}
+    kept = [_taking_in(link, places, links) for link in urdf.links if link.name not in dummies]
+    moved_joints = [_moved(joint, places) for joint in urdf.joints if joint.child not in dummies]
+    if dummies:
+        text = f"{len(dummies)} link(s) without a body of their own became frames of what they are fixed to"
+        hint = f"they are: {listed(dummies)}; the URDF that is written has them as links again"
+        notes.tell("I-URDF-FRAME", text, urdf.name, hint)
+    frames = tuple(UrdfFrame(name, *places[name]) for name in sorted(dummies))
+    return replace(urdf, links=tuple(kept), joints=tuple(moved_joints)), frames
+
+
+def weighs_nothing(inertial: Inertial | None) -> bool:
+    return inertial is None or (inertial.mass == 0 and not inertial.inertia.any())
+
+
+def _is_point(inertial: Inertial | None) -> bool:
+    if inertial is None or weighs_nothing(inertial):
+        return True
+    return inertial.mass > 0 and bool(np.abs(inertial.inertia).max() < LEAST_MOMENT)
+
+
+def has_world(urdf: Urdf) -> bool:
+    """Whether the link `world` is not a thing but the world that the robot is fixed to: a root without
+    mass."""
+    above = {joint.child for joint in urdf.joints}
+    return any(
+        link.name == WORLD_LINK and link.name not in above and weighs_nothing(link.inertial)
+        for link in urdf.links
+    )
+
+
+def _place(name: str, dummies: set[str], joints: Mapping[str, UrdfJoint]) -> tuple[str, Array]:
+    """The link that carries a dummy in the end, and the dummy's frame in it (4, 4)."""
+    pose = np.eye(4)
+    while name in dummies:
+        pose = joints[name].parent_from_joint @ pose
+        name = joints[name].parent
+    return name, frozen(pose)
+
+
+def _taking_in(
+    link: UrdfLink, places: Mapping[str, tuple[str, Array]], links: Mapping[str, UrdfLink]
+) -> UrdfLink:
+    """The link with the shapes and the mass of the dummies that it carries."""
+    mine = [(links[name], pose) for name, (carrier, pose) in places.items() if carrier == link.name]
+    if not mine:
+        return link
+    points = [moved(one.inertial, pose) for one, pose in mine if one.inertial and one.inertial.mass > 0]
+    inertial = link.inertial
+    if points:
+        inertial = merged([*([inertial] if inertial else []), *points])
+    visuals, collisions = list(link.visuals), list(link.collisions)
+    for one, pose in mine:
+        visuals += [_at(shape, pose) for shape in one.visuals]
+        collisions += [_at(shape, pose) for shape in one.collisions]
+    return replace(link, inertial=inertial, visuals=tuple(visuals), collisions=tuple(collisions))
+
+
+def _at(shape: UrdfShape, pose: Array) -> UrdfShape:
+    return replace(shape, link_from_shape=frozen(pose @ shape.link_from_shape))
+
+
+def _moved(joint: UrdfJoint, places: Mapping[str, tuple[str, Array]]) -> UrdfJoint:
+    if joint.parent not in places:
+        return joint
+    parent, pose = places[joint.parent]
+    return replace(joint, parent=parent, parent_from_joint=frozen(pose @ joint.parent_from_joint))
+
+
+def with_carriers(urdf: Urdf, mend: bool, notes: Notes) -> Urdf:
+    """The file with next to no mass (I-URDF-MASSLESS) on links that move without any, but carry others
+    that have some: such a link stands between two joints, as one of a ball's does.
+
+    `mend`: links that move without mass and carry none get some too (W-URDF-MASSLESS).
+    """
+    rigid = {joint.child: joint for joint in urdf.joints if joint.type == "fixed"}
+
+    def group(name: str) -> str:
+        while name in rigid:
+            name = rigid[name].parent
+        return name
+
+    heavy = {group(link.name) for link in urdf.links if not weighs_nothing(link.inertial)}
+    above = {group(joint.child): group(joint.parent) for joint in urdf.joints if joint.type != "fixed"}
+    carriers: set[str] = set()
+    for name in sorted(heavy):
+        while name in above:
+            name = above[name]
+            if name in above and name not in heavy:
+                carriers.add(name)
+    hint = "give them their mass: mass: {links: {...}}"
+    if carriers:
+        text = f"links without mass stand between joints, and get {NEXT_TO_NOTHING:g} kg: {listed(carriers)}"
+        notes.tell("I-URDF-MASSLESS", text, urdf.name, hint)
+    idle = set(above) - heavy - carriers if mend else set()
+    if idle:
+        text = f"links move without mass, and get {NEXT_TO_NOTHING:g} kg, which any force throws about"
+        notes.tell("W-URDF-MASSLESS", f"{text}: {listed(idle)}", urdf.name, hint)
+    carriers |= idle
+    links = (replace(link, inertial=SPECK) if link.name in carriers else link for link in urdf.links)
+    return replace(urdf, links=tuple(links))

@@ -1,0 +1,280 @@
+"""From a URDF to a mechanism: its links are the bodies, its joints the couplings, all at zero."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import cast
+
+import numpy as np
+
+from stages.graph.keys import GraphKeys
+from stages.graph.mechanism import WORLD_LINK, Body, Bond, Coupling, Marker, Mechanism
+from stages.graph.notes import Notes
+from stages.graph.unused import tell_unused
+from stages.graph.urdf.dummies import UrdfFrame, weighs_nothing, with_carriers, without_dummies
+from stages.graph.urdf.inertias import Policy, mended
+from stages.graph.urdf.naming import SUFFIXES, Names, names_of
+from stages.graph.urdf.structure import SCALAR, check_structure
+from stages.robot.bundle import Bundle
+from stages.robot.inertia import ZERO, moved
+from stages.robot.kinematics import chain
+from stages.robot.model import (
+    Array,
+    Dof,
+    DofKind,
+    Dynamics,
+    JointType,
+    Limits,
+    MateRef,
+    MeshRef,
+    Part,
+    Primitive,
+    Provenance,
+    frozen,
+)
+from stages.robot.poses import at_rest
+from stages.robot.urdf import Urdf, UrdfJoint, UrdfLink, UrdfShape, mesh_key
+from stages.robot.urdfxml import parse
+
+TYPES: Mapping[str, JointType] = {
+    "fixed": "fixed",
+    "revolute": "revolute",
+    "continuous": "revolute",
+    "prismatic": "prismatic",
+    "planar": "planar",
+    "floating": "free",
+}
+
+
+def read_urdf(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechanism, GraphKeys]:
+    """Reads a URDF and the meshes that it names; AssemblyError tells all problems at once.
+
+    What is no body becomes a frame, and what cannot weigh as it says is mended as the source's
+    `bad_inertia` says. The joints stand at zero, followers where their mimic has them then.
+    """
+    urdf = parse(bundle.body(bundle.definition), bundle.root["document"])
+    notes.add(urdf.diagnostics)
+    check_structure(urdf, keys.root.disconnected != "error", notes)
+    tell_unused(keys, "URDF", notes)
+    notes.settle()
+    urdf, frames = without_dummies(urdf, notes)
+    policy = cast(Policy, bundle.options.get("bad_inertia", "refuse"))
+    urdf = mended(urdf, policy, bundle, notes)
+    urdf = with_carriers(urdf, policy != "refuse", notes)
+    root = _root(urdf)
+    names = names_of(urdf, [frame.name for frame in frames], notes)
+    dofs = _saved({joint.name: tuple(_dofs(joint, names, notes)) for joint in urdf.joints}, urdf)
+    world_from_link = _poses(urdf, dofs)
+    numbers = {link.name: number for number, link in enumerate(urdf.links)}
+    mechanism = Mechanism(
+        bodies=tuple(_body(link, world_from_link[link.name], names, bundle, notes) for link in urdf.links),
+        couplings=tuple(_coupling(joint, dofs, names, numbers, world_from_link) for joint in urdf.joints),
+        bonds=tuple(_bonds(urdf, names, notes)),
+        markers=tuple(_marker(frame, names, numbers, world_from_link) for frame in frames),
+        provenance=Provenance(**bundle.root),
+        root=numbers[root],
+        posed=False,
+        transmissions=urdf.transmissions,
+    )
+    return mechanism, keys
+
+
+def _root(urdf: Urdf) -> str:
+    """The link without a parent; of several the one that most hangs on, then the first by name."""
+    above = {joint.child: joint.parent for joint in urdf.joints}
+    count: dict[str, int] = {}
+    for link in urdf.links:
+        name = link.name
+        while name in above:
+            name = above[name]
+        count[name] = count.get(name, 0) + 1
+    return min(count, key=lambda name: (-count[name], name))
+
+
+def _dofs(joint: UrdfJoint, names: Names, notes: Notes) -> Iterator[Dof]:
+    name = names.joints[joint.name]
+    zero = frozen(np.zeros(3))
+    if joint.type in SCALAR:
+        kind: DofKind = "slide" if joint.type == "prismatic" else "turn"
+        yield _dof(name, kind, joint.axis, _limits(joint, notes), _dynamics(joint, notes))
+    elif joint.type == "floating":
+        yield _dof(name, "free", zero, Limits(), Dynamics())
+    elif joint.type == "planar":
+        axes = (*_across(joint.axis), joint.axis)
+        for suffix, axis in zip(SUFFIXES["planar"], axes, strict=True):
+            yield _dof(name + suffix, "turn" if suffix == "_turn" else "slide", axis, Limits(), Dynamics())
+
+
+def _dof(name: str, kind: DofKind, axis: Array, limits: Limits, dynamics: Dynamics) -> Dof:
+    return Dof(name, kind, frozen(axis + 0.0), frozen(np.eye(4)), limits, dynamics, at_rest(kind))
+
+
+def _across(normal: Array) -> tuple[Array, Array]:
+    """Two unit vectors across `normal` (3,), right-handed with it: x and y where it is z. The frame that
+    the shortest turn takes there (Duff et al., "Building an Orthonormal Basis, Revisited", 2017)."""
+    x, y, z = (float(value) for value in normal)
+    sign = 1.0 if z >= 0 else -1.0
+    a = -1.0 / (sign + z)
+    b = x * y * a
+    first = np.array([1.0 + sign * x * x * a, sign * b, -sign * x])
+    return first, np.array([b, sign + y * y * a, -y])
+
+
+def _limits(joint: UrdfJoint, notes: Notes) -> Limits:
+    """As the file has them. A range of nothing at zero is what leaving it out means, and is none."""
+    if joint.type == "continuous" or joint.limits is None:
+        return Limits()
+    if (joint.limits.lower, joint.limits.upper) == (0.0, 0.0):
+        text = "its range is left out, or [0, 0], which would hold it still: taken for a joint without limits"
+        hint = "give it in the file or in joints:, or make the joint fixed or continuous"
+        notes.tell("W-URDF-RANGE", text, joint.name, hint)
+        return Limits()
+    return joint.limits
+
+
+def _dynamics(joint: UrdfJoint, notes: Notes) -> Dynamics:
+    """A bound of effort or velocity that is not above zero is told, and is none."""
+    bounds = {"effort": joint.effort, "velocity": joint.velocity}
+    for name, value in bounds.items():
+        if value is not None and value <= 0:
+            text = f"its bound of {name} is {value:g}, under which it could not move: taken for none"
+            notes.tell("W-URDF-BOUND", text, joint.name, "give it in the file or in joints:")
+            bounds[name] = None
+    return Dynamics(damping=joint.damping, friction=joint.friction, **bounds)
+
+
+def _saved(dofs: Mapping[str, tuple[Dof, ...]], urdf: Urdf) -> dict[str, tuple[Dof, ...]]:
+    """The dofs with followers where their mimic has them when what drives them is at zero."""
+    mimics = {joint.name: joint.mimic for joint in urdf.joints if joint.mimic and joint.type in SCALAR}
+
+    def value(name: str) -> float:
+        mimic = mimics.get(name)
+        return 0.0 if mimic is None else mimic.multiplier * value(mimic.joint) + mimic.offset
+
+    return {
+        name: tuple(replace(dof, saved=value(name)) for dof in own) if name in mimics else own
+        for name, own in dofs.items()
+    }
+
+
+def _poses(urdf: Urdf, dofs: Mapping[str, Sequence[Dof]]) -> dict[str, Array]:
+    """world_from_link (4, 4) of every link, where the dofs are as saved; every root is at the origin."""
+    below: dict[str, list[UrdfJoint]] = {}
+    for joint in urdf.joints:
+        below.setdefault(joint.parent, []).append(joint)
+    children = {joint.child for joint in urdf.joints}
+    poses = {link.name: np.eye(4) for link in urdf.links if link.name not in children}
+    waiting = list(poses)
+    while waiting:
+        parent = waiting.pop()
+        for joint in below.get(parent, ()):
+            motion = chain(dofs[joint.name], {dof.name: dof.saved for dof in dofs[joint.name]})
+            poses[joint.child] = poses[parent] @ joint.parent_from_joint @ motion
+            waiting.append(joint.child)
+    return poses
+
+
+def _body(link: UrdfLink, world_from_link: Array, names: Names, bundle: Bundle, notes: Notes) -> Body:
+    name = names.links[link.name]
+    weightless = weighs_nothing(link.inertial)
+    shapes = (*((one, True) for one in link.visuals), *((one, False) for one in link.collisions))
+    return Body(
+        name=name,
+        path=(link.name,),
+        parts=tuple(_parts(link, world_from_link, bundle)),
+        titles=frozenset({name, link.name}),
+        held="its root link is called world" if name == WORLD_LINK else "",
+        world_from_body=frozen(world_from_link),
+        given=None if weightless or link.inertial is None else moved(link.inertial, world_from_link),
+        shapes=tuple(
+            _primitive(shape, seen, world_from_link)
+            for shape, seen in shapes
+            if shape.kind != "mesh" and _has_size(shape, link, notes)
+        ),
+    )
+
+
+def _parts(link: UrdfLink, world_from_link: Array, bundle: Bundle) -> Iterator[Part]:
+    """The meshes, sorted by their paths."""
+    roles = (("collision", link.collisions), ("visual", link.visuals))
+    for role, shapes in roles:
+        width = len(str(len(shapes)))
+        for count, shape in enumerate(shapes, start=1):
+            if shape.kind != "mesh":
+                continue
+            key = mesh_key(shape)
+            digest = bundle.requests.get(f"mesh/{key}")
+            pose = frozen(world_from_link @ shape.link_from_shape)
+            yield Part(
+                path=(link.name, role, f"{count:0{width}d}"),
+                name=f"{link.name}/{role} {count}",
+                part_id=key,
+                mesh=MeshRef(digest, key) if digest else None,
+                link_from_part=pose,
+                world_from_part=pose,
+                inertial=ZERO,
+                volume=0.0,
+                collides=role == "collision",
+                seen=role == "visual",
+            )
+
+
+def _has_size(shape: UrdfShape, link: UrdfLink, notes: Notes) -> bool:
+    if min(shape.size) > 0:
+        return True
+    text = f"its {shape.kind} of {' x '.join(f'{length:g}' for length in shape.size)} m is nothing: left out"
+    notes.tell("W-URDF-SHAPE", text, link.name, "give it a size, or take it out")
+    return False
+
+
+def _primitive(shape: UrdfShape, seen: bool, world_from_link: Array) -> Primitive:
+    assert shape.kind != "mesh"
+    pose = frozen(world_from_link @ shape.link_from_shape)
+    return Primitive(shape.kind, shape.size, pose, shape.colour, visual=seen, collision=not seen)
+
+
+def _coupling(
+    joint: UrdfJoint,
+    dofs: Mapping[str, tuple[Dof, ...]],
+    names: Names,
+    numbers: Mapping[str, int],
+    world_from_link: Mapping[str, Array],
+) -> Coupling:
+    return Coupling(
+        name=names.joints[joint.name],
+        type=TYPES[joint.type],
+        bodies=(numbers[joint.child], numbers[joint.parent]),
+        world_from_frames=(
+            frozen(world_from_link[joint.child]),
+            frozen(world_from_link[joint.parent] @ joint.parent_from_joint),
+        ),
+        dofs=dofs[joint.name],
+        residual=0.0,
+        ref=MateRef((), joint.name, joint.name, joint.type),
+        title=joint.name,
+    )
+
+
+def _bonds(urdf: Urdf, names: Names, notes: Notes) -> Iterator[Bond]:
+    for joint in urdf.joints:
+        if joint.mimic is None:
+            continue
+        if joint.type not in SCALAR:
+            text = f"it is {joint.type}, so its <mimic> means nothing: left out"
+            notes.tell("W-URDF-MIMIC", text, joint.name, "take it out")
+            continue
+        yield Bond(
+            title=f"{names.joints[joint.name]}_mimic",
+            type="MIMIC",
+            couplings=(names.joints[joint.mimic.joint], names.joints[joint.name]),
+            ratio=joint.mimic.multiplier,
+            length=0.0,
+            reverse=False,
+            offset=joint.mimic.offset,
+        )
+
+
+def _marker(
+    frame: UrdfFrame, names: Names, numbers: Mapping[str, int], world_from_link: Mapping[str, Array]
+) -> Marker:
+    pose = frozen(world_from_link[frame.link] @ frame.link_from_frame)
+    return Marker(names.frames[frame.name], frame.name, numbers[frame.link], pose, frame.name)

@@ -1,0 +1,60 @@
+"""What a link would weigh if its shapes were solid."""
+
+from collections.abc import Iterable, Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from stages.robot import triangles
+from stages.robot.bundle import Bundle
+from stages.robot.inertia import merged, moved, primitive_inertial, primitive_volume, solid_inertia
+from stages.robot.model import Array, Inertial
+from stages.robot.urdf import UrdfShape, mesh_key
+
+
+def solid_of(shapes: Iterable[UrdfShape], bundle: Bundle) -> Inertial | None:
+    """The solid of density 1 that the shapes make together, in the link's frame; a mesh that is not
+    closed counts as its convex hull. None where nothing holds a volume."""
+    found = [moved(one, shape.link_from_shape) for shape in shapes for one in _solids(shape, bundle)]
+    return merged(found) if found else None
+
+
+def _solids(shape: UrdfShape, bundle: Bundle) -> Iterator[Inertial]:
+    if shape.kind != "mesh":
+        volume = primitive_volume(shape.kind, shape.size)
+        if volume > 0:
+            yield primitive_inertial(shape.kind, shape.size, volume)
+        return
+    key = mesh_key(shape)
+    digest = bundle.requests.get(f"mesh/{key}")
+    body = triangles.decode(bundle.body(digest), [key]).get(key) if digest else None
+    if body is None or not len(body.triangles):
+        return
+    points, index = triangles.distinct(body.points)
+    corners = index[body.triangles]
+    try:
+        yield solid_inertia(*((points, corners) if _closed(corners) else _hull(points)), 1.0)
+    except ValueError:
+        return  # flat, so it holds nothing
+
+
+def _closed(corners: npt.NDArray[np.int64]) -> bool:
+    """Whether every edge of the triangles (m, 3) is run through as often in one sense as in the other."""
+    edges = np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2)
+    forth, back = edges[np.lexsort(edges.T)], edges[:, ::-1]
+    return bool(np.array_equal(forth, back[np.lexsort(back.T)]))
+
+
+def _hull(points: Array) -> tuple[Array, npt.NDArray[np.int64]]:
+    """The convex hull's points and triangles, facing outwards; ValueError where the points are flat."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    try:
+        hull = ConvexHull(points)
+    except QhullError as error:
+        raise ValueError(str(error)) from None
+    corners = hull.simplices.astype(np.int64)
+    a, b, c = np.moveaxis(points[corners], 1, 0)
+    inwards = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
+    corners[inwards] = corners[inwards][:, ::-1]
+    return points, corners

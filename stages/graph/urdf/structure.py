@@ -1,0 +1,94 @@
+"""Whether the links and joints of a file are a tree, and what in it is none, all told at once."""
+
+from collections import Counter
+from collections.abc import Iterable
+
+import networkx as nx
+
+from stages.graph.globs import listed
+from stages.graph.notes import Notes
+from stages.robot.urdf import Urdf, UrdfJoint, UrdfMimic
+
+SCALAR = ("revolute", "continuous", "prismatic")
+"""Types of joints that have one number for their value."""
+
+
+def check_structure(urdf: Urdf, disconnected: bool, notes: Notes) -> None:
+    """E-URDF-* for each thing that keeps the file from being a tree, by joint or link.
+
+    `disconnected`: whether several roots are allowed, since the user says what becomes of them.
+    """
+    links = {link.name for link in urdf.links}
+    sound = [joint for joint in urdf.joints if _ends_are_there(joint, links, notes)]
+    _check_parents(sound, notes)
+    graph: nx.DiGraph[str] = nx.DiGraph()
+    graph.add_nodes_from(links)
+    graph.add_edges_from((joint.parent, joint.child) for joint in sound)
+    for group in sorted(sorted(group) for group in nx.strongly_connected_components(graph)):
+        if len(group) > 1:
+            names = sorted(one.name for one in sound if {one.parent, one.child} <= set(group))
+            text = f"the links {listed(group)} hang on each other in a circle"
+            notes.tell("E-URDF-CYCLE", text, listed(names), "a URDF is a tree: take one of the joints out")
+    roots = sorted(name for name in links if graph.in_degree(name) == 0)
+    if len(roots) > 1 and not disconnected:
+        text = f"{len(roots)} links have no parent: {listed(roots)}"
+        hint = "join them, or say what becomes of them: root.disconnected=weld, drop or separate"
+        notes.tell("E-URDF-ROOTS", text, urdf.name, hint)
+    _check_mimics(urdf, notes)
+
+
+def _ends_are_there(joint: UrdfJoint, links: set[str], notes: Notes) -> bool:
+    missing = [f"{side} {name!r}" for side, name in _ends(joint) if name not in links]
+    if missing:
+        text = f"there is no link for its {' and '.join(missing)}"
+        notes.tell("E-URDF-LINK", text, joint.name, f"links are: {listed(links)}")
+    elif joint.parent == joint.child:
+        text = f"it joins the link {joint.parent!r} to itself"
+        notes.tell("E-URDF-SELF", text, joint.name, "a joint has two different links")
+        return False
+    return not missing
+
+
+def _ends(joint: UrdfJoint) -> Iterable[tuple[str, str]]:
+    return ("parent", joint.parent), ("child", joint.child)
+
+
+def _check_parents(joints: Iterable[UrdfJoint], notes: Notes) -> None:
+    above: dict[str, list[UrdfJoint]] = {}
+    for joint in joints:
+        above.setdefault(joint.child, []).append(joint)
+    for child, several in sorted(above.items()):
+        if len(several) > 1:
+            text = f"the link hangs on {len(several)} joints: {', '.join(sorted(j.name for j in several))}"
+            hint = "a link of a URDF has one parent: a loop must be closed in the MJCF, by an equality"
+            notes.tell("E-URDF-PARENTS", text, child, hint)
+
+
+def _check_mimics(urdf: Urdf, notes: Notes) -> None:
+    """E-URDF-MIMIC for a joint that cannot follow what it says it follows."""
+    counts = Counter(joint.name for joint in urdf.joints)
+    joints = {joint.name: joint for joint in urdf.joints if counts[joint.name] == 1}
+    hint = "mend the <mimic>, or take it out"
+    for joint in sorted(joints.values(), key=lambda one: one.name):
+        if joint.mimic is not None and joint.type in SCALAR:
+            why = _unfollowed(joint, joint.mimic, joints)
+            if why:
+                notes.tell("E-URDF-MIMIC", why, joint.name, hint)
+
+
+def _unfollowed(joint: UrdfJoint, mimic: UrdfMimic, joints: dict[str, UrdfJoint]) -> str:
+    """Why the joint cannot follow; "" where it can."""
+    if mimic.joint == joint.name:
+        return "it mimics itself"
+    driver = joints.get(mimic.joint)
+    if driver is None:
+        return f"it mimics {mimic.joint!r}, which is no joint"
+    if driver.type not in SCALAR:
+        return f"it mimics {mimic.joint!r}, which is {driver.type} and so has no single value"
+    seen = [joint.name]
+    while driver is not None and driver.mimic is not None:
+        if driver.name in seen:
+            return f"it mimics in a circle: {', '.join(sorted(seen))}" if driver is joint else ""
+        seen.append(driver.name)
+        driver = joints.get(driver.mimic.joint)
+    return ""

@@ -1,0 +1,112 @@
+"""Random URDFs: what is read is what the file says, by Pinocchio on the file and MuJoCo on our MJCF.
+
+Poses, mass matrix, gravity, limits and mimics agree at random values; with another link as the root the
+poses do, and what the joints feel of the masses where nothing holds the robot.
+"""
+
+import tempfile
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from stages.robot.inertia import moved
+from stages.robot.model import Robot
+from stages.validate import validate
+from tests.building import plan_of, write
+from tests.engines import Mujoco, Pinocchio
+from tests.random_urdf import urdfs
+from tests.urdfs import parity, relative, same_bounds, urdf_robot
+
+TOLERANCE = 1e-9
+slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
+
+
+@settings(max_examples=60, **slowly)
+@given(urdfs())
+def test_the_files_are_the_urdf(text: str) -> None:
+    robot = urdf_robot(text)
+    with tempfile.TemporaryDirectory() as folder:
+        files = write(robot, Path(folder)).files
+        assert parity(text.encode(), robot, files, Path(folder)).worst < TOLERANCE
+        assert not [check for check in validate(Path(folder), robot, plan_of()) if not check.passed]
+    assert not same_bounds(text.encode(), robot, files["robot.urdf"])
+
+
+@settings(max_examples=40, **slowly)
+@given(urdfs(), st.integers(0, 100))
+def test_another_root_is_the_same_robot(text: str, which: int) -> None:
+    first = urdf_robot(text)
+    if first.root.name == "world":
+        return
+    names = sorted(link.name for link in first.links)
+    robot = urdf_robot(text, plan_of(root={"select": names[which % len(names)]}))
+    with tempfile.TemporaryDirectory() as folder:
+        write(robot, Path(folder))
+        engine = Mujoco(Path(folder) / "robot.xml")
+        assert not [check for check in validate(Path(folder), robot, plan_of()) if not check.passed]
+        random = np.random.default_rng(which)
+        q = {dof.name: float(random.uniform(-2, 2)) for dof in robot.dofs}
+        true_q = {joint.name: joint.mate.name for joint in robot.joints}
+        true_q = {true_q[name]: value for name, value in q.items()}
+        true_poses = Pinocchio(text.encode()).poses(true_q)
+        poses = engine.poses(q)
+        # A link that was above its joint and now hangs on it has its frame there: its body is the same.
+        bodies = {
+            link.name: (moved(link.inertial, poses[link.name]), moved(one.inertial, true_poses[link.path[0]]))
+            for link, one in ((link, first.link(link.name)) for link in robot.links)
+        }
+        to_ours = poses[robot.root.name] @ np.linalg.inv(true_poses[robot.root.path[0]])
+        for found, expected in bodies.values():
+            assert np.abs(found.com - moved(expected, to_ours).com).max() < TOLERANCE
+            assert relative(found.inertia, moved(expected, to_ours).inertia) < TOLERANCE
+        for frame in robot.frames:
+            off = poses[frame.link] @ frame.link_from_frame - to_ours @ true_poses[frame.source]
+            assert np.abs(off).max() < TOLERANCE
+        if robot.dofs:
+            assert relative(*afloat(text, robot, engine, q)) < TOLERANCE
+
+
+def afloat(text: str, robot: Robot, engine: Mujoco, q: dict[str, float]) -> tuple[np.ndarray, np.ndarray]:
+    """What the joints feel of the masses where nothing holds the root: M_jj − M_jb M_bb⁻¹ M_bj, which no
+    choice of a root changes; of our MJCF, and of the file."""
+    names = [dof.name for dof in robot.dofs]
+    true_names = {joint.name: joint.mate.name for joint in robot.joints}
+    engine.poses(q)
+    full = np.zeros((engine.model.nv, engine.model.nv))
+    mujoco.mj_fullM(engine.model, engine.data, full)
+    ours = _eliminated(full, [int(engine.model.joint(name).dofadr[0]) for name in names])
+    model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
+    value = pin.neutral(model)
+    joints = [model.joints[model.getJointId(true_names[name])] for name in names]
+    for joint, name in zip(joints, names, strict=True):
+        numbers = [q[name]] if joint.nq == 1 else [np.cos(q[name]), np.sin(q[name])]
+        value[joint.idx_q : joint.idx_q + joint.nq] = numbers
+    upper = np.triu(pin.crba(model, model.createData(), value))
+    return ours, _eliminated(upper + np.triu(upper, 1).T, [joint.idx_v for joint in joints])
+
+
+def _eliminated(full: np.ndarray, order: list[int]) -> np.ndarray:
+    base = np.arange(6)
+    across = full[np.ix_(base, order)]
+    return full[np.ix_(order, order)] - across.T @ np.linalg.solve(full[np.ix_(base, base)], across)
+
+
+@settings(max_examples=30, **slowly)
+@given(urdfs())
+def test_our_urdf_is_read_as_the_same_robot(text: str) -> None:
+    first = urdf_robot(text)
+    with tempfile.TemporaryDirectory() as folder:
+        ours = write(first, Path(folder)).files["robot.urdf"]
+    second = urdf_robot(ours)
+    assert [link.name for link in second.links] == [link.name for link in first.links]
+    assert [joint.name for joint in second.joints] == [joint.name for joint in first.joints]
+    assert {frame.name for frame in second.frames} == {frame.name for frame in first.frames}
+    assert [d.limits for d in second.dofs] == [d.limits for d in first.dofs]
+    assert second.relations == first.relations
+    for one, other in zip(second.links, first.links, strict=True):
+        assert abs(one.inertial.mass - other.inertial.mass) < TOLERANCE
+        assert np.abs(one.inertial.inertia - other.inertial.inertia).max() < TOLERANCE * 100
