@@ -5,6 +5,8 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from stages.robot.urdftext import HINTS
+
 TOP = Path(__file__).resolve().parents[2]
 CODE = re.compile(r"""["']([EWI]-[A-Z][A-Z0-9-]*)["']""")
 ROW = re.compile(r"^\| `([EWI]-[A-Z0-9-]+)` \| (.+?) \| (.+?) \| (.+?) \|$")
@@ -78,9 +80,12 @@ def test_every_error_and_warning_of_a_stage_has_a_place_and_a_hint() -> None:
     for file in sorted((TOP / "stages").rglob("*.py")):
         source = file.read_text()
         seen |= {code for _, code, _ in told(source)}
-        # In the URDF's own `tell` the place is the file itself.
-        arguments = 2 if file.name == "urdf.py" else 3
-        lacking += [(file.relative_to(TOP), *one) for one in incomplete(source, arguments)]
+        # Of what a URDF says wrong, one table has the hints of those that have none of their own.
+        known = HINTS if file.name in ("urdftext.py", "urdfshapes.py", "urdfxml.py") else {}
+        found = incomplete(source, 3)
+        if file.name == "urdf.py":  # in its own `tell` the place is the file itself
+            found = incomplete(source, 2)
+        lacking += [(file.relative_to(TOP), *one) for one in found if one[1] not in known]
     assert lacking == []
     assert seen == {code for code, places in spoken().items() if places != {"pipeline"}}
 

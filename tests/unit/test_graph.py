@@ -118,7 +118,7 @@ def test_a_gear_turns_its_second_mate_against_its_first_unless_reversed(
     (relation,) = robot.relations
     assert (relation.driver, relation.follower) == ("first", "second")
     assert (relation.multiplier, relation.offset) == (multiplier, 0.0)
-    assert codes(robot) == ["W-LIMIT", "W-LIMIT"]
+    assert codes(robot) == ["W-LIMIT"]
 
 
 def test_the_saved_pose_is_believed_where_it_fits_the_opposite_sign(kit: Kit) -> None:

@@ -1,0 +1,156 @@
+"""`python -m tests.benchmarks.example_robots [FOLDER]`: every URDF of example-robot-data through all stages.
+
+For each: whether plain MuJoCo loads the file as it is; what the source had to be told (bad inertias
+projected, missing meshes skipped), and why without that; checks of the validate stage that pass; how far
+our URDF and MJCF are from Pinocchio's reading of the file, at random values; seconds; or why it is
+refused. FOLDER: where example-robot-data lies (its `robots`), unless the package is installed. Ends
+with exit status 1 where fewer than `GOAL` convert, or one of them is not its file.
+"""
+
+import argparse
+import sys
+import tempfile
+import time
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+import mujoco
+
+from pipeline.plan import Plan
+from stages.export import export
+from stages.fetch.local.gather import gather
+from stages.graph import build_robot
+from stages.mesh import make_geometry
+from stages.robot.errors import LinkwrightError
+from stages.robot.listening import listening
+from stages.validate import validate
+from tests.building import plan_of
+from tests.urdfs import parity, same_bounds
+
+GOAL = 66
+CLOSE = 1e-9
+SETTLES = {
+    "E-INERTIA": ("bad_inertia", "project"),
+    "E-MASS": ("bad_inertia", "project"),
+    "E-MESH": ("missing_meshes", "skip"),
+}
+"""The setting of the source that gets a robot past a problem, by the start of its code."""
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """What became of one file. `told`: settings, with the codes that made them necessary."""
+
+    name: str
+    plain: bool
+    told: str = ""
+    passed: str = ""
+    failed: str = ""
+    apart: float = 0.0
+    bounds: str = ""
+    seconds: float = 0.0
+    refused: str = ""
+
+    @property
+    def good(self) -> bool:
+        return not (self.refused or self.failed or self.bounds) and self.apart < CLOSE
+
+    def __str__(self) -> str:
+        start = f"{self.name:48} {'loads' if self.plain else '-':6}"
+        if self.refused:
+            return f"{start} refused: {self.refused}"
+        end = "; ".join(filter(None, (self.told, self.failed, self.bounds)))
+        return f"{start} {self.passed:7} {self.apart:8.1e} {self.seconds:6.1f} s  {end}"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("folder", nargs="?", type=Path, help="where example-robot-data lies")
+    parser.add_argument("--only", default="", help="files whose path has this in it")
+    asked = parser.parse_args()
+    share = asked.folder or _installed()
+    files = [path for path in sorted(share.rglob("*.urdf")) if asked.only in str(path)]
+    print(f"{'file':48} {'MuJoCo':6} {'checks':7} {'apart':>8} {'time':>8}  notes")
+    rows = []
+    for path in files:
+        rows.append(_row(path, share))
+        print(rows[-1], flush=True)
+    made = [row for row in rows if not row.refused]
+    good = [row for row in made if row.good]
+    print(
+        f"{len(rows)} files: plain MuJoCo loads {sum(row.plain for row in rows)}; {len(made)} convert, "
+        f"{sum(not row.told for row in made)} of them as they are; {len(good)} with all checks and parity "
+        f"(the worst {max((row.apart for row in made), default=0.0):.1e}); {len(rows) - len(made)} refused"
+    )
+    return 0 if len(good) >= min(GOAL, len(rows)) and len(good) == len(made) else 1
+
+
+def _installed() -> Path:
+    import example_robot_data
+
+    return Path(example_robot_data.robots_loader.getModelPath("."))
+
+
+def _row(path: Path, share: Path) -> Row:
+    name = str(path.relative_to(share).with_suffix("")).removeprefix("robots/").replace("_description", "")
+    row = {"name": name, "plain": _loads(path)}
+    begin = time.perf_counter()
+    settings: dict[str, str] = {}
+    reasons: Counter[str] = Counter()
+    while True:
+        try:
+            made = _made(path, settings)
+            break
+        except LinkwrightError as error:
+            codes = Counter(problem.code for problem in error.problems)
+            found = {SETTLES[start] for code in codes for start in SETTLES if code.startswith(start)}
+            if not codes or set(found) <= set(settings.items()):
+                first = error.problems[0] if error.problems else error
+                text = f"{first.where}: {first.message}".splitlines()[0]
+                counted = ", ".join(f"{count} {code}" for code, count in sorted(codes.items()))
+                return Row(**row, refused=f"{counted or type(error).__name__}: {text[:110]}")
+            settings |= dict(found)
+            reasons |= codes
+    told = ", ".join(f"{key}={value}" for key, value in sorted(settings.items()))
+    if told:
+        told += f" ({', '.join(f'{count} {code}' for code, count in sorted(reasons.items()))})"
+    return Row(**row, told=told, **made, seconds=time.perf_counter() - begin)
+
+
+def _loads(path: Path) -> bool:
+    with listening():
+        try:
+            mujoco.MjModel.from_xml_path(str(path))
+        except ValueError:
+            return False
+    return True
+
+
+def _made(path: Path, settings: dict[str, str]) -> dict[str, object]:
+    """All stages but the cache, and what they are worth; AssemblyError or SourceError where it is refused."""
+    plan: Plan = plan_of(source={"kind": "urdf", "path": str(path), **settings})
+    with tempfile.TemporaryDirectory() as scratch:
+        here = Path(scratch)
+        bundle, _ = gather(plan.source, {})
+        robot = build_robot(bundle, plan)
+        geometry = make_geometry(robot, bundle, plan, lambda kind, key, make: make())
+        files = export(robot, geometry, plan).files
+        for name, data in files.items():
+            (here / name).parent.mkdir(parents=True, exist_ok=True)
+            (here / name).write_bytes(data)
+        checks = validate(here, robot, plan)
+        text = bundle.body(bundle.definition)
+        apart = parity(text, robot, files, here).worst
+        bounds = same_bounds(text, robot, files["robot.urdf"])
+    failed = [f"{check.name}: {check.detail[:100]}" for check in checks if not check.passed]
+    return {
+        "passed": f"{len(checks) - len(failed)}/{len(checks)}",
+        "failed": "; ".join(failed[:3]),
+        "apart": apart,
+        "bounds": "; ".join(bounds[:3]),
+    }
+
+
+if __name__ == "__main__":
+    sys.exit(main())

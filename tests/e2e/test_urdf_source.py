@@ -1,0 +1,65 @@
+"""A URDF as the source of a build, through the real command."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import trimesh
+
+from tests.e2e.command import environment, linkwright, robot_files
+
+INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+MESH = '<geometry><mesh filename="package://arm/meshes/a.stl" scale="1 -1 1"/></geometry>'
+LINK = f"{INERTIAL}<visual>{MESH}</visual><collision>{MESH}</collision>"
+ROBOT = f"""<robot name="arm"><link name="base">{LINK}</link><link name="tip">{LINK}</link>
+<joint name="elbow" type="revolute"><parent link="base"/><child link="tip"/><origin xyz="0 0 1"/>
+<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="5" velocity="2"/></joint></robot>"""
+
+
+@pytest.fixture
+def here(tmp_path: Path) -> Path:
+    (tmp_path / "far" / "meshes").mkdir(parents=True)
+    trimesh.creation.box((0.1, 0.2, 0.4)).export(tmp_path / "far" / "meshes" / "a.stl")
+    (tmp_path / "arm.urdf").write_text(ROBOT)
+    return tmp_path
+
+
+def source(**more: str) -> list[str]:
+    given = {"path": "arm.urdf", "packages": "{arm: far}", **more}
+    return ["source=urdf", *(f"source.{key}={value}" for key, value in given.items())]
+
+
+def test_a_robot_is_built_and_its_bundle_builds_the_same_elsewhere(here: Path) -> None:
+    built = linkwright(here, *source())
+    assert built.returncode == 0, built.stderr
+    packed = linkwright(here, "bundle", "arm", "arm.zip")
+    assert packed.returncode == 0, packed.stderr
+    there = here / "there"
+    there.mkdir()
+    (here / "arm.zip").rename(there / "arm.zip")
+    again = linkwright(there, "source=bundle", "source.path=arm.zip")
+    assert again.returncode == 0, again.stderr
+    files = robot_files(here / "outputs" / "arm")
+    assert robot_files(there / "outputs" / "arm") == files
+    written = [*files.values(), *(path.read_bytes() for path in (here / "outputs").rglob("report.*"))]
+    assert not [data for data in written if str(here).encode() in data]
+
+
+def test_an_unchanged_file_is_cached_without_a_heavy_import_and_a_changed_mesh_is_not(
+    here: Path,
+) -> None:
+    assert linkwright(here, *source()).returncode == 0
+    code = (
+        "import sys; from pipeline.cli import run; assert run(sys.argv[1:]) == 0\n"
+        "heavy = 'numpy scipy trimesh mujoco networkx lxml collada xacro'.split()\n"
+        "print('heavy:', [name for name in heavy if name in sys.modules])"
+    )
+    command = [sys.executable, "-c", code, *source()]
+    done = subprocess.run(
+        command, cwd=here, env=environment(here), capture_output=True, text=True, check=True
+    )
+    assert "heavy: []" in done.stdout
+    assert done.stderr.count("(cached)") == 5
+    trimesh.creation.box((0.2, 0.2, 0.4)).export(here / "far" / "meshes" / "a.stl")
+    assert linkwright(here, *source()).stderr.count("(cached)") < 5
