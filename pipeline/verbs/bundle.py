@@ -23,8 +23,9 @@ NAME is the robot's name, or the folder that its build left. The replies come fr
 call is made: the one that the build used (key cache.dir, environment LINKWRIGHT_CACHE, or the
 platform's), unless cache.dir= names another. OUT.zip is replaced if it is a zip file.
 
-The zip holds replies of the CAD system as they came: no key, and nothing about this computer. To
-build from it, on any computer, with the same configuration and to the same robot files:
+The zip holds replies of the CAD system as they came; of a URDF its text (after xacro) and the
+triangles of its meshes, of an MJCF what MuJoCo made of it. No key, and nothing about this computer.
+To build from it, on any computer, with the same configuration and to the same robot files:
 
   linkwright robot=my_arm source=bundle source.path=my_arm.zip
 

@@ -43,7 +43,10 @@ def bonded(robot: Robot, bonds: Sequence[Bond], notes: Notes) -> tuple[Bonded, .
         try:
             one = _said(robot, scalar, bond) if bond.type == "MIMIC" else _bonded(robot, joints, bond)
         except _Unfit as why:
+            # Only a robot's own file says a relation in full.
+            in_file = bond.type == "MIMIC"
             hint = "mend the relation or its mates in Onshape, or suppress it"
+            hint = "mend it in the file, or take it out" if in_file else hint
             notes.tell("W-RELATION", f"{why}: its joints move independently", bond.title, hint)
             continue
         if one is None:
@@ -51,7 +54,7 @@ def bonded(robot: Robot, bonds: Sequence[Bond], notes: Notes) -> tuple[Bonded, .
             notes.tell("E-RELATION", text, bond.title, "make the mate CYLINDRICAL")
         elif one.driver == one.follower:
             text = f"the joint {one.driver!r} is related to itself"
-            notes.tell("E-RELATION", text, bond.title, "choose two mates")
+            notes.tell("E-RELATION", text, bond.title, "choose two that are different")
         else:
             found.append(one)
     return tuple(found)

@@ -121,12 +121,12 @@ def check_limits(
     """Tells what limits lack or contradict; gives locked dofs the little play that engines need.
 
     `unknown`: why limits that CAD has are not known, by dof. `wanted` and `added`: what `joints:` and
-    `links:` say; limits that they leave open are open on purpose. `posed`: whether someone left the
-    robot in its saved pose.
+    `links:` say; limits that they leave open are open on purpose. `posed`: whether someone drew the
+    robot and left it in its saved pose.
     """
     settled = [glob for glob, keys in (wanted or {}).items() if keys.limits is not None]
     settled += [joint.name for joint in robot.joints if joint.mate is None and _settles(joint, added or {})]
-    _tell_missing(robot, unknown, settled, notes)
+    _tell_missing(robot, unknown, settled, notes, posed)
     idle = {dof.name for loop in robot.loops if loop.type in POINTWISE for dof in loop.dofs}
     return with_each_dof(robot, lambda dof: dof if dof.name in idle else _checked(dof, notes, posed))
 
@@ -150,7 +150,9 @@ def tell_loops(robot: Robot, unknown: Mapping[str, str], notes: Notes) -> None:
                 notes.tell("W-LOOP-LIMIT", text, dof.name, hint)
 
 
-def _tell_missing(robot: Robot, unknown: Mapping[str, str], settled: Sequence[str], notes: Notes) -> None:
+def _tell_missing(
+    robot: Robot, unknown: Mapping[str, str], settled: Sequence[str], notes: Notes, posed: bool
+) -> None:
     """Every dof of the tree whose limits are not known or not there; one block of YAML for them all.
 
     What follows another is bounded by what drives it.
@@ -167,7 +169,7 @@ def _tell_missing(robot: Robot, unknown: Mapping[str, str], settled: Sequence[st
                 freely = ": it turns freely" if dof.kind == "turn" else ""
                 lacking.append((joint, dof, f"the joint has no limits{freely}"))
     for joint, dof, text in lacking:
-        hint = "set them on the mate, or " if joint.mate else ""
+        hint = f"set them {'on the mate' if posed else 'in the file'}, or " if joint.mate else ""
         hint += f"joints: {{{dof.name}: {{limits: [low, high]}}}}  # {UNITS[dof.kind]}"
         if len(lacking) > 1 and dof is lacking[-1][1]:
             hint += f"\nall at once, null being open:\n{_block([dof for _, dof, _ in lacking])}"
@@ -201,7 +203,7 @@ def _checked(dof: Dof, notes: Notes, posed: bool) -> Dof:
         return dof
     if low > high:
         text = f"the lower limit {low:.6g} is above the upper {high:.6g}"
-        notes.tell("E-LIMIT", text, dof.name, f"mend the mate, or {settle}")
+        notes.tell("E-LIMIT", text, dof.name, f"mend the {'mate' if posed else 'file'}, or {settle}")
         return dof
     value = measured(dof.saved)
     if posed and value is not None and not low - BEYOND <= value <= high + BEYOND:
@@ -209,7 +211,7 @@ def _checked(dof: Dof, notes: Notes, posed: bool) -> Dof:
         notes.tell("W-SAVED-POSE", text, dof.name, "move it back in Onshape, or mend the limits")
     if low == high:
         text = f"the joint is locked at {low:.6g}: it keeps a play of {LOCKED_PLAY:g} {UNITS[dof.kind]}"
-        hint = "FASTEN the mate to make one link of it"
+        hint = "FASTEN the mate to make one link of it" if posed else "make it a fixed joint"
         notes.tell("W-LIMIT-LOCKED", f"{text} either way", dof.name, hint)
         return replace(dof, limits=Limits(low - LOCKED_PLAY, high + LOCKED_PLAY))
     return dof

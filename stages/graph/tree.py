@@ -21,6 +21,8 @@ Node = TypeVar("Node", int, str)
 CUT_LAST: dict[JointType, int] = {"prismatic": 0, "revolute": 2, "ball": 3, "fixed": 4}
 """Couplings go into the tree by this rank (others: 1); the last are the first to be cut."""
 
+_JOIN = "give it a joint to the rest in the file, or take it out"
+
 LEFT_OUT = ("W-MATE-BROKEN", "W-FEATURE", "W-PEER-MATE")
 """Findings of what holds nothing: told beside parts that hang on nothing, as they may be why."""
 
@@ -169,8 +171,12 @@ def _disconnected(mechanism: Mechanism, root: int, loose: list[list[int]], notes
         parts = sorted(part.name for body in island for part in bodies[body].parts)
         names = ", ".join(sorted(bodies[body].name for body in island))
         what = f"{len(parts)} part(s) hang on nothing that reaches the root: {names}"
+        where = parts[0] if parts else names
         way_out = "mate it in Onshape (a FASTENED mate makes two parts one link), or suppress it"
-        problems.append(Diagnostic("E-LOOSE", what, parts[0] if parts else names, way_out))
+        if not mechanism.posed:
+            what = f"{len(island)} link(s) hang on nothing that reaches the root"
+            where, way_out = names, _JOIN
+        problems.append(Diagnostic("E-LOOSE", what, where, way_out))
     count = sum(len(island) for island in loose)
     msg = f"{count} of {len(bodies)} bodies are not connected to the root {bodies[root].name!r}"
     hint = (
@@ -194,7 +200,7 @@ def _settle(
     bodies = mechanism.bodies
     names = ", ".join(sorted(bodies[body].name for body in island))
     where = f"root.disconnected: {keys.root.disconnected}"
-    hint = "mate it in Onshape to what it belongs to, or suppress it"
+    hint = "mate it in Onshape to what it belongs to, or suppress it" if mechanism.posed else _JOIN
     if keys.root.disconnected == "drop":
         notes.tell("I-LOOSE", f"{names}: left out, as it hangs on nothing", where, hint)
         return

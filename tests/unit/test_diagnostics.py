@@ -5,7 +5,18 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
+import pytest
+
+from stages.graph.bonds import bonded
+from stages.graph.keys import GraphKeys
+from stages.graph.mechanism import Body, Bond, Mechanism
+from stages.graph.notes import Notes
+from stages.graph.tree import spanning_tree
+from stages.robot.errors import Diagnostic, Disconnected
+from stages.robot.model import Provenance
 from stages.robot.urdftext import HINTS
+from tests.robots import joint, robot_with
 
 TOP = Path(__file__).resolve().parents[2]
 CODE = re.compile(r"""["']([EWI]-[A-Z][A-Z0-9-]*)["']""")
@@ -105,3 +116,34 @@ def test_the_table_is_in_order_and_the_readme_leads_to_it() -> None:
     codes = [code for code, *_ in written()]
     assert codes == sorted(codes, key=lambda code: ("EWI".index(code[0]), code))
     assert "stages/DIAGNOSTICS.md" in (TOP / "README.md").read_text()
+
+
+@pytest.mark.parametrize(("kind", "place"), [("GEAR", "in Onshape"), ("MIMIC", "in the file")])
+def test_a_relation_is_mended_where_it_was_said(kind: str, place: str) -> None:
+    notes = Notes()
+    robot = robot_with([joint("revolute", "base", "arm", [0.0], name="r1")])
+    bonded(robot, [Bond("Bond", kind, ("r1", "gone"), 1.0, 0.0, False)], notes)
+    (only,) = notes.found
+    assert only.code == "W-RELATION"
+    assert [where for where in ("in Onshape", "in the file") if where in only.hint] == [place]
+
+
+def loose(posed: bool) -> list[Diagnostic]:
+    """What is told of two links that nothing joins, however `root.disconnected` settles it."""
+    bodies = tuple(Body(name, (name,), (), frozenset({name}), "", np.eye(4)) for name in ("a", "b"))
+    drawn = Mechanism(bodies, (), (), (), Provenance("", "", "", ""), root=0, posed=posed)
+    with pytest.raises(Disconnected) as caught:
+        spanning_tree(drawn, GraphKeys(), Notes())
+    notes = Notes()
+    for how in ("weld", "drop", "separate"):
+        spanning_tree(drawn, GraphKeys.model_validate({"root": {"disconnected": how}}), notes)
+    return [*caught.value.problems, *notes.found]
+
+
+def test_what_hangs_on_nothing_is_mended_where_it_was_drawn() -> None:
+    for posed, place in ((True, "in Onshape"), (False, "in the file")):
+        found = loose(posed)
+        assert [one.code for one in found] == ["E-LOOSE", *["I-LOOSE"] * 3]
+        assert all(place in one.hint for one in found)
+    assert found[0].message == "1 link(s) hang on nothing that reaches the root"
+    assert found[0].where == "b"
