@@ -13,13 +13,18 @@ SI: Mapping[Measure, str] = {"length": "m", "angle": "rad"}
 """The unit of each measure in which numbers without a unit are given."""
 
 _LENGTHS = {
-    1e-6: ("um", "micrometer", "micrometers", "micron", "microns"),
+    1e-9: ("nm", "nanometer", "nanometers", "nanometre", "nanometres"),
+    1e-6: ("um", "µm", "micrometer", "micrometers", "micron", "microns"),
     1e-3: ("mm", "millimeter", "millimeters", "millimetre", "millimetres"),
+    2.54e-5: ("thou", "mil", "mils"),
     1e-2: ("cm", "centimeter", "centimeters", "centimetre", "centimetres"),
+    1e-1: ("dm", "decimeter", "decimeters", "decimetre", "decimetres"),
     1.0: ("m", "meter", "meters", "metre", "metres"),
-    0.0254: ("in", "inch", "inches"),
-    0.3048: ("ft", "foot", "feet"),
+    1e3: ("km", "kilometer", "kilometers", "kilometre", "kilometres"),
+    0.0254: ("in", "inch", "inches", '"', "″"),
+    0.3048: ("ft", "foot", "feet", "'", "′"),
     0.9144: ("yd", "yard", "yards"),
+    1609.344: ("mi", "mile", "miles"),
 }
 _ANGLES = {
     math.pi / 180: ("deg", "degree", "degrees", "°"),

@@ -14,6 +14,7 @@ Function = Callable[[Sequence[Quantity]], Quantity]
 CONSTANTS: Mapping[str, Value] = {"PI": Quantity(math.pi), "true": True, "false": False}
 
 _MANY = 64
+_MOST_PLACES = 300
 
 
 def _angle(name: str, compute: Callable[[float], float]) -> Function:
@@ -86,6 +87,26 @@ def _root(values: Sequence[Quantity]) -> Quantity:
     return Quantity(math.sqrt(value.value), value.length / 2, value.angle / 2)
 
 
+def _to_precision(values: Sequence[Quantity]) -> Quantity:
+    """A number rounded to so many decimal places, before the point where there are fewer than none."""
+    places = values[1].value
+    if any(value.dimension != NONE for value in values) or places != int(places):
+        msg = "roundToPrecision() takes a number and a whole number of decimal places"
+        raise ExpressionError(msg)
+    if abs(places) > _MOST_PLACES:
+        msg = f"roundToPrecision() to more than {_MOST_PLACES} places"
+        raise ExpressionError(msg)
+    scale = 10.0 ** abs(places)
+    if places < 0:
+        return Quantity(_half_up(values[0].value / scale) * scale)
+    return Quantity(_half_up(Quantity(values[0].value * scale).checked().value) / scale)
+
+
+def _clamped(values: Sequence[float]) -> float:
+    value, low, high = values
+    return min(max(value, low), high)
+
+
 def _half_up(value: float) -> float:
     return float(math.floor(value + 0.5))
 
@@ -93,7 +114,8 @@ def _half_up(value: float) -> float:
 FUNCTIONS: Mapping[str, tuple[int, int, Function]] = {
     **{name: (1, 1, _angle(name, getattr(math, name))) for name in ("sin", "cos", "tan")},
     **{name: (1, 1, _number(name, getattr(math, name), 1)) for name in ("asin", "acos", "atan")},
-    **{name: (1, 1, _number(name, getattr(math, name))) for name in ("sinh", "cosh", "tanh", "exp")},
+    **{name: (1, 1, _number(name, getattr(math, name))) for name in ("sinh", "cosh", "tanh", "exp", "exp2")},
+    **{name: (1, 1, _number(name, getattr(math, name))) for name in ("asinh", "acosh", "atanh")},
     "log": (1, 1, _number("log", math.log)),
     "log10": (1, 1, _number("log10", math.log10)),
     "atan2": (2, 2, _atan2),
@@ -105,5 +127,7 @@ FUNCTIONS: Mapping[str, tuple[int, int, Function]] = {
     "floor": (1, 2, _stepped("floor", lambda value: float(math.floor(value)))),
     "ceil": (1, 2, _stepped("ceil", lambda value: float(math.ceil(value)))),
     "round": (1, 2, _stepped("round", _half_up)),
+    "roundToPrecision": (2, 2, _to_precision),
+    "clamp": (3, 3, _alike("clamp", _clamped)),
 }
 """Name → (fewest values, most values, the function)."""

@@ -1,11 +1,14 @@
 """The grammar of expressions: text to a tree, by precedence climbing.
 
 Precedence from loose to tight: `? :`, `||`, `&&`, equality, order, `+ -`, `* / %`, a unit after a
-value, unary signs, `^` (which groups to the right). So `6 mm / 3 mm` is 2; but a fraction of two
-numbers is one number, as on paper: `1/2 in` is half an inch. Length and depth are bounded, since the
-text comes from a document that anyone may have written.
+value, unary signs, `^` (which groups to the right). So `6 mm / 3 mm` is 2; but numbers and constants
+that are multiplied or divided before a unit are one number, as on paper: `1/2 in` is half an inch,
+`PI/2 rad` a right angle. So are a whole number and a fraction (`1 1/2 in`), and values that follow each
+other in ever smaller units are one value (`1 ft 2 in`, `1' 2 1/2"`). Length and depth are bounded, since
+the text comes from a document that anyone may have written.
 """
 
+import math
 import re
 from dataclasses import dataclass
 from typing import Literal
@@ -16,7 +19,7 @@ from stages.robot.units import UNITS
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"
     r"|(?P<variable>#[A-Za-z_]\w*)"
-    r"|(?P<name>[A-Za-z_]\w*|°)"
+    r"|(?P<name>[A-Za-z_]\w*|µm|[°'\"′″])"
     r"|(?P<sign>&&|\|\||==|!=|<=|>=|[-+*/%^()<>?:,!]))"
 )
 _MOST_TOKENS = 400
@@ -24,6 +27,7 @@ DEEPEST = 60
 _BINARY = {"||": 2, "&&": 3, "==": 4, "!=": 4, "<": 5, ">": 5, "<=": 5, ">=": 5}
 _BINARY |= {"+": 6, "-": 6, "*": 7, "/": 7, "%": 7, "^": 10}
 _TERNARY, _UNIT, _UNARY = 1, 8, 9
+_CONSTANT = "PI"
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,7 +90,9 @@ class _Parser:
         kind, token = self._peek()
         self._at += 1
         if kind == "number":
-            return Node("number", token) if exponent else self._fraction(token)
+            return Node("number", token) if exponent else self._literal(token)
+        if token == _CONSTANT and not exponent:
+            return self._before_unit(Node("name", token))
         if kind == "variable":
             return Node("variable", token[1:])
         if kind == "name":
@@ -103,13 +109,57 @@ class _Parser:
         msg = f"{token!r} is not expected there" if kind else "it ends too early"
         raise ExpressionError(msg)
 
-    def _fraction(self, number: str) -> Node:
-        """A number, with what it is divided by where that is a number and a unit follows."""
-        slash, below, after = (self._peek(ahead) for ahead in range(3))
-        if slash[1] == "/" and below[0] == "number" and after[0] == "name" and after[1] in UNITS:
+    def _literal(self, number: str) -> Node:
+        """A number as on paper: with a fraction, with what it is multiplied or divided by before a unit, or
+        with values in smaller units after its own."""
+        value = self._mixed(number)
+        if self._peek()[1] not in UNITS or self._peek(1)[0] != "number":
+            return self._before_unit(value)
+        size = math.inf
+        total: Node | None = None
+        while self._peek()[1] in UNITS:
+            unit = self._peek()[1]
+            if UNITS[unit][0] >= size:
+                msg = f"{unit!r} is not expected there: it is no smaller than the unit before it"
+                raise ExpressionError(msg)
+            self._at += 1
+            size = UNITS[unit][0]
+            part = Node("binary", "*", (value, Node("name", unit)))
+            total = part if total is None else Node("binary", "+", (total, part))
+            kind, token = self._peek()
+            if kind != "number":
+                return total
+            self._at += 1
+            value = self._mixed(token)
+        msg = "a number without its unit stands after one with a unit"
+        raise ExpressionError(msg)
+
+    def _mixed(self, number: str) -> Node:
+        """A whole number with a fraction after it, `1 1/2`, is their sum; else the number itself."""
+        above, slash, below = (self._peek(ahead) for ahead in range(3))
+        whole = number.isdigit() and above[1].isdigit() and below[1].isdigit()
+        if not (whole and slash[1] == "/"):
+            return Node("number", number)
+        self._at += 3
+        fraction = Node("binary", "/", (Node("number", above[1]), Node("number", below[1])))
+        return Node("binary", "+", (Node("number", number), fraction))
+
+    def _before_unit(self, value: Node) -> Node:
+        """A number or constant with those that it is multiplied or divided by, where a unit comes next."""
+        ahead = 0
+        while self._peek(ahead)[1] in ("*", "/") and self._is_plain(self._peek(ahead + 1)):
+            ahead += 2
+        several = self._peek(ahead + 1)[0] == "number"  # 2 * 1 ft 2 in
+        if ahead == 0 or several or self._peek(ahead)[1] not in UNITS:
+            return value
+        for _ in range(0, ahead, 2):
+            (_, sign), (kind, token) = self._peek(), self._peek(1)
             self._at += 2
-            return Node("binary", "/", (Node("number", number), Node("number", below[1])))
-        return Node("number", number)
+            value = Node("binary", sign, (value, Node("number" if kind == "number" else "name", token)))
+        return value
+
+    def _is_plain(self, token: tuple[str, str]) -> bool:
+        return token[0] == "number" or token[1] == _CONSTANT
 
     def _arguments(self) -> tuple[Node, ...]:
         if self._peek()[1] == ")":
