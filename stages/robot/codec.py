@@ -79,6 +79,8 @@ def typed(kind: Any, data: Any) -> Any:
         return data
     if kind is float:
         return float(data)
+    if _is_alias(kind):
+        return typed(_unaliased(kind), data)
     if origin is not None and issubclass(origin, Mapping):
         return data
     from stages.robot.model import frozen
@@ -86,9 +88,23 @@ def typed(kind: Any, data: Any) -> Any:
     return frozen(data)
 
 
+def _is_alias(kind: Any) -> bool:
+    """Whether the type is a `type` alias, bare or with arguments: NDArray is one from numpy 2.5 on."""
+    return hasattr(get_origin(kind) or kind, "__value__")
+
+
+def _unaliased(kind: Any) -> Any:
+    """The type that a `type` alias stands for; any other type as it is."""
+    while _is_alias(kind):
+        arguments = get_args(kind)
+        meant = (get_origin(kind) or kind).__value__
+        kind = meant[arguments] if arguments else meant
+    return kind
+
+
 def _option(kind: Any, data: Any) -> Any:
     """The member of a union that `data` is one of: a list is the tuple, where there is a choice."""
-    options = [option for option in get_args(kind) if option is not types.NoneType]
+    options = [_unaliased(option) for option in get_args(kind) if option is not types.NoneType]
     if len(options) == 1:
         return options[0]
     return next(option for option in options if (get_origin(option) is tuple) == isinstance(data, list))

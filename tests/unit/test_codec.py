@@ -1,8 +1,10 @@
 """What travels between stages comes back bit for bit."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
 import numpy as np
+from typing_extensions import TypeAliasType
 
 from stages.robot import codec
 from stages.robot.geometry import Geometry, Shape
@@ -60,3 +62,28 @@ def test_primitives_come_back_with_the_geometry() -> None:
     assert again.shapes[0] == mesh
     assert again.shapes[1].primitive is not None
     assert again.shapes[1].primitive.kind == "sphere"
+
+
+Scalar = TypeVar("Scalar", bound=np.generic)
+# As numpy writes its own NDArray from 2.5 on, which is for Python 3.12 and newer.
+Numbers = TypeAliasType("Numbers", np.ndarray[Any, np.dtype[Scalar]], type_params=(Scalar,))
+Named = TypeAliasType("Named", Numbers[np.float64])
+Pair = TypeAliasType("Pair", tuple[Numbers[np.float64], ...])
+
+
+@dataclass(frozen=True)
+class Aliased:
+    plain: Numbers[np.float64]
+    named: Named
+    maybe: Named | None
+    several: Pair
+    one_or_several: str | Pair
+
+
+def test_types_behind_an_alias_come_back_as_what_they_stand_for() -> None:
+    array = np.array([0.1, 0.2])
+    again = codec.load(Aliased, codec.dump(Aliased(array, array, array, (array,), (array, array))))
+    arrays = [again.plain, again.named, again.maybe, *again.several, *again.one_or_several]
+    assert [type(one) for one in arrays] == [np.ndarray] * 6
+    assert all((one == array).all() for one in arrays)
+    assert codec.load(Aliased, codec.dump(Aliased(array, array, None, (), "word"))).one_or_several == "word"
