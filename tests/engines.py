@@ -11,8 +11,9 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-import pinocchio as pin
 from scipy.spatial.transform import Rotation
+
+from tests.pinocchio import pin
 
 GRAVITY = np.array([0.0, 0.0, -9.81])
 Values = Mapping[str, float | tuple[float, ...]]

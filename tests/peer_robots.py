@@ -10,11 +10,11 @@ from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
-import pinocchio as pin
 
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Robot
 from stages.robot.poses import from_parts, rotation_from_rpy
+from tests.pinocchio import pin
 
 Values = Mapping[str, float]
 

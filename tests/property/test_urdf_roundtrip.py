@@ -9,7 +9,6 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-import pinocchio as pin
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -18,6 +17,7 @@ from stages.robot.model import Robot
 from stages.validate import validate
 from tests.building import plan_of, write
 from tests.engines import Mujoco, Pinocchio
+from tests.pinocchio import pin
 from tests.random_urdf import urdfs
 from tests.urdfs import parity, relative, same_bounds, urdf_robot
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import mujoco
 import numpy as np
-import pinocchio as pin
 import pytest
 from scipy.spatial.transform import Rotation
 
@@ -17,6 +16,7 @@ from stages.robot.inertia import primitive_volume
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
 from stages.robot.xml import parse
+from tests.pinocchio import pin
 from tests.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
 
 NO_SHAPES = Geometry((), {})

@@ -5,7 +5,6 @@ import math
 from pathlib import Path
 
 import numpy as np
-import pinocchio as pin
 import pytest
 
 from stages.graph import build_robot
@@ -23,6 +22,7 @@ from stages.robot.urdfxml import parse
 from stages.validate import validate
 from tests.building import plan_of, write
 from tests.engines import Pinocchio
+from tests.pinocchio import pin
 from tests.urdfs import parity, same_bounds, urdf_bundle, urdf_robot
 
 BODY = '<inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
