@@ -3,29 +3,42 @@
 A mate of the same assembly that touches a seed, at any depth below it, acts once more for the copy: its
 side on a seed moves to that one's copy, with the same frame on it; any other side stays on its
 occurrence, and its frame goes where the pattern's transform takes it at the saved pose. So the copy's
-saved pose is the seed's, moved, at the same values.
+saved pose is the seed's, moved, at the same values. Where nothing of that assembly holds the seeds, the
+mates of the nearest assembly around it do that. A seed that is fastened to something else takes its other
+joints to nothing else: they are what it carries.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
+from tests.onshape.edges import weld_leaders
 from tests.onshape.frames import inverse, product
 
 
-def copy_edges(tree, owner, pattern):
-    """[(edge, whether it is redundant)]: what holds the copies of one pattern in one assembly."""
+def level_of(tree, owner, pattern):
+    """The assembly whose mates hold the seeds of a pattern."""
+    seeds = [owner + seed.path for seed in pattern.seeds]
+    for depth in range(len(owner), -1, -1):
+        if any(_holds(edge, seeds) for edge, _ in _edges(tree, owner[:depth])):
+            return owner[:depth]
+    return owner
+
+
+def copy_edges(tree, owner, pattern, level):
+    """[(edge, whether it is redundant)]: what of the assembly `level` holds the copies of one pattern."""
     poses = {(): np.eye(4), **tree.poses()}
-    held = [
-        *((edge, False) for edge in tree.edges if edge.owner == owner and edge.feature),
-        *((edge, True) for edge in tree.redundant if edge.owner == owner),
-    ]
+    seeds = [owner + seed.path for seed in pattern.seeds]
+    held = _edges(tree, level)
+    fastened = _fastened(tree, held, seeds)
     made = []
     for number in range(len(pattern.transforms)):
         moved, onto = world_transform(poses, owner, pattern, number), _onto(owner, pattern, number)
         for edge, redundant in held:
+            if edge.moves and _holds(edge, seeds) and fastened.issuperset(_ends_within(edge, seeds)):
+                continue
             ends = [_end(path, frame, onto, poses, moved) for path, frame in _sides(edge)]
-            copied = tuple(copy for _, _, copy in ends if copy)
+            copied = tuple("/".join(copy[len(level) :]) for _, _, copy in ends if copy)
             if copied:
                 (first, first_frame, _), (second, second_frame, _) = ends
                 tag = (pattern.name, number + 1)
@@ -41,6 +54,36 @@ def copy_edges(tree, owner, pattern):
                 )
                 made.append((copy, redundant))
     return made
+
+
+def _edges(tree, level):
+    return [
+        *((edge, False) for edge in tree.edges if edge.owner == level and edge.feature),
+        *((edge, True) for edge in tree.redundant if edge.owner == level),
+    ]
+
+
+def _fastened(tree, held, seeds):
+    """All in the seeds that is one body with something outside them."""
+    inside = [e for e in tree.edges if not (e.moves or e.closing) and len(_ends_within(e, seeds)) == 2]
+    bodies = weld_leaders(tree.places, inside)
+    outer = [edge for edge, _ in held if not edge.moves and _holds(edge, seeds)]
+    leaders = {bodies(path) for edge in outer for path in _ends_within(edge, seeds)}
+    return {path for path in tree.places if _within(path, seeds) and bodies(path) in leaders}
+
+
+def _ends_within(edge, seeds):
+    return [path for path, _ in _sides(edge) if _within(path, seeds)]
+
+
+def _holds(edge, seeds):
+    """Whether an edge is between a seed and something that is in none."""
+    inside = [_within(path, seeds) for path, _ in _sides(edge)]
+    return any(inside) and not all(inside)
+
+
+def _within(path, seeds):
+    return any(path[: len(seed)] == seed for seed in seeds)
 
 
 def copied_poses(tree, owner, pattern):
@@ -70,8 +113,8 @@ def _sides(edge):
 
 
 def _end(path, frame, onto, poses, moved):
-    """(path, frame, the copied instance's id or nothing) of one side of a copied edge."""
+    """(path, frame, the copied instance's path or nothing) of one side of a copied edge."""
     for seed, copy in onto.items():
         if path[: len(seed)] == seed:
-            return copy + path[len(seed) :], frame, copy[-1]
-    return path, product(inverse(poses[path]), moved, poses[path], frame), ""
+            return copy + path[len(seed) :], frame, copy
+    return path, product(inverse(poses[path]), moved, poses[path], frame), ()

@@ -61,7 +61,7 @@ class Edge:
 
     Both frames are proper in the world. `mirrored`: a mirror made the mate, so that its slide along z
     runs backwards. `copies`: the (pattern, number) that it is a copy by, the seed's own first, and
-    `onto`: ids of the copied instances that it moved to.
+    `onto`: the copied instances that it moved to, as paths of ids from its owner.
     """
 
     name: str
@@ -81,7 +81,7 @@ class Edge:
 
     @property
     def key(self):
-        """(owner occurrence path, feature id), and of a copy also the copied instance's id."""
+        """(owner occurrence path, feature id), and of a copy also the copied instance."""
         return self.owner, self.feature, *self.onto[:1]
 
     @property
@@ -186,3 +186,17 @@ def _pinion_first(mates):
 
 def _joint_name(words, owner, mate):
     return "/".join([*([words] if words else []), *(i.name for i in owner.instances), mate.name])
+
+
+def weld_leaders(places, edges):
+    """A function that gives all occurrences that edges join, directly or not, the same leader."""
+    leader: dict[Path, Path] = {path: path for path in [(), *places]}
+    for edge in edges:
+        leader[find_leader(leader, edge.first)] = find_leader(leader, edge.second)
+    return lambda path: find_leader(leader, path)
+
+
+def find_leader(leader, path):
+    while leader[path] != path:
+        path = leader[path]
+    return path

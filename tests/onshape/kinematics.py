@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tests.onshape.copies import copied_poses, copy_edges
+from tests.onshape.copies import copied_poses, copy_edges, level_of
 from tests.onshape.document import Document
-from tests.onshape.edges import Coupling, Dof, Edge, Path, Place, coupling
+from tests.onshape.edges import Coupling, Dof, Edge, Path, Place, coupling, find_leader, weld_leaders
 from tests.onshape.elements import Group, Mate, Pattern, Relation
 from tests.onshape.frames import inverse, product
 from tests.onshape.mates import joined, split
@@ -41,9 +41,14 @@ class Tree:
         self._placed: dict[Path, np.ndarray] = {}
         self._flatten(document.root, (), "")
         self._index()
-        # What is inside a copied sub-assembly must be there before the copy is.
+        # What is inside a copied sub-assembly must be there before the copy is; what holds a copied
+        # sub-assembly must be there before what it holds inside is copied.
         for owner, pattern in sorted(self.patterns, key=lambda one: -len(one[0])):
-            self._copy(owner, pattern)
+            self._copy(owner, pattern, owner)
+        for owner, pattern in sorted(self.patterns, key=lambda one: len(one[0])):
+            level = level_of(self, owner, pattern)
+            if level != owner:
+                self._copy(owner, pattern, level)
         for path in self.held:
             self._hold(path)
         if cut is not None:
@@ -125,7 +130,7 @@ class Tree:
 
     def welds(self):
         """Sets of paths (parts, sub-assemblies, () for the world) that move as one."""
-        find = _joined(self.places, [edge for edge in self.edges if not edge.moves])
+        find = weld_leaders(self.places, [edge for edge in self.edges if not edge.moves])
         sets: dict[Path, set[Path]] = {}
         for path in [(), *self.places]:
             sets.setdefault(find(path), set()).add(path)
@@ -175,11 +180,13 @@ class Tree:
         mirrored = (bool(path) and self.places[path].mirrored for path in (edge.first, edge.second))
         (self.redundant if redundant else self.edges).append(edge.proper(*mirrored))
 
-    def _copy(self, owner, pattern):
+    def _copy(self, owner, pattern, level):
         self._placed |= copied_poses(self, owner, pattern)
-        for edge, redundant in copy_edges(self, owner, pattern):
+        for edge, redundant in copy_edges(self, owner, pattern, level):
             if not edge.moves and not (edge.closing or redundant):
-                find = _joined(self.places, [one for one in self.edges if not (one.moves or one.closing)])
+                find = weld_leaders(
+                    self.places, [one for one in self.edges if not (one.moves or one.closing)]
+                )
                 if find(edge.first) == find(edge.second):
                     continue  # a group's lead: its members hold together without it
             self._add(edge, redundant)
@@ -223,22 +230,8 @@ class Tree:
         for edge in self.edges:
             if edge.closing:
                 continue
-            one, two = _find(leader, edge.first), _find(leader, edge.second)
+            one, two = find_leader(leader, edge.first), find_leader(leader, edge.second)
             if one == two:
                 msg = f"{edge.name!r} closes a loop: give it closing=True"
                 raise ValueError(msg)
             leader[one] = two
-
-
-def _joined(places, edges):
-    """A function that gives all occurrences that edges join, directly or not, the same leader."""
-    leader: dict[Path, Path] = {path: path for path in [(), *places]}
-    for edge in edges:
-        leader[_find(leader, edge.first)] = _find(leader, edge.second)
-    return lambda path: _find(leader, path)
-
-
-def _find(leader, path):
-    while leader[path] != path:
-        path = leader[path]
-    return path

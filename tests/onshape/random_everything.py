@@ -1,7 +1,8 @@
 """Random documents with all that an assembly can hold.
 
 Mates of every type, some reversed, some drawn twice, some to an assembly's origin; mate groups; patterns
-and mirrors of parts and of sub-assemblies; relations in chains; loops that close by a hinge or a ball.
+and mirrors of parts and of sub-assemblies, some of parts that only the assembly around them holds;
+relations in chains; loops that close by a hinge or a ball.
 """
 
 import math
@@ -43,12 +44,14 @@ class _Node:
 
 @dataclass(eq=False)
 class _Made:
-    """A finished assembly: itself, all that is in it as one node, and the number of levels below it."""
+    """A finished assembly: itself, all that is in it as one node, the number of levels below it, that of
+    its parts, and what in it the assembly around must hold."""
 
     assembly: object
     whole: _Node
     levels: int
     size: int
+    loose: tuple = ()
 
 
 class Everything(Author):
@@ -83,6 +86,10 @@ class Everything(Author):
             nodes.append(self._add(assembly, source, fixed=held, pose=pose))
             if index:
                 self._hang(assembly, nodes, onto_origin=not base or base in ("fixed", "origin"))
+            for inside in getattr(source, "loose", ()):
+                node = nodes[-1]
+                onto = self.draw(st.sampled_from((node.host or node).parts), label="holds")
+                self._join(assembly, f"Holds {len(nodes)}", node, node.at / inside, onto)
         if base == "origin":
             self._join(assembly, "Grounded", nodes[0], nodes[0].at, ORIGIN)
         if base == "held":
@@ -91,15 +98,16 @@ class Everything(Author):
         if not base:
             self._carry(assembly, nodes)
         copies = self._copies(assembly, nodes)
+        loose = [] if base else self._loose(assembly)
         whole = _Node(
             ORIGIN,
             [part for node in nodes for part in node.parts],
-            [mate for node in nodes for mate in node.mates],
+            [mate for node in (*nodes, *loose) for mate in node.mates],
             [twin for node in (*nodes, *copies) for twin in node.twins],
         )
         levels = 1 + max([source.levels for source in sources if isinstance(source, _Made)], default=0)
-        size = sum(len(node.parts) for node in (*nodes, *copies))
-        self.made.append(_Made(assembly, whole, levels, size))
+        size = sum(len(node.parts) for node in (*nodes, *copies)) + 2 * sum(len(node.parts) for node in loose)
+        self.made.append(_Made(assembly, whole, levels, size, tuple(node.at for node in loose)))
         return self.made[-1]
 
     def _carry(self, assembly, nodes):
@@ -132,6 +140,23 @@ class Everything(Author):
         hidden = bool(self.rng.random() < 0.1)
         at = assembly.add(source.assembly if nested else source, hidden=hidden, **more)
         return _Node(at, *source.whole.within(at)) if nested else _Node(at, [at])
+
+    def _loose(self, assembly):
+        """A patterned or mirrored part that only the assembly around holds, at times with one on it."""
+        if self.parts_left < 4 or not self.draw(st.booleans(), label="loose"):
+            return []
+        node = _Node(assembly.add(self.draw(st.sampled_from(self.parts), label="part")), [])
+        seeds = [node.at]
+        if self.draw(st.booleans(), label="carries"):
+            seeds.append(assembly.add(self.draw(st.sampled_from(self.parts), label="part")))
+            self._join(assembly, "Carries", node, seeds[1], node.at)
+        node.parts = seeds
+        self.parts_left -= 2 * len(seeds)
+        if self.draw(st.booleans(), label="mirror"):
+            assembly.mirror("Loose mirror", seeds, self._frame())
+        else:
+            assembly.pattern("Loose pattern", seeds, [self._frame()], "CIRCULAR")
+        return [node]
 
     def _hang(self, assembly, nodes, onto_origin):
         """Hang the last node on one of those before it, or on the assembly's origin."""

@@ -41,7 +41,7 @@ def read_drawing(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechani
     unknown = resolve_limits(assembly, bundle)
     if keys.conventions == "onshape_to_robot":
         assembly, keys = translated(assembly, keys, notes)
-    assembly = with_copies(assembly, keys.mirror, notes)
+    assembly = with_copies(assembly, keys.mirror, keys.depth, notes)
     _require_mates(assembly, keys)
     weights = weighed(assembly, bundle, keys.mass, notes)
     bodies, absorbed = _settled_bodies(assembly, keys, notes)

@@ -1,62 +1,192 @@
-"""What hangs on the seeds of a pattern, rather than holds them.
+"""What holds the seeds of a pattern, and so its copies; and what hangs on them instead.
 
 A copy of a wheel stands on the axle that its seed stands on, but the cap on the seed is not held by the
 copy as well. Once the seeds are taken away, one of the pieces that are left holds them: the piece with
 the assembly's origin, or with something that is fixed, else the one with the most parts. That a seed
 is fixed itself says nothing of its copies: they are not.
+
+A pattern repeats what its own assembly says of the seed. Where that says nothing, the mates of the
+assembly around it place the seed, so they place its copies too.
 """
 
 from collections import Counter
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
 
 import networkx as nx
 
 from stages.graph.onshape.assembly import Assembly, Path
 
 
+@dataclass(frozen=True, slots=True)
+class Feature:
+    """A mate or a mate group: the places that it holds together, and whether as one body."""
+
+    title: str
+    places: tuple[Path, ...]
+    rigid: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Support:
+    """What holds the seeds of a pattern.
+
+    `level`: the assembly whose features do; `hanging`: instances of it that hang on the seeds;
+    `fastened`: places in the seeds that are one body with what holds them; other mates of theirs tell
+    what they carry;
+    `within`, `above`: a feature that holds a seed in the pattern's own assembly, and one that
+    does in an assembly around it, where which of the two places the copies is a choice; else empty.
+    """
+
+    level: Path
+    hanging: frozenset[Path] = frozenset()
+    fastened: frozenset[Path] = frozenset()
+    within: str = ""
+    above: str = ""
+
+
 class Hanging:
     """Looks at the instances of each assembly, and at what of its own holds them together."""
 
     def __init__(self, assembly: Assembly) -> None:
-        self.links: dict[Path, list[frozenset[Path]]] = {}
-        self.drawn: dict[tuple[Path, Path], list[frozenset[Path]]] = {}
+        self.features: dict[Path, list[Feature]] = {}
+        self.touching: dict[tuple[Path, Path], list[Feature]] = {}
         for mate in assembly.mates:
-            self._link(mate.ref.owner, [entity.path for entity in mate.entities])
+            places = tuple(entity.path for entity in mate.entities)
+            self._take(mate.ref.owner, Feature(mate.title, places, mate.ref.type == "FASTENED"))
         for group in assembly.groups:
-            self._link(group.owner, group.members)
+            self._take(group.owner, Feature(group.title, tuple(group.members), True))
+        self.fixed: dict[Path, list[Path]] = {}
         for path in (path for path, occurrence in assembly.occurrences.items() if occurrence.fixed):
             for depth in range(len(path)):
-                self.links.setdefault(path[:depth], []).append(frozenset([path[:depth], path[: depth + 1]]))
+                self.fixed.setdefault(path[:depth], []).append(path)
         self.parts = Counter(
             part.path[:depth] for part in assembly.parts for depth in range(1, len(part.path) + 1)
         )
 
-    def _link(self, owner: Path, places: Collection[Path]) -> None:
-        """A feature that holds places together: instances of `owner`, what lies in them, or `owner`."""
-        link = frozenset(place[: len(owner) + 1] for place in places)
-        self.links.setdefault(owner, []).append(link)
-        for place in link:
-            self.drawn.setdefault((owner, place), []).append(link)
+    def _take(self, owner: Path, feature: Feature) -> None:
+        self.features.setdefault(owner, []).append(feature)
+        below = {place[:depth] for place in feature.places for depth in range(len(owner) + 1, len(place) + 1)}
+        for place in sorted(below):
+            self.touching.setdefault((owner, place), []).append(feature)
 
-    def on(self, seeds: Collection[Path], owner: Path) -> frozenset[Path]:
-        """The instances of `owner` that hang on its instances `seeds`; none where two pieces of the same
-        size might hold them."""
-        taken = frozenset(seeds)
+    def support(self, seeds: Collection[Path], owner: Path, rigid: Collection[Path]) -> Support:
+        """What holds `seeds`, instances of `owner`: its own features, else those of the nearest assembly
+        around it that has some. `rigid`: the assemblies inside which nothing moves, copies included."""
+        levels = [owner] if owner in rigid else [owner[:depth] for depth in range(len(owner), -1, -1)]
+        holding = {level: tuple(self._from_outside(seeds, level)) for level in levels}
+        level = next((level for level in levels if holding[level]), owner)
+        hanging = self._on(frozenset(seeds), owner, level)
+        fastened = self._fastened(seeds, owner, level, hanging, holding[level], rigid)
+        rigidly = any(feature.rigid for feature in holding[owner])
+        outer = [feature for around in levels[1:] for feature in holding[around]]
+        if level != owner or rigidly or not holding[owner] or not outer:
+            return Support(level, hanging, fastened)
+        return Support(level, hanging, fastened, holding[owner][0].title, outer[0].title)
+
+    def _from_outside(self, seeds: Collection[Path], level: Path) -> Iterator[Feature]:
+        """The features of `level` between a seed and something that is in none."""
+        for seed in sorted(seeds):
+            for feature in self.touching.get((level, seed), ()):
+                if _outside(feature.places, seeds):
+                    yield feature
+
+    def _fastened(
+        self,
+        seeds: Collection[Path],
+        owner: Path,
+        level: Path,
+        hanging: Collection[Path],
+        holding: Collection[Feature],
+        rigid: Collection[Path],
+    ) -> frozenset[Path]:
+        """The places in seeds that features of `level` make one body with something that does not hang on
+        them; empty where no other mate joins the seeds to anything."""
+        fast = [
+            feature for feature in holding if feature.rigid and _nodes(feature, owner, seeds) - set(hanging)
+        ]
+        if not fast or all(feature.rigid for feature in holding):
+            return frozenset()
+
+        def within(feature: Feature) -> dict[Path, Path]:
+            """Each place that is in a seed → the rigid sub-assembly that it lies in, or itself."""
+            return {
+                place: next((place[:depth] for depth in range(len(place)) if place[:depth] in rigid), place)
+                for place in feature.places
+                if _inside(place, seeds)
+            }
+
+        bodies = nx.utils.UnionFind()
+        for inner in (one for one in self.features if one in (owner, level) or _inside(one, seeds)):
+            for feature in self.features[inner]:
+                if feature.rigid:
+                    bodies.union(*within(feature).values())
+        held = {bodies[node] for feature in fast for node in within(feature).values()}
+        nodes = {place: node for feature in holding for place, node in within(feature).items()}
+        return frozenset(place for place, node in nodes.items() if bodies[node] in held)
+
+    def holds(self, copy: Path, owner: Path, level: Path, others: Collection[Path]) -> bool:
+        """Whether features of `level` hold `copy`, an instance of `owner`, rather than hang things on it:
+        whether what they join to it reaches the origin or one of `others` (seeds, copies) without it."""
+        pieces = self._pieces(frozenset([copy]), owner, level)
+        ends = {pieces[level], *(pieces[one] for one in others if one != copy)}
+        return any(
+            pieces[node] in ends
+            for feature in self.touching[level, copy]
+            for node in _nodes(feature, owner, [copy])
+        )
+
+    def _on(self, seeds: frozenset[Path], owner: Path, level: Path) -> frozenset[Path]:
+        """What features of `level` join to `seeds`, instances of `owner`, and hangs on them; nothing where
+        two pieces of the same size might hold them. Places are named as by `node_of`."""
         beside = {
-            place for seed in taken for link in self.drawn.get((owner, seed), ()) for place in link
-        } - taken
+            node
+            for seed in seeds
+            for feature in self.touching.get((level, seed), ())
+            for node in _nodes(feature, owner, seeds)
+        }
         if len(beside) < 2:
             return frozenset()
-        pieces = nx.utils.UnionFind([owner, *beside])
-        for link in self.links[owner]:
-            pieces.union(*(link - taken))
-        holder = pieces[owner]
-        if all(pieces[place] != holder for place in beside):
-            sizes = Counter({pieces[place]: 0 for place in beside})
-            for place in {place for link in self.links[owner] for place in link} - taken:
-                if pieces[place] in sizes:
-                    sizes[pieces[place]] += self.parts[place]
+        pieces = self._pieces(seeds, owner, level)
+        holder = pieces[level]
+        if all(pieces[node] != holder for node in beside):
+            sizes = Counter({pieces[node]: 0 for node in beside})
+            for node in list(pieces):
+                if pieces[node] in sizes:
+                    sizes[pieces[node]] += self.parts[node]
             (holder, most), *others = sizes.most_common(2)
             if others and others[0][1] == most:
                 return frozenset()
-        return frozenset(place for place in beside if pieces[place] != holder)
+        return frozenset(node for node in beside if pieces[node] != holder)
+
+    def _pieces(self, taken: frozenset[Path], owner: Path, level: Path) -> nx.utils.UnionFind:
+        """What the assemblies from `level` down to `owner` hold together once `taken` are away; what is
+        fixed is held by the origin of `level`."""
+        pieces = nx.utils.UnionFind([level])
+        for depth in range(len(level), len(owner) + 1):
+            for feature in self.features.get(owner[:depth], ()):
+                pieces.union(*_nodes(feature, owner, taken))
+        for path in self.fixed.get(level, ()):
+            if not _inside(path, taken):
+                pieces.union(level, node_of(path, owner))
+        return pieces
+
+
+def node_of(place: Path, owner: Path) -> Path:
+    """The instance that a place lies in: of `owner`, else of the innermost assembly around both."""
+    common = 0
+    while common < min(len(place), len(owner)) and place[common] == owner[common]:
+        common += 1
+    return place[: common + 1]
+
+
+def _nodes(feature: Feature, owner: Path, taken: Collection[Path]) -> set[Path]:
+    return {node_of(place, owner) for place in _outside(feature.places, taken)}
+
+
+def _outside(places: Collection[Path], seeds: Collection[Path]) -> list[Path]:
+    return [place for place in places if not _inside(place, seeds)]
+
+
+def _inside(place: Path, seeds: Collection[Path]) -> bool:
+    return any(place[: len(seed)] == seed for seed in seeds)

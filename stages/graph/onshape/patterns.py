@@ -8,29 +8,20 @@ A mate by which something hangs on the seed is not repeated (`hanging`).
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from itertools import groupby
 
 import networkx as nx
 
+from stages.graph.globs import listed
+from stages.graph.keys import DepthKeys
 from stages.graph.notes import Notes
-from stages.graph.onshape.assembly import Assembly, Entity, Mate, MateGroup, Occurrence, Path, Pattern
-from stages.graph.onshape.hanging import Hanging
+from stages.graph.onshape.assembly import Assembly, Entity, Mate, MateGroup, Path, Pattern
+from stages.graph.onshape.hanging import Feature, node_of
+from stages.graph.onshape.rigidity import rigid_subassemblies
+from stages.graph.onshape.series import Series, series_of
 from stages.robot.model import Array, frozen
 from stages.robot.poses import inverse
-
-
-@dataclass(slots=True)
-class _Series:
-    """A pattern at work. `gone`: copies that are not there or not like their seed; `free`: those
-    without mates and groups of their own, which get their seed's; `hanging`: instances that hang on a
-    seed, which a copy does not hold; `served`: those that got joints."""
-
-    pattern: Pattern
-    free: frozenset[Path]
-    gone: frozenset[Path]
-    hanging: frozenset[Path]
-    joints: int = 0
-    served: set[Path] = field(default_factory=set)
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +29,7 @@ class _Image:
     """A feature on the `number`-th copies: its places there, the first seed and its copy. `fresh`: all
     copies that it acts for; `inside`: whether each of its places is on a copy."""
 
-    series: _Series
+    series: Series
     number: int
     seed: Path
     copy: Path
@@ -47,15 +38,27 @@ class _Image:
     inside: bool
 
 
-def with_copies(assembly: Assembly, mirror: str, notes: Notes) -> Assembly:
+def with_copies(assembly: Assembly, mirror: str, depth: DepthKeys, notes: Notes) -> Assembly:
     """The assembly with the mates and groups of all copies; a copied feature's `ref.copy` tells it.
 
     `mirror`: "joints", or "weld" for copies that are fastened where the first of their seeds' mates would
     hold them, and rigid inside. A copy that has mates of its own gets nothing; no relation is copied.
+    `depth` says in which sub-assemblies nothing moves: their copies are held without mates.
+
+    The patterns of outer assemblies come first: what they copy holds what is inside the copies.
     """
-    copier = _Copier(assembly, notes)
-    if not copier.by_seed:
-        return assembly
+    patterns = sorted(assembly.patterns, key=lambda pattern: len(pattern.owner))
+    for _, level in groupby(patterns, key=lambda pattern: len(pattern.owner)):
+        assembly = _with_copies_of(list(level), assembly, mirror, depth, notes)
+    return assembly
+
+
+def _with_copies_of(
+    patterns: Sequence[Pattern], assembly: Assembly, mirror: str, depth: DepthKeys, notes: Notes
+) -> Assembly:
+    # What is wrong with the globs of `depth` is reported where the bodies are found.
+    rigid = rigid_subassemblies(assembly, depth, Notes())
+    copier = _Copier(assembly, series_of(assembly, patterns, rigid, notes), notes)
     drawn = [copy for mate in assembly.mates for copy in copier.mates(mate)]
     grouped = [copy for group in assembly.groups for copy in copier.groups(group)]
     mates, groups = [mate for mate, _ in drawn], [group for group, _ in grouped]
@@ -71,59 +74,24 @@ def with_copies(assembly: Assembly, mirror: str, notes: Notes) -> Assembly:
 
 
 class _Copier:
-    def __init__(self, assembly: Assembly, notes: Notes) -> None:
-        self.assembly, self.notes = assembly, notes
-        self.series: list[_Series] = []
-        self.by_seed: dict[Path, list[_Series]] = {}
+    def __init__(self, assembly: Assembly, by_seed: Mapping[Path, list[Series]], notes: Notes) -> None:
+        self.assembly, self.notes, self.by_seed = assembly, notes, by_seed
+        self.series = list({id(one): one for found in by_seed.values() for one in found}.values())
         self.repeated: set[tuple[Path, str]] = set()
-        mated, hanging = _mated(assembly), Hanging(assembly)
-        for pattern in assembly.patterns:
-            self._take_on(pattern, mated, hanging)
-
-    def _take_on(self, pattern: Pattern, mated: Mapping[Path, set[Path]], hanging: Hanging) -> None:
-        """Files a pattern under its seeds, and tells what of it cannot be copied."""
-        occurrences, own = self.assembly.occurrences, mated.get(pattern.owner, set())
-        free, gone, seeds = set(), set(), []
-        for seed, copies in pattern.copies.items():
-            alive = [copy for copy in copies if copy in occurrences]
-            gone.update(set(copies) - set(alive))
-            if seed not in occurrences:
-                if not alive:
-                    continue
-                titles = ", ".join(occurrences[copy].title for copy in alive)
-                message = f"the seed of {titles} is suppressed or gone: it has no joints to copy"
-                self.notes.tell("W-PATTERN", message, pattern.title, "mate the copies themselves")
-                continue
-            seeds.append(seed)
-            for copy in alive:
-                if copy in own:
-                    continue
-                if _source(occurrences[copy]) == _source(occurrences[seed]):
-                    free.add(copy)
-                    continue
-                gone.add(copy)
-                message = (
-                    f"{occurrences[copy].title} is made of another part than its seed: "
-                    "where the seed's mates would hold it is not known"
-                )
-                self.notes.tell("W-PATTERN", message, pattern.title, "mate it itself")
-        hung = hanging.on(seeds, pattern.owner) if free else frozenset()
-        series = _Series(pattern, frozenset(free), frozenset(gone), hung)
-        self.series.append(series)
-        for seed in seeds:
-            self.by_seed.setdefault(seed, []).append(series)
 
     def mates(self, mate: Mate) -> Iterator[tuple[Mate, _Image]]:
         """The copies of a mate, those of its copies included; one for each copied instance, however
         often that is listed."""
         waiting: list[tuple[Mate, frozenset[Path] | None]] = [(mate, None)]
         made: set[Path] = set()
+        owner, rigid = mate.ref.owner, mate.ref.type == "FASTENED"
         for drawn, fresh in waiting:
-            for image in self._images(mate.ref.owner, [e.path for e in drawn.entities], fresh, mate.title):
+            feature = Feature(mate.title, tuple(e.path for e in drawn.entities), rigid)
+            for image in self._images(owner, feature, fresh):
                 if image.copy in made:
                     continue
                 made.add(image.copy)
-                if mate.ref.type != "FASTENED":
+                if not rigid:
                     image.series.joints += 1
                     image.series.served |= image.fresh
                     self.repeated.add((mate.ref.owner, mate.ref.feature))
@@ -136,59 +104,60 @@ class _Copier:
         waiting: list[tuple[MateGroup, frozenset[Path] | None]] = [(group, None)]
         made: set[Path] = set()
         for drawn, fresh in waiting:
-            for image in self._images(group.owner, drawn.members, fresh, group.title):
+            feature = Feature(group.title, tuple(drawn.members), True)
+            for image in self._images(group.owner, feature, fresh):
                 if image.copy not in made:
                     made.add(image.copy)
                     copy = MateGroup(group.owner, group.title, image.places)
                     waiting.append((copy, image.fresh))
                     yield copy, image
 
-    def _images(
-        self, owner: Path, places: Sequence[Path], fresh: frozenset[Path] | None, title: str
-    ) -> Iterator[_Image]:
+    def _images(self, owner: Path, feature: Feature, fresh: frozenset[Path] | None) -> Iterator[_Image]:
         """Where a feature acts again, once for each copy of each pattern whose seeds it touches.
 
         `fresh`: of a feature that is a copy itself, the instances that it was moved to; only these
         lead on to further copies.
         """
-        touched: dict[int, tuple[_Series, dict[int, Path]]] = {}
-        for index, place in enumerate(places):
+        touched: dict[int, tuple[Series, dict[int, Path]]] = {}
+        for index, place in enumerate(feature.places):
             for depth in range(len(owner) + 1, len(place) + 1):
                 seed = place[:depth]
                 if fresh is None or seed in fresh:
                     for series in self.by_seed.get(seed, ()):
-                        if series.pattern.owner == owner:
+                        if series.repeats(owner):
                             touched.setdefault(id(series), (series, {}))[1].setdefault(index, seed)
         for series, seeds in touched.values():
             for number in range(max(len(series.pattern.copies[seed]) for seed in seeds.values())):
-                image = self._image(series, number, places, seeds, title)
+                image = self._image(series, number, feature, seeds)
                 if image is not None:
                     yield image
 
     def _image(
-        self, series: _Series, number: int, places: Sequence[Path], seeds: Mapping[int, Path], title: str
+        self, series: Series, number: int, feature: Feature, seeds: Mapping[int, Path]
     ) -> _Image | None:
-        """None where a copy is not there, where all copies have mates of their own, or where a place
-        that is no seed's hangs on one."""
+        """None where a copy is not there, where all copies have mates of their own, where a place that is
+        no seed's hangs on one, or where a joint leads from a fastened seed to something else."""
+        support, places = series.support, feature.places
         copies = {
             index: (seed, series.pattern.copies[seed][number])
             for index, seed in seeds.items()
             if number < len(series.pattern.copies[seed])
         }
-        beside = {
-            place[: len(series.pattern.owner) + 1] for at, place in enumerate(places) if at not in seeds
-        }
-        if beside & series.hanging:
+        beside = {node_of(place, series.pattern.owner) for at, place in enumerate(places) if at not in seeds}
+        if beside & support.hanging:
             return None
         movers = [pair for pair in copies.values() if pair[1] in series.free]
         if not movers or any(copy in series.gone for _, copy in copies.values()):
+            return None
+        if beside and not feature.rigid and support.fastened.issuperset(places[index] for index in seeds):
+            series.carried.add(feature.title)
             return None
         moved = list(places)
         for index, (seed, copy) in copies.items():
             moved[index] = copy + places[index][len(seed) :]
             if moved[index] not in self.assembly.occurrences:
                 message = f"{self.assembly.occurrences[copy].title} lacks what this holds on its seed"
-                self.notes.tell("W-PATTERN", message, title, "mate the copy itself")
+                self.notes.tell("W-PATTERN", message, feature.title, "mate the copy itself")
                 return None
         fresh = frozenset(copy for _, copy in movers)
         inside = len(copies) == len(places)
@@ -207,7 +176,7 @@ class _Copier:
         found = re.search(r"<(\d+)>\s*$", copied.names[-1])
         name = f"{name} <{found[1] if found else image.number + 2}>"
         names = assembly.occurrences[owner].names if owner else ()
-        ref = replace(drawn.ref, name=name, copy=image.copy[-1])
+        ref = replace(drawn.ref, name=name, copy="/".join(image.copy[len(owner) :]))
         return Mate(ref, "/".join((*names, name)), entities, drawn.limits)
 
     def _moved(self, entity: Entity, motion: Array) -> Array:
@@ -240,8 +209,15 @@ class _Copier:
                 self.notes.tell("W-PATTERN-RELATION", message, relation.title, "mate and relate the copies")
 
     def tell(self, weld: bool) -> None:
-        """One finding for each pattern that has copied joints."""
+        """One finding for each pattern that has copied joints, and one for joints that it has not."""
         for series in self.series:
+            if series.carried:
+                message = (
+                    f"its seed is fastened, and so are the copies; what the seed carries is not theirs: "
+                    f"{listed(sorted(series.carried))}"
+                )
+                hint = "mate the copies themselves to what they carry"
+                self.notes.tell("I-PATTERN-CARRIED", message, series.pattern.title, hint)
             count, copies = series.joints, len(series.served)
             if not count:
                 continue
@@ -274,18 +250,3 @@ def _holding(mates: Iterable[tuple[Mate, _Image]], groups: Iterable[_Image]) -> 
             held.union(*image.fresh, *(() if image.inside else (rest,)))
             found.append(mate)
     return found
-
-
-def _mated(assembly: Assembly) -> dict[Path, set[Path]]:
-    """Owner → the instances, and all in them, that a mate or group of its names."""
-    held = [(mate.ref.owner, entity.path) for mate in assembly.mates for entity in mate.entities]
-    held += [(group.owner, member) for group in assembly.groups for member in group.members]
-    found: dict[Path, set[Path]] = {}
-    for owner, path in held:
-        for depth in range(len(owner) + 1, len(path) + 1):
-            found.setdefault(owner, set()).add(path[:depth])
-    return found
-
-
-def _source(occurrence: Occurrence) -> tuple[object, ...]:
-    return tuple(occurrence.record.get(key) for key in ("type", "documentId", "elementId", "partId"))
