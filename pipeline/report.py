@@ -30,7 +30,7 @@ class Report:
     `status`: built (exit status 0), invalid (built, but a check failed: 3) or failed (1 or 2).
     `source`: its kind and what it is pinned to. `calls`: API calls `made`, and `saved` by the cache;
     where any was made also `counted_this_year` by the ledger of this key, `remaining` in the server's
-    windows by kind of request, as it told, `served` (its API version and release) and the seconds
+    windows by kind of request, as it told, `served` (its API versions and release) and the seconds
     `waited` because it asked for that.
     `bundle`: what was read, by the SHA-256 of its `manifest` (`linkwright bundle` finds it so).
     `figures`: counts of links, joints, dofs, loops, parts, meshes and triangles, the mass [kg], and how

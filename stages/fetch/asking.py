@@ -9,7 +9,7 @@ from typing import Any
 from stages.fetch.plan_of_calls import allow, count
 from stages.fetch.refusals import Declined
 from stages.fetch.replies import Replies
-from stages.fetch.requests import describe
+from stages.fetch.requests import API, api, describe, is_definition
 from stages.fetch.server import Promise, Server
 from stages.fetch.threads import run_all
 from stages.robot.errors import NotFound, Offline, ProtocolError
@@ -67,10 +67,16 @@ class Asking:
         self._promises[request] = promise
 
     def keep(self, request: str, body: bytes) -> None:
-        """Keeps the reply to a pinned request."""
+        """Keeps the reply to a pinned request; of a definition also the API version that was asked."""
         with self._lock:
             self._asked.add(request)
+            if is_definition(request):
+                self._replies.remember(f"{request}#api", {"api": api(request)})
             self._replies.put(request, body)
+
+    def api(self, request: str) -> str:
+        """The API version that the kept reply to a request for a definition was asked at."""
+        return str(self.recall(f"{request}#api").get("api", API))
 
     def doubt(self, requests: Iterable[str]) -> None:
         """Makes this build ask for these again, although replies are kept."""

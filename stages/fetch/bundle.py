@@ -8,6 +8,7 @@ reply must have the digest that it is named by.
 
     format, kind   1 and "onshape"
     api            the version of the API that was asked, "v16"
+    definition_api that of the definition, "v17"; without it, the same
     root           {document, microversion, element, configuration} of the assembly
     definition     the digest of the assembly definition
     requests       {request: digest}: the path below /api/<api> with its query, and its reply
@@ -69,6 +70,7 @@ _UNREADABLE = (
 
 _Digest = Annotated[str, StringConstraints(strict=True, pattern=r"^[0-9a-f]{64}$")]
 _Text = Annotated[str, StringConstraints(strict=True, min_length=1)]
+_Version = Annotated[str, StringConstraints(strict=True, pattern=r"^(v\d+)?$")]
 _MaybeText = Annotated[str, StringConstraints(strict=True, min_length=0)]
 
 
@@ -83,6 +85,7 @@ class Recording:
     requests: Mapping[str, str]
     blobs: Mapping[str, bytes]
     options: Mapping[str, str]
+    definition_api: str = ""
 
 
 class _Root(BaseModel):
@@ -99,7 +102,8 @@ class _Manifest(BaseModel):
 
     format: Literal[1]
     kind: Literal["onshape", "urdf", "mjcf"]
-    api: Annotated[str, StringConstraints(strict=True, pattern=r"^(v\d+)?$")]
+    api: _Version
+    definition_api: _Version = ""
     root: _Root
     definition: _Digest
     requests: dict[_Text, _Digest]
@@ -138,6 +142,7 @@ def read(data: bytes, where: str) -> Recording:
         requests=dict(manifest.requests),
         blobs=blobs,
         options=dict(manifest.options),
+        definition_api=manifest.definition_api,
     )
 
 
@@ -168,6 +173,7 @@ def pack(bundle: Bundle) -> bytes:
         "format": FORMAT,
         "kind": bundle.kind,
         "api": bundle.api,
+        **({"definition_api": bundle.definition_api} if bundle.definition_api else {}),
         "root": dict(bundle.root),
         "definition": bundle.definition,
         "requests": dict(bundle.requests),

@@ -17,7 +17,7 @@ from stages.fetch.credentials import Credentials
 from stages.fetch.ledger import Ledger, billed, endpoint
 from stages.fetch.plan_of_calls import Budget, Place
 from stages.fetch.refusals import cut_short, offline, rate_limited, refusal, web_page
-from stages.fetch.requests import API, JSON, describe
+from stages.fetch.requests import JSON, api, describe, is_definition
 from stages.fetch.retries import Passing, Patience
 from stages.fetch.url import AssemblyUrl
 from stages.fetch.windows import Windows, left, retry_after
@@ -50,7 +50,8 @@ class Client:
     ) -> None:
         self.host = urlsplit(url.origin).netloc
         self.met: dict[str, str] = {}
-        """What the server said of itself: `api`, the version that it serves, and its `release`."""
+        """What the server said of itself: `api`, the version that it serves, `definition_api`, that of
+        definitions, and its `release`."""
         self._origin = url.origin
         self._origins: dict[str, str] = {}
         self._credentials = credentials
@@ -201,11 +202,11 @@ class Client:
         self, method: str, request: str, accept: str, content: bytes | None, restoring: bool
     ) -> Answer:
         """The reply where it is in the end. Every stop on the way is authenticated, and billed."""
-        kind, what = endpoint(request), describe(request)
+        what = describe(request)
         document = request.partition("/d/")[2].partition("/")[0]
         with self._lock:
             origin = self._origins.get(document, self._origin)
-        first = address = f"{origin}/api/{API}{request}"
+        first = address = f"{origin}/api/{api(request)}{request}"
         for _ in range(1 + redirects.MOST):
             if not restoring:
                 self._may_go()
@@ -220,7 +221,7 @@ class Client:
                         **signing.headers(self._credentials, method, target),
                     },
                     content,
-                    functools.partial(self._note, kind, place),
+                    functools.partial(self._note, request, place),
                 )
             if not redirects.followed(method, answer.status):
                 return answer
@@ -257,13 +258,16 @@ class Client:
     def _said(self, answer: Answer) -> str:
         return self._credentials.scrub(answer.body.decode("utf-8", "replace"))
 
-    def _note(self, kind: str, place: Place, status: int, headers: Mapping[str, str]) -> None:
+    def _note(self, request: str, place: Place, status: int, headers: Mapping[str, str]) -> None:
         place.settle(billed(status))
+        kind = endpoint(request)
+        apart = "definition_" if is_definition(request) else ""
         rest = left(headers)
         self._windows.note(kind, rest)
         with self._lock:
             for header, name in _MET.items():
                 if headers.get(header):
+                    name = apart + name if name == "api" else name
                     self.met[name] = self._credentials.scrub(headers[header])[:40]
         if self._ledger is not None:
             self._ledger.note(kind, status, rest)

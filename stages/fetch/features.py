@@ -68,7 +68,9 @@ def _mates(record: _Record) -> Iterator[_Record]:
 
 
 def _silent(mate: _Record) -> bool:
-    return mate.get("mateType") != "FASTENED" and mate.get("mateLimits") is None
+    """Whether a mate that moves, and has both its sides, lacks its limits."""
+    whole = len(mate.get("matedEntities") or ()) == 2
+    return whole and mate.get("mateType") != "FASTENED" and mate.get("mateLimits") is None
 
 
 def _names(features: Any) -> Iterator[str]:
@@ -85,7 +87,8 @@ def _names(features: Any) -> Iterator[str]:
                     parameter,
                     *(_open(_open(v).get("value")) for v in parameter.get("values") or ()),
                 ):
-                    yield from _VARIABLE.findall(str(one.get("expression") or ""))
+                    if not one.get("isNull"):
+                        yield from _VARIABLE.findall(str(one.get("expression") or ""))
 
 
 def _open(record: Any) -> _Record:

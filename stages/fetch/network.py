@@ -45,6 +45,10 @@ class Network:
         self.diagnostics: tuple[Diagnostic, ...] = ()
         """What was found about the replies."""
 
+    def versions(self) -> tuple[str, str]:
+        assert self._definition is not None
+        return self._asking.api(self._definition.request), requests.API
+
     def configuration(self) -> str:
         return self._url.configuration
 

@@ -10,7 +10,6 @@ from typing import Protocol
 
 from stages.fetch import definition, features
 from stages.fetch.features import Owner
-from stages.fetch.requests import API
 from stages.robot.bundle import Bundle, Features, Studio, StudioKey
 
 
@@ -53,6 +52,10 @@ class Told:
 
 class Answers(Protocol):
     """Who answers: the network or a recording."""
+
+    def versions(self) -> tuple[str, str]:
+        """The API versions that were asked for the definition, once that is there, and for all else."""
+        ...
 
     def definition(self) -> Reply:
         """The assembly definition, under a request pinned to a version or microversion."""
@@ -97,9 +100,11 @@ def gather(answers: Answers) -> Bundle:
         replies += [told.features, *([told.variables] if told.variables else [])]
         variables = digest(told.variables.body) if told.variables else None
         limits.append(Features(owner.key, digest(told.features.body), variables))
+    definition_api, api = answers.versions()
     return Bundle(
         kind="onshape",
-        api=API,
+        api=api,
+        definition_api=definition_api,
         root={
             "document": assembly.document,
             "microversion": assembly.microversion,

@@ -18,8 +18,9 @@ class Calls:
 
     `made`: calls that count against the quota; `saved`: replies that were kept already; `year`: all
     calls of this key in this year, None where nothing counts them; `remaining`: calls that the
-    server said are left in its window, by kind of request; `served`: what it said of itself, the
-    `api` version and its `release`; `waited`: seconds waited because it asked for that.
+    server said are left in its window, by kind of request; `served`: what it said of itself, its
+    `api` version, that of definitions (`definition_api`) and its `release`; `waited`: seconds waited
+    because it asked for that.
     """
 
     made: int = 0

@@ -23,6 +23,9 @@ class Recorded:
     def configuration(self) -> str:
         return self._recording.root["configuration"]
 
+    def versions(self) -> tuple[str, str]:
+        return self._recording.definition_api, self._recording.api
+
     def definition(self) -> Reply:
         recording, root = self._recording, self._recording.root
         body = recording.blobs[recording.definition]

@@ -13,6 +13,10 @@ from stages.robot.bundle import StudioKey
 API = "v16"
 """The API version that is asked: the shape of replies depends on it."""
 
+DEFINITION_API = "v17"
+"""The version that is asked for assembly definitions: from here on they have the limits of mates. No
+request names its version, so what was kept of an earlier one stays good."""
+
 JSON = "application/json;charset=UTF-8; qs=0.09"
 """What is accepted unless a request has another form."""
 
@@ -192,6 +196,11 @@ def describe(request: str) -> str:
         return f"the definition of assembly {element}"
     what = "the mass properties" if path.endswith("/massproperties") else "the triangles"
     return f"{what} of part studio {element}"
+
+
+def api(request: str) -> str:
+    """The API version that a request is made at."""
+    return DEFINITION_API if is_definition(request) else API
 
 
 def is_definition(request: str) -> bool:

@@ -62,7 +62,8 @@ class Bundle:
     `definition` is the digest of the assembly definition; `requests` maps each request (the path
     below `/api/<version>` with its query, pinned to a version or microversion) to the SHA-256 of
     its body; `blobs` maps that digest to the body; `features` is empty where the definition gives all
-    limits. `options`: what the source was told that concerns its reader (`bad_inertia`).
+    limits. `api` is the version of the API that was asked, `definition_api` that of the definition, "" for
+    the same. `options`: what the source was told that concerns its reader (`bad_inertia`).
     """
 
     kind: str
@@ -74,6 +75,7 @@ class Bundle:
     blobs: Mapping[str, bytes]
     features: tuple[Features, ...] = ()
     options: Mapping[str, str] = field(default_factory=dict)
+    definition_api: str = ""
 
     def body(self, digest: str) -> bytes:
         """The body with this digest; ProtocolError where the bundle lacks it."""

@@ -7,9 +7,10 @@ import zipfile
 from urllib.parse import quote, urlencode
 
 from tests.onshape.document import Document
-from tests.onshape.replies import Replies
+from tests.onshape.elements import Mate
+from tests.onshape.replies import NEWEST, RESOLVED, Replies
 
-API = "v16"
+API, DEFINITION_API = "v16", "v17"
 TESSELLATION = {"angleTolerance": 0.2, "chordTolerance": 0.0005}
 
 
@@ -56,15 +57,32 @@ def requests(document: Document, tessellation=None):
     return definition, sorted(asked)
 
 
+def lists_of_features(document: Document):
+    """The requests for features of all assemblies with a mate that moves, pinned and canonical."""
+    places = [place.instance for place in document.truth.places.values()]
+    used = {(i.source, i.configuration) for i in places if not i.is_part} | {(document.root, "default")}
+    asked = []
+    for assembly, configuration in used:
+        if not any(isinstance(one, Mate) and one.type != "FASTENED" for one in assembly.features):
+            continue
+        home = assembly.home
+        pin = f"v/{home.version}" if home.linked else f"m/{home.microversion}"
+        query = {"configuration": configuration, **({"linkDocumentId": document.id} if home.linked else {})}
+        asked.append(canonical(f"/assemblies/d/{home.id}/{pin}/e/{assembly.element}/features", query))
+    return sorted(asked)
+
+
 def bundle_bytes(document: Document, tessellation=None, **options) -> bytes:
     """The zip of a document: `manifest.json` and `replies/<sha256>`.
 
-    `tessellation`: {"angleTolerance": rad, "chordTolerance": m}; `options`: those of `Replies`.
+    `tessellation`: {"angleTolerance": rad, "chordTolerance": m}; `options`: those of `Replies`. From a
+    server whose newest version of the API is too old for limits, the lists of features are there too.
     """
     replies = Replies(document, **options)
     definition, studios = requests(document, tessellation)
     digests, bodies = {}, {}
-    for request in [definition, *studios]:
+    lists = lists_of_features(document) if options.get("newest", NEWEST) < RESOLVED else []
+    for request in [definition, *studios, *lists]:
         reply = replies.answer(*request.split("?"))
         if reply.status != 200:
             msg = f"{request}: {reply.status} {reply.body.decode()}"
@@ -75,6 +93,7 @@ def bundle_bytes(document: Document, tessellation=None, **options) -> bytes:
         "format": 1,
         "kind": "onshape",
         "api": API,
+        "definition_api": DEFINITION_API,
         "root": {
             "document": document.id,
             "microversion": document.microversion,

@@ -1,4 +1,4 @@
-"""The assembly definition of a document, in the shape of Onshape's v16."""
+"""The assembly definition of a document, in the shapes of Onshape's v16 and v17."""
 
 import random
 
@@ -14,7 +14,7 @@ def definition(document: Document, *, configuration="default", shuffle=None, swa
     `shuffle`: a seed that reorders instances, occurrences, features, patterns and parts (they mean the same).
     `swap`: names of mates whose two entities change places; their values are inverted and their limits
     change sign. ValueError where that is another mate (one with a slide across the turn's axis).
-    `limits`: False leaves limits out, as servers before 2026 do.
+    `limits`: False leaves limits out, as recordings of versions before v17 do.
     """
     return _Writer(document, configuration, shuffle, frozenset(swap), limits).write()
 

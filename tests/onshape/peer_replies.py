@@ -55,7 +55,7 @@ class PeerReplies:
             if isinstance(body, bytes):
                 return Reply(200, body, name), {"Content-Type": "application/octet-stream"}
             return Reply(200, json.dumps(body, separators=(",", ":")).encode(), name), {}
-        return self.replies.answer(path, query), {}
+        return self.replies.answer(path, query, api=0), {}
 
     def _document(self, names, query):
         if names["did"] != self.document.id:

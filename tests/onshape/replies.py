@@ -1,4 +1,8 @@
-"""Answers to requests: paths and queries below /api/vN to a status and a JSON body."""
+"""Answers to requests: paths and queries below /api/vN to a status and a JSON body.
+
+Two versions are played, v16 and v17. They differ in the definition: limits of mates are resolved there
+from v17 on.
+"""
 
 import json
 import re
@@ -14,6 +18,11 @@ from tests.onshape.gltf import gltf
 from tests.onshape.settings import BadSettingError
 from tests.onshape.studio_replies import assembly_mass, mass_properties, tessellated_faces
 from tests.onshape.variables import VariableStudio, tables
+
+NEWEST = 17
+"""The newest version of the API that the local Onshape plays."""
+RESOLVED = 17
+"""The first version whose definition has the limits of mates."""
 
 PATHS = {
     "definition": "/assemblies/d/{did}/{wvm}/{wvmid}/e/{eid}",
@@ -84,7 +93,8 @@ class RefusedError(Exception):
 class Replies:
     """A document as Onshape would serve it. `shuffle`, `swap`: see `definition`; `colours`: see
     `tessellated_faces`. The same request always has the same bytes. `earlier`: those before an edit,
-    which answer for the microversion that they had. `old`: lists of features in the old envelope."""
+    which answer for the microversion that they had. `old`: lists of features in the old envelope.
+    `newest`: the newest version of the API that is known."""
 
     def __init__(
         self,
@@ -92,25 +102,27 @@ class Replies:
         *,
         shuffle=None,
         swap=(),
-        limits=True,
+        newest=NEWEST,
         old=False,
         colours="base64",
         earlier=None,
     ):
         self.document, self.colours, self.earlier, self.old = document, colours, earlier, old
-        self.options = {"shuffle": shuffle, "swap": swap, "limits": limits}
+        self.newest = newest
+        self.options = {"shuffle": shuffle, "swap": swap}
 
-    def answer(self, path: str, query: str = "") -> Reply:
-        """The reply to GET /api/vN`path`?`query`."""
+    def answer(self, path: str, query: str = "", api: int = NEWEST) -> Reply:
+        """The reply to GET /api/v`api``path`?`query`."""
         try:
             endpoint, names = self._endpoint(unquote(path))
             if self.earlier and self._is_before(names):
-                return self.earlier.answer(path, query)
+                return self.earlier.answer(path, query, api)
             pairs = parse_qsl(query, keep_blank_values=True)
             for key, _ in pairs:
                 if key not in QUERIES[endpoint]:
                     raise RefusedError(400, f"Unrecognized query parameter: {key}.")
-            value = getattr(self, f"_{endpoint}")(names, pairs)
+            version = {"api": self.version(api)} if endpoint == "definition" else {}
+            value = getattr(self, f"_{endpoint}")(names, pairs, **version)
             if isinstance(value, bytes):
                 return Reply(200, value, endpoint)
         except BadSettingError as wrong:
@@ -118,6 +130,10 @@ class Replies:
         except RefusedError as refused:
             return Reply(refused.status, error_body(refused.status, refused.message))
         return Reply(200, json.dumps(value, separators=(",", ":"), ensure_ascii=False).encode(), endpoint)
+
+    def version(self, asked: int) -> int:
+        """The version that answers where this one is asked: the newest for one that is not known."""
+        return min(asked, self.newest)
 
     def _endpoint(self, path):
         for name, pattern in _PATTERNS.items():
@@ -159,14 +175,15 @@ class Replies:
             raise RefusedError(400, f"The element is not {wanted}.")
         return element
 
-    def _definition(self, names, pairs):
+    def _definition(self, names, pairs, api):
         home = self._home(names, pairs)
         assembly = self._element(home, names, Assembly)
         if assembly is not self.document.root:
             raise RefusedError(404, "This server serves the definition of the document's root assembly only.")
         configuration = dict(pairs).get("configuration") or "default"
         document = self.document.at(configuration)
-        made = definition(document, configuration=configuration, **self.options)
+        resolved = api >= RESOLVED
+        made = definition(document, configuration=configuration, limits=resolved, **self.options)
         if not _flag(pairs, "includeMateFeatures", False):
             for part in [made["rootAssembly"], *made["subAssemblies"]]:
                 part["features"] = []

@@ -136,7 +136,8 @@ class OnshapeServer:
         match = re.match(r"/api(?:/(v\d+))?(/[^?]*)\??(.*)$", target)
         if match is None:
             return 404, error_body(404, "Not found."), {}
-        headers = {"X-Api-Version": match[1] or "v0", "On-Version": RELEASE}
+        served = f"v{self.replies.version(int(match[1][1:]))}" if match[1] else "v0"
+        headers = {"X-Api-Version": served, "On-Version": RELEASE}
         with self._lock:
             refused = self._gate.refuses(method, target, given)
         if refused:
@@ -166,7 +167,7 @@ class OnshapeServer:
         """The reply, and headers of its own; without a version in the path, as other clients ask."""
         if version is None:
             return PeerReplies(self.replies, self.url).answer(path, query)
-        return self.replies.answer(path, query), {}
+        return self.replies.answer(path, query, int(version[1:])), {}
 
     def _asked(self, endpoint):
         suffix = {"definition": "/assemblies/"}.get(endpoint, f"/{endpoint}")

@@ -56,6 +56,8 @@ def test_http_and_bundle_give_the_same_bytes_and_a_second_build_costs_one_call(d
         cold = server.count
         assert (first.calls["made"], first.calls["saved"]) == (cold, 0)
         assert first.calls["counted_this_year"] == cold
+        served = {"api": "v16", "definition_api": "v17", "release": "1.218.0"}
+        assert first.calls["served"] == served
         second = build(asked, environ=server.environ)
         assert server.count - cold == 1
         assert (second.calls["made"], second.calls["saved"]) == (1, cold)

@@ -301,7 +301,7 @@ def test_two_joints_between_two_links_are_one(kit: Kit) -> None:
 def test_limits_that_only_the_list_of_features_has_are_inverted_too(kit: Kit) -> None:
     base, arm = (kit.place(name, fixed=name == "Base") for name in ("Base", "Arm"))
     kit.root.revolute("dof_a_inv", (arm, HERE), (base, TOP), value=0.5, limits=(-1.0, 2.0))
-    with OnshapeServer(kit.document, limits=False) as server:
+    with OnshapeServer(kit.document, newest=16) as server:
         bundle = fetched(onshape(server.document_url()), environ=server.environ).bundle
     (dof,) = build_robot(bundle, plan_of(conventions="onshape_to_robot")).dofs
     assert (dof.limits.lower, dof.limits.upper) == (pytest.approx(-1.5), pytest.approx(1.5))

@@ -37,7 +37,7 @@ def test_a_server_that_sends_limits_is_not_asked_for_features():
 
 def test_an_old_server_is_asked_once_for_each_assembly_with_moving_mates_and_once_for_its_variables():
     kept = Kept()
-    with OnshapeServer(typed_arm(), limits=False) as server:
+    with OnshapeServer(typed_arm(), newest=16) as server:
         made = fetched(onshape(server.document_url()), kept, server.environ)
         calls = {"currentmicroversion": 1, "features": 2, "massproperties": 1, "tessellatedfaces": 1}
         assert asked(server) == {**calls, "variables": 2}
@@ -53,7 +53,7 @@ def test_an_old_server_is_asked_once_for_each_assembly_with_moving_mates_and_onc
 
 def test_variables_are_asked_for_only_where_a_limit_names_one():
     document = typed_arm(low="-30 deg", high="1 rad")
-    with OnshapeServer(document, limits=False) as server:
+    with OnshapeServer(document, newest=16) as server:
         made = fetched(onshape(server.document_url()), environ=server.environ)
         assert asked(server)["variables"] == 1
         of_hand = f"/e/{document.assemblies[1].element}/variables"
@@ -65,13 +65,13 @@ def test_an_assembly_of_fastened_mates_alone_is_not_asked():
     document = typed_arm()
     document.assemblies[1].features[0].suppressed = True
     document.changed()
-    with OnshapeServer(document, limits=False) as server:
+    with OnshapeServer(document, newest=16) as server:
         fetched(onshape(server.document_url()), environ=server.environ)
         assert asked(server)["features"] == 1
 
 
 def test_a_version_has_variables_and_a_microversion_has_none():
-    with OnshapeServer(typed_arm(), limits=False) as server:
+    with OnshapeServer(typed_arm(), newest=16) as server:
         version = fetched(onshape(server.document_url("v")), environ=server.environ)
         assert version.calls == 7
         assert unknown(version) == []
@@ -85,7 +85,7 @@ def test_a_version_has_variables_and_a_microversion_has_none():
 def test_variables_of_a_workspace_that_moved_on_are_not_taken_for_those_of_what_is_built():
     document = typed_arm()
     kept = Kept()
-    with OnshapeServer(document, limits=False) as server:
+    with OnshapeServer(document, newest=16) as server:
 
         def edit_before_variables(method, target, number):
             if "/variables?" in target and server.document is document:
@@ -105,7 +105,7 @@ def test_a_bundle_keeps_what_was_asked_and_builds_the_same(tmp_path):
     from stages.fetch.onshape import gather
     from stages.fetch.recorded import Recorded
 
-    with OnshapeServer(typed_arm(), limits=False) as server:
+    with OnshapeServer(typed_arm(), newest=16) as server:
         made = fetched(onshape(server.document_url("v")), environ=server.environ)
     again = gather(Recorded(read(pack(made.bundle), "zip"), "zip"))
     assert again == made.bundle
@@ -113,7 +113,7 @@ def test_a_bundle_keeps_what_was_asked_and_builds_the_same(tmp_path):
 
 
 def test_nothing_is_asked_offline():
-    with OnshapeServer(typed_arm(), limits=False) as server:
+    with OnshapeServer(typed_arm(), newest=16) as server:
         kept = Kept()
         made = fetched(onshape(server.document_url()), kept, server.environ)
     for request in [request for request in kept if "/variables" in request]:
@@ -131,7 +131,7 @@ def test_nothing_is_asked_offline():
 @pytest.mark.parametrize("body", [b"{", b"[]", b'{"features": 3}', b'{"features": ["x"]}'])
 def test_a_list_of_features_that_is_none_is_not_kept(body):
     kept = Kept()
-    with OnshapeServer(typed_arm(), limits=False) as server:
+    with OnshapeServer(typed_arm(), newest=16) as server:
         server.fault = lambda method, target, number: Fault(200, body) if "/features" in target else None
         with pytest.raises(ProtocolError, match="the features of assembly"):
             fetched(onshape(server.document_url("v")), kept, server.environ)

@@ -47,7 +47,7 @@ def assembly(document, kind="w", element=None):
 def test_what_a_build_asks_is_served_byte_for_byte_and_counted(server, document):
     definition, studios = requests(document)
     for request in [definition, *studios]:
-        status, body, _ = get(server, f"/api/v16{request}")
+        status, body, _ = get(server, f"/api/v17{request}")
         assert status == 200
         assert body == json.loads(Replies(document).answer(*request.split("?")).body)
     assert server.count == 1 + 2 * 4
@@ -65,6 +65,21 @@ def test_the_definition_is_there_for_workspace_version_and_microversion(server, 
     assert headers["Content-Type"] == "application/json;charset=UTF-8"
     assert headers["X-Api-Version"] == "v16"
     assert int(headers["X-Rate-Limit-Remaining"]) == 1000 - 1
+
+
+@pytest.mark.parametrize(
+    ("newest", "asked", "served", "resolved"),
+    [(17, 16, 16, False), (17, 17, 17, True), (17, 99, 17, True), (16, 17, 16, False)],
+)
+def test_limits_are_in_the_definition_from_v17_and_what_is_not_known_gets_the_newest(
+    document, newest, asked, served, resolved
+):
+    with OnshapeServer(document, newest=newest) as server:
+        target = assembly(document).replace("/v16/", f"/v{asked}/") + "?includeMateFeatures=true"
+        _, body, headers = get(server, target)
+    assert headers["X-Api-Version"] == f"v{served}"
+    mates = [one for one in body["rootAssembly"]["features"] if one["featureType"] == "mate"]
+    assert {"mateLimits" in one["featureData"] for one in mates} == {resolved}
 
 
 def test_features_come_only_when_asked_and_a_configuration_is_passed_through(server, document):

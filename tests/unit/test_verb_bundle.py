@@ -99,7 +99,7 @@ def desk():
     ],
 )
 def test_whatever_a_build_had_to_ask_for_its_bundle_has(here, how, asked):
-    with OnshapeServer(desk(), limits=how != "limits by features") as server:
+    with OnshapeServer(desk(), newest=16 if how == "limits by features" else 17) as server:
         if how == "triangles by glTF":
             server.fault = lambda method, target, number: (
                 Fault(406, b'{"message": "Not acceptable"}') if "/tessellatedfaces" in target else None
