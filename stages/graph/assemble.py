@@ -48,6 +48,7 @@ def assemble(bundle: Bundle, keys: GraphKeys) -> Robot:
     robot = with_properties(robot, keys.joints, notes)
     robot = with_relations(robot, mechanism.bonds, notes)
     unknown = _unknown(mechanism.couplings, keys.joints)
+    _tell_doubts(mechanism.couplings, keys.joints, notes)
     robot = check_limits(robot, unknown, notes, keys.joints, keys.links, mechanism.posed)
     tell_loops(robot, unknown, notes)
     robot = with_given_masses(robot, keys.mass.links, notes)
@@ -76,14 +77,29 @@ def _tree(mechanism: Mechanism, keys: GraphKeys, notes: Notes) -> Tree:
 
 def _unknown(couplings: Iterable[Coupling], wanted: Mapping[str, JointKeys]) -> dict[str, str]:
     """Why limits are not known, by dof, of the dofs to which YAML gives none either."""
-    given = [glob for glob, keys in wanted.items() if keys.limits is not None]
     return {
-        dof.name: coupling.unknown
+        name: coupling.unknown
         for coupling in couplings
         if coupling.unknown
-        for dof in coupling.dofs
-        if not any(fnmatchcase(dof.name, glob) for glob in given)
+        for name in _unsettled(coupling, wanted)
     }
+
+
+def _tell_doubts(couplings: Iterable[Coupling], wanted: Mapping[str, JointKeys], notes: Notes) -> None:
+    """What of the limits might be meant another way, where YAML does not give them all."""
+    for coupling in couplings:
+        for name in _unsettled(coupling, wanted)[:1]:
+            settle = f"joints: {{{name}: {{limits: [low, high]}}}}"
+            for text in coupling.doubts:
+                notes.tell("W-LIMIT-DOUBT", text, coupling.name, f"type it again on the mate, or {settle}")
+            for text in coupling.half_open:
+                notes.tell("I-LIMIT-OPEN", text, coupling.name, f"if a zero is meant, type it, or {settle}")
+
+
+def _unsettled(coupling: Coupling, wanted: Mapping[str, JointKeys]) -> list[str]:
+    """The dofs to which YAML gives no limits."""
+    given = [glob for glob, keys in wanted.items() if keys.limits is not None]
+    return [dof.name for dof in coupling.dofs if not any(fnmatchcase(dof.name, glob) for glob in given)]
 
 
 def _transmissions(mechanism: Mechanism, robot: Robot) -> tuple[Transmission, ...]:

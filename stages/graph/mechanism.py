@@ -48,7 +48,8 @@ class Coupling:
     `bodies` and `world_from_frames` (4, 4 each, right-handed) are of its first and second entity; the
     chain `dofs` leads from the second to the first, and `residual` [m or rad] is what it does not
     explain of the saved pose. `title` is its place in CAD. `unknown` says why its limits, which CAD
-    has, are not known. `closes`: the source itself has it close a loop, so it is cut before any other.
+    has, are not known; `doubts` which of them contradict themselves, `half_open` which are open where the
+    other side is not. `closes`: the source itself has it close a loop, so it is cut before any other.
     """
 
     name: str
@@ -60,6 +61,8 @@ class Coupling:
     ref: MateRef
     title: str
     unknown: str = ""
+    doubts: tuple[str, ...] = ()
+    half_open: tuple[str, ...] = ()
     closes: bool = False
 
     @property

@@ -1,9 +1,12 @@
 """The list of features of one assembly, in the old envelope and in the new one.
 
 The old: `{type, typeName, message: {...}}`, states as a list. The new: flat with `btType`, states by
-id. Both give limits as the author typed them, beside a value that is always 0.
+id. Both give limits as the author typed them, beside a value that is always 0. As in all recordings,
+every mate has the fields of every limit, none `isNull`: one that nobody typed in says so in `nullValue`,
+and holds a zero.
 """
 
+from tests.onshape import ids
 from tests.onshape.elements import Connector, Group, Mate, Relation
 from tests.onshape.mates import FREEDOMS
 
@@ -14,6 +17,8 @@ _KINDS = {
     Relation: (1412, "BTMMateRelation", "mateRelation"),
 }
 _SIDES = ("X", "Y", "Z", "AxialX", "AxialY", "AxialZ")
+_LIMITS = (*(f"limit{side}{end}" for side in _SIDES for end in ("Min", "Max")), "limitEulerConeAngleMax")
+"""The fields of every mate, whatever its type."""
 
 
 def features(assembly, *, old):
@@ -51,27 +56,30 @@ def _mate(mate, old):
         name: text
         for freedom, pair in zip(FREEDOMS[mate.type], mate.typed_limits, strict=True)
         for name, text in zip(freedom.limit_names, pair, strict=True)
-        if name
+        if name and text is not None
     }
-    switched = any(text is not None for text in typed.values())
     parameters = [
-        _wrap(145, "BTMParameterEnum", {"parameterId": "mateType", "value": mate.type}, old),
-        _wrap(144, "BTMParameterBoolean", {"parameterId": "limitsEnabled", "value": switched}, old),
+        _parameter(mate, 145, "BTMParameterEnum", "mateType", {"value": mate.type}, old),
+        _parameter(mate, 144, "BTMParameterBoolean", "limitsEnabled", {"value": bool(typed)}, old),
     ]
-    every = dict.fromkeys(f"limit{side}{end}" for side in _SIDES for end in ("Min", "Max"))
-    for name in {**every, **typed}:
-        text = typed.get(name)
+    for name in _LIMITS:
+        untouched = "0 deg" if "A" in name else "0 mm"
+        empty = "No minimum" if name.endswith("Min") else "No maximum"
         record = {
-            "parameterId": name,
-            "isNull": name in typed and switched and text is None,
-            "nullValue": "No minimum" if name.endswith("Min") else "No maximum",
-            "value": 0.0,
+            "isNull": False,
+            "nullValue": "" if name in typed else empty,
             "units": "",
+            "value": 0.0,
+            "expression": typed.get(name, untouched),
             "isInteger": False,
-            "expression": text or ("0 deg" if "Axial" in name or "Angle" in name else "0 mm"),
         }
-        parameters.append(_wrap(807, "BTMParameterNullableQuantity", record, old))
+        parameters.append(_parameter(mate, 807, "BTMParameterNullableQuantity", name, record, old))
     return parameters
+
+
+def _parameter(mate, number, kind, name, record, old):
+    named = {"parameterId": name, "nodeId": ids.node_id(mate.id, name)}
+    return _wrap(number, kind, {**record, **named}, old)
 
 
 def _wrap(number, name, record, old):

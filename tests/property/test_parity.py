@@ -29,13 +29,16 @@ from tests.onshape.truth import Truth
 TOLERANCE = 1e-9
 
 
-def agree(document: Document, root: int, shuffle: int, seed: int) -> None:
-    """Builds with the `root`-th link as root and instances shuffled; compares at three random q."""
+def agree(document: Document, root: int, shuffle: int, seed: int, api: int = 17) -> None:
+    """Builds with the `root`-th link as root and instances shuffled; compares at three random q.
+
+    `api`: the newest version that the server knows, on which it depends where limits are read.
+    """
     first = robot_of(document)
     links = ["world"] if first.root.name == "world" else sorted(link.name for link in first.links)
     base = "fixed" if links == ["world"] else ["fixed", "free"][seed % 2]
     plan = plan_of(root={"select": links[root % len(links)], "base": base})
-    robot = decode_robot(encode_robot(robot_of(document, plan, shuffle=shuffle)))
+    robot = decode_robot(encode_robot(robot_of(document, plan, shuffle=shuffle, newest=api)))
     start = starting_point(robot)
     with tempfile.TemporaryDirectory() as folder:
         exported = write(robot, Path(folder))
@@ -154,13 +157,16 @@ def same(found: np.ndarray, expected: np.ndarray) -> None:
 
 
 places = st.integers(0, 1000)
+versions = st.sampled_from([16, 17])
 slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
 
 
 @settings(max_examples=25, **slowly)
-@given(documents(), places, places, places)
-def test_both_files_are_the_document(document: Document, root: int, shuffle: int, seed: int) -> None:
-    agree(document, root, shuffle, seed)
+@given(documents(), places, places, places, versions)
+def test_both_files_are_the_document(
+    document: Document, root: int, shuffle: int, seed: int, api: int
+) -> None:
+    agree(document, root, shuffle, seed, api)
 
 
 @settings(max_examples=25, **slowly)
@@ -170,18 +176,26 @@ def test_loops_change_nothing_about_the_tree(document: Document, root: int, shuf
 
 
 @settings(max_examples=40, **slowly)
-@given(documents(everything=True), places, places, places)
-def test_everything_that_can_be_drawn(document: Document, root: int, shuffle: int, seed: int) -> None:
-    agree(document, root, shuffle, seed)
+@given(documents(everything=True), places, places, places, versions)
+def test_everything_that_can_be_drawn(
+    document: Document, root: int, shuffle: int, seed: int, api: int
+) -> None:
+    agree(document, root, shuffle, seed, api)
 
 
 @pytest.mark.slow
 @settings(max_examples=500, **slowly)
-@given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)), places, places, places)
+@given(
+    st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)),
+    places,
+    places,
+    places,
+    versions,
+)
 def test_everything_that_can_be_drawn_many_times(
-    document: Document, root: int, shuffle: int, seed: int
+    document: Document, root: int, shuffle: int, seed: int, api: int
 ) -> None:
-    agree(document, root, shuffle, seed)
+    agree(document, root, shuffle, seed, api)
 
 
 @settings(max_examples=25, **slowly)

@@ -14,7 +14,8 @@ from stages.graph.onshape.assembly import Assembly, Mate
 from stages.graph.onshape.limits import resolve_limits
 from stages.robot.bundle import Bundle, Features, StudioKey
 from stages.robot.model import MateRef, Robot
-from tests.building import plan_of
+from tests.building import plan_of, robot_of
+from tests.kit import ON, Kit
 from tests.onshape.replies import Replies
 from tests.onshape.settable import typed_arm
 from tests.recorded import KBOT, kbot_definition, kbot_masses, needs_data, pack
@@ -35,7 +36,7 @@ def recorded(definition: bytes, replies: dict[str, bytes]) -> Bundle:
 def arm_replies(change=None, old: bool = False, variables: bool = True, **typed) -> tuple[bytes, dict]:
     """The arm's definition without limits, and its replies; `change` edits the root's features."""
     document = typed_arm(**typed)
-    server = Replies(document, limits=False, old=old)
+    server = Replies(document, newest=16, old=old)
     answers = {}
     for assembly in document.assemblies:
         base = f"/d/{document.id}/m/{document.microversion}/e/{assembly.element}"
@@ -229,10 +230,14 @@ EVERY = {
 """What a list of features says of any mate: all limits, whatever its type."""
 
 
-def resolved(kind: str, typed: dict[str, str], copies=("",)) -> tuple[list[Mate], dict]:
-    """Mates of this type in the root, whose list of features gives these limits."""
+def resolved(kind: str, typed: dict[str, str], copies=("",), more=None) -> tuple[list[Mate], dict]:
+    """Mates of this type in the root, whose list of features gives these limits; `more`: by name, what
+    else their parameters say."""
     root = {"documentId": "d", "documentMicroversion": "m", "elementId": "e"}
-    parameters = [{"parameterId": f"limit{name}", "expression": text} for name, text in typed.items()]
+    parameters = [
+        {"parameterId": f"limit{name}", "expression": text, **(more or {}).get(name, {})}
+        for name, text in typed.items()
+    ]
     parameters += [{"parameterId": "limitsEnabled", "value": True}, {"expression": "7 m"}]
     body = {"features": [{"featureId": "f", "parameters": parameters}]}
     bundle = Bundle(
@@ -265,13 +270,109 @@ def test_each_type_takes_the_limits_of_its_own_freedoms(kind: str) -> None:
 def test_a_length_is_no_cone() -> None:
     (mate,), unknown = resolved("BALL", {"EulerConeAngleMax": "45 mm"})
     assert mate.limits == {}
-    assert "limitEulerConeAngleMax is '45 mm'" in unknown[(), "f"]
+    assert "limitEulerConeAngleMax is '45 mm'" in unknown[(), "f"].unknown
 
 
 def test_copies_of_a_mate_take_its_limits() -> None:
     mates, unknown = resolved("SLIDER", {"ZMin": "1 mm", "ZMax": "#lost"}, copies=("", "I1", "I2"))
     assert [mate.limits for mate in mates] == [{"limitZMin": pytest.approx(0.001)}] * 3
     assert list(unknown) == [((), "f")]
+
+
+def sided(kind: str, side: str) -> tuple[dict[str, str], dict[str, dict]]:
+    """The limits of which only this `side` (Min or Max) was typed, and what the untouched say."""
+    unit = {name: "deg" if "A" in name else "mm" for name in OF_TYPE[kind]}
+    typed = {name: f"{index + 1} {unit[name]}" for index, name in enumerate(OF_TYPE[kind])}
+    untouched = {name: f"0 {unit[name]}" for name in typed if not name.endswith(side)}
+    empty = {"Min": "No minimum", "Max": "No maximum"}
+    said = {
+        name: {"isNull": False, "nullValue": empty[name[-3:]] if name in untouched else "", "value": 0.0}
+        for name in typed
+    }
+    return {**typed, **untouched}, said
+
+
+@pytest.mark.parametrize("side", ["Min", "Max", "Neither"])
+@pytest.mark.parametrize("kind", OF_TYPE)
+def test_what_nobody_typed_is_open_on_every_type_of_mate(kind: str, side: str) -> None:
+    typed, said = sided(kind, side)
+    (mate,), remarks = resolved(kind, typed, more=said)
+    scale = {"deg": math.radians(1), "mm": 0.001}
+    want = {
+        f"limit{name}": pytest.approx(float(text.split()[0]) * scale[text.split()[1]])
+        for name, text in typed.items()
+        if name.endswith(side)
+    }
+    assert (mate.limits or {}) == want
+    found = remarks.get(((), "f"))
+    assert found is None or not found.unknown
+    assert len(found.open if found else ()) == (0 if kind == "BALL" else len(want))
+    assert not found or not found.doubts
+
+
+@pytest.mark.parametrize("zero", ["0 deg", "0 mm", "0 in", "0.0*mm", "0", "0.000 rad", "", '0"', "0°"])
+def test_a_zero_in_any_unit_is_untouched_where_the_field_calls_itself_empty(zero: str) -> None:
+    typed, more = {"ZMin": "-3 mm", "ZMax": zero}, {"ZMax": {"isNull": False, "nullValue": "No maximum"}}
+    (mate,), remarks = resolved("SLIDER", typed, more=more)
+    assert mate.limits == {"limitZMin": pytest.approx(-0.003)}
+    (text,) = remarks[(), "f"].open
+    assert f"limitZMax is {zero!r} beside 'No maximum'" in text
+
+
+@pytest.mark.parametrize("empty", ["", None])
+def test_a_zero_that_was_typed_is_a_limit(empty: str | None) -> None:
+    more = {} if empty is None else {"ZMax": {"isNull": False, "nullValue": empty}}
+    (mate,), remarks = resolved("SLIDER", {"ZMin": "-3 mm", "ZMax": "0 mm"}, more=more)
+    assert mate.limits == {"limitZMin": pytest.approx(-0.003), "limitZMax": 0.0}
+    assert remarks == {}
+
+
+def test_what_is_null_is_open_whatever_it_holds() -> None:
+    (mate,), remarks = resolved("SLIDER", {"ZMin": "1 mm", "ZMax": "5 mm"}, more={"ZMax": {"isNull": True}})
+    assert mate.limits == {"limitZMin": pytest.approx(0.001)}
+    assert remarks == {}
+
+
+@pytest.mark.parametrize("text", ["5 mm", "0 mm + 0 mm", "2 * 3 mm"])
+def test_an_expression_counts_beside_a_field_that_calls_itself_empty_with_a_word_about_it(text: str) -> None:
+    (mate,), remarks = resolved("SLIDER", {"ZMax": text}, more={"ZMax": {"nullValue": "No maximum"}})
+    assert set(mate.limits or {}) == {"limitZMax"}
+    (said,) = remarks[(), "f"].doubts
+    assert f"limitZMax is {text!r} beside 'No maximum'" in said
+
+
+def test_a_doubtful_limit_is_told_until_yaml_settles_it() -> None:
+    def contradict(body: dict) -> None:
+        parameter(body, "Push", "limitZMax")["nullValue"] = "No maximum"
+        parameter(body, "Push", "limitZMin")["nullValue"] = "No minimum"
+
+    def about(robot: Robot) -> list[tuple[str, str]]:
+        return [(d.code, d.where) for d in robot.diagnostics if d.code in ("W-LIMIT-DOUBT", "I-LIMIT-OPEN")]
+
+    robot = arm(contradict)
+    assert limits(robot)["push"] == (None, pytest.approx(0.0127))
+    told = [("I-LIMIT-OPEN", "curl"), ("I-LIMIT-OPEN", "push"), ("W-LIMIT-DOUBT", "push")]
+    assert sorted(about(robot)) == told
+    hint = next(d.hint for d in robot.diagnostics if d.code == "W-LIMIT-DOUBT")
+    assert hint.endswith("joints: {push: {limits: [low, high]}}")
+    settled = arm(contradict, keys={"joints": {"push": {"limits": [0, 0.01]}}})
+    assert limits(settled)["push"] == (0, 0.01)
+    assert about(settled) == [("I-LIMIT-OPEN", "curl")]
+
+
+def test_no_dof_is_locked_by_limits_that_nobody_typed() -> None:
+    """A slider that is open above, and mates of several dofs of which one was typed, as any may be."""
+    kit = Kit()
+    base, *arms = (kit.place(f"Bar {n}") for n in range(5))
+    root = kit.root
+    root.slider("Lift", (arms[0], ON), (base, ON), limits=(-0.0736, None))
+    root.cylindrical("Axle", (arms[1], ON), (base, ON), limits=((None, None), (None, 1)))
+    root.planar("Table", (arms[2], ON), (base, ON), limits=((0, 0.1), (None, None), (None, None)))
+    root.parallel("Glide", (arms[3], ON), (base, ON), limits=((None, None), (None, None), (None, 2), (-1, 1)))
+    old = robot_of(kit.document, newest=16)
+    assert limits(old) == limits(robot_of(kit.document))
+    assert limits(old)["lift"] == (-0.0736, None)
+    assert [d.code for d in old.diagnostics if d.code in ("W-LIMIT-LOCKED", "W-SAVED-POSE")] == []
 
 
 @needs_data

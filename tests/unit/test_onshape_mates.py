@@ -151,11 +151,16 @@ def test_limits_of_every_mate_in_the_definition_and_in_the_list_of_features() ->
         for name, number in expected[one["name"]].items():
             unit = "rad" if "A" in name else "m"
             assert given[name]["expression"] == f"{float(number)!r} {unit}"
-            assert given[name]["isNull"] is False
+            assert (given[name]["isNull"], given[name]["nullValue"]) == (False, "")
     first = features(kit.root, old=True)["features"][0]["message"]["parameters"]
     cylinder = {one["message"]["parameterId"]: one["message"] for one in first}
-    assert cylinder["limitAxialZMin"]["isNull"] is True
-    assert cylinder["limitXMin"]["isNull"] is False
+    for name, empty, zero in (
+        ("limitAxialZMin", "No minimum", "0 deg"),
+        ("limitXMin", "No minimum", "0 mm"),
+        ("limitEulerConeAngleMax", "No maximum", "0 deg"),
+    ):
+        open_ = cylinder[name]
+        assert (open_["isNull"], open_["nullValue"], open_["expression"]) == (False, empty, zero)
 
 
 def test_a_broken_mate_has_one_entity_and_a_redundant_one_two_but_neither_is_in_the_tree() -> None:

@@ -156,6 +156,36 @@ def test_a_list_of_features_has_the_recorded_keys_in_both_envelopes(old):
         assert set(ours["featureStates"][0]) == set(real["featureStates"][0])
 
 
+@pytest.mark.parametrize("name", ["kscale_dummy_features.json", "kbot"])
+def test_limits_that_were_typed_and_that_were_not_look_as_in_every_recording(name):
+    """Of each limit: whether it is null, what it says of being empty, and what it holds, typed or not."""
+
+    def looks(reply):
+        for feature in reply["features"]:
+            inside = [one.get("message", one) for one in feature.get("message", feature)["parameters"]]
+            for one in inside:
+                if one["parameterId"].startswith("limit") and one["parameterId"] != "limitsEnabled":
+                    text = "typed" if one["nullValue"] == "" else one["expression"]
+                    plain = (one["isNull"], one["nullValue"], text, one["value"], one["units"])
+                    yield one["parameterId"], *plain
+
+    files = sorted(RECORDED.glob("kbot-headless/features_*.json")) if name == "kbot" else [RECORDED / name]
+    if not files or not files[0].exists():
+        pytest.skip(f"no recording {name}")
+    real = {look for file in files for look in looks(json.loads(file.read_text()))}
+    document = typed_arm()
+    path = f"/assemblies/d/{document.id}/m/{document.microversion}/e/{document.root.element}/features"
+    ours = list(looks(json.loads(Replies(document).answer(path).body)))
+    # Of all that is typed the recordings have turns only.
+    assert {look for look in ours if look[3] != "typed"} <= real
+    assert {(*look[1:], look[0][-3:]) for look in ours if look[3] == "typed"} <= {
+        (False, "", "typed", 0.0, "", "Min"),
+        (False, "", "typed", 0.0, "", "Max"),
+    }
+    if name == "kbot":
+        assert {look[1:] for look in real if look[3] == "typed"} == {(False, "", "typed", 0.0, "")}
+
+
 def test_the_queries_that_are_accepted_are_those_of_the_description(api):
     for endpoint, path in PATHS.items():
         described = {p["name"] for p in api["paths"][path]["get"]["parameters"] if p["in"] == "query"}

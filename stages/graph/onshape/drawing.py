@@ -14,7 +14,7 @@ from stages.graph.onshape.bodies import Bodies, find_bodies
 from stages.graph.onshape.compose import Absorbed, MateKey, composed
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.hidden import without_hidden
-from stages.graph.onshape.limits import resolve_limits
+from stages.graph.onshape.limits import Remarks, resolve_limits
 from stages.graph.onshape.mass import SHEET, part_key, weighed
 from stages.graph.onshape.naming import Names, is_link_name, name_everything
 from stages.graph.onshape.patterns import with_copies
@@ -38,7 +38,7 @@ def read_drawing(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechani
     notes.add(assembly.diagnostics)
     if keys.hidden == "drop":
         assembly = without_hidden(assembly, notes)
-    unknown = resolve_limits(assembly, bundle)
+    remarks = resolve_limits(assembly, bundle)
     if keys.conventions == "onshape_to_robot":
         assembly, keys = translated(assembly, keys, notes)
     assembly = with_copies(assembly, keys.mirror, keys.depth, notes)
@@ -47,8 +47,8 @@ def read_drawing(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechani
     bodies, absorbed = _settled_bodies(assembly, keys, notes)
     names = name_everything(assembly, bodies, {path: volume for path, (_, volume) in weights.items()})
     _tell_names(assembly, bodies, names, notes)
-    reasons = _not_known(assembly, unknown, absorbed)
-    couplings = tuple(_coupling(mate, assembly, bodies, names, reasons) for mate in bodies.moving)
+    said = _said_of(assembly, remarks, absorbed)
+    couplings = tuple(_coupling(mate, assembly, bodies, names, said) for mate in bodies.moving)
     mechanism = Mechanism(
         bodies=tuple(_bodies(assembly, bodies, names, weights, bundle)),
         couplings=couplings,
@@ -126,13 +126,14 @@ def _bodies(
 
 
 def _coupling(
-    mate: Mate, assembly: Assembly, bodies: Bodies, names: Names, reasons: Mapping[MateKey, str]
+    mate: Mate, assembly: Assembly, bodies: Bodies, names: Names, said: Mapping[MateKey, Remarks]
 ) -> Coupling:
     name = names.joints[mate.ref.key]
     first, second, mirrored = right_handed(*(assembly.world_from(entity) for entity in mate.entities))
     relative = inverse(second) @ first
     dofs = dofs_of(name, mate.ref.type, mate.limits or {}, relative, mirrored)
     explained = chain(dofs, {dof.name: dof.saved for dof in dofs})
+    remarks = said.get(mate.key, Remarks())
     return Coupling(
         name=name,
         type=TYPES[mate.ref.type][0],
@@ -142,22 +143,27 @@ def _coupling(
         residual=residual(relative, explained),
         ref=mate.ref,
         title=mate.title,
-        unknown=reasons.get(mate.key, ""),
+        unknown=remarks.unknown,
+        doubts=remarks.doubts,
+        half_open=remarks.open,
     )
 
 
-def _not_known(
-    assembly: Assembly, unknown: Mapping[tuple[Path, str], str], absorbed: Mapping[MateKey, Absorbed]
-) -> dict[MateKey, str]:
-    """Why the limits of a mate are not known, or of those that it stands for, by the mate's key."""
-    reasons: dict[MateKey, list[str]] = {}
+def _said_of(
+    assembly: Assembly, remarks: Mapping[tuple[Path, str], Remarks], absorbed: Mapping[MateKey, Absorbed]
+) -> dict[MateKey, Remarks]:
+    """What there is to say of the limits of a mate, and of those that it stands for, by the mate's key."""
+    found: dict[MateKey, Remarks] = {}
     for mate in sorted(assembly.mates, key=lambda mate: (mate.title, mate.key)):
-        why = unknown.get((mate.ref.owner, mate.ref.feature))
-        if why is not None and mate.key in absorbed:
-            reasons.setdefault(absorbed[mate.key].by, []).append(f"{why} (of {mate.title})")
-        elif why is not None:
-            reasons.setdefault(mate.key, []).append(why)
-    return {key: "; ".join(whys) for key, whys in reasons.items()}
+        one = remarks.get((mate.ref.owner, mate.ref.feature))
+        if one is None:
+            continue
+        by, of = (absorbed[mate.key].by, f" (of {mate.title})") if mate.key in absorbed else (mate.key, "")
+        before = found.get(by, Remarks())
+        unknown = [before.unknown, one.unknown and one.unknown + of]
+        doubts, half = (tuple(text + of for text in texts) for texts in (one.doubts, one.open))
+        found[by] = Remarks("; ".join(filter(None, unknown)), before.doubts + doubts, before.open + half)
+    return found
 
 
 def _bonds(

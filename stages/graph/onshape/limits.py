@@ -3,15 +3,19 @@
 Servers before 2026 send mates without `mateLimits`. What the designer typed then stands in each
 assembly's own list of features, as expressions: the `value` beside them is a stale zero. Lists come
 in two envelopes, `{typeName, message: {...}}` and flat with `btType`.
+
+A limit that the designer never typed is no limit. It has `isNull`, or, in all that was ever recorded,
+the words of the empty field as its `nullValue` ("No maximum") beside a zero; one that was typed has "".
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
 import orjson
 
-from stages.graph.couplings import TYPES
+from stages.graph.couplings import TYPES, Freedom
 from stages.graph.onshape.assembly import Assembly, Mate, Path, Record
 from stages.graph.onshape.expressions import ExpressionError, Scope, measured
 from stages.graph.onshape.replies import shape_of
@@ -20,6 +24,20 @@ from stages.robot.configuration import decoded, split
 from stages.robot.model import DofKind
 
 MateKey = tuple[Path, str]
+
+_UNTOUCHED = re.compile(r"\s*(0+(\.0*)?\s*\*?\s*([^\W\d_]+|[°'\"])?)?\s*")
+"""What stands in a field that nobody typed in: nothing, or a zero in some unit ("0 deg", "0.0*mm")."""
+
+
+@dataclass(frozen=True, slots=True)
+class Remarks:
+    """What there is to say of a mate's limits. `unknown`: why they are not known, or not exactly; "" if
+    they are. `doubts`: what contradicts itself, and how it was read. `open`: which sides are open where
+    the other one was typed."""
+
+    unknown: str = ""
+    doubts: tuple[str, ...] = ()
+    open: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,12 +49,12 @@ class _Owner:
     scope: Scope
 
 
-def resolve_limits(assembly: Assembly, bundle: Bundle) -> dict[MateKey, str]:
+def resolve_limits(assembly: Assembly, bundle: Bundle) -> dict[MateKey, Remarks]:
     """Gives every mate that moves its limits, in the shape of `mateLimits`: in place.
 
-    Returns why the limits of a mate are not known, or not exactly, by (owner path, feature id).
+    Returns what there is to say of them, by (owner path, feature id).
     """
-    unknown: dict[MateKey, str] = {}
+    remarks: dict[MateKey, Remarks] = {}
     replies = {features.key: features for features in bundle.features}
     owners: dict[tuple[StudioKey, str], _Owner] = {}
     for index, mate in enumerate(assembly.mates):
@@ -45,18 +63,19 @@ def resolve_limits(assembly: Assembly, bundle: Bundle) -> dict[MateKey, str]:
         record = assembly.occurrences[mate.ref.owner].record if mate.ref.owner else assembly.root
         key = StudioKey.of(record)
         if key not in replies:
-            unknown[_key(mate)] = "the server told no limits, and the list of features is not there"
+            why = "the server told no limits, and the list of features is not there"
+            remarks[_key(mate)] = Remarks(why)
             continue
         settings = record.get("fullConfiguration") or key.configuration
         with shape_of("list of features or of variables", f"assembly {key.element}"):
             owner = owners.get((key, settings))
             if owner is None:
                 owner = owners[key, settings] = _read(bundle, replies[key], settings)
-            limits, reasons = _limits(mate, owner)
+            limits, said = _limits(mate, owner)
         assembly.mates[index] = replace(mate, limits=limits)
-        if reasons:
-            unknown[_key(mate)] = "; ".join(reasons)
-    return unknown
+        if said != Remarks():
+            remarks[_key(mate)] = said
+    return remarks
 
 
 def _key(mate: Mate) -> MateKey:
@@ -97,53 +116,69 @@ def _open(record: Any) -> Record:
     return inside if isinstance(inside, dict) else record
 
 
-def _limits(mate: Mate, owner: _Owner) -> tuple[Record, list[str]]:
-    """The limits of a mate [m and rad, by Onshape's names], and what is not known of them."""
+def _limits(mate: Mate, owner: _Owner) -> tuple[Record, Remarks]:
+    """The limits of a mate [m and rad, by Onshape's names], and what there is to say of them."""
     parameters = owner.mates.get(mate.ref.feature)
     if parameters is None:
-        return {}, ["the list of features lacks this mate"]
+        return {}, Remarks("the list of features lacks this mate")
     _, freedoms = TYPES.get(mate.ref.type, ("fixed", ()))
-    reasons: list[str] = []
-    limits: dict[str, float] = {}
+    found = _Found({}, {}, [], [], [])
     try:
         if not _configured(parameters["limitsEnabled"], owner).get("value"):
-            return {}, []
+            return {}, Remarks()
         for freedom in freedoms:
             for name in freedom.limits:
                 if name and name in parameters:
-                    parameter = _configured(parameters[name], owner)
-                    _limit(name, freedom.kind, parameter, owner.scope, limits, reasons)
+                    _read_limit(name, freedom.kind, _configured(parameters[name], owner), owner.scope, found)
+            _compare(freedom, found)
     except ExpressionError as error:
-        return {}, [str(error)]
-    for freedom in freedoms:
-        low, high = (limits.get(name) for name in freedom.limits)
-        if low is not None and high is not None and low > high:
-            reasons.append(f"its lower limit {low:.6g} lies above the upper one, {high:.6g}")
-            for name in freedom.limits:
-                del limits[name]
-    return limits, reasons
+        return {}, Remarks(str(error))
+    return found.limits, Remarks("; ".join(found.reasons), tuple(found.doubts), tuple(found.half))
 
 
-def _limit(
-    name: str,
-    kind: DofKind,
-    parameter: Record,
-    scope: Scope,
-    limits: dict[str, float],
-    reasons: list[str],
-) -> None:
-    """Takes one limit down, in `limits` or in `reasons`; one that is null is open."""
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """The limits of a mate by Onshape's names, why some are `empty`, and what there is to say of them."""
+
+    limits: dict[str, float]
+    empty: dict[str, str]
+    reasons: list[str]
+    doubts: list[str]
+    half: list[str]
+
+
+def _read_limit(name: str, kind: DofKind, parameter: Record, scope: Scope, found: _Found) -> None:
+    """Takes one limit down as a number, as open, or as not known."""
+    text, empty = str(parameter.get("expression") or ""), str(parameter.get("nullValue") or "")
     if parameter.get("isNull"):
         return
-    text = str(parameter.get("expression") or "")
+    if empty and _UNTOUCHED.fullmatch(text):
+        found.empty[name] = f"{text!r} beside {empty!r}"
+        return
     scope.rounded.clear()
     try:
-        limits[name] = measured(text, "length" if kind == "slide" else "angle", scope)
+        found.limits[name] = measured(text, "length" if kind == "slide" else "angle", scope)
     except ExpressionError as error:
-        reasons.append(f"{name} is {text!r}, which has no value: {error}")
+        found.reasons.append(f"{name} is {text!r}, which has no value: {error}")
+    else:
+        if empty:
+            doubt = f"{name} is {text!r} beside {empty!r}, which contradict each other: {text!r} counts"
+            found.doubts.append(doubt)
     if scope.rounded:
         names = ", ".join(f"#{variable}" for variable in sorted(scope.rounded))
-        reasons.append(f"{name} is {text!r}, with {names} as Onshape shows it, rounded")
+        found.reasons.append(f"{name} is {text!r}, with {names} as Onshape shows it, rounded")
+
+
+def _compare(freedom: Freedom, found: _Found) -> None:
+    """Drops limits that are the wrong way round; says which side is open where only the other was typed."""
+    low, high = (found.limits.get(name) for name in freedom.limits)
+    if low is not None and high is not None and low > high:
+        found.reasons.append(f"its lower limit {low:.6g} lies above the upper one, {high:.6g}")
+        for name in freedom.limits:
+            del found.limits[name]
+    for name, other in (freedom.limits, freedom.limits[::-1]):
+        if name in found.empty and other in found.limits:
+            found.half.append(f"{name} is {found.empty[name]}, so nobody typed it: it is open on that side")
 
 
 def _configured(parameter: Record, owner: _Owner) -> Record:
