@@ -69,6 +69,7 @@ environment:
   ONSHAPE_ACCESS_KEY, ONSHAPE_SECRET_KEY    credentials, from here or from .env, never from YAML
   ONSHAPE_AUTH=signature                    sign each request with them, so that the secret is never sent
   ONSHAPE_ACCESS_TOKEN                      a bearer token, in place of a key
+  LINKWRIGHT_TRUST=FILE                     a robot's file that may say source.trust and plugins
   LINKWRIGHT_TRACEBACK=1                    show where an error came from
 
 exit status:
@@ -212,6 +213,7 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     from pipeline.compose import session
+    from pipeline.launch import Account, launch
     from pipeline.preflight import before_a_sweep
     from pipeline.sweep import Outcome, Task, jobs_of, prepare, summary, sweep_status
 
@@ -223,12 +225,13 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 
         build = functools.partial(build_robot, began=time.time())
     with session(command.config_dirs, judge=before_a_sweep) as composer:
-        overrides, problems = composer.read(command.overrides, multirun=True)
-        problems += composer.check_launcher(overrides)
-        jobs, folder = jobs_of(composer, overrides, problems, before_a_sweep)
-        prepare(folder)
-        outcomes: list[Outcome] = composer.launch(overrides, Task(jobs, build), folder)
-    print(summary(outcomes, folder))
+        asked = composer.with_params(*composer.read(command.overrides, multirun=True))
+        sweep = jobs_of(composer, asked, before_a_sweep)
+        prepare(sweep.root)
+        account = Account(asked.tree, command.overrides, sweep.overrides)
+        ours, numbers = composer.ours(sweep.sweeping.launcher), sweep.sweeping.numbers
+        outcomes: list[Outcome] = launch(ours, numbers, Task(sweep.jobs, build), sweep.root, account)
+    print(summary(outcomes, sweep.root))
     return sweep_status(outcomes)
 
 

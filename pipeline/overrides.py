@@ -25,17 +25,11 @@ _CARRIED = re.compile(r"[\w\-/+.$%*@?|()\[\]{}:=, \\]+", re.ASCII)
 _ESCAPED = re.compile(r"([()\[\]{}:=, \\])")
 _NO_TEXT = re.compile(r"[+-]?[\d._]+(e[+-]?\d+)?|[+-]?(inf|nan)|true|false|null", re.IGNORECASE)
 
-FIXED = (
-    "hydra.searchpath",
-    "hydra.run.",
-    "hydra.output_subdir",
-    "hydra.sweep.",
-    "hydra.sweeper.params",
-    "hydra/sweeper",
-    "hydra.mode",
-    "hydra.job.",
+OF_HYDRA = re.compile(
+    r"hydra(/launcher|\.launcher(\..*)?|\.sweep\.(dir|subdir)|\.sweeper\.max_batch_size"
+    r"|[./](job|hydra)_logging(\..*)?|\.verbose)"
 )
-"""What of Hydra cannot be overridden: a sweep's jobs are known before it starts."""
+"""What of Hydra may be overridden, in a sweep."""
 
 Values = Callable[[str], list[str]]
 """Hydra's parser: an override → its values as text, several in a sweep.
@@ -86,7 +80,7 @@ def refused(override: Override, multirun: bool) -> Diagnostic | None:
     """What is wrong with an override that concerns Hydra itself."""
     if not override.for_hydra_itself:
         return None
-    if override.key.startswith(FIXED) or override.key == "hydra":
+    if not OF_HYDRA.fullmatch(override.key):
         hint = "--config-dir names folders of your own; the key `output` moves what is built"
         return Diagnostic(CODE, "this part of Hydra is set by linkwright", override.typed, hint)
     if not multirun:

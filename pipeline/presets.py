@@ -35,15 +35,20 @@ class Presets:
 
     def __init__(self, config_dirs: Iterable[str | Path] = (), cwd: Path | None = None) -> None:
         """ConfigError where one of `config_dirs` is no folder. `./robot/` counts where it exists."""
-        here = cwd or Path.cwd()
+        here, dirs = cwd or Path.cwd(), list(config_dirs)
         folders = [here] if (here / "robot").is_dir() else []
-        for named in config_dirs:
+        given = []
+        self.options_typed = [text for named in dirs for text in ("--config-dir", str(named))]
+        for named in dirs:
             folder = here / named
             if not folder.is_dir():
                 msg = f"{named} is not a folder"
                 raise ConfigError(msg, "--config-dir", "name the folder that holds robot/")
-            folders.append(folder)
-        self.own = tuple(dict.fromkeys(folder.resolve() for folder in folders if folder.resolve() != OURS))
+            given.append(folder.resolve())
+        self.given = tuple(dict.fromkeys(folder for folder in given if folder != OURS))
+        """The folders of `config_dirs`: who names one trusts the launchers in it."""
+        own = [*(folder.resolve() for folder in folders), *given]
+        self.own = tuple(dict.fromkeys(folder for folder in own if folder != OURS))
 
     def options(self, group: str) -> list[str]:
         """The options of a group, sorted."""
@@ -57,6 +62,17 @@ class Presets:
         """The files that an option may mean; more than one is a clash."""
         found = [folder / group / f"{option}.yaml" for folder in (OURS, *self.own)]
         return [file for file in found if file.is_file()]
+
+    def own_files(self, paths: Iterable[str]) -> list[Path]:
+        """The files of a composed tree that are not ours, by their paths in the search path."""
+        found = []
+        for path in paths:
+            places = [folder / f"{path.removesuffix('.yaml')}.yaml" for folder in self.own]
+            files = [file for file in places if file.is_file()]
+            if not files and not path.startswith("hydra/") and not (OURS / f"{path}.yaml").is_file():
+                files = [Path(path)]
+            found += files
+        return found
 
     def problem(self, group: str, option: str) -> Diagnostic | None:
         """What is wrong with the choice of an option, if anything is."""
@@ -89,13 +105,8 @@ class Presets:
 
     def content(self, group: str, option: str) -> dict[str, Any]:
         """What the file of an option holds, read alone; nothing where it cannot be read."""
-        for file in self.files(group, option)[:1]:
-            try:
-                read = yaml.safe_load(file.read_text(encoding="utf-8"))
-            except (OSError, UnicodeDecodeError, yaml.YAMLError):
-                return {}
-            return read if isinstance(read, dict) else {}
-        return {}
+        files = self.files(group, option)
+        return content(files[0]) if files else {}
 
     def choices(self, robot: str, formats: tuple[str, ...], overrides: Iterable[str]) -> Choices:
         """How a tree came to be that was composed of these overrides, all of them good."""
@@ -134,6 +145,15 @@ class Presets:
             except UnicodeDecodeError:
                 return file
         return None
+
+
+def content(file: Path) -> dict[str, Any]:
+    """What a file holds, read alone; nothing where it cannot be read."""
+    try:
+        read = yaml.safe_load(file.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError):
+        return {}
+    return read if isinstance(read, dict) else {}
 
 
 def stand_in(group: str) -> str:

@@ -15,10 +15,11 @@ from pipeline.errors import as_problems, exit_status, refusal
 from pipeline.output import named
 from pipeline.overrides import Override
 from pipeline.plan import Judge, Plan
+from pipeline.trust import Sweeping
 from stages.robot.errors import ConfigError, Diagnostic, LinkwrightError
 
 if TYPE_CHECKING:
-    from pipeline.compose import Composer
+    from pipeline.compose import Asked, Composed, Composer
     from pipeline.report import Report
 
 Build = Callable[[Plan], "Report"]
@@ -39,6 +40,16 @@ class Job:
     number: int
     label: str
     plan: Plan
+
+
+@dataclass(frozen=True, slots=True)
+class Sweep:
+    """All jobs of a sweep, its folder, the overrides of each job, and how files want it to run."""
+
+    jobs: Sequence[Job]
+    root: Path
+    overrides: Sequence[Sequence[str]]
+    sweeping: Sweeping
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,52 +104,83 @@ def _tell(line: str) -> None:
     sys.stderr.flush()
 
 
-def jobs_of(
-    composer: "Composer", overrides: Sequence[Override], known: Sequence[Diagnostic], judge: Judge
-) -> tuple[list[Job], Path]:
+def jobs_of(composer: "Composer", asked: "Asked", judge: Judge) -> Sweep:
     """Every job of a sweep, composed and judged, and the sweep's folder.
 
-    ConfigError lists the `known` problems of the command line and those of all jobs, each with its
-    jobs' numbers; `judge` adds what is known of a job before it starts.
+    ConfigError lists the known problems of the command line and those of all jobs, each with its jobs'
+    numbers; `judge` adds what is known of a job before it starts.
     """
-    swept = [override for override in overrides if override.swept]
-    named = [one for one in swept or overrides if not one.for_hydra_itself and one.key != "output"]
-    everything = composer.jobs(overrides)
+    swept = [override for override in asked.overrides if override.swept]
+    named = [one for one in swept or asked.overrides if not one.for_hydra_itself and one.key != "output"]
+    everything = composer.jobs(asked.overrides)
     labels = [_label(named, job) for job in everything]
-    plans: list[Plan] = []
+    made: list[Composed] = []
     found: dict[Diagnostic, list[int]] = {}
-    for number, job in enumerate(everything):
+    for number, (job, label) in enumerate(zip(everything, labels, strict=True)):
         try:
-            plan = composer.compose(job).plan
+            composed = composer.compose(job, job=(number, label))
         except ConfigError as error:
             problems: Iterable[Diagnostic] = as_problems(error)
         else:
-            plans.append(plan)
-            problems = judge(plan)
+            made.append(composed)
+            problems = [
+                *judge(composed.plan),
+                *_disagreeing(made[0].sweeping, composed.sweeping, asked.sweeping),
+            ]
         for problem in problems:
             found.setdefault(problem, []).append(number)
-    if found or known:
-        raise _refused(found, labels, known)
-    return _placed(plans, everything, labels)
+    if found or asked.problems:
+        raise _refused(found, labels, asked.problems)
+    jobs, root = _placed(made, everything, labels)
+    return Sweep(jobs, root, everything, made[0].sweeping)
 
 
-def _placed(plans: list[Plan], everything: list[list[str]], labels: list[str]) -> tuple[list[Job], Path]:
+def _disagreeing(first: Sweeping, other: Sweeping, master: Sweeping) -> list[Diagnostic]:
+    """What is wrong where jobs, of different robots say, differ in how the sweep is to run."""
+    found = []
+    if (first.launcher, first.numbers) != (other.launcher, other.numbers):
+        text = "its file wants another launcher, or other numbers, than that of job 0"
+        hint = "a sweep has one: name it on the command line, hydra/launcher=basic say"
+        found.append(Diagnostic("E-OVERRIDE", text, "hydra/launcher", hint))
+    if other.params != master.params:
+        text = "has no effect: the file that says it is itself swept over"
+        hint = "take it out of the file, or sweep over one robot at a time"
+        found.append(Diagnostic("E-OVERRIDE", text, "hydra.sweeper.params", hint))
+    return found
+
+
+def _placed(
+    made: Sequence["Composed"], everything: list[list[str]], labels: list[str]
+) -> tuple[list[Job], Path]:
+    plans = [composed.plan for composed in made]
     roots = {plan.output for plan in plans}
     if len(roots) > 1:
         msg = "cannot be swept: every job has a folder of its own in the sweep's folder"
         raise ConfigError(msg, "output", "give one output, for the sweep's folder")
     names = sorted({plan.name for plan in plans})
     name = names[0] if len(names) == 1 else "robots"
-    root = Path(roots.pop() or f"outputs/{name}.sweep")
+    root = Path(roots.pop() or made[0].sweeping.dir or f"outputs/{name}.sweep")
     jobs: list[Job] = []
-    for number, (plan, overrides, label) in enumerate(zip(plans, everything, labels, strict=True)):
-        folder = root / f"{_slug(label)}-{_digest(overrides)}"
+    for number, (composed, overrides, label) in enumerate(zip(made, everything, labels, strict=True)):
+        folder = root / (_inside(composed.sweeping.subdir) or f"{_slug(label)}-{_digest(overrides)}")
         twin = next((job for job in jobs if job.plan.folder == folder), None)
+        if twin is not None and composed.sweeping.subdir:
+            msg = f"jobs {twin.number} and {number} have the same folder: {folder}"
+            raise ConfigError(msg, "hydra.sweep.subdir", "put ${hydra.job.num} into it")
         if twin is not None:
             msg = f"jobs {twin.number} and {number} are the same: {label}"
             raise ConfigError(msg, hint="name each value once")
-        jobs.append(Job(number, label, plan.model_copy(update={"output": str(folder)})))
+        jobs.append(Job(number, label, composed.plan.model_copy(update={"output": str(folder)})))
     return jobs, root
+
+
+def _inside(subdir: str | None) -> str:
+    """The folder of a job, below the sweep's; ConfigError where it would not be."""
+    parts = Path(subdir or "").parts
+    if subdir and (not parts or ".." in parts or Path(subdir).is_absolute()):
+        msg = f"must be a folder below the sweep's (given {subdir})"
+        raise ConfigError(msg, "hydra.sweep.subdir", "${hydra.job.num}, say")
+    return subdir or ""
 
 
 def prepare(root: Path) -> None:

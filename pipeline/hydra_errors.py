@@ -1,0 +1,47 @@
+"""What Hydra and OmegaConf say when a configuration cannot be composed, in words about the user's files."""
+
+import yaml
+from hydra.errors import HydraException, MissingConfigException
+from omegaconf.errors import OmegaConfBaseException
+
+from pipeline.errors import Diagnostic
+from pipeline.presets import Presets
+
+HEADER = "the first line of a robot's file must be: # @package _global_"
+
+
+def explained(error: Exception, presets: Presets) -> Diagnostic:
+    """What the user did wrong where Hydra could not compose; raises what is a fault of ours."""
+    if isinstance(error, yaml.MarkedYAMLError):
+        mark = error.problem_mark or error.context_mark
+        where = f"{mark.name}, line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        text = f"not valid YAML: {error.problem or error.context}"
+        return Diagnostic("E-YAML", text, where, "check quotes, colons and indentation there")
+    if isinstance(error, MissingConfigException) and error.missing_cfg_file:
+        group, _, option = error.missing_cfg_file.rpartition("/")
+        if group == "hydra/launcher":
+            options = ", ".join(error.options or ())
+            hint = f'launchers here: {options}; more come with pip install "linkwright[sweep]"'
+            return Diagnostic("E-OPTION", f"there is no launcher {option}", f"{group}={option}", hint)
+        return presets.unknown(group, option)
+    if isinstance(error, UnicodeDecodeError):
+        file = str(presets.not_utf8() or "")
+        return Diagnostic("E-YAML", "not UTF-8 text", file, "save it as UTF-8")
+    if isinstance(error, RecursionError):
+        text = "a file is nested too deeply, or in itself"
+        return Diagnostic("E-YAML", text, "", "look for an anchor (&) that is used inside itself (*)")
+    if isinstance(error, KeyError):
+        # Hydra looks up the variables of hydra.job.env_copy while it composes.
+        text = f"names a variable that is not set: {error.args[0]}"
+        return Diagnostic("E-OVERRIDE", text, "hydra.job.env_copy", "take it out")
+    if isinstance(error, HydraException | OmegaConfBaseException | ValueError):
+        if "@robot." in str(error):
+            return Diagnostic("E-KEY", "its file chooses options for itself alone", "robot", HEADER)
+        lines = [line for line in str(error).splitlines() if line.strip() and "append to your" not in line]
+        text = f"cannot be composed: {' '.join(lines[:2])}"
+        hint = "look at the defaults list of the robot's file and at the overrides"
+        return Diagnostic("E-OVERRIDE", text, "", hint)
+    if isinstance(error, OSError):
+        text = f"cannot be read: {error.strerror or error}"
+        return Diagnostic("E-YAML", text, str(error.filename or ""), "check the file and its folder")
+    raise error

@@ -1,0 +1,119 @@
+"""What a tree says of Hydra itself: launchers, the folders of a sweep, and what no file may say."""
+
+import shlex
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+from hydra import compose
+from hydra.core.hydra_config import HydraConfig
+from omegaconf import DictConfig, open_dict
+
+from pipeline.draft import Draft
+from pipeline.errors import Diagnostic
+from pipeline.hydra_errors import explained
+from pipeline.overrides import Override
+from pipeline.plain import as_written, at
+from pipeline.presets import Presets
+from pipeline.trust import CODE, FOLDERS, LAUNCHER, PARAMS, Sweeping, listed
+
+PRIMARY = "build"
+
+GROUP = f"hydra/{LAUNCHER}"
+
+
+class HydraNode:
+    """The node `hydra` of every tree that is composed in a session.
+
+    `typed`: the overrides of the command line that concern Hydra itself.
+    """
+
+    def __init__(self, presets: Presets) -> None:
+        self._presets = presets
+        self._command: list[str] = []
+        self._ours: dict[str, DictConfig] = {}
+        self.typed: list[str] = []
+
+    def take(self, overrides: Sequence[Override], command: Sequence[str]) -> list[Diagnostic]:
+        """Keeps those overrides of a `command` that concern Hydra, and tells what is wrong with them."""
+        self._command = list(command)
+        self.typed = [override.hydra for override in overrides if override.for_hydra_itself]
+        if not self.typed:
+            return []
+        try:
+            self.ours()
+        except Exception as error:
+            self.typed = []
+            launchers = [one.values[0] for one in overrides if one.key == GROUP]
+            own = [self._of_ones_own(launcher) for launcher in launchers]
+            return [problem for problem in own if problem] or [explained(error, self._presets)]
+        return []
+
+    def ours(self, launcher: str = "") -> DictConfig:
+        """What the command line alone makes of Hydra, without any robot's file: all that a sweep runs
+        under. `launcher`: an option of hydra/launcher; of launchers of one's own only those in
+        `--config-dir` are there."""
+        if launcher not in self._ours:
+            chosen = [f"{GROUP}={launcher}"] if launcher else []
+            everything = [*chosen, *self.typed, *searching(self._presets.given)]
+            self._ours[launcher] = compose(PRIMARY, everything, return_hydra_config=True)
+        return self._ours[launcher]
+
+    def sweeping(
+        self, config: DictConfig, draft: Draft, name: Any = None, job: tuple[int, str] | None = None
+    ) -> Sweeping:
+        """What is said of a sweep; what a file may not say of Hydra is a problem.
+
+        The folders are those of a robot called `name`, in a `job`: its number, and what sets it apart.
+        """
+        launcher = str(config.hydra.runtime.choices.get(GROUP))
+        said = self._said(config, launcher, draft) if self._presets.own else {}
+        typed = [key for key in FOLDERS if any(f"hydra.{key}=" in one for one in self.typed)]
+        folders: dict[str, str] = {}
+        if job is not None:
+            with open_dict(config):
+                config.name = name
+                config.hydra.job.num, config.hydra.job.id = job[0], str(job[0])
+                config.hydra.job.override_dirname = job[1].replace(" ", ",")
+            HydraConfig.instance().set_config(config)
+            for key in {*typed, *said} & {*FOLDERS}:
+                folders[key] = str(at(config, ("hydra", *key.split(".")), draft.problems))
+        prefix = f"{LAUNCHER}."
+        numbers = {key.removeprefix(prefix): one for key, one in said.items() if key.startswith(prefix)}
+        params = {str(key): str(one) for key, one in (said.get(PARAMS) or {}).items()}
+        return Sweeping(launcher, numbers, params, *map(folders.get, FOLDERS))
+
+    def _said(self, config: DictConfig, launcher: str, draft: Draft) -> dict[str, Any]:
+        """What files say of Hydra, as far as they may."""
+        try:
+            ours = as_written(self.ours(launcher).hydra)
+        except Exception as error:
+            draft.add(self._of_ones_own(launcher) or explained(error, self._presets))
+            return {}
+        theirs = as_written(config.hydra)
+        ours["searchpath"] = [f"file://{folder}" for folder in self._presets.own]
+        said, problems = listed(theirs, ours, lambda place: at(config, ("hydra", *place), draft.problems))
+        for problem in problems:
+            draft.add(problem)
+        return said
+
+    def _of_ones_own(self, launcher: str) -> Diagnostic | None:
+        """What is wrong with a launcher that only the working folder has."""
+        files = self._presets.own_files([f"{GROUP}/{launcher}"])
+        if not files or files[0].parents[2] in self._presets.given:
+            return None
+        text = f"launchers of your own count only from --config-dir, and this is {files[0]}"
+        command = [*self._command[:1], "--config-dir", str(files[0].parents[2]), *self._command[1:]]
+        return Diagnostic(CODE, text, f"{GROUP}={launcher}", f"if you trust it: {shlex.join(command)}")
+
+
+def searching(folders: Iterable[Path]) -> list[str]:
+    """The override by which Hydra looks into these folders too."""
+    named = ",".join(hydra_text(f"file://{folder}") for folder in folders)
+    return [f"hydra.searchpath=[{named}]"] if named else []
+
+
+def hydra_text(text: str) -> str:
+    """`text` as a quoted value of Hydra's grammar."""
+    escaped = text.replace("\\", "\\\\").replace("'", r"\'").replace("${", r"\${")
+    return f"'{escaped}'"

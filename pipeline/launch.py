@@ -1,0 +1,106 @@
+"""A sweep under one of Hydra's launchers.
+
+Only what the command line alone makes of Hydra runs: no file of a robot is read again, since all jobs'
+plans are known.
+"""
+
+import copy
+import os
+import re
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, cast
+
+from hydra._internal.callbacks import Callbacks
+from hydra.core.config_loader import ConfigLoader
+from hydra.core.hydra_config import HydraConfig
+from hydra.core.plugins import Plugins
+from hydra.errors import HydraException
+from hydra.types import HydraContext
+from omegaconf import DictConfig, OmegaConf, open_dict
+from omegaconf.errors import OmegaConfBaseException
+
+from pipeline.errors import ConfigError
+from pipeline.interrupt import kept_from_workers
+from pipeline.secrets import Secrets
+
+ALONE = "basic"
+"""Hydra's launcher that runs one job after the other, in this process."""
+
+
+ACCOUNT = "multirun.yaml"
+
+
+@dataclass(frozen=True, slots=True)
+class Account:
+    """What a sweep is, as Hydra notes it down: the tree that all jobs start from, the overrides as they
+    were typed, and those of each job."""
+
+    tree: DictConfig | None
+    typed: Sequence[str]
+    jobs: Sequence[Sequence[str]]
+
+    def text(self, config: DictConfig) -> str:
+        """The content of `multirun.yaml`, of a sweep that runs under `config`; secrets are blanked."""
+        whole = copy.deepcopy(config)
+        with open_dict(whole):
+            for key, value in {} if self.tree is None else self.tree.items_ex(resolve=False):
+                if key != "hydra":
+                    whole[key] = copy.deepcopy(value)
+            whole.hydra.overrides.task = [one for one in self.typed if not re.match(r"[+~]*hydra[./]", one)]
+        return Secrets(os.environ).blanked(OmegaConf.to_yaml(whole))
+
+
+def launch(
+    ours: DictConfig, numbers: Mapping[str, Any], task: Callable[[int], Any], folder: Path, account: Account
+) -> list[Any]:
+    """Runs `task(number)` for every job; what each returned. Leaves Hydra's account, `multirun.yaml`.
+
+    `ours`: the tree with the `hydra` node to run under; `numbers`: settings of its launcher. `task` goes to
+    other processes with some launchers, and must not raise. ConfigError where the launcher cannot start.
+    """
+    config = copy.deepcopy(ours)
+    try:
+        with open_dict(config):
+            for key, value in numbers.items():
+                OmegaConf.update(config, f"hydra.launcher.{key}", value)
+            config.hydra.sweep.dir, config.hydra.sweep.subdir = str(folder), "."
+        launcher = Plugins.instance().instantiate_launcher(
+            config=config,
+            hydra_context=HydraContext(config_loader=cast(ConfigLoader, _Known()), callbacks=Callbacks()),
+            task_function=_Numbered(task),
+        )
+    except (HydraException, OmegaConfBaseException) as error:
+        msg = f"cannot start: {str(error).splitlines()[0]}"
+        raise ConfigError(msg, "hydra/launcher", "look at the settings of hydra.launcher") from error
+    (folder / ACCOUNT).write_text(account.text(config), encoding="utf-8")
+    size = config.hydra.sweeper.max_batch_size or len(account.jobs)
+    alone = config.hydra.runtime.choices["hydra/launcher"] == ALONE
+    done: list[Any] = []
+    with nullcontext() if alone else kept_from_workers():
+        for start in range(0, len(account.jobs), size):
+            batch = [list(job) for job in account.jobs[start : start + size]]
+            done += launcher.launch(batch, initial_job_idx=start)
+    return [job.return_value for job in done]
+
+
+class _Known:
+    """Stands in for Hydra's loader, which launchers ask for the configuration of each job."""
+
+    def load_sweep_config(self, master: DictConfig, overrides: list[str]) -> DictConfig:
+        config = copy.deepcopy(master)
+        with open_dict(config):
+            config.hydra.overrides.task = overrides
+        return config
+
+
+class _Numbered:
+    """Hydra's task: hands on the number of the job; its plan is known already."""
+
+    def __init__(self, task: Callable[[int], Any]) -> None:
+        self._task = task
+
+    def __call__(self, _: DictConfig) -> Any:
+        return self._task(int(HydraConfig.get().job.num))

@@ -1,0 +1,194 @@
+"""What a YAML file may not say, because it would run code: files are data, whoever wrote them.
+
+Judged is what was composed, after all files, packages and interpolations, against what the command line
+alone comes to (`ours`).
+"""
+
+import json
+import os
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pipeline.problems import shown
+from pipeline.schema import Place, key_of
+from stages.robot.errors import Diagnostic
+
+CODE = "E-TRUST"
+
+VARIABLE = "LINKWRIGHT_TRUST"
+"""The variable that names the files whose word counts as the command line's."""
+
+DEFAULTS: Mapping[str, Any] = {"source.trust": False, "plugins": []}
+"""Keys that let code run, and the one value of each that a file may give."""
+
+TARGET = "_target_"
+
+MAY_SAY = "of hydra a file may say sweeper.params, sweep.dir, sweep.subdir, and of a launcher its numbers, "
+MAY_SAY += "partition and time"
+
+LAUNCHER = "launcher"
+PARAMS = "sweeper.params"
+FOLDERS = ("sweep.dir", "sweep.subdir")
+
+_WORDS = ("partition", "time")
+_WORD = re.compile(r"[\w.,:-]+", re.ASCII)
+_FILLED_IN = ("overrides", "runtime.choices", "runtime.config_sources", "job.override_dirname")
+"""What Hydra itself writes down while it composes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sweeping:
+    """What files say of a sweep, by the list of what they may say.
+
+    `launcher`: the option of hydra/launcher; `numbers`: what they set of it; `params`: overrides, key →
+    values; `dir` and `subdir`: folders of the sweep and of a job, None where nothing was said.
+    """
+
+    launcher: str = "basic"
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+    params: Mapping[str, str] = field(default_factory=dict)
+    dir: str | None = None
+    subdir: str | None = None
+
+
+def listed(
+    theirs: Mapping[str, Any], ours: Mapping[str, Any], resolved: Callable[[Place], Any]
+) -> tuple[dict[str, Any], list[Diagnostic]]:
+    """Of two `hydra` nodes what differs: the settings that a file may make, by key without `hydra.`, and a
+    problem for each of the others.
+
+    The nodes are as written, with interpolations; `resolved` gives a setting's value.
+    """
+    said: dict[str, Any] = {}
+    refused: dict[str, Any] = {}
+    for place, value, known in _differences(theirs, ours, ()):
+        key = key_of(place)
+        if key.startswith(_FILLED_IN):
+            continue
+        if key == PARAMS or (place[0] == LAUNCHER and known is not _ABSENT):
+            value = resolved(place)
+        if key == PARAMS or key in FOLDERS or _harmless(place, value, known):
+            said[key] = value
+        else:
+            # A whole section that was exchanged is one problem.
+            refused.setdefault(key_of(place[: 2 if place[0] in (LAUNCHER, "sweeper", "job") else 1]), value)
+    return said, [not_to_say(key, value) for key, value in refused.items()]
+
+
+_ABSENT = object()
+
+
+def _differences(theirs: Any, ours: Any, place: Place) -> Iterator[tuple[Place, Any, Any]]:
+    """Place, value and our value of what differs, as far down as both are mappings."""
+    if isinstance(theirs, Mapping) and isinstance(ours, Mapping):
+        for name in {**theirs, **ours}:
+            yield from _differences(theirs.get(name, _ABSENT), ours.get(name, _ABSENT), (*place, name))
+    # 1 == True, and 1 == 1.0.
+    elif type(theirs) is not type(ours) or theirs != ours:
+        yield place, None if theirs is _ABSENT else theirs, ours
+
+
+def _harmless(place: Place, value: Any, known: Any) -> bool:
+    """Whether a setting is a launcher's number, or one of its words and none of a shell's."""
+    if place[0] != LAUNCHER or known is _ABSENT or str(place[-1]).startswith("_"):
+        return False
+    if _is_number(value):
+        return known is None or _is_number(known)
+    return place[-1] in _WORDS and isinstance(value, str) and bool(_WORD.fullmatch(value))
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def not_to_say(key: str, value: Any = None) -> Diagnostic:
+    """The problem of a key of `hydra` that a file may not set."""
+    given = "" if value is None else f" (given {shown(value)})"
+    return Diagnostic(CODE, f"a file may not say this{given}", f"hydra.{key}", f"take it out; {MAY_SAY}")
+
+
+def overridden(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnostic]:
+    """A problem for each group of Hydra's, but for the launcher, that the defaults list of a file chooses
+    from: also where that would come to nothing."""
+    for content in contents:
+        defaults = content.get("defaults")
+        for entry in defaults if isinstance(defaults, list) else ():
+            name = next(iter(entry), "") if isinstance(entry, Mapping) else entry
+            group = str(name).removeprefix("optional ").removeprefix("override ").strip().lstrip("/")
+            if group.startswith("hydra/") and group != f"hydra/{LAUNCHER}":
+                yield not_to_say(group.partition("/")[2])
+
+
+def targets(tree: Any, place: Place = ()) -> Iterator[Diagnostic]:
+    """A problem for each `_target_` in a tree: it would name code to run."""
+    pairs: Iterable[tuple[Any, Any]] = ()
+    if isinstance(tree, Mapping):
+        pairs = tree.items()
+    elif isinstance(tree, list | tuple):
+        pairs = enumerate(tree)
+    for name, value in pairs:
+        inner = (*place, name if isinstance(name, int) and not isinstance(tree, Mapping) else str(name))
+        if name == TARGET:
+            text = f"a configuration names no code (given {shown(value)})"
+            yield Diagnostic(CODE, text, key_of(inner), "take it out: a robot is data and runs nothing")
+        else:
+            yield from targets(value, inner)
+
+
+def untrusted(
+    tree: Mapping[str, Any],
+    typed: Iterable[str],
+    files: Iterable[Path],
+    environ: Mapping[str, str],
+    command: str,
+) -> list[Diagnostic]:
+    """A problem for each key that lets code run and that only a file has set.
+
+    `typed`: those of these keys that the command line gives; `files`: the user's own files that were
+    composed; `command`: what was typed, to which the hint adds.
+    """
+    typed = set(typed)
+    given = {key: value for key, default in DEFAULTS.items() if (value := _at(tree, key, default)) != default}
+    wanting = [key for key in given if key not in typed]
+    if not wanting or _named(files, environ):
+        return []
+    return [
+        Diagnostic(
+            CODE,
+            f"counts only on the command line: a file cannot make itself trusted (given {shown(given[key])})",
+            key,
+            f"if you trust it: {command} {_override(key, given[key])}",
+        )
+        for key in wanting
+    ]
+
+
+def _at(tree: Any, key: str, default: Any) -> Any:
+    for name in key.split("."):
+        if not isinstance(tree, Mapping) or name not in tree:
+            return default
+        tree = tree[name]
+    return tree
+
+
+def _named(files: Iterable[Path], environ: Mapping[str, str]) -> bool:
+    """Whether the environment names every one of these files, and there is one."""
+    texts = [text for text in environ.get(VARIABLE, "").split(os.pathsep) if text]
+    trusted = {Path(text).expanduser().resolve() for text in texts}
+    files = {file.resolve() for file in files}
+    return bool(files) and files <= trusted
+
+
+def _override(key: str, value: Any) -> str:
+    plain = (
+        value if isinstance(value, bool) else [str(one) for one in value] if _is_list(value) else str(value)
+    )
+    text = json.dumps(plain, ensure_ascii=False).replace('"', "")
+    return f"{key}={text}" if re.fullmatch(r"\w+", text) else f"'{key}={text}'"
+
+
+def _is_list(value: Any) -> bool:
+    return isinstance(value, list | tuple)

@@ -1,0 +1,38 @@
+"""Robots whose YAML tries to run code, through the real command: nothing that they name is run."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.e2e.command import environment, linkwright, tree
+from tests.hostile import CODE, ROBOTS, write
+
+WAYS = {
+    "single": ["robot=mine"],
+    "sweep": ["-m", "robot=mine", "root=auto,free"],
+    "swept over": ["-m", "robot=mine,sample"],
+    "in other processes": ["-m", "robot=mine", "root=auto,free", "hydra/launcher=workstation"],
+    "by an experiment": ["-m", "source=sample", "+experiment=mine", "root=auto,free"],
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("name", ROBOTS)
+def test_a_hostile_robot_is_refused_and_leaves_nothing(tmp_path: Path, name: str, way: str) -> None:
+    for file in ("robot/mine.yaml", "experiment/mine.yaml"):
+        write(tmp_path, name, file)
+    before = tree(tmp_path)
+    done = linkwright(tmp_path, *WAYS[way], environ=environment(tmp_path, EVIL=CODE))
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "Traceback" not in done.stderr
+    assert "fault of linkwright" not in done.stderr
+    assert tree(tmp_path) == before
+
+
+@pytest.mark.parametrize("file", ["hydra_plugins/evil.py", "conf/__init__.py", "pipeline/__init__.py"])
+def test_modules_in_the_working_folder_are_not_imported(tmp_path: Path, file: str) -> None:
+    (tmp_path / file).parent.mkdir()
+    (tmp_path / file).write_text("open('i-was-here', 'w')")
+    assert linkwright(tmp_path, "source=sample", "until=fetch").returncode == 0
+    assert not (tmp_path / "i-was-here").exists()
