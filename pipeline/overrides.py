@@ -132,8 +132,8 @@ def _split(argument: str) -> tuple[str, str, str, str]:
     match = re.match(r"(\+\+|\+|~)?", argument)
     sign = match.group() if match else ""
     rest = argument[len(sign) :]
-    # An = inside quotes belongs to a name: joints."a=b".damping=1
-    quoted = re.match(r'(?:"[^"]*"|[^="])*', rest)
+    # An = inside quotes belongs to a name: joints."a=b".damping=1, joints['a=b'].damping=1
+    quoted = re.match(r"""(?:"[^"]*"|\['[^']*'\]|[^="])*""", rest)
     end = quoted.end() if quoted else 0
     if rest[end : end + 1] != "=":
         end = rest.find("=") if "=" in rest else len(rest)
@@ -157,10 +157,12 @@ def _parsed(argument: str, hydra: str, values: Values) -> tuple[str, ...]:
         ) from None
 
 
+_SEGMENT = re.compile(r"""\["([^"]*)"\]|\['([^']*)'\]|"([^"]*)"|((?:(?!\[["'])[^."])+)""")
+
+
 def _segments(key: str) -> list[str]:
-    """The names of a path; a quoted one may hold dots: joints."a.b".damping."""
-    found = re.findall(r'"([^"]*)"|([^."]+)', key)
-    return [inner or plain for inner, plain in found]
+    """The names of a path; a quoted one may hold dots: joints."a.b".damping, joints["a.b"].damping."""
+    return ["".join(found) for found in _SEGMENT.findall(key)]
 
 
 def _can_carry(name: str) -> bool:

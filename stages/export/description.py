@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from stages.export.lowering import lower, unset
+from stages.export.mjcf_joints import free_joint_name
 from stages.robot.codec import plain
 from stages.robot.model import (
     Array,
@@ -22,6 +23,7 @@ from stages.robot.model import (
 )
 from stages.robot.numbers import number, numbers
 from stages.robot.poses import quat_from_rotation
+from stages.robot.urdfnames import urdf_names
 
 FORMAT = "linkwright-robot"
 
@@ -39,9 +41,11 @@ def describe(robot: Robot, start: Configuration) -> bytes:
     (null where they are the same). Values are numbers [rad or m], a ball's quaternion, or the seven
     of free motion (x, y, z, quat). A ball's are its chain's, from parent to child; `mate_quat` is the
     saved one as the mate has it: the inverse where the joint runs backwards. `lowered` has what
-    stands for a joint in the URDF where that is several joints with links between them. `transmissions`
+    stands for a joint in the URDF where that is several joints with links between them; `urdf` is the link
+    that a frame is there, of a loop the links of its first and second frame. `transmissions`
     is there where the source tells what drives the joints.
     """
+    names = urdf_names(robot)
     table = {
         "format": FORMAT,
         "version": 1,
@@ -54,7 +58,11 @@ def describe(robot: Robot, start: Configuration) -> bytes:
         },
         "root": robot.root.name,
         "root_pose": _pose(robot.world_from_root),
-        "base": {"fixed": robot.base.fixed, "reason": robot.base.reason},
+        "base": {
+            "fixed": robot.base.fixed,
+            "reason": robot.base.reason,
+            "joint": None if robot.base.fixed else free_joint_name(robot),
+        },
         "mass": _float(sum(link.inertial.mass for link in robot.links)),
         "mobility": _mobility(robot),
         "links": [_link(link) for link in robot.links],
@@ -69,11 +77,12 @@ def describe(robot: Robot, start: Configuration) -> bytes:
             }
             for relation in robot.relations
         ],
-        "loops": [_loop(loop) for loop in robot.loops],
+        "loops": [_loop(loop, names.ends[loop.name]) for loop in robot.loops],
         "frames": [
             {
                 "name": frame.name,
                 "link": frame.link,
+                "urdf": names.frames[frame.name],
                 "pose": _pose(frame.link_from_frame),
                 "cad": {"name": frame.source} if frame.source else None,
             }
@@ -203,7 +212,7 @@ def _mate(mate: MateRef | None) -> dict[str, Any] | None:
     return {"owner": list(mate.owner), "feature": mate.feature, "name": mate.name, "type": mate.type}
 
 
-def _loop(loop: Loop) -> dict[str, Any]:
+def _loop(loop: Loop, ends: tuple[str, str]) -> dict[str, Any]:
     return {
         "name": loop.name,
         "type": loop.type,
@@ -211,6 +220,7 @@ def _loop(loop: Loop) -> dict[str, Any]:
         "link_b": loop.link_b,
         "frame_a": _pose(loop.a_from_frame),
         "frame_b": _pose(loop.b_from_frame),
+        "urdf": list(ends),
         "dofs": [_dof(dof) for dof in loop.dofs],
         "residual": _float(loop.residual, 1.0),
         "cad": _mate(loop.mate),

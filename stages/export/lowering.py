@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from stages.robot.model import Array, Dof, Dynamics, Joint, Limits, Robot
-from stages.robot.names import free
+from stages.robot.urdfnames import UrdfNames, urdf_names
 
 StepType = Literal["fixed", "continuous", "revolute", "prismatic", "floating"]
 
@@ -54,12 +54,10 @@ def lower(robot: Robot) -> tuple[Lowered, ...]:
     """What URDF has for each joint, in the order of the joints.
 
     A turn or a slide is a joint of the dof's name; a ball is three turns `<name>_x`, `_y`, `_z`, about
-    x, then y, then z: R = Rx Ry Rz. Links between them are `<joint>_<n>`. Names that are taken get a
-    number.
+    x, then y, then z: R = Rx Ry Rz. Links between them are `<joint>_<n>`.
     """
-    links = {link.name for link in robot.links} | {frame.name for frame in robot.frames}
-    joints = {joint.name for joint in robot.joints} | {dof.name for dof in robot.dofs}
-    return tuple(_lowered(joint, links, joints) for joint in robot.joints)
+    names = urdf_names(robot)
+    return tuple(_lowered(joint, names) for joint in robot.joints)
 
 
 def unset(dof: Dof) -> list[str]:
@@ -74,39 +72,32 @@ def unset(dof: Dof) -> list[str]:
     return missing + [key for key in ("effort", "velocity") if getattr(dof.dynamics, key) is None]
 
 
-def _lowered(joint: Joint, links: set[str], joints: set[str]) -> Lowered:
-    """The names of `links` that this makes up are added to those taken."""
-    moves = list(_moves(joint, joints))
-    places = [joint.parent]
-    for count in range(1, len(moves)):
-        places.append(free(f"{joint.name}_{count}", links))
-        links.add(places[-1])
-    places.append(joint.child)
+def _lowered(joint: Joint, names: UrdfNames) -> Lowered:
+    places = [joint.parent, *names.between[joint.name], joint.child]
     steps = []
     before = joint.parent_from_joint
-    for move, parent, child in zip(moves, places, places[1:], strict=False):
+    for move, parent, child in zip(_moves(joint, names), places, places[1:], strict=False):
         origin = before @ move.origin
         steps.append(Step(move.name, move.type, parent, child, origin, move.axis, move.limits, move.dynamics))
         before = np.eye(4)
     return Lowered(joint, tuple(steps))
 
 
-def _moves(joint: Joint, joints: set[str]) -> Iterator[_Move]:
+def _moves(joint: Joint, names: UrdfNames) -> Iterator[_Move]:
     if not joint.dofs:
         yield _Move(joint.name, "fixed", np.eye(4), None, Limits(), Dynamics())
     for dof in joint.dofs:
         if dof.kind == "ball":
-            yield from _turns(dof, joints)
+            yield from _turns(dof, names.turns[dof.name])
         else:
             axis = None if dof.kind == "free" else dof.axis
             yield _Move(dof.name, _type(dof), dof.origin, axis, dof.limits, dof.dynamics)
 
 
-def _turns(dof: Dof, joints: set[str]) -> Iterator[_Move]:
+def _turns(dof: Dof, names: tuple[str, str, str]) -> Iterator[_Move]:
     """A ball as turns about x, y and z, without its cone."""
     origin = dof.origin
-    for letter, axis in zip("xyz", np.eye(3), strict=True):
-        name = free(f"{dof.name}_{letter}", joints)
+    for name, axis in zip(names, np.eye(3), strict=True):
         yield _Move(name, "continuous", origin, axis, Limits(), dof.dynamics)
         origin = np.eye(4)
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from stages.export.closures import STIFF, Closures
 from stages.export.keys import ExportKeys
-from stages.export.mjcf_joints import free_qpos, qpos, unwritten, write_joints
+from stages.export.mjcf_joints import free_joint_name, free_qpos, qpos, unwritten, write_joints
 from stages.export.placement import placement, scene_pose
 from stages.export.pose import home, saved
 from stages.robot.errors import Diagnostic
@@ -148,12 +148,6 @@ class _Bodies:
             suffix = f"_{count}" if len(collisions) > 1 else ""
             name = f"{link}_collision{suffix}"
             element(body, "geom", name=name, class_="collision", **_form(shape, place))
-
-
-def free_joint_name(robot: Robot) -> str:
-    """The name of the free joint of a floating base."""
-    loops = {dof.name for loop in robot.loops for dof in loop.dofs}
-    return free(f"{robot.root.name}_free", {dof.name for dof in robot.dofs} | loops)
 
 
 def _inertial(body: Element, inertial: Inertial) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 from stages.robot.errors import Diagnostic
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Dof, Robot, Value
+from stages.robot.names import free
 from stages.robot.numbers import number, spaced
 from stages.robot.poses import inverse, motion, quat_from_rotation
 from stages.robot.xml import Element, element
@@ -86,6 +87,12 @@ def qpos(dof: Dof, value: Value, start: Value, world_from_joint: Array) -> str:
 def free_qpos(pose: Array) -> str:
     """The seven numbers of a free joint at a pose (4, 4) in the world."""
     return f"{spaced(pose[:3, 3])} {spaced(quat_from_rotation(pose[:3, :3]))}"
+
+
+def free_joint_name(robot: Robot) -> str:
+    """The name of the free joint of a floating base."""
+    loops = {dof.name for loop in robot.loops for dof in loop.dofs}
+    return free(robot.base.joint or f"{robot.root.name}_free", {dof.name for dof in robot.dofs} | loops)
 
 
 def unwritten(robot: Robot) -> Iterator[Diagnostic]:

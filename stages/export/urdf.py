@@ -15,9 +15,9 @@ from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Colour, Geometry, Role, Shape
 from stages.robot.inertia import NEXT_TO_NOTHING, SPECK
 from stages.robot.model import Array, Inertial, Limits, Primitive, Robot
-from stages.robot.names import free
 from stages.robot.numbers import number, numbers, spaced
 from stages.robot.poses import from_parts, rpy_from_rotation
+from stages.robot.urdfnames import UrdfNames, urdf_names
 from stages.robot.xml import Element, element, to_bytes
 
 UNSET_EFFORT = 100.0
@@ -54,9 +54,10 @@ def write_urdf(robot: Robot, geometry: Geometry, diagnostics: list[Diagnostic]) 
                 multiplier=number(relation.multiplier),
                 offset=number(relation.offset) if relation.offset else None,
             )
-    links = {link.name for link in robot.links}.union(*(joint.between for joint in lowered))
-    _frames(root, robot, links, {step.name for step in steps})
+    names = urdf_names(robot)
+    _frames(root, robot, names)
     _tell(robot, lowered, diagnostics)
+    diagnostics += _renamed(robot, names)
     return to_bytes(root)
 
 
@@ -162,22 +163,32 @@ def _range(kind: str, limits: Limits) -> tuple[float, float]:
     return low, high
 
 
-def _frames(root: Element, robot: Robot, links: set[str], joints: set[str]) -> None:
+def _frames(root: Element, robot: Robot, names: UrdfNames) -> None:
     """Frames, and both sides of every loop, as links without mass on fixed joints."""
-    markers = [(frame.name, frame.link, frame.link_from_frame) for frame in robot.frames]
+    markers = [(names.frames[frame.name], frame.link, frame.link_from_frame) for frame in robot.frames]
     for loop in robot.loops:
-        markers.append((f"{loop.name}_a", loop.link_a, loop.a_from_frame))
-        markers.append((f"{loop.name}_b", loop.link_b, loop.b_from_frame))
-    for wanted, parent, pose in markers:
-        name = free(wanted, links)
-        links.add(name)
+        first, second = names.ends[loop.name]
+        markers.append((first, loop.link_a, loop.a_from_frame))
+        markers.append((second, loop.link_b, loop.b_from_frame))
+    for name, parent, pose in markers:
         element(root, "link", name=name)
-        joint = free(f"{name}_fixed", joints)
-        joints.add(joint)
-        node = element(root, "joint", name=joint, type="fixed")
+        node = element(root, "joint", name=names.holders[name], type="fixed")
         _origin(node, pose)
         element(node, "parent", link=parent)
         element(node, "child", link=name)
+
+
+def _renamed(robot: Robot, names: UrdfNames) -> list[Diagnostic]:
+    return [
+        Diagnostic(
+            "I-URDF-NAME",
+            f"the frame {frame!r} is the link {name!r} there: another link has its name",
+            f"{robot.name}.urdf",
+            "the MJCF has it as it is; robot.json has the URDF's name, under urdf",
+        )
+        for frame, name in names.frames.items()
+        if name != frame
+    ]
 
 
 def _tell(robot: Robot, lowered: Sequence[Lowered], diagnostics: list[Diagnostic]) -> None:

@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from stages.robot.bundle import Bundle
     from stages.robot.model import Robot
 
-VERSION = 6
+VERSION = 7
 
 
 def build_robot(bundle: "Bundle", keys: "GraphKeys") -> "Robot":

@@ -2,9 +2,9 @@
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
-from fnmatch import fnmatchcase
 
 from stages.graph.added import with_added_frames, with_added_links
+from stages.graph.globs import as_key, fits
 from stages.graph.keys import GraphKeys, JointKeys
 from stages.graph.massing import check_links, with_given_masses
 from stages.graph.mechanism import Coupling, Mechanism
@@ -89,7 +89,7 @@ def _tell_doubts(couplings: Iterable[Coupling], wanted: Mapping[str, JointKeys],
     """What of the limits might be meant another way, where YAML does not give them all."""
     for coupling in couplings:
         for name in _unsettled(coupling, wanted)[:1]:
-            settle = f"joints: {{{name}: {{limits: [low, high]}}}}"
+            settle = f"joints: {{{as_key(name)}: {{limits: [low, high]}}}}"
             for text in coupling.doubts:
                 notes.tell("W-LIMIT-DOUBT", text, coupling.name, f"type it again on the mate, or {settle}")
             for text in coupling.half_open:
@@ -99,7 +99,7 @@ def _tell_doubts(couplings: Iterable[Coupling], wanted: Mapping[str, JointKeys],
 def _unsettled(coupling: Coupling, wanted: Mapping[str, JointKeys]) -> list[str]:
     """The dofs to which YAML gives no limits."""
     given = [glob for glob, keys in wanted.items() if keys.limits is not None]
-    return [dof.name for dof in coupling.dofs if not any(fnmatchcase(dof.name, glob) for glob in given)]
+    return [dof.name for dof in coupling.dofs if not any(fits(dof.name, glob) for glob in given)]
 
 
 def _transmissions(mechanism: Mechanism, robot: Robot) -> tuple[Transmission, ...]:

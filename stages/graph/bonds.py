@@ -20,13 +20,14 @@ PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
 @dataclass(frozen=True, slots=True)
 class Bonded:
     """`follower` = factor · `driver` + offset, names of dofs; the offset is None where the saved pose tells
-    it (and the sign)."""
+    it (and the sign). `name`: the source's own, "" for none."""
 
     title: str
     driver: str
     follower: str
     factor: float
     offset: float | None = None
+    name: str = ""
 
 
 class _Unfit(Exception):
@@ -81,7 +82,7 @@ def _said(robot: Robot, scalar: Collection[str], bond: Bond) -> Bonded:
     for name in bond.couplings:
         if name not in scalar:
             raise _Unfit(_why_no_joint(robot, name))
-    return Bonded(bond.title, driver, follower, bond.ratio, bond.offset)
+    return Bonded(bond.title, driver, follower, bond.ratio, bond.offset, bond.name)
 
 
 def _joints(robot: Robot, joints: Mapping[str, Joint], bond: Bond) -> tuple[Joint, ...]:

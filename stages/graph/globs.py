@@ -1,5 +1,6 @@
 """What users type: globs that must match something, and new names that must be free."""
 
+import json
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase, translate
@@ -29,6 +30,22 @@ def escaped(name: str) -> str:
     return re.sub(r"([*?[])", r"[\1]", name)
 
 
+def fits(name: str, glob: str) -> bool:
+    """Whether a glob means something of this name: as it stands, or as a pattern."""
+    return name == glob or fnmatchcase(name, glob)
+
+
+def as_key(name: str) -> str:
+    """The key of YAML that means this name only, as a glob."""
+    glob = escaped(name)
+    plain = re.fullmatch(r"[A-Za-z_][\w.-]*", glob, re.ASCII) and glob.lower() not in _YAML_WORDS
+    return glob if plain else json.dumps(glob, ensure_ascii=False)
+
+
+_YAML_WORDS = frozenset({"true", "false", "null", "yes", "no", "on", "off"})
+"""Keys that YAML takes for something else than text."""
+
+
 def entries_of(
     things: Sequence[Collection[str]],
     wanted: Mapping[str, Entry],
@@ -40,9 +57,14 @@ def entries_of(
 
     E-GLOB for each entry but "*" that matches nothing: it lists the first names, as things of a `kind`.
     """
-    patterns = [re.compile(translate(glob)).match for glob in wanted]
+    patterns = [(glob, re.compile(translate(glob)).match) for glob in wanted]
     found = [
-        tuple(index for index, matches in enumerate(patterns) if any(map(matches, names))) for names in things
+        tuple(
+            index
+            for index, (glob, matches) in enumerate(patterns)
+            if glob in names or any(map(matches, names))
+        )
+        for names in things
     ]
     used = {index for indices in found for index in indices}
     for index, glob in enumerate(wanted):

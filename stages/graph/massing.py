@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import networkx as nx
 
-from stages.graph.globs import entries_of, listed
+from stages.graph.globs import as_key, entries_of, listed
 from stages.graph.masskeys import LinkMassKeys, tensor
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.notes import Notes
@@ -45,7 +45,7 @@ def _given(link: Link, asked: LinkMassKeys, notes: Notes) -> Link:
     lacks = [name for name in ("mass", "com", "inertia") if getattr(asked, name) is None]
     if link.inertial.mass == 0 and lacks:
         text = f"the link has no mass of its own: {' and '.join(lacks)} must be given too"
-        notes.tell("E-MASS", text, link.name, f"mass: {{links: {{{link.name}: {{mass: ...}}}}}}")
+        notes.tell("E-MASS", text, link.name, f"mass: {{links: {{{as_key(link.name)}: {{mass: ...}}}}}}")
         return link
     sum_of_parts = scaled(link.inertial, mass) if link.inertial.mass > 0 else ZERO
     given = Inertial(
@@ -65,7 +65,8 @@ def check_links(robot: Robot, notes: Notes, drawn: bool = True) -> None:
     """
     lacking = any(one.code == "E-MASS" for one in notes.problems)
     for link in () if lacking else _moving_without_mass(robot):
-        text, hint = "the link moves, but has no mass", f"mass: {{links: {{{link.name}: {{mass: ...}}}}}}"
+        text = "the link moves, but has no mass"
+        hint = f"mass: {{links: {{{as_key(link.name)}: {{mass: ...}}}}}}"
         if link.parts and drawn:
             text = "the link has no mass: it is nothing but sheets, or what weighs nothing"
             hint = "fasten it to a solid part, or thicken it, in Onshape"

@@ -29,6 +29,7 @@ class Body:
     `path`: the occurrence that names it. `titles`: all names that mean it, as typed in CAD. `held`:
     why it is fixed to the world; "" if it is not. `world_from_body` (4, 4): its own frame, which it
     keeps where it is the root. `given`: an inertial in the world's frame in place of the parts' sum.
+    `free_joint`: what the source calls the joint by which the body floats in the world; "" for no name.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Body:
     world_from_body: Array
     given: Inertial | None = None
     shapes: tuple[Primitive, ...] = ()
+    free_joint: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,7 +78,8 @@ class Bond:
 
     `ratio` counts for GEAR and LINEAR, `length` [m a turn] for RACK_AND_PINION and SCREW. The second
     coupling follows, in the opposite direction unless `reverse`. A MIMIC is said in full, of dofs instead of
-    couplings: the second is `ratio` · the first + `offset`, whatever moves and whatever the sign.
+    couplings: the second is `ratio` · the first + `offset`, whatever moves and whatever the sign. `name`: the
+    relation's own, where its source gives it one.
     """
 
     title: str
@@ -86,6 +89,7 @@ class Bond:
     length: float
     reverse: bool
     offset: float = 0.0
+    name: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -101,7 +105,8 @@ class Marker:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mechanism:
-    """Bodies and couplings by their numbers; their names are unique over bodies, dofs and markers.
+    """Bodies and couplings by their numbers. Names are unique among bodies, among couplings and dofs, and
+    among markers; those of a drawing over all of them.
 
     `root`: the body that the source itself hangs the others on, None where it says none. `posed`: whether
     someone left it in this pose; that of a file is where all its joints are at zero, and means nothing.

@@ -7,12 +7,11 @@ that a value keeps its meaning. A child link's frame is its own entity's.
 
 from collections.abc import Mapping
 from dataclasses import replace
-from fnmatch import fnmatchcase
 
 import numpy as np
 
 from stages.graph.couplings import backwards
-from stages.graph.globs import listed
+from stages.graph.globs import fits, listed
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Body, Coupling, Mechanism
 from stages.graph.notes import Notes
@@ -95,8 +94,9 @@ def _stand_in(
     edge: Edge, mechanism: Mechanism, world_from_link: Mapping[int, Array], taken: set[str]
 ) -> Joint:
     """The joint of what hangs on nothing: rigid, or free to float."""
-    child = mechanism.bodies[edge.child].name
-    name = free(f"{child}_{edge.stand_in}", taken)
+    body = mechanism.bodies[edge.child]
+    child = body.name
+    name = (edge.stand_in == "free" and body.free_joint) or free(f"{child}_{edge.stand_in}", taken)
     taken.add(name)
     zero = frozen(np.zeros(3))
     floating = Dof(name, "free", zero, frozen(np.eye(4)), Limits(), Dynamics(), at_rest("free"))
@@ -176,7 +176,7 @@ def _frames(
 ) -> tuple[Frame, ...]:
     """The mate connectors that `frames.include` chooses, on their links; E-GLOB for what chooses none."""
     for glob in include:
-        if glob != "*" and not any(fnmatchcase(marker.name, glob) for marker in mechanism.markers):
+        if glob != "*" and not any(fits(marker.name, glob) for marker in mechanism.markers):
             there = listed(marker.name for marker in mechanism.markers) or "none"
             notes.tell("E-GLOB", f"no frame matches {glob!r}", "frames.include", f"frames are: {there}")
     frames = [
@@ -187,6 +187,6 @@ def _frames(
             marker.source,
         )
         for marker in mechanism.markers
-        if marker.body in world_from_link and any(fnmatchcase(marker.name, glob) for glob in include)
+        if marker.body in world_from_link and any(fits(marker.name, glob) for glob in include)
     ]
     return tuple(sorted(frames, key=lambda frame: frame.name))

@@ -3,10 +3,9 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from fnmatch import fnmatchcase
 
 from stages.graph.addedkeys import AddedLinkKeys
-from stages.graph.globs import listed
+from stages.graph.globs import as_key, fits, listed
 from stages.graph.keys import JointKeys
 from stages.graph.notes import Notes
 from stages.robot.model import Dof, DofKind, Dynamics, Joint, Limits, Loop, Robot, Value
@@ -38,7 +37,7 @@ def with_properties(robot: Robot, wanted: Mapping[str, JointKeys], notes: Notes)
     """
     dofs = (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
     for glob, keys in wanted.items():
-        _check_glob(glob, keys, [dof for dof in dofs if fnmatchcase(dof.name, glob)], robot, notes)
+        _check_glob(glob, keys, [dof for dof in dofs if fits(dof.name, glob)], robot, notes)
         _tell_idle(glob, keys, robot.loops, notes)
     return with_each_dof(robot, lambda dof: unwrapped(_with(dof, wanted)))
 
@@ -46,7 +45,7 @@ def with_properties(robot: Robot, wanted: Mapping[str, JointKeys], notes: Notes)
 def _check_glob(glob: str, keys: JointKeys, matched: Sequence[Dof], robot: Robot, notes: Notes) -> None:
     if not matched and glob != "*":
         every: list[Joint | Loop] = [*robot.joints, *robot.loops]
-        names = ", ".join(dof.name for one in every if fnmatchcase(one.name, glob) for dof in one.dofs)
+        names = ", ".join(dof.name for one in every if fits(one.name, glob) for dof in one.dofs)
         if names:
             text = f"{glob!r} is no dof: it has several of them (or stands for joints that have)"
             notes.tell("E-GLOB", text, "joints", f"say which: {names}")
@@ -71,7 +70,7 @@ def _tell_idle(glob: str, keys: JointKeys, loops: Sequence[Loop], notes: Notes) 
     """What is said of a dof that no simulation has; "*" means those that it has."""
     given = [key for key in Dynamics.__slots__ if getattr(keys, key) is not None]
     idle = [dof.name for one in loops if one.type in POINTWISE for dof in one.dofs]
-    idle = [name for name in idle if fnmatchcase(name, glob)]
+    idle = [name for name in idle if fits(name, glob)]
     if glob != "*" and given and idle:
         text = f"the mate closes a loop by its point, where {', '.join(given)} of {glob!r} act on nothing"
         hint = "let another mate close the loop (loops.cut), or leave it out"
@@ -81,7 +80,7 @@ def _tell_idle(glob: str, keys: JointKeys, loops: Sequence[Loop], notes: Notes) 
 def _with(dof: Dof, wanted: Mapping[str, JointKeys]) -> Dof:
     limits, dynamics = dof.limits, dof.dynamics
     for glob, keys in wanted.items():
-        if not fnmatchcase(dof.name, glob):
+        if not fits(dof.name, glob):
             continue
         if keys.limits is not None:
             limits = Limits(*keys.limits)
@@ -161,7 +160,7 @@ def _tell_missing(
     lacking: list[tuple[Joint, Dof, str]] = []
     for joint in robot.joints:
         for dof in joint.dofs:
-            if dof.kind == "free" or _endless(joint) or any(fnmatchcase(dof.name, glob) for glob in settled):
+            if dof.kind == "free" or _endless(joint) or any(fits(dof.name, glob) for glob in settled):
                 continue
             if dof.name in unknown:
                 lacking.append((joint, dof, f"its limits in CAD are not known: {unknown[dof.name]}"))
@@ -170,7 +169,7 @@ def _tell_missing(
                 lacking.append((joint, dof, f"the joint has no limits{freely}"))
     for joint, dof, text in lacking:
         hint = f"set them {'on the mate' if posed else 'in the file'}, or " if joint.mate else ""
-        hint += f"joints: {{{dof.name}: {{limits: [low, high]}}}}  # {UNITS[dof.kind]}"
+        hint += f"joints: {{{as_key(dof.name)}: {{limits: [low, high]}}}}  # {UNITS[dof.kind]}"
         if len(lacking) > 1 and dof is lacking[-1][1]:
             hint += f"\nall at once, null being open:\n{_block([dof for _, dof, _ in lacking])}"
         notes.tell("W-LIMIT", text, dof.name, hint)
@@ -188,7 +187,8 @@ def _block(dofs: Sequence[Dof]) -> str:
         return "null" if end is None else f"{end:.9g}"
 
     lines = [
-        f"  {dof.name}: {{limits: [{text(dof.limits.lower)}, {text(dof.limits.upper)}]}}  # {UNITS[dof.kind]}"
+        f"  {as_key(dof.name)}: {{limits: [{text(dof.limits.lower)}, {text(dof.limits.upper)}]}}"
+        f"  # {UNITS[dof.kind]}"
         for dof in dofs
     ]
     return "\n".join(["joints:", *lines])
@@ -196,7 +196,7 @@ def _block(dofs: Sequence[Dof]) -> str:
 
 def _checked(dof: Dof, notes: Notes, posed: bool) -> Dof:
     low, high = ends(dof.limits)
-    settle = f"joints: {{{dof.name}: {{limits: [low, high]}}}}  # {UNITS[dof.kind]}"
+    settle = f"joints: {{{as_key(dof.name)}: {{limits: [low, high]}}}}  # {UNITS[dof.kind]}"
     if dof.kind == "ball" and dof.limits.upper is not None and not 0 < high <= math.pi:
         text = f"its cone of {high:.6g} rad is none: it must lie above 0 and not beyond π"
         notes.tell("E-LIMIT", text, dof.name, settle.replace("low, high", "null, cone"))

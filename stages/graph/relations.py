@@ -95,12 +95,12 @@ def _trees(found: Sequence[Bonded], notes: Notes) -> list[list[Bonded]]:
 
 
 def _names(robot: Robot, found: Iterable[Bonded]) -> dict[Bonded, str]:
-    """A free name for each bond, from its title."""
+    """A name for each bond: its own, else a free one from its title."""
     taken = {joint.name for joint in robot.joints} | {loop.name for loop in robot.loops}
     taken |= {dof.name for dof in robot.dofs}
     names: dict[Bonded, str] = {}
     for one in found:
-        names[one] = free(legal(one.title.rsplit("/", 1)[-1]) or "relation", taken)
+        names[one] = one.name or free(legal(one.title.rsplit("/", 1)[-1]) or "relation", taken)
         taken.add(names[one])
     return names
 

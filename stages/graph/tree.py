@@ -3,12 +3,11 @@
 import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from typing import Literal, TypeVar
 
 import networkx as nx
 
-from stages.graph.globs import listed
+from stages.graph.globs import fits, listed
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Coupling, Mechanism
 from stages.graph.notes import Notes
@@ -101,7 +100,7 @@ def _ranked(mechanism: Mechanism, cut: Collection[str], notes: Notes) -> list[Co
 
 
 def _named(coupling: Coupling, glob: str) -> bool:
-    return any(fnmatchcase(name, glob) for name in (coupling.name, coupling.ref.name, coupling.title))
+    return any(fits(name, glob) for name in (coupling.name, coupling.ref.name, coupling.title))
 
 
 def _tell_uncut(
@@ -153,9 +152,12 @@ def ways_up(
     return ways
 
 
-def natural(name: str) -> tuple[tuple[int, int | str], ...]:
+def natural(name: str) -> tuple[tuple[int, int, str], ...]:
     """A sort key in which "joint_10" comes after "joint_2"."""
-    return tuple((0, int(text)) if text.isdigit() else (1, text) for text in re.split(r"(\d+)", name))
+    return tuple(
+        (0, len(text.lstrip("0")), text.lstrip("0")) if text.isdecimal() else (1, 0, text)
+        for text in re.split(r"(\d+)", name)
+    )
 
 
 def _loose(mechanism: Mechanism, kept: nx.MultiGraph, reached: set[int]) -> list[list[int]]:

@@ -266,10 +266,12 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Base:
-    """Whether the root link is fixed to the world, and why."""
+    """Whether the root link is fixed to the world, and why. `joint`: what the source calls the joint by
+    which it floats; "" for no name."""
 
     fixed: bool
     reason: str
+    joint: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -299,7 +301,8 @@ class Robot:
     """Links and joints in tree order (a parent before its children; the root first).
 
     `world_from_root` (4, 4): where the root link's frame is in the assembly at the saved pose. A root
-    link called `world` is the assembly's origin itself.
+    link called `world` is the assembly's origin itself. Names are unique among links, among joints and
+    dofs (those of loops too), among frames, and among loops and relations.
     """
 
     name: str

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from stages.robot.model import Robot
     from stages.validate.keys import ValidateKeys
 
-VERSION = 2
+VERSION = 3
 
 
 def validate(folder: Path, robot: "Robot", keys: "ValidateKeys") -> "tuple[Check, ...]":

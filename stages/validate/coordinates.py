@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 
 from stages.robot.model import Array, Configuration, Dof, Robot, Value
-from stages.robot.names import free
 from stages.robot.poses import inverse, motion, quat_from_rotation
+from stages.robot.urdfnames import urdf_names
 
 HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 BALL, FREE = mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_FREE
@@ -29,22 +29,12 @@ HELD = ("fixed", "revolute", "ball")
 def joints_of(robot: Robot, urdf: bool) -> Iterator[tuple[str, Any, Dof]]:
     """(name, type, dof) of every joint that a model must have, but for a floating base."""
     loops = () if urdf else tuple(d for loop in robot.loops if loop.type not in HELD for d in loop.dofs)
-    turns = turns_of(robot)
+    turns = urdf_names(robot).turns
     for dof in (*robot.dofs, *loops):
         if urdf and dof.kind == "ball":
             yield from ((name, HINGE, dof) for name in turns[dof.name])
         else:
             yield dof.name, KINDS[dof.kind], dof
-
-
-def turns_of(robot: Robot) -> dict[str, tuple[str, ...]]:
-    """By ball: its three turns in a URDF, R = Rx Ry Rz; a name that is taken gets a number."""
-    taken = {joint.name for joint in robot.joints} | {dof.name for dof in robot.dofs}
-    turns = {}
-    for ball in (dof for dof in robot.dofs if dof.kind == "ball"):
-        turns[ball.name] = tuple(free(f"{ball.name}_{letter}", taken) for letter in "xyz")
-        taken |= set(turns[ball.name])
-    return turns
 
 
 def joint_index(model: Any, name: str) -> int:
@@ -63,7 +53,7 @@ def set_values(model: Any, data: Any, robot: Robot, q: Configuration, urdf: bool
     """Resets, sets the values `q` by the names of dofs and computes poses."""
     mujoco.mj_resetData(model, data)
     mujoco.mj_kinematics(model, data)
-    turns = turns_of(robot)
+    turns = urdf_names(robot).turns
     numbers: dict[str, list[float]] = {}
     for joint in robot.joints:
         # What a free joint's value is measured in is the root's pose at qpos0.

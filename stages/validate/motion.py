@@ -14,6 +14,7 @@ from stages.robot.check import Check
 from stages.robot.kinematics import link_poses, rest_configuration, saved_configuration
 from stages.robot.model import Array, Configuration, Dof, Robot
 from stages.robot.poses import inverse
+from stages.robot.urdfnames import urdf_names
 from stages.validate.coordinates import (
     body_index,
     distance,
@@ -98,34 +99,34 @@ def _sweep(file: str, model: Any, robot: Robot, urdf: bool) -> Check:
     if urdf:
         # Where nothing has moved: a floating joint's own numbers would hide its origin.
         mujoco.mj_kinematics(model, data)
-        worst, where = _worst(model, data, robot, rest_configuration(robot))
+        worst, where = _worst(model, data, robot, rest_configuration(robot), urdf)
     for turn in range(3):
         q = spread(robot, turn)
         set_values(model, data, robot, q, urdf)
-        worst, where = max((worst, where), _worst(model, data, robot, q), key=lambda found: found[0])
+        worst, where = max((worst, where), _worst(model, data, robot, q, urdf), key=lambda found: found[0])
     detail = f"links and frames at three configurations against the robot's own kinematics; worst: {where}"
     return Check(f"{file}: motion", worst <= CLOSE, detail, worst, CLOSE)
 
 
-def _worst(model: Any, data: Any, robot: Robot, q: Configuration) -> tuple[float, str]:
+def _worst(model: Any, data: Any, robot: Robot, q: Configuration, urdf: bool) -> tuple[float, str]:
     """The largest difference of a link or frame from the robot's own kinematics, and which it is;
     infinite for one that is not there."""
     root_from_world = inverse(root_pose(model, data, robot))
-    expected = link_poses(robot, q)
-    found = {name: link_pose(model, data, robot, name) for name in expected}
+    links = link_poses(robot, q)
+    names = urdf_names(robot).frames if urdf else {}
+    pairs = [(name, link_pose(model, data, robot, name), pose) for name, pose in links.items()]
     for frame in robot.frames:
-        expected[frame.name] = expected[frame.link] @ frame.link_from_frame
-        found[frame.name] = _frame(model, data, frame.name)
-    off = [(distance(root_from_world @ found[name], pose), name) for name, pose in expected.items()]
+        found = _frame(model, data, names.get(frame.name, frame.name), urdf)
+        pairs.append((frame.name, found, links[frame.link] @ frame.link_from_frame))
+    off = [(distance(root_from_world @ found, pose), name) for name, found, pose in pairs]
     return max(((math.inf if math.isnan(value) else value), name) for value, name in off)
 
 
-def _frame(model: Any, data: Any, name: str) -> Array:
-    """A frame: a site, or in a URDF a body. NaN where there is neither."""
-    site, body = site_index(model, name), body_index(model, name)
-    if site >= 0:
-        return site_pose(data, site)
-    return pose_of(data, body) if body >= 0 else np.full((4, 4), np.nan)
+def _frame(model: Any, data: Any, name: str, urdf: bool) -> Array:
+    """A frame: a site, in a URDF a body. NaN where there is none."""
+    index, pose = (body_index, pose_of) if urdf else (site_index, site_pose)
+    found = index(model, name)
+    return pose(data, found) if found >= 0 else np.full((4, 4), np.nan)
 
 
 def _relations(file: str, model: Any, robot: Robot) -> Check:

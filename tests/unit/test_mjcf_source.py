@@ -368,18 +368,8 @@ def test_an_attached_model_is_part_of_the_identity_with_its_meshes(tmp_path):
     )
     assert sorted(identity(keys_of(path))["files"]) == ["arm/arm.xml", "arm/wedge.stl", "model.xml"]
     robot = robot_of(path)
-    assert [one.name for one in robot.links] == ["base", "left_link"]
+    assert [one.name for one in robot.links] == ["base", "left/link"]
     assert len(robot.links[1].parts) == 1
-
-
-def test_names_are_kept_where_they_can_be(tmp_path):
-    inside = body("Elbow", '<joint name="Elbow"/><site name="Elbow"/>' + body("", "<joint/>"))
-    world = body("base/link 0", inside + body("plain", '<joint name="left-hip"/>'))
-    robot = robot_of(written(tmp_path, model(world).replace('<body name="">', "<body>")))
-    assert {one.name for one in robot.links} == {"base_link_0", "Elbow", "body_3", "plain"}
-    assert {one.name for one in robot.joints} == {"Elbow_joint", "body_3_joint", "left_hip"}
-    assert [one.name for one in robot.frames] == ["Elbow_frame"]
-    assert "W-NAME" in codes(robot)
 
 
 ACTUATED = """<actuator><motor joint="a" gear="10" ctrlrange="-2 2"/><position joint="b" forcerange="-3 5"/>

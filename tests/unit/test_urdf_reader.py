@@ -132,27 +132,6 @@ def test_the_files_of_a_mimic_with_an_offset_pass(tmp_path: Path) -> None:
     assert not same_bounds(text.encode(), robot, files["robot.urdf"])
 
 
-def test_names_that_are_fine_stay_and_others_are_mapped(tmp_path: Path) -> None:
-    text = robot_text(
-        link("Base"),
-        link("Gripper"),
-        link("l/tip"),
-        link("l_tip"),
-        link("cam"),
-        joint("Gripper", "Base", "Gripper"),
-        joint("l.j", "Gripper", "l/tip"),
-        joint("tip", "Gripper", "l_tip"),
-        joint("world", "Gripper", "cam"),
-    )
-    robot = urdf_robot(text)
-    assert {one.name for one in robot.links} == {"Base", "Gripper", "l_tip", "l_tip_link", "cam"}
-    assert {one.name for one in robot.joints} == {"Gripper_joint", "l_j", "tip", "world_joint"}
-    assert codes(robot).count("W-NAME") == 2
-    table = json.loads(write(robot, tmp_path).files["robot.json"])
-    assert {one["name"]: one["cad"]["name"] for one in table["joints"]}["Gripper_joint"] == "Gripper"
-    assert {one["name"]: one["cad"]["path"] for one in table["links"]}["l_tip_link"] == ["l/tip"]
-
-
 def test_dummies_become_frames_with_all_that_hangs_on_them() -> None:
     box = '<visual><geometry><box size="1 1 1"/></geometry></visual>'
     shift = '<origin xyz="0 0 1"/>'
@@ -407,12 +386,12 @@ def test_transmissions_are_kept_by_the_names_of_joints(tmp_path: Path) -> None:
     (one,) = robot.transmissions
     assert (one.name, one.joint, one.reduction, one.interfaces) == (
         "t",
-        "l_j",
+        "l.j",
         50.0,
         ("EffortJointInterface",),
     )
     table = json.loads(write(robot, tmp_path).files["robot.json"])
-    assert [entry["joint"] for entry in table["transmissions"]] == ["l_j"]
+    assert [entry["joint"] for entry in table["transmissions"]] == ["l.j"]
 
 
 def test_keys_about_assemblies_are_refused_by_name() -> None:

@@ -1,6 +1,6 @@
 """Equalities that hold two bodies together: what closes a loop, and the hinge that two of them make."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +10,6 @@ from stages.graph.mechanism import Coupling
 from stages.robot.kinematics import chain
 from stages.robot.mjcf import MjcfClosure
 from stages.robot.model import Array, Dof, Dynamics, JointType, Limits, MateRef, Value, frozen
-from stages.robot.names import free
 from stages.robot.poses import inverse, quat_from_rotation
 
 SECOND_POINT = "_axis"
@@ -26,13 +25,14 @@ class Closing:
 
 
 def closings(closures: Sequence[MjcfClosure]) -> tuple[Closing, ...]:
-    """The closures, with each pair of connects that says a hinge as one: those between sites `a`, `b` and
-    `a_axis`, `b_axis`, as our own files have them."""
+    """The closures, with each pair of connects that says a hinge as one: `name` between sites `a`, `b` and
+    `name_axis` between `a_axis`, `b_axis`, as our own files have them."""
     by_sites = {one.sites: one for one in closures if one.type == "connect" and all(one.sites)}
     found, spent = [], set[int]()
     for one in closures:
         other = by_sites.get((one.sites[0] + SECOND_POINT, one.sites[1] + SECOND_POINT))
-        axis = None if other is None or one.type != "connect" else _axis(one, other)
+        named = other is not None and other.name == one.name + SECOND_POINT
+        axis = _axis(one, other) if other is not None and named and one.type == "connect" else None
         if axis is not None:
             spent.add(id(other))
         found.append(Closing(one, axis))
@@ -51,28 +51,32 @@ def _axis(one: MjcfClosure, other: MjcfClosure) -> Array | None:
     return frozen(along[1] / reach)
 
 
-def names_of(found: Sequence[Closing], taken: set[str]) -> list[str]:
-    """A free name for each, its own where it has one."""
-    names = []
+def own_sites(found: Sequence[Closing]) -> frozenset[str]:
+    """The sites that are there for a closure alone, by their names: `<name>_a`, `<name>_b` and those of a
+    hinge's second point, as in our own files, where the exporter makes them again."""
+    own: set[str] = set()
     for one in found:
-        names.append(free(one.closure.name or "loop", taken))
-        taken.add(names[-1])
-    return names
+        sites = one.closure.sites
+        if one.closure.name and sites == (f"{one.closure.name}_a", f"{one.closure.name}_b"):
+            own |= {*sites, *(() if one.axis is None else (site + SECOND_POINT for site in sites))}
+    return frozenset(own)
 
 
 def couplings(
-    found: Sequence[Closing],
-    names: Sequence[str],
+    found: Iterable[tuple[Closing, str, str]],
     numbers: Mapping[int, int],
     world_from_body: Mapping[int, Array],
 ) -> Iterator[Coupling]:
-    """What the closures let move: a connect a ball, a weld nothing, a hinge's two connects a turn."""
-    for one, name in zip(found, names, strict=True):
+    """What the closures let move: a connect a ball, a weld nothing, a hinge's two connects a turn.
+
+    `found`: each with its own name and that of its dof.
+    """
+    for one, name, dof_name in found:
         a, b = one.closure.bodies
         first = world_from_body[a] @ one.closure.a_from_frame
         second = world_from_body[b] @ one.closure.b_from_frame
         relative = inverse(second) @ first
-        kind, dofs = _moving(one, name, relative)
+        kind, dofs = _moving(one, dof_name, relative)
         explained = chain(dofs, {dof.name: dof.saved for dof in dofs})
         yield Coupling(
             name=name,

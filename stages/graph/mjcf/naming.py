@@ -1,83 +1,99 @@
-"""Names from an MJCF: kept as they are wherever every simulator accepts them, made up where there is none."""
+"""Names from an MJCF: bodies, joints, sites and equalities keep theirs; what has none gets one."""
 
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from stages.graph.mechanism import WORLD_LINK
+from stages.graph.mjcf.closing import Closing
+from stages.graph.naming import Key, Namer
 from stages.graph.notes import Notes
 from stages.robot.mjcf import Mjcf
-from stages.robot.names import RESERVED, free, plain
 
-Wanted = list[tuple[tuple[int, int], str, str]]
-"""(key, the file's name or "", the name to make up)."""
+WORLD_NUMBER = 0
+"""The body that is the world."""
 
 
 @dataclass(frozen=True, slots=True)
 class Names:
     """`links` by body, `dofs` by joint, `couplings` by the body below (of those with no or several
-    joints), `sites` by body and place in it."""
+    joints), `sites` by body and place in it, `relations` by number; `loops` and `loop_dofs` by closing."""
 
     links: dict[int, str]
     dofs: dict[int, str]
     couplings: dict[int, str]
     sites: dict[tuple[int, int], str]
+    relations: dict[int, str]
+    loops: dict[int, str]
+    loop_dofs: dict[int, str]
 
 
-def names_of(mjcf: Mjcf, hidden: frozenset[str], notes: Notes) -> Names:
-    """Unique names over all of them; each of the file's that changes is told (W-NAME).
+def names_of(
+    mjcf: Mjcf, found: Sequence[Closing], joining: Collection[Closing], hidden: Collection[str], notes: Notes
+) -> Names:
+    """The file's own names wherever they can stay; each that changes is told (W-NAME).
 
-    Links come before joints and these before sites, which give way. `hidden`: sites that are no frames.
+    `joining`: those of the closings `found` that become joints. `hidden`: sites that are no frames.
     """
-    taken = set(RESERVED)
-    changed: list[str] = []
-
-    def settle(wanted: Wanted, kind: str) -> dict[tuple[int, int], str]:
-        names = {}
-        # What is fine as it is comes first, so that nothing that is mended or made up takes its name.
-        ranked = sorted(wanted, key=lambda one: (one[1] == "", plain(one[1] or "x") != one[1], one[0]))
-        for key, given, made_up in ranked:
-            name = plain(given) if given else made_up
-            if name in taken:
-                name = free(f"{name}_{kind}" if given else name, taken)
-            taken.add(name)
-            names[key] = name
-            if given and name != given:
-                changed.append(f"{given!r} → {name!r}")
-        return names
-
+    namer = Namer()
     bodies = list(enumerate(mjcf.bodies))[1:]
-    links = settle([((i, 0), body.name, f"body_{i}") for i, body in bodies], "link")
-    joints: Wanted = []
-    for number, body in bodies:
-        for index, joint in enumerate(body.joints):
-            suffix = "" if len(body.joints) == 1 else f"_{index + 1}"
-            joints.append(((len(joints), 0), joint.name, f"{links[number, 0]}_joint{suffix}"))
-    dofs = settle(joints, "joint")
-    ends = {0: "fixed", 1: ""}
-    more: Wanted = [
-        ((number, 0), "", f"{links[number, 0]}_{ends.get(len(body.joints), 'joints')}")
-        for number, body in bodies
-        if len(body.joints) != 1
-    ]
-    couplings = settle(more, "joint")
-    sites = settle(
-        [
-            ((number, index), site.name, "")
-            for number, body in enumerate(mjcf.bodies)
-            for index, site in enumerate(body.sites)
-            if site.name not in hidden
-        ],
-        "frame",
-    )
-    if changed:
-        text = f"not legal, or not unique over links, joints and frames: {', '.join(changed)}"
-        notes.tell("W-NAME", text, mjcf.name, "names of links, joints and sites are in one space here")
+    links = _kept(namer, "link", {number: body.name for number, body in bodies})
+    joints = [joint for _, body in bodies for joint in body.joints]
+    dofs = _kept(namer, "joint", {index: joint.name for index, joint in enumerate(joints)})
+    sites = _kept(namer, "frame", _sites(mjcf, hidden))
+    said = {("loop", index): one.closure.name for index, one in enumerate(found)}
+    said |= {("relation", index): one.name for index, one in enumerate(mjcf.relations)}
+    ties = _kept(namer, "equality", said)
+    namer.tell(notes)
+    # What has no name gets one once all are known that have.
+    links |= {number: namer.make("link", f"body_{number}") for number, _ in bodies if number not in links}
+    for index, wanted in enumerate(_joint_names(mjcf, links)):
+        dofs[index] = dofs.get(index) or namer.make("joint", wanted)
+    relations = {
+        index: ties.get(("relation", index)) or namer.make("equality", f"{dofs[one.follower]}_relation")
+        for index, one in enumerate(mjcf.relations)
+    }
+    loops, loop_dofs = {}, {}
+    for index, one in enumerate(found):
+        name = ties.get(("loop", index)) or namer.make("equality", "loop")
+        alone = namer.is_free("joint", name)
+        loop_dofs[index] = name if alone else namer.make("joint", f"{name}_loop")
+        loops[index] = loop_dofs[index] if one in joining else name
+        if alone:
+            namer.keep("joint", [(index, name)])
     return Names(
-        {WORLD_NUMBER: WORLD_LINK} | {number: name for (number, _), name in links.items()},
-        {number: name for (number, _), name in dofs.items()},
-        {number: name for (number, _), name in couplings.items()},
+        {WORLD_NUMBER: WORLD_LINK} | links,
+        dofs,
+        {
+            number: namer.make("joint", f"{links[number]}_{'joints' if body.joints else 'fixed'}")
+            for number, body in bodies
+            if len(body.joints) != 1
+        },
         sites,
+        relations,
+        loops,
+        loop_dofs,
     )
 
 
-WORLD_NUMBER = 0
-"""The body that is the world."""
+def _kept(namer: Namer, kind: str, names: Mapping[Key, str]) -> dict[Key, str]:
+    """The names of what has one."""
+    return namer.keep(kind, [(key, name) for key, name in names.items() if name])
+
+
+def _sites(mjcf: Mjcf, hidden: Collection[str]) -> dict[tuple[int, int], str]:
+    return {
+        (number, index): site.name
+        for number, body in enumerate(mjcf.bodies)
+        for index, site in enumerate(body.sites)
+        if site.name not in hidden
+    }
+
+
+def _joint_names(mjcf: Mjcf, links: Mapping[int, str]) -> list[str]:
+    """What each joint is called if it has no name of its own: after its body, with a number where that has
+    several."""
+    return [
+        f"{links[number]}_joint" + (f"_{place}" if len(body.joints) > 1 else "")
+        for number, body in enumerate(mjcf.bodies)
+        for place in range(1, len(body.joints) + 1)
+    ]

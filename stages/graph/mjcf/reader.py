@@ -8,8 +8,7 @@ import numpy as np
 from stages.graph.couplings import backwards
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import WORLD_LINK, Body, Bond, Coupling, Marker, Mechanism
-from stages.graph.mjcf.closing import closings, couplings
-from stages.graph.mjcf.closing import names_of as names_of_closings
+from stages.graph.mjcf.closing import closings, couplings, own_sites
 from stages.graph.mjcf.joints import SINGLE, Chain, chain_of, mate_of
 from stages.graph.mjcf.naming import Names, names_of
 from stages.graph.mjcf.standing import base_of, bodies_of, floats, joining, root_of
@@ -53,13 +52,13 @@ def read_mjcf(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechanism,
     notes.add(mjcf.diagnostics)
     tell_unused(keys, "MJCF", notes)
     found = closings(mjcf.closures)
-    for one in joining(mjcf, found):
+    joined = joining(mjcf, found)
+    for one in joined:
         text = "the equality ties bodies that float apart without it: it becomes a joint between them"
         notes.tell(
             "W-MJCF-TREE", text, one.closure.name or mjcf.name, "give one of them a joint to the other"
         )
-    hidden = frozenset(name for one in mjcf.closures for name in one.sites) | {WORLD_LINK}
-    names = names_of(mjcf, hidden, notes)
+    names = names_of(mjcf, found, joined, own_sites(found) | {WORLD_LINK}, notes)
     chains, saved = _chains(mjcf, names)
     pose = _posed(mjcf, chains, saved)
     there = bodies_of(mjcf, found, keys.root.base == "free")
@@ -67,9 +66,12 @@ def read_mjcf(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechanism,
     if 0 not in numbers:
         base = base_of(mjcf)
         numbers |= {} if base is None else {0: numbers[base]}
-    found = tuple(one for one in found if len({numbers[body] for body in one.closure.bodies}) > 1)
-    taken = {*names.links.values(), *names.dofs.values(), *names.couplings.values(), *names.sites.values()}
-    closing = couplings(found, names_of_closings(found, taken), numbers, pose.world_from_body)
+    apart = (
+        (one, names.loops[index], names.loop_dofs[index])
+        for index, one in enumerate(found)
+        if len({numbers[body] for body in one.closure.bodies}) > 1
+    )
+    closing = couplings(apart, numbers, pose.world_from_body)
     mechanism = Mechanism(
         bodies=tuple(_body(mjcf, number, names, pose, numbers) for number in there),
         couplings=(*_tree(mjcf, names, chains, pose, numbers), *closing),
@@ -150,9 +152,18 @@ def _body(mjcf: Mjcf, number: int, names: Names, pose: _Pose, numbers: Mapping[i
         titles=frozenset({name, body.name or name}),
         held=held,
         world_from_body=pose.world_from_link[number],
+        free_joint=_free_joint(mjcf, number, names),
         given=None if body.inertial is None else moved(body.inertial, world_from_body),
         shapes=tuple(_primitive(geom, world_from_body) for geom in body.geoms if geom.kind != "mesh"),
     )
+
+
+def _free_joint(mjcf: Mjcf, number: int, names: Names) -> str:
+    """The name of the joint by which a body floats; "" where it does not, or the joint has none."""
+    body = mjcf.bodies[number]
+    if not floats(body) or not body.joints[0].name:
+        return ""
+    return names.dofs[sum(len(one.joints) for one in mjcf.bodies[:number])]
 
 
 def _parts(body: MjcfBody, name: str, world_from_body: Array) -> Iterator[Part]:
@@ -220,9 +231,10 @@ def _meaning(number: int, body: MjcfBody, names: Names, own: Chain) -> tuple[str
 
 
 def _bonds(mjcf: Mjcf, names: Names) -> Iterator[Bond]:
-    for one in mjcf.relations:
+    for index, one in enumerate(mjcf.relations):
         yield Bond(
-            title=one.name or f"{names.dofs[one.follower]}_relation",
+            title=names.relations[index],
+            name=names.relations[index],
             type="MIMIC",
             couplings=(names.dofs[one.driver], names.dofs[one.follower]),
             ratio=one.multiplier,

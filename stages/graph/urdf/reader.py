@@ -12,7 +12,7 @@ from stages.graph.notes import Notes
 from stages.graph.unused import tell_unused
 from stages.graph.urdf.dummies import UrdfFrame, weighs_nothing, with_carriers, without_dummies
 from stages.graph.urdf.inertias import Policy, mended
-from stages.graph.urdf.naming import SUFFIXES, Names, names_of
+from stages.graph.urdf.naming import Names, names_of
 from stages.graph.urdf.structure import SCALAR, check_structure
 from stages.robot.bundle import Bundle
 from stages.robot.inertia import ZERO, moved
@@ -91,17 +91,18 @@ def _root(urdf: Urdf) -> str:
 
 
 def _dofs(joint: UrdfJoint, names: Names, notes: Notes) -> Iterator[Dof]:
-    name = names.joints[joint.name]
+    named = names.dofs[joint.name]
     zero = frozen(np.zeros(3))
     if joint.type in SCALAR:
         kind: DofKind = "slide" if joint.type == "prismatic" else "turn"
-        yield _dof(name, kind, joint.axis, _limits(joint, notes), _dynamics(joint, notes))
+        yield _dof(named[0], kind, joint.axis, _limits(joint, notes), _dynamics(joint, notes))
     elif joint.type == "floating":
-        yield _dof(name, "free", zero, Limits(), Dynamics())
+        yield _dof(named[0], "free", zero, Limits(), Dynamics())
     elif joint.type == "planar":
         axes = (*_across(joint.axis), joint.axis)
-        for suffix, axis in zip(SUFFIXES["planar"], axes, strict=True):
-            yield _dof(name + suffix, "turn" if suffix == "_turn" else "slide", axis, Limits(), Dynamics())
+        kinds: tuple[DofKind, ...] = ("slide", "slide", "turn")
+        for name, planar_kind, axis in zip(named, kinds, axes, strict=True):
+            yield _dof(name, planar_kind, axis, Limits(), Dynamics())
 
 
 def _dof(name: str, kind: DofKind, axis: Array, limits: Limits, dynamics: Dynamics) -> Dof:
@@ -263,7 +264,8 @@ def _bonds(urdf: Urdf, names: Names, notes: Notes) -> Iterator[Bond]:
             notes.tell("W-URDF-MIMIC", text, joint.name, "take it out")
             continue
         yield Bond(
-            title=f"{names.joints[joint.name]}_mimic",
+            title=names.relations[joint.name],
+            name=names.relations[joint.name],
             type="MIMIC",
             couplings=(names.joints[joint.mimic.joint], names.joints[joint.name]),
             ratio=joint.mimic.multiplier,

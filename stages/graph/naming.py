@@ -1,0 +1,65 @@
+"""Names that a source gives: each stays as it is where the target formats allow it; the others are mapped."""
+
+from collections.abc import Hashable, Iterable
+from typing import TypeVar
+
+from stages.graph.mechanism import WORLD_LINK
+from stages.graph.notes import Notes
+from stages.robot.names import free
+
+Key = TypeVar("Key", bound=Hashable)
+
+RESERVED = {"link": frozenset({WORLD_LINK}), "frame": frozenset({WORLD_LINK})}
+"""By kind: names that mean something else in a target. To MuJoCo the body `world` is the world itself, and a
+frame is a link of a URDF."""
+
+
+class Namer:
+    """Gives out names, unique among things of one kind: "link", "joint" (dofs too), "frame" or "equality"
+    (loops and relations). That is all that URDF and MJCF ask: things of two kinds may share a name.
+    """
+
+    def __init__(self) -> None:
+        self._taken: dict[str, set[str]] = {}
+        self._changed: list[tuple[str, str, str]] = []
+
+    def keep(self, kind: str, given: Iterable[tuple[Key, str]]) -> dict[Key, str]:
+        """The robot's names by key, of things that the source calls so; each is unique there.
+
+        A name changes only where it is reserved or holds what cannot be seen (a line's end, a control
+        character), and gives way to those that stay.
+        """
+        taken = self._taken.setdefault(kind, set())
+        names: dict[Key, str] = {}
+        changing = []
+        for key, name in given:
+            if name not in RESERVED.get(kind, ()) and name.isprintable():
+                names[key] = name
+                taken.add(name)
+            else:
+                changing.append((key, name))
+        for key, name in changing:
+            shown = "".join(letter if letter.isprintable() else "_" for letter in name)
+            wanted = f"{shown}_{kind}" if shown in RESERVED.get(kind, ()) else shown
+            names[key] = free(wanted, taken)
+            taken.add(names[key])
+            self._changed.append((kind, name, names[key]))
+        return names
+
+    def make(self, kind: str, wanted: str) -> str:
+        """A name for what the source does not name: `wanted`, or with a number where anything has that."""
+        every = {WORLD_LINK}.union(*self._taken.values())
+        name = free(wanted, every)
+        self._taken.setdefault(kind, set()).add(name)
+        return name
+
+    def is_free(self, kind: str, name: str) -> bool:
+        """Whether nothing of this kind has the name."""
+        return name not in self._taken.get(kind, ())
+
+    def tell(self, notes: Notes) -> None:
+        """W-NAME for each name that changed."""
+        for kind, old, new in self._changed:
+            why = "it is reserved" if old in RESERVED.get(kind, ()) else "it holds what cannot be seen"
+            text = f"the {kind} {old!r} is called {new!r}: {why}"
+            notes.tell("W-NAME", text, new, "give it another name in the file; robot.json has both")
