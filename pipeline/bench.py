@@ -46,6 +46,8 @@ class Bench:
         self.files: dict[str, Files] = {}
         self.ledger = ledger
         self.began = began
+        self.ahead: Callable[[], None] = lambda: None
+        """Called by a stage that waits for others and has seen that the later stages will run."""
         self.calls: dict[str, Any] = {"made": 0, "saved": 0}
 
     def digests(self, stage: str) -> dict[str, str]:
@@ -62,8 +64,9 @@ class Bench:
         robot: Robot = codec.decode_robot(self.files["graph"][ROBOT])
         return robot
 
-    @functools.cached_property
+    @property
     def geometry(self) -> "Geometry":
+        """Decoded each time that it is asked for: it is large, and one stage reads it."""
         return codec.decode_geometry(self.files["mesh"])
 
 

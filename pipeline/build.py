@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from pipeline import bundles, cache, report
+from pipeline.ahead import Ahead
 from pipeline.bench import FILES, NOTES, ROBOT, Bench
 from pipeline.cache import Action, Files
 from pipeline.errors import ConfigError, LinkwrightError, as_problems, exit_status, refusal
@@ -62,8 +63,11 @@ def build(
             # Beside the cache that lasts, also where this build does not use it.
             ledger = cache.folder(plan.cache.dir, environ) / LEDGER
             bench = Bench(plan, store, environ, ledger=ledger, began=began)
+            ahead = Ahead(module for stage in stages for module in stage.modules)
+            bench.ahead = ahead.start
             for stage in stages:
                 run.stage(stage, bench)
+                ahead.wait()
             files = products(bench)
             done = run.finished(bench, files)
             output.publish({**files, **run.documents(done, files)}, suffix)

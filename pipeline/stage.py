@@ -34,7 +34,8 @@ class Stage(Protocol):
     """One of the five.
 
     `version`, which the stage's own package declares, is raised when the same inputs give another
-    result; `libraries` are the distributions whose version may change the result.
+    result; `libraries` are the distributions whose version may change the result; `modules` are what it
+    imports when it runs, as far as that takes time.
     """
 
     @property
@@ -45,6 +46,9 @@ class Stage(Protocol):
 
     @property
     def libraries(self) -> tuple[str, ...]: ...
+
+    @property
+    def modules(self) -> tuple[str, ...]: ...
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         """ConfigError for what is wrong before the first stage runs."""
@@ -67,6 +71,7 @@ class Common:
 
     name: str
     libraries: tuple[str, ...] = ()
+    modules: tuple[str, ...] = ()
 
     @property
     def version(self) -> int:
@@ -82,6 +87,7 @@ class Common:
 
 class Fetch(Common):
     name = "fetch"
+    modules = ("stages.fetch.triangles",)
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         from stages.fetch import preflight, writes
@@ -119,6 +125,7 @@ class Fetch(Common):
                 bench.ledger,
                 calls,
                 began=bench.began,
+                while_waiting=bench.ahead,
             )
         finally:
             # Also what a fetch spent that failed.
@@ -154,6 +161,7 @@ def _held(bundle: "Bundle") -> str:
 class Graph(Common):
     name = "graph"
     libraries = ("numpy", "scipy", "networkx", "lxml")
+    modules = ("stages.graph.assemble", "stages.graph.view.views")
 
     def config(self, bench: Bench) -> Any:
         from stages.graph.keys import GraphKeys
@@ -192,6 +200,7 @@ class Graph(Common):
 class Mesh(Common):
     name = "mesh"
     libraries = ("numpy", "scipy")
+    modules = ("stages.mesh.geometry", "scipy.spatial", "scipy.sparse.csgraph")
 
     def config(self, bench: Bench) -> Any:
         from stages.mesh.keys import MeshKeys
@@ -220,6 +229,7 @@ class Mesh(Common):
 class Export(Common):
     name = "export"
     libraries = ("numpy", "lxml")
+    modules = ("stages.export.mjcf", "stages.export.scene", "stages.export.urdf")
 
     def config(self, bench: Bench) -> Any:
         from stages.export.keys import ExportKeys
@@ -243,6 +253,7 @@ class Export(Common):
 class Validate(Common):
     name = "validate"
     libraries = ("numpy", "mujoco")
+    modules = ("stages.validate.checks", "stages.validate.engine")
 
     def config(self, bench: Bench) -> Any:
         from stages.validate.keys import ValidateKeys

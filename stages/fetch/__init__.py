@@ -43,12 +43,14 @@ def fetch(
     calls: Calls | None = None,
     patience: Patience | None = None,
     began: float | None = None,
+    while_waiting: Callable[[], None] = lambda: None,
 ) -> Fetched:
     """The bundle of what `keys.source` names. `tell` gets lines about progress.
 
     Calls are taken down in the folder `ledger`, and in `calls` also where the fetch fails. `patience`:
     how failures of the server are borne with, but for `source.max_wait`. `began`: the start of the
-    sweep that this build is a job of [s since the epoch].
+    sweep that this build is a job of [s since the epoch]. `while_waiting` is called once replies are on
+    their way that make the later stages run, and must return at once.
 
     ConfigError where a call is due and there is no API key; SourceError and its kinds where the
     source cannot be read; AssemblyError where the assembly has no part.
@@ -58,7 +60,7 @@ def fetch(
         from stages.fetch.plan_of_calls import Calls
 
         calls = Calls() if calls is None else calls
-        return _from_onshape(source, replies, environ, tell, ledger, calls, patience, began)
+        return _from_onshape(source, replies, environ, tell, ledger, calls, patience, began, while_waiting)
     if source.kind == "urdf":
         from stages.fetch.local.gather import gather as gathered
 
@@ -91,6 +93,7 @@ def _from_onshape(
     calls: Calls,
     patience: Patience | None,
     began: float | None,
+    while_waiting: Callable[[], None],
 ) -> Fetched:
     from stages.fetch.asking import Asking
     from stages.fetch.network import Network
@@ -105,7 +108,7 @@ def _from_onshape(
         asking = Asking(
             server, replies, offline=source.offline, refresh=source.refresh, max_calls=source.max_calls
         )
-        asking.began = began
+        asking.began, asking.while_waiting = began, while_waiting
         network = Network(url, source, asking, tell)
         found: tuple[Diagnostic, ...] = ()
         try:

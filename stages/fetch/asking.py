@@ -45,6 +45,8 @@ class Asking:
         """The start of a sweep: since then what a workspace told to one of its jobs holds for all."""
         self.settled: Callable[[], AbstractContextManager[None]] = nullcontext
         """Within it the workspace is as its users left it: no build has its variables changed."""
+        self.while_waiting: Callable[[], None] = lambda: None
+        """Called, perhaps more than once, when replies are asked for that were never there before."""
 
     def kept(self, request: str) -> bytes | None:
         """The kept reply to a pinned request, or None; one that lacks what it must have is as none."""
@@ -123,6 +125,7 @@ class Asking:
         self._reachable(missing)
         self.allow(len(missing))
         self._server.ready()
+        self.while_waiting()
         try:
             futures = run_all([partial(self._once, request) for request in missing], self._server.at_once)
         except BaseException:

@@ -75,6 +75,7 @@ class Workspace:
 
     def _asked(self, anew: bool) -> str:
         if self.last() is None or anew:
+            self._asking.while_waiting()
             body = self._asking.now(self._definition)
             microversion = definition.read(body).microversion
             self._asking.keep(self.definition(microversion), body)

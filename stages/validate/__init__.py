@@ -13,18 +13,20 @@ VERSION = 3
 
 def validate(folder: Path, robot: "Robot", keys: "ValidateKeys") -> "tuple[Check, ...]":
     """Checks of every model file in `folder`; a check that fails does not stop the others."""
+    names = (f"{robot.name}.xml", "scene.xml", f"{robot.name}.urdf")
+    files = [folder / name for name in names if (folder / name).exists()]
+    return tuple(check for file in files for check in _checks_of(file, robot, keys.validate.level != "quick"))
+
+
+def _checks_of(file: Path, robot: "Robot", thorough: bool) -> "list[Check]":
+    """The checks of one file; its model lives no longer, since a large one takes half a gigabyte."""
     from stages.robot.listening import listening
     from stages.validate.checks import check_model
     from stages.validate.engine import load, quiet
 
-    thorough = keys.validate.level != "quick"
-    checks: list[Check] = []
-    for file in (f"{robot.name}.xml", "scene.xml", f"{robot.name}.urdf"):
-        if (folder / file).exists():
-            loaded = load(folder / file)
-            checks.append(loaded.check)
-            if thorough and loaded.model is not None:
-                with listening() as heard:
-                    checks.extend(check_model(file, loaded.model, robot))
-                checks.append(quiet(f"{file}: runs", heard))
-    return tuple(checks)
+    loaded = load(file)
+    if not thorough or loaded.model is None:
+        return [loaded.check]
+    with listening() as heard:
+        found = check_model(file.name, loaded.model, robot)
+    return [loaded.check, *found, quiet(f"{file.name}: runs", heard)]

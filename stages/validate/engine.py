@@ -10,6 +10,9 @@ from stages.robot.check import Check
 from stages.robot.listening import listening
 from stages.robot.xml import element, parse, to_bytes
 
+KEPT_MESHES = 20_000_000
+"""What MuJoCo may keep of the meshes of one model for the next [bytes]."""
+
 
 @dataclass(frozen=True, slots=True)
 class Loaded:
@@ -33,11 +36,15 @@ def load(path: Path) -> Loaded:
 
 def _compiled(path: Path) -> Any:
     """The model of a file. MuJoCo takes a floating joint only at the top: what floats from a URDF's root
-    is read as floating from a world that holds the root, which is the same where the root stands still."""
+    is read as floating from a world that holds the root, which is the same where the root stands still.
+
+    By way of a spec, which is given up: MuJoCo's own loader holds on to the last file's meshes.
+    """
     root = parse(path.read_bytes()) if path.suffix == ".urdf" else None
     afloat = [] if root is None else root.xpath("joint[@type='floating']/parent[@link != 'world']")
+    _bound_cache()
     if not afloat:
-        return mujoco.MjModel.from_xml_path(str(path.resolve()))
+        return mujoco.MjSpec.from_file(str(path.resolve())).compile()
     holder = element(root, "joint", name="world_fixed", type="fixed")
     element(holder, "parent", link="world")
     element(holder, "child", link=afloat[0].get("link"))
@@ -45,7 +52,15 @@ def _compiled(path: Path) -> Any:
     for parent in afloat:
         parent.set("link", "world")
     meshes = {f"assets/{mesh.name}": mesh.read_bytes() for mesh in sorted((path.parent / "assets").glob("*"))}
-    return mujoco.MjModel.from_xml_string(to_bytes(root).decode(), meshes)
+    return mujoco.MjSpec.from_string(to_bytes(root).decode(), assets=meshes).compile()
+
+
+def _bound_cache() -> None:
+    """Lets MuJoCo keep what it makes of small meshes from one model to the next, not what takes much
+    memory: it keeps half a gigabyte by itself. Versions without this call keep it."""
+    bound = getattr(mujoco, "mj_setCacheCapacity", None)
+    if bound is not None:
+        bound(mujoco.mj_getCache(), KEPT_MESHES)
 
 
 def quiet(name: str, heard: list[str]) -> Check:

@@ -36,6 +36,7 @@ class Fake:
     runs: int = 0
     version: int = 1
     libraries: tuple = ()
+    modules: tuple = ()
 
     def preflight(self, plan, environ):
         if self.wrong:
