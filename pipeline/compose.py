@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 from warnings import catch_warnings, filterwarnings
 
-from hydra import compose, initialize_config_module
+from hydra import __version__, compose, initialize_config_module
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.override_parser.overrides_parser import OverridesParser
@@ -36,6 +36,9 @@ from pipeline.settle import settle
 from pipeline.trust import DEFAULTS, Sweeping, not_to_say, overridden, targets, untrusted
 
 DEFAULT_ROBOT = "sample"
+
+HYDRA: Mapping[str, str] = {"version_base": "1.3"} if __version__.startswith("1.3.") else {}
+"""How Hydra is started with its own defaults: 1.3 must be asked for them, and 1.4 warns of being asked."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,7 +87,7 @@ def session(
 ) -> Iterator["Composer"]:
     """Hydra, ready to compose from `conf`, `./robot/` of `cwd` and `config_dirs`."""
     presets = Presets(config_dirs, cwd)
-    with initialize_config_module("conf", job_name="linkwright", version_base="1.3"), catch_warnings():
+    with initialize_config_module("conf", job_name="linkwright", **HYDRA), catch_warnings():
         # Hydra's advice to authors of programs, about a file that has the name of a launcher, say.
         filterwarnings("ignore", message=r"\s*'hydra/launcher/", category=UserWarning)
         yield Composer(presets, judge, environ)

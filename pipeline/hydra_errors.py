@@ -6,6 +6,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.errors import Diagnostic
 from pipeline.presets import Presets
+from stages.robot.install import install
 
 HEADER = "the first line of a robot's file must be: # @package _global_"
 
@@ -21,7 +22,8 @@ def explained(error: Exception, presets: Presets) -> Diagnostic:
         group, _, option = error.missing_cfg_file.rpartition("/")
         if group == "hydra/launcher":
             options = ", ".join(error.options or ())
-            hint = f'launchers here: {options}; more come with pip install "linkwright[sweep]"'
+            more = install("hydra-joblib-launcher", "joblib")
+            hint = f"launchers here: {options}; more come with {more}"
             return Diagnostic("E-OPTION", f"there is no launcher {option}", f"{group}={option}", hint)
         return presets.unknown(group, option)
     if isinstance(error, UnicodeDecodeError):

@@ -9,7 +9,7 @@ from typing import Any
 
 import yaml
 
-from pipeline.compose import compose_plan
+from pipeline.compose import HYDRA, compose_plan
 from pipeline.presets import OURS
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -54,7 +54,7 @@ def _hydra_section(group: str, option: str) -> Any:
     from hydra import compose, initialize_config_module
     from omegaconf import OmegaConf
 
-    with initialize_config_module("conf", version_base="1.3"):
+    with initialize_config_module("conf", **HYDRA):
         override = f"{group.replace('.', '/')}={option}"
         config = compose("build", [override], return_hydra_config=True)
     section = OmegaConf.to_container(OmegaConf.select(config, group), resolve=False)

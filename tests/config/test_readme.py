@@ -56,6 +56,12 @@ def commands() -> list[list[str]]:
     return [words for words in found if words[0] not in (*VERBS, "-m")]
 
 
+def test_the_environment_is_active_before_the_first_command_in_it() -> None:
+    lines = [line for _, text in blocks("sh") for line in text.splitlines()]
+    bare = [number for number, line in enumerate(lines) if line.startswith(("linkwright", "python -m"))]
+    assert lines.index(". .venv/bin/activate") < min(bare)
+
+
 @pytest.mark.parametrize("number", range(len(blocks("yaml"))))
 def test_each_yaml_block_composes(tmp_path: Path, number: int) -> None:
     _, text = blocks("yaml")[number]

@@ -443,5 +443,5 @@ def test_a_missing_xacro_is_known_before_any_work(tmp_path, monkeypatch):
     put(tmp_path, **{"r.xacro": XACRO})
     monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
     plan = Plan.model_validate({"name": "r", "source": {"kind": "urdf", "path": str(tmp_path / "r.xacro")}})
-    with pytest.raises(ConfigError, match=r"linkwright\[urdf\]"):
+    with pytest.raises(ConfigError, match=r"pip install 'xacro>=2\.1,<3', or expand"):
         preflight(plan, {})

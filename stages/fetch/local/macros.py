@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from stages.robot.errors import ConfigError, SourceError
+from stages.robot.install import install
 
-_INSTALL = "pip install 'linkwright[urdf]'"
 _PACKAGE = "name its folder by source.packages={%s: FOLDER}"
 _ARGUMENT = "a xacro's arguments are given by source.args={name: value}"
 _BOUND = re.compile(r"""xmlns:([\w.-]+)\s*=\s*["'][^"'<]*xacro/?["']""")
@@ -38,7 +38,8 @@ def require(where: str) -> None:
     """ConfigError where the `xacro` package is not installed."""
     if importlib.util.find_spec("xacro") is None:
         msg = f"{where} is a xacro file, and the package that expands those is not installed"
-        raise ConfigError(msg, "source.path", f"{_INSTALL}, or expand it yourself: xacro FILE > robot.urdf")
+        hint = f"{install('xacro')}, or expand it yourself: xacro FILE > robot.urdf"
+        raise ConfigError(msg, "source.path", hint)
 
 
 def expanded(path: Path, where: str, args: Mapping[str, Any], find: Callable[[str], Path | None]) -> str:

@@ -21,6 +21,7 @@ import numpy.typing as npt
 from stages.fetch.local.dae import cleaned
 from stages.fetch.triangles import merged
 from stages.robot.geometry import NEUTRAL, Colour
+from stages.robot.install import install
 from stages.robot.triangles import Body
 
 FORMATS = ("stl", "obj", "dae", "gltf", "glb", "ply")
@@ -86,7 +87,7 @@ def _require_content(data: bytes, kind: str) -> None:
         raise Unreadable(msg)
     if kind == "dae":
         if importlib.util.find_spec("collada") is None:
-            msg = "DAE needs the package pycollada: pip install 'linkwright[urdf]'"
+            msg = f"DAE needs the package pycollada: {install('pycollada')}"
             raise Unreadable(msg)
         if b"<!ENTITY" in data:
             msg = "it declares entities, which are not read"

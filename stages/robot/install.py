@@ -1,0 +1,15 @@
+"""How a package that we only sometimes need is installed."""
+
+OPTIONAL = {
+    "hydra-joblib-launcher": ">=1.2,<2",
+    "joblib": ">=1.5,<2",
+    "pycollada": ">=0.8,<1",
+    "xacro": ">=2.1,<3",
+}
+"""The versions of each, as in pyproject.toml."""
+
+
+def install(*packages: str) -> str:
+    """Returns the command that installs these packages. It names the packages themselves, since our extras
+    are known to pip only where our own package is on an index."""
+    return " ".join(["pip install", *(f"'{name}{OPTIONAL[name]}'" for name in packages)])
