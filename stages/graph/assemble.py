@@ -46,7 +46,7 @@ def assemble(bundle: Bundle, keys: GraphKeys) -> Robot:
     robot = place(mechanism, _tree(mechanism, keys, notes), keys, notes)
     robot = with_added_links(robot, keys.links, notes)
     robot = with_properties(robot, keys.joints, notes)
-    robot = with_relations(robot, mechanism.bonds, notes)
+    robot = with_relations(robot, mechanism.bonds, notes, keys.relations)
     unknown = _unknown(mechanism.couplings, keys.joints)
     _tell_doubts(mechanism.couplings, keys.joints, notes)
     robot = check_limits(robot, unknown, notes, keys.joints, keys.links, mechanism.posed)

@@ -1,12 +1,16 @@
-"""Which dofs a relation as drawn joins, and by what factor; what it cannot mean is told by name."""
+"""Which dofs a relation joins, and by what factor: as drawn, or as the user says. What it cannot mean is
+told by name."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from stages.graph.globs import as_key, entries_of
+from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import Bond
 from stages.graph.notes import Notes
 from stages.robot.model import DofKind, Joint, Robot
+from stages.robot.names import free, legal
 
 PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
     "GEAR": (("turn", "turn"),),
@@ -20,7 +24,7 @@ PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
 @dataclass(frozen=True, slots=True)
 class Bonded:
     """`follower` = factor · `driver` + offset, names of dofs; the offset is None where the saved pose tells
-    it (and the sign). `name`: the source's own, "" for none."""
+    it. `said`: the source says it all, and has no pose of its own. `sure`: the user chose the direction."""
 
     title: str
     driver: str
@@ -28,26 +32,64 @@ class Bonded:
     factor: float
     offset: float | None = None
     name: str = ""
+    said: bool = False
+    sure: bool = False
 
 
 class _Unfit(Exception):
     """Why a bond joins no dofs."""
 
 
+def named(robot: Robot, bonds: Sequence[Bond]) -> list[Bond]:
+    """The bonds sorted by title, each with its own name, else a free one made from its title."""
+    taken = {joint.name for joint in robot.joints} | {loop.name for loop in robot.loops}
+    taken |= {dof.name for dof in robot.dofs} | {bond.name for bond in bonds}
+    found = []
+    for bond in sorted(bonds, key=lambda b: (b.title, b.couplings, b.type)):
+        name = bond.name or free(legal(bond.title.rsplit("/", 1)[-1]) or "relation", taken)
+        taken.add(name)
+        found.append(replace(bond, name=name))
+    return found
+
+
+def settled(bonds: Sequence[Bond], wanted: Mapping[str, RelationKeys], notes: Notes) -> list[Bond]:
+    """The bonds as `relations:` has them: dropped, inverted, with another offset. Later entries win, field
+    by field; a glob fits names, titles, and their last pieces. E-GLOB for one that fits nothing."""
+    things = [{bond.name, bond.title, bond.title.rsplit("/", 1)[-1]} for bond in bonds]
+    entries = list(wanted.values())
+    found = []
+    for bond, fits in zip(bonds, entries_of(things, wanted, "relations", "relation", notes), strict=True):
+        told: dict[str, bool | float] = {}
+        for index in fits:
+            told |= entries[index].model_dump(exclude_none=True)
+        if told.get("drop"):
+            continue
+        against = bool(told.get("invert"))
+        found.append(
+            replace(
+                bond,
+                reverse=bond.reverse != against,
+                ratio=-bond.ratio if against and bond.type == "MIMIC" else bond.ratio,
+                offset=told.get("offset", bond.offset),
+                sure="invert" in told,
+            )
+        )
+    return found
+
+
 def bonded(robot: Robot, bonds: Sequence[Bond], notes: Notes) -> tuple[Bonded, ...]:
-    """The bonds that join two dofs of the tree, sorted by title; the others are told (W-RELATION), and
-    those that contradict themselves (E-RELATION)."""
+    """The bonds that join two dofs of the tree; the others are told (W-RELATION), and those that
+    contradict themselves (E-RELATION)."""
     found = []
     joints = {joint.name: joint for joint in robot.joints}
     scalar = {dof.name for dof in robot.dofs if dof.kind in ("turn", "slide")}
-    for bond in sorted(bonds, key=lambda b: (b.title, b.couplings, b.type)):
+    for bond in bonds:
         try:
             one = _said(robot, scalar, bond) if bond.type == "MIMIC" else _bonded(robot, joints, bond)
         except _Unfit as why:
             # Only a robot's own file says a relation in full.
-            in_file = bond.type == "MIMIC"
-            hint = "mend the relation or its mates in Onshape, or suppress it"
-            hint = "mend it in the file, or take it out" if in_file else hint
+            hint = "mend it in the file" if bond.type == "MIMIC" else "mend it, or its mates, in Onshape"
+            hint += f", or leave it out: relations: {{{as_key(bond.name)}: {{drop: true}}}}"
             notes.tell("W-RELATION", f"{why}: its joints move independently", bond.title, hint)
             continue
         if one is None:
@@ -73,7 +115,8 @@ def _bonded(robot: Robot, joints: Mapping[str, Joint], bond: Bond) -> Bonded | N
         meant = (*meant, *meant)
     kinds, (driver, follower) = _dofs(bond, *meant)
     factor = _factor(bond, kinds)
-    return Bonded(bond.title, driver, follower, factor if bond.reverse else -factor)
+    factor = factor if bond.reverse else -factor
+    return Bonded(bond.title, driver, follower, factor, bond.offset, bond.name, sure=bond.sure)
 
 
 def _said(robot: Robot, scalar: Collection[str], bond: Bond) -> Bonded:
@@ -82,7 +125,7 @@ def _said(robot: Robot, scalar: Collection[str], bond: Bond) -> Bonded:
     for name in bond.couplings:
         if name not in scalar:
             raise _Unfit(_why_no_joint(robot, name))
-    return Bonded(bond.title, driver, follower, bond.ratio, bond.offset, bond.name)
+    return Bonded(bond.title, driver, follower, bond.ratio, bond.offset or 0.0, bond.name, said=True)
 
 
 def _joints(robot: Robot, joints: Mapping[str, Joint], bond: Bond) -> tuple[Joint, ...]:

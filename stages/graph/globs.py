@@ -69,7 +69,8 @@ def entries_of(
     used = {index for indices in found for index in indices}
     for index, glob in enumerate(wanted):
         if index not in used and glob != "*":
-            hint = f"{kind}s are: {listed(min(names, key=lambda n: (len(n), n)) for names in things)}"
+            known = listed(min(names, key=lambda n: (len(n), n)) for names in things)
+            hint = f"{kind}s are: {known or 'none'}"
             notes.tell("E-GLOB", f"no {kind} matches {glob!r}", where, hint)
     return iter(found)
 

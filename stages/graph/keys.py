@@ -9,6 +9,7 @@ from pydantic_core import PydanticCustomError
 from stages.graph.addedkeys import AddedFrameKeys, AddedLinkKeys
 from stages.graph.masskeys import MassKeys
 from stages.robot.keys import (
+    Flag,
     Interval,
     Keys,
     NonNegative,
@@ -102,6 +103,20 @@ class JointKeys(Keys):
     """The rotor's inertia as the joint feels it [kg m² or kg]."""
 
 
+class RelationKeys(Keys):
+    """What a relation means; what is left out or null stays as it is drawn."""
+
+    invert: Flag | None = None
+    """Whether the follower moves in the direction opposite to the one that is drawn."""
+
+    offset: Number | None = None
+    """Where the follower is when its driver is at 0 [rad or m, in the mates' own values]; null: as the
+    saved pose has it."""
+
+    drop: Flag | None = None
+    """Whether it is left out: its joints move independently."""
+
+
 class FramesKeys(Keys):
     """Named frames on links."""
 
@@ -154,6 +169,10 @@ class GraphKeys(Keys):
     joints: dict[Text, JointKeys] = Field(default_factory=dict)
     """Glob on names of dofs → properties; later entries win, property by property. A joint of one dof
     lends it its name; others have e.g. lift_slide and lift_turn."""
+
+    relations: dict[Text, RelationKeys] = Field(default_factory=dict)
+    """Glob on relations, by their names or as CAD calls them → what they mean; later entries win, property
+    by property."""
 
     mass: MassKeys = MassKeys()
     """What is done about parts without mass."""

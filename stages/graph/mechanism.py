@@ -78,8 +78,9 @@ class Bond:
 
     `ratio` counts for GEAR and LINEAR, `length` [m a turn] for RACK_AND_PINION and SCREW. The second
     coupling follows, in the opposite direction unless `reverse`. A MIMIC is said in full, of dofs instead of
-    couplings: the second is `ratio` · the first + `offset`, whatever moves and whatever the sign. `name`: the
-    relation's own, where its source gives it one.
+    couplings: the second is `ratio` · the first + `offset`, whatever moves and whatever the sign. Of the
+    others the offset is None, for that of the saved pose, unless the user gives one. `name`: the relation's
+    own, where its source or the robot gives it one. `sure`: the user has said which way it goes.
     """
 
     title: str
@@ -88,8 +89,9 @@ class Bond:
     ratio: float
     length: float
     reverse: bool
-    offset: float = 0.0
+    offset: float | None = None
     name: str = ""
+    sure: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

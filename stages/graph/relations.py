@@ -2,7 +2,8 @@
 
 k is the ratio of a GEAR or LINEAR; from a turn to a slide, by RACK_AND_PINION or SCREW, it is L/2π for
 a length L a turn, and 2π/L the other way. The sign is measured on recorded gears and taken for the
-same in all four. What is related hangs together as a tree, of which one dof drives all others.
+same in all four; it is always as drawn, or as the user says, whatever the saved pose, which gives only the
+offset. What is related hangs together as a tree, of which one dof drives all others.
 """
 
 import math
@@ -12,12 +13,14 @@ from heapq import heappop, heappush
 
 import networkx as nx
 
-from stages.graph.bonds import Bonded, bonded
+from stages.graph.bonds import Bonded, bonded, named, settled
+from stages.graph.globs import as_key
+from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import Bond
 from stages.graph.notes import Notes
-from stages.graph.properties import ends, with_each_dof
-from stages.robot.model import Dof, DofKind, Relation, Robot, Value
-from stages.robot.names import free, legal
+from stages.graph.properties import ends, unwrapped, with_each_dof
+from stages.robot.kinematics import link_poses, saved_configuration
+from stages.robot.model import Dof, DofKind, Link, Relation, Robot, Value, frozen
 
 ZERO_OFFSET = 1e-6
 """An offset [rad or m] that the saved pose leaves below this is rounding."""
@@ -38,32 +41,54 @@ class Step:
         return Step(self.name, self.child, self.parent, 1 / self.factor, 0.0 - self.offset / self.factor)
 
 
-def with_relations(robot: Robot, bonds: Sequence[Bond], notes: Notes) -> Robot:
+def with_relations(
+    robot: Robot, bonds: Sequence[Bond], notes: Notes, wanted: Mapping[str, RelationKeys] | None = None
+) -> Robot:
     """The robot with its bonds as relations, sorted by follower, each to the dof that drives its tree;
     saved turns are the ones that the relations give.
 
-    The driver is the first, by title, that follows nothing; a bond that names dofs the wrong way round
-    for that is solved for the other. Dofs that are related twice are an error (E-RELATION).
+    `wanted`: what `relations:` says of them. Where an offset of the user's is not that of the saved pose,
+    the pose is another, and its parts are where that has them. The driver is the first, by title, that
+    follows nothing; a bond that names dofs the wrong way round for that is solved for the other. Dofs that
+    are related twice are an error (E-RELATION).
     """
     dofs = {dof.name: dof for dof in robot.dofs}
-    found = bonded(robot, bonds, notes)
-    names = _names(robot, found)
+    found = bonded(robot, settled(named(robot, bonds), wanted or {}, notes), notes)
     saved = {dof.name: dof.saved for dof in robot.dofs if isinstance(dof.saved, float)}
     relations: list[Relation] = []
     for tree in _trees(found, notes):
-        settled = _settled(tree, names, dofs, saved, notes)
-        relations += _flattened(settled, _driver(tree), _said(tree))
+        relations += _flattened(_measured_all(tree, dofs, saved, notes), _driver(tree), _said(tree))
     relations.sort(key=lambda relation: relation.follower)
     _tell_limits(relations, dofs, notes)
     moved = with_each_dof(robot, lambda dof: replace(dof, saved=saved.get(dof.name, dof.saved)))
-    return replace(moved, relations=tuple(relations))
+    return replace(_posed(moved, dofs), relations=tuple(relations))
+
+
+def _posed(robot: Robot, before: Mapping[str, Dof]) -> Robot:
+    """The robot with its parts where its saved values have them, if those are others than `before`."""
+
+    def changed(dof: Dof) -> bool:
+        old, new = before[dof.name].saved, dof.saved
+        if not (isinstance(old, float) and isinstance(new, float)):
+            return False
+        return abs(_rest(new, old, dof.kind)) > ZERO_OFFSET
+
+    if not any(map(changed, robot.dofs)):
+        return robot
+    poses = link_poses(robot, saved_configuration(robot))
+    links: list[Link] = []
+    for link in robot.links:
+        pose = robot.world_from_root @ poses[link.name]
+        parts = (replace(one, world_from_part=frozen(pose @ one.link_from_part)) for one in link.parts)
+        links.append(replace(link, parts=tuple(parts)))
+    return replace(robot, links=tuple(links))
 
 
 def said_values(bonds: Iterable[Bond], saved: Mapping[str, Value]) -> dict[str, float]:
     """The values that dofs have by bonds that say all (MIMIC), where what drives them is as `saved`: what
     `with_relations` makes of them."""
     ordered = sorted(bonds, key=lambda bond: (bond.title, bond.couplings))
-    found = [Bonded(one.title, one.couplings[0], one.couplings[1], one.ratio, one.offset) for one in ordered]
+    found = [Bonded(b.title, b.couplings[0], b.couplings[1], b.ratio, b.offset, said=True) for b in ordered]
     values = {name: value for name, value in saved.items() if isinstance(value, float)}
     for tree in _trees([one for one in found if one.driver != one.follower], Notes()):
         steps = [Step(one.title, one.driver, one.follower, one.factor, one.offset or 0.0) for one in tree]
@@ -84,7 +109,8 @@ def _trees(found: Sequence[Bonded], notes: Notes) -> list[list[Bonded]]:
     for one in found:
         if forest[one.driver] == forest[one.follower]:
             text = f"the joints {one.driver!r} and {one.follower!r} are related already"
-            notes.tell("E-RELATION", text, one.title, "remove the relation that says too much")
+            hint = f"remove the one that says too much, or relations: {{{as_key(one.name)}: {{drop: true}}}}"
+            notes.tell("E-RELATION", text, one.title, hint)
             continue
         forest.union(one.driver, one.follower)
         kept.append(one)
@@ -94,38 +120,23 @@ def _trees(found: Sequence[Bonded], notes: Notes) -> list[list[Bonded]]:
     return list(trees.values())
 
 
-def _names(robot: Robot, found: Iterable[Bonded]) -> dict[Bonded, str]:
-    """A name for each bond: its own, else a free one from its title."""
-    taken = {joint.name for joint in robot.joints} | {loop.name for loop in robot.loops}
-    taken |= {dof.name for dof in robot.dofs}
-    names: dict[Bonded, str] = {}
-    for one in found:
-        names[one] = one.name or free(legal(one.title.rsplit("/", 1)[-1]) or "relation", taken)
-        taken.add(names[one])
-    return names
-
-
 def _driver(tree: Sequence[Bonded]) -> str:
     """The first dof that follows nothing: there is one, as the bonds are one fewer than the dofs."""
     followers = {one.follower for one in tree}
     return next(one.driver for one in tree if one.driver not in followers)
 
 
-def _settled(
-    tree: Sequence[Bonded],
-    names: Mapping[Bonded, str],
-    dofs: Mapping[str, Dof],
-    saved: dict[str, float],
-    notes: Notes,
+def _measured_all(
+    tree: Sequence[Bonded], dofs: Mapping[str, Dof], saved: dict[str, float], notes: Notes
 ) -> list[Step]:
-    """The tree's steps with sign and offset as the saved pose has them; `saved` is put in order.
+    """The tree's steps with their offsets as the saved pose has them; `saved` is put in order.
 
     A pose tells a slide exactly but a turn only up to whole ones: so the values are settled from a slide
     outwards where there is one, else from the driver.
     """
     driver = _driver(tree)
-    drawn = {names[one]: one for one in tree}
-    steps = [Step(names[one], one.driver, one.follower, one.factor, one.offset or 0.0) for one in tree]
+    drawn = {one.name: one for one in tree}
+    steps = [Step(one.name, one.driver, one.follower, one.factor, one.offset or 0.0) for one in tree]
     if _said(tree):
         return [_told(step, saved) for step in _walk(steps, driver)]
     related = [driver, *(name for one in tree for name in (one.driver, one.follower))]
@@ -153,7 +164,7 @@ def _walk(steps: Sequence[Step], start: str) -> Iterator[Step]:
 
 def _said(tree: Sequence[Bonded]) -> bool:
     """Whether the source says it all, so that nothing is measured."""
-    return all(one.offset is not None for one in tree)
+    return all(one.said for one in tree)
 
 
 def _told(step: Step, saved: dict[str, float]) -> Step:
@@ -165,25 +176,48 @@ def _told(step: Step, saved: dict[str, float]) -> Step:
 def _measured(
     step: Step, drawn: Bonded, dofs: Mapping[str, Dof], saved: dict[str, float], notes: Notes
 ) -> Step:
-    """The step as the saved pose has it, its child's saved turn the one that it gives."""
-    parent, child = saved[step.parent], saved[step.child]
-    kind = dofs[step.child].kind
-    factor, offset = step.factor, _rest(child, step.factor * parent, kind)
-    if negligible(offset, factor):
-        offset = 0.0
-    elif negligible(_rest(child, -factor * parent, kind), factor):
-        text = "the saved pose fits the opposite direction, which is believed"
-        notes.tell("I-RELATION-SIGN", text, drawn.title)
-        factor, offset = -factor, 0.0
-    found = replace(step, factor=factor, offset=offset)
-    if offset:
-        told = found if step.child == drawn.follower else found.turned_round()
-        text = f"the saved pose has an offset of {told.offset:.6g} in this relation, which is kept"
-        hint = "if none is meant, move the two in Onshape to where the relation has none, and build again"
-        notes.tell("W-RELATION-OFFSET", text, drawn.title, hint)
+    """The step as the saved pose has it, its child's saved turn the one that it gives; with an offset of
+    the user's, as they have it, and the child where it then is."""
+    parent, child, kind = saved[step.parent], saved[step.child], dofs[step.child].kind
+    found = step
+    if drawn.offset is None:
+        offset = _rest(child, step.factor * parent, kind)
+        found = replace(step, offset=0.0 if negligible(offset, step.factor) else offset)
+    value = found.factor * parent + found.offset
+    if found.offset and drawn.offset is None:
+        # A pose tells a turn up to whole ones only: the offset is the least that its limits allow.
+        within = unwrapped(replace(dofs[step.child], saved=value)).saved
+        if isinstance(within, float) and within != value:
+            found, value = replace(found, offset=found.offset + within - value), within
+        fits = negligible(_rest(child, -step.factor * parent, kind), step.factor)
+        _tell_offset(found, drawn, fits and not drawn.sure, notes)
     if kind == "turn":
-        saved[step.child] = child + math.tau * round((factor * parent + offset - child) / math.tau)
+        child += math.tau * round((value - child) / math.tau)
+    if drawn.offset is not None and not negligible(value - child, step.factor):
+        moves = f"{step.child!r} moves from its saved {child:.6g} to {value:.6g}"
+        text = f"the saved pose does not have its offset of {drawn.offset:.6g}: {moves}"
+        notes.tell("I-RELATION-MOVED", text, drawn.title)
+        child = value
+    saved[step.child] = child
     return found
+
+
+def _tell_offset(found: Step, drawn: Bonded, opposite: bool, notes: Notes) -> None:
+    """That the saved pose has an offset; `opposite`: it would have none in the other direction."""
+    offset = (found if found.child == drawn.follower else found.turned_round()).offset
+    name = as_key(drawn.name)
+    keep = f"relations: {{{name}: {{offset: {offset:.12g}}}}}"
+    text = f"the saved pose has an offset of {offset:.6g} in this relation"
+    if opposite:
+        notes.tell(
+            "W-RELATION-SIGN",
+            f"{text} as it is drawn, which is kept; in the opposite direction it would have none",
+            drawn.title,
+            f"if it goes the other way, relations: {{{name}: {{invert: true}}}}; if not, {keep}",
+        )
+        return
+    hint = f"if none is meant, move the two in Onshape to where it has none; if it is, {keep}"
+    notes.tell("W-RELATION-OFFSET", f"{text}, which is kept", drawn.title, hint)
 
 
 def _rest(child: float, given: float, kind: DofKind) -> float:

@@ -120,21 +120,22 @@ class Assembly:
         typed = None if typed is None else (None, typed)
         return self._mate("BALL", name, first, second, quat, (None, limits), typed=typed, **more)
 
-    def gear(self, name, first, second, ratio=1.0, *, reverse=False):
-        """GEAR: the second (mate, or (owner occurrence, mate)) follows the first."""
-        return self._relation("GEAR", name, (first, second), ratio, reverse)
+    def gear(self, name, first, second, ratio=1.0, *, reverse=False, offset=0.0):
+        """GEAR: the second (mate, or (owner occurrence, mate)) follows the first, `offset` [rad or m] apart
+        where they were drawn so."""
+        return self._relation("GEAR", name, (first, second), ratio, reverse, offset)
 
-    def linear(self, name, first, second, ratio=1.0, *, reverse=False):
+    def linear(self, name, first, second, ratio=1.0, *, reverse=False, offset=0.0):
         """LINEAR: the slide of the second follows that of the first."""
-        return self._relation("LINEAR", name, (first, second), ratio, reverse)
+        return self._relation("LINEAR", name, (first, second), ratio, reverse, offset)
 
-    def rack(self, name, first, second, length, *, reverse=False):
+    def rack(self, name, first, second, length, *, reverse=False, offset=0.0):
         """RACK_AND_PINION: a turn of the one is `length` [m] of slide of the other, in either order."""
-        return self._relation("RACK_AND_PINION", name, (first, second), length, reverse)
+        return self._relation("RACK_AND_PINION", name, (first, second), length, reverse, offset)
 
-    def screw(self, name, mate, length, *, reverse=False):
+    def screw(self, name, mate, length, *, reverse=False, offset=0.0):
         """SCREW: the slide of a CYLINDRICAL mate follows its turn, by `length` [m] a turn."""
-        return self._relation("SCREW", name, (mate,), length, reverse)
+        return self._relation("SCREW", name, (mate,), length, reverse, offset)
 
     def group(self, name, members):
         """A mate group of (occurrence, pose in the first one's frame)."""
@@ -172,9 +173,9 @@ class Assembly:
         self.patterns.append(Pattern(self._id(name), name, kind, tuple(seeds), copies, moved))
         self.home.document.changed()
 
-    def _relation(self, kind, name, mates, amount, reverse):
+    def _relation(self, kind, name, mates, amount, reverse, offset):
         ends = tuple(mate if isinstance(mate, tuple) else (ORIGIN, mate) for mate in mates)
-        return self._feature(Relation(self._id(name), name, kind, ends, amount, reverse))
+        return self._feature(Relation(self._id(name), name, kind, ends, amount, reverse, offset))
 
     def _mate(self, kind, name, first, second, value=0.0, limits=OPEN, **more):
         entities = tuple((occurrence, np.asarray(frame, float)) for occurrence, frame in (first, second))

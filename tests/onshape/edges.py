@@ -148,12 +148,13 @@ class Edge:
 
 @dataclass(frozen=True, eq=False)
 class Coupling:
-    """A relation: `follower` = multiplier · `driver`, both names of dofs."""
+    """A relation: `follower` = multiplier · `driver` + offset, both names of dofs."""
 
     name: str
     driver: str
     follower: str
     multiplier: float
+    offset: float = 0.0
 
 
 def coupling(name, relation, words):
@@ -169,7 +170,7 @@ def coupling(name, relation, words):
     k = relation.amount
     if relation.by_length:
         k = k / math.tau if kinds[0] == "turn" else math.tau / k
-    return Coupling(name, driver, follower, k if relation.reverse else -k)
+    return Coupling(name, driver, follower, k if relation.reverse else -k, relation.offset)
 
 
 def _pinion_first(mates):

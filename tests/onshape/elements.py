@@ -208,7 +208,8 @@ class Relation:
     """A relation of (owner occurrence, mate)s: q2 = −k·q1, +k·q1 reversed.
 
     `amount` is k itself for GEAR and LINEAR, and metres in a turn for RACK_AND_PINION and SCREW; a SCREW
-    has one mate, whose slide follows its turn.
+    has one mate, whose slide follows its turn. `offset`: what q2 had more than that when it was drawn, which
+    is kept; no reply tells it.
     """
 
     id: str
@@ -217,6 +218,7 @@ class Relation:
     mates: tuple
     amount: float
     reverse: bool
+    offset: float = 0.0
 
     @property
     def by_length(self):

@@ -255,16 +255,16 @@ class Everything(Author):
         if kind in ("GEAR", "LINEAR"):
             most = 2.4 if turns else 0.2
             amount = k = min(float(self.rng.uniform(0.3, 2.0)), most / max(abs(at), 1e-3))
-            make = root.gear if kind == "GEAR" else root.linear
-            make(name, first, second, amount, reverse=reverse)
         else:
             amount = float(self.rng.uniform(0.02, 0.2) if turns else self.rng.uniform(0.6, 2.0))
             k = amount / math.tau if turns else math.tau / amount
-            if kind == "SCREW":
-                root.screw(name, first, amount, reverse=reverse)
-            else:
-                root.rack(name, first, second, amount, reverse=reverse)
-        self._set(second, follower[1], (k if reverse else -k) * at)
+        drawn = (k if reverse else -k) * at
+        # As it is drawn, the other way round, or anywhere: the sign is the same in all three.
+        saved = [drawn, -drawn, self._get(second, follower[1])][self.rng.choice(3, p=(0.6, 0.2, 0.2))]
+        make = {"GEAR": root.gear, "LINEAR": root.linear, "RACK_AND_PINION": root.rack, "SCREW": root.screw}
+        ends = (first,) if kind == "SCREW" else (first, second)
+        make[kind](name, *ends, amount, reverse=reverse, offset=saved - drawn)
+        self._set(second, follower[1], saved)
 
     def _get(self, pair, index):
         owner, mate = pair

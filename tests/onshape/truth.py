@@ -202,7 +202,7 @@ class Truth:
             poses = self.poses(at)
             at |= self._left_out(poses)
             loops = [edge.error(poses) for edge in self.closings]
-            related = [at[r.follower] - r.multiplier * at[r.driver] for r in self.relations]
+            related = [at[r.follower] - r.multiplier * at[r.driver] - r.offset for r in self.relations]
             return np.concatenate([*loops, np.array(related), 1e-9 * x])
 
         if not free:
@@ -222,7 +222,7 @@ class Truth:
         for edge in (*self.closings, *self.redundant):
             _near(edge.error(poses), f"{edge.name!r} is open")
         for relation in self.relations:
-            off = saved[relation.follower] - relation.multiplier * saved[relation.driver]
+            off = saved[relation.follower] - relation.multiplier * saved[relation.driver] - relation.offset
             _near(off, f"{relation.name!r} is off")
         for owner, pattern in self.tree.patterns:
             for path, pose in copied_poses(self.tree, owner, pattern).items():

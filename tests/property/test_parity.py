@@ -138,15 +138,21 @@ def matches(robot: Robot, truth: Truth) -> None:
 def related(robot: Robot, truth: Truth, edges: Mapping[str, str]) -> None:
     """Whatever drives, followers are where the document's own relations have them."""
     random = np.random.default_rng(len(edges))
-    values = {dof.name: float(random.uniform(-1, 1)) for dof in robot.dofs if dof.kind != "ball"}
+    saved = {dof.name: dof.saved for dof in robot.dofs if dof.kind != "ball"}
+    values = {name: float(random.uniform(-1, 1)) for name in saved}
     for relation in robot.relations:
-        assert relation.offset == 0.0
-        values[relation.follower] = relation.multiplier * values[relation.driver]
-    of_edge = {true: values[name] for name, true in edges.items() if name in values}
-    known = [one for one in truth.relations if {one.driver, one.follower} <= set(of_edge)]
+        for q in (values, saved):
+            driven = relation.multiplier * q[relation.driver] + relation.offset
+            # In the saved pose it holds as it is; elsewhere the follower goes where it is driven.
+            assert q is values or abs(driven - q[relation.follower]) < TOLERANCE * max(1.0, abs(driven))
+            q[relation.follower] = driven
+    moved = {true: values[name] - saved[name] for name, true in edges.items() if name in values}
+    known = [one for one in truth.relations if {one.driver, one.follower} <= set(moved)]
     for one in known:
-        expected = one.multiplier * of_edge[one.driver]
-        assert abs(of_edge[one.follower] - expected) < TOLERANCE * max(1.0, abs(expected))
+        expected = one.multiplier * moved[one.driver]
+        assert abs(moved[one.follower] - expected) < TOLERANCE * max(1.0, abs(expected))
+    if not any(one.offset for one in known):
+        assert [one.offset for one in robot.relations] == [0.0] * len(known)
     assert len(robot.relations) == len(known)
 
 

@@ -1,11 +1,13 @@
 """What the graph stage makes of small assemblies that a designer might draw."""
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from stages.graph import build_robot
 from stages.robot.bundle import Bundle
@@ -121,14 +123,77 @@ def test_a_gear_turns_its_second_mate_against_its_first_unless_reversed(
     assert codes(robot) == ["W-LIMIT"]
 
 
-def test_the_saved_pose_is_believed_where_it_fits_the_opposite_sign(kit: Kit) -> None:
+def test_a_sign_is_as_drawn_where_the_saved_pose_fits_the_opposite_one(kit: Kit) -> None:
     base, one, two = kit.place("Base", fixed=True), kit.place("One"), kit.place("Two")
     first = kit.root.revolute("First", (one, TOP), (base, SIDE), value=0.2, limits=(-1, 1))
     second = kit.root.revolute("Second", (two, TOP), (base, TOP), value=0.3, limits=(-2, 2))
     kit.root.gear("Gear", first, second, 1.5)
     robot = robot_of(kit.document)
-    assert robot.relations[0].multiplier == 1.5
-    assert codes(robot) == ["I-RELATION-SIGN"]
+    assert robot.relations[0].multiplier == -1.5
+    assert robot.relations[0].offset == pytest.approx(0.6)
+    assert codes(robot) == ["W-RELATION-SIGN"]
+    (told,) = robot.diagnostics
+    assert "relations: {gear: {invert: true}}" in told.hint
+    inverted = robot_of(kit.document, plan_of(relations={"gear": {"invert": True}}))
+    assert (inverted.relations[0].multiplier, inverted.relations[0].offset) == (1.5, 0.0)
+    assert codes(inverted) == []
+
+
+@pytest.mark.parametrize("degrees", [0, 90, 180])
+def test_two_gears_drawn_opposite_turn_against_each_other_wherever_they_are_saved(
+    kit: Kit, degrees: float, tmp_path: Path
+) -> None:
+    base, one, two = kit.place("Base", fixed=True), kit.place("One"), kit.place("Two")
+    at = math.radians(degrees)
+    first = kit.root.revolute("First", (one, TOP), (base, SIDE), value=at, limits=(-7, 7))
+    second = kit.root.revolute("Second", (two, TOP), (base, TOP), value=at, limits=(-7, 7))
+    kit.root.gear("Gear", first, second, 1.0, offset=2 * at)
+    robot = robot_of(kit.document)
+    (relation,) = robot.relations
+    assert relation.multiplier == -1.0
+    assert abs(relation.offset) == pytest.approx(math.remainder(2 * at, math.tau) % math.tau)
+    files = write(robot, tmp_path).files
+    assert b'multiplier="-1"' in files["robot.urdf"]
+    assert b"-1 0 0 0" in files["robot.xml"]
+    assert all(check.passed for check in validate(tmp_path, robot, plan_of()))
+
+
+@pytest.mark.parametrize("kind", ["GEAR", "LINEAR", "RACK_AND_PINION", "SCREW"])
+@pytest.mark.parametrize("reverse", [False, True])
+def test_the_sign_of_all_four_is_as_drawn_and_a_pose_off_it_is_an_offset(
+    kit: Kit, kind: str, reverse: bool, tmp_path: Path
+) -> None:
+    """Saved where the opposite direction fits exactly."""
+    base, one = kit.place("Base", fixed=True), kit.place("One")
+    k = {"GEAR": 1.5, "LINEAR": 1.5}.get(kind, 0.05 / math.tau)
+    at = 0.02 if kind == "LINEAR" else 0.4
+    saved = (-k if reverse else k) * at
+    slides, root = kind != "GEAR", kit.root
+    if kind == "SCREW":
+        ends = (root.cylindrical("C", (one, TOP), (base, SIDE), (saved, at), ((-1, 1), (-9, 9))),)
+    else:
+        begin = root.slider if kind == "LINEAR" else root.revolute
+        end = root.slider if slides else root.revolute
+        ends = (
+            begin("First", (one, TOP), (base, SIDE), value=at, limits=(-9, 9)),
+            end("Second", (kit.place("Two"), TOP), (base, TOP), value=saved, limits=(-9, 9)),
+        )
+    make = {"GEAR": root.gear, "LINEAR": root.linear, "RACK_AND_PINION": root.rack, "SCREW": root.screw}
+    amount = 1.5 if kind in ("GEAR", "LINEAR") else 0.05
+    make[kind]("Tie", *ends, amount, reverse=reverse, offset=2 * saved)
+    robot = robot_of(kit.document)
+    (relation,) = robot.relations
+    assert relation.multiplier == pytest.approx(k if reverse else -k)
+    assert relation.offset == pytest.approx(2 * saved)
+    assert codes(robot) == ["W-RELATION-SIGN"]
+    write(robot, tmp_path)
+    assert all(check.passed for check in validate(tmp_path, robot, plan_of()))
+    line = next(one for one in robot.diagnostics[0].hint.split(", ") if "invert" in one)
+    told = yaml.safe_load(line.split("; ")[0].removeprefix("if it goes the other way, "))
+    settled = robot_of(kit.document, plan_of(**told))
+    assert settled.relations[0].multiplier == pytest.approx(-k if reverse else k)
+    assert settled.relations[0].offset == 0.0
+    assert codes(settled) == []
 
 
 def test_an_offset_of_a_gear_is_kept_and_told(kit: Kit) -> None:

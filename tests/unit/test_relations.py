@@ -4,9 +4,11 @@ import math
 
 import pytest
 
+from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import Bond
 from stages.graph.notes import Notes
 from stages.graph.relations import with_relations
+from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Limits, Robot
 from tests.robots import at, joint, loop, robot_with
 
@@ -34,9 +36,11 @@ def robot_of(**saved) -> Robot:
     return robot_with(joints)
 
 
-def related(robot: Robot, *bonds: Bond) -> tuple[Robot, Notes]:
+def related(robot: Robot, *bonds: Bond, **wanted) -> tuple[Robot, Notes]:
+    """The robot with its bonds, and what is told; `wanted`: what `relations:` says, by glob."""
     notes = Notes()
-    return with_relations(robot, bonds, notes), notes
+    keys = {glob: RelationKeys.model_validate(said) for glob, said in wanted.items()}
+    return with_relations(robot, bonds, notes, keys), notes
 
 
 def told(notes: Notes) -> list[str]:
@@ -117,14 +121,120 @@ def test_a_relation_that_contradicts_itself_is_refused(one: Bond, why: str) -> N
     assert [(p.code, p.message) for p in notes.problems] == [("E-RELATION", why)]
 
 
-def test_an_offset_is_kept_and_told_and_the_opposite_sign_believed() -> None:
+def test_an_offset_is_kept_and_told_and_never_traded_for_the_opposite_sign() -> None:
     found, notes = related(robot_of(r1=[0.2], r2=[0.5]), bond("GEAR", "r1", "r2"))
     assert rules(found) == [("r2", "r1", -1.0, pytest.approx(0.7))]
     assert told(notes) == ["W-RELATION-OFFSET"]
     assert "an offset of 0.7 " in notes.found[0].message
     found, notes = related(robot_of(r1=[0.2], r2=[0.3]), bond("GEAR", "r1", "r2", ratio=1.5))
-    assert rules(found) == [("r2", "r1", 1.5, 0.0)]
-    assert told(notes) == ["I-RELATION-SIGN"]
+    assert rules(found) == [("r2", "r1", -1.5, pytest.approx(0.6))]
+    assert told(notes) == ["W-RELATION-SIGN"]
+    assert "an offset of 0.6 in this relation as it is drawn" in notes.found[0].message
+    assert notes.found[0].hint == (
+        "if it goes the other way, relations: {bond: {invert: true}}; "
+        "if not, relations: {bond: {offset: 0.6}}"
+    )
+
+
+@pytest.mark.parametrize(
+    ("saved", "keys", "rule", "codes"),
+    [
+        (0.3, {}, (-1.5, 0.6), ["W-RELATION-SIGN"]),
+        (0.3, {"invert": True}, (1.5, 0.0), []),
+        (0.3, {"invert": False}, (-1.5, 0.6), ["W-RELATION-OFFSET"]),
+        (0.3, {"invert": False, "offset": 0.6}, (-1.5, 0.6), []),
+        (0.3, {"offset": 0.6}, (-1.5, 0.6), []),
+        (0.3, {"offset": 0}, (-1.5, 0.0), ["I-RELATION-MOVED"]),
+        (-0.3, {}, (-1.5, 0.0), []),
+        (-0.3, {"invert": True}, (1.5, -0.6), ["W-RELATION-OFFSET"]),
+        (-0.3, {"invert": True, "offset": 0.0}, (1.5, 0.0), ["I-RELATION-MOVED"]),
+        (0.3, {"drop": True}, None, []),
+        (0.3, {"drop": False}, (-1.5, 0.6), ["W-RELATION-SIGN"]),
+    ],
+)
+def test_the_user_has_the_last_word_on_a_relation(saved, keys, rule, codes) -> None:
+    found, notes = related(robot_of(r1=[0.2], r2=[saved]), bond("GEAR", "r1", "r2", ratio=1.5), bond=keys)
+    assert rules(found) == ([("r2", "r1", *map(pytest.approx, rule))] if rule else [])
+    assert told(notes) == codes
+    for one in found.relations:
+        values = {dof.name: dof.saved for dof in found.dofs}
+        assert values["r2"] == pytest.approx(one.multiplier * values["r1"] + one.offset)
+
+
+def test_a_relation_is_meant_by_its_name_its_title_or_a_glob_and_later_entries_win() -> None:
+    robot = robot_of(r1=[0.0], r2=[0.0], r3=[0.0], r4=[0.0])
+    bonds = [
+        bond("GEAR", "r1", "r2", title="Box/Gear 1"),
+        bond("GEAR", "r1", "r3", title="Lid/Gear 1"),
+        bond("GEAR", "r1", "r4", title="Gear 9", reverse=True),
+    ]
+
+    def signs(**wanted) -> dict[str, float]:
+        found, notes = related(robot, *bonds, **wanted)
+        assert not told(notes)
+        return {one.name: one.multiplier for one in found.relations}
+
+    drawn = {"gear_1": -1.0, "gear_1_2": -1.0, "gear_9": 1.0}
+    assert signs() == drawn
+    assert signs(gear_1={"invert": True}) == {**drawn, "gear_1": 1.0}
+    assert signs(**{"Lid/*": {"invert": True}}) == {**drawn, "gear_1_2": 1.0}
+    assert signs(**{"Gear 1": {"invert": True}}) == {**drawn, "gear_1": 1.0, "gear_1_2": 1.0}
+    both = {"*": {"invert": True, "drop": True}, "gear_1*": {"drop": False}, "gear_1_2": {"invert": False}}
+    assert signs(**both) == {"gear_1": 1.0, "gear_1_2": -1.0}
+
+
+def test_a_glob_without_a_relation_is_an_error_that_lists_them() -> None:
+    robot = robot_of(r1=[0.0], r2=[0.0])
+    _, notes = related(robot, bond("GEAR", "r1", "r2", title="Box/Gear 1"), **{"Gaer*": {"drop": True}})
+    (problem,) = notes.problems
+    assert (problem.code, problem.where) == ("E-GLOB", "relations")
+    assert (problem.message, problem.hint) == ("no relation matches 'Gaer*'", "relations are: Gear 1")
+    _, notes = related(robot, gear={"drop": True})
+    assert notes.problems[0].hint == "relations are: none"
+    assert not told(related(robot, **{"*": {"drop": True}})[1])
+
+
+@pytest.mark.parametrize(
+    ("kind", "names"), [("CAM", "r1 r2"), ("SCREW", "r1"), ("GEAR", "r1 r1"), ("GEAR", "r2 r1")]
+)
+def test_what_is_dropped_is_not_told_of(kind: str, names: str) -> None:
+    robot, right = robot_of(r1=[0.0], r2=[0.0]), bond("GEAR", "r1", "r2", title="Right")
+    wrong = bond(kind, *names.split())
+    assert told(related(robot, right, wrong)[1])
+    found, notes = related(robot, right, wrong, bond={"drop": True})
+    assert rules(found) == [("r2", "r1", -1.0, 0.0)]
+    assert not told(notes)
+
+
+def test_dropping_a_relation_changes_no_name() -> None:
+    robot = robot_of(r1=[0.0], r2=[0.0], r3=[0.0])
+    bonds = [bond("GEAR", "r1", "r2", title="A/Gear"), bond("GEAR", "r1", "r3", title="B/Gear")]
+    found, _ = related(robot, *bonds, gear={"drop": True})
+    assert [one.name for one in found.relations] == ["gear_2"]
+
+
+def test_an_offset_of_a_turn_is_the_least_that_its_limits_allow() -> None:
+    """-2.4 − 1.2 is 3.6, or 3.6 − 2π = -2.68: with that the follower would stand at -5.08."""
+    limits = {"r2": Limits(-2.5, 2.5)}
+    joints = [
+        joint("revolute", "base", "link_r1", [2.4], name="r1"),
+        joint("revolute", "base", "link_r2", [1.2], name="r2", limits=limits),
+    ]
+    found, notes = related(robot_with(joints), bond("GEAR", "r1", "r2"))
+    assert rules(found) == [("r2", "r1", -1.0, pytest.approx(3.6))]
+    assert found.dofs[1].saved == pytest.approx(1.2)
+    assert told(notes) == ["W-RELATION-OFFSET"]
+
+
+def test_a_part_goes_where_an_offset_of_the_users_puts_it() -> None:
+    """Parts count as drawn in the pose that the relations give: nothing else could be checked."""
+    robot = robot_of(r1=[0.2], r2=[0.3])
+    found, _ = related(robot, bond("GEAR", "r1", "r2"), bond={"offset": 0.0})
+    poses = link_poses(found, saved_configuration(found))
+    for link in found.links:
+        for part in link.parts:
+            pose = found.world_from_root @ poses[link.name] @ part.link_from_part
+            assert abs(part.world_from_part - pose).max() < 1e-12
 
 
 def test_a_follower_is_saved_at_the_turn_that_its_driver_gives() -> None:

@@ -132,6 +132,33 @@ def test_the_files_of_a_mimic_with_an_offset_pass(tmp_path: Path) -> None:
     assert not same_bounds(text.encode(), robot, files["robot.urdf"])
 
 
+@pytest.mark.parametrize(
+    ("keys", "rule", "saved"),
+    [
+        ({}, (0.8, 0.5), 0.5),
+        ({"invert": True}, (-0.8, 0.5), 0.5),
+        ({"offset": -0.25}, (0.8, -0.25), -0.25),
+        ({"invert": True, "offset": 0}, (-0.8, 0.0), 0.0),
+        ({"drop": True}, None, 0.5),
+    ],
+)
+def test_mimics_of_a_file_obey_relations_too(
+    keys: dict[str, object], rule: tuple[float, float] | None, saved: float, tmp_path: Path
+) -> None:
+    text = robot_text(
+        *(link(name) for name in "abc"),
+        joint("drive", "a", "b"),
+        joint("follow", "b", "c", inside=f'{LIMIT}<mimic joint="drive" multiplier="0.8" offset="0.5"/>'),
+    )
+    plan = plan_of(relations={"follow*": keys})
+    robot = urdf_robot(text, plan)
+    assert [(one.multiplier, one.offset) for one in robot.relations] == ([rule] if rule else [])
+    assert robot.dofs[1].saved == saved
+    assert not [code for code in codes(robot) if "RELATION" in code]
+    write(robot, tmp_path, plan)
+    assert not [check for check in validate(tmp_path, robot, plan) if not check.passed]
+
+
 def test_dummies_become_frames_with_all_that_hangs_on_them() -> None:
     box = '<visual><geometry><box size="1 1 1"/></geometry></visual>'
     shift = '<origin xyz="0 0 1"/>'
