@@ -1,6 +1,6 @@
 """Lists of features, and variables: what must be asked for where a definition has no limits.
 
-Servers before 2026 send mates without `mateLimits`. The graph stage reads the replies; here it is
+Before v17 of the API recorded mates have no `mateLimits`. The graph stage reads the replies; here it is
 only seen which assemblies must be asked, and whether their limits name a variable.
 """
 

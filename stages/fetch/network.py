@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from stages.fetch import requests, verify
+from stages.fetch import features, requests, verify
 from stages.fetch.asking import Asking
 from stages.fetch.configured import Configured
 from stages.fetch.features import Owner
@@ -80,6 +80,7 @@ class Network:
     def features(self, owners: Sequence[Owner], root: str) -> Sequence[Told]:
         if owners:
             self._tell(f"{count(len(owners), 'list')} of features for limits that the definition lacks")
+            self._keep_lists(owners)
         return limits_of(owners, root, self._url, self._asking)
 
     def studios(self, needs: Sequence[Needs]) -> Sequence[Answer]:
@@ -111,6 +112,40 @@ class Network:
         self.diagnostics += self._shapes.diagnostics(needs, bodies)
         return [self._shapes.answer(need, bodies) for need in needs]
 
+    def _lists(self, owners: Sequence[Owner]) -> dict[str, tuple[str, bytes]]:
+        """Lists of features that lack a reply, from the microversion `then`: request → element and body."""
+        found = {}
+        for owner in owners:
+            if (owner.key.document, owner.key.pin) != (self._url.document, self._pin):
+                continue
+            new, old = (
+                requests.features(replace(owner.key, pin=pin), self._url.document)
+                for pin in (self._pin, f"m/{self._then}")
+            )
+            body = self._asking.kept(old) if self._asking.kept(new) is None else None
+            if body is not None:
+                found[new] = owner.key.element, body
+        return found
+
+    def _keep_lists(self, owners: Sequence[Owner]) -> None:
+        """Keeps the lists of features of assemblies that are as they were `then`, where it saves calls."""
+        if self._then is None or self._then == self._pin[2:]:
+            return
+        found = self._lists(owners)
+        if len(found) <= len(self._tabs_to_ask()):
+            return
+        same = unchanged(tabs_to_ask(self._url, self._then, self._pin[2:], self._asking), self._asking)
+        for request, (element, body) in found.items():
+            if element in same:
+                self._asking.keep(request, body)
+                self._asking.spare(1)
+
+    def _tabs_to_ask(self) -> list[str]:
+        """The requests that tell which tabs changed since `then`, as far as they lack a reply."""
+        assert self._then is not None
+        asked = tabs_to_ask(self._url, self._then, self._pin[2:], self._asking)
+        return [request for request in asked if self._asking.kept(request) is None]
+
     def _requests(self, need: Needs, known: Mapping[str, bytes] = NOTHING) -> tuple[str, str]:
         """The requests for the mass properties and for the triangles of a part studio.
 
@@ -128,11 +163,12 @@ class Network:
             return {}
         found = [(need.studio.element, self._earlier(need, kept, then)) for need in needs]
         spared = sum(len(bodies) for _, bodies in found)
-        asked = tabs_to_ask(self._url, then, now, self._asking)
-        tabs = [request for request in asked if self._asking.kept(request) is None]
-        if spared <= len(tabs) + self._to_weigh(["any"]):
+        assert self._definition is not None
+        # What tells which tabs changed serves the lists of features too.
+        lists = len(self._lists(features.owners(self._definition.body))) if spared else 0
+        if spared + lists <= len(self._tabs_to_ask()) + self._to_weigh(["any"]):
             return {}
-        same = unchanged(asked, self._asking)
+        same = unchanged(tabs_to_ask(self._url, then, now, self._asking), self._asking)
         return {
             request: body for element, bodies in found if element in same for request, body in bodies.items()
         }

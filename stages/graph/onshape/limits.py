@@ -1,8 +1,8 @@
 """Limits that the assembly definition does not give: read from the lists of features.
 
-Servers before 2026 send mates without `mateLimits`. What the designer typed then stands in each
-assembly's own list of features, as expressions: the `value` beside them is a stale zero. Lists come
-in two envelopes, `{typeName, message: {...}}` and flat with `btType`.
+Before v17 of the API mates have no `mateLimits`. What the designer typed then stands in each assembly's
+own list of features, as expressions: the `value` beside them is a stale zero. Lists come in two envelopes,
+`{typeName, message: {...}}` and flat with `btType`.
 
 A limit that the designer never typed is no limit. It has `isNull`, or, in all that was ever recorded,
 the words of the empty field as its `nullValue` ("No maximum") beside a zero; one that was typed has "".
