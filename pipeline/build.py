@@ -4,7 +4,7 @@ import json
 import os
 import time
 import traceback
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,7 +12,14 @@ from pipeline import bundles, cache, report
 from pipeline.ahead import Ahead
 from pipeline.bench import FILES, NOTES, ROBOT, Bench
 from pipeline.cache import Action, Files
-from pipeline.errors import ConfigError, LinkwrightError, as_problems, exit_status, refusal
+from pipeline.errors import (
+    ConfigError,
+    LinkwrightError,
+    SecretFound,
+    as_problems,
+    exit_status,
+    refusal,
+)
 from pipeline.output import FAILED, Output
 from pipeline.plan import Plan
 from pipeline.preflight import beforehand
@@ -20,11 +27,13 @@ from pipeline.progress import Both, Log, Progress, Quiet
 from pipeline.report import Report, StageReport
 from pipeline.stage import STAGES, Stage, libraries, stages_until
 from pipeline.store import sha256
+from stages.fetch import remarks
 from stages.fetch.ledger import FOLDER as LEDGER
 from stages.graph.view.views import OUTLINE, PICTURE, VIEWS
 from stages.robot import codec
 from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
+from stages.robot.printable import printable_lines
 
 
 def build(
@@ -58,6 +67,7 @@ def build(
     if wrong:
         raise refusal(wrong)
     output.prepare(suffix)
+    run.note(remarks(plan))
     try:
         with cache.opened(plan.cache.mode, plan.cache.dir, environ) as store:
             # Beside the cache that lasts, also where this build does not use it.
@@ -69,6 +79,7 @@ def build(
                 run.stage(stage, bench)
                 ahead.wait()
             files = products(bench)
+            log.secrets.check(files)
             done = run.finished(bench, files)
             output.publish({**files, **run.documents(done, files)}, suffix)
     except Exception as error:
@@ -154,13 +165,17 @@ class Run:
         self.source |= found.get("source", {})
         if cached:
             bench.calls["saved"] += found.get("calls", 0)
-        for diagnostic in codec.decode_diagnostics(found["diagnostics"]):
-            if diagnostic not in self.diagnostics:
-                self.diagnostics.append(diagnostic)
-                self.log.line(f"{diagnostic.code} {diagnostic.where}: {diagnostic.message}")
+        self.note(codec.decode_diagnostics(found["diagnostics"]))
         done = StageReport(stage.name, cached, round(seconds, 4), found["summary"])
         self.stages.append(done)
         self.progress.done(done)
+
+    def note(self, found: Iterable[Diagnostic]) -> None:
+        """Takes down findings, each once."""
+        for diagnostic in found:
+            if diagnostic not in self.diagnostics:
+                self.diagnostics.append(diagnostic)
+                self.log.line(f"{diagnostic.code} {diagnostic.where}: {diagnostic.message}")
 
     def finished(self, bench: Bench, files: Mapping[str, bytes]) -> Report:
         """The report of a build whose stages all ran and that hands out `files`."""
@@ -189,6 +204,9 @@ class Run:
 
     def failed(self, error: BaseException) -> Report:
         """The report of a build that `error` ended."""
+        if isinstance(error, SecretFound):
+            # What the stages found may show a part of it.
+            self.shown, self.diagnostics = {}, []
         what: dict[str, Any] = {"type": type(error).__name__, "message": str(error)}
         if isinstance(error, LinkwrightError):
             what |= {"message": error.message, "where": error.where, "hint": error.hint}
@@ -214,8 +232,6 @@ class Run:
 
     def documents(self, done: Report, files: Mapping[str, bytes]) -> dict[str, bytes]:
         """What tells about the build, beside the `files` that it made."""
-        import yaml
-
         from pipeline.page import page
 
         self.log.line(f"{done.status}: exit status {done.exit_status}")
@@ -224,9 +240,19 @@ class Run:
         return {
             "report.json": done.to_json(self.log.secrets),
             "report.html": page(done, self.shown, sizes, self.log.secrets),
-            "config.yaml": yaml.safe_dump(plan, sort_keys=False, allow_unicode=True).encode(),
+            "config.yaml": as_yaml(plan),
             "build.log": self.log.content(),
         }
+
+
+def as_yaml(plan: Mapping[str, Any]) -> bytes:
+    """The content of `config.yaml`, control characters in it escaped."""
+    import yaml
+
+    text: str = yaml.safe_dump(plan, sort_keys=False, allow_unicode=True)
+    if printable_lines(text) != text:
+        text = yaml.safe_dump(plan, sort_keys=False)
+    return text.encode()
 
 
 def leave_failure(output: Output, run: Run, error: Exception) -> None:

@@ -5,6 +5,7 @@ holds it as `bundle.manifest`. So what a build read is found for as long as the 
 where the source was a workspace, of which no action can be recorded.
 """
 
+import json
 from typing import TYPE_CHECKING
 
 from pipeline.cache import Action, Cache, Files
@@ -32,6 +33,16 @@ def recall(cache: Cache, digest: str) -> "Bundle | None":
     from stages.robot.codec import decode_bundle
 
     return decode_bundle(files)
+
+
+def named(bundle: "Bundle") -> dict[str, bytes]:
+    """What a bundle holds, by names that people know: the robot's own file, or the request of a reply."""
+    names = {digest: request for request, digest in bundle.requests.items()}
+    if bundle.kind != "onshape":
+        names[bundle.definition] = bundle.root["document"]
+    about = {"root": dict(bundle.root), "requests": dict(bundle.requests), "options": dict(bundle.options)}
+    bodies = {names.get(digest, digest): body for digest, body in bundle.blobs.items()}
+    return {**bodies, _MANIFEST: json.dumps(about, ensure_ascii=False).encode()}
 
 
 def _action(digest: str) -> Action:

@@ -16,10 +16,13 @@ from pathlib import Path
 from typing import Any, Literal
 
 from pipeline.errors import CacheError
+from pipeline.secrets import Secrets
 from pipeline.store import Store, sha256
 
 Mode = Literal["use", "refresh", "bypass"]
 Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]
+Check = Callable[[Mapping[str, bytes]], None]
+"""Raises an error for files that must not be kept."""
 
 LAYOUT = 1
 """Part of every key: raised when records change their meaning."""
@@ -85,12 +88,13 @@ class Files(Mapping[str, bytes]):
 class Cache:
     """The actions in a store. `refresh` makes everything anew once and overwrites its record.
 
-    `tell` hears where a build waits for another process.
+    `tell` hears where a build waits for another process; `check` sees all that is to be kept.
     """
 
-    def __init__(self, store: Store, mode: Mode = "use") -> None:
+    def __init__(self, store: Store, mode: Mode = "use", check: Check = lambda _: None) -> None:
         self.store = store
         self.mode = mode
+        self.check = check
         self.tell: Callable[[str], None] = lambda _: None
         self._fresh: set[str] = set()
 
@@ -127,6 +131,7 @@ class Cache:
 
     def keep(self, outputs: Mapping[str, bytes]) -> Files:
         """Stores outputs that no record names: those of an action that cannot be keyed."""
+        self.check(outputs)
         return Files(self.store, {path: self.store.put(outputs[path]) for path in sorted(outputs)})
 
     def name(self, action: Action, files: Files) -> None:
@@ -191,6 +196,7 @@ class Replies:
 
     def put(self, request: str, body: bytes) -> None:
         """Keeps the body of the reply to a pinned request."""
+        self._cache.check({request: body})
         files = self._cache.keep({"body": body})
         self._publish("reply", request, files.digests, {"body": len(body)})
 
@@ -202,6 +208,7 @@ class Replies:
 
     def remember(self, subject: str, fact: Mapping[str, Any]) -> None:
         """Keeps `fact` of `subject`, in place of what was remembered before."""
+        self._cache.check({subject: json.dumps(fact).encode()})
         self._publish("fact", subject, {}, {}, fact=dict(fact))
 
     def alone(self, subject: str) -> contextlib.AbstractContextManager[None]:
@@ -244,9 +251,13 @@ def folder(configured: str | None, environ: Mapping[str, str]) -> Path:
 def opened(
     mode: Mode, configured: str | None = None, environ: Mapping[str, str] = os.environ
 ) -> Iterator[Cache]:
-    """The cache of one build. `bypass` works in a private folder, removed at the end."""
+    """The cache of one build, which keeps no secret.
+
+    `bypass` works in a private folder, removed at the end.
+    """
+    check = Secrets(environ).check
     if mode == "bypass":
         with tempfile.TemporaryDirectory(prefix="linkwright-", ignore_cleanup_errors=True) as private:
-            yield Cache(Store(Path(private)))
+            yield Cache(Store(Path(private)), check=check)
     else:
-        yield Cache(Store(folder(configured, environ)), mode)
+        yield Cache(Store(folder(configured, environ)), mode, check)

@@ -107,6 +107,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = None) -> int:
     """Runs a command line; the exit status. `build` stands in for a build without display."""
+    if {"-h", "--help", "--version"}.intersection(arguments) or shadows():
+        return _run(arguments, build)  # it prints nothing but our own words
+    from pipeline.terminal import clean_streams
+
+    with clean_streams():
+        return _run(arguments, build)
+
+
+def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> int:
     try:
         if arguments and arguments[0] in VERBS:
             return _verb(arguments[0], arguments[1:])

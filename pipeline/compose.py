@@ -32,6 +32,7 @@ from pipeline.overrides import Override, read, refused
 from pipeline.plain import plain
 from pipeline.plan import Judge, Plan
 from pipeline.presets import GROUPS, Presets, chosen, content, stand_in
+from pipeline.secrets import Secrets
 from pipeline.settle import settle
 from pipeline.trust import DEFAULTS, Sweeping, not_to_say, overridden, targets, untrusted
 
@@ -90,18 +91,23 @@ def session(
     with initialize_config_module("conf", job_name="linkwright", **HYDRA), catch_warnings():
         # Hydra's advice to authors of programs, about a file that has the name of a launcher, say.
         filterwarnings("ignore", message=r"\s*'hydra/launcher/", category=UserWarning)
-        yield Composer(presets, judge, environ)
+        yield Composer(presets, judge, environ, cwd)
 
 
 class Composer:
     """Composes plans while a `session` is open."""
 
     def __init__(
-        self, presets: Presets, judge: Judge | None = None, environ: Mapping[str, str] = os.environ
+        self,
+        presets: Presets,
+        judge: Judge | None = None,
+        environ: Mapping[str, str] = os.environ,
+        cwd: Path | None = None,
     ) -> None:
         self._presets = presets
         self._judge = judge
         self._environ = environ
+        self._secrets = Secrets(environ, cwd)
         self._parser = OverridesParser.create()
         self._node = HydraNode(presets)
         self._search = searching(presets.own)
@@ -114,9 +120,10 @@ class Composer:
 
         The sample, where neither robot nor source is named.
         """
-        self._typed = ["linkwright", *["-m"] * multirun, *self._presets.options_typed, *arguments]
-        overrides, problems = read(arguments, GROUPS, self._values, multirun)
-        problems += [problem for one in overrides if (problem := refused(one, multirun))]
+        clean, leaks = self._secrets.typed(arguments)
+        self._typed = ["linkwright", *["-m"] * multirun, *self._presets.options_typed, *clean]
+        overrides, problems = read(clean, GROUPS, self._values, multirun)
+        problems += leaks + [problem for one in overrides if (problem := refused(one, multirun))]
         overrides = [one for one in overrides if not refused(one, multirun)]
         problems += self._node.take(overrides, self._typed)
         if not any(re.match(r"[+~]*(robot|source)(=|$)", argument) for argument in arguments):
@@ -144,7 +151,8 @@ class Composer:
         unresolved: list[Diagnostic] = []
         tree = plain(config, (), unresolved)
         draft.problems += [problem for problem in unresolved if not draft.unsure(problem)]
-        tree.pop("hydra", None)
+        draft.problems += self._leaks(config, tree)
+        tree = self._secrets.within(tree)
         formats = tuple(path.removeprefix("export/") for path in paths if path.startswith("export/"))
         settled = settle(tree, self._presets.choices(robot, formats, good))
         sweeping = self._node.sweeping(config, draft, settled.get("name"), job)
@@ -169,6 +177,15 @@ class Composer:
                 if not override.is_delete() and (not below or inside):
                     found.add(key)
         return found
+
+    def _leaks(self, config: DictConfig, tree: dict[str, Any]) -> list[Diagnostic]:
+        """The keys of a composed configuration, Hydra's own too, that hold a secret."""
+        if not self._secrets:
+            return []
+        hydra = plain(config.hydra, ("hydra",), [])
+        # Where this runs, and the command line again, which has been judged.
+        hydra |= {"runtime": {}, "overrides": {}, "job": {**hydra["job"], "override_dirname": ""}}
+        return self._secrets.problems({**tree, "hydra": hydra})
 
     def _whole(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, list[str]] | None:
         """The composed tree and the paths of its files; None where it cannot be composed so."""

@@ -46,6 +46,7 @@ __all__ = [
     "ProtocolError",
     "QuotaExhausted",
     "RateLimited",
+    "SecretFound",
     "SourceError",
     "ValidationFailed",
     "as_problems",
@@ -61,6 +62,10 @@ class CacheError(LinkwrightError):
 
 class OutputError(LinkwrightError):
     """The output folder cannot be used."""
+
+
+class SecretFound(LinkwrightError):
+    """A file that was about to be written holds an API key."""
 
 
 def refusal(problems: Sequence[Diagnostic], what: str = "the configuration") -> ConfigError:

@@ -9,6 +9,7 @@ from typing import Any
 from pipeline.report import Report
 from pipeline.secrets import Secrets
 from stages.graph.view.views import PICTURE, TABLES
+from stages.robot.printable import printable_lines
 
 STYLE = """
 :root { color-scheme: light dark; --ink: #1b1f24; --soft: #57606a; --line: #d0d7de; --paper: #fff;
@@ -67,13 +68,13 @@ def page(report: Report, shown: Mapping[str, str], sizes: Mapping[str, int], sec
 
 
 def _text(value: Any) -> str:
-    """A value as people read it, escaped; control characters, which HTML forbids, are left out."""
+    """A value as people read it, escaped."""
     if value is None:
         return ""
     if isinstance(value, Mapping):
         return ", ".join(f"{_text(key)}: {_text(item)}" for key, item in value.items())
     text = f"{value:.6g}" if isinstance(value, float) else str(value)
-    return escape("".join(letter for letter in text if letter.isprintable() or letter in "\n\t"))
+    return escape(printable_lines(text))
 
 
 def _blanked(svg: str, secrets: Secrets) -> str:

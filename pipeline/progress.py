@@ -6,6 +6,8 @@ from typing import Any, Protocol, TextIO
 
 from pipeline.report import StageReport
 from pipeline.secrets import Secrets
+from pipeline.terminal import clean
+from stages.robot.printable import printable
 
 
 class Progress(Protocol):
@@ -22,7 +24,7 @@ class Progress(Protocol):
 
 def sentence(stage: StageReport) -> str:
     cached = " (cached)" if stage.cached else ""
-    outputs = f"  {stage.outputs}" if stage.outputs else ""
+    outputs = f"  {printable(stage.outputs)}" if stage.outputs else ""
     return f"{stage.name:<8} ... {stage.seconds:.2f} s{cached}{outputs}"
 
 
@@ -46,10 +48,10 @@ class Lines(Quiet):
     """One plain line for a stage that ended and for what it told on the way."""
 
     def __init__(self, stream: TextIO) -> None:
-        self._stream = stream
+        self._stream = clean(stream)
 
     def tell(self, stage: str, line: str) -> None:
-        print(f"{stage:<8}     {line}", file=self._stream, flush=True)
+        print(f"{stage:<8}     {printable(line)}", file=self._stream, flush=True)
 
     def done(self, stage: StageReport) -> None:
         print(sentence(stage), file=self._stream, flush=True)
@@ -61,7 +63,8 @@ class Terminal(Quiet):
     def __init__(self, stream: TextIO) -> None:
         from rich.console import Console
 
-        self._console = Console(file=stream, highlight=False)
+        self._clean = clean(stream).clean
+        self._console = Console(file=clean(stream).raw, highlight=False)
         self._status: Any = None
 
     def start(self, stage: str) -> None:
@@ -72,14 +75,15 @@ class Terminal(Quiet):
     def tell(self, stage: str, line: str) -> None:
         from rich.markup import escape
 
+        text = self._clean(f"{stage}: {printable(line)}")
         if self._status is None:
-            self._console.print(f"{stage}: {line}", markup=False)
+            self._console.print(text, markup=False)
         else:
-            self._status.update(escape(f"{stage}: {line}"))
+            self._status.update(escape(text))
 
     def done(self, stage: StageReport) -> None:
         self.close()
-        self._console.print(sentence(stage), style="dim" if stage.cached else "", markup=False)
+        self._console.print(self._clean(sentence(stage)), style="dim" if stage.cached else "", markup=False)
 
     def close(self) -> None:
         if self._status is not None:
@@ -101,7 +105,7 @@ class Log(Quiet):
         self._lines: list[str] = []
 
     def line(self, text: str) -> None:
-        self._lines.append(f"{time.perf_counter() - self._start:9.3f}  {text}")
+        self._lines.append(f"{time.perf_counter() - self._start:9.3f}  {printable(text)}")
 
     def tell(self, stage: str, line: str) -> None:
         self.line(f"{stage}: {line}")

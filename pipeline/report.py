@@ -7,8 +7,10 @@ from typing import Any, Literal, TextIO
 
 from pipeline.output import FORMAT
 from pipeline.secrets import Secrets
+from pipeline.terminal import clean
 from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
+from stages.robot.printable import printable, printable_lines
 
 Status = Literal["built", "invalid", "failed"]
 
@@ -64,7 +66,7 @@ class Report:
         """The content of `report.json`, with secrets blanked."""
         tree = {FORMAT: 1, **self.tree()}
         blanked = tree if secrets is None else secrets.within(tree)
-        return json.dumps(blanked, indent=2, ensure_ascii=False).encode() + b"\n"
+        return printable_lines(json.dumps(blanked, indent=2, ensure_ascii=False)).encode() + b"\n"
 
     @property
     def failed_checks(self) -> tuple[Check, ...]:
@@ -77,7 +79,7 @@ HEADER = ("stage", "", "seconds", "outputs")
 def rows(report: Report) -> list[tuple[str, str, str, str]]:
     """The closing table: stage, cached or built, seconds, outputs."""
     return [
-        (stage.name, "cached" if stage.cached else "built", f"{stage.seconds:.2f}", stage.outputs)
+        (stage.name, "cached" if stage.cached else "built", f"{stage.seconds:.2f}", printable(stage.outputs))
         for stage in report.stages
     ]
 
@@ -106,10 +108,10 @@ def findings(report: Report) -> list[str]:
     lines = []
     for found in report.diagnostics:
         place = f" {found.where}:" if found.where else ""
-        lines.append(f"{found.code}{place} {found.message}")
+        lines.append(printable(f"{found.code}{place} {found.message}"))
         if found.hint:
             lines.append(f"    → {found.hint}")
-    lines += [f"FAILED {check.name}: {check.detail}" for check in report.failed_checks]
+    lines += [printable(f"FAILED {check.name}: {check.detail}") for check in report.failed_checks]
     passed = len(report.checks) - len(report.failed_checks)
     if report.checks:
         lines.append(f"{passed} of {len(report.checks)} checks passed")
@@ -118,7 +120,7 @@ def findings(report: Report) -> list[str]:
         year = report.calls.get("counted_this_year")
         so_far = "" if year is None else f"; {year} of this key counted this year"
         lines.append(f"{made} API calls made, {saved} saved by the cache{so_far}")
-    lines.append(f"{report.name}: {report.folder}")
+    lines.append(printable(f"{report.name}: {report.folder}"))
     return lines
 
 
@@ -135,8 +137,9 @@ def render(report: Report) -> str:
 
 def show(report: Report, stream: TextIO) -> None:
     """Writes the closing table: with rich on a terminal, else as plain text."""
+    out = clean(stream)
     if not stream.isatty():
-        stream.write(fitting(render(report), stream.encoding))
+        out.write(fitting(render(report), stream.encoding))
         return
     from rich.box import SIMPLE
     from rich.console import Console
@@ -144,21 +147,21 @@ def show(report: Report, stream: TextIO) -> None:
     from rich.text import Text
 
     styles = {"E": "bold red", "W": "yellow", "I": "cyan"}
-    console = Console(file=stream)
+    console = Console(file=out.raw)
     for line in found(report):
-        console.print(Text(fitting(line, stream.encoding)), soft_wrap=True)
+        console.print(Text(fitting(out.clean(line), stream.encoding)), soft_wrap=True)
     table = Table(box=SIMPLE, header_style="bold", pad_edge=False)
     for column, title in enumerate(HEADER):
         table.add_column(title, justify="right" if column == 2 else "left")
     for row in rows(report):
-        table.add_row(*(Text(cell, style="dim" if cell == "cached" else "") for cell in row))
+        table.add_row(*(Text(out.clean(cell), style="dim" if cell == "cached" else "") for cell in row))
     console.print(table)
     for line in findings(report):
         style = "bold red" if line.startswith("FAILED ") else ""
         if line[1:2] == "-":
             style = styles.get(line[0], "")
         # As Text: brackets in CAD names are no markup.
-        console.print(Text(fitting(line, stream.encoding), style=style))
+        console.print(Text(fitting(out.clean(line), stream.encoding), style=style))
 
 
 def versions(libraries: Mapping[str, str]) -> dict[str, str]:

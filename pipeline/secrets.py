@@ -1,33 +1,39 @@
-"""What must never be written: the API key, blanked in everything that a build leaves behind."""
+"""What must never be written: the API key, in any of its forms."""
 
 import contextlib
-from collections.abc import Mapping
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
-from pipeline.errors import ConfigError
+from pipeline.errors import Diagnostic, SecretFound
 
 SHORTEST = 8
 """Length below which a text is no key: blanking it would take apart words that mean something else."""
 
+BLANK = "***"
+
+Place = tuple[int | str, ...]
+
 
 class Secrets:
-    """The keys in the environment and in `.env`."""
+    """The keys in the environment and in `.env`, plain, packed (base64) and escaped."""
 
-    def __init__(self, environ: Mapping[str, str]) -> None:
-        from stages.fetch.credentials import ACCESS, OLD_TOKEN, SECRET, TOKEN, Credentials, find
+    def __init__(self, environ: Mapping[str, str], folder: Path | None = None) -> None:
+        """`folder` holds `.env`; default: the working folder."""
+        from stages.fetch.credentials import known
 
-        texts = [environ.get(name, "").strip() for name in (ACCESS, SECRET, TOKEN, OLD_TOKEN)]
-        keys = [Credentials(texts[0], texts[1]), *(Credentials(token=token) for token in texts[2:])]
-        with contextlib.suppress(ConfigError):
-            keys.append(find(environ))
-        found = {text for key in keys for text in key.private}
+        found = {text: name for text, name in known(environ, folder).items() if len(text) >= SHORTEST}
         # The longest first: one may hold another.
-        self._found = sorted((one for one in found if len(one) >= SHORTEST), key=lambda one: (-len(one), one))
+        self._forms = sorted(found, key=lambda text: (-len(text), text))
+        # What holds another of them is found with that one.
+        least = [one for one in self._forms if not any(other in one for other in found if other != one)]
+        self._sought = [(text, text.encode(), found[text]) for text in least]
 
     def blanked(self, text: str) -> str:
         """The text with every secret in it blanked."""
-        for secret in self._found:
-            text = text.replace(secret, "***")
+        for secret in self._forms:
+            text = text.replace(secret, BLANK)
         return text
 
     def within(self, tree: Any) -> Any:
@@ -39,3 +45,77 @@ class Secrets:
         if isinstance(tree, list | tuple):
             return [self.within(value) for value in tree]
         return tree
+
+    def __bool__(self) -> bool:
+        return bool(self._forms)
+
+    def problems(self, tree: Mapping[str, Any]) -> list[Diagnostic]:
+        """One problem for each key of a configuration that holds a secret."""
+        from pipeline.schema import key_of
+
+        return [self._problem(name, self.blanked(key_of(place))) for place, name in self._leaks(tree)]
+
+    def typed(self, arguments: Iterable[str]) -> tuple[list[str], list[Diagnostic]]:
+        """The arguments of a command line that hold no secret, and a problem for each other one."""
+        clean: list[str] = []
+        problems: list[Diagnostic] = []
+        for argument in arguments:
+            name = self._in(argument)
+            if name:
+                problems.append(self._problem(name, self.blanked(argument.partition("=")[0])))
+            else:
+                clean.append(argument)
+        return clean, problems
+
+    def check(self, files: Mapping[str, bytes]) -> None:
+        """SecretFound for the first of `files`, which are about to be written, that holds a secret."""
+        for path, data in files.items():
+            name = self._in(path) or next((name for _, raw, name in self._sought if raw in data), "")
+            if name:
+                text = f"would hold the value of {name}; nothing was written"
+                hint = (
+                    "take it out of what the robot is built from (the name of a part, a property, a file), "
+                    "and make a new key in Onshape: whoever can read that has this one"
+                )
+                where = self.blanked(f"{path}{self._spot(data)}")
+                raise SecretFound(text, where, hint)
+
+    def _problem(self, name: str, where: str) -> Diagnostic:
+        text = f"holds the value of {name}, which would be written to files"
+        hint = "leave it out: the key is read from the environment or from .env alone"
+        return Diagnostic("E-SECRET", text, where, hint)
+
+    def _in(self, text: str) -> str:
+        """The variable whose value is in a text; empty where none is."""
+        return next((name for secret, _, name in self._sought if secret in text), "")
+
+    def _leaks(self, tree: Any, place: Place = ()) -> Iterator[tuple[Place, str]]:
+        """The places in plain data that hold a secret, and the variable whose value it is."""
+        if isinstance(tree, str):
+            name = self._in(tree)
+            if name:
+                yield place, name
+        elif isinstance(tree, Mapping):
+            for key, value in tree.items():
+                inner = (*place, str(key))
+                name = self._in(str(key))
+                if name:
+                    yield inner, name
+                else:
+                    yield from self._leaks(value, inner)
+        elif isinstance(tree, list | tuple):
+            for index, value in enumerate(tree):
+                yield from self._leaks(value, (*place, index))
+
+    def _spot(self, data: bytes) -> str:
+        """Where in a file a secret is: the key in JSON, else the line; empty where it is the path."""
+        with contextlib.suppress(ValueError, RecursionError):
+            from pipeline.schema import key_of
+
+            place = next((place for place, _ in self._leaks(json.loads(data))), ())
+            if place:
+                return f", {key_of(place)}"
+        for number, line in enumerate(data.splitlines(), 1):
+            if any(raw in line for _, raw, _ in self._sought):
+                return f", line {number}"
+        return ""

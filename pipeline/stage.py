@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
+from pipeline import bundles
 from pipeline.bench import FILES, NOTES, ROBOT, Bench, count, notes
 from pipeline.output import write_tree
 from pipeline.plan import Plan, section
@@ -138,6 +139,7 @@ class Fetch(Common):
                     "waited": round(calls.waited, 1),
                 }
         bundle = fetched.bundle
+        bench.cache.check(bundles.named(bundle))
         size = sum(len(body) for body in bundle.blobs.values())
         return {
             **codec.encode_bundle(bundle),

@@ -15,8 +15,11 @@ from pipeline.errors import as_problems, exit_status, refusal
 from pipeline.output import named
 from pipeline.overrides import Override
 from pipeline.plan import Judge, Plan
+from pipeline.secrets import Secrets
+from pipeline.terminal import clean
 from pipeline.trust import Sweeping
 from stages.robot.errors import ConfigError, Diagnostic, LinkwrightError
+from stages.robot.printable import printable, printable_lines
 
 if TYPE_CHECKING:
     from pipeline.compose import Asked, Composed, Composer
@@ -100,8 +103,9 @@ class Task:
 
 def _tell(line: str) -> None:
     # In one piece: other processes write there too.
-    sys.stderr.write(f"{line}\n")
-    sys.stderr.flush()
+    err = clean(sys.stderr)
+    err.write(f"{printable(line)}\n")
+    err.flush()
 
 
 def jobs_of(composer: "Composer", asked: "Asked", judge: Judge) -> Sweep:
@@ -210,9 +214,10 @@ def _is_sweep(root: Path) -> bool:
 
 def _keep(root: Path, outcomes: Sequence[Outcome]) -> None:
     tree = {FORMAT: 1, "jobs": [asdict(outcome) for outcome in outcomes]}
+    text = json.dumps(Secrets(os.environ).within(tree), indent=2, ensure_ascii=False)
     staged = root / f".{SUMMARY}.tmp"
     with named(root):
-        staged.write_text(json.dumps(tree, indent=2, ensure_ascii=False) + "\n", encoding="utf-8")
+        staged.write_text(printable_lines(text) + "\n", encoding="utf-8")
         staged.replace(root / SUMMARY)
 
 

@@ -49,7 +49,8 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
     """Packs the bundle; the exit status.
 
     ConfigError for wrong usage and where there is no such build; CacheError where the cache no longer
-    has what the build read; OutputError where the build read nothing or the file cannot be written.
+    has what the build read; OutputError where the build read nothing or the file cannot be written;
+    SecretFound where it holds an API key.
     """
     asked = parse(arguments)
     folder = find(asked.name)
@@ -125,8 +126,9 @@ def _manifest(folder: Path) -> str:
 
 def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, str]) -> tuple[bytes, int]:
     """The zip's bytes and how many replies it holds."""
-    from pipeline.bundles import recall
+    from pipeline.bundles import named, recall
     from pipeline.cache import Cache
+    from pipeline.secrets import Secrets
     from pipeline.store import Store
     from stages.fetch.bundle import pack, read
 
@@ -134,6 +136,7 @@ def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, s
     for root in roots:
         bundle = recall(Cache(Store(root)), manifest) if root.is_dir() else None
         if bundle is not None:
+            Secrets(environ).check(named(bundle))
             data = pack(bundle)
             # What cannot be read back (too large) is no bundle; that is told here, not elsewhere.
             return data, len(read(data, str(asked.out)).blobs)

@@ -23,6 +23,7 @@ from stages.robot.model import (
 )
 from stages.robot.numbers import number, numbers
 from stages.robot.poses import quat_from_rotation
+from stages.robot.printable import printable_lines
 from stages.robot.urdfnames import urdf_names
 
 FORMAT = "linkwright-robot"
@@ -100,7 +101,7 @@ def describe(robot: Robot, start: Configuration) -> bytes:
     }
     if robot.transmissions:
         table["transmissions"] = [plain(one) for one in robot.transmissions]
-    return (json.dumps(table, indent=2, ensure_ascii=False) + "\n").encode()
+    return (printable_lines(json.dumps(table, indent=2, ensure_ascii=False)) + "\n").encode()
 
 
 def _float(value: float | None, scale: float | None = None) -> float | None:

@@ -169,6 +169,15 @@ def preflight(keys: FetchKeys, environ: Mapping[str, str]) -> None:
         require(source)
 
 
+def remarks(keys: FetchKeys) -> tuple[Diagnostic, ...]:
+    """What a user should know of the place that the key is read from."""
+    if keys.source.kind != "onshape":
+        return ()
+    from stages.fetch import credentials
+
+    return credentials.remarks()
+
+
 def writes(keys: FetchKeys) -> bool:
     """Whether a build changes the user's document, if only for a moment."""
     return keys.source.kind == "onshape" and bool(keys.source.variables)

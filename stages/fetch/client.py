@@ -5,7 +5,9 @@ asked again; a closed window (429) is waited for; a used-up quota (402) stops al
 every other refusal is explained and final.
 """
 
+import contextlib
 import functools
+import json
 import tempfile
 import threading
 from collections.abc import Callable, Mapping
@@ -256,7 +258,11 @@ class Client:
         return Passing(error, "free", self._say)
 
     def _said(self, answer: Answer) -> str:
-        return self._credentials.scrub(answer.body.decode("utf-8", "replace"))
+        """The body, free of secrets, also of those that JSON hides in escapes."""
+        text = answer.body.decode("utf-8", "replace")
+        with contextlib.suppress(ValueError, RecursionError):
+            text = json.dumps(json.loads(text), ensure_ascii=False)
+        return self._credentials.scrub(text)
 
     def _note(self, request: str, place: Place, status: int, headers: Mapping[str, str]) -> None:
         place.settle(billed(status))

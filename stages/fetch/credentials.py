@@ -1,19 +1,32 @@
 """The user's key to Onshape: from the environment, or from `.env` where they work."""
 
-from base64 import b64encode
+import contextlib
+import html
+import itertools
+import json
+import os
+import re
+import stat
+from base64 import b64encode, urlsafe_b64encode
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from hashlib import sha256
 from pathlib import Path
 from typing import Literal
+from urllib.parse import quote
 
-from stages.robot.errors import ConfigError
+from stages.robot.errors import ConfigError, Diagnostic
 
 ACCESS = "ONSHAPE_ACCESS_KEY"
 SECRET = "ONSHAPE_SECRET_KEY"
 TOKEN = "ONSHAPE_ACCESS_TOKEN"
 OLD_TOKEN = "ONSHAPE_SECRET_BEARER"
 AUTH = "ONSHAPE_AUTH"
+
+PRIVATE = (ACCESS, SECRET, TOKEN, OLD_TOKEN)
+"""The variables whose values nobody else may see."""
+
+DOTENV = ".env"
 
 Kind = Literal["basic", "signature", "bearer"]
 
@@ -41,14 +54,62 @@ class Credentials:
         """The texts that must never be written anywhere, the longest first."""
         plain = {text for text in (self.access, self.secret, self.token) if text}
         pair = {f"{self.access}:{self.secret}"} if self.access and self.secret else set()
-        packed = {b64encode(text.encode()).decode() for text in plain | pair}
-        return tuple(sorted(plain | packed, key=lambda text: (-len(text), text)))
+        found = {form for text in plain | pair for form in forms(text)} - pair
+        return tuple(sorted(found, key=lambda text: (-len(text), text)))
 
     def scrub(self, text: str) -> str:
         """`text` with the key blotted out, for what a server sent back."""
         for private in self.private:
             text = text.replace(private, "***")
         return text
+
+
+def forms(text: str) -> frozenset[str]:
+    """How a file or a server may write `text`: plain, in base64, and with the escapes of URLs, JSON, XML."""
+    raw = text.encode("utf-8", "replace")
+    packed = {b64encode(raw).decode(), urlsafe_b64encode(raw).decode()}
+    bare = {text, *packed, *(one.rstrip("=") for one in packed)}
+    escaped = {quote(one, safe="") for one in bare}
+    escaped |= {re.sub("%..", lambda code: code[0].lower(), one) for one in escaped}
+    for one in bare:
+        inside = json.dumps(one)[1:-1]
+        escaped |= {inside, inside.replace("/", "\\/"), html.escape(one), html.escape(one, quote=False)}
+    return frozenset(bare | escaped)
+
+
+def known(environ: Mapping[str, str], folder: Path | None = None) -> dict[str, str]:
+    """Every form of every key in `environ` and in `.env`, also of those that no build would use: the text,
+    and the variable that it is the value of."""
+    inside: Mapping[str, str] = {}
+    with contextlib.suppress(ConfigError, OSError):
+        inside = _dotenv((folder or Path.cwd()) / DOTENV)
+    values: dict[str, set[str]] = {}
+    for name in PRIVATE:
+        texts = (given.get(name, "").strip() for given in (environ, inside))
+        values[name] = {text for text in texts if text}
+    found: dict[str, str] = {}
+    for access, secret in itertools.product(sorted(values[ACCESS]), sorted(values[SECRET])):
+        found |= dict.fromkeys(sorted(forms(f"{access}:{secret}")), f"{ACCESS} and {SECRET}")
+    for name in PRIVATE:
+        for text in sorted(values[name]):
+            found |= dict.fromkeys(sorted(forms(text)), name)
+    return found
+
+
+def remarks(folder: Path | None = None) -> tuple[Diagnostic, ...]:
+    """What the user should know of the file `.env`: that others can read the key in it."""
+    path = (folder or Path.cwd()) / DOTENV
+    if os.name != "posix":
+        return ()
+    try:
+        mode = stat.S_IMODE(path.stat().st_mode)
+        open_to = [who for who, bits in (("its group", 0o070), ("everybody", 0o007)) if mode & bits]
+        if not open_to or not any(name in PRIVATE for name in _dotenv(path)):
+            return ()
+    except (OSError, ConfigError):
+        return ()
+    msg = f"the API key in it is open to {' and '.join(open_to)} on this computer (mode {mode:04o})"
+    return (Diagnostic("I-DOTENV", msg, DOTENV, f"chmod 600 {DOTENV}"),)
 
 
 def find(environ: Mapping[str, str], folder: Path | None = None) -> Credentials:
@@ -58,7 +119,7 @@ def find(environ: Mapping[str, str], folder: Path | None = None) -> Credentials:
     """
     names = (ACCESS, SECRET, TOKEN, OLD_TOKEN, AUTH)
     outside = {name: environ[name].strip() for name in names if environ.get(name, "").strip()}
-    inside = {name: value.strip() for name, value in _dotenv((folder or Path.cwd()) / ".env").items()}
+    inside = {name: value.strip() for name, value in _dotenv((folder or Path.cwd()) / DOTENV).items()}
     values = inside | outside
     kind = _kind(values.get(AUTH, "basic").lower())
     # A whole key in the environment goes before a token in the file.
@@ -106,5 +167,5 @@ def _dotenv(path: Path) -> dict[str, str]:
         values = dotenv_values(path, interpolate=False)
     except (OSError, UnicodeDecodeError) as error:
         msg = f"the file .env cannot be read: {type(error).__name__}"
-        raise ConfigError(msg, ".env", f"write lines such as {ACCESS}=... in it, as UTF-8 text") from None
+        raise ConfigError(msg, DOTENV, f"write lines such as {ACCESS}=... in it, as UTF-8 text") from None
     return {name: value for name, value in values.items() if value and value.strip()}

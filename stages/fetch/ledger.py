@@ -10,6 +10,7 @@ import contextlib
 import json
 import os
 import re
+import stat
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping
@@ -134,8 +135,10 @@ def _append(path: Path, line: bytes) -> None:
     The kernel moves to the end and writes as one step on a local disk; over a network it needs the
     lock, which ends with the process however that ends.
     """
-    handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
+    handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o600)
     try:
+        with contextlib.suppress(OSError, AttributeError):  # not on every system
+            _close_to_others(handle, path.parent.parent)
         with contextlib.suppress(ImportError, OSError):
             import fcntl
 
@@ -147,3 +150,10 @@ def _append(path: Path, line: bytes) -> None:
         os.write(handle, line)
     finally:
         os.close(handle)
+
+
+def _close_to_others(handle: int, cache: Path) -> None:
+    """Lets only the user read the ledger, and the group where it shares the cache folder."""
+    mode = 0o660 if cache.stat().st_mode & stat.S_IWGRP else 0o600
+    if stat.S_IMODE(os.fstat(handle).st_mode) != mode:
+        os.fchmod(handle, mode)

@@ -15,6 +15,8 @@ An error says what is wrong (`message`), where (`where`: a key, a file, a CAD pa
 from collections.abc import Iterable
 from dataclasses import dataclass
 
+from stages.robot.printable import printable
+
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
@@ -55,10 +57,10 @@ class LinkwrightError(Exception):
         return type(self), (self.message, self.where, self.hint, self.problems)
 
     def __str__(self) -> str:
-        lines = [f"{self.where}: {self.message}" if self.where else self.message]
+        lines = [printable(f"{self.where}: {self.message}" if self.where else self.message)]
         for problem in self.problems:
             place = f" {problem.where}:" if problem.where else ""
-            lines.append(f"  {problem.code}{place} {problem.message}")
+            lines.append(printable(f"  {problem.code}{place} {problem.message}"))
             if problem.hint:
                 lines.append(f"      {problem.hint}")
         if self.hint:

@@ -5,6 +5,7 @@ The server repeats everything that it was sent, wherever a reply has room for it
 
 import base64
 import json
+import re
 import subprocess
 import zipfile
 from collections.abc import Iterator, Mapping
@@ -14,6 +15,8 @@ from urllib.parse import quote
 import pytest
 
 from tests.e2e.command import environment, linkwright
+from tests.onshape import solids
+from tests.onshape.document import Document
 from tests.onshape.sample import sample_document
 from tests.onshape.server import Fault, OnshapeServer
 
@@ -53,6 +56,11 @@ ECHOES = {
 """What a server may know of a key, and some more."""
 
 
+def escaped(echo: str) -> bytes:
+    """A message in JSON, each of its letters as an escape: no search of the bytes finds what it says."""
+    return b'{"message": "%s"}' % "".join(f"\\u{ord(letter):04x}" for letter in echo).encode()
+
+
 def faults(way: str) -> dict[str, Fault]:
     """Replies of a server that repeats the key, by name."""
     echo = ECHOES[way]
@@ -61,6 +69,8 @@ def faults(way: str) -> dict[str, Fault]:
     return {
         "401": Fault(401, said, {"WWW-Authenticate": echo}),
         "403": Fault(403, said),
+        "403, in escapes": Fault(403, escaped(echo)),
+        "400, in escapes": Fault(400, escaped(echo)),
         "402": Fault(402, said),
         "404, a page": Fault(404, page),
         "429": Fault(429, said, {"Retry-After": "3600", "X-Echo": echo}),
@@ -183,6 +193,62 @@ def test_a_key_in_the_address_is_refused_without_being_repeated(tmp_path: Path) 
         done = linkwright(tmp_path, "source=onshape", f"source.url='https://{secret}'")
         assert done.returncode == 2
         assert told(tmp_path, done) == []
+
+
+def holding(secret: str) -> Document:
+    """A document whose designer pasted the key into the name of a part."""
+    document = Document("Small")
+    root = document.assembly("Root")
+    root.add(document.studio("Parts").part(f"Arm {secret}", solids.box(0.1, 0.1, 0.1), density=1000))
+    return document
+
+
+@pytest.mark.parametrize("until", ["fetch", "validate"])
+def test_a_document_that_holds_the_key_is_not_kept_anywhere(tmp_path: Path, until: str) -> None:
+    with OnshapeServer(holding(SECRET), keys=(ACCESS, SECRET)) as server:
+        source = ["source=onshape", f"source.url='{server.document_url()}'", f"until={until}"]
+        done = linkwright(tmp_path, *source, environ=environment(tmp_path, **KEY))
+    assert done.returncode == 1
+    assert "would hold the value of ONSHAPE_SECRET_KEY; nothing was written" in done.stderr
+    assert ", rootAssembly" in done.stderr or ", parts[" in done.stderr
+    assert told(tmp_path, done) == []
+
+
+def test_a_robot_that_was_made_before_the_key_was_known_is_not_handed_out_with_it(tmp_path: Path) -> None:
+    """Its files come from the cache; neither a build nor a bundle gives them on."""
+    (tmp_path / "arm.urdf").write_text(
+        f'<robot name="arm">\n<link name="base"/>\n<link name="{SECRET}"/>\n'
+        f'<joint name="j" type="fixed"><parent link="base"/><child link="{SECRET}"/></joint>\n</robot>\n'
+    )
+    source = ["source=urdf", "source.path=arm.urdf", "root=fixed", "until=graph"]
+    assert linkwright(tmp_path, *source).returncode == 0
+    knows = environment(tmp_path, **KEY)
+    again = linkwright(tmp_path, *source, "output=again", environ=knows)
+    assert again.returncode == 1
+    assert re.search(r"(robot\.json, \S+|graph\.svg, line \d+): would hold the value", again.stderr)
+    bundled = linkwright(tmp_path, "bundle", "arm.graph", "arm.zip", environ=knows)
+    assert bundled.returncode == 1
+    assert "arm.urdf, line " in bundled.stderr
+    for done in (again, bundled):
+        assert SECRET not in done.stdout + done.stderr
+    assert not (tmp_path / "arm.zip").exists()
+    left_by_it = [path for path in tmp_path.glob("again*/**/*") if path.is_file()]
+    assert left_by_it
+    assert not any(SECRET[:12] in path.read_text() for path in left_by_it)
+
+
+@pytest.mark.parametrize("key", ["name", "output", "cache.dir", "names.links.base_plate"])
+def test_a_key_that_comes_by_an_interpolation_is_refused_and_leaves_nothing(tmp_path: Path, key: str) -> None:
+    done = linkwright(
+        tmp_path,
+        "robot=sample",
+        f"{key}=${{oc.env:ONSHAPE_ACCESS_KEY}}",
+        environ=environment(tmp_path, **KEY),
+    )
+    assert done.returncode == 2
+    assert f"E-SECRET {key}: holds the value of ONSHAPE_ACCESS_KEY" in done.stderr
+    assert list(tmp_path.iterdir()) == []
+    assert told(tmp_path, done) == []
 
 
 def test_the_search_finds_what_is_there(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import yaml
 
 from pipeline.bench import FILES, NOTES, notes
 from pipeline.build import build
-from pipeline.errors import AssemblyError, ConfigError
+from pipeline.errors import AssemblyError, ConfigError, SecretFound
 from pipeline.plan import Plan
 from pipeline.progress import Lines
 from pipeline.stage import STAGES
@@ -272,6 +272,39 @@ def test_no_secret_reaches_the_log(make, folder):
     assert "refused ***" in (left / "build.log").read_text()
     for name in names(left):
         assert b"s3cr3t-value" not in (left / name).read_bytes()
+
+
+def test_a_file_with_a_key_is_not_handed_out_and_the_last_good_build_stays(make, folder):
+    make(fakes())
+    before = {name: (folder / name).read_bytes() for name in names(folder)}
+    key = {"ONSHAPE_SECRET_KEY": "s3cr3t-value"}
+    # It came from the cache, where it was kept before the key was known.
+    shown = {"robot.json": b"{}", "outline.txt": b"arm: s3cr3t-va...", "tables.json": b"[]"}
+    held = {FILES + "arm.urdf": b"<robot>\n<!-- s3cr3t-value -->"}
+    stages = fakes(graph={"files": shown, "version": 2}, export={"files": held, "version": 2})
+    make(stages, output=str(folder.with_name("other")))
+    with pytest.raises(SecretFound) as caught:
+        make(stages, environ=key)
+    assert caught.value.where == "arm.urdf, line 2"
+    assert {name: (folder / name).read_bytes() for name in names(folder)} == before
+    left = folder.with_name("arm.failed")
+    for name in names(left):
+        assert b"s3cr3t-va" not in (left / name).read_bytes()
+    assert json.loads((left / "report.json").read_bytes())["error"]["type"] == "SecretFound"
+
+
+def test_a_key_that_others_can_read_gets_a_remark(make, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / ".env").write_text("ONSHAPE_ACCESS_KEY=acc355-key\nONSHAPE_SECRET_KEY=s3cr3t-key\n")
+    source = {
+        "kind": "onshape",
+        "url": f"https://cad.onshape.com/documents/{'a' * 24}/w/{'b' * 24}/e/{'c' * 24}",
+    }
+    for mode, codes in ((0o644, ["I-DOTENV", "W-LIMIT"]), (0o600, ["W-LIMIT"])):
+        (tmp_path / ".env").chmod(mode)
+        report = make(fakes(), source=source)
+        assert [found.code for found in report.diagnostics] == codes
+    assert [found.code for found in make(fakes()).diagnostics] == ["W-LIMIT"]
 
 
 @pytest.mark.parametrize("key", ["e", "linkwright-report", '{"status"'])

@@ -3,6 +3,7 @@
 import gzip
 import json
 import threading
+from base64 import b64encode
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from email.utils import formatdate
@@ -131,6 +132,16 @@ def test_each_refusal_is_explained_with_the_words_of_the_server(request_, status
     assert "127.0.0.1" in caught.value.where
     if status != 304:
         assert "Told so by ***." in caught.value.message
+
+
+@pytest.mark.parametrize("status", [400, 401, 402, 429, 500])
+def test_a_key_that_json_hides_in_escapes_is_not_repeated(status):
+    echo = f"Basic {b64encode(b'the-access:the-secret').decode()} the-secret"
+    body = b'{"message": "%s"}' % "".join(f"\\u{ord(letter):04x}" for letter in echo).encode()
+    patience = replace(QUICK, max_wait=0)
+    with serving(reply(status, body), patience) as client, pytest.raises(SourceError) as caught:
+        client.get(MASS)
+    assert '("Basic *** ***")' in caught.value.message
 
 
 def test_a_web_page_is_never_quoted_nor_taken_for_a_reply():

@@ -2,7 +2,7 @@
 
 import pytest
 
-from stages.fetch.credentials import Credentials, find
+from stages.fetch.credentials import Credentials, find, remarks
 from stages.robot.errors import ConfigError
 
 
@@ -44,6 +44,33 @@ def test_a_token_goes_before_a_key_but_a_whole_key_outside_goes_before_a_token_i
     (tmp_path / ".env").write_text("ONSHAPE_SECRET_BEARER=from-file\n")
     assert find({}, tmp_path) == Credentials(kind="bearer", token="from-file")
     assert find(keys, tmp_path) == Credentials("a", "s")
+
+
+@pytest.mark.parametrize(
+    ("mode", "who"),
+    [
+        (0o600, None),
+        (0o400, None),
+        (0o640, "its group on this computer (mode 0640)"),
+        (0o604, "everybody"),
+        (0o644, "its group and everybody"),
+    ],
+)
+def test_a_dotenv_that_others_can_read_gets_a_remark_with_the_command_to_paste(tmp_path, mode, who):
+    (tmp_path / ".env").write_text("ONSHAPE_SECRET_KEY=hush-hush\n")
+    (tmp_path / ".env").chmod(mode)
+    found = remarks(tmp_path)
+    assert [(one.code, one.where, one.hint) for one in found] == (
+        [("I-DOTENV", ".env", "chmod 600 .env")] if who else []
+    )
+    assert all(who in one.message and "hush" not in one.message for one in found)
+
+
+def test_a_dotenv_without_a_key_may_be_read_by_anyone(tmp_path):
+    assert remarks(tmp_path) == ()
+    (tmp_path / ".env").write_text("PORT=8000\n")
+    (tmp_path / ".env").chmod(0o644)
+    assert remarks(tmp_path) == ()
 
 
 def test_signing_is_chosen_by_name(tmp_path):

@@ -2,6 +2,7 @@
 
 import json
 import os
+import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -75,6 +76,27 @@ def test_a_ledger_that_cannot_be_written_is_no_error(tmp_path):
     ledger = Ledger(tmp_path / "file", "aa")
     ledger.note("elements", 200)
     assert ledger.counted() == 0
+
+
+@pytest.mark.parametrize(
+    ("shared", "mode"), [(0o755, 0o600), (0o700, 0o600), (0o775, 0o660), (0o2770, 0o660)]
+)
+def test_a_ledger_is_the_users_own_unless_the_group_shares_the_cache(tmp_path, shared, mode):
+    cache = tmp_path / "cache"
+    cache.mkdir()
+    cache.chmod(shared)
+    ledger = Ledger(cache / "ledger", "aa", 2026)
+    before = os.umask(0o022)
+    try:
+        ledger.note("elements", 200)
+        path = cache / "ledger" / "aa-2026.json"
+        assert stat.S_IMODE(path.stat().st_mode) == mode
+        path.chmod(0o644)  # as earlier versions made it
+        ledger.note("elements", 200)
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE(path.stat().st_mode) == mode
+    assert ledger.counted() == 2
 
 
 def test_many_processes_lose_no_call(tmp_path):

@@ -3,8 +3,9 @@
 import math
 import unicodedata
 
-from stages.graph.view.labels import printable, shortened
+from stages.graph.view.labels import shortened
 from stages.robot import xml
+from stages.robot.printable import printable, printable_lines
 
 FONT = "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif"
 _NARROW, _BROAD = frozenset(" ijlft.,:;'|()[]!I-"), frozenset("mwMW@%—…+=×±≤≥<>~")
@@ -54,7 +55,7 @@ class Canvas:
         """What follows belongs together; `title` (its lines) shows where the mouse rests on it."""
         self._into = self._add(self._root, "g")
         if title:
-            self._add(self._into, "title").text = "\n".join(map(printable, title.splitlines()))
+            self._add(self._into, "title").text = printable_lines(title)
 
     def text(
         self,

@@ -6,13 +6,9 @@ import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from stages.robot.model import Dof, Joint, Link, Relation, Robot
+from stages.robot.printable import printable
 
 _UNITS = {"turn": (math.degrees(1.0), "deg"), "slide": (1e3, "mm")}
-
-
-def printable(text: str) -> str:
-    """`text` on one line, without control characters: they break XML, and a terminal obeys them."""
-    return "".join(letter if letter.isprintable() else " " for letter in text)
 
 
 def columns(text: str) -> int:

@@ -11,13 +11,13 @@ from stages.graph.view.labels import (
     is_origin,
     mobility,
     motions,
-    printable,
     rules,
     shortened,
     standing,
     totals,
 )
 from stages.robot.model import Joint, Robot
+from stages.robot.printable import printable
 
 WIDTH = 100
 _RANGES = 24  # columns that the ranges keep, if they are so long

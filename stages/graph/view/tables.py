@@ -11,12 +11,12 @@ from stages.graph.view.labels import (
     leaf,
     limits,
     mobility,
-    printable,
     rules,
     standing,
     value,
 )
 from stages.robot.model import Dof, Joint, Robot
+from stages.robot.printable import printable
 
 Rows = list[list[str]]
 

@@ -1,0 +1,53 @@
+"""What goes to a terminal or a pipe: no control characters of a document in it, and no key.
+
+Text comes from servers, files and people; an escape sequence in a part's name would let it move the
+cursor, colour or retitle the terminal, or hide the line above. All that is printed goes through here.
+"""
+
+import contextlib
+import os
+import sys
+from collections.abc import Iterator
+from typing import Any, TextIO, cast
+
+from pipeline.secrets import Secrets
+from stages.robot.printable import printable_lines
+
+
+class Clean:
+    """A stream on which control characters are shown as their escapes, and keys are blanked.
+
+    `raw` is the stream below, for who draws with control characters of their own and passes each text
+    through `clean`.
+    """
+
+    def __init__(self, raw: TextIO) -> None:
+        self.raw = raw
+        self._secrets: Secrets | None = None
+
+    def clean(self, text: str) -> str:
+        """`text` as it may be shown."""
+        if self._secrets is None:
+            self._secrets = Secrets(os.environ)
+        return printable_lines(self._secrets.blanked(text))
+
+    def write(self, text: str) -> int:
+        """Writes `text` as it may be shown."""
+        self.raw.write(self.clean(text))
+        return len(text)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.raw, name)
+
+
+def clean(stream: Any) -> Clean:
+    """A text stream on which nothing gets but what may be shown."""
+    return stream if isinstance(stream, Clean) else Clean(stream)
+
+
+@contextlib.contextmanager
+def clean_streams() -> Iterator[None]:
+    """Inside, all that is printed, by whomever, is clean."""
+    out, err = cast(TextIO, clean(sys.stdout)), cast(TextIO, clean(sys.stderr))
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        yield

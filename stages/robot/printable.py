@@ -1,0 +1,33 @@
+"""Text that a terminal, a log or an XML file can show: the one place that replaces control characters."""
+
+import re
+
+_UNPRINTABLE = re.compile(
+    "["
+    "\x00-\x08\x0b-\x1f\x7f-\x9f"  # C0 but tab and line feed, DEL, C1: cursor, colour, OSC, CSI
+    "\xad\u200b\u2060-\u2064\ufeff"  # takes no room, so that two names look alike
+    "\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069"  # turns the order of what is read
+    "\u180e\u206a-\u206f\ufff9-\ufffb\U000e0000-\U000e007f"  # invisible formats and tags
+    "\u2028\u2029"  # ends a line for some readers only
+    "\ud800-\udfff\ufffe\uffff"  # no characters: XML forbids them, and they cannot be written
+    "]"
+)
+"""What a text of a document may hold that nobody sees, but a terminal or an XML reader obeys or refuses.
+
+Joiners (U+200C, U+200D) stay: emoji, Persian and Indic words are made of them.
+"""
+
+
+def printable(text: str) -> str:
+    """`text` on one line, each control character in it as JSON writes it: `\\u001b`, `\\n`."""
+    return printable_lines(text).replace("\n", "\\n").replace("\t", " ")
+
+
+def printable_lines(text: str) -> str:
+    """As `printable`, but line feeds and tabs stay. JSON remains the same JSON."""
+    return _UNPRINTABLE.sub(_escaped, text)
+
+
+def _escaped(found: re.Match[str]) -> str:
+    code = found[0].encode("utf-16-be", "surrogatepass").hex()
+    return "".join(f"\\u{code[at : at + 4]}" for at in range(0, len(code), 4))
