@@ -170,6 +170,26 @@ def test_joint_equalities_count_from_the_references(tmp_path):
     assert "2 × equality (bent, stuck)" in left
 
 
+@pytest.mark.parametrize(
+    ("keys", "rules"),
+    [
+        ({"second": {"invert": True}}, {"b": ("a", 2.0, 0.5), "c": ("a", 1.0, 0.45)}),
+        ({"second": {"offset": 0.1}}, {"b": ("a", -2.0, 0.1), "c": ("a", -1.0, 0.25)}),
+        ({"third": {"drop": True}}, {"b": ("a", -2.0, 0.5)}),
+        ({"*": {"drop": True}}, {}),
+    ],
+)
+def test_joint_equalities_obey_relations_too(tmp_path, keys, rules):
+    hinges = ("a", "b", "c", "d")
+    arms = [
+        body(f"arm_{n}", f'<joint name="{n}" ref=".{i + 1}" range="-9 9"/>') for i, n in enumerate(hinges)
+    ]
+    path = written(tmp_path, model(body("base", "".join(arms)), FOLLOW))
+    robot = agree(path, tmp_path / "out", relations=keys)
+    found = {one.follower: (one.driver, one.multiplier, one.offset) for one in robot.relations}
+    assert found == {name: (driver, k, pytest.approx(o)) for name, (driver, k, o) in rules.items()}
+
+
 def test_one_that_follows_two_relates_them(tmp_path):
     """b = .5 + 2 a and b = 3 c − .1, so that c = (.6 + 2 a) / 3: a drives both, as its relation is first."""
     arms = "".join(body(f"arm_{name}", f'<joint name="{name}" ref=".2"/>') for name in "abc")
