@@ -201,6 +201,65 @@ def test_no_line_is_wider_than_100_columns_and_every_link_has_one(robot):
     assert len(table) >= rows
 
 
+def cell(lines, header, start, end):
+    """What stands below a header's word, without the lines of the tree: pieces of names in their order."""
+    left = header.index(start)
+    right = header.index(end)
+    return "".join(line[left:right].strip("│├└─… ") for line in lines)
+
+
+@pytest.mark.parametrize(
+    "robot",
+    [random_robot(), random_robot(60, chain=True), nasty_robot()],
+    ids=lambda robot: robot.name,
+)
+def test_no_name_that_people_type_is_shortened(robot):
+    lines = outline(robot).splitlines()
+    start = lines.index("") + 1
+    header, table = lines[start], lines[start + 1 : lines.index("", start)]
+    # A parts column of five letters, right below its word, ends two columns before the joints.
+    assert cell(table, header, "link", " kg").replace(" ", "") == "".join(
+        link.name for link in in_order(robot)
+    )
+    assert cell(
+        table, header, "joint", "type"
+    ) == f"({'fixed' if robot.base.fixed else 'free'} base)" + "".join(
+        joint.name for link in in_order(robot)[1:] for joint in robot.joints if joint.child == link.name
+    )
+    rest = "".join(" ".join(lines[start + len(table) :]).split())
+    for loop_ in robot.loops:
+        for name in (loop_.name, loop_.mate.name, loop_.link_a, loop_.link_b):
+            assert "".join(printable(name).split()) in rest
+    for one in robot.frames:
+        assert one.name in rest
+    told = "".join("".join(line[header.index("range") :].split()) for line in table)
+    for relation in robot.relations:
+        assert f"×{relation.driver}" in told
+
+
+def in_order(robot):
+    """The links as a tree lists them, every subtree together."""
+    below = {
+        link.name: [joint.child for joint in robot.joints if joint.parent == link.name]
+        for link in robot.links
+    }
+    links = {link.name: link for link in robot.links}
+    waiting, found = [robot.root.name], []
+    while waiting:
+        name = waiting.pop()
+        found.append(links[name])
+        waiting += reversed(below[name])
+    return found
+
+
+def test_a_name_with_wide_letters_is_wrapped_by_columns():
+    name = "中文連桿" * 30
+    robot = robot_with([joint("revolute", "base", name, name=f"{name}_j")], name=name)
+    lines = outline(robot).splitlines()
+    assert max(map(columns, lines)) <= 100
+    assert "".join(lines).count("桿") == 90
+
+
 def test_the_origin_as_root_has_no_mass():
     lines = outline(robot_with([joint("planar", "world", "cart")], root="world")).splitlines()
     assert lines[4].split() == ["world", "(fixed", "base)"]

@@ -1,8 +1,12 @@
-"""The kinematic tree as text, a line for each link and further dof, no wider than 100 columns."""
+"""The kinematic tree as text, a line for each link and further dof, no wider than 100 columns.
 
-import textwrap
+Names are wrapped where there is no room, never shortened: people type them into their YAML.
+"""
+
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 from stages.graph.view.labels import (
     columns,
@@ -12,7 +16,6 @@ from stages.graph.view.labels import (
     mobility,
     motions,
     rules,
-    shortened,
     standing,
     totals,
 )
@@ -22,24 +25,27 @@ from stages.robot.printable import printable
 WIDTH = 100
 _RANGES = 24  # columns that the ranges keep, if they are so long
 _GAPS = 10  # columns between the six cells of a line
-_TRUNK = 24  # columns that the lines before a name take at most
+_TRUNK = 22  # columns that the lines before a name take at most
+_NAME, _JOINT = 16, 14  # columns that the names of a link and of a joint keep
 _HEADER = ("link", "kg", "parts", "joint", "type")
+
+Cells = tuple[str, str, str, str, str]
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A link's line. `lasts`: for it and each link above, the root aside, whether it is the last child."""
+    """A link's lines. `lasts`: for it and each link above, the root aside, whether it is the last child."""
 
     lasts: tuple[bool, ...]
     is_leaf: bool
-    cells: tuple[str, str, str, str, str]
+    cells: Cells
     ranges: tuple[str, ...]
 
 
 def outline(robot: Robot) -> str:
     """The tree with masses, joints and ranges; then loops, frames and mobility."""
     sections = [
-        [f"{shortened(robot.name, 24)}: {totals(robot)}", *_filled(standing(robot))],
+        _filled(f"{robot.name}: {totals(robot)}") + _filled(standing(robot)),
         list(_table(list(_rows(robot)))),
         _loops(robot),
         _frames(robot),
@@ -53,7 +59,7 @@ def _rows(robot: Robot) -> Iterator[Row]:
     below: dict[str, list[Joint]] = {link.name: [] for link in robot.links}
     for joint in robot.joints:
         below[joint.parent].append(joint)
-    follows = rules(robot, room=20)
+    follows = rules(robot)
     links = {link.name: link for link in robot.links}
     base = f"({'fixed' if robot.base.fixed else 'free'} base)"
     waiting: list[tuple[Joint | None, tuple[bool, ...]]] = [(None, ())]
@@ -82,27 +88,33 @@ def _table(rows: Sequence[Row]) -> Iterator[str]:
     yield _line(_HEADER, widths, "range")
     for row in rows:
         trunk = _trunk(row.lasts, step)
-        name = trunk + shortened(row.cells[0], widths[0] - len(trunk))
-        lines = _packed(row.ranges, WIDTH - _GAPS - sum(widths))
-        yield _line((name, *row.cells[1:]), widths, lines[0] if lines else "")
         stem = _stem(row.lasts, step) + ("" if row.is_leaf else "│")
-        for more in lines[1:]:
-            yield _line((stem, "", "", "", ""), widths, more)
+        below = f"{stem} ".ljust(len(trunk))
+        fits = columns(trunk + row.cells[0]) <= widths[0]
+        names = [row.cells[0]] if fits else _broken(row.cells[0], widths[0] - len(below))
+        joints = _broken(row.cells[3], widths[3])
+        ranges = _packed(row.ranges, WIDTH - _GAPS - sum(widths))
+        first: Cells = (trunk + names[0], *row.cells[1:3], joints[0], row.cells[4])
+        yield _line(first, widths, ranges[0] if ranges else "")
+        for name, joint, more in zip_longest(names[1:], joints[1:], ranges[1:], fillvalue=""):
+            yield _line((below + name if name else stem, "", "", joint, ""), widths, more)
 
 
 def _widths(rows: Sequence[Row]) -> tuple[int, list[int]]:
     """Columns of a level of the tree, and of each cell but the ranges: as much as there is room for."""
     table = [_HEADER, *(row.cells for row in rows)]
-    widths = [max(len(cells[column]) for cells in table) for column in range(5)]
-    ranges = min(_RANGES, max((len(text) for row in rows for text in row.ranges), default=0))
+    widths = [max(columns(cells[column]) for cells in table) for column in range(5)]
+    ranges = min(_RANGES, max(map(columns, ["range", *(text for row in rows for text in row.ranges)])))
     room = WIDTH - ranges - _GAPS - widths[1] - widths[2] - widths[4]
     for step in (3, 2):
-        widths[0] = max(4, *(len(_trunk(row.lasts, step)) + len(row.cells[0]) for row in rows))
+        widths[0] = max(4, *(len(_trunk(row.lasts, step)) + columns(row.cells[0]) for row in rows))
         if widths[0] + widths[3] <= room:
             return step, widths
     step = max(1, min(2, _TRUNK // max(1, *(len(row.lasts) for row in rows))))
+    trunk = max(len(_trunk(row.lasts, step)) for row in rows)
     widths[3] = min(widths[3], max(room * 2 // 5, room - widths[0]))
-    widths[0] = room - widths[3]
+    widths[0] = max(room - widths[3], trunk + _NAME)
+    widths[3] = min(widths[3], max(room - widths[0], _JOINT))
     return step, widths
 
 
@@ -124,28 +136,45 @@ def _packed(texts: Sequence[str], room: int) -> list[str]:
     """A line for each text, but what a dof follows ("= ...") beside its range where there is room."""
     lines: list[str] = []
     for text in texts:
-        if text.startswith("= ") and lines and len(lines[-1]) + 2 + len(text) <= room:
+        if text.startswith("= ") and lines and columns(lines[-1]) + 2 + columns(text) <= room:
             lines[-1] += f"  {text}"
         else:
-            lines += textwrap.wrap(text, room, subsequent_indent="  ")
+            lines += _wrapped(text, room, "  ")
     return lines
 
 
-def _line(cells: Sequence[str], widths: Sequence[int], ranges: str) -> str:
+def _broken(name: str, room: int) -> list[str]:
+    """A name in pieces of at most `room` columns, which make it again as they stand, one below the other."""
+    lines = [""]
+    # After what joins words, and anywhere in a word that is longer than a line.
+    for word in re.findall(r"[^_.\-/]*[_.\-/]|[^_.\-/]+", printable(name)) or [""]:
+        pieces = [word] if columns(word) <= room else list(word)
+        for piece in pieces:
+            if columns(lines[-1] + piece) > room:
+                lines.append("")
+            lines[-1] += piece
+    return lines
+
+
+def _line(cells: Cells, widths: Sequence[int], ranges: str) -> str:
     name, mass, parts, joint, kind = cells
     line = (
-        f"{name:<{widths[0]}}  {mass:>{widths[1]}}  {parts:>{widths[2]}}"
-        f"  {shortened(joint, widths[3]):<{widths[3]}}  {kind:<{widths[4]}}  {ranges}"
+        f"{_padded(name, widths[0])}  {mass:>{widths[1]}}  {parts:>{widths[2]}}"
+        f"  {_padded(joint, widths[3])}  {kind:<{widths[4]}}  {ranges}"
     )
     return line.rstrip()
+
+
+def _padded(text: str, width: int) -> str:
+    return text + " " * (width - columns(text))
 
 
 def _loops(robot: Robot) -> list[str]:
     """The mates that close loops, which links they join and how far they are from met."""
     lines = []
     for loop in robot.loops:
-        head = f"loop {shortened(loop.name, 36)}: {loop.type}, mate {shortened(loop.mate.name, 32)}"
-        ends = f"{shortened(loop.link_a, 28)} to {shortened(loop.link_b, 28)}"
+        head = f"loop {loop.name}: {loop.type}, mate {loop.mate.name}"
+        ends = f"{loop.link_a} to {loop.link_b}"
         lines += _filled(f"{head}, {ends}, residual {loop.residual:.2g}")
     return lines
 
@@ -155,21 +184,30 @@ def _frames(robot: Robot) -> list[str]:
     there = frames_on(robot)
     for link in robot.links:
         if link.name in there:
-            names = [shortened(name, 40) for name in there[link.name]]
-            head = f"{counted(len(names), 'frame')} on {shortened(link.name, 40)}"
-            lines += _filled(f"{head}: {', '.join(names)}")
+            names = there[link.name]
+            lines += _filled(f"{counted(len(names), 'frame')} on {link.name}: {', '.join(names)}")
     return lines
 
 
 def _mobility(robot: Robot) -> list[str]:
     lines = _filled(mobility(robot))
     for name, number in robot.mobility.redundant:
-        what = f"{counted(number, 'condition')} of the loop {shortened(name, 40)}"
+        what = f"{counted(number, 'condition')} of the loop {name}"
         lines += _filled(f"{what} {'say' if number > 1 else 'says'} nothing new (redundant)")
     return lines
 
 
 def _filled(text: str) -> list[str]:
-    """Lines of at most `WIDTH` columns, also where letters take two."""
-    text = printable(text)
-    return textwrap.wrap(text, WIDTH + len(text) - columns(text), subsequent_indent="    ")
+    return _wrapped(printable(text), WIDTH, "    ")
+
+
+def _wrapped(text: str, room: int, indent: str) -> list[str]:
+    """Lines of at most `room` columns, also where letters take two; all but the first are indented."""
+    lines = [""]
+    for word in text.split():
+        joined = f"{lines[-1]} {word}" if lines[-1].strip() else lines[-1] + word
+        if columns(joined) <= room:
+            lines[-1] = joined
+        else:
+            lines += [indent + piece for piece in _broken(word, room - len(indent))]
+    return lines if lines[0] else lines[1:]
