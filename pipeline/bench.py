@@ -26,8 +26,9 @@ class Bench:
     """What a stage works with: the plan, the earlier stages' files, and the cache for its parts.
 
     `calls` counts the API calls of this build (as `Report.calls`); a stage tells what it does through
-    `tell`. `ledger` is the folder that takes down all calls of all builds, None where nothing does;
-    `began`: when the sweep started that this build is a job of [s since the epoch].
+    `tell`, and through `passing` what the next line replaces. `ledger` is the folder that takes down all
+    calls of all builds, None where nothing does; `began`: when the sweep started that this build is a job
+    of [s since the epoch].
     """
 
     def __init__(
@@ -43,6 +44,7 @@ class Bench:
         self.cache = cache
         self.environ = environ
         self.tell = tell
+        self.passing: Callable[[str], None] = lambda _: None
         self.files: dict[str, Files] = {}
         self.ledger = ledger
         self.began = began

@@ -25,6 +25,7 @@ from pipeline.plan import Plan
 from pipeline.preflight import beforehand
 from pipeline.progress import Both, Log, Progress, Quiet
 from pipeline.report import Report, StageReport
+from pipeline.settle import name_of
 from pipeline.stage import STAGES, Stage, libraries, stages_until
 from pipeline.store import sha256
 from stages.fetch import remarks
@@ -146,10 +147,18 @@ class Run:
 
     def __post_init__(self) -> None:
         self.source["kind"] = self.plan.source.kind
+        if self.plan.source.kind == "onshape":
+            self.source["url"] = self.plan.source.url
+
+    @property
+    def named(self) -> bool:
+        """Whether somebody named the robot; else its name is made of its source."""
+        return self.plan.name != name_of({"url": self.source.get("url")})
 
     def stage(self, stage: Stage, bench: Bench) -> None:
         """Performs one stage, timed, and takes down what it found."""
         bench.tell = bench.cache.tell = lambda line: self.progress.tell(stage.name, line)
+        bench.passing = lambda line: self.progress.passing(stage.name, line)
         self.calls = bench.calls
         self.progress.start(stage.name)
         start = time.perf_counter()
@@ -217,6 +226,7 @@ class Run:
         installed = {name: v for stage in STAGES for name, v in libraries(stage).items()}
         return Report(
             name=self.plan.name,
+            title="" if self.named else self.source.get("title", ""),
             folder=self.folder,
             until=self.plan.until,
             source=self.source,
@@ -262,8 +272,12 @@ def leave_failure(output: Output, run: Run, error: Exception) -> None:
     if not isinstance(error, LinkwrightError):
         for line in "".join(traceback.format_exception(error)).splitlines():
             run.log.line(line)
+    failed = run.failed(error)
     try:
-        output.publish(run.documents(run.failed(error), {}), FAILED)
+        place = output.publish(run.documents(failed, {}), FAILED)
     except LinkwrightError as second:
         # The first error is the one to tell.
         run.log.line(str(second))
+    else:
+        for line in report.epitaph(failed, place):
+            error.add_note(line)

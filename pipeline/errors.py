@@ -92,7 +92,11 @@ def exit_status(error: BaseException) -> int:
 
 
 def render(error: BaseException) -> str:
-    """The one message about `error`: what, where, why, what to do; no traceback."""
+    """The one message about `error`: what, where, why, what to do, and its notes; no traceback."""
+    return "\n".join([_message(error), *(f"  {note}" for note in getattr(error, "__notes__", ()))])
+
+
+def _message(error: BaseException) -> str:
     if isinstance(error, KeyboardInterrupt):
         return "error: interrupted"
     if isinstance(error, LinkwrightError):

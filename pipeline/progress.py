@@ -11,11 +11,16 @@ from stages.robot.printable import printable
 
 
 class Progress(Protocol):
-    """Hears of each stage in turn. `close` is always called at the end, also after an error."""
+    """Hears of each stage in turn. `close` is always called at the end, also after an error.
+
+    What is `passing` adds to the line that was told last, until the next comes.
+    """
 
     def start(self, stage: str) -> None: ...
 
     def tell(self, stage: str, line: str) -> None: ...
+
+    def passing(self, stage: str, line: str) -> None: ...
 
     def done(self, stage: StageReport) -> None: ...
 
@@ -35,6 +40,9 @@ class Quiet:
         pass
 
     def tell(self, stage: str, line: str) -> None:
+        pass
+
+    def passing(self, stage: str, line: str) -> None:
         pass
 
     def done(self, stage: StageReport) -> None:
@@ -66,20 +74,29 @@ class Terminal(Quiet):
         self._clean = clean(stream).clean
         self._console = Console(file=clean(stream).raw, highlight=False)
         self._status: Any = None
+        self._said = ""
 
     def start(self, stage: str) -> None:
         self.close()
+        self._said = stage
         self._status = self._console.status(stage)
         self._status.start()
 
     def tell(self, stage: str, line: str) -> None:
+        self._said = self._clean(f"{stage}: {printable(line)}")
+        if self._status is None:
+            self._console.print(self._said, markup=False)
+        else:
+            self._update(self._said)
+
+    def passing(self, stage: str, line: str) -> None:
+        if self._status is not None:
+            self._update(f"{self._said} ({self._clean(printable(line))})")
+
+    def _update(self, text: str) -> None:
         from rich.markup import escape
 
-        text = self._clean(f"{stage}: {printable(line)}")
-        if self._status is None:
-            self._console.print(text, markup=False)
-        else:
-            self._status.update(escape(text))
+        self._status.update(escape(text))
 
     def done(self, stage: StageReport) -> None:
         self.close()
@@ -131,6 +148,10 @@ class Both(Quiet):
     def tell(self, stage: str, line: str) -> None:
         for one in self._to:
             one.tell(stage, line)
+
+    def passing(self, stage: str, line: str) -> None:
+        for one in self._to:
+            one.passing(stage, line)
 
     def done(self, stage: StageReport) -> None:
         for one in self._to:

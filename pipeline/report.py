@@ -1,8 +1,10 @@
 """What a build tells: `Report`, its JSON, and the closing table."""
 
 import json
+import os
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
+from pathlib import Path
 from typing import Any, Literal, TextIO
 
 from pipeline.output import FORMAT
@@ -39,6 +41,7 @@ class Report:
     the mechanism moves: `coordinates`, `gruebler` and `dof` (see `stages.robot.model.Mobility`).
     `outline`: the lines of the kinematic tree as text. `outputs`: SHA-256 of each file of the robot, by
     path below `folder`. `error`: of a failed build, its class, message, place, hint and problems.
+    `title`: what the assembly is called, where a reply told it and nobody named the robot.
     """
 
     status: Status
@@ -57,6 +60,12 @@ class Report:
     outputs: Mapping[str, str] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     error: Mapping[str, Any] | None = None
+    title: str = ""
+
+    @property
+    def heading(self) -> str:
+        """The robot's name, and what its assembly is called where nobody named the robot."""
+        return f"{self.name} ({self.title})" if self.title else self.name
 
     def tree(self) -> dict[str, Any]:
         """The report as plain data."""
@@ -115,13 +124,29 @@ def findings(report: Report) -> list[str]:
     passed = len(report.checks) - len(report.failed_checks)
     if report.checks:
         lines.append(f"{passed} of {len(report.checks)} checks passed")
-    made, saved = report.calls.get("made", 0), report.calls.get("saved", 0)
-    if made or saved:
-        year = report.calls.get("counted_this_year")
-        so_far = "" if year is None else f"; {year} of this key counted this year"
-        lines.append(f"{made} API calls made, {saved} saved by the cache{so_far}")
-    lines.append(printable(f"{report.name}: {report.folder}"))
+    lines += spent(report)
+    lines.append(printable(f"{report.heading}: {report.folder}"))
     return lines
+
+
+def spent(report: Report) -> list[str]:
+    """The calls of a build in one line; none where it made and saved none."""
+    made, saved = report.calls.get("made", 0), report.calls.get("saved", 0)
+    if not made and not saved:
+        return []
+    year = report.calls.get("counted_this_year")
+    so_far = "" if year is None else f"; {year} of this key counted this year"
+    return [f"{made} API call{'' if made == 1 else 's'} made, {saved} saved by the cache{so_far}"]
+
+
+def epitaph(report: Report, folder: Path) -> list[str]:
+    """What comes after the error of a failed build: its calls, its source, and where its report is."""
+    url = report.source.get("url")
+    return [
+        *spent(report),
+        *([f"source: {url}"] if url else []),
+        f"report: {Path(os.path.relpath(folder)) / 'report.html'}",
+    ]
 
 
 def render(report: Report) -> str:
@@ -160,8 +185,9 @@ def show(report: Report, stream: TextIO) -> None:
         style = "bold red" if line.startswith("FAILED ") else ""
         if line[1:2] == "-":
             style = styles.get(line[0], "")
-        # As Text: brackets in CAD names are no markup.
-        console.print(Text(fitting(out.clean(line), stream.encoding), style=style))
+        # As Text: brackets in CAD names are no markup. What is to be pasted keeps its lines.
+        text = Text(fitting(out.clean(line), stream.encoding), style=style)
+        console.print(text, soft_wrap=line.startswith(" "))
 
 
 def versions(libraries: Mapping[str, str]) -> dict[str, str]:

@@ -54,7 +54,7 @@ def settle(tree: Mapping[str, Any], choices: Choices) -> dict[str, Any]:
         _drop_other_sources(settled, choices)
     _keep_chosen_formats(settled, choices)
     if settled.get("name") is None:
-        settled["name"] = _name(settled.get("source"), choices.robot)
+        settled["name"] = name_of(settled.get("source"), choices.robot)
     return settled
 
 
@@ -92,7 +92,7 @@ def _keep_chosen_formats(tree: dict[str, Any], choices: Choices) -> None:
             formats.setdefault(name, {})
 
 
-def _name(source: Any, robot: str) -> str:
+def name_of(source: Any, robot: str = "bare") -> str:
     """The robot file's name, else the stem of the source's path, else made of the element's id."""
     if robot != "bare":
         return _safe(PurePath(robot).name)

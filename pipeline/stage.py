@@ -127,6 +127,7 @@ class Fetch(Common):
                 calls,
                 began=bench.began,
                 while_waiting=bench.ahead,
+                passing=bench.passing,
             )
         finally:
             # Also what a fetch spent that failed.
@@ -146,7 +147,7 @@ class Fetch(Common):
             NOTES: notes(
                 f"{_held(bundle)}, {size / 1e6:.2f} MB",
                 fetched.diagnostics,
-                source=dict(bundle.root),
+                source={**bundle.root, **({"title": fetched.title} if fetched.title else {})},
                 calls=fetched.calls + fetched.saved,
             ),
         }

@@ -26,12 +26,16 @@ VERSION = 3
 
 @dataclass(frozen=True, slots=True)
 class Fetched:
-    """A bundle, the `calls` made for it that count against the quota, and the calls `saved`."""
+    """A bundle, the `calls` made for it that count against the quota, and the calls `saved`.
+
+    `title`: what the assembly's tab is called, where a reply told it.
+    """
 
     bundle: Bundle
     calls: int
     saved: int
     diagnostics: tuple[Diagnostic, ...] = ()
+    title: str = ""
 
 
 def fetch(
@@ -44,8 +48,10 @@ def fetch(
     patience: Patience | None = None,
     began: float | None = None,
     while_waiting: Callable[[], None] = lambda: None,
+    passing: Callable[[str], None] = lambda _: None,
 ) -> Fetched:
-    """The bundle of what `keys.source` names. `tell` gets lines about progress.
+    """The bundle of what `keys.source` names. `tell` gets lines about progress, and `passing` those that
+    the next one replaces.
 
     Calls are taken down in the folder `ledger`, and in `calls` also where the fetch fails. `patience`:
     how failures of the server are borne with, but for `source.max_wait`. `began`: the start of the
@@ -60,7 +66,9 @@ def fetch(
         from stages.fetch.plan_of_calls import Calls
 
         calls = Calls() if calls is None else calls
-        return _from_onshape(source, replies, environ, tell, ledger, calls, patience, began, while_waiting)
+        return _from_onshape(
+            source, replies, environ, tell, ledger, calls, patience, began, while_waiting, passing
+        )
     if source.kind == "urdf":
         from stages.fetch.local.gather import gather as gathered
 
@@ -94,6 +102,7 @@ def _from_onshape(
     patience: Patience | None,
     began: float | None,
     while_waiting: Callable[[], None],
+    passing: Callable[[str], None],
 ) -> Fetched:
     from stages.fetch.asking import Asking
     from stages.fetch.network import Network
@@ -104,7 +113,7 @@ def _from_onshape(
     from stages.robot.errors import Diagnostic, QuotaExhausted, SourceError
 
     url = parse(source.url)
-    with Server(url, environ, tell, source.max_wait, ledger, patience, source.max_calls) as server:
+    with Server(url, environ, tell, source.max_wait, ledger, patience, source.max_calls, passing) as server:
         asking = Asking(
             server, replies, offline=source.offline, refresh=source.refresh, max_calls=source.max_calls
         )
@@ -134,7 +143,7 @@ def _from_onshape(
         finally:
             server.account(calls)
             calls.saved = asking.saved
-    return Fetched(bundle, calls.made, calls.saved, (*network.diagnostics, *found))
+    return Fetched(bundle, calls.made, calls.saved, (*network.diagnostics, *found), network.title())
 
 
 def preflight(keys: FetchKeys, environ: Mapping[str, str]) -> None:

@@ -10,6 +10,7 @@ import functools
 import json
 import tempfile
 import threading
+import time
 from collections.abc import Callable, Mapping
 from types import TracebackType
 from urllib.parse import urlsplit
@@ -31,13 +32,18 @@ __all__ = ["AT_ONCE", "JSON", "Client"]
 _PAGE = b"<"
 _MET = {"X-Api-Version": "api", "On-Version": "release"}
 _PATIENCE = Patience()
+_LONG = 1_000_000
+"""What arrives in no time need not be watched [bytes]."""
+_EVERY = 0.2
+"""How often it is shown how much has arrived [s]."""
 
 
 class Client:
     """Asks one host. Safe to call from several threads; a context manager.
 
-    `ledger` takes down what is billed; `tell` gets a line wherever the user has to wait; `max_calls`
-    bounds what is billed, whatever has to be asked again.
+    `ledger` takes down what is billed; `tell` gets a line wherever the user has to wait, and `passing`
+    how much has arrived while that is going on; `max_calls` bounds what is billed, whatever has to be
+    asked again.
     """
 
     def __init__(
@@ -49,6 +55,7 @@ class Client:
         ledger: Ledger | None = None,
         tell: Callable[[str], None] = lambda _: None,
         max_calls: int | None = None,
+        passing: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.host = urlsplit(url.origin).netloc
         self.met: dict[str, str] = {}
@@ -65,7 +72,9 @@ class Client:
         self._stopped = threading.Event()
         self._reason: SourceError | None = None
         self._windows = Windows(patience.max_wait, self._stopped)
-        self._wire = Wire(patience, loopback=url.loopback)
+        self._passing = passing
+        self._received, self._shown = 0, 0.0
+        self._wire = Wire(patience, loopback=url.loopback, arrived=self._arrived)
 
     def __enter__(self) -> "Client":
         return self
@@ -277,6 +286,16 @@ class Client:
                     self.met[name] = self._credentials.scrub(headers[header])[:40]
         if self._ledger is not None:
             self._ledger.note(kind, status, rest)
+
+    def _arrived(self, size: int) -> None:
+        """Shows what has arrived of long replies, a few times a second."""
+        with self._lock:
+            self._received += size
+            now = time.monotonic()
+            if self._received < _LONG or now - self._shown < _EVERY:
+                return
+            self._shown = now
+            self._passing(f"{self._received / 1e6:.1f} MB received")
 
     def _say(self, line: str) -> None:
         with self._lock:

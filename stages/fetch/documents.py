@@ -32,6 +32,14 @@ def tabs(body: bytes) -> Mapping[str, str]:
     return {str(element): str(version) for element, version in found if element and version}
 
 
+def tab_name(body: bytes, element: str) -> str:
+    """What a tab is called, of an `elements` reply; empty where it does not say."""
+    found = _json(body, "the tabs of a document")
+    listed = found if isinstance(found, list) else []
+    names = (tab.get("name") for tab in listed if isinstance(tab, dict) and tab.get("id") == element)
+    return next((name for name in names if isinstance(name, str)), "")
+
+
 def require_tab(body: bytes, element: str) -> None:
     """ProtocolError where an `elements` reply does not list a tab that is there for sure."""
     tabs(body)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from stages.fetch import features, requests, verify
+from stages.fetch import documents, features, requests, verify
 from stages.fetch.asking import Asking
 from stages.fetch.configured import Configured
 from stages.fetch.features import Owner
@@ -76,6 +76,17 @@ class Network:
         self._url, self._then, microversion = configured.now(anew=self._keys.refresh)
         self._pin = f"m/{microversion}"
         self._workspace = Workspace(self._url, self._asking)
+
+    def title(self) -> str:
+        """What the assembly's tab is called, where a reply of any build told it; no call is made."""
+        url, asking = self._url, self._asking
+        subject = f"/documents/d/{url.document}/e/{url.element}#name"
+        known = str(asking.recall(subject).get("name", ""))
+        kept = asking.kept(requests.elements(url.document, self._pin[2:]))
+        name = documents.tab_name(kept, url.element) if kept is not None else known
+        if name != known:
+            asking.remember(subject, {"name": name})
+        return name
 
     def features(self, owners: Sequence[Owner], root: str) -> Sequence[Told]:
         if owners:

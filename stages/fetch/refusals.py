@@ -4,7 +4,7 @@ import json
 import time
 from collections.abc import Mapping
 
-from stages.fetch.requests import describe, is_definition
+from stages.fetch.requests import configuration_asked, describe, is_definition
 from stages.fetch.windows import date
 from stages.robot.errors import (
     AuthError,
@@ -52,6 +52,8 @@ def refusal(
         return QuotaExhausted(msg, host, hint)
     if status == 404:
         return _absent(what, quoted, host, request, page=_is_page(text))
+    if status == 400 and is_definition(request) and configuration_asked(request):
+        return _not_so_configured(configuration_asked(request), quoted, host)
     if status == 400 and is_definition(request):
         msg = f"the server refuses to give {what} (400){quoted}: {_NOT_ASSEMBLY}"
         return SourceError(msg, host, _open_the_tab())
@@ -147,6 +149,16 @@ def _denied(status: int, what: str, quoted: str, host: str, kind: str, skew: flo
         f"; {clock}" if clock else ", and check this computer's clock"
     )
     return AuthError(msg, host, hint)
+
+
+def _not_so_configured(configuration: str, quoted: str, host: str) -> SourceError:
+    msg = f"the server does not take the configuration {configuration!r} (400){quoted}"
+    hint = (
+        "choose it in the browser and copy the address again, or give the values by name in "
+        "source.configuration, which is checked against the document; if the address works without "
+        "one, it is the configuration, else the tab may not be an assembly"
+    )
+    return SourceError(msg, host, hint)
 
 
 def _absent(what: str, quoted: str, host: str, request: str, *, page: bool) -> NotFound:

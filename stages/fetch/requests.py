@@ -65,6 +65,13 @@ def current_microversion(document: str, workspace: str) -> str:
     return "/documents/d/{}/w/{}/currentmicroversion".format(*pieces)
 
 
+def configuration_asked(request: str) -> str:
+    """The configuration that a request is about, decoded; empty for the default one."""
+    values = dict(parse_qsl(request.partition("?")[2], keep_blank_values=True))
+    found = values.get("configuration", "default")
+    return "" if found == "default" else found
+
+
 def elements(document: str, microversion: str) -> str:
     """The tabs of a document at a microversion, each with a microversion of its own."""
     pieces = [quote(piece, safe="") for piece in (document, microversion)]

@@ -23,7 +23,7 @@ class Server:
     """A context manager: the connections live as long as it.
 
     `max_wait` [s] bounds the waits that the server may ask for; `ledger` is the folder where calls
-    are taken down, if any; `patience` is what else is borne with.
+    are taken down, if any; `patience` is what else is borne with; `passing` hears how much has arrived.
     """
 
     at_once = AT_ONCE
@@ -37,8 +37,10 @@ class Server:
         ledger: Path | None,
         patience: Patience | None = None,
         max_calls: int | None = None,
+        passing: Callable[[str], None] = lambda _: None,
     ) -> None:
         self._url = url
+        self._passing = passing
         self._max_calls = max_calls
         self._environ = environ
         self._tell = tell
@@ -80,6 +82,7 @@ class Server:
                 ledger=self._ledger,
                 tell=self._tell,
                 max_calls=self._max_calls,
+                passing=self._passing,
             )
         return self._client
 

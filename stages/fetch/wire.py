@@ -52,7 +52,11 @@ class TooLarge(Exception):
 class Wire:
     """Connections that are kept alive. Safe to use from several threads."""
 
-    def __init__(self, patience: Patience, *, loopback: bool) -> None:
+    def __init__(
+        self, patience: Patience, *, loopback: bool, arrived: Callable[[int], None] = lambda _: None
+    ) -> None:
+        """`arrived` hears of each piece of a reply, how many bytes it took."""
+        self._arrived = arrived
         self._whole = patience.whole
         self._sockets: WeakSet[socket.socket] = WeakSet()
         self._lock = Lock()
@@ -130,8 +134,11 @@ class Wire:
         good = response.status_code < 300
         with tempfile.SpooledTemporaryFile(_IN_MEMORY) as file:
             try:
+                downloaded = 0
                 for chunk in response.iter_bytes():
                     file.write(chunk)
+                    self._arrived(response.num_bytes_downloaded - downloaded)
+                    downloaded = response.num_bytes_downloaded
                     if time.monotonic() > until:
                         raise Lost("too slow", begun=True, status=response.status_code, late=True)
                     if good and file.tell() > _LARGEST:

@@ -44,6 +44,9 @@ def assemble(bundle: Bundle, keys: GraphKeys) -> Robot:
     mechanism, keys = _reader(bundle.kind)(bundle, keys, notes)
     mechanism = renamed(mechanism, keys.names, notes)
     robot = place(mechanism, _tree(mechanism, keys, notes), keys, notes)
+    if bundle.kind == "urdf" and keys.root.base == "auto" and not robot.base.fixed:
+        what = "a URDF does not say whether its base stands still: it is taken as free"
+        notes.tell("I-URDF-BASE", what, robot.root.name, "if it is fixed to the ground: root=fixed")
     robot = with_added_links(robot, keys.links, notes)
     robot = with_properties(robot, keys.joints, notes)
     robot = with_relations(robot, mechanism.bonds, notes, keys.relations)

@@ -93,6 +93,21 @@ def test_an_assembly_without_mates_is_told_what_to_do(tmp_path: Path) -> None:
     over_http(tmp_path, small(arm=True), "no mates", "FASTENED")
 
 
+def test_a_failed_build_says_what_it_cost_what_it_read_and_where_its_report_is(tmp_path: Path) -> None:
+    with OnshapeServer(small(arm=True)) as server:
+        url = server.document_url()
+        environ = environment(tmp_path, **server.environ)
+        said = refused(tmp_path, 1, ["source=onshape", f"source.url='{url}'"], "no mates", environ=environ)
+    lines = [line.strip() for line in said.splitlines()]
+    assert "3 API calls made, 0 saved by the cache; 3 of this key counted this year" in lines
+    assert f"source: {url}" in lines
+    place = next(line.removeprefix("report: ") for line in lines if line.startswith("report: "))
+    assert (tmp_path / place).is_file()
+    report = json.loads((tmp_path / place).with_name("report.json").read_bytes())
+    assert report["source"]["url"] == url
+    assert report["calls"]["made"] == 3
+
+
 def test_a_wrong_key_is_named_without_showing_it(tmp_path: Path) -> None:
     said = over_http(tmp_path, small(), "401", ONSHAPE_SECRET_KEY="not-the-secret")
     assert "not-the-secret" not in said

@@ -10,7 +10,7 @@ import yaml
 
 from pipeline.bench import FILES, NOTES, notes
 from pipeline.build import build
-from pipeline.errors import AssemblyError, ConfigError, SecretFound
+from pipeline.errors import AssemblyError, ConfigError, SecretFound, render
 from pipeline.plan import Plan
 from pipeline.progress import Lines
 from pipeline.stage import STAGES
@@ -291,6 +291,28 @@ def test_a_file_with_a_key_is_not_handed_out_and_the_last_good_build_stays(make,
     for name in names(left):
         assert b"s3cr3t-va" not in (left / name).read_bytes()
     assert json.loads((left / "report.json").read_bytes())["error"]["type"] == "SecretFound"
+
+
+@pytest.mark.parametrize(("name", "title"), [(f"onshape_{'c' * 8}", "Left arm"), ("arm", "")])
+def test_a_robot_that_nobody_named_is_shown_with_the_name_of_its_assembly(make, tmp_path, name, title):
+    url = f"https://cad.onshape.com/documents/{'a' * 24}/w/{'b' * 24}/e/{'c' * 24}"
+    stages = fakes(fetch={"more": {"source": {"title": "Left arm"}}})
+    report = make(stages, source={"kind": "onshape", "url": url}, name=name)
+    assert report.title == title
+    assert report.name == name
+    assert report.source["url"] == url
+
+
+def test_the_notes_of_an_error_are_what_a_failed_build_leaves(make, folder, monkeypatch):
+    monkeypatch.chdir(folder.parents[1])
+    stages = fakes(graph={"error": AssemblyError("no robot", hint="mend it")})
+    with pytest.raises(AssemblyError) as caught:
+        make(stages)
+    assert render(caught.value).splitlines() == [
+        "error: no robot",
+        "  → mend it",
+        "  report: out/arm.failed/report.html",
+    ]
 
 
 def test_a_key_that_others_can_read_gets_a_remark(make, tmp_path, monkeypatch):

@@ -32,6 +32,8 @@ KEY = Credentials("the-access", "the-secret")
 MASS = "/partstudios/d/D/m/M/e/STUDIO/massproperties?configuration=a%3Db%2Bc"
 DEFINITION = "/assemblies/d/D/w/W/e/ROOT?configuration=default"
 
+CONFIGURED = "/assemblies/d/D/w/W/e/ROOT?configuration=leg%3D0.25%20m"
+
 
 @contextmanager
 def serving(answer, patience=QUICK, **more):
@@ -116,6 +118,9 @@ def test_a_packed_reply_is_unpacked():
         (MASS, 304, {}, ProtocolError, "not followed"),
         (DEFINITION, 400, {}, SourceError, "a part studio or a drawing?"),
         (MASS, 400, {}, Declined, "(400)"),
+        (CONFIGURED, 400, {}, SourceError, "does not take the configuration 'leg=0.25 m' (400)"),
+        (CONFIGURED, 400, {}, SourceError, "source.configuration, which is checked against the document"),
+        (CONFIGURED, 404, {}, NotFound, "gone, or private"),
         (MASS, 406, {}, Declined, "(406)"),
         (MASS, 499, {}, ProtocolError, "asked 3 times"),
         (MASS, 500, {}, ProtocolError, "failed to give"),
@@ -447,6 +452,30 @@ def test_what_undoes_a_change_is_posted_where_all_calls_were_stopped(status):
         assert client.post("/variables/d/D/w/W/e/E/variables", b"[1]", restoring=True) == b"[]"
     # Its own window is waited for all the same.
     assert times[1] - times[0] >= 1
+
+
+def test_long_replies_show_how_much_has_arrived_and_short_ones_do_not():
+    def halves(handler):
+        size = 50 if "short" in handler.path else 3_000_000
+        handler.send_response(200)
+        handler.send_header("Content-Length", str(size))
+        handler.end_headers()
+        for _ in range(2):
+            handler.wfile.write(b"1" * (size // 2))
+            handler.wfile.flush()
+            if size > 50:
+                sleep(0.3)
+
+    seen = []
+    with serving(halves, passing=seen.append) as client:
+        client.get("/short")
+        assert seen == []
+        client.get("/long")
+    shown = [float(line.removesuffix(" MB received")) for line in seen]
+    assert 1 <= len(shown) <= 5
+    assert shown == sorted(shown)
+    assert shown[0] >= 1.0
+    assert shown[-1] > 1.5
 
 
 def test_what_the_server_is_is_taken_down():

@@ -37,6 +37,18 @@ def resized(document, name, *tabs):
     return after
 
 
+def test_the_assembly_is_called_as_a_reply_calls_it_and_no_call_is_made_to_know(server, kept):
+    assert build(server, kept).title == ""
+    assert build(server, kept).title == ""
+    server.edit(resized(server.document, "Steel part", "Steel"))
+    assert build(server, kept).title == "Cupboard"
+    assert build(server, kept).title == "Cupboard"
+    assert build(server, kept, offline=True).title == "Cupboard"
+    server.document.root.name = "Wardrobe"
+    server.edit(resized(server.document, "Glass part", "Glass"))
+    assert build(server, kept).title == "Wardrobe"
+
+
 @pytest.fixture
 def kept():
     return Kept()

@@ -59,6 +59,19 @@ def test_a_terminal_is_told_what_comes_before_the_first_stage():
     assert "output: waiting for another build of [arm]" in screen.getvalue()
 
 
+def test_what_arrives_is_seen_on_a_terminal_and_kept_nowhere():
+    stream, screen, log = io.StringIO(), Screen(), Log({})
+    both = Both(log, Lines(stream), progress_for(screen))
+    both.start("fetch")
+    both.tell("fetch", "4 part studios: 8 calls, 0 kept")
+    both.passing("fetch", "12.5 MB received [of many]")
+    both.done(DONE)
+    both.close()
+    assert "fetch: 4 part studios: 8 calls, 0 kept (12.5 MB received [of many])" in screen.getvalue()
+    assert "received" not in stream.getvalue()
+    assert b"received" not in log.content()
+
+
 def test_an_empty_environment_blanks_nothing():
     log = Log({"ONSHAPE_ACCESS_KEY": ""})
     log.line("text")

@@ -4,7 +4,7 @@ import io
 import json
 from dataclasses import replace
 
-from pipeline.report import Report, StageReport, fitting, render, show, versions
+from pipeline.report import Report, StageReport, epitaph, fitting, render, show, versions
 from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
 
@@ -67,6 +67,25 @@ def test_without_findings_calls_or_checks_nothing_is_said_of_them():
     assert render(bare).splitlines()[3:] == ["arm: outputs/arm"]
 
 
+def test_a_robot_that_nobody_named_is_called_as_its_assembly_is():
+    titled = replace(REPORT, name="onshape_e1c65b19", title="Left arm")
+    assert render(titled).splitlines()[-1] == "onshape_e1c65b19 (Left arm): outputs/arm"
+    assert titled.heading == "onshape_e1c65b19 (Left arm)"
+    assert json.loads(titled.to_json())["title"] == "Left arm"
+
+
+def test_what_comes_after_an_error_counts_calls_and_names_source_and_report(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert epitaph(REPORT, tmp_path / "out" / "arm.failed") == [
+        "5 API calls made, 2 saved by the cache",
+        "report: out/arm.failed/report.html",
+    ]
+    url = replace(REPORT, source={"kind": "onshape", "url": "https://x"}, calls={"made": 1, "saved": 0})
+    assert epitaph(url, tmp_path)[:2] == ["1 API call made, 0 saved by the cache", "source: https://x"]
+    file = replace(REPORT, source={"kind": "urdf"}, calls={"made": 0, "saved": 0})
+    assert epitaph(file, tmp_path / "a.failed") == ["report: a.failed/report.html"]
+
+
 def test_a_pipe_gets_plain_text_and_a_terminal_the_same_facts():
     pipe, screen = io.StringIO(), Screen()
     show(REPORT, pipe)
@@ -74,6 +93,13 @@ def test_a_pipe_gets_plain_text_and_a_terminal_the_same_facts():
     assert pipe.getvalue() == render(REPORT)
     for fact in ("3 replies", "cached", "12.50", "Arm/Elbow [left]", "FAILED mass", "outputs/arm"):
         assert fact in screen.getvalue()
+
+
+def test_what_is_to_be_pasted_keeps_its_lines_on_a_narrow_terminal():
+    hint = "set them: joints: {" + ", ".join(f"joint_{number}: {{}}" for number in range(20)) + "}"
+    screen = Screen()
+    show(replace(REPORT, diagnostics=(Diagnostic("W-LIMIT", "no limits", "x", hint),)), screen)
+    assert f"    → {hint}\n" in screen.getvalue()
 
 
 TREE = ("arm: 2 links", "└─ elbow  ≤ 90 deg  = -1 × drive …")

@@ -153,8 +153,8 @@ def test_a_robots_file_is_judged_too_and_what_it_says_to_hydra(environ, tmp_path
 def test_a_sweep_with_a_secret_is_refused_before_anything_is_written(environ, tmp_path):
     arguments = ["source=sample", f"name=a,{ACCESS}", "output=x${oc.env:ONSHAPE_ACCESS_TOKEN}"]
     with session() as composer:
+        asked = composer.with_params(*composer.read(arguments, multirun=True))
         with pytest.raises(ConfigError) as caught:
-            asked = composer.with_params(*composer.read(arguments, multirun=True))
             jobs_of(composer, asked, lambda _: [])
     assert not any(secret in str(caught.value) for secret in ENVIRON.values())
     assert {"name", "every job: output"} <= {problem.where for problem in caught.value.problems}

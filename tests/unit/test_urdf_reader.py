@@ -51,7 +51,8 @@ def inertial(mass: float, *moments: float) -> str:
 
 
 def codes(robot: Robot) -> list[str]:
-    return [one.code for one in robot.diagnostics]
+    """The diagnostics, but the one that nearly every URDF gets: that its base may be fixed."""
+    return [one.code for one in robot.diagnostics if one.code != "I-URDF-BASE"]
 
 
 def refused(text: str, **keys: object) -> list[tuple[str, str]]:
@@ -290,6 +291,20 @@ def test_limits_as_in_ros() -> None:
     assert ("W-LIMIT", "free") not in told
     crossed = joint("j", "a", "b", "revolute", '<limit lower="2" upper="-1" effort="1" velocity="1"/>')
     assert refused(robot_text(link("a"), link("b"), crossed)) == [("E-URDF-LIMIT", "robot.urdf, line 1")]
+
+
+@pytest.mark.parametrize(
+    ("base", "top", "told"),
+    [("auto", "a", True), ("fixed", "a", False), ("free", "a", False), ("auto", "world", False)],
+)
+def test_a_base_that_nobody_fixes_is_said_to_be_free(base: str, top: str, told: bool) -> None:
+    text = robot_text(link(top, "" if top == "world" else BODY), link("b"), joint("j", top, "b"))
+    robot = urdf_robot(text, plan_of(root={"base": base}))
+    found = [one for one in robot.diagnostics if one.code == "I-URDF-BASE"]
+    assert [(one.where, one.hint) for one in found] == (
+        [(top, "if it is fixed to the ground: root=fixed")] if told else []
+    )
+    assert robot.base.fixed == (base == "fixed" or top == "world")
 
 
 def test_a_zero_outside_of_the_limits_is_no_ones_pose() -> None:
