@@ -14,6 +14,7 @@ from pipeline.bench import FILES, NOTES, ROBOT, Bench
 from pipeline.cache import Action, Files
 from pipeline.errors import (
     ConfigError,
+    InTheWay,
     LinkwrightError,
     SecretFound,
     as_problems,
@@ -22,7 +23,7 @@ from pipeline.errors import (
 )
 from pipeline.output import FAILED, Output
 from pipeline.plan import Plan
-from pipeline.preflight import beforehand
+from pipeline.preflight import beforehand, destination, foreseen, suffix_of
 from pipeline.progress import Both, Log, Progress, Quiet
 from pipeline.report import Report, StageReport
 from pipeline.settle import name_of
@@ -55,20 +56,22 @@ def build(
     """
     environ = os.environ if environ is None else environ
     stages = stages_until(plan.until, stages)
-    suffix = "" if any(stage.name == "export" for stage in stages) else f".{plan.until}"
+    suffix = suffix_of(plan)
     log = Log(environ)
     told = Both(log, progress or Quiet())
-    output = Output(plan.folder, lambda line: told.tell("output", line))
     run = Run(plan, f"{plan.folder}{suffix}", log, told)
     wrong = beforehand(plan, environ, stages)
     try:
-        output.require_ours(suffix)
+        output = destination(plan, environ, lambda line: told.tell("output", line))
     except ConfigError as error:
+        if not wrong:
+            raise
         wrong += as_problems(error)
     if wrong:
         raise refusal(wrong)
-    output.prepare(suffix)
+    output.prepare(suffix, foreseen(plan))
     run.note(remarks(plan))
+    files: dict[str, bytes] = {}
     try:
         with cache.opened(plan.cache.mode, plan.cache.dir, environ) as store:
             # Beside the cache that lasts, also where this build does not use it.
@@ -84,7 +87,8 @@ def build(
             done = run.finished(bench, files)
             output.publish({**files, **run.documents(done, files)}, suffix)
     except Exception as error:
-        leave_failure(output, run, error)
+        # What was built and cannot be put into its place is kept there.
+        leave_failure(output, run, error, files if isinstance(error, InTheWay) else {})
         raise
     finally:
         run.progress.close()
@@ -265,8 +269,9 @@ def as_yaml(plan: Mapping[str, Any]) -> bytes:
     return text.encode()
 
 
-def leave_failure(output: Output, run: Run, error: Exception) -> None:
-    """Puts the report and the log of a failed build beside the last good output."""
+def leave_failure(output: Output, run: Run, error: Exception, files: Mapping[str, bytes]) -> None:
+    """Puts the report and the log of a failed build, and the `files` that it made, beside the last good
+    output."""
     for line in str(error).splitlines():
         run.log.line(line)
     if not isinstance(error, LinkwrightError):
@@ -274,10 +279,10 @@ def leave_failure(output: Output, run: Run, error: Exception) -> None:
             run.log.line(line)
     failed = run.failed(error)
     try:
-        place = output.publish(run.documents(failed, {}), FAILED)
+        place = output.publish({**files, **run.documents(failed, files)}, FAILED)
     except LinkwrightError as second:
-        # The first error is the one to tell.
-        run.log.line(str(second))
+        # The first error is the one to raise.
+        run.progress.tell("output", f"no report is left of this failure: {second}")
     else:
         for line in report.epitaph(failed, place):
             error.add_note(line)

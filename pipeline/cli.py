@@ -63,7 +63,7 @@ keys (key=value; with their units and defaults in stages/<stage>/keys.py of the 
   links.<name>.{parent,child,xyz,rpy,mass,com,inertia,geometry,joint}  frames.include
   frames.add.<name>.{link,xyz,rpy}  loops.{cut,solref}  ground.{kind,size,xyz,rpy,friction}
   scene.pose.{xyz,rpy}  scene.option.timestep  validate.level
-  cache.mode (use, refresh, bypass)  cache.dir  output (default: outputs/<name>)  until
+  cache.mode (use, refresh, bypass)  cache.dir  output (default: outputs/<name>)  overwrite  until
 
 environment:
   ONSHAPE_ACCESS_KEY, ONSHAPE_SECRET_KEY    credentials, from here or from .env, never from YAML
@@ -223,8 +223,10 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     from pipeline.compose import session
     from pipeline.launch import Account, launch
+    from pipeline.output import named
     from pipeline.preflight import before_a_sweep
-    from pipeline.sweep import Outcome, Task, jobs_of, prepare, summary, sweep_status
+    from pipeline.sweep import Outcome, Task, jobs_of, judge_folders, summary, sweep_status
+    from pipeline.sweepfolder import keep, prepare
 
     if build is None:
         import functools
@@ -236,11 +238,14 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     with session(command.config_dirs, judge=before_a_sweep) as composer:
         asked = composer.with_params(*composer.read(command.overrides, multirun=True))
         sweep = jobs_of(composer, asked, before_a_sweep)
-        prepare(sweep.root)
+        judge_folders(sweep.jobs)
+        prepare(sweep.root, sweep.jobs[0].plan)
         account = Account(asked.tree, command.overrides, sweep.overrides)
         ours, numbers = composer.ours(sweep.sweeping.launcher), sweep.sweeping.numbers
-        outcomes: list[Outcome] = launch(ours, numbers, Task(sweep.jobs, build), sweep.root, account)
+        with named(sweep.root):
+            outcomes: list[Outcome] = launch(ours, numbers, Task(sweep.jobs, build), sweep.root, account)
     print(summary(outcomes, sweep.root))
+    keep(outcomes, sweep.root)
     return sweep_status(outcomes)
 
 

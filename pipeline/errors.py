@@ -4,6 +4,7 @@ Exit status: 0 built and valid; 1 failed once the stages ran; 2 wrong in a way t
 before the first stage (`ConfigError`); 3 built, but a check failed; 130 interrupted.
 """
 
+import errno
 from collections.abc import Sequence
 
 from stages.robot.errors import (
@@ -36,6 +37,7 @@ __all__ = [
     "Disconnected",
     "EmptyMesh",
     "ExportError",
+    "InTheWay",
     "LinkwrightError",
     "MeshError",
     "MissingMass",
@@ -51,6 +53,7 @@ __all__ = [
     "ValidationFailed",
     "as_problems",
     "exit_status",
+    "reason",
     "refusal",
     "render",
 ]
@@ -66,6 +69,19 @@ class OutputError(LinkwrightError):
 
 class SecretFound(LinkwrightError):
     """A file that was about to be written holds an API key."""
+
+
+class InTheWay(OutputError):
+    """What was built cannot be put into its place, since something that is not linkwright's is there."""
+
+
+FULL = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the disk quota is used up"}
+"""Why a file cannot be written where that needs room: errno → words."""
+
+
+def reason(error: OSError) -> str:
+    """Why the system refused, in words."""
+    return FULL.get(error.errno or 0) or error.strerror or str(error)
 
 
 def refusal(problems: Sequence[Diagnostic], what: str = "the configuration") -> ConfigError:
@@ -101,8 +117,8 @@ def _message(error: BaseException) -> str:
         return "error: interrupted"
     if isinstance(error, LinkwrightError):
         return f"error: {error}"
-    if isinstance(error, OSError) and error.filename:
-        return f"error: {error.filename}: {error.strerror}"
+    if isinstance(error, OSError) and (error.filename or error.errno in FULL):
+        return f"error: {error.filename or 'a file cannot be written'}: {reason(error)}"
     return (
         f"error: a fault of linkwright itself: {type(error).__name__}: {error}\n"
         "  → LINKWRIGHT_TRACEBACK=1 shows where; so does build.log in the <output>.failed folder"

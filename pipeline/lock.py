@@ -1,9 +1,22 @@
-"""One holder at a time, among all threads and processes that use the same lock file."""
+"""One holder at a time, among all threads and processes that use the same lock file.
+
+A lock file stays where it is: whoever unlinks one splits those who wait for it, since the old file and
+the new one can each have a holder. So a holder makes sure that what it holds still lies at the path,
+and only `drop`, which holds the file too, removes one.
+"""
 
 import contextlib
 import os
+import stat
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from filelock import BaseFileLock
+
+FOLDER = ".linkwright"
+"""The hidden folder beside outputs that has their lock files."""
 
 PATIENCE = 2.0
 """Wait [s] for a lock after which the user is told that there is one."""
@@ -13,22 +26,102 @@ PATIENCE = 2.0
 def held(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
     """Holds the lock `path`, whose folder must be there; `waiting` is called once if it is not free soon.
 
-    OSError where the file cannot be made or written, or where its file system has no locks.
+    OSError where the file cannot be made or written, is a link, or where its file system has no locks.
     """
     import filelock
 
-    # filelock tries for ever where the file cannot be made: that must be found out here.
-    os.close(os.open(path, os.O_RDWR | os.O_CREAT, 0o666))
-    lock = filelock.FileLock(path)
-    try:
+    lock, patience = None, PATIENCE
+    while lock is None:
         try:
-            lock.acquire(timeout=PATIENCE)
+            lock = _taken(path, patience)
         except filelock.Timeout:
             waiting()
-            lock.acquire()
-    except NotImplementedError as error:
-        raise OSError(str(error)) from error
+            patience = -1.0
     try:
         yield
     finally:
         lock.release()
+
+
+def beside(target: Path) -> Path:
+    """The lock file of an output folder; its own folder is made if need be. OSError where it cannot be."""
+    folder = target.parent / FOLDER
+    if folder.is_symlink():
+        msg = f"{folder} is a link"
+        raise NotADirectoryError(msg)
+    folder.mkdir(parents=True, exist_ok=True)
+    return folder / f"{target.name}.lock"
+
+
+def drop(path: Path) -> bool:
+    """Removes a lock file that nobody holds; whether it did."""
+    import filelock
+
+    try:
+        if not stat.S_ISREG(path.lstat().st_mode):
+            return False
+        lock = _taken(path, 0.0)
+    except (filelock.Timeout, OSError):
+        return False
+    if lock is None:
+        return False
+    try:
+        path.unlink()
+    except OSError:
+        return False
+    finally:
+        lock.release()
+    return True
+
+
+def _taken(path: Path, patience: float) -> "BaseFileLock | None":
+    """The lock, taken; None where its file was removed meanwhile.
+
+    filelock.Timeout where it is not free within `patience` [s]; below zero it is waited for.
+    """
+    import filelock
+
+    seen = _opened(path)
+    try:
+        status = os.fstat(seen)
+        # The mode is the file's own, since some versions of filelock set it.
+        lock = filelock.FileLock(path, timeout=patience, mode=stat.S_IMODE(status.st_mode))
+        try:
+            lock.acquire()
+        except FileNotFoundError:
+            return None
+        except NotImplementedError as error:
+            raise OSError(str(error)) from error
+        # While `seen` is open, no other file has its number: if it lies there now, it did all the time.
+        if _lies_at(path, status):
+            return lock
+        lock.release()
+        return None
+    finally:
+        os.close(seen)
+
+
+def _opened(path: Path) -> int:
+    """The lock file, made if need be. OSError at once where filelock would try for ever: the file cannot
+    be made, is a link, or lies on a file system without locks."""
+    handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
+    try:
+        import fcntl
+    except ImportError:
+        return handle
+    try:
+        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        fcntl.flock(handle, fcntl.LOCK_UN)
+    except BlockingIOError:
+        pass
+    except BaseException:
+        os.close(handle)
+        raise
+    return handle
+
+
+def _lies_at(path: Path, status: os.stat_result) -> bool:
+    try:
+        return os.path.samestat(status, path.lstat())
+    except FileNotFoundError:
+        return False

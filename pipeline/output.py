@@ -1,125 +1,212 @@
 """The output folder: written beside its place, swapped in by renames, mended after a kill.
 
 For `outputs/arm` the names beside it are `.arm.tmp` (being written, or being removed: never of
-worth), `.arm.old` (the last build, whole, while the new one moves in) and `.arm.lock`. Whatever
-moment the process is killed at, the next run finds the old or the new folder whole.
+worth), `.arm.old` (the last build, whole, while the new one moves in), `arm.replaced` (what was in the
+way) and the lock in `.linkwright/`. Whatever moment the process is killed at, the next run finds the old
+or the new folder whole, and what is not linkwright's in it: it moves from the old folder to the new one,
+each piece by one rename, once the new one is in its place.
 """
 
 import contextlib
-import json
+import errno
+import itertools
 import os
-import shutil
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
-from pipeline.errors import ConfigError, OutputError
-from pipeline.lock import held
-
-FORMAT = "linkwright-report"
-"""The key by which `report.json` says that a folder is linkwright's."""
+from pipeline import inway, lock, manifest
+from pipeline.errors import ConfigError, InTheWay, LinkwrightError, OutputError, reason
+from pipeline.manifest import is_folder
+from pipeline.place import absolute
+from pipeline.store import sha256, write_tree
 
 FAILED = ".failed"
 """The suffix of the folder that a failed build leaves its report in."""
 
 
 class Output:
-    """A build's output folder, and beside it `<output>.failed` and `<output>.<until>`."""
+    """A build's output folder, and beside it `<output>.failed` and `<output>.<until>`.
 
-    def __init__(self, target: str | Path, tell: Callable[[str], None] = lambda _: None) -> None:
-        """`tell` hears that another build of the same folder is waited for."""
+    What is in the way of a build stops it, or with `overwrite` moves to `<folder>.replaced`. `tell`
+    hears what is carried over or moved, and that another build of the same folder is waited for.
+    ConfigError where no folder can be at `target`.
+    """
+
+    def __init__(
+        self,
+        target: str | Path,
+        tell: Callable[[str], None] = lambda _: None,
+        *,
+        overwrite: bool = False,
+    ) -> None:
+        self.target = absolute(target)
         self._tell = tell
-        self.target = Path(os.path.abspath(target))  # noqa: PTH100  (resolve() would follow a link's last part)
-        if self.target.is_symlink():
-            self.target = self.target.resolve()
-        if not self.target.name:
-            msg = f"{target} cannot be an output folder"
-            raise ConfigError(msg, where="output", hint="name a folder, such as output=outputs/arm")
-
-    def require_ours(self, suffix: str = "") -> None:
-        """ConfigError where the place is taken by something that is not linkwright's."""
-        with named(self.folder(suffix)):
-            _refuse_foreign(self.folder(suffix))
-
-    def prepare(self, suffix: str = "") -> None:
-        """Mends what an interrupted run left, before anything is made.
-
-        ConfigError where the place is taken by something that is not linkwright's; OutputError
-        where it cannot be written.
-        """
-        folder = self.folder(suffix)
-        with named(folder):
-            _refuse_foreign(folder)
-            with self._locked(folder):
-                _mend(self.folder(FAILED))
-                _mend(folder)
-                _refuse_foreign(folder)
-                # Whether it can be written is found out now rather than after the work.
-                _staging(folder).mkdir()
-                _staging(folder).rmdir()
-
-    def publish(self, files: Mapping[str, bytes], suffix: str = "") -> Path:
-        """Puts `files` in the place of the folder's whole content; the folder."""
-        folder = self.folder(suffix)
-        with self._locked(folder), named(folder):
-            _mend(folder)
-            _refuse_foreign(folder)
-            try:
-                write_tree(_staging(folder), files)
-                _swap(folder)
-            except BaseException:
-                _mend(folder)
-                raise
-        return folder
-
-    def remove(self, suffix: str) -> None:
-        """Removes a sibling, if there is one and it is linkwright's."""
-        folder = self.folder(suffix)
-        if suffix and is_ours(folder):
-            with self._locked(folder), named(folder):
-                _mend(folder)
-                folder.rename(_staging(folder))
-                shutil.rmtree(_staging(folder))
+        self._overwrite = overwrite
+        self._reader = manifest.Reader()
 
     def folder(self, suffix: str = "") -> Path:
         return self.target.with_name(self.target.name + suffix)
 
+    def judge(self, suffix: str = "", coming: Iterable[str] = ()) -> None:
+        """ConfigError where a build that writes the `coming` paths, and others, would have to replace
+        what is not linkwright's. Changes nothing."""
+        folder = self.folder(suffix)
+        with named(folder):
+            self._judge(folder, coming)
+
+    def prepare(self, suffix: str = "", coming: Iterable[str] = ()) -> None:
+        """Mends what an interrupted run left, judges, and tells what will be carried over.
+
+        ConfigError as `judge`; OutputError where the folder cannot be written, which is found out now
+        rather than after the work.
+        """
+        folder = self.folder(suffix)
+        with self._locked(), named(folder):
+            with contextlib.suppress(OSError):
+                self._mend(self.folder(FAILED))
+            self._mend(folder)
+            kept = self._judge(folder, coming)
+            _staging(folder).mkdir()
+            _staging(folder).rmdir()
+        if kept:
+            self._tell(f"not linkwright's, carried over: {inway.listed(kept)}")
+
+    def publish(self, files: Mapping[str, bytes], suffix: str = "") -> Path:
+        """Puts `files` in the place of all that linkwright wrote there before; the folder.
+
+        InTheWay where that would replace what is not linkwright's.
+        """
+        folder = self.folder(suffix)
+        with self._locked(), named(folder):
+            self._mend(folder)
+            self._require_free(folder, files)
+            try:
+                _stage(_staging(folder), files)
+                self._swap(folder)
+            except BaseException:
+                with contextlib.suppress(OSError):
+                    self._mend(folder)
+                raise
+        return folder
+
+    def remove(self, suffix: str) -> None:
+        """Removes what linkwright wrote into a sibling, and the sibling if nothing else is in it.
+
+        What cannot be removed is told, and no error.
+        """
+        folder = self.folder(suffix)
+        try:
+            if not is_folder(folder) or manifest.ours(folder) is None:
+                return
+            with self._locked(), named(folder):
+                self._mend(folder)
+                self._remove_ours(folder)
+        except (LinkwrightError, OSError) as error:
+            self._tell(f"{folder} stays: {error}")
+
+    def _remove_ours(self, folder: Path) -> None:
+        own = manifest.ours(folder) or {}
+        manifest.keep(folder, own)
+        kept = {entry.path for entry in manifest.others(folder, own, (), self._reader)}
+        if "report.json" not in kept:
+            # First of all: without it, what a kill leaves is not taken for a build.
+            (folder / "report.json").unlink(missing_ok=True)
+        within = manifest.parents(own)
+        manifest.clear(folder, own.keys() - kept, lambda path: path in within)
+
+    def _judge(self, folder: Path, coming: Iterable[str]) -> list[str]:
+        """The paths that will be carried over; ConfigError where something is in the way."""
+        inway.require_folder(folder)
+        if not folder.exists():
+            return []
+        if not os.access(folder, os.W_OK | os.X_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        found = inway.look(folder, coming, self._reader)
+        if stopped := found.against(self._overwrite):
+            raise ConfigError(inway.told(folder, stopped), "output", inway.ways_out(folder))
+        return inway.visible(found.carried)
+
+    def _require_free(self, folder: Path, files: Iterable[str]) -> None:
+        """InTheWay where the files, all of them known now, would replace what is not linkwright's."""
+        try:
+            inway.require_folder(folder)
+        except ConfigError as error:
+            raise InTheWay(error.message, error.where, error.hint) from error
+        if stopped := inway.look(folder, files, self._reader).against(self._overwrite):
+            raise InTheWay(inway.told(folder, stopped), str(folder), inway.ways_out(folder))
+
+    def _swap(self, folder: Path) -> None:
+        """Moves the staged folder in. A folder is only ever removed under the staging name.
+
+        So what lies under `.old` is always whole and can be put back.
+        """
+        if folder.exists():
+            manifest.keep(folder, manifest.ours(folder) or {})
+            folder.rename(_old(folder))
+        _staging(folder).rename(folder)
+        self._retire(folder)
+
+    def _retire(self, folder: Path) -> None:
+        """Moves what is not linkwright's from the old folder to the new one, and removes the rest."""
+        old = _old(folder)
+        if not old.exists():
+            return
+        found = inway.look(old, manifest.ours(folder) or {}, self._reader)
+        moved = [move_aside(old / path, folder, path) for path in found.stopped]
+        for path in found.carried:
+            if _can_take(folder, path):
+                (old / path).rename(folder / path)
+            else:
+                moved.append(move_aside(old / path, folder, path))
+        old.rename(_staging(folder))
+        self._discard(folder)
+        if moved:
+            self._tell(f"was in the way, and is now {inway.listed(map(os.path.relpath, moved))}")
+
+    def _mend(self, folder: Path) -> None:
+        """Finishes or undoes a swap that was cut short."""
+        self._discard(folder)
+        old = _old(folder)
+        if not os.path.lexists(old):
+            return
+        whole = is_folder(old) and manifest.ours(old) is not None
+        if whole and not os.path.lexists(folder):
+            old.rename(folder)
+        elif whole and manifest.ours(folder) is not None:
+            self._retire(folder)
+        else:
+            self._put_away(old, folder)
+
+    def _discard(self, folder: Path) -> None:
+        """Removes what is staged; what no build of ours has put there is moved aside."""
+        staged = _staging(folder)
+        if is_folder(staged):
+            own = manifest.ours(staged)
+            # A kill may have come before the manifest: then there is nothing yet.
+            manifest.clear(staged, (own or {}).keys(), lambda _: own is not None)
+        if os.path.lexists(staged):
+            self._put_away(staged, folder)
+
+    def _put_away(self, place: Path, folder: Path) -> None:
+        moved = move_aside(place, folder, place.name)
+        self._tell(f"{place.name} is not linkwright's, and was moved to {os.path.relpath(moved)}")
+
     @contextlib.contextmanager
-    def _locked(self, folder: Path) -> Iterator[None]:
+    def _locked(self) -> Iterator[None]:
         """One lock for the folder and its siblings."""
-        file = self.target.with_name(f".{self.target.name}.lock")
         with contextlib.ExitStack() as stack:
-            with named(folder):
-                self.target.parent.mkdir(parents=True, exist_ok=True)
-                stack.enter_context(held(file, self._wait))
+            with named(self.target):
+                stack.enter_context(lock.held(lock.beside(self.target), self._wait))
             yield
 
     def _wait(self) -> None:
         self._tell(f"waiting for another build of {self.target.name}")
 
 
-def is_ours(folder: Path) -> bool:
-    """Whether linkwright wrote the folder: its `report.json` says so."""
-    try:
-        report = json.loads((folder / "report.json").read_bytes())
-    except (OSError, ValueError):
-        return False
-    return isinstance(report, dict) and FORMAT in report
-
-
-def write_tree(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Writes files by relative path into a folder, which is made if need be."""
-    folder.mkdir(parents=True, exist_ok=True)
-    made = {folder}
-    for name in sorted(files):
-        path = PurePosixPath(name)
-        if path.is_absolute() or ".." in path.parts:
-            msg = f"{name!r} is no path inside a build"
-            raise OutputError(msg, where=str(folder), hint="clear the cache folder and build again")
-        target = folder / path
-        if target.parent not in made:
-            target.parent.mkdir(parents=True, exist_ok=True)
-            made.add(target.parent)
-        target.write_bytes(files[name])
+def _stage(staging: Path, files: Mapping[str, bytes]) -> None:
+    staging.mkdir()
+    manifest.write(staging, {path: sha256(data) for path, data in files.items()})
+    write_tree(staging, files)
 
 
 def _staging(folder: Path) -> Path:
@@ -130,48 +217,35 @@ def _old(folder: Path) -> Path:
     return folder.with_name(f".{folder.name}.old")
 
 
-def _swap(folder: Path) -> None:
-    """Moves the staged folder in. A folder is only ever removed under the staging name.
-
-    So what lies under `.old` is always whole and can be put back.
-    """
-    if folder.exists():
-        folder.rename(_old(folder))
-    _staging(folder).rename(folder)
-    _retire(folder)
-
-
-def _retire(folder: Path) -> None:
-    if _old(folder).exists():
-        _old(folder).rename(_staging(folder))
-        shutil.rmtree(_staging(folder))
+def _can_take(folder: Path, path: str) -> bool:
+    """Whether the folder has room for something at that path; makes the folders that it needs there."""
+    place = folder
+    for name in PurePosixPath(path).parts[:-1]:
+        place /= name
+        if not os.path.lexists(place):
+            place.mkdir()
+        if not is_folder(place):
+            return False
+    return not os.path.lexists(folder / path)
 
 
-def _mend(folder: Path) -> None:
-    """Finishes or undoes a swap that was cut short."""
-    if _staging(folder).exists():
-        shutil.rmtree(_staging(folder))
-    if not _old(folder).exists():
-        return
-    if folder.exists():
-        _retire(folder)
-    else:
-        _old(folder).rename(folder)
+def move_aside(place: Path, folder: Path, path: str) -> Path:
+    """Moves what is at `place` to `path` below `<folder>.replaced`, numbered where that is taken; where
+    it is now."""
+    to = folder.parent
+    *above, last = (f"{folder.name}{inway.REPLACED}", *PurePosixPath(path).parts)
+    for name in above:
+        to = next(one for one in _numbered(to / name) if is_folder(one) or not os.path.lexists(one))
+        to.mkdir(exist_ok=True)
+    to = next(one for one in _numbered(to / last) if not os.path.lexists(one))
+    place.rename(to)
+    return to
 
 
-def _refuse_foreign(folder: Path) -> None:
-    """ConfigError where replacing `folder` would delete what linkwright did not make."""
-    if not folder.exists() or is_ours(folder):
-        return
-    if not folder.is_dir():
-        msg = f"{folder} is a file"
-        raise ConfigError(msg, where="output", hint="choose another place with output=FOLDER")
-    if not any(folder.iterdir()):
-        return
-    msg = f"{folder} holds files that linkwright did not make; a build would replace them"
-    raise ConfigError(
-        msg, where="output", hint="choose another place with output=FOLDER, or empty that folder"
-    )
+def _numbered(path: Path) -> Iterator[Path]:
+    yield path
+    for number in itertools.count(2):
+        yield path.with_name(f"{path.name}.{number}")
 
 
 @contextlib.contextmanager
@@ -180,6 +254,6 @@ def named(folder: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        msg = f"the output folder cannot be written: {error.strerror or error}"
+        msg = f"the output folder cannot be written: {reason(error)}"
         hint = "choose another place with output=FOLDER, or make room there"
         raise OutputError(msg, where=str(folder), hint=hint) from error

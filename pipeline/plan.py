@@ -1,5 +1,6 @@
 """The whole configuration as one frozen value."""
 
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
@@ -12,11 +13,31 @@ from stages.export.keys import ExportKeys
 from stages.fetch.keys import FetchKeys
 from stages.graph.keys import GraphKeys
 from stages.mesh.keys import MeshKeys
-from stages.robot.keys import Keys, Text, not_yet
+from stages.robot.keys import Flag, Keys, Text, not_yet
 from stages.validate.keys import ValidateKeys
 
 SECTIONS: tuple[type[Keys], ...] = (FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys)
 """Each stage's part of the configuration, in the order in which the stages run."""
+
+
+HOW = (
+    "cache",
+    "output",
+    "overwrite",
+    "source.max_calls",
+    "source.max_wait",
+    "source.offline",
+    "source.refresh",
+    "source.stale",
+    "source.trust",
+)
+"""Keys, or sections, that say how a build is run and not what is built: no part of what identifies a job,
+nor of any cache key."""
+
+
+def says_how(key: str) -> bool:
+    """Whether a full key says how a build is run, and not what is built."""
+    return any(key == one or key.startswith(f"{one}.") for one in HOW)
 
 
 class CacheKeys(Keys):
@@ -39,7 +60,11 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
     """Modules whose classes may be used as `_target_`."""
 
     output: Text | None = None
-    """The output folder; null: `outputs/<name>`."""
+    """The output folder, `~` for the home folder; null: `outputs/<name>`."""
+
+    overwrite: Flag = False
+    """Whether what is in the way of the build (files of an earlier build that were changed, and what is
+    not linkwright's where it puts a file) moves to `<output>.replaced`; else it stops the build."""
 
     until: Literal["fetch", "graph", "mesh", "export", "validate"] = "validate"
     """The last stage that runs."""
@@ -92,7 +117,9 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
     @property
     def folder(self) -> Path:
         """The output folder."""
-        return Path(self.output) if self.output else Path("outputs") / self.name
+        if self.output is None:
+            return Path("outputs") / self.name
+        return Path(os.path.expanduser(self.output))  # noqa: PTH111  (a user that is not known is no error here)
 
     def tree(self) -> dict[str, Any]:
         """The plan as plain data in the order of the stages; `parse` reads it back."""

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal, TextIO
 
-from pipeline.output import FORMAT
+from pipeline.manifest import REPORT
 from pipeline.secrets import Secrets
 from pipeline.terminal import clean
 from stages.robot.check import Check
@@ -73,7 +73,7 @@ class Report:
 
     def to_json(self, secrets: Secrets | None = None) -> bytes:
         """The content of `report.json`, with secrets blanked."""
-        tree = {FORMAT: 1, **self.tree()}
+        tree = {REPORT: 1, **self.tree()}
         blanked = tree if secrets is None else secrets.within(tree)
         return printable_lines(json.dumps(blanked, indent=2, ensure_ascii=False)).encode() + b"\n"
 

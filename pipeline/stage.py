@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from pipeline import bundles
 from pipeline.bench import FILES, NOTES, ROBOT, Bench, count, notes
-from pipeline.output import write_tree
 from pipeline.plan import Plan, section
 from stages.robot import codec
 from stages.robot.errors import ConfigError
@@ -269,8 +268,7 @@ class Validate(Common):
     def run(self, bench: Bench) -> dict[str, bytes]:
         from stages.validate import validate
 
-        with bench.cache.store.scratch() as folder:
-            write_tree(folder, bench.files["export"].below(FILES))
+        with bench.cache.store.scratch(bench.files["export"].below(FILES)) as folder:
             checks = validate(folder, bench.robot, bench.plan)
         passed = sum(check.passed for check in checks)
         return {

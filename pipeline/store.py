@@ -17,11 +17,11 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator
-from pathlib import Path
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path, PurePosixPath
 from typing import Any
 
-from pipeline.errors import CacheError
+from pipeline.errors import CacheError, OutputError, reason
 from pipeline.lock import held
 
 STALE = 24 * 3600.0
@@ -30,6 +30,22 @@ STALE = 24 * 3600.0
 
 def sha256(data: bytes) -> str:
     return hashlib.sha256(data).hexdigest()
+
+
+def write_tree(folder: Path, files: Mapping[str, bytes]) -> None:
+    """Writes files by relative path into a folder, which is made if need be."""
+    folder.mkdir(parents=True, exist_ok=True)
+    made = {folder}
+    for name in sorted(files):
+        path = PurePosixPath(name)
+        if path.is_absolute() or ".." in path.parts:
+            msg = f"{name!r} is no path inside a build"
+            raise OutputError(msg, where=str(folder), hint="clear the cache folder and build again")
+        target = folder / path
+        if target.parent not in made:
+            target.parent.mkdir(parents=True, exist_ok=True)
+            made.add(target.parent)
+        target.write_bytes(files[name])
 
 
 class Store:
@@ -117,11 +133,13 @@ class Store:
             yield
 
     @contextlib.contextmanager
-    def scratch(self) -> Iterator[Path]:
-        """An empty folder of one's own, removed at the end."""
+    def scratch(self, files: Mapping[str, bytes] | None = None) -> Iterator[Path]:
+        """A folder of one's own that holds `files`, removed at the end."""
         with self._named("written"):
             folder = Path(tempfile.mkdtemp(prefix="scratch-", dir=self._tmp))
         try:
+            with self._named("written"):
+                write_tree(folder, files or {})
             yield folder
         finally:
             shutil.rmtree(folder, ignore_errors=True)
@@ -168,6 +186,6 @@ class Store:
         try:
             yield
         except OSError as error:
-            msg = f"the cache folder cannot be {done}: {error.strerror or error}"
+            msg = f"the cache folder cannot be {done}: {reason(error)}"
             hint = "choose another with cache.dir=FOLDER or LINKWRIGHT_CACHE, or build with cache.mode=bypass"
             raise CacheError(msg, where=str(self.root), hint=hint) from error

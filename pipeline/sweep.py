@@ -1,25 +1,23 @@
 """A sweep: many plans from one command line, each built into a folder of its own."""
 
 import hashlib
-import json
 import os
 import re
 import sys
 import time
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeline.errors import as_problems, exit_status, refusal
-from pipeline.output import named
 from pipeline.overrides import Override
-from pipeline.plan import Judge, Plan
-from pipeline.secrets import Secrets
+from pipeline.plan import Judge, Plan, says_how
+from pipeline.preflight import destination
 from pipeline.terminal import clean
 from pipeline.trust import Sweeping
 from stages.robot.errors import ConfigError, Diagnostic, LinkwrightError
-from stages.robot.printable import printable, printable_lines
+from stages.robot.printable import printable
 
 if TYPE_CHECKING:
     from pipeline.compose import Asked, Composed, Composer
@@ -27,11 +25,6 @@ if TYPE_CHECKING:
 
 Build = Callable[[Plan], "Report"]
 """What a job does: `pipeline.build.build`, or a stand-in for it."""
-
-SUMMARY = "summary.json"
-
-FORMAT = "linkwright-sweep"
-"""The key by which `summary.json` says that a folder is a sweep's."""
 
 LONGEST_SLUG = 60
 
@@ -115,9 +108,9 @@ def jobs_of(composer: "Composer", asked: "Asked", judge: Judge) -> Sweep:
     numbers; `judge` adds what is known of a job before it starts.
     """
     swept = [override for override in asked.overrides if override.swept]
-    named = [one for one in swept or asked.overrides if not one.for_hydra_itself and one.key != "output"]
+    told = [one for one in asked.overrides if not (one.for_hydra_itself or says_how(one.key))]
     everything = composer.jobs(asked.overrides)
-    labels = [_label(named, job) for job in everything]
+    labels = [_label(swept or told, job) for job in everything]
     made: list[Composed] = []
     found: dict[Diagnostic, list[int]] = {}
     for number, (job, label) in enumerate(zip(everything, labels, strict=True)):
@@ -163,7 +156,8 @@ def _placed(
         raise ConfigError(msg, "output", "give one output, for the sweep's folder")
     names = sorted({plan.name for plan in plans})
     name = names[0] if len(names) == 1 else "robots"
-    root = Path(roots.pop() or made[0].sweeping.dir or f"outputs/{name}.sweep")
+    usual = made[0].sweeping.dir or f"outputs/{name}.sweep"
+    root = plans[0].folder if roots.pop() else Path(os.path.expanduser(usual))  # noqa: PTH111
     jobs: list[Job] = []
     for number, (composed, overrides, label) in enumerate(zip(made, everything, labels, strict=True)):
         folder = root / (_inside(composed.sweeping.subdir) or f"{_slug(label)}-{_digest(overrides)}")
@@ -187,43 +181,21 @@ def _inside(subdir: str | None) -> str:
     return subdir or ""
 
 
-def prepare(root: Path) -> None:
-    """Makes the sweep's folder, and marks it as one.
-
-    ConfigError where the place is taken by something that is no sweep; OutputError where it cannot be
-    written.
-    """
-    with named(root):
-        if root.exists() and not root.is_dir():
-            msg = f"{root} is a file"
-            raise ConfigError(msg, "output", "choose another place with output=FOLDER")
-        if root.is_dir() and any(root.iterdir()) and not _is_sweep(root):
-            msg = f"{root} holds files that no sweep has made"
-            raise ConfigError(msg, "output", "choose another place with output=FOLDER, or empty that folder")
-        root.mkdir(parents=True, exist_ok=True)
-    _keep(root, [])
-
-
-def _is_sweep(root: Path) -> bool:
-    try:
-        kept = json.loads((root / SUMMARY).read_bytes())
-    except (OSError, ValueError):
-        return False
-    return isinstance(kept, dict) and FORMAT in kept
-
-
-def _keep(root: Path, outcomes: Sequence[Outcome]) -> None:
-    tree = {FORMAT: 1, "jobs": [asdict(outcome) for outcome in outcomes]}
-    text = json.dumps(Secrets(os.environ).within(tree), indent=2, ensure_ascii=False)
-    staged = root / f".{SUMMARY}.tmp"
-    with named(root):
-        staged.write_text(printable_lines(text) + "\n", encoding="utf-8")
-        staged.replace(root / SUMMARY)
+def judge_folders(jobs: Sequence[Job], environ: Mapping[str, str] = os.environ) -> None:
+    """ConfigError where what is not linkwright's is in the way of any job."""
+    found: dict[Diagnostic, list[int]] = {}
+    for job in jobs:
+        try:
+            destination(job.plan, environ)
+        except ConfigError as error:
+            for problem in as_problems(error):
+                found.setdefault(problem, []).append(job.number)
+    if found:
+        raise _refused(found, [job.label for job in jobs], ())
 
 
 def summary(outcomes: Sequence[Outcome], root: Path) -> str:
-    """The closing table; it is kept as `summary.json` beside the jobs."""
-    _keep(root, outcomes)
+    """The closing table."""
     table = [("job", "status", "", "what", "folder")]
     for one in outcomes:
         table.append((str(one.number), str(one.status), one.message, one.label, one.folder))
@@ -268,7 +240,8 @@ def _slug(label: str) -> str:
 
 def _digest(overrides: Iterable[str]) -> str:
     """8 hex digits of everything that makes the job what it is."""
-    told = sorted(one for one in overrides if not re.match(r"\+*(hydra[./]|output=|cache\.)", one))
+    keys = {one: one.partition("=")[0].lstrip("+") for one in overrides}
+    told = sorted(one for one, key in keys.items() if not (re.match(r"hydra[./]", key) or says_how(key)))
     return hashlib.sha256("\n".join(told).encode()).hexdigest()[:8]
 
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from pipeline.errors import CacheError
-from pipeline.store import STALE
+from pipeline.lock import drop
 
 SPARED = 3600.0
 """Age [s] up to which nothing is removed: a build may be at work with it."""
@@ -107,12 +107,16 @@ def collect(root: Path, most: int) -> Cleared:
     for record in dropped:
         _remove(record.path)
     gone = [digest for digest in sizes if not named[digest] and _remove_old(_blob(root, digest), limit)]
-    for lock in (root / "locks").glob("*.lock"):
-        _remove_old(lock, time.time() - STALE)
+    drop_locks(root / "locks")
     freed = sum(record.size for record in dropped) + sum(sizes[digest] for digest in gone)
     paid = sum(record.paid for record in dropped)
     left = sum(sizes.values()) + sum(record.size for record in records) - freed
     return Cleared(len(dropped), paid, len(gone), freed, left)
+
+
+def drop_locks(folder: Path) -> int:
+    """Removes the lock files in a folder that nobody holds; how many that were."""
+    return sum(drop(path) for path in folder.glob("*.lock"))
 
 
 def verify(root: Path) -> Verified:

@@ -82,13 +82,13 @@ def parse(arguments: Sequence[str]) -> Request:
 
 def find(name: str) -> Path:
     """The folder of a build: `outputs/<name>`, else the folder `name`; ConfigError if neither is one."""
-    from pipeline.output import is_ours
+    from pipeline.manifest import is_build
 
     places = [Path("outputs") / name, Path(name)]
     for place in places:
-        if is_ours(place):
+        if is_build(place):
             return place
-    kin = sorted(str(place) for place in _siblings(Path("outputs"), name) if is_ours(place))
+    kin = sorted(str(place) for place in _siblings(Path("outputs"), name) if is_build(place))
     there = f"there is {', '.join(kin)}: name it" if kin else "build it first, or name the folder of a build"
     msg = f"no build is in {places[0]} or {places[1]}"
     raise ConfigError(msg, "bundle", there)

@@ -8,6 +8,7 @@ from pathlib import Path
 from pipeline import upkeep
 from pipeline.cache import folder
 from pipeline.errors import ConfigError
+from pipeline.lock import FOLDER as LOCKS
 from stages.fetch import ledger
 
 HELP = """\
@@ -23,7 +24,8 @@ The calls are those that count against the yearly quota, by key and calendar yea
 builds with this cache made them. A key is told by the start of a hash; it is kept nowhere.
 
 --max-size is a number with K, M, G or T (powers of 1000), 20G unless said. Replies that cost API
-calls are dropped last; what was used within the hour stays. The folder is that of cache.dir=, else
+calls are dropped last; what was used within the hour stays. Lock files that no build holds go too, those
+beside the builds in ./outputs as well. The folder is that of cache.dir=, else
 of the environment variable LINKWRIGHT_CACHE, else the platform's.
 
 exit status: 0 done, all whole; 1 verify found something harmed, or the folder cannot be used; 2 wrong usage
@@ -90,6 +92,8 @@ def _info(root: Path) -> int:
 
 def _gc(root: Path, most: int) -> int:
     done = upkeep.collect(root, most)
+    for outputs in (Path("outputs"), *Path("outputs").glob("*.sweep")):
+        upkeep.drop_locks(outputs / LOCKS)
     paid = f" ({done.paid} of them replies that were paid for)" if done.paid else ""
     print(f"{root}: {_size(done.freed)} freed, {_size(done.size)} left")
     print(f"  dropped {done.records} records{paid} and {done.blobs} files")

@@ -22,6 +22,17 @@ class Exported:
     diagnostics: tuple[Diagnostic, ...]
 
 
+def foreseen(keys: "ExportKeys", name: str) -> list[str]:
+    """The paths of the files of a robot of that name, as far as they are known before it is: of meshes
+    the folder alone, as a glob."""
+    files = ["robot.json", "assets/*"]
+    if keys.export.urdf is not None:
+        files.append(f"{name}.urdf")
+    if keys.export.mjcf is not None:
+        files += [f"{name}.xml", "scene.xml"]
+    return files
+
+
 def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported:
     """Writes every chosen format; what a format cannot say is told in a diagnostic."""
     from stages.export.description import describe

@@ -303,6 +303,7 @@ def test_each_key_belongs_to_one_stage():
         "cache",
         "plugins",
         "output",
+        "overwrite",
         "until",
     }
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 COMMAND = Path(sys.executable).with_name("linkwright")
-RUN_FACTS = {"report.json", "report.html", "build.log", "config.yaml"}
+RUN_FACTS = {".linkwright.json", "report.json", "report.html", "build.log", "config.yaml"}
 
 
 def environment(here: Path, **more: str) -> dict[str, str]:
@@ -38,9 +38,11 @@ def robot_files(folder: Path) -> dict[str, bytes]:
 
 
 def tree(here: Path) -> set[str]:
-    """Everything that a run left in `here` beside its cache and its locks."""
+    """Everything that a run left in `here` beside its cache, its locks and its manifests."""
     return {
         str(path.relative_to(here))
         for path in here.rglob("*")
-        if path.relative_to(here).parts[0] != "cache" and path.suffix != ".lock"
+        if path.relative_to(here).parts[0] != "cache"
+        and path.suffix != ".lock"
+        and not path.name.startswith(".linkwright")
     }

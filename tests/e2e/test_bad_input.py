@@ -176,10 +176,30 @@ def test_a_sweep_over_a_file_is_refused_before_its_jobs(tmp_path: Path) -> None:
 
 def test_an_output_that_is_a_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("mine")
-    done = linkwright(tmp_path, "output=taken/robot")
-    assert done.returncode == 1
-    assert "taken" in done.stderr
+    refused(tmp_path, 2, ["output=taken/robot"], "taken is a file")
     assert (tmp_path / "taken").read_text() == "mine"
+
+
+@pytest.mark.parametrize(
+    ("sweep", "output", "told"),
+    [
+        ([], "'~'", "your home folder"),
+        ([], "x" * 300, "too long"),
+        (["-m", "root=auto,free"], ".", "the working folder"),
+        (["-m", "root=auto,free"], "cache", "the cache folder"),
+    ],
+)
+def test_an_output_that_would_take_the_place_of_what_the_user_works_in_is_refused(
+    tmp_path: Path, sweep: list[str], output: str, told: str
+) -> None:
+    (tmp_path / "home").mkdir()
+    (tmp_path / "work").mkdir()
+    environ = environment(tmp_path / "work", HOME=str(tmp_path / "home"))
+    done = linkwright(tmp_path / "work", *sweep, f"output={output}", environ=environ)
+    assert done.returncode == 2
+    assert told in done.stderr
+    assert "Traceback" not in done.stderr
+    assert tree(tmp_path) == {"home", "work"}
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")

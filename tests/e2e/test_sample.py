@@ -97,6 +97,28 @@ def test_killed_at_any_moment_the_next_build_is_whole(built: Path, tmp_path: Pat
         done = linkwright(tmp_path)
         assert done.returncode == 0, done.stderr
         assert robot_files(tmp_path / "outputs" / "sample") == expected
-        left = {path.name for path in (tmp_path / "outputs").iterdir() if path.suffix != ".lock"}
+        left = {path.name for path in (tmp_path / "outputs").iterdir() if path.name != ".linkwright"}
         assert left == {"sample"}
     assert killed >= kills // 4
+
+
+def test_what_the_user_put_into_the_output_is_kept_or_stops_the_next_build(tmp_path):
+    assert linkwright(tmp_path).returncode == 0
+    folder = tmp_path / "outputs" / "sample"
+    (folder / "NOTES.md").write_text("mine")
+    again = linkwright(tmp_path)
+    assert again.returncode == 0
+    assert "not linkwright's, carried over: NOTES.md" in again.stderr
+    with (folder / "scene.xml").open("a") as file:
+        file.write("<!-- mine -->")
+    mine = (folder / "scene.xml").read_bytes()
+    stopped = linkwright(tmp_path)
+    assert stopped.returncode == 2
+    assert "scene.xml was changed since it was built" in stopped.stderr
+    assert (folder / "scene.xml").read_bytes() == mine
+    forced = linkwright(tmp_path, "overwrite=true")
+    assert forced.returncode == 0
+    assert "was in the way, and is now outputs/sample.replaced/scene.xml" in forced.stderr
+    assert (tmp_path / "outputs" / "sample.replaced" / "scene.xml").read_bytes() == mine
+    assert (folder / "scene.xml").read_bytes() != mine
+    assert (folder / "NOTES.md").read_text() == "mine"

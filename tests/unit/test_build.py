@@ -10,7 +10,7 @@ import yaml
 
 from pipeline.bench import FILES, NOTES, notes
 from pipeline.build import build
-from pipeline.errors import AssemblyError, ConfigError, SecretFound, render
+from pipeline.errors import AssemblyError, ConfigError, InTheWay, SecretFound, render
 from pipeline.plan import Plan
 from pipeline.progress import Lines
 from pipeline.stage import STAGES
@@ -104,6 +104,7 @@ def names(folder):
 def test_a_build_leaves_the_exported_files_with_report_plan_and_log(make, folder):
     report = make(fakes())
     assert names(folder) == [
+        ".linkwright.json",
         "arm.urdf",
         "assets/a.stl",
         "build.log",
@@ -188,7 +189,7 @@ def test_a_failing_stage_leaves_a_report_beside_and_the_last_build_whole(make, f
         make(fakes(graph={"error": error, "version": 2}))
     assert {name: (folder / name).read_bytes() for name in names(folder)} == before
     failed = folder.with_name("arm.failed")
-    assert names(failed) == ["build.log", "config.yaml", "report.html", "report.json"]
+    assert names(failed) == [".linkwright.json", "build.log", "config.yaml", "report.html", "report.json"]
     report = json.loads((failed / "report.json").read_bytes())
     assert (report["status"], report["exit_status"]) == ("failed", 1)
     assert report["error"]["where"] == "Arm"
@@ -211,14 +212,63 @@ def test_what_is_wrong_before_the_first_stage_leaves_nothing(make, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_of_others_is_refused_before_the_first_stage(make, folder):
-    folder.mkdir(parents=True)
-    (folder / "thesis.tex").write_text("x")
+@pytest.mark.parametrize(
+    ("name", "until"),
+    [("arm.urdf", "validate"), ("report.json", "export"), ("build.log", "fetch")],
+)
+def test_a_file_of_others_in_the_way_stops_a_build_before_the_first_stage(make, folder, name, until):
+    place = folder.with_name("arm.fetch") if until == "fetch" else folder
+    place.mkdir(parents=True)
+    (place / name).write_text("x")
     stages = fakes()
-    with pytest.raises(ConfigError, match="did not make"):
-        make(stages)
+    with pytest.raises(ConfigError, match=f"{name} is not linkwright's"):
+        make(stages, until=until)
     assert stages[0].runs == 0
-    assert names(folder.parent) == ["arm/thesis.tex"]
+    assert names(folder.parent) == [f"{place.name}/{name}"]
+    assert make(stages, until=until, overwrite=True).exit_status == 0
+    assert (place.with_name(f"{place.name}.replaced") / name).read_text() == "x"
+
+
+def test_what_a_user_keeps_there_is_carried_over_and_named_in_the_log(make, folder):
+    make(fakes())
+    (folder / "NOTES.md").write_text("mine")
+    make(fakes())
+    assert (folder / "NOTES.md").read_text() == "mine"
+    assert "not linkwright's, carried over: NOTES.md\n" in (folder / "build.log").read_text()
+
+
+def test_a_new_path_that_is_taken_ends_the_build_and_keeps_both(make, folder):
+    make(fakes())
+    (folder / "assets" / "b.stl").write_text("mine")
+    more = {"files": {FILES + "arm.urdf": b"<new/>", FILES + "assets/b.stl": b"solid"}, "version": 2}
+    with pytest.raises(InTheWay, match=r"assets/b\.stl is not linkwright's"):
+        make(fakes(export=more))
+    failed = folder.with_name("arm.failed")
+    assert (folder / "assets" / "b.stl").read_text() == "mine"
+    assert (folder / "arm.urdf").read_text() == "<robot/>"
+    assert (failed / "assets" / "b.stl").read_text() == "solid"
+    assert (failed / "arm.urdf").read_text() == "<new/>"
+    assert json.loads((failed / "report.json").read_bytes())["exit_status"] == 1
+    make(fakes(export=more), overwrite=True)
+    assert (folder / "assets" / "b.stl").read_text() == "solid"
+    assert not failed.exists()
+
+
+def test_a_report_that_cannot_be_left_is_told_and_the_failure_is_the_one_to_raise(make, folder, capsys):
+    folder.with_name("arm.failed").mkdir(parents=True)
+    (folder.with_name("arm.failed") / "build.log").write_text("mine")
+    assert make(fakes()).exit_status == 0
+    with pytest.raises(AssemblyError, match="no mates"):
+        make(fakes(graph={"error": AssemblyError("no mates"), "version": 2}), Lines(sys.stdout))
+    assert "no report is left of this failure" in capsys.readouterr().out
+    assert names(folder.with_name("arm.failed")) == ["build.log"]
+
+
+def test_an_output_that_holds_the_source_is_refused(make, folder):
+    folder.mkdir(parents=True)
+    (folder / "arm.zip").write_bytes(b"")
+    with pytest.raises(ConfigError, match="holds the source"):
+        make(fakes(), source={"kind": "bundle", "path": str(folder / "arm.zip")})
 
 
 @pytest.mark.parametrize("until", ["fetch", "export"])
@@ -339,7 +389,7 @@ def test_a_report_stays_whole_and_ours_whatever_the_key_is(make, folder, key):
 
 def test_everything_that_is_known_before_the_first_stage_is_told_at_once(make, folder):
     folder.mkdir(parents=True)
-    (folder / "thesis.tex").write_text("x")
+    (folder / "config.yaml").write_text("x")
     wrong = {name: {"wrong": ConfigError(f"no {name}", name)} for name in ("fetch", "mesh")}
     with pytest.raises(ConfigError) as caught:
         make(fakes(**wrong))

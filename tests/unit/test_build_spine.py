@@ -15,7 +15,7 @@ from tests.onshape.sample import sample_document
 from tests.onshape.server import OnshapeServer
 
 REPO = Path(__file__).parents[2]
-RUN_FACTS = {"report.json", "report.html", "build.log", "config.yaml"}
+RUN_FACTS = {".linkwright.json", "report.json", "report.html", "build.log", "config.yaml"}
 
 
 @pytest.fixture(scope="module")

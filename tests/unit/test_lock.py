@@ -2,6 +2,7 @@
 
 import threading
 
+import filelock
 import pytest
 
 from pipeline import lock
@@ -19,8 +20,8 @@ def _impatient(monkeypatch):
 @pytest.fixture
 def no_lock(tmp_path):
     """The path of a lock file that cannot be made: its place is taken by a folder."""
-    path = tmp_path / ".arm.lock"
-    path.mkdir()
+    path = tmp_path / lock.FOLDER / "arm.lock"
+    path.mkdir(parents=True)
     return path
 
 
@@ -52,7 +53,7 @@ def test_a_lock_that_cannot_be_made_is_an_error_at_once(no_lock):
 def test_an_output_whose_lock_cannot_be_made_is_refused(tmp_path, no_lock):
     with pytest.raises(OutputError, match="cannot be written"):
         Output(tmp_path / "arm").prepare()
-    assert list(tmp_path.iterdir()) == [no_lock]
+    assert list(tmp_path.rglob("*")) == [no_lock.parent, no_lock]
 
 
 def test_a_cache_without_locks_works_all_the_same(tmp_path):
@@ -65,7 +66,7 @@ def test_a_cache_without_locks_works_all_the_same(tmp_path):
 @pytest.mark.usefixtures("_impatient")
 def test_a_build_that_waits_for_another_of_its_folder_says_so_and_goes_on(tmp_path):
     told = []
-    while_held(tmp_path / ".arm.lock", told, lambda tell: Output(tmp_path / "arm", tell).prepare())
+    while_held(lock.beside(tmp_path / "arm"), told, lambda tell: Output(tmp_path / "arm", tell).prepare())
     assert told == ["waiting for another build of arm"]
 
 
@@ -88,3 +89,58 @@ def test_a_lock_is_free_again_after_an_error(tmp_path):
         raise ZeroDivisionError
     with lock.held(tmp_path / "lock", silent):
         pass
+
+
+@pytest.mark.parametrize("where", ["file", "folder"])
+def test_a_lock_that_is_a_link_is_refused_and_its_target_left_alone(tmp_path, where):
+    (tmp_path / "mine").mkdir()
+    target = tmp_path / "mine" / "arm.lock"
+    target.write_text("mine")
+    if where == "file":
+        (tmp_path / lock.FOLDER).mkdir()
+        (tmp_path / lock.FOLDER / "arm.lock").symlink_to(target)
+    else:
+        (tmp_path / lock.FOLDER).symlink_to(tmp_path / "mine")
+    with pytest.raises(OutputError, match="cannot be written"):
+        Output(tmp_path / "arm").prepare()
+    assert target.read_text() == "mine"
+
+
+def test_a_lock_file_stays_and_is_dropped_only_while_nobody_holds_it(tmp_path):
+    path = lock.beside(tmp_path / "arm")
+    with lock.held(path, silent):
+        assert not lock.drop(path)
+        assert path.exists()
+    assert path.exists()
+    assert lock.drop(path)
+    assert not path.exists()
+    assert not lock.drop(path)
+    assert not path.exists(), "what is not there is not made"
+
+
+def test_a_lock_keeps_the_mode_that_its_folder_gave_it(tmp_path):
+    path = tmp_path / "shared.lock"
+    path.touch()
+    path.chmod(0o664)
+    with lock.held(path, silent):
+        pass
+    assert path.stat().st_mode & 0o777 == 0o664
+
+
+def test_what_is_held_lies_at_the_path_also_where_the_file_is_removed_meanwhile(tmp_path, monkeypatch):
+    path = tmp_path / "arm.lock"
+    acquire, removed = filelock.FileLock.acquire, []
+
+    def late(self, *arguments, **more):
+        found = acquire(self, *arguments, **more)
+        if not removed:
+            # As by one that had it just before, and removed it while this one was about to take it.
+            path.unlink()
+            removed.append(path)
+        return found
+
+    monkeypatch.setattr(filelock.FileLock, "acquire", late)
+    with lock.held(path, silent):
+        assert removed
+        assert path.exists()
+        assert not lock.drop(path)

@@ -8,12 +8,15 @@ import pytest
 
 from pipeline.bench import FILES, NOTES, Bench, count, notes
 from pipeline.cache import Cache
-from pipeline.plan import Plan
+from pipeline.plan import HOW, Plan
 from pipeline.stage import STAGES, installed, libraries, stages_until
 from pipeline.store import Store
+from stages.fetch.keys import SOURCES
 from stages.robot.errors import Diagnostic
 
 ROOT = Path(__file__).parents[2]
+KEYS_OF_SOURCES = {name for keys in SOURCES.values() for name in keys.model_fields}
+URL = f"https://cad.onshape.com/documents/{'d' * 24}/m/{'a' * 24}/e/{'e' * 24}"
 BY_NAME = {stage.name: stage for stage in STAGES}
 
 
@@ -136,3 +139,37 @@ def test_a_count_agrees_with_its_noun():
         "1 link",
         "2 meshes",
     ]
+
+
+VALUES = {
+    "cache": {"mode": "refresh"},
+    "output": "elsewhere",
+    "overwrite": True,
+    "source.max_calls": 7,
+    "source.max_wait": 7,
+    "source.offline": True,
+    "source.refresh": True,
+    "source.stale": True,
+    "source.trust": True,
+}
+
+
+@pytest.mark.parametrize("key", [key for key in HOW if key.partition(".")[2] in ("", *KEYS_OF_SOURCES)])
+def test_how_a_build_is_run_is_no_part_of_a_cache_key(key, tmp_path):
+    _, _, name = key.partition(".")
+    sources = [{"kind": "sample"}]
+    if name:
+        (tmp_path / "arm.urdf").write_text('<robot name="arm"><link name="a"/></robot>')
+        every = [
+            {"kind": "onshape", "url": URL},
+            {"kind": "urdf", "path": str(tmp_path / "arm.urdf")},
+        ]
+        sources = [one for one in every if name in SOURCES[one["kind"]].model_fields]
+    assert sources
+    for source in sources:
+        more = {} if name else {key: VALUES[key]}
+        other = {**source, name: VALUES[key]} if name else source
+        first, second = plan(source=source), plan(source=other, **more)
+        assert first != second
+        keys = [[stage.config(bench(tmp_path, one)) for stage in STAGES] for one in (first, second)]
+        assert keys[0] == keys[1]

@@ -102,7 +102,11 @@ def test_the_key_output_moves_the_sweep(tmp_path):
 def test_hydras_account_and_the_summary_lie_beside_the_jobs(tmp_path):
     run(["-m", "source=sample", "root=auto,fixed"], ending)
     folder = tmp_path / "outputs" / "sample.sweep"
-    assert sorted(path.name for path in folder.iterdir()) == ["multirun.yaml", "summary.json"]
+    assert sorted(path.name for path in folder.iterdir()) == [
+        ".linkwright.json",
+        "multirun.yaml",
+        "summary.json",
+    ]
     assert [one["status"] for one in json.loads((folder / "summary.json").read_text())["jobs"]] == [0, 3]
 
 
@@ -224,11 +228,16 @@ def test_a_glob_sweeps_over_the_options_of_a_group():
 @pytest.mark.parametrize(
     ("make", "status", "told"),
     [
-        (lambda place: place.write_text("mine"), 2, "error: output: taken is a file\n"),
+        (lambda place: place.write_text("mine"), 2, "/taken is a file\n"),
         (
-            lambda place: place.mkdir() or (place / "mine").touch(),
+            lambda place: place.mkdir() or (place / "summary.json").touch(),
             2,
-            "taken holds files that no sweep has made",
+            "    summary.json is not linkwright's",
+        ),
+        (
+            lambda place: place.mkdir() or (place / "report.json").write_text('{"linkwright-report": 1}'),
+            2,
+            "taken is the folder of a build",
         ),
         (
             lambda place: place.symlink_to("/proc/none/x"),
@@ -236,7 +245,7 @@ def test_a_glob_sweeps_over_the_options_of_a_group():
             "error: taken: the output folder cannot be written",
         ),
     ],
-    ids=["a file", "files of others", "cannot be made"],
+    ids=["a file", "a file of others", "a build", "cannot be made"],
 )
 def test_a_place_that_a_sweep_cannot_have_is_told_and_nothing_is_built(tmp_path, capsys, make, status, told):
     make(tmp_path / "taken")
@@ -263,3 +272,82 @@ def test_a_sweep_over_robots_lies_in_a_folder_of_its_own(tmp_path):
     assert run(["-m", "robot=a,b"], build) == 0
     assert [plan.name for plan in build.plans] == ["a", "b"]
     assert {plan.folder.parent.as_posix() for plan in build.plans} == {"outputs/robots.sweep"}
+
+
+def test_what_is_in_the_way_of_any_job_stops_the_sweep_before_its_first_job(tmp_path, capsys):
+    sweep = ["-m", "source=sample", "root=auto,free,fixed", "output=there"]
+    first = Recorder()
+    assert run(sweep, first) == 0
+    for plan in first.plans[1:]:
+        plan.folder.mkdir()
+        (plan.folder / "scene.xml").write_text("mine")
+    before = sorted(tmp_path.rglob("*"))
+    build = Recorder()
+    assert run(sweep, build) == 2
+    told = capsys.readouterr().err
+    assert "2 of 3 jobs cannot be built; nothing was built" in told
+    assert "job 1 (root=free): output:" in told
+    assert "job 2 (root=fixed): output:" in told
+    assert told.count("scene.xml is not linkwright's") == told.count("overwrite=true") == 2
+    assert build.plans == []
+    assert sorted(tmp_path.rglob("*")) == before
+    assert run([*sweep, "overwrite=true"], build) == 0
+    assert [plan.folder for plan in build.plans] == [plan.folder for plan in first.plans]
+
+
+HOW = [
+    "overwrite=true",
+    "source.offline=true",
+    "source.refresh=true",
+    "source.max_calls=9",
+    "source.max_wait=1",
+    "cache.mode=refresh",
+    "cache={mode: refresh}",
+    "output=outputs/sample.sweep",
+]
+
+
+@pytest.mark.parametrize("how", HOW)
+@pytest.mark.parametrize("values", ["auto,free", "auto"])
+def test_how_a_job_is_run_does_not_move_its_folder(how, values, monkeypatch):
+    monkeypatch.setenv("ONSHAPE_ACCESS_KEY", "key-of-a-test")
+    monkeypatch.setenv("ONSHAPE_SECRET_KEY", "secret-of-a-test")
+    url = f"source.url='https://cad.onshape.com/documents/{'d' * 24}/w/{'a' * 24}/e/{'e' * 24}'"
+    sweep = ["-m", "source=onshape", url, f"root={values}", "name=sample"]
+    first, again = Recorder(), Recorder()
+    assert run(sweep, first) == 0
+    assert run([*sweep, how], again) == 0
+    assert [plan.folder for plan in again.plans] == [plan.folder for plan in first.plans]
+
+
+def test_what_the_user_keeps_in_a_sweep_stays_and_an_account_that_was_changed_stops_it(tmp_path, capsys):
+    sweep = ["-m", "source=sample", "root=auto,free", "output=there"]
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "NOTES.md").write_text("mine")
+    for _ in range(2):
+        assert run(sweep, Recorder()) == 0
+    for name in ("summary.json", "multirun.yaml"):
+        with (tmp_path / "there" / name).open("a") as file:
+            file.write("\n")
+        assert run(sweep, Recorder()) == 2
+        assert f"{name} was changed since it was built" in capsys.readouterr().err
+        assert run([*sweep, "overwrite=true"], Recorder()) == 0
+        assert (tmp_path / "there.replaced" / name).read_text().endswith("\n\n")
+    assert (tmp_path / "there" / "NOTES.md").read_text() == "mine"
+
+
+def test_a_sweep_that_is_cut_short_may_be_run_again(tmp_path):
+    sweep = ["-m", "source=sample", "root=auto,free", "output=there"]
+
+    def cut_short(plan):
+        raise KeyboardInterrupt
+
+    for _ in range(2):
+        assert run(sweep, cut_short) == 130
+    assert run(sweep, Recorder()) == 0
+
+
+def test_a_single_build_into_a_sweep_is_refused(tmp_path, capsys):
+    assert run(["-m", "source=sample", "root=auto,free", "output=there"], Recorder()) == 0
+    assert run(["source=sample", "output=there"]) == 2
+    assert "there is the folder of a sweep" in capsys.readouterr().err

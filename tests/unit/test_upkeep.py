@@ -11,6 +11,7 @@ import pytest
 from pipeline import upkeep
 from pipeline.cache import Action, Cache
 from pipeline.cli import run
+from pipeline.output import Output
 from pipeline.store import Store
 from stages.fetch.ledger import Ledger
 from tests.kill import killed_at
@@ -138,6 +139,21 @@ def test_a_collection_that_is_killed_leaves_a_cache_that_works(cache):
         if ended:
             break
     assert ended
+
+
+def test_lock_files_go_where_nobody_holds_them(cache, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("LINKWRIGHT_CACHE", str(cache.store.root))
+    make(cache, 1)
+    output = Output("outputs/arm")
+    output.prepare()
+    Output("outputs/arm.sweep/job").prepare()
+    with cache.store.lock("busy"):
+        assert run(["cache", "gc"]) == 0
+        assert [path.name for path in tmp_path.rglob("*.lock")] == ["busy.lock"]
+    make(cache, 2)
+    output.prepare()
+    assert len(list(tmp_path.rglob("*.lock"))) == 3
 
 
 class TestCommand:

@@ -1,0 +1,218 @@
+"""What in a folder is linkwright's own: the manifest that every folder begins with.
+
+`.linkwright.json` names each file that was written there and the SHA-256 of its bytes. It is the first
+file of a folder, so that whatever a kill leaves behind can be told from what others put there. Folders
+of version 0.1 have none: there `report.json` names the robot's files.
+"""
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any, BinaryIO, Literal
+
+from pipeline.lock import FOLDER as LOCKS
+
+NAME = ".linkwright.json"
+STAGED = f"{NAME}.tmp"
+
+MARK = "linkwright-files"
+"""The key by which a manifest is known."""
+
+REPORT = "linkwright-report"
+"""The key by which `report.json` says that a folder is a build's."""
+
+SWEEP = "linkwright-sweep"
+"""The key by which `summary.json` says that a folder is a sweep's."""
+
+DOCUMENTS = ("report.json", "report.html", "config.yaml", "build.log")
+"""What tells about a build, beside the files that it made."""
+
+Digests = Mapping[str, str | None]
+"""SHA-256 by path below the folder, with forward slashes; None: whatever its bytes are."""
+
+_CHUNK = 1 << 20
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """Something in a folder that is not as linkwright left it: a file, a link, or a folder as a whole.
+
+    `kind`: foreign, or changed (it has the path of a file of ours, but not its bytes).
+    """
+
+    path: str
+    kind: Literal["foreign", "changed"]
+
+    @property
+    def foreign(self) -> bool:
+        return self.kind == "foreign"
+
+
+class Reader:
+    """Digests of files, each read once for as long as it is not touched."""
+
+    def __init__(self) -> None:
+        self._known: dict[tuple[int, ...], str] = {}
+
+    def is_same(self, file: os.DirEntry[str], digest: str | None) -> bool:
+        """Whether the entry is a file with these bytes, whatever its line ends are now."""
+        if not file.is_file(follow_symlinks=False):
+            return False
+        if digest is None:
+            return True
+        try:
+            status = file.stat(follow_symlinks=False)
+            key = (status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns)
+            if key not in self._known:
+                with open(file.path, "rb") as opened:
+                    self._known[key] = hashlib.file_digest(opened, "sha256").hexdigest()
+            if self._known[key] == digest:
+                return True
+            with open(file.path, "rb") as opened:
+                return _with_plain_line_ends(opened) == digest
+        except OSError:
+            return False
+
+
+def _with_plain_line_ends(file: BinaryIO) -> str:
+    """The digest of a file as it would be with line feeds alone."""
+    digest, kept = hashlib.sha256(), b""
+    while chunk := file.read(_CHUNK):
+        chunk = kept + chunk
+        kept = chunk[-1:] if chunk.endswith(b"\r") else b""
+        digest.update(chunk[: len(chunk) - len(kept)].replace(b"\r\n", b"\n"))
+    digest.update(kept)
+    return digest.hexdigest()
+
+
+def write(folder: Path, digests: Digests) -> None:
+    """Writes the manifest of a folder, whole or not at all."""
+    staged = folder / STAGED
+    staged.write_text(json.dumps({MARK: 1, "files": dict(sorted(digests.items()))}, indent=1) + "\n")
+    staged.replace(folder / NAME)
+
+
+def keep(folder: Path, digests: Digests) -> None:
+    """Writes the manifest of a folder that has none."""
+    if not (folder / NAME).is_file():
+        write(folder, digests)
+
+
+def ours(folder: Path) -> Digests | None:
+    """What linkwright wrote into the folder; None where nothing says that it wrote anything."""
+    manifest = _json(folder / NAME)
+    if MARK in manifest and isinstance(manifest.get("files"), dict):
+        return _paths(manifest["files"])
+    report = _json(folder / "report.json")
+    if REPORT in report:
+        outputs = report.get("outputs")
+        return {**_paths(outputs if isinstance(outputs, dict) else {}), **dict.fromkeys(DOCUMENTS)}
+    return None
+
+
+def is_build(folder: Path) -> bool:
+    """Whether the folder is a build's: its `report.json` says so."""
+    return REPORT in _json(folder / "report.json")
+
+
+def is_sweep(folder: Path) -> bool:
+    """Whether the folder is a sweep's: its `summary.json` says so."""
+    return SWEEP in _json(folder / "summary.json")
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a folder is there, and no link to one."""
+    return path.is_dir() and not path.is_symlink()
+
+
+def others(
+    folder: Path, own: Digests, coming: Iterable[str] = (), reader: Reader | None = None
+) -> Iterator[Entry]:
+    """What in the folder is not as linkwright left it, by path. A folder in which neither `own` nor
+    `coming` files lie is one entry as a whole; nothing is followed and nothing of others is opened."""
+    reader = reader or Reader()
+    for path, entry in _leaves(folder, parents([*own, *coming])):
+        if path in own:
+            if not reader.is_same(entry, own[path]):
+                yield Entry(path, "changed")
+        elif path not in (NAME, STAGED) or not entry.is_file(follow_symlinks=False):
+            yield Entry(path, "foreign")
+
+
+def parents(paths: Iterable[str]) -> set[str]:
+    """All folders that the paths lie in, the top one not among them."""
+    return {str(parent) for path in paths for parent in PurePosixPath(path).parents} - {"."}
+
+
+def clear(folder: Path, own: Collection[str], within: Callable[[str], bool] = lambda _: True) -> None:
+    """Removes `own` files and then the manifest, and the folders that this leaves empty (of those
+    `within`), the top one too. What else is there stays."""
+    _clear(folder, own, within, "")
+    for name in (STAGED, NAME):
+        (folder / name).unlink(missing_ok=True)
+    _remove_if_empty(folder)
+
+
+def _clear(folder: Path, own: Collection[str], within: Callable[[str], bool], base: str) -> None:
+    with os.scandir(folder) as found:
+        entries = sorted(found, key=lambda entry: entry.name)
+    for entry in entries:
+        path = f"{base}{entry.name}"
+        if entry.is_dir(follow_symlinks=False):
+            if within(path):
+                _clear(Path(entry.path), own, within, f"{path}/")
+                _remove_if_empty(Path(entry.path))
+        elif path in own:
+            os.unlink(entry.path)  # noqa: PTH108
+
+
+def _remove_if_empty(folder: Path) -> None:
+    with os.scandir(folder) as found:
+        empty = next(found, None) is None
+    if empty:
+        folder.rmdir()
+
+
+def _leaves(folder: Path, inside: set[str], base: str = "") -> Iterator[tuple[str, os.DirEntry[str]]]:
+    """What lies in the folder; of folders, those that are `inside` are looked into."""
+    with os.scandir(folder) as found:
+        entries = sorted(found, key=lambda entry: entry.name)
+    for entry in entries:
+        path = f"{base}{entry.name}"
+        if path in inside and entry.is_dir(follow_symlinks=False):
+            yield from _leaves(Path(entry.path), inside, f"{path}/")
+        else:
+            yield path, entry
+
+
+def builds_in(folder: Path) -> Iterator[Path]:
+    """Builds and sweeps at the folder or anywhere below it, also such as are being written."""
+    for top, below, files in os.walk(folder):
+        place = Path(top)
+        if NAME in files or is_build(place) or is_sweep(place):
+            below.clear()
+            yield place
+        below[:] = sorted(name for name in below if name != LOCKS)
+
+
+def _json(file: Path) -> dict[str, Any]:
+    """The mapping in a JSON file; an empty one where there is no such file."""
+    try:
+        # A pipe or a device of that name would block.
+        found = json.loads(file.read_bytes()) if file.is_file() and not file.is_symlink() else None
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _paths(files: Mapping[str, Any]) -> dict[str, str | None]:
+    """The entries that name a file below the folder; a manifest may have been changed too."""
+    found = {}
+    for path, digest in files.items():
+        plain = PurePosixPath(path)
+        if str(plain) == path and not plain.is_absolute() and ".." not in plain.parts and plain.parts:
+            found[path] = digest if isinstance(digest, str) else None
+    return found

@@ -1,0 +1,69 @@
+"""The folder of a sweep: its own files beside the folders of its jobs."""
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipeline import cache, inway, manifest
+from pipeline.errors import ConfigError
+from pipeline.output import move_aside, named
+from pipeline.place import ELSEWHERE, absolute, require_free
+from pipeline.plan import Plan
+from pipeline.secrets import Secrets
+from pipeline.store import sha256
+from stages.robot.printable import printable_lines
+
+if TYPE_CHECKING:
+    from pipeline.sweep import Outcome
+
+SUMMARY, ACCOUNT = "summary.json", "multirun.yaml"
+OWN = (SUMMARY, ACCOUNT)
+"""The files of a sweep's own: how its jobs ended, and Hydra's account of what it is."""
+
+
+def prepare(root: Path, plan: Plan, environ: Mapping[str, str] = os.environ) -> None:
+    """Makes the folder of a sweep whose jobs have plans such as `plan`, and marks it as one.
+
+    ConfigError where no sweep can be there, or what is not linkwright's is in its way; OutputError where
+    it cannot be written.
+    """
+    with named(root):
+        place = absolute(root)
+        require_free(place, {}, cache.folder(plan.cache.dir, environ))
+        if manifest.is_build(place):
+            raise ConfigError(f"{root} is the folder of a build", "output", ELSEWHERE)
+        stopped = _in_the_way(place)
+        if stopped and not plan.overwrite:
+            raise ConfigError(inway.told(root, stopped), "output", inway.ways_out(root))
+        place.mkdir(parents=True, exist_ok=True)
+        for path in stopped:
+            move_aside(place / path, place, path)
+        # Until the sweep is over they are ours whatever they hold: it may be killed.
+        manifest.write(place, dict.fromkeys(OWN))
+        _write(place, [])
+
+
+def keep(outcomes: Sequence["Outcome"], root: Path) -> None:
+    """Leaves `summary.json` beside the jobs; OutputError where it cannot be written."""
+    with named(root):
+        _write(root, outcomes)
+        there = [name for name in OWN if (root / name).is_file()]
+        manifest.write(root, {name: sha256((root / name).read_bytes()) for name in there})
+
+
+def _in_the_way(root: Path) -> dict[str, str]:
+    """Of the files that a sweep writes into the folder, those that are there and are not ours: why."""
+    own = manifest.ours(root) or dict.fromkeys(OWN if manifest.is_sweep(root) else ())
+    others = manifest.others(root, own) if root.is_dir() else ()
+    return {entry.path: inway.why(entry) for entry in others if entry.path in OWN}
+
+
+def _write(root: Path, outcomes: Sequence["Outcome"]) -> None:
+    tree = {manifest.SWEEP: 1, "jobs": [asdict(outcome) for outcome in outcomes]}
+    text = json.dumps(Secrets(os.environ).within(tree), indent=2, ensure_ascii=False)
+    staged = root / f".{SUMMARY}.tmp"
+    staged.write_text(printable_lines(text) + "\n", encoding="utf-8")
+    staged.replace(root / SUMMARY)
