@@ -24,6 +24,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
+from pipeline import texts
 from pipeline.draft import Draft
 from pipeline.errors import Diagnostic, refusal
 from pipeline.hydra_errors import explained
@@ -32,11 +33,14 @@ from pipeline.overrides import Override, read, refused
 from pipeline.plain import plain
 from pipeline.plan import Judge, Plan
 from pipeline.presets import GROUPS, Presets, chosen, content, stand_in
+from pipeline.schema import Place
 from pipeline.secrets import Secrets
 from pipeline.settle import settle
 from pipeline.trust import DEFAULTS, Sweeping, not_to_say, overridden, targets, untrusted
 
-DEFAULT_ROBOT = "sample"
+DEFAULT = "robot=sample"
+
+_ROBOT = re.compile(r"[+~]*(robot|source)(=|$)")
 
 HYDRA: Mapping[str, str] = {"version_base": "1.3"} if __version__.startswith("1.3.") else {}
 """How Hydra is started with its own defaults: 1.3 must be asked for them, and 1.4 warns of being asked."""
@@ -116,19 +120,13 @@ class Composer:
     def read(
         self, arguments: Sequence[str], multirun: bool = False
     ) -> tuple[list[Override], list[Diagnostic]]:
-        """The overrides of a command line, and what is wrong with the others.
-
-        The sample, where neither robot nor source is named.
-        """
+        """The overrides of a command line, and what is wrong with the others."""
         clean, leaks = self._secrets.typed(arguments)
         self._typed = ["linkwright", *["-m"] * multirun, *self._presets.options_typed, *clean]
-        overrides, problems = read(clean, GROUPS, self._values, multirun)
+        overrides, problems = read(clean, GROUPS, self._values, multirun, self._presets.own_groups())
         problems += leaks + [problem for one in overrides if (problem := refused(one, multirun))]
         overrides = [one for one in overrides if not refused(one, multirun)]
         problems += self._node.take(overrides, self._typed)
-        if not any(re.match(r"[+~]*(robot|source)(=|$)", argument) for argument in arguments):
-            typed = f"robot={DEFAULT_ROBOT}"
-            overrides.insert(0, Override(typed, "robot", (DEFAULT_ROBOT,), typed))
         return overrides, problems
 
     def compose(
@@ -137,6 +135,8 @@ class Composer:
         """The plan of overrides in Hydra's form, none of them swept; of a sweep's `job`, by number and
         what sets it apart.
 
+        The sample, where neither robot nor source is chosen, by a defaults list neither.
+
         ConfigError lists the `known` problems of the command line and everything else that is wrong:
         what cannot be composed is replaced by what `build` chooses, so that the rest is judged too.
         """
@@ -144,17 +144,27 @@ class Composer:
         draft = Draft.of(known, bad)
         # What adds or deletes a key by force may not fit; what remains is judged without it.
         sure = [one for one in good if one.startswith("++") or one[0] not in "+~"]
-        config, paths = self._whole(good, draft) or self._whole(sure, draft) or self._around(sure, draft)
+        # Only what chooses an option can bring in a defaults list, and only files of the user's own choose
+        # a robot there.
+        named = any(map(_ROBOT.match, overrides))
+        open_yet = self._presets.own and any(not one.startswith("++") for one in good)
+        composed = self._whole(good, draft) if named or open_yet else None
+        if not named and (composed is None or _lacks_a_robot(composed[0])):
+            good, sure = [DEFAULT, *good], [DEFAULT, *sure]
+            composed = self._whole(good, draft)
+        config, paths = composed or self._whole(sure, draft) or self._around(sure, draft)
         robot = config.hydra.runtime.choices.get("robot") or "bare"
         ambiguous = self._presets.problem("robot", robot)
         draft.problems += [ambiguous] if ambiguous else []
         unresolved: list[Diagnostic] = []
-        tree = plain(config, (), unresolved)
+        computed: set[Place] = set()
+        tree = plain(config, (), unresolved, computed)
         draft.problems += [problem for problem in unresolved if not draft.unsure(problem)]
         draft.problems += self._leaks(config, tree)
         tree = self._secrets.within(tree)
         formats = tuple(path.removeprefix("export/") for path in paths if path.startswith("export/"))
-        settled = settle(tree, self._presets.choices(robot, formats, good))
+        settled = settle(tree, self._presets.choices(robot, formats, good, paths))
+        texts.decode(settled, computed)
         sweeping = self._node.sweeping(config, draft, settled.get("name"), job)
         for problem in self._params(sweeping.params)[1]:
             draft.add(problem)
@@ -285,3 +295,8 @@ class Composer:
             msg = "a sweep needs a list of values"
             raise ValueError(msg)
         return list(override.sweep_string_iterator())
+
+
+def _lacks_a_robot(config: DictConfig) -> bool:
+    """Whether neither the command line nor any defaults list has chosen a robot or a source."""
+    return config.hydra.runtime.choices.get("robot") in (None, "bare") and not config.get("source")

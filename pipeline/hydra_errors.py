@@ -6,9 +6,10 @@ from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.errors import Diagnostic
 from pipeline.presets import Presets
+from pipeline.problems import GLOBAL
 from stages.robot.install import install
 
-HEADER = "the first line of a robot's file must be: # @package _global_"
+HEADER = f"the first line of a robot's file must be: {GLOBAL}"
 
 
 def explained(error: Exception, presets: Presets) -> Diagnostic:

@@ -8,7 +8,7 @@ becomes `++joints={*:{damping:1}}`.
 import re
 import shlex
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from pipeline.problems import nearest
 from stages.robot.errors import Diagnostic
@@ -57,13 +57,22 @@ class Override:
 
 
 def read(
-    arguments: Sequence[str], groups: Collection[str], values: Values, multirun: bool
+    arguments: Sequence[str],
+    groups: Collection[str],
+    values: Values,
+    multirun: bool,
+    added: Collection[str] = (),
 ) -> tuple[list[Override], list[Diagnostic]]:
-    """The overrides of a command line, and what is wrong with the others."""
+    """The overrides of a command line, and what is wrong with the others.
+
+    `added`: groups that no defaults list has, and that Hydra wants a `+` for.
+    """
     overrides, problems = [], []
     for argument in arguments:
         try:
-            override = _read(argument, groups, values)
+            plus = argument.partition("=")[0] in added
+            override = _read(f"+{argument}" if plus else argument, {*groups, *added}, values)
+            override = replace(override, typed=argument)
             if override.swept and not multirun:
                 raise _RefusedError("several values, but no sweep", _one_value(argument, override))
         except _RefusedError as refused:

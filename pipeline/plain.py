@@ -8,7 +8,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.errors import Diagnostic
 from pipeline.problems import how_to_give
-from pipeline.schema import key_of
+from pipeline.schema import Place, key_of
 
 
 def as_written(node: DictConfig) -> dict[str, Any]:
@@ -17,7 +17,7 @@ def as_written(node: DictConfig) -> dict[str, Any]:
     return dict(tree)
 
 
-def at(config: DictConfig, place: tuple[int | str, ...], problems: list[Diagnostic]) -> Any:
+def at(config: DictConfig, place: Place, problems: list[Diagnostic]) -> Any:
     """What stands at a place, as plain data, interpolations resolved; None, and a problem, where that
     cannot be."""
     node: Any = config
@@ -31,9 +31,9 @@ def at(config: DictConfig, place: tuple[int | str, ...], problems: list[Diagnost
     return plain(node, place, problems)
 
 
-def plain(node: Any, place: tuple[int | str, ...], problems: list[Diagnostic]) -> Any:
+def plain(node: Any, place: Place, problems: list[Diagnostic], computed: set[Place] | None = None) -> Any:
     """The node as plain data, interpolations resolved; what is missing or cannot be resolved is a
-    problem, and left out."""
+    problem, and left out. The places of the interpolations go into `computed`."""
     if isinstance(node, ListConfig):
         pairs: Iterable[tuple[Any, Any]] = enumerate(range(len(node)))
     elif isinstance(node, DictConfig):
@@ -51,9 +51,11 @@ def plain(node: Any, place: tuple[int | str, ...], problems: list[Diagnostic]) -
                 problems.append(Diagnostic("E-MISSING", text, key_of(inner), how_to_give(key_of(inner))))
                 continue
             value = node[index]
+            if computed is not None and OmegaConf.is_interpolation(node, index):
+                computed.add(inner)
         except OmegaConfBaseException as error:
             text = f"cannot be resolved: {str(error).splitlines()[0]}"
             problems.append(Diagnostic("E-VALUE", text, key_of(inner)))
             continue
-        found[name] = plain(value, inner, problems)
+        found[name] = plain(value, inner, problems, computed)
     return list(found.values()) if isinstance(node, ListConfig) else found

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from pipeline.errors import Diagnostic, refusal
 from pipeline.problems import told
@@ -55,6 +55,9 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
 
     cache: CacheKeys = CacheKeys()
     """The cache of earlier results."""
+
+    vars: dict[Text, Any] = Field(default_factory=dict)
+    """Values of one's own, for interpolations: `${vars.reach}`."""
 
     plugins: tuple[Text, ...] = not_yet(())
     """Modules whose classes may be used as `_target_`."""

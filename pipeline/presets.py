@@ -1,14 +1,15 @@
 """The YAML files that a configuration is composed from: ours in `conf`, and the user's own."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import yaml
 
 import conf
-from pipeline.problems import nearest
+from pipeline.problems import EXPERIMENT, nearest
+from pipeline.schema import Place, key_of
 from pipeline.settle import Choices
 from stages.export.keys import LATER_FORMATS
 from stages.mesh.keys import LATER_COLLIDERS
@@ -21,6 +22,9 @@ GROUPS = tuple(sorted(folder.name for folder in OURS.iterdir() if any(folder.glo
 
 SEVERAL = ("export",)
 """Groups of which several options are chosen at once."""
+
+_PACKAGED = re.compile(r"(\s*#.*\n)*\s*#\s*@package\s+(?!_group_)\S")
+"""The head of a file that says where in the tree it lies."""
 
 LATER = {
     "mesh": LATER_COLLIDERS,
@@ -36,7 +40,7 @@ class Presets:
     def __init__(self, config_dirs: Iterable[str | Path] = (), cwd: Path | None = None) -> None:
         """ConfigError where one of `config_dirs` is no folder. `./robot/` counts where it exists."""
         here, dirs = cwd or Path.cwd(), list(config_dirs)
-        folders = [here] if (here / "robot").is_dir() else []
+        folders = [here] if any((here / group).is_dir() for group in ("robot", EXPERIMENT)) else []
         given = []
         self.options_typed = [text for named in dirs for text in ("--config-dir", str(named))]
         for named in dirs:
@@ -108,16 +112,38 @@ class Presets:
         files = self.files(group, option)
         return content(files[0]) if files else {}
 
-    def choices(self, robot: str, formats: tuple[str, ...], overrides: Iterable[str]) -> Choices:
-        """How a tree came to be that was composed of these overrides, all of them good."""
+    def _section(self, group: str, option: str) -> dict[str, Any]:
+        """What an option gives its own group; nothing where its file lies elsewhere in the tree."""
+        files = self.files(group, option)
+        if not files or _PACKAGED.match(files[0].read_text(encoding="utf-8", errors="replace")):
+            return {}
+        return {key: value for key, value in content(files[0]).items() if key != "defaults"}
+
+    def own_groups(self) -> list[str]:
+        """The groups that only the user has, `experiment` say, sorted."""
+        folders = [folder for own in self.own for folder in own.iterdir() if any(folder.glob("*.yaml"))]
+        return sorted({folder.name for folder in folders} - {*GROUPS, "hydra"})
+
+    def choices(
+        self, robot: str, formats: tuple[str, ...], overrides: Iterable[str], paths: Iterable[str] = ()
+    ) -> Choices:
+        """How a tree came to be that was composed of these overrides, all of them good, and of the files
+        of these `paths`: what an experiment chooses counts as if it were typed."""
         presets: dict[str, dict[str, Any]] = {}
         keys: set[str] = set()
+        groups = self.own_groups()
+        for file in self.own_files(path for path in paths if path.partition("/")[0] in groups):
+            experiment = content(file)
+            for group, option in _overridden(experiment.pop("defaults", None)):
+                if group in GROUPS and group != "robot" and group not in SEVERAL:
+                    presets[group] = self._section(group, option)
+            keys |= {key_of(place) for place in ends(experiment)}
         for text in overrides:
             key, _, value = text.lstrip("+~").partition("=")
             if key not in GROUPS or text.startswith("+"):
                 keys.add(key)
             elif key != "robot" and key not in SEVERAL and not text.startswith("~"):
-                presets[key] = self.content(key, chosen(value)[0])
+                presets[key] = self._section(key, chosen(value)[0])
         return Choices(robot, formats, presets, frozenset(keys))
 
     def unknown(self, group: str, option: str) -> Diagnostic:
@@ -154,6 +180,24 @@ def content(file: Path) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError, yaml.YAMLError):
         return {}
     return read if isinstance(read, dict) else {}
+
+
+def _overridden(defaults: Any) -> Iterator[tuple[str, str]]:
+    """Group and option of each override in a defaults list."""
+    for entry in defaults if isinstance(defaults, list) else ():
+        for key, option in entry.items() if isinstance(entry, dict) else ():
+            sign, _, group = str(key).partition(" ")
+            if sign == "override" and isinstance(option, str):
+                yield group.strip().lstrip("/"), option
+
+
+def ends(tree: Any, place: Place = ()) -> Iterator[Place]:
+    """The places of all values below mappings."""
+    if isinstance(tree, dict) and tree:
+        for name, value in tree.items():
+            yield from ends(value, (*place, str(name)))
+    else:
+        yield place
 
 
 def stand_in(group: str) -> str:

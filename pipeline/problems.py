@@ -13,6 +13,12 @@ from stages.fetch.keys import ADDRESS, SOURCES
 from stages.robot.errors import Diagnostic
 from stages.robot.keys import NOT_YET, Keys
 
+GLOBAL = "# @package _global_"
+"""The first line of a file whose keys are those of the whole tree."""
+
+EXPERIMENT = "experiment"
+"""The customary group of files that change a robot and choose its options, over all else."""
+
 WORDS = {
     "bool_type": "must be true or false",
     "dict_type": "must be a mapping",
@@ -129,9 +135,15 @@ def _unknown(place: Place, value: Any, owner: Any, root: type[Keys]) -> Diagnost
     if owner.unknown_is_later:
         hint = f"supported so far: {', '.join(names(owner))}"
         return Diagnostic("E-LATER", f"not supported yet {given}", key, hint)
-    if key == "robot":
-        hint = "the first line of a robot's file must be: # @package _global_"
-        return Diagnostic("E-KEY", "the keys of the robot's file lie under `robot`", key, hint)
+    if key in ("robot", EXPERIMENT) and isinstance(value, dict):
+        text, hint = (
+            f"the keys of the {key}'s file lie under `{key}`",
+            f"the first line of a {key}'s file must be: {GLOBAL}",
+        )
+        return Diagnostic("E-KEY", text, key, hint)
+    if key == EXPERIMENT:
+        hint = f"an experiment is a file ./{key}/NAME.yaml, or in a folder that --config-dir names"
+        return Diagnostic("E-KEY", f"there is no folder {key} here {given}", key, hint)
     if owner in SOURCES.values():
         here = next(kind for kind, keys in SOURCES.items() if keys is owner)
         others = [kind for kind, keys in SOURCES.items() if name in names(keys)]

@@ -301,6 +301,7 @@ def test_each_key_belongs_to_one_stage():
     assert len(owned) == len(set(owned))
     assert {name for name in Plan.model_fields if name not in owned} == {
         "cache",
+        "vars",
         "plugins",
         "output",
         "overwrite",

@@ -41,6 +41,10 @@ def marked(mark: str) -> str:
 
 
 def composed(folder: Path, text: str) -> Composed:
+    if "override /robot:" in text:
+        (folder / "experiment").mkdir()
+        (folder / "experiment" / "wide.yaml").write_text(text)
+        return compose_plan(["experiment=wide"], (), write(folder, my_arm=FROM_SAMPLE))
     robot = text if text.startswith(HEADER) else FROM_SAMPLE + text
     return compose_plan(["robot=my_arm"], (), write(folder, my_arm=robot))
 
@@ -71,6 +75,8 @@ def test_each_yaml_block_composes(tmp_path: Path, number: int) -> None:
 @pytest.mark.parametrize("words", commands(), ids=" ".join)
 def test_each_command_composes(tmp_path: Path, words: list[str]) -> None:
     folder = write(tmp_path, my_arm=FROM_SAMPLE)
+    (folder / "experiment").mkdir()
+    (folder / "experiment" / "wide.yaml").write_text(HEADER)
     command = parse([word.replace("~/robots", str(folder)) for word in words])
     compose_plan(command.overrides, command.config_dirs, tmp_path)
 

@@ -1,0 +1,41 @@
+"""Texts of interpolations, `${oc.env:SPEED,4}` say, where the schema wants a number or a truth value."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from pipeline.plan import Plan
+from pipeline.schema import Place, annotation_at
+from stages.fetch.keys import SOURCES
+
+
+def decode(tree: dict[str, Any], places: Iterable[Place]) -> None:
+    """Replaces, in `tree`, the texts at these places by what they say, where no text is wanted."""
+    source = tree.get("source")
+    kind = SOURCES.get(str(source.get("kind"))) if isinstance(source, Mapping) else None
+    for place in places:
+        if place[0] == "source" and kind is not None:
+            wanted = annotation_at(kind, place[1:])
+        else:
+            wanted = annotation_at(Plan, place)
+        node: Any = tree
+        try:
+            for name in place[:-1]:
+                node = node[name]
+            text = node[place[-1]]
+        except (KeyError, IndexError, TypeError):
+            continue
+        if isinstance(text, str):
+            node[place[-1]] = _meant(text.strip(), wanted, text)
+
+
+def _meant(text: str, wanted: Any, otherwise: Any) -> Any:
+    """What a text means where `wanted`, a type, is expected; `otherwise` where it does not mean that."""
+    if wanted is bool:
+        return {"true": True, "false": False}.get(text.lower(), otherwise)
+    if wanted in (int, float):
+        for read in (int, wanted):
+            try:
+                return read(text)
+            except ValueError:
+                continue
+    return otherwise
