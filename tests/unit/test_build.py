@@ -427,7 +427,7 @@ def test_the_picture_is_an_output_and_the_tree_is_in_the_report(make, folder):
     assert make(stages).outline == report.outline
     page = (folder / "report.html").read_text()
     assert "<svg>arm</svg>" in page
-    assert f"<td>{len(SHOWN['graph.svg'])}</td>" in page
+    assert f">{len(SHOWN['graph.svg'])}</td>" in page
 
 
 def test_a_failed_build_shows_what_came_before_in_its_page(make, folder):
