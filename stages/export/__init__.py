@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 3
+VERSION = 4
 
 
 @dataclass(frozen=True, slots=True)

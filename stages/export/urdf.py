@@ -18,7 +18,7 @@ from stages.robot.model import Array, Inertial, Limits, Primitive, Robot
 from stages.robot.numbers import number, numbers, spaced
 from stages.robot.poses import from_parts, rpy_from_rotation
 from stages.robot.urdfnames import UrdfNames, urdf_names
-from stages.robot.xml import Element, element, to_bytes
+from stages.robot.xml import Element, element, parse, to_bytes
 
 UNSET_EFFORT = 100.0
 UNSET_VELOCITY = 10.0
@@ -56,6 +56,8 @@ def write_urdf(robot: Robot, geometry: Geometry, diagnostics: list[Diagnostic]) 
             )
     names = urdf_names(robot)
     _frames(root, robot, names)
+    for text in robot.controls:
+        root.append(parse(text.encode()))
     _tell(robot, lowered, diagnostics)
     diagnostics += _renamed(robot, names)
     return to_bytes(root)
@@ -230,6 +232,13 @@ def _tell(robot: Robot, lowered: Sequence[Lowered], diagnostics: list[Diagnostic
             + ", ".join(loop.name for loop in robot.loops)
             + " stay(s) open there, with a frame on either side (<name>_a, <name>_b)",
             "the MJCF closes them; robot.json lists them under loops",
+        )
+    rotors = [dof.name for dof in robot.dofs if dof.dynamics.armature]
+    if rotors:
+        tell(
+            "I-URDF-ARMATURE",
+            f"URDF has no word for a rotor's inertia, so these joints have none there: {', '.join(rotors)}",
+            "the MJCF and robot.json have it (armature)",
         )
     lacking = {dof.name: unset(dof) for dof in robot.dofs if unset(dof)}
     if lacking:

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
     from stages.fetch.keys import MjcfKeys
 
+READER = 2
+"""Grows with every change of what is made of the same files."""
+
 MODEL = "model"
 """The request that stands for the compiled model."""
 
@@ -38,9 +41,9 @@ def gather(source: MjcfKeys) -> tuple[Bundle, tuple[Diagnostic, ...]]:
 
     path = Path(source.path)
     told = identity(source)
-    model, warnings = _compiled(path)
+    model, spec, warnings = _compiled(path)
     meshes = Meshes(model)
-    body = codec.dump(taken(model, meshes, path.name))
+    body = codec.dump(taken(model, spec, meshes, path.name))
     definition = sha256(body).hexdigest()
     requests = {MODEL: definition, **{f"mesh/{key}": digest for key, digest in sorted(meshes.keys.items())}}
     bundle = Bundle(
@@ -65,6 +68,7 @@ def identity(source: MjcfKeys) -> dict[str, Any]:
         "document": path.name,
         "files": digests(path),
         "mujoco": importlib.metadata.version("mujoco"),
+        "reader": READER,
     }
 
 
@@ -72,8 +76,8 @@ def _sum(told: dict[str, Any]) -> str:
     return sha256(json.dumps(told["files"], sort_keys=True).encode()).hexdigest()
 
 
-def _compiled(path: Path) -> tuple[mujoco.MjModel, tuple[Diagnostic, ...]]:
-    """The model, with what is only seen in it, and MuJoCo's warnings on the way."""
+def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, tuple[Diagnostic, ...]]:
+    """The model with what is only seen in it, what it was compiled from, and MuJoCo's warnings."""
     import mujoco
 
     from stages.robot.listening import listening
@@ -87,7 +91,7 @@ def _compiled(path: Path) -> tuple[mujoco.MjModel, tuple[Diagnostic, ...]]:
             msg = f"MuJoCo refuses it: {_said(str(error), path)}"
             raise SourceError(msg, path.name, _HINT) from None
     warnings = (Diagnostic("W-MJCF", _said(text, path), path.name, _LOOK) for text in sorted(set(heard)))
-    return model, tuple(warnings)
+    return model, spec, tuple(warnings)
 
 
 def _said(text: str, path: Path) -> str:

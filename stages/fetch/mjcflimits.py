@@ -13,7 +13,7 @@ def efforts(model: Any) -> dict[int, float]:
     """By joint [N m or N], of hinges and slides that have a bound: the smaller of the joint's own
     (`actuatorfrcrange`) and the sum of what its actuators can do. Of an uneven range the larger side."""
     bounds: dict[int, float] = {}
-    for actuator in range(model.nactuator):
+    for actuator in range(len(model.actuator_trntype)):
         joint = int(model.actuator_trnid[actuator][0])
         if int(model.actuator_trntype[actuator]) in _OF_JOINTS:
             bounds[joint] = bounds.get(joint, 0.0) + _largest(model, actuator)

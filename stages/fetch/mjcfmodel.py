@@ -98,8 +98,9 @@ class Meshes:
         return triangles.Body(key, points, faces, (colour,), np.zeros(len(faces), dtype=np.uint16))
 
 
-def taken(model: mujoco.MjModel, meshes: Meshes, where: str) -> Mjcf:
-    """The model as a value; `where` names its file. SourceError where a number is not finite.
+def taken(model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, where: str) -> Mjcf:
+    """The model as a value; `spec` is what it was compiled from, and `where` names its file. SourceError
+    where a number is not finite.
 
     What is posed by hand (a mocap body) is no part of a robot and is left out with all below it.
     """
@@ -132,7 +133,7 @@ def taken(model: mujoco.MjModel, meshes: Meshes, where: str) -> Mjcf:
         bodies=tuple(bodies),
         closures=tuple(_closures(model, numbers)),
         relations=tuple(_relations(model, numbers, order)),
-        diagnostics=tuple(left_out(model, set(numbers), where)),
+        diagnostics=tuple(left_out(model, spec, set(numbers), where)),
     )
 
 

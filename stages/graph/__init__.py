@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from stages.robot.bundle import Bundle
     from stages.robot.model import Robot
 
-VERSION = 8
+VERSION = 9
 
 
 def build_robot(bundle: "Bundle", keys: "GraphKeys") -> "Robot":

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from stages.graph.added import with_added_frames, with_added_links
-from stages.graph.globs import as_key, fits
+from stages.graph.globs import as_key, fits, listed
 from stages.graph.keys import GraphKeys, JointKeys
 from stages.graph.massing import check_links, with_given_masses
 from stages.graph.mechanism import Coupling, Mechanism
@@ -19,6 +19,7 @@ from stages.graph.zero import zeroed
 from stages.robot.bundle import Bundle
 from stages.robot.errors import AssemblyError
 from stages.robot.model import Robot, Transmission
+from stages.robot.urdfactuators import with_joints
 
 Reader = Callable[[Bundle, GraphKeys, Notes], tuple[Mechanism, GraphKeys]]
 """From a bundle to a mechanism; the keys come back with what the source's own conventions imply."""
@@ -61,7 +62,9 @@ def assemble(bundle: Bundle, keys: GraphKeys) -> Robot:
         robot = zeroed(robot, notes)
     robot = with_mobility(robot, notes)
     notes.settle()
-    return replace(robot, diagnostics=tuple(notes.found), transmissions=_transmissions(mechanism, robot))
+    controls = _controls(mechanism, robot, notes)
+    robot = replace(robot, transmissions=_transmissions(mechanism, robot), controls=controls)
+    return replace(robot, diagnostics=tuple(notes.found))
 
 
 def _tree(mechanism: Mechanism, keys: GraphKeys, notes: Notes) -> Tree:
@@ -109,3 +112,18 @@ def _transmissions(mechanism: Mechanism, robot: Robot) -> tuple[Transmission, ..
     """What drives the joints, by the names that these have now."""
     dofs = {joint.mate.name: joint.dofs[0].name for joint in robot.joints if joint.mate and joint.dofs}
     return tuple(replace(one, joint=dofs[one.joint]) for one in mechanism.transmissions if one.joint in dofs)
+
+
+def _controls(mechanism: Mechanism, robot: Robot, notes: Notes) -> tuple[str, ...]:
+    """How the joints are driven, with the names that they have now; W-URDF-CONTROL for a joint that is gone,
+    or that is several in a URDF."""
+    names = {joint.mate.name: joint.name for joint in robot.joints if joint.mate and len(joint.dofs) < 2}
+    found = []
+    for text in mechanism.controls:
+        changed, lost = with_joints(text, names)
+        found += [changed] if changed else []
+        if lost:
+            what = f"a <transmission> or <ros2_control> names {listed(lost)}, which the robot does not have"
+            hint = "name a joint that it has, or take it out"
+            notes.tell("W-URDF-CONTROL", f"{what}: left out", listed(lost), hint)
+    return tuple(found)

@@ -29,7 +29,8 @@ class Body:
     `path`: the occurrence that names it. `titles`: all names that mean it, as typed in CAD. `held`:
     why it is fixed to the world; "" if it is not. `world_from_body` (4, 4): its own frame, which it
     keeps where it is the root. `given`: an inertial in the world's frame in place of the parts' sum.
-    `free_joint`: what the source calls the joint by which the body floats in the world; "" for no name.
+    `afloat`: what the source calls the joint by which the body floats in the world ("" for no name), None
+    where it does not say that it floats.
     """
 
     name: str
@@ -40,7 +41,7 @@ class Body:
     world_from_body: Array
     given: Inertial | None = None
     shapes: tuple[Primitive, ...] = ()
-    free_joint: str = ""
+    afloat: str | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,3 +123,4 @@ class Mechanism:
     root: int | None = None
     posed: bool = True
     transmissions: tuple[Transmission, ...] = ()
+    controls: tuple[str, ...] = ()

@@ -96,7 +96,7 @@ def _stand_in(
     """The joint of what hangs on nothing: rigid, or free to float."""
     body = mechanism.bodies[edge.child]
     child = body.name
-    name = (edge.stand_in == "free" and body.free_joint) or free(f"{child}_{edge.stand_in}", taken)
+    name = (edge.stand_in == "free" and body.afloat) or free(f"{child}_{edge.stand_in}", taken)
     taken.add(name)
     zero = frozen(np.zeros(3))
     floating = Dof(name, "free", zero, frozen(np.eye(4)), Limits(), Dynamics(), at_rest("free"))

@@ -83,7 +83,7 @@ def base_of(mechanism: Mechanism, root: int, keys: RootKeys, notes: Notes) -> Ba
         what = "the root is the assembly's origin, which other links move against: it cannot float"
         notes.tell("E-BASE", what, "root.base", "leave it at auto, or mate to a part instead of the origin")
     elif keys.base != "auto":
-        return Base(keys.base == "fixed", f"root.base is {keys.base}", body.free_joint)
+        return Base(keys.base == "fixed", f"root.base is {keys.base}", body.afloat or "")
     if body.held:
         return Base(True, body.held)
     other = next((one for one in mechanism.bodies if one.held), None)
@@ -94,4 +94,4 @@ def base_of(mechanism: Mechanism, root: int, keys: RootKeys, notes: Notes) -> Ba
             body.name,
             f"choose that root (root.select={other.name}), or say root.base: fixed or free",
         )
-    return Base(False, "nothing fixes the root link to the world", body.free_joint)
+    return Base(False, "nothing fixes the root link to the world", body.afloat or "")

@@ -207,7 +207,8 @@ def _settle(
         notes.tell("I-LOOSE", f"{names}: left out, as it hangs on nothing", where, hint)
         return
     welded = keys.root.disconnected == "weld"
-    head = heaviest(mechanism, [body for body in island if bodies[body].held] or island)
+    afloat = [body for body in island if bodies[body].afloat is not None]
+    head = heaviest(mechanism, [body for body in island if bodies[body].held] or afloat or island)
     done = "fixed to the root" if welded else "floats on its own"
     notes.tell("I-LOOSE", f"{names}: {done}, as it hangs on nothing", where, hint)
     below, grown = _walk(kept, head)

@@ -302,7 +302,8 @@ class Robot:
 
     `world_from_root` (4, 4): where the root link's frame is in the assembly at the saved pose. A root
     link called `world` is the assembly's origin itself. Names are unique among links, among joints and
-    dofs (those of loops too), among frames, and among loops and relations.
+    dofs (those of loops too), among frames, and among loops and relations. `controls`: how the joints are
+    driven, in the words of the source's URDF: the text of its <transmission>s and <ros2_control>s.
     """
 
     name: str
@@ -317,6 +318,7 @@ class Robot:
     provenance: Provenance
     diagnostics: tuple[Diagnostic, ...] = field(default=())
     transmissions: tuple[Transmission, ...] = ()
+    controls: tuple[str, ...] = ()
 
     @property
     def root(self) -> Link:

@@ -68,7 +68,8 @@ class UrdfJoint:
     `axis` (3,) unit vector in the joint's frame (the normal of a planar joint's plane; (1, 0, 0) where
     the file gives none). `limits` None where there is no <limit> element, or for a type that has
     none; a bound that it leaves out is 0, as in ROS. `effort` [N m or N] and `velocity` [rad/s or m/s]
-    as the file says, 0 too; None where it says nothing. `damping`, `friction` likewise, None unset.
+    as the file says, 0 too; None where it says nothing. `damping`, `friction` and `armature` (the rotor's
+    inertia as the joint feels it) likewise, None unset.
     """
 
     name: str
@@ -82,13 +83,15 @@ class UrdfJoint:
     velocity: float | None
     damping: float | None
     friction: float | None
+    armature: float | None
     mimic: UrdfMimic | None
     line: int
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Urdf:
-    """A robot's file: links, joints and transmissions (one for each joint of each) in the file's order.
+    """A robot's file: links, joints and transmissions (one for each joint of each) in the file's order, and
+    `controls`: the text of each <transmission> and <ros2_control>.
 
     `diagnostics`: all that is wrong (E-), doubtful (W-) or left out (I-). With an E- among them the
     rest is what could be read: names may be double, a joint may name a link that is not there.
@@ -98,6 +101,7 @@ class Urdf:
     links: tuple[UrdfLink, ...]
     joints: tuple[UrdfJoint, ...]
     transmissions: tuple[Transmission, ...]
+    controls: tuple[str, ...]
     diagnostics: tuple[Diagnostic, ...]
 
 

@@ -1,5 +1,8 @@
 """The transmissions of a URDF, of either style, and the joints of its ros2_control."""
 
+from collections.abc import Mapping
+
+from stages.robot import xml
 from stages.robot.urdf import Transmission
 from stages.robot.urdftext import Told, number, tag
 from stages.robot.xml import Element
@@ -37,6 +40,47 @@ def controlled(element: Element, told: Told) -> list[Transmission]:
         elif tag(one) == "transmission":
             found += transmissions(one, told)
     return found
+
+
+def rotors(element: Element, told: Told) -> dict[str, float]:
+    """The inertia of each joint's rotor as the joint feels it [kg m² or kg], where a <transmission> tells it
+    as Drake does: that of the rotor times the square of the gear's ratio."""
+    joints = [one.get("name", "") for one in element if tag(one) == "joint"]
+    actuators = [one for one in element if tag(one) == "actuator"]
+    found = {}
+    for joint, actuator in zip(joints, actuators, strict=False):
+        said = {tag(one).removeprefix("drake:"): one for one in actuator}
+        inertia = number(said["rotor_inertia"], "value", told) if "rotor_inertia" in said else None
+        ratio = number(said["gear_ratio"], "value", told) if "gear_ratio" in said else None
+        if inertia is not None:
+            found[joint] = inertia * (1.0 if ratio is None else ratio) ** 2
+    return found
+
+
+def with_joints(text: str, names: Mapping[str, str]) -> tuple[str, tuple[str, ...]]:
+    """The text of a <transmission> or <ros2_control> with joints called otherwise, and those that it names
+    and that are not there, sorted. `names`: those that are there, new by old.
+
+    A joint that is not there is left out of a <ros2_control>, and so is a transmission that has one: the
+    text is "" where that is all.
+    """
+    root = xml.parse(text.encode())
+    lost: set[str] = set()
+    for element in [one for one in root.iter() if tag(one) == "joint"]:
+        name = element.get("name", "")
+        if name in names:
+            element.set("name", names[name])
+            for mimic in (one for one in element if tag(one) == "param" and one.get("name") == "mimic"):
+                followed = (mimic.text or "").strip()
+                mimic.text = names.get(followed, followed)
+            continue
+        lost.add(name)
+        holder = element.getparent() if tag(element.getparent()) == "transmission" else element
+        if holder is root:
+            return "", tuple(sorted(lost))
+        if holder.getparent() is not None:
+            holder.getparent().remove(holder)
+    return xml.to_text(root), tuple(sorted(lost))
 
 
 def _text(element: Element, name: str) -> str:

@@ -57,10 +57,9 @@ class Told:
     def _place(self, line: int) -> str:
         return f"{self._where}, line {line}"
 
-    def leave(self, element: Element) -> None:
-        """An element that is known and left out."""
-        name = tag(element)
-        self._left[name] = self._left.get(name, 0) + 1
+    def leave(self, what: str) -> None:
+        """Something that is known and left out."""
+        self._left[what] = self._left.get(what, 0) + 1
 
     def unknown(self, what: str, element: Element) -> None:
         self._unknown.setdefault(what, []).append(element.sourceline)
@@ -70,11 +69,13 @@ class Told:
         for child in element:
             name = tag(child)
             if name in _LEFT:
-                self.leave(child)
+                self.leave(f"<{name}>")
             elif name not in children:
                 self.unknown(f"<{name}> in <{tag(element)}>", child)
         for name in element.attrib:
-            if name not in attributes and not name.startswith("{") and ":" not in name:
+            if (tag(element), name) in _LEFT_ATTRIBUTES or name.startswith("{") or ":" in name:
+                self.leave(f"{name.rpartition('}')[2]} of <{tag(element)}>")
+            elif name not in attributes:
                 self.unknown(f'{name}="" of <{tag(element)}>', element)
 
     def everything(self) -> tuple[Diagnostic, ...]:
@@ -94,7 +95,7 @@ class Told:
             hint = "check its spelling against the URDF reference"
             found.append(Diagnostic("W-URDF-UNKNOWN", msg, self._place(lines[0]), hint))
         if self._left:
-            names = ", ".join(f"<{name}> ({count})" for name, count in sorted(self._left.items()))
+            names = ", ".join(f"{name} ({count})" for name, count in sorted(self._left.items()))
             msg = f"left out, as they say nothing of how the robot is made: {names}"
             found.append(Diagnostic("I-URDF-LEFT", msg, self._where))
         return found
@@ -108,6 +109,16 @@ _LEFT = frozenset(
     ("gazebo", "contact", "sensor", "safety_controller", "calibration", "self_collision_checking", "verbose")
 )
 """Elements that a URDF may have in many places, and that say nothing of links and joints."""
+
+
+_LEFT_ATTRIBUTES = frozenset(
+    (
+        *(("visual", "name"), ("visual", "group"), ("collision", "name"), ("collision", "group")),
+        *(("limit", "acceleration"), ("limit", "deceleration"), ("limit", "jerk")),
+        *(("link", "type"), ("joint", "dont_collapse")),
+    )
+)
+"""Attributes that a URDF may have, by their elements, and that a robot of ours does not hold."""
 
 
 def tag(element: Element) -> str:

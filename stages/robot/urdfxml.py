@@ -7,6 +7,7 @@ and offset 0, and of several elements where one belongs the first counts.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import get_args
 
 import numpy as np
@@ -16,7 +17,7 @@ from stages.robot.errors import SourceError
 from stages.robot.inertia import moved
 from stages.robot.model import Array, Inertial, Limits, frozen
 from stages.robot.urdf import Transmission, Urdf, UrdfJoint, UrdfJointType, UrdfLink, UrdfMimic
-from stages.robot.urdfactuators import controlled, transmissions
+from stages.robot.urdfactuators import controlled, rotors, transmissions
 from stages.robot.urdfshapes import Materials, collisions, visuals
 from stages.robot.urdftext import Told, child, number, numbers, pose, tag
 from stages.robot.xml import Element
@@ -38,8 +39,11 @@ def parse(text: bytes, where: str) -> Urdf:
     told.check(root, _PARTS, ("name", "version"))
     materials = Materials(root, told)
     links, joints, drives = list[UrdfLink](), list[UrdfJoint](), list[Transmission]()
+    controls, armatures = list[str](), dict[str, float]()
     for element in root:
         name = tag(element)
+        if name in ("transmission", "ros2_control"):
+            controls.append(xml.to_text(element))
         if name == "link":
             links.append(_link(element, materials, told))
         elif name == "joint":
@@ -47,14 +51,33 @@ def parse(text: bytes, where: str) -> Urdf:
             joints += [joint] if joint else []
         elif name == "transmission":
             drives += transmissions(element, told)
+            armatures |= rotors(element, told)
         elif name == "ros2_control":
             drives += controlled(element, told)
+        elif name == "mujoco":
+            _leave_settings(element, told)
+    joints = [
+        replace(joint, armature=armatures.get(joint.name)) if joint.armature is None else joint
+        for joint in joints
+    ]
     _tell_doubles("link", links, told)
     _tell_doubles("joint", joints, told)
     _tell_textures(links, told, root)
     if not links:
         told.tell("E-URDF-EMPTY", root, "the robot has no link")
-    return Urdf(root.get("name", ""), tuple(links), tuple(joints), tuple(drives), told.everything())
+    name = root.get("name", "")
+    return Urdf(name, tuple(links), tuple(joints), tuple(drives), tuple(controls), told.everything())
+
+
+def _leave_settings(element: Element, told: Told) -> None:
+    """MuJoCo's own settings are left out, but for those of files and of what it would take away."""
+    for one in element:
+        if tag(one) != "compiler":
+            told.leave(f"<{tag(one)}> of <mujoco>")
+            continue
+        for name in one.attrib:
+            if name not in ("meshdir", "strippath", "fusestatic", "discardvisual"):
+                told.leave(f"{name} of <compiler>")
 
 
 def _robot(text: bytes, where: str) -> Element:
@@ -143,7 +166,8 @@ def _joint(element: Element, told: Told) -> UrdfJoint | None:
     limits, effort, velocity = _limit(element, joint_type, told)
     dynamics = child(element, "dynamics", told)
     if dynamics is not None:
-        told.check(dynamics, (), ("damping", "friction"))
+        told.check(dynamics, (), ("damping", "friction", *_ARMATURES))
+    armatures = [_resistance(dynamics, name, told) for name in _ARMATURES]
     joint = UrdfJoint(
         name=name,
         type=joint_type,
@@ -156,10 +180,15 @@ def _joint(element: Element, told: Told) -> UrdfJoint | None:
         velocity=velocity,
         damping=_resistance(dynamics, "damping", told),
         friction=_resistance(dynamics, "friction", told),
+        armature=next((value for value in armatures if value is not None), None),
         mimic=_mimic(element, told),
         line=element.sourceline,
     )
     return joint if parent and below else None
+
+
+_ARMATURES = ("rotorInertia", "rotor_inertia", "armature")
+"""What readers of <dynamics> call the inertia of a rotor as its joint feels it."""
 
 
 def _linked(element: Element, role: str, told: Told) -> str:

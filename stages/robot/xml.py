@@ -1,5 +1,6 @@
 """XML in and out: one place that parses and writes, with entities and the network off."""
 
+from copy import deepcopy
 from typing import Any, TypeAlias
 
 from lxml import etree
@@ -28,6 +29,14 @@ def to_bytes(root: Element) -> bytes:
     etree.indent(root, space="  ")
     text: bytes = etree.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
+
+
+def to_text(node: Element) -> str:
+    """An element with all that is in it, as text, and of namespaces only those that are used in it."""
+    own = deepcopy(node)
+    etree.cleanup_namespaces(own)
+    text: str = etree.tostring(own, encoding="unicode", with_tail=False)
+    return text
 
 
 def parse(data: bytes, *, large: bool = False) -> Element:

@@ -333,8 +333,8 @@ def test_geoms_are_seen_or_touched_as_the_file_has_them(tmp_path):
     assert robot.root.shapes[0].colour == (0.8, 0.1, 0.2, 1.0)
     assert [(one.visual, one.collision) for one in robot.link("tip").shapes] == [(True, True)]
     told = {one.code: one.message for one in robot.diagnostics}
-    assert "1 × shape (ellipsoid, field or plane)" in told["W-MJCF-LEFT"]
-    assert "1 × shape of the world (floor)" in told["I-MJCF-LEFT"]
+    assert "1 × geom type (ellipsoid, field, plane, ...)" in told["W-MJCF-LEFT"]
+    assert "1 × geom of the world (floor)" in told["I-MJCF-LEFT"]
 
 
 CORNERS = np.array([[0, 0, 0], [0.3, 0, 0], [0, 0.2, 0], [0, 0, 0.1]], dtype="<f4") + np.float32(0.125)
@@ -408,7 +408,7 @@ def test_actuators_bound_efforts_and_what_is_left_is_told_by_name(tmp_path):
     robot = robot_of(written(tmp_path, model(world, ACTUATED)))
     assert {dof.name: dof.dynamics.effort for dof in robot.dofs} == {"a": 20.0, "b": 5.0, "c": 7.0}
     told = {one.code: one.message for one in robot.diagnostics}
-    assert "1 × spring (c)" in told["W-MJCF-LEFT"]
+    assert "1 × joint stiffness (c)" in told["W-MJCF-LEFT"]
     assert "1 × tendon (cable)" in told["W-MJCF-LEFT"]
     for words in (
         "3 × actuator (push, ...)",

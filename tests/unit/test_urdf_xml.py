@@ -140,7 +140,7 @@ def test_every_shape_is_read(geometry, kind, size):
 def test_all_visuals_and_collisions_of_a_link_are_read_in_order():
     box, ball = '<geometry><box size="1 1 1"/></geometry>', '<geometry><sphere radius="1"/></geometry>'
     link = f"<visual>{box}</visual><collision>{ball}</collision><visual name='v'>{ball}</visual>"
-    one = sound(f'<link name="a">{link}<collision>{box}</collision></link>').links[0]
+    one = read(f'<link name="a">{link}<collision>{box}</collision></link>').links[0]
     assert [shape.kind for shape in one.visuals] == ["box", "sphere"]
     assert [shape.kind for shape in one.collisions] == ["sphere", "box"]
     assert one.visuals[1].name == "v"

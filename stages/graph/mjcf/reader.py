@@ -152,16 +152,18 @@ def _body(mjcf: Mjcf, number: int, names: Names, pose: _Pose, numbers: Mapping[i
         titles=frozenset({name, body.name or name}),
         held=held,
         world_from_body=pose.world_from_link[number],
-        free_joint=_free_joint(mjcf, number, names),
+        afloat=_free_joint(mjcf, number, names),
         given=None if body.inertial is None else moved(body.inertial, world_from_body),
         shapes=tuple(_primitive(geom, world_from_body) for geom in body.geoms if geom.kind != "mesh"),
     )
 
 
-def _free_joint(mjcf: Mjcf, number: int, names: Names) -> str:
-    """The name of the joint by which a body floats; "" where it does not, or the joint has none."""
+def _free_joint(mjcf: Mjcf, number: int, names: Names) -> str | None:
+    """The name of the joint by which a body floats, "" where that has none; None where it does not float."""
     body = mjcf.bodies[number]
-    if not floats(body) or not body.joints[0].name:
+    if not floats(body):
+        return None
+    if not body.joints[0].name:
         return ""
     return names.dofs[sum(len(one.joints) for one in mjcf.bodies[:number])]
 

@@ -74,6 +74,7 @@ def read_urdf(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechanism,
         root=numbers[root],
         posed=False,
         transmissions=urdf.transmissions,
+        controls=urdf.controls,
     )
     return mechanism, keys
 
@@ -140,7 +141,7 @@ def _dynamics(joint: UrdfJoint, notes: Notes) -> Dynamics:
             text = f"its bound of {name} is {value:g}, under which it could not move: taken for none"
             notes.tell("W-URDF-BOUND", text, joint.name, "give it in the file or in joints:")
             bounds[name] = None
-    return Dynamics(damping=joint.damping, friction=joint.friction, **bounds)
+    return Dynamics(joint.damping, joint.friction, joint.armature, **bounds)
 
 
 def _saved(dofs: Mapping[str, tuple[Dof, ...]], urdf: Urdf) -> dict[str, tuple[Dof, ...]]:

@@ -1,0 +1,244 @@
+"""What an MJCF's elements and options say that a robot of ours does not hold, by MuJoCo's own attributes.
+
+The compiled model is held against one that says nothing, of the same MuJoCo: so it does not matter where
+a value comes from (a default, an include), and what is the default anyway is nobody's loss. Fields that a
+later MuJoCo adds are named too, until they are said here to be carried over.
+"""
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import Any
+
+import mujoco
+import numpy as np
+
+_PLAIN = """<mujoco><asset><material name="m"/></asset><worldbody>
+<body name="a"><joint/><geom size="1"/><site/></body><body name="b"><joint/><geom size="1"/></body>
+</worldbody><equality><weld body1="a" body2="b"/></equality></mujoco>"""
+"""A model that says nothing but what must be said."""
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    """What is not carried over: `words` as an MJCF has them, and the names of the elements that say it
+    ("" for one without a name; none at all for what there is one of). `weighty`: without it the robot
+    moves otherwise."""
+
+    words: str
+    weighty: bool
+    names: tuple[str, ...] = ()
+
+
+_TAKEN: Mapping[str, Collection[str]] = {
+    "jnt": ("type", "pos", "axis", "limited", "range", "actfrclimited", "actfrcrange"),
+    "dof": ("frictionloss", "armature", "damping", "M0", "length"),
+    "body": (
+        *("pos", "quat", "ipos", "iquat", "mass", "inertia", "subtreemass", "simple", "sameframe"),
+        *("conaffinity", "contype", "margin", "plugin"),
+    ),
+    "geom": (
+        *("type", "pos", "quat", "size", "rgba", "matid", "dataid", "group", "contype", "conaffinity"),
+        *("aabb", "rbound", "sameframe", "plugin"),
+    ),
+    "site": ("pos", "quat", "sameframe"),
+    "eq": ("type", "objtype", "data", "active0"),
+    "mat": ("rgba",),
+}
+"""Fields that are carried over, or follow from what is, or are named by `mjcfleft`."""
+
+_PLACES = ("id", "adr", "num", "invweight0")
+_NO_PLACES = ("fluid", "texid", "matid", "dataid")
+"""What the names of fields end in that only say where something is, or follow from it; and which do not."""
+
+_WORDS: Mapping[str, str] = {
+    "jnt_stiffnesspoly": "joint stiffness",
+    "jnt_solref": "joint solreflimit",
+    "jnt_solimp": "joint solimplimit",
+    "jnt_actgravcomp": "joint actuatorgravcomp",
+    "dof_solref": "joint solreffriction",
+    "dof_solimp": "joint solimpfriction",
+    "dof_dampingpoly": "joint damping (polynomial)",
+    "geom_fluid": "geom fluidshape, fluidcoef",
+    "mat_texid": "material texture",
+    "site_matid": "site material",
+    "site_dataid": "site mesh",
+}
+"""Fields that an MJCF calls otherwise than MuJoCo's model does."""
+
+_ELEMENTS = {"jnt": "joint", "dof": "joint", "eq": "equality", "mat": "material"}
+
+_OF_CONTACT = (
+    *("geom_condim", "geom_friction", "geom_priority", "geom_solref", "geom_solimp", "geom_solmix"),
+    *("geom_margin", "geom_gap", "geom_adhesion", "geom_surfacevel"),
+)
+"""What means something to geoms that touch, and to no others."""
+
+_LIGHT = (
+    *("jnt_group", "jnt_user", "body_user", "geom_user", "geom_castshadow", *_OF_CONTACT),
+    *("site_", "mat_"),
+)
+"""Fields, or what they begin with, that change nothing of how the robot moves by itself."""
+
+_WORLD = ("gravity", "wind", "density", "viscosity")
+"""Options that act on every body."""
+
+_FLAGS = (
+    *("constraint", "equality", "frictionloss", "limit", "contact", "passive", "spring", "damper"),
+    *("gravity", "clampctrl", "actuation", "filterparent", "override"),
+)
+"""Flags that do."""
+
+_NEAR = 0.01
+"""How far gravity [m/s²] may be from MuJoCo's: 9.8 and 9.80665 mean the same."""
+
+
+@cache
+def _plain() -> Any:
+    return mujoco.MjModel.from_xml_string(_PLAIN)
+
+
+def of_elements(model: Any, kept: Collection[int], carried: Collection[int]) -> Iterator[Left]:
+    """What the elements on the bodies `kept`, and the equalities `carried`, say."""
+    rows: Mapping[str, Sequence[int]] = {
+        "jnt": [n for n in range(model.njnt) if int(model.jnt_bodyid[n]) in kept],
+        "dof": [n for n in range(model.nv) if int(model.dof_bodyid[n]) in kept],
+        "body": [n for n in sorted(kept) if n],
+        "geom": [n for n in range(model.ngeom) if _on_a_robot(int(model.geom_bodyid[n]), kept)],
+        "site": [n for n in range(model.nsite) if _on_a_robot(int(model.site_bodyid[n]), kept)],
+        "eq": sorted(carried),
+        "mat": range(model.nmat),
+    }
+    found: dict[str, Left] = {}
+    for kind, numbers in rows.items():
+        for field in _fields(kind):
+            whole = f"{kind}_{field}"
+            concerned = [n for n in numbers if whole not in _OF_CONTACT or touches(model, n)]
+            names = [_NAMES[kind](model, n) for n in _saying(model, whole, concerned)]
+            if names:
+                words = _WORDS.get(whole, f"{_ELEMENTS.get(kind, kind)} {field}")
+                before = found[words].names if words in found else ()
+                every = before + tuple(name for name in names if not name or name not in before)
+                found[words] = Left(words, not whole.startswith(_LIGHT), every)
+    yield from found.values()
+
+
+def _on_a_robot(body: int, kept: Collection[int]) -> bool:
+    return body > 0 and body in kept
+
+
+def touches(model: Any, geom: int) -> bool:
+    """Whether any other geom may touch this one."""
+    return bool(model.geom_contype[geom] or model.geom_conaffinity[geom])
+
+
+@cache
+def _fields(kind: str) -> tuple[str, ...]:
+    """The fields of a kind of element that are not carried over, in the order of their names."""
+    names = (name.removeprefix(f"{kind}_") for name in dir(_plain()) if name.startswith(f"{kind}_"))
+    return tuple(
+        name
+        for name in names
+        if name not in _TAKEN[kind] and (name in _NO_PLACES or not name.endswith(_PLACES))
+    )
+
+
+def _saying(model: Any, field: str, numbers: Sequence[int]) -> list[int]:
+    """Those of the elements that have another value there than one that says nothing."""
+    if not numbers:
+        return []
+    values = getattr(model, field)[list(numbers)].reshape(len(numbers), -1)
+    usual = np.ravel(getattr(_plain(), field)[0])
+    if values.shape[1] != usual.size:  # of `user` each model has as many numbers as it needs
+        usual = np.zeros(1)
+    says = ~np.isclose(values, usual, rtol=1e-6, atol=1e-12).all(axis=1)
+    return [number for number, one in zip(numbers, says, strict=True) if one]
+
+
+def _named(kind: Any) -> Callable[[Any, int], str]:
+    return lambda model, number: mujoco.mj_id2name(model, kind, number) or ""
+
+
+def _of_dof(model: Any, dof: int) -> str:
+    return mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, int(model.dof_jntid[dof])) or ""
+
+
+_NAMES: Mapping[str, Callable[[Any, int], str]] = {
+    "jnt": _named(mujoco.mjtObj.mjOBJ_JOINT),
+    "dof": _of_dof,
+    "body": _named(mujoco.mjtObj.mjOBJ_BODY),
+    "geom": _named(mujoco.mjtObj.mjOBJ_GEOM),
+    "site": _named(mujoco.mjtObj.mjOBJ_SITE),
+    "eq": _named(mujoco.mjtObj.mjOBJ_EQUALITY),
+    "mat": _named(mujoco.mjtObj.mjOBJ_MATERIAL),
+}
+
+
+def of_options(model: Any) -> Iterator[Left]:
+    """Options and flags that are not MuJoCo's own."""
+    for field in _members(model.opt):
+        value, usual = (np.atleast_1d(getattr(one.opt, field)) for one in (model, _plain()))
+        if field.endswith("flags"):
+            yield from _flags(field, int(value[0]), int(usual[0]))
+        elif not np.allclose(value, usual, rtol=1e-6, atol=_NEAR if field == "gravity" else 1e-15):
+            yield Left(f"option {_OPTIONS.get(field, field)}{_value(field, value)}", field in _WORLD)
+
+
+_OPTIONS = {"disableactuator": "actuatorgroupdisable"}
+
+_CHOICES: Mapping[str, Any] = {
+    "cone": mujoco.mjtCone,
+    "integrator": mujoco.mjtIntegrator,
+    "jacobian": mujoco.mjtJacobian,
+    "solver": mujoco.mjtSolver,
+}
+
+
+def _value(field: str, value: Any) -> str:
+    """An option's value as an MJCF has it; "" where it has it otherwise than MuJoCo's model."""
+    if field in _CHOICES:
+        return f'="{_CHOICES[field](int(value[0])).name.split("_", 1)[1].lower()}"'
+    return "" if field in _OPTIONS else f'="{_text(value)}"'
+
+
+def _flags(field: str, value: int, usual: int) -> Iterator[Left]:
+    kinds = mujoco.mjtDisableBit if field == "disableflags" else mujoco.mjtEnableBit
+    for name, flag in kinds.__members__.items():
+        bit = int(flag)
+        if bit.bit_count() == 1 and not name.startswith("mjN") and (value ^ usual) & bit:
+            word = name.split("_", 1)[1].lower()
+            on = bool(value & bit) == (field == "enableflags")
+            yield Left(f'flag {word}="{"enable" if on else "disable"}"', word in _FLAGS)
+
+
+def of_the_viewer(model: Any) -> Iterator[Left]:
+    """What <visual> says: parts of it, and what of them."""
+    for part in _members(model.vis):
+        mine, plain = getattr(model.vis, part), getattr(_plain().vis, part)
+        names = [n for n in _members(mine) if not np.array_equal(getattr(mine, n), getattr(plain, n))]
+        if names:
+            yield Left(f"visual {part.removesuffix('_')}", False, tuple(names))
+
+
+_SIZES = ("memory", "nconmax", "njmax", "nkey", "nuser")
+"""Beginnings of what <size> makes room for."""
+
+
+def of_the_file(spec: Any) -> Iterator[Left]:
+    """What <size> and <statistic> say, which the compiled model does not tell from what follows."""
+    fresh = mujoco.MjSpec()
+    for name in (name for name in dir(fresh) if name.startswith(_SIZES)):
+        if getattr(spec, name) != getattr(fresh, name):
+            yield Left(f'size {name}="{getattr(spec, name)}"', False)
+    for name in _members(spec.stat):
+        value, usual = (np.atleast_1d(getattr(one.stat, name)).astype(float) for one in (spec, fresh))
+        if not np.array_equal(value, usual, equal_nan=True):
+            yield Left(f'statistic {name}="{_text(value)}"', False)
+
+
+def _members(struct: Any) -> list[str]:
+    return [name for name in dir(struct) if not name.startswith("_") and not callable(getattr(struct, name))]
+
+
+def _text(value: Any) -> str:
+    return " ".join(f"{float(one):g}" for one in value)
