@@ -12,7 +12,7 @@ from pipeline.bench import FILES, NOTES, notes
 from pipeline.build import build
 from pipeline.errors import AssemblyError, ConfigError, InTheWay, SecretFound, render
 from pipeline.plan import Plan
-from pipeline.progress import Lines
+from pipeline.progress import Lines, Quiet
 from pipeline.stage import STAGES
 from stages.robot import codec
 from stages.robot.check import Check
@@ -311,6 +311,23 @@ def test_progress_hears_every_stage_and_is_closed_also_after_an_error(make):
         ("graph", "at work on graph"),
         "close",
     ]
+
+
+def test_what_passes_while_a_stage_runs_is_heard_of_that_stage(make):
+    heard = []
+
+    class Watcher(Quiet):
+        def passing(self, stage, line):
+            heard.append((stage, line))
+
+    class Slow(Fake):
+        def run(self, bench):
+            bench.passing(f"some of {self.name} received")
+            return super().run(bench)
+
+    stages = fakes()
+    make((Slow("fetch", stages[0].files), *stages[1:]), Watcher())
+    assert heard == [("fetch", "some of fetch received")]
 
 
 def test_no_secret_reaches_the_log(make, folder):
