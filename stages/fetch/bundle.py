@@ -1,8 +1,9 @@
 """A bundle as one zip file: `manifest.json` and `replies/<sha256>`.
 
 A bundle comes from anyone, so it is read with distrust: nothing is unpacked to disk, only the
-names that a bundle has are accepted, sizes are bounded before anything is inflated, and every
-reply must have the digest that it is named by.
+names that a bundle has are accepted, sizes are bounded before anything is inflated, no entry is inflated
+beyond the size that was judged, a reply is no larger than one of its kind from a server
+(`stages.fetch.sizes`), and every reply must have the digest that it is named by.
 
 `manifest.json` is an object:
 
@@ -44,6 +45,7 @@ from pydantic import (
     model_validator,
 )
 
+from stages.fetch import sizes
 from stages.fetch.files import LARGEST
 from stages.robot import triangles
 from stages.robot.bundle import Bundle
@@ -51,9 +53,12 @@ from stages.robot.errors import ProtocolError, SourceError
 
 FORMAT = 1
 _MANIFEST = "manifest.json"
+_DEFINITION = "the definition"
 _FOLDER = "replies/"
 _REPLY = re.compile(r"replies/([0-9a-f]{64})")
+_ENTRY = b"PK\x01\x02"  # what each entry of a zip's directory begins with
 _MOST_ENTRIES = 20_000
+_LARGEST_MANIFEST = 1 << 24
 _MOST_RATIO = 400
 _RATIO_MATTERS = 1 << 20
 _EPOCH = (1980, 1, 1, 0, 0, 0)
@@ -131,9 +136,13 @@ def read(data: bytes, where: str) -> Recording:
     for name, body in blobs.items():
         if sha256(body).hexdigest() != name:
             raise _refused(f"its reply {name} does not have that digest: the file was changed", where)
-    for request, name in sorted({"the definition": manifest.definition, **manifest.requests}.items()):
+    for request, name in sorted({_DEFINITION: manifest.definition, **manifest.requests}.items()):
         if name not in blobs:
             raise _refused(f"it lacks the reply {name} ({request})", where)
+        most = sizes.DEFINITION if request == _DEFINITION else sizes.largest(request)
+        if len(blobs[name]) > most:
+            why = f"its reply {name} ({request}) has {len(blobs[name])} bytes; at most {most} are read"
+            raise _refused(why, where)
     return Recording(
         kind=manifest.kind,
         api=manifest.api,
@@ -195,15 +204,29 @@ def pack(bundle: Bundle) -> bytes:
 
 def _entries(data: bytes, where: str) -> dict[str, bytes]:
     """The zip's entries by name, once their names and sizes are ones that a bundle may have."""
+    # The library makes an object of each entry before any can be counted.
+    if data.count(_ENTRY) > 2 * _MOST_ENTRIES:
+        raise _refused(f"it has more entries than the {_MOST_ENTRIES} that are read", where)
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             infos = [info for info in archive.infolist() if info.filename != _FOLDER]
             _check_names(infos, where)
             _check_sizes(infos, where)
-            return {info.filename: archive.read(info) for info in infos}
+            return {info.filename: _inflated(archive, info) for info in infos}
     except _UNREADABLE as error:
         what = "damaged" if zipfile.is_zipfile(io.BytesIO(data)) else "no zip file"
         raise _refused(f"it is {what} ({type(error).__name__}: {error})", where) from None
+
+
+def _inflated(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> bytes:
+    """An entry's bytes: read in one go, the library would inflate all there is and cut it afterwards."""
+    with archive.open(info) as entry:
+        body = entry.read(info.file_size)
+        # The check sum is compared where the end is met.
+        if len(body) != info.file_size or entry.read(1):
+            msg = f"{info.filename} does not have the size that is announced"
+            raise ValueError(msg)
+    return body
 
 
 def _check_names(infos: list[zipfile.ZipInfo], where: str) -> None:
@@ -233,6 +256,8 @@ def _check_sizes(infos: list[zipfile.ZipInfo], where: str) -> None:
     if total > LARGEST:
         raise _refused(f"it would unpack to {total} bytes; at most {LARGEST} are read", where)
     for info in infos:
+        if info.filename == _MANIFEST and info.file_size > _LARGEST_MANIFEST:
+            raise _refused(f"its manifest.json would unpack to {info.file_size} bytes", where)
         bound = _MOST_RATIO * max(info.compress_size, 1)
         if info.file_size > _RATIO_MATTERS and info.file_size > bound:
             raise _refused(f"its entry {info.filename!r} is packed too tightly to be a reply", where)

@@ -15,16 +15,25 @@ from collections.abc import Callable, Mapping
 from types import TracebackType
 from urllib.parse import urlsplit
 
-from stages.fetch import redirects, retries, signing
+from stages.fetch import redirects, retries, signing, sizes
 from stages.fetch.credentials import Credentials
 from stages.fetch.ledger import Ledger, billed, endpoint
 from stages.fetch.plan_of_calls import Budget, Place
-from stages.fetch.refusals import cut_short, offline, rate_limited, refusal, web_page
+from stages.fetch.refusals import (
+    cut_short,
+    offline,
+    rate_limited,
+    refusal,
+    too_large,
+    unreached,
+    web_page,
+    wrongly_packed,
+)
 from stages.fetch.requests import JSON, api, describe, is_definition
 from stages.fetch.retries import Passing, Patience
 from stages.fetch.url import AssemblyUrl
 from stages.fetch.windows import Windows, left, retry_after
-from stages.fetch.wire import AT_ONCE, Answer, Lost, TooLarge, Wire
+from stages.fetch.wire import AT_ONCE, Answer, Lost, Packed, TooLarge, Wire
 from stages.robot.errors import Offline, ProtocolError, QuotaExhausted, RateLimited, SourceError
 
 __all__ = ["AT_ONCE", "JSON", "Client"]
@@ -193,8 +202,12 @@ class Client:
             return self._follow(method, request, accept, content, restoring)
         except Lost as lost:
             what = describe(request)
-            if lost.late or not lost.status:
-                error: SourceError = offline(what, self.host, str(lost), late=lost.late)
+            if lost.trouble is not None and not lost.late:
+                error: SourceError = unreached(lost.trouble, self.host)
+                if lost.trouble.lasting:
+                    raise error from lost
+            elif lost.late or not lost.status:
+                error = offline(what, self.host, str(lost), late=lost.late)
             else:
                 error = cut_short(what, self.host)
             if method != "GET" and lost.begun and not restoring:
@@ -202,8 +215,9 @@ class Client:
                 raise type(error)(error.message, error.where, hint) from lost
             raise Passing(error, "billed" if billed(lost.status) else "free", self._say) from lost
         except TooLarge as error:
-            msg = f"the reply with {describe(request)} is larger than any that makes sense"
-            raise ProtocolError(msg, self.host, "use a coarser source.tessellation") from error
+            raise too_large(request, self.host) from error
+        except Packed as error:
+            raise wrongly_packed(describe(request), self.host, str(error)) from error
         except OSError as error:
             msg = f"the reply with {describe(request)} cannot be written: {error.strerror or error}"
             hint = "make room there, or name another folder in the environment variable TMPDIR"
@@ -233,6 +247,7 @@ class Client:
                     },
                     content,
                     functools.partial(self._note, request, place),
+                    sizes.largest(request),
                 )
             if not redirects.followed(method, answer.status):
                 return answer

@@ -1,4 +1,8 @@
-"""Triangles out of glTF 2 files, binary or as JSON with their buffers in them."""
+"""Triangles out of glTF 2 files, binary or as JSON with their buffers in them.
+
+A few bytes of such a file can claim anything: every count, stride and offset is held against what the
+file has before anything is made of it. Images are never looked at.
+"""
 
 import base64
 import binascii
@@ -22,6 +26,19 @@ _KINDS = {5121: "u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC3": 3}
 _TRIANGLES = 4
 _DEEPEST = 64
+_MOST_VALUES = 1 << 23
+"""Values in the JSON, by its brackets and commas; base64 has none of these."""
+
+_MOST_NUMBERS = 1 << 26
+_FREE_NUMBERS, _NUMBERS_A_BYTE = 1 << 22, 64
+"""Of points and indices in all nodes: meshes may be used several times, but a file that comes to more
+than 4 million of them comes to no more than 64 for each of its bytes."""
+
+_PRIMITIVE = 256
+"""What a primitive counts beside its numbers: it takes time, however few it has."""
+
+_MOST_NODES = 1 << 16
+_LARGEST_STRIDE = 252
 _HINT = "run the same command again; if it fails each time, the API has changed"
 
 _Array = npt.NDArray[np.float64]
@@ -52,6 +69,8 @@ def read(reply: bytes) -> list[Node]:
         KeyError,
         TypeError,
         ValueError,  # those of base64 and of JSON too
+        OverflowError,
+        RecursionError,
         struct.error,
         binascii.Error,
     ) as error:
@@ -64,6 +83,10 @@ class _File:
 
     def __init__(self, data: bytes) -> None:
         text, self._chunk = _chunks(data)
+        if sum(map(text.count, (b",", b"[", b"{"))) > _MOST_VALUES:
+            msg = "its JSON is larger than any that makes sense"
+            raise ValueError(msg)
+        self._room = min(max(_FREE_NUMBERS, _NUMBERS_A_BYTE * len(data)), _MOST_NUMBERS)
         self._json = orjson.loads(text)
         needed = self._json.get("extensionsRequired")
         if needed:
@@ -80,11 +103,19 @@ class _File:
             inner = {child for record in nodes for child in record.get("children") or ()}
             roots = [index for index in range(len(nodes)) if index not in inner]
         waiting = [(index, np.eye(4), 0) for index in reversed(roots)]
+        met: set[int] = set()
         while waiting:
             index, parent, depth = waiting.pop()
             if depth > _DEEPEST:
                 msg = "its nodes are nested too deeply"
                 raise ValueError(msg)
+            if len(met) > _MOST_NODES:
+                msg = f"it has more than {_MOST_NODES} nodes"
+                raise ValueError(msg)
+            if index in met:
+                msg = f"node {index} hangs on two others"
+                raise ValueError(msg)
+            met.add(index)
             record = nodes[index]
             transform = parent @ _local(record)
             if "mesh" in record:
@@ -104,10 +135,15 @@ class _File:
             if mode > _TRIANGLES:
                 msg = "it has strips or fans of triangles"
                 raise ValueError(msg)
-            own = self._accessor(primitive["attributes"]["POSITION"], "VEC3").astype(np.float64)
+            positions = self._accessor(primitive["attributes"]["POSITION"], "VEC3")
+            self._take(positions.size + _PRIMITIVE)
+            own = positions.astype(np.float64)
             if "indices" in primitive:
-                index = self._accessor(primitive["indices"], "SCALAR").astype(np.int64).ravel()
+                indices = self._accessor(primitive["indices"], "SCALAR")
+                self._take(indices.size)
+                index = indices.astype(np.int64).ravel()
             else:
+                self._take(len(own))
                 index = np.arange(len(own), dtype=np.int64)
             if len(index) and not 0 <= index.min() <= index.max() < len(own):
                 msg = f"an index lies outside of the {len(own)} points"
@@ -131,7 +167,14 @@ class _File:
             return NEUTRAL
         record = self._json["materials"][primitive["material"]].get("pbrMetallicRoughness") or {}
         red, green, blue, alpha = record.get("baseColorFactor") or (1.0, 1.0, 1.0, 1.0)
-        return (_shown(red), _shown(green), _shown(blue), round(float(alpha), 6))
+        return (_shown(red), _shown(green), _shown(blue), round(min(max(float(alpha), 0.0), 1.0), 6))
+
+    def _take(self, numbers: int) -> None:
+        """ValueError where so many more numbers are more than a file of this size has use for."""
+        self._room -= numbers
+        if self._room < 0:
+            msg = "its meshes are used more often than makes sense"
+            raise ValueError(msg)
 
     def _accessor(self, index: int, kind: str) -> npt.NDArray[Any]:
         """(count, 1 or 3) numbers."""
@@ -140,26 +183,40 @@ class _File:
             msg = f"accessor {index} is not a plain {kind}"
             raise ValueError(msg)
         view = self._json["bufferViews"][record["bufferView"]]
-        dtype, count = np.dtype(_KINDS[record["componentType"]]), record["count"]
+        dtype, count = np.dtype(_KINDS[record["componentType"]]), _natural(record, "count")
         width = _WIDTHS[kind]
-        stride = view.get("byteStride") or width * dtype.itemsize
-        start = view.get("byteOffset", 0) + record.get("byteOffset", 0)
-        buffer = self._buffers[view.get("buffer", 0)]
-        end = start + (count - 1) * stride + width * dtype.itemsize if count else start
-        if min(start, count) < 0 or stride < 0 or end > len(buffer):
+        each = width * dtype.itemsize
+        stride = _natural(view, "byteStride", 0) or each
+        if not each <= stride <= _LARGEST_STRIDE:
+            msg = f"accessor {index} has a stride of {stride} bytes"
+            raise ValueError(msg)
+        buffer = self._buffers[_natural(view, "buffer", 0)]
+        first, inside = _natural(view, "byteOffset", 0), _natural(record, "byteOffset", 0)
+        length = _natural(view, "byteLength")
+        end = inside + ((count - 1) * stride + each if count else 0)
+        if end > length or first + length > len(buffer):
             msg = f"accessor {index} reaches beyond the {len(buffer)} bytes of its buffer"
             raise IndexError(msg)
-        return np.ndarray((count, width), dtype, buffer, start, (stride, dtype.itemsize))
+        return np.ndarray((count, width), dtype, buffer, first + inside, (stride, dtype.itemsize))
 
     def _buffer(self, record: _Record) -> bytes:
         uri = record.get("uri")
         if uri is None:
             return self._chunk
-        head, comma, content = uri.partition(",")
+        head, comma, content = str(uri).partition(",")
         if not head.startswith("data:") or not head.endswith(";base64") or not comma:
             msg = "a buffer lies outside of the file"
             raise ValueError(msg)
         return base64.b64decode(content, validate=True)
+
+
+def _natural(record: _Record, key: str, default: int | None = None) -> int:
+    """A number that counts something; KeyError where it is missing, ValueError for anything else."""
+    value = record[key] if default is None else record.get(key, default)
+    if type(value) is not int or value < 0:
+        msg = f"{key} is {str(value)[:40]}"
+        raise ValueError(msg)
+    return value
 
 
 def _chunks(data: bytes) -> tuple[bytes, bytes]:

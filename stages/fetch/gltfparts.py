@@ -33,7 +33,10 @@ def compact(reply: bytes, mass: bytes) -> bytes:
     parts = _parts(mass)
     if not nodes or not parts:
         return triangles.encode([])
-    found = assigned([_shape(node) for node in nodes], parts)
+    try:
+        found = assigned([_shape(node) for node in nodes], parts)
+    except ValueError as error:
+        raise ProtocolError(str(error), hint=_HINT) from None
     if not found.meshes:
         msg = f"none of the {len(nodes)} bodies of the glTF fits one of the {len(parts)} parts"
         raise ProtocolError(msg, hint=_HINT)

@@ -2,7 +2,9 @@
 
 A list of Python objects takes ten to twenty times the bytes of its JSON. So the text is first
 indexed (where its outer objects and arrays begin and end: a few vectorised passes over blocks),
-and then parsed in runs of whole elements. What is small is parsed at once.
+and then parsed in runs of whole elements. What is small is parsed at once. A text that would take
+many times its own size, since it is made of next to nothing else than brackets or since a value that
+is read at once is huge, is refused.
 """
 
 import re
@@ -15,18 +17,25 @@ import orjson
 
 _BLOCK = 1 << 19
 _RUN = 1 << 17
+_AT_ONCE = 1 << 23
+"""What is parsed in one piece is no longer than this; facets and bodies without their lists are."""
+
 _DEEPEST = 7
+_BYTES_EACH = 6
+"""Text that an array or object takes at least, on the average of a large text."""
+
+_FEW = 1 << 16
 _ESCAPE = re.compile(rb"\\.", re.DOTALL)
 _CUT = "\0cut"  # no key of a reply: it marks where a large array was cut out
 _SPACE = b" \t\r\n"
 _QUOTE, _OPEN, _CLOSE = 0x22, 0x7B, 0x7D
 _CASE = 0x20  # turns [ and ] into { and }
 
-_Index = npt.NDArray[np.int64]
+_Index = npt.NDArray[np.uint32]
 
 
 class MalformedError(ValueError):
-    """The text is no JSON, or was cut short."""
+    """The text is no JSON, was cut short, or cannot be read in pieces."""
 
 
 class Pieces:
@@ -49,6 +58,9 @@ class Document:
     """A JSON text. MalformedError, at once or while it is read, where it is none."""
 
     def __init__(self, text: bytes) -> None:
+        if len(text) >= 1 << 32:
+            msg = "it is too long"
+            raise MalformedError(msg)
         self._text = text
         self._begins, self._ends = _containers(text)
 
@@ -122,7 +134,7 @@ class Document:
     def _within(self, depth: int, begin: int, end: int) -> Iterator[tuple[int, int]]:
         """Begin and end of the containers at `depth` inside of text[begin:end], a few at a time."""
         begins, ends = self._begins[depth], self._ends[depth]
-        first, last = np.searchsorted(begins, (begin, end))
+        first, last = np.searchsorted(begins, np.array((begin, end), dtype=np.uint32))
         for start in range(int(first), int(last), 4096):
             stop = min(start + 4096, int(last))
             yield from zip(begins[start:stop].tolist(), ends[start:stop].tolist(), strict=True)
@@ -141,6 +153,9 @@ def runs(value: Any) -> Iterable[list[Any]]:
 
 
 def _parsed(text: bytes) -> Any:
+    if len(text) > _AT_ONCE:
+        msg = f"a value of {len(text)} bytes is not made of lists"
+        raise MalformedError(msg)
     try:
         return orjson.loads(text)
     except orjson.JSONDecodeError as error:
@@ -152,7 +167,7 @@ def _containers(text: bytes) -> tuple[list[_Index], list[_Index]]:
     begins: list[list[_Index]] = [[] for _ in range(_DEEPEST + 1)]
     ends: list[list[_Index]] = [[] for _ in range(_DEEPEST + 1)]
     depth, quoted = 0, False
-    at = 0
+    at = counted = 0
     while at < len(text):
         block = text[at : at + _BLOCK]
         if b"\\" in block:
@@ -162,6 +177,10 @@ def _containers(text: bytes) -> tuple[list[_Index], list[_Index]]:
             block = _ESCAPE.sub(b"__", block)
         depth, quoted = _scan(block, at, depth, quoted, begins, ends)
         at += len(block)
+        counted += sum(len(found[-1]) for found in begins[1:])
+        if counted > max(_FEW, len(text) // _BYTES_EACH):
+            msg = "it is made of brackets, with next to nothing in them"
+            raise MalformedError(msg)
     if depth or quoted:
         msg = "the text ends in the midst of a value"
         raise MalformedError(msg)
@@ -192,10 +211,10 @@ def _scan(
             raise MalformedError(msg)
         depth = int(after[-1])
     for level in range(1, _DEEPEST + 1):
-        begins[level].append(at + marks[opening & (after == level)])
-        ends[level].append(at + 1 + marks[~opening & (after == level - 1)])
+        begins[level].append((at + marks[opening & (after == level)]).astype(np.uint32))
+        ends[level].append((at + 1 + marks[~opening & (after == level - 1)]).astype(np.uint32))
     return depth, bool((len(quotes) + int(quoted)) & 1)
 
 
 def _joined(found: list[_Index]) -> _Index:
-    return np.concatenate(found) if found else np.empty(0, dtype=np.int64)
+    return np.concatenate(found) if found else np.empty(0, dtype=np.uint32)

@@ -14,6 +14,8 @@ _FITS = 0.3
 _CLEAR = 0.02
 """How much worse every other way to assign a mesh must be."""
 
+_MOST_PAIRS = 1 << 25
+
 _PLACE = 10.0
 """What a centroid that is off by the mesh's own size costs."""
 
@@ -53,7 +55,13 @@ class Assignment:
 
 
 def assigned(meshes: Sequence[Shape], parts: Mapping[str, Shape]) -> Assignment:
-    """The meshes of parts. A part has none where none fits, or where another would fit as well."""
+    """The meshes of parts. A part has none where none fits, or where another would fit as well.
+
+    ValueError where there are too many of both to try each with each.
+    """
+    if len(meshes) * len(parts) > _MOST_PAIRS:
+        msg = f"{len(meshes)} bodies and {len(parts)} parts are too many to be told apart"
+        raise ValueError(msg)
     names = sorted(parts)
     found = []
     for rotation in _AXES:

@@ -4,7 +4,9 @@ import json
 import time
 from collections.abc import Mapping
 
-from stages.fetch.requests import configuration_asked, describe, is_definition
+from stages.fetch import sizes
+from stages.fetch.reaching import Trouble
+from stages.fetch.requests import configuration_asked, describe, is_definition, is_gltf, is_triangles
 from stages.fetch.windows import date
 from stages.robot.errors import (
     AuthError,
@@ -102,6 +104,26 @@ def offline(what: str, host: str, why: str, *, late: bool) -> Offline:
     msg = f"{host} cannot be reached: {why}"
     hint = "check the network and the host in source.url, or build offline: source=sample, source=bundle"
     return Offline(msg, host, hint)
+
+
+def unreached(trouble: Trouble, host: str) -> Offline:
+    """The error for a request that did not get to its server."""
+    return Offline(trouble.message, host, trouble.hint)
+
+
+def too_large(request: str, host: str) -> ProtocolError:
+    """The error for a reply that unpacks to more than its kind may have."""
+    bound = sizes.in_words(sizes.largest(request))
+    msg = f"the reply with {describe(request)} is larger than any that makes sense ({bound})"
+    if is_triangles(request) or is_gltf(request):
+        return ProtocolError(msg, host, "use a coarser source.tessellation")
+    return ProtocolError(msg, host, "check that source.url is of the assembly that you mean, and report it")
+
+
+def wrongly_packed(what: str, host: str, how: str) -> ProtocolError:
+    """The error for a reply that is packed in a way that was not asked for."""
+    msg = f"the reply with {what} is packed in a way that was not asked for ({how})"
+    return ProtocolError(msg, host, "check the host in source.url, and what a proxy in between does")
 
 
 def web_page(what: str, host: str) -> ProtocolError:

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from stages.fetch import definition, requests
+from stages.fetch import definition, requests, surroundings
 from stages.fetch.client import AT_ONCE, Client
 from stages.fetch.credentials import find
 from stages.fetch.envelope import accepted
@@ -74,6 +74,7 @@ class Server:
         """The client, made when the first call is due: a build from kept replies needs no key."""
         if self._client is None:
             credentials = find(self._environ)
+            surroundings.require(self._environ, proxies=not self._url.loopback)
             self._ledger = Ledger(self._folder, credentials.who) if self._folder else None
             self._client = Client(
                 self._url,

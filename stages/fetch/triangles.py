@@ -4,7 +4,8 @@ Reads both envelopes (an object with `bodies`, a bare list) and both forms of fa
 the body's `facetPoints`, `vertices` of their own), piece by piece into arrays.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from itertools import chain
 from operator import itemgetter
 from typing import Any
@@ -15,6 +16,7 @@ import numpy.typing as npt
 from stages.fetch import jsonpieces
 from stages.fetch.appearance import colour_of
 from stages.fetch.jsonpieces import Document, MalformedError
+from stages.fetch.refusals import Declined
 from stages.robot import triangles
 from stages.robot.errors import ProtocolError
 from stages.robot.geometry import Colour
@@ -25,7 +27,32 @@ _Points = npt.NDArray[np.float64]
 _Indices = npt.NDArray[np.int64]
 _XYZ = itemgetter("x", "y", "z")
 _BATCH = 4096
+_CORNERS = 16  # facets with more than this wait in smaller batches
 _HINT = "run the same command again; if it fails each time, the API has changed"
+
+MOST_TRIANGLES = 1 << 24
+"""In one reply: five times what a reply of the largest size has where CAD wrote it."""
+
+MOST_BODIES = 1 << 16
+"""In one reply."""
+
+
+@dataclass(slots=True)
+class Room:
+    """What a reply may still come to in memory: a few bytes of text can stand for many triangles."""
+
+    triangles: int = MOST_TRIANGLES
+    points: int = 3 * MOST_TRIANGLES
+    bodies: int = MOST_BODIES
+
+    def take(self, *, triangles: int = 0, points: int = 0, bodies: int = 0) -> None:
+        """Declined where there is no more room; nothing needs to be made before it is asked for."""
+        self.triangles -= triangles
+        self.points -= points
+        self.bodies -= bodies
+        if min(self.triangles, self.points, self.bodies) < 0:
+            msg = f"the reply with triangles has more than {MOST_TRIANGLES} triangles or {MOST_BODIES} bodies"
+            raise Declined(msg, hint="use a coarser source.tessellation")
 
 
 def compact(reply: bytes) -> bytes:
@@ -36,7 +63,10 @@ def compact(reply: bytes) -> bytes:
     if triangles.is_compact(reply):
         triangles.check(reply)
         return reply
-    return triangles.encode(read(reply))
+    try:
+        return triangles.encode(read(reply))
+    except ValueError as error:  # too many colours
+        raise ProtocolError(str(error), hint=_HINT) from None
 
 
 def read(reply: bytes) -> list[Body]:
@@ -44,6 +74,7 @@ def read(reply: bytes) -> list[Body]:
 
     A composite part is its own triangles, or else those of its constituents.
     """
+    room = Room()
     try:
         root = Document(reply).root()
         record = root if isinstance(root, dict) else {}
@@ -51,26 +82,31 @@ def read(reply: bytes) -> list[Body]:
         if not isinstance(listed, list | jsonpieces.Pieces):
             msg = "the reply with triangles has no bodies"
             raise ProtocolError(msg, hint=_HINT)
-        shared = _points(record.get("facetPoints"))
-        bodies, composites = [], dict[str, list[Any]]()
+        shared = _points(record.get("facetPoints"), room)
+        bodies, composites = [], dict[str, frozenset[str]]()
         for body in jsonpieces.elements(listed):
             name = body.get("id") if isinstance(body, dict) else None
             if isinstance(name, str):
-                bodies.append(_named(name, body, shared))
-                composites[name] = list(jsonpieces.elements(body.get("constituents")))
+                room.take(bodies=1)
+                bodies.append(_named(name, body, shared, room))
+                listing = jsonpieces.elements(body.get("constituents"))
+                composites[name] = frozenset(one for one in listing if isinstance(one, str))
     except MalformedError as error:
         msg = f"the reply with triangles is not JSON, or was cut short: {error}"
         raise ProtocolError(msg, hint=_HINT) from None
-    return [_whole(body, composites[body.id], bodies) for body in bodies]
+    solid = [body for body in bodies if len(body.triangles)]
+    return [_whole(body, composites[body.id], solid, room) for body in bodies]
 
 
-def _whole(body: Body, constituents: Sequence[Any], bodies: Sequence[Body]) -> Body:
+def _whole(body: Body, constituents: frozenset[str], solid: Sequence[Body], room: Room) -> Body:
     """A composite without triangles of its own with those of its constituents; else the body itself."""
     if not constituents or len(body.triangles):
         return body
-    parts = [one for one in bodies if one.id in constituents and len(one.triangles)]
+    parts = [one for one in solid if one.id in constituents]
     if not parts:
         return body
+    for one in parts:
+        room.take(triangles=len(one.triangles), points=len(one.points))
     first = np.cumsum([0, *(len(part.points) for part in parts)])
     shade = np.cumsum([0, *(len(part.palette) for part in parts)])
     return merged(
@@ -105,9 +141,9 @@ def merged(name: str, points: _Points, corners: _Indices, colours: Sequence[Colo
     )
 
 
-def _named(name: str, record: _Record, shared: _Points) -> Body:
+def _named(name: str, record: _Record, shared: _Points, room: Room) -> Body:
     try:
-        return _body(name, record, shared)
+        return _body(name, record, shared, room)
     except MalformedError:
         raise
     except (AttributeError, IndexError, KeyError, OverflowError, TypeError, ValueError) as error:
@@ -115,9 +151,11 @@ def _named(name: str, record: _Record, shared: _Points) -> Body:
         raise ProtocolError(msg, f"part {name}", _HINT) from error
 
 
-def _body(name: str, record: _Record, shared: _Points) -> Body:
-    own = _points(record.get("facetPoints"))
-    soup = _Soup(own if len(own) else shared)
+def _body(name: str, record: _Record, shared: _Points, room: Room) -> Body:
+    own = _points(record.get("facetPoints"), room)
+    if not len(own):
+        room.take(points=len(shared))
+    soup = _Soup(own if len(own) else shared, room)
     colours: list[Colour] = []
     for face in jsonpieces.elements(record.get("faces")):
         for facets in jsonpieces.runs(face.get("facets")):
@@ -132,19 +170,22 @@ class _Soup:
     `table` (n, 3): the points that indices name.
     """
 
-    def __init__(self, table: _Points) -> None:
+    def __init__(self, table: _Points, room: Room) -> None:
+        self._room = room
         self._table = len(table)
         self._points, self._known = [table], len(table)
         self._corners = [np.empty((0, 3), dtype=np.int64)]
         self._faces = [np.empty(0, dtype=np.int64)]
         self._facets: list[_Record] = []
         self._face: list[int] = []
+        self._waiting = 0
 
     def add(self, facets: Sequence[_Record], face: int) -> None:
         """Facets of the face with this number."""
         self._facets += facets
         self._face += [face] * len(facets)
-        if len(self._facets) >= _BATCH:
+        self._waiting += sum(len(facet.get("indices") or facet.get("vertices") or ()) for facet in facets)
+        if max(len(self._facets), self._waiting // _CORNERS) >= _BATCH:
             self._flush()
 
     def joined(self) -> tuple[_Points, _Indices]:
@@ -163,9 +204,10 @@ class _Soup:
         if not self._facets:
             return
         facets, face = self._facets, np.array(self._face, dtype=np.int64)
-        self._facets, self._face = [], []
+        self._facets, self._face, self._waiting = [], [], 0
         rows = [facet.get("indices") or () for facet in facets] if self._table else [()] * len(facets)
         lengths = np.fromiter(map(len, rows), dtype=np.int64, count=len(rows))
+        self._room.take(triangles=_triangles(lengths))
         corners = np.fromiter(chain.from_iterable(rows), dtype=np.int64, count=int(lengths.sum()))
         if len(corners) and not 0 <= corners.min() <= corners.max() < self._table:
             msg = f"an index lies outside of the {self._table} points"
@@ -174,8 +216,9 @@ class _Soup:
         if not lengths.all():  # facets without indices bring points of their own
             pairs = zip(facets, rows, strict=True)
             own = [() if row else facet.get("vertices") or () for facet, row in pairs]
-            loose = _array(list(chain.from_iterable(own)))
             own_lengths = np.fromiter(map(len, own), dtype=np.int64, count=len(own))
+            self._room.take(triangles=_triangles(own_lengths), points=int(own_lengths.sum()))
+            loose = _array(list(chain.from_iterable(own)))
             self._keep(np.arange(self._known, self._known + len(loose)), own_lengths, face)
             self._points.append(loose)
             self._known += len(loose)
@@ -184,6 +227,11 @@ class _Soup:
         found, owner = _fan(corners, lengths)
         self._corners.append(found)
         self._faces.append(face[owner])
+
+
+def _triangles(lengths: _Indices) -> int:
+    """How many triangles polygons with so many corners are."""
+    return int(np.maximum(lengths - 2, 0).sum())
 
 
 def _fan(corners: _Indices, lengths: _Indices) -> tuple[_Indices, _Indices]:
@@ -199,10 +247,13 @@ def _fan(corners: _Indices, lengths: _Indices) -> tuple[_Indices, _Indices]:
     return corners[picks].reshape(-1, 3), owner
 
 
-def _points(listed: Any) -> _Points:
+def _points(listed: Any, room: Room) -> _Points:
     """(n, 3) from an array of points, large or small."""
-    pieces: Iterable[_Points] = [_array(run) for run in jsonpieces.runs(listed)]
-    return np.concatenate([np.empty((0, 3)), *pieces])
+    pieces = [np.empty((0, 3))]
+    for run in jsonpieces.runs(listed):
+        room.take(points=len(run))
+        pieces.append(_array(run))
+    return np.concatenate(pieces)
 
 
 def _array(records: Sequence[Any]) -> _Points:

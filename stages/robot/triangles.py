@@ -14,6 +14,7 @@ A closed mesh takes about 26 bytes a triangle so.
 from __future__ import annotations
 
 import json
+import math
 import struct
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
@@ -30,6 +31,7 @@ MAGIC = b"linkwright triangles 1\n"
 
 _LENGTH = struct.Struct("<I")
 _MOST_COLOURS = 1 << 16
+_LONGEST_HEADER = 1 << 24
 _POINT, _TRIANGLE, _COLOUR = 24, 12, 2
 _HINT = "fetch again with source.refresh=true"
 
@@ -140,9 +142,12 @@ def _opened(data: bytes) -> tuple[list[dict[str, Any]], int]:
             msg = "it does not begin as such"
             raise ValueError(msg)
         (length,) = _LENGTH.unpack_from(data, len(MAGIC))
+        if length > _LONGEST_HEADER:
+            msg = f"its header has {length} bytes"
+            raise ValueError(msg)
         records = json.loads(data[start : start + length])["bodies"]
         size = sum(_size(record) for record in records)
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, RecursionError, TypeError, ValueError) as error:
         msg = f"the triangles are not in the compact form: {error}"
         raise ProtocolError(msg, hint=_HINT) from None
     if len(data) != start + length + size:
@@ -155,11 +160,15 @@ def _size(record: dict[str, Any]) -> int:
     """The bytes of a body's arrays, by its record in the header."""
     points, triangles = record["points"], record["triangles"]
     counts = isinstance(points, int) and isinstance(triangles, int) and min(points, triangles) >= 0
-    colours = all(len(colour) == 4 for colour in record["palette"])
+    colours = all(len(colour) == 4 and all(map(_is_channel, colour)) for colour in record["palette"])
     if not counts or not colours or not isinstance(record["id"], str):
         msg = f"the record of body {record['id']!r} is malformed"
         raise ValueError(msg)
     return int(points * _POINT + triangles * (_TRIANGLE + _COLOUR))
+
+
+def _is_channel(value: Any) -> bool:
+    return isinstance(value, int | float) and math.isfinite(value)
 
 
 def _require_within(body: Body) -> None:

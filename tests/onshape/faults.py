@@ -19,7 +19,8 @@ class Fault:
     `body`: None stands for the true reply's own, with its own status. `cut`: only so many bytes of
     the body are sent (as packed), then the connection ends; `claimed`: what is added to the true
     Content-Length; `reset`: the connection ends with a reset instead of an orderly close; `pause_s`:
-    waited before each piece of the body; `silent`: nothing at all is sent, so nothing is billed.
+    waited before each piece of the body; `silent`: nothing at all is sent, so nothing is billed;
+    `endless`: the body is sent again and again, in chunks, until the client hangs up.
     """
 
     status: int = 200
@@ -30,11 +31,12 @@ class Fault:
     reset: bool = False
     pause_s: float = 0.0
     silent: bool = False
+    endless: bool = False
 
     @property
     def ends(self) -> bool:
         """Whether the connection ends with this reply."""
-        return self.cut is not None or bool(self.claimed) or self.reset or self.silent
+        return self.cut is not None or bool(self.claimed) or self.reset or self.silent or self.endless
 
 
 FaultHook = Callable[[str, str, int], Fault | None]
@@ -57,6 +59,9 @@ def send(
 
 def _write(handler, status, headers, body, fault):
     handler.send_response_only(status)
+    if fault.endless:
+        _repeat(handler, headers, body)
+        return
     handler.send_header("Content-Length", str(len(body) + fault.claimed))
     for name, value in {"Date": handler.date_time_string(), **headers}.items():
         handler.send_header(name, value)
@@ -72,6 +77,14 @@ def _write(handler, status, headers, body, fault):
         time.sleep(fault.pause_s)
         handler.wfile.write(sent[start : start + PIECE])
         handler.wfile.flush()
+
+
+def _repeat(handler, headers, body):
+    for name, value in {**headers, "Transfer-Encoding": "chunked"}.items():
+        handler.send_header(name, value)
+    handler.end_headers()
+    while True:
+        handler.wfile.write(b"%x\r\n%b\r\n" % (len(body), body))
 
 
 def _reset(connection):

@@ -4,6 +4,7 @@ import io
 import json
 import random
 import stat
+import tracemalloc
 import zipfile
 from hashlib import sha256
 from types import SimpleNamespace
@@ -142,6 +143,62 @@ def test_bombs_are_refused_before_they_are_inflated(monkeypatch):
     refused(zipped({**GOOD, f"replies/{'0' * 64}": bytes(2000)}), "would unpack to")
     monkeypatch.setattr(module, "_MOST_ENTRIES", 2)
     refused(zipped(GOOD), "3 entries")
+
+
+def lying(entries, name, **sizes):
+    """A zip whose directory, and whose entry itself, say other sizes of one entry."""
+    data = bytearray(zipped(entries))
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        at = archive.getinfo(name).header_offset
+    directory = data.index(name.encode(), data.index(b"PK\x01\x02")) - 46
+    for place, first in ((at, 18), (directory, 20)):
+        for offset, key in ((first, "packed"), (first + 4, "unpacked")):
+            if key in sizes:
+                data[place + offset : place + offset + 4] = sizes[key].to_bytes(4, "little")
+    return bytes(data)
+
+
+def test_an_entry_is_inflated_no_further_than_it_announces():
+    """All of it would be 16 MB, whatever it says."""
+    name = f"replies/{'0' * 64}"
+    for claimed in (0, 10, 1000):
+        data = lying({**GOOD, name: bytes(16 << 20)}, name, unpacked=claimed)
+        tracemalloc.start()
+        try:
+            refused(data, "")
+            assert tracemalloc.get_traced_memory()[1] < 4 << 20
+        finally:
+            tracemalloc.stop()
+    refused(lying(GOOD, "manifest.json", unpacked=1 << 20), "damaged")
+
+
+def test_entries_are_counted_before_there_is_an_object_of_each():
+    entry = zipped({"a": b""})
+    start, end = entry.index(b"PK\x01\x02"), entry.index(b"PK\x05\x06")
+    many = entry[start:end] * 50_000
+    tail = bytearray(entry[end:])
+    tail[8:12], tail[12:16] = b"\x01\x00\x01\x00", len(many).to_bytes(4, "little")
+    data = entry[:start] + many + bytes(tail)
+    tracemalloc.start()
+    try:
+        refused(data, "more entries than")
+        assert tracemalloc.get_traced_memory()[1] < 1 << 20
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_reply_is_no_larger_than_one_from_a_server():
+    requests = {"/partstudios/d/D/m/M/e/E/massproperties?x=1": DIGESTS[1]}
+    large = bytes(33 << 20)
+    digest = sha256(large).hexdigest()
+    manifest = {**MANIFEST, "requests": dict.fromkeys(requests, digest)}
+    entries = {**GOOD, "manifest.json": json.dumps(manifest).encode(), f"replies/{digest}": large}
+    refused(zipped(entries, zipfile.ZIP_STORED), "at most 33554432 are read")
+
+
+def test_a_manifest_is_bounded(monkeypatch):
+    monkeypatch.setattr(module, "_LARGEST_MANIFEST", 100)
+    refused(zipped(GOOD), "manifest.json would unpack to")
 
 
 def test_a_reply_that_is_not_what_its_name_says_is_refused():

@@ -1,0 +1,57 @@
+"""How large a reply may be, by its kind [bytes unpacked].
+
+A kind's bound is many times what the largest documents have of it, and small enough that a reply of that
+size can be read where a robot is built, be it made of the shortest JSON that there is: as Python objects
+that takes thirty times its bytes. Only triangles may be much larger, since they are read in pieces.
+"""
+
+import re
+from collections.abc import Sequence
+
+_MB = 1 << 20
+
+TRIANGLES = 1024 * _MB
+"""About 300 bytes a triangle: 3.5 million triangles in one part studio."""
+
+DEFINITION = 64 * _MB
+"""Up to 1.5 kB an instance: 44,000 instances in one assembly."""
+
+_BY_PATH: Sequence[tuple[str, int]] = (
+    # tessellated faces of a part studio; the meshes in a bundle of a robot's own file
+    (r"/tessellatedfaces$|^mesh/", TRIANGLES),
+    # glTF of a part studio: half as large as its faces
+    (r"/gltf$", 512 * _MB),
+    # the definition of an assembly; in a bundle of a robot's own file, its text or its model
+    (r"^/assemblies/.*/e/[^/]+$|^[^/]", DEFINITION),
+    # the features of one assembly: about 3 kB a mate, 11,000 mates
+    (r"^/assemblies/.*/features$", 32 * _MB),
+    # the mass properties of an assembly, as one body
+    (r"^/assemblies/.*/massproperties$", 1 * _MB),
+    # those of the parts of a studio, or of one part: about 1.5 kB a part, 22,000 parts
+    (r"/massproperties$", 32 * _MB),
+    # which microversion a workspace is at: one id
+    (r"/currentmicroversion$", 1 * _MB),
+    # the tabs of a document: about 1 kB a tab, 16,000 tabs
+    (r"^/documents/.*/elements$", 16 * _MB),
+    # the parameters of a configuration, with all their options
+    (r"/configuration$", 16 * _MB),
+    # the variables that an element may use
+    (r"/variables$", 16 * _MB),
+)
+"""What the path of a request looks like → the bound of its reply; the first that fits counts."""
+
+_ANY_OTHER = 16 * _MB
+
+REFUSAL = 64 * 1024
+"""What is read of a reply that refuses: its words are short, and the rest is left unread."""
+
+
+def largest(request: str) -> int:
+    """The most that the reply to a request may unpack to [bytes]."""
+    path = request.partition("?")[0]
+    return next((bound for pattern, bound in _BY_PATH if re.search(pattern, path)), _ANY_OTHER)
+
+
+def in_words(size: int) -> str:
+    """A bound in words: "64 MB"."""
+    return f"{size // _MB} MB"

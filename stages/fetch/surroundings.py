@@ -1,0 +1,76 @@
+"""What the user's environment says about the way to a server: proxies, and whose certificates count.
+
+The HTTP library takes these variables as they are, and fails on a wrong one in words of its own, or
+only when it connects. So they are looked at first. Their values are not shown: a proxy's may hold a
+password.
+"""
+
+import importlib.util
+from collections.abc import Mapping
+from pathlib import Path
+from urllib.parse import SplitResult, urlsplit
+
+from stages.robot.errors import ConfigError
+
+CERTIFICATES, FOLDER = "SSL_CERT_FILE", "SSL_CERT_DIR"
+
+_PROXIES = ("https_proxy", "all_proxy", "http_proxy")
+_EXAMPLE = "http://proxy.example.org:3128"
+_SOCKS = ("socks5", "socks5h")
+
+
+def require(environ: Mapping[str, str], *, proxies: bool = True) -> None:
+    """ConfigError names the variable that cannot be meant so. `proxies`: whether those are used."""
+    if proxies and "*" not in _either(environ, "no_proxy")[1]:
+        for variable in _PROXIES:
+            name, value = _either(environ, variable)
+            if value:
+                _require_proxy(name, value)
+    _require_certificates(environ)
+
+
+def proxy_variable(environ: Mapping[str, str]) -> str:
+    """The variable that names the proxy for https, for messages."""
+    found = (_either(environ, variable) for variable in _PROXIES[:2])
+    return next((name for name, value in found if value), "the system's settings")
+
+
+def _either(environ: Mapping[str, str], name: str) -> tuple[str, str]:
+    """A variable that may be written small or large, and its value; what is written small counts."""
+    return (name, environ[name]) if name in environ else (name.upper(), environ.get(name.upper(), ""))
+
+
+def _require_proxy(name: str, value: str) -> None:
+    """ConfigError where `value` is no address of a proxy; one without a scheme is of http."""
+    try:
+        parts = urlsplit(value if "://" in value else f"http://{value}")
+        fits = bool(parts.hostname) and parts.port != 0 and value.isprintable() and " " not in value
+    except ValueError:
+        parts, fits = SplitResult("", "", "", "", ""), False
+    if not fits or parts.scheme not in ("http", "https", *_SOCKS):
+        msg = "it is not the address of a proxy"
+        raise ConfigError(msg, name, f"set it to an address such as {_EXAMPLE}, or unset it")
+    if parts.scheme in _SOCKS and importlib.util.find_spec("socksio") is None:
+        msg = "it names a SOCKS proxy, and the package that speaks with those is not installed"
+        raise ConfigError(msg, name, f"pip install 'socksio>=1,<2', or name a proxy such as {_EXAMPLE}")
+
+
+def _require_certificates(environ: Mapping[str, str]) -> None:
+    file, folder = environ.get(CERTIFICATES, ""), environ.get(FOLDER, "")
+    hint = "name a file of PEM certificates, or unset it: those that come with Python packages count then"
+    if file:
+        import ssl
+
+        why = "" if Path(file).is_file() else f"{file} is no file"
+        try:
+            if not why:
+                ssl.create_default_context(cafile=file)
+        except ssl.SSLError:
+            why = f"{file} holds no certificate"
+        except OSError as error:
+            why = f"{file} cannot be read: {error.strerror or type(error).__name__}"
+        if why:
+            raise ConfigError(why, CERTIFICATES, hint)
+    elif folder and not Path(folder).is_dir():
+        hint = "name a folder of certificates (made by openssl rehash), or unset it"
+        raise ConfigError(f"{folder} is no folder", FOLDER, hint)

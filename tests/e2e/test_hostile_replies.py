@@ -1,0 +1,187 @@
+"""Replies and files that would fill the memory: one message, within a bound that a small computer has.
+
+Each build runs in a process whose memory is limited, so that a failure cannot take this computer down.
+"""
+
+import gzip
+import json
+import subprocess
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.e2e.command import COMMAND, environment
+from tests.faulty import desk
+from tests.onshape.faults import Fault
+from tests.onshape.server import OnshapeServer
+
+resource = pytest.importorskip("resource")
+pytestmark = pytest.mark.slow
+
+MB = 1 << 20
+ALLOWED = 3 << 30
+"""Address space of a build [bytes]: libraries take a third of it."""
+
+GZIP = {"Content-Encoding": "gzip"}
+
+
+def packed(*pieces: tuple[bytes, int]) -> bytes:
+    """Pieces, each so many times, as one gzip stream; no more than a megabyte is ever in memory."""
+    pack = zlib.compressobj(9, zlib.DEFLATED, 31)
+    return b"".join([*(pack.compress(some) for some in _runs(pieces)), pack.flush()])
+
+
+def _runs(pieces: tuple[tuple[bytes, int], ...]) -> Iterator[bytes]:
+    for piece, times in pieces:
+        many = max(1, MB // len(piece))
+        run = piece * many
+        for _ in range(times // many):
+            yield run
+        yield piece * (times % many)
+
+
+def limited(here: Path, *arguments: str, **environ: str) -> str:
+    """What a build that must fail says; it may take no more memory than is allowed."""
+    done = subprocess.run(
+        [str(COMMAND), *arguments],
+        cwd=here,
+        env=environment(here, OPENBLAS_NUM_THREADS="1", OMP_NUM_THREADS="1", **environ),
+        capture_output=True,
+        text=True,
+        timeout=600,
+        check=False,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (ALLOWED, ALLOWED)),
+    )
+    assert done.returncode in (1, 2), done.stderr
+    assert done.stderr.count("error:") == 1
+    assert "a fault of linkwright" not in done.stderr, done.stderr
+    return done.stderr
+
+
+TWICE = gzip.compress(packed((bytes(MB), 10_000)), 9)
+DEFINITION, MASS, TRIANGLES, GLTF = "/assemblies/", "/massproperties", "/tessellatedfaces", "/gltf"
+BODY = b'{"bodies":[{"id":"JHD","faces":['
+
+REPLIES = {
+    "packed twice": (MASS, TWICE, {"Content-Encoding": "gzip, gzip"}, "was not asked for"),
+    "a definition without end": (DEFINITION, packed((b" " * MB, 2000)), GZIP, "(64 MB)"),
+    "a mass reply without end": (MASS, packed((b" " * MB, 2000)), GZIP, "(32 MB)"),
+    "triangles without end": (TRIANGLES, packed((b" " * MB, 2000)), GZIP, "(1024 MB)"),
+    "a definition of nothing": (
+        DEFINITION,
+        packed((b'{"rootAssembly":{"instances":[', 1), (b"[],", 18_000_000), (b"[]]}}", 1)),
+        GZIP,
+        "definition",
+    ),
+    "a mass reply of nothing": (
+        MASS,
+        packed((b'{"bodies":[', 1), (b"[],", 10_000_000), (b"[]]}", 1)),
+        GZIP,
+        "no bodies",
+    ),
+    "triangles of brackets": (
+        TRIANGLES,
+        packed((b'{"bodies":[', 1), (b"{},", 30_000_000), (b"{}]}", 1)),
+        GZIP,
+        "brackets",
+    ),
+    "a facet that is a million": (
+        TRIANGLES,
+        packed((BODY + b'{"facets":[{"indices":[0', 1), (b",0", 20_000_000), (b"]}]}]}]}", 1)),
+        GZIP,
+        "not made of lists",
+    ),
+    "facets that are many triangles": (
+        TRIANGLES,
+        packed(
+            (b'{"bodies":[{"id":"JHD","facetPoints":[[0,0,0]],"faces":[{"facets":[', 1),
+            (b'{"indices":[' + b"0," * 60_000 + b"0]},", 1000),
+            (b'{"indices":[0,0,0]}]}]}]}', 1),
+        ),
+        GZIP,
+        "more than",
+    ),
+    "composites of the same": (
+        TRIANGLES,
+        packed(
+            (b'{"bodies":[{"id":"A","facetPoints":[[0,0,0]],"faces":[{"facets":[', 1),
+            (b'{"indices":[' + b"0," * 60_000 + b"0]},", 20),
+            (b'{"indices":[0,0,0]}]}]}', 1),
+            (b',{"id":"C","constituents":["A"]}', 20_000),
+            (b"]}", 1),
+        ),
+        GZIP,
+        "more than",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REPLIES)
+def test_a_reply_that_would_fill_the_memory_is_one_message(tmp_path: Path, name: str) -> None:
+    place, body, headers, said = REPLIES[name]
+
+    def fault(_: str, target: str, __: int) -> Fault | None:
+        if GLTF in target:  # which stands in for triangles that are declined
+            return Fault(400, b"{}")
+        return Fault(body=body, headers=headers) if place in target else None
+
+    with OnshapeServer(desk(), fault=fault) as server:
+        url = f"source.url='{server.document_url()}'"
+        assert said in limited(tmp_path, "source=onshape", url, **server.environ)
+
+
+def gltf_of(count: int, **more: object) -> bytes:
+    """A glTF whose accessors claim so many numbers."""
+    uri = "data:application/octet-stream;base64," + "AAAA" * 12
+    accessors = [
+        {"bufferView": 0, "componentType": 5126, "count": count, "type": "VEC3"},
+        {"bufferView": 0, "componentType": 5125, "count": 3, "type": "SCALAR"},
+    ]
+    views = [{"buffer": 0, "byteLength": 36}]
+    primitive = {"attributes": {"POSITION": 0}, "indices": 1}
+    data = {
+        "asset": {"version": "2.0"},
+        "buffers": [{"byteLength": 36, "uri": uri}],
+        "bufferViews": views,
+        "accessors": accessors,
+        "meshes": [{"primitives": [primitive]}],
+        "nodes": [{"mesh": 0}],
+        **more,
+    }
+    return json.dumps(data).encode()
+
+
+GLTFS = {
+    "a count": gltf_of(10**10),
+    "a stride of none": gltf_of(10**9, bufferViews=[{"buffer": 0, "byteLength": 36, "byteStride": 0}]),
+    "no view": gltf_of(3, accessors=[{"componentType": 5126, "count": 10**10, "type": "VEC3"}] * 2),
+    "nodes that double": gltf_of(3, nodes=[*({"children": [n, n]} for n in range(1, 60)), {"mesh": 0}]),
+    "a mesh for a million primitives": gltf_of(
+        3,
+        meshes=[{"primitives": [{"attributes": {"POSITION": 0}}] * 50_000}],
+        nodes=[{"mesh": 0}] * 1000,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", GLTFS)
+def test_a_gltf_that_claims_what_it_has_not_is_one_message(tmp_path: Path, name: str) -> None:
+    def fault(_: str, target: str, __: int) -> Fault | None:
+        if TRIANGLES in target:
+            return Fault(400, b"{}")
+        return Fault(body=GLTFS[name]) if GLTF in target else None
+
+    with OnshapeServer(desk(), fault=fault) as server:
+        url = f"source.url='{server.document_url()}'"
+        said = limited(tmp_path, "source=onshape", url, **server.environ)
+        assert "(400)" in said or "glTF" in said
+
+
+def test_a_robot_of_aliases_is_one_message(tmp_path: Path) -> None:
+    lines = [f"  {b}: &{b} [{', '.join([f'*{a}'] * 10)}]" for a, b in zip("abcdefgh", "bcdefghi")]
+    text = "\n".join(["# @package _global_", "vars:", "  a: &a [1]", *lines, ""])
+    (tmp_path / "robot").mkdir()
+    (tmp_path / "robot" / "arm.yaml").write_text(text)
+    assert "aliases" in limited(tmp_path, "robot=arm")
