@@ -28,6 +28,7 @@ from pipeline import texts
 from pipeline.draft import Draft
 from pipeline.errors import Diagnostic, refusal
 from pipeline.hydra_errors import explained
+from pipeline.hydra_files import guarded
 from pipeline.hydra_node import PRIMARY, HydraNode, hydra_text, searching
 from pipeline.overrides import Override, read, refused
 from pipeline.plain import plain
@@ -92,7 +93,7 @@ def session(
 ) -> Iterator["Composer"]:
     """Hydra, ready to compose from `conf`, `./robot/` of `cwd` and `config_dirs`."""
     presets = Presets(config_dirs, cwd)
-    with initialize_config_module("conf", job_name="linkwright", **HYDRA), catch_warnings():
+    with initialize_config_module("conf", job_name="linkwright", **HYDRA), guarded(), catch_warnings():
         # Hydra's advice to authors of programs, about a file that has the name of a launcher, say.
         filterwarnings("ignore", message=r"\s*'hydra/launcher/", category=UserWarning)
         yield Composer(presets, judge, environ, cwd)
@@ -278,6 +279,9 @@ class Composer:
             override = self._parser.parse_override(text)
         except HydraException as error:
             raise ValueError(str(error).splitlines()[0]) from None
+        except RecursionError:
+            msg = "it is nested too deeply"
+            raise ValueError(msg) from None
         if not override.is_sweep_override():
             return [override.get_value_element_as_str()]
         value: Any = override.value()

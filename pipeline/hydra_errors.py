@@ -7,6 +7,7 @@ from omegaconf.errors import OmegaConfBaseException
 from pipeline.errors import Diagnostic
 from pipeline.presets import Presets
 from pipeline.problems import GLOBAL
+from pipeline.yamlfile import RefusedError
 from stages.robot.install import install
 
 HEADER = f"the first line of a robot's file must be: {GLOBAL}"
@@ -17,6 +18,8 @@ def explained(error: Exception, presets: Presets) -> Diagnostic:
     if isinstance(error, yaml.MarkedYAMLError):
         mark = error.problem_mark or error.context_mark
         where = f"{mark.name}, line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+        if isinstance(error, RefusedError):
+            return Diagnostic("E-YAML", f"cannot be read: {error.problem}", where, error.hint)
         text = f"not valid YAML: {error.problem or error.context}"
         return Diagnostic("E-YAML", text, where, "check quotes, colons and indentation there")
     if isinstance(error, MissingConfigException) and error.missing_cfg_file:
@@ -31,8 +34,8 @@ def explained(error: Exception, presets: Presets) -> Diagnostic:
         file = str(presets.not_utf8() or "")
         return Diagnostic("E-YAML", "not UTF-8 text", file, "save it as UTF-8")
     if isinstance(error, RecursionError):
-        text = "a file is nested too deeply, or in itself"
-        return Diagnostic("E-YAML", text, "", "look for an anchor (&) that is used inside itself (*)")
+        text = "nested too deeply"
+        return Diagnostic("E-OVERRIDE", text, "", "look at the brackets of what was typed")
     if isinstance(error, KeyError):
         # Hydra looks up the variables of hydra.job.env_copy while it composes.
         text = f"names a variable that is not set: {error.args[0]}"

@@ -1,6 +1,6 @@
 """Composed trees as plain data."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from omegaconf import DictConfig, ListConfig, OmegaConf
@@ -9,6 +9,7 @@ from omegaconf.errors import OmegaConfBaseException
 from pipeline.errors import Diagnostic
 from pipeline.problems import how_to_give
 from pipeline.schema import Place, key_of
+from pipeline.yamlfile import DEEPEST, MOST_VALUES
 
 
 def as_written(node: DictConfig) -> dict[str, Any]:
@@ -31,9 +32,17 @@ def at(config: DictConfig, place: Place, problems: list[Diagnostic]) -> Any:
     return plain(node, place, problems)
 
 
-def plain(node: Any, place: Place, problems: list[Diagnostic], computed: set[Place] | None = None) -> Any:
+def plain(
+    node: Any,
+    place: Place,
+    problems: list[Diagnostic],
+    computed: set[Place] | None = None,
+    room: Iterator[int] | None = None,
+) -> Any:
     """The node as plain data, interpolations resolved; what is missing or cannot be resolved is a
-    problem, and left out. The places of the interpolations go into `computed`."""
+    problem, and left out. So is what comes to too much, since interpolations repeat what they name:
+    `room` counts what there is room for. The places of the interpolations go into `computed`."""
+    room = iter(range(MOST_VALUES)) if room is None else room
     if isinstance(node, ListConfig):
         pairs: Iterable[tuple[Any, Any]] = enumerate(range(len(node)))
     elif isinstance(node, DictConfig):
@@ -45,6 +54,12 @@ def plain(node: Any, place: Place, problems: list[Diagnostic], computed: set[Pla
         if name == "hydra" and not place:
             continue
         inner = (*place, name)
+        if next(room, None) is None or len(inner) > DEEPEST:
+            text = f"it comes to more than {MOST_VALUES} values, or is nested deeper than {DEEPEST} levels"
+            if not any(problem.message == text for problem in problems):
+                hint = "look at its interpolations: ${...}"
+                problems.append(Diagnostic("E-VALUE", text, key_of(place), hint))
+            break
         try:
             if OmegaConf.is_missing(node, index):
                 text = "must be given"
@@ -57,5 +72,5 @@ def plain(node: Any, place: Place, problems: list[Diagnostic], computed: set[Pla
             text = f"cannot be resolved: {str(error).splitlines()[0]}"
             problems.append(Diagnostic("E-VALUE", text, key_of(inner)))
             continue
-        found[name] = plain(value, inner, problems, computed)
+        found[name] = plain(value, inner, problems, computed, room)
     return list(found.values()) if isinstance(node, ListConfig) else found

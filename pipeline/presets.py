@@ -8,6 +8,7 @@ from typing import Any
 import yaml
 
 import conf
+from pipeline import yamlfile
 from pipeline.problems import EXPERIMENT, nearest
 from pipeline.schema import Place, key_of
 from pipeline.settle import Choices
@@ -167,16 +168,18 @@ class Presets:
         """A file of the user's own that cannot be read as text."""
         for file in (file for folder in self.own for file in sorted((folder / "robot").rglob("*.yaml"))):
             try:
-                file.read_text(encoding="utf-8")
+                yamlfile.text(file)
             except UnicodeDecodeError:
                 return file
+            except (OSError, yamlfile.RefusedError):
+                continue
         return None
 
 
 def content(file: Path) -> dict[str, Any]:
     """What a file holds, read alone; nothing where it cannot be read."""
     try:
-        read = yaml.safe_load(file.read_text(encoding="utf-8"))
+        read = yamlfile.read(file)
     except (OSError, UnicodeDecodeError, yaml.YAMLError):
         return {}
     return read if isinstance(read, dict) else {}

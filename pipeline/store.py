@@ -109,7 +109,7 @@ class Store:
         path = self._record(key)
         try:
             record = json.loads(path.read_bytes())
-        except (OSError, ValueError):
+        except (OSError, RecursionError, ValueError):
             return None
         with contextlib.suppress(OSError):
             os.utime(path)

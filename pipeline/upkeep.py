@@ -160,7 +160,7 @@ def _records(root: Path) -> Iterator[Record]:
             record = json.loads(data)
             outputs = tuple(str(digest) for digest in record["outputs"].values())
             yield Record(path, status.st_size, status.st_mtime, str(record["stage"]), outputs)
-        except (ValueError, KeyError, TypeError, AttributeError):
+        except (ValueError, KeyError, RecursionError, TypeError, AttributeError):
             yield Record(path, status.st_size, 0.0, "unreadable", ())
 
 

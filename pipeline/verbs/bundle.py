@@ -160,9 +160,11 @@ def _configured(folder: Path) -> str | None:
     """The key `cache.dir` of the build, if it had one."""
     import yaml
 
+    from pipeline import yamlfile
+
     try:
-        plan: Any = yaml.safe_load((folder / "config.yaml").read_bytes())
-    except (OSError, yaml.YAMLError):
+        plan: Any = yamlfile.read(folder / "config.yaml")
+    except (OSError, UnicodeDecodeError, yaml.YAMLError):
         return None
     cache = plan.get("cache") if isinstance(plan, dict) else None
     configured = cache.get("dir") if isinstance(cache, dict) else None

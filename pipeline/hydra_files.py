@@ -1,0 +1,72 @@
+"""How Hydra reads the user's own files, and how far interpolations may grow what they say.
+
+Hydra takes any file, and OmegaConf resolves an interpolation anew wherever it is named: ten lines of
+`${a}${a}...` come to as much as ten of aliases do.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from hydra._internal.core_plugins import file_config_source
+from hydra._internal.sources_registry import SourcesRegistry
+from hydra.plugins.config_source import ConfigResult
+from omegaconf.base import Container
+from omegaconf.errors import InterpolationResolutionError
+
+from pipeline import yamlfile
+
+MOST_RESOLVED = 2000
+"""Interpolations that the value of one interpolation may be made of."""
+
+LONGEST = 1 << 20
+"""Letters that these may come to in all."""
+
+_RESOLVE = "_maybe_resolve_interpolation"
+
+
+class FileConfigSource(file_config_source.FileConfigSource):
+    """Hydra's own source of files, for files that are judged first.
+
+    It has that one's name: Hydra registers its own again and again, and lets one of the same name be.
+    """
+
+    def load_config(self, config_path: str) -> ConfigResult:
+        path = Path(self.path) / self._normalize_file_name(config_path)
+        if path.exists():
+            yamlfile.text(path)
+        return super().load_config(config_path)
+
+
+@contextmanager
+def guarded() -> Iterator[None]:
+    """Within it Hydra, which must be ready, reads judged files only, and interpolations are counted."""
+    sources, scheme = SourcesRegistry.instance().types, FileConfigSource.scheme()
+    own, sources[scheme] = sources[scheme], FileConfigSource
+    resolve: Callable[..., Any] = getattr(Container, _RESOLVE)
+    depth = count = letters = 0
+
+    def counted(self: Container, *args: Any, **more: Any) -> Any:
+        nonlocal depth, count, letters
+        if not depth:
+            count = letters = 0
+        depth += 1
+        try:
+            count += 1
+            if count > MOST_RESOLVED or letters > LONGEST:
+                msg = "its interpolations come to more than makes sense"
+                raise InterpolationResolutionError(msg)
+            found = resolve(self, *args, **more)
+            value = None if found is None else found._value()
+            letters += len(value) if isinstance(value, str) else 0
+            return found
+        finally:
+            depth -= 1
+
+    setattr(Container, _RESOLVE, counted)
+    try:
+        yield
+    finally:
+        setattr(Container, _RESOLVE, resolve)
+        sources[scheme] = own

@@ -1,0 +1,115 @@
+"""YAML files that users write, judged before anything is made of them.
+
+A few lines of YAML can stand for more than a computer holds, since an alias repeats what it names, and
+what is nested deeply enough ends any reader that is recursive. So a file's events are counted first,
+which costs next to nothing: its readers are a hundred times slower.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from stages.fetch import regular
+
+LARGEST = 4 << 20
+"""Larger files are not read [bytes]."""
+
+MOST_VALUES = 20_000
+"""Values, keys included, that a file may come to, what its aliases repeat included: a robot of 500 joints
+with all that can be said of each comes to half of it."""
+
+DEEPEST = 32
+"""Levels of nesting."""
+
+_EVENTS = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+
+class RefusedError(yaml.MarkedYAMLError):  # type: ignore[misc]
+    """A YAML file that comes to too much; `hint` says what to do."""
+
+    def __init__(self, problem: str, mark: yaml.Mark | None, hint: str) -> None:
+        super().__init__(problem=problem, problem_mark=mark)
+        self.hint = hint
+
+
+def read(path: Path) -> Any:
+    """What a file holds, as plain data.
+
+    OSError, UnicodeDecodeError or yaml.YAMLError (RefusedError is one) where it cannot be read.
+    """
+    return yaml.safe_load(text(path))
+
+
+def text(path: Path) -> str:
+    """The text of a file, once it is known to come to no more than makes sense. Raises as `read` does,
+    but for text that is no YAML at all: that is its reader's to tell."""
+    try:
+        content = regular.content(path, LARGEST)
+    except regular.TooLarge as error:
+        why = f"it has {error.size} bytes, and at most {LARGEST} are read"
+        raise RefusedError(why, _mark(path, 0, 0), "name the robot's own file") from None
+    found = content.decode("utf-8")
+    judge(found, path)
+    return found
+
+
+def judge(content: str, path: Path) -> None:
+    """RefusedError where the text of the file at `path` comes to too much."""
+    try:
+        _Count(path).all(content)
+    except RefusedError:
+        raise
+    except yaml.YAMLError:
+        return
+
+
+class _Count:
+    """Values and levels as they come. Of each anchor: what it comes to, and how deep it is."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._anchors: dict[str, tuple[int, int]] = {}
+        self._open: list[tuple[str | None, int, int]] = []
+
+    def all(self, content: str) -> None:
+        for event in yaml.parse(content, Loader=_EVENTS):
+            if isinstance(event, yaml.AliasEvent):
+                self._repeated(event)
+            elif isinstance(event, yaml.ScalarEvent):
+                self._anchors |= {event.anchor: (1, 0)} if event.anchor else {}
+                self._add(1, 0, event)
+            elif isinstance(event, yaml.CollectionStartEvent):
+                self._open.append((event.anchor, 1, 1))
+                self._add(0, 0, event)
+            elif isinstance(event, yaml.CollectionEndEvent):
+                anchor, values, height = self._open.pop()
+                self._anchors |= {anchor: (values, height)} if anchor else {}
+                self._add(values, height, event)
+
+    def _repeated(self, event: yaml.AliasEvent) -> None:
+        if any(anchor == event.anchor for anchor, *_ in self._open):
+            raise self._refused(f"*{event.anchor} repeats itself without end", event, "take the alias out")
+        self._add(*self._anchors.get(event.anchor, (1, 0)), event)
+
+    def _add(self, values: int, height: int, event: yaml.Event) -> None:
+        """Puts values, so many levels high, into what is open."""
+        if len(self._open) + height > DEEPEST:
+            problem = f"it is nested deeper than {DEEPEST} levels"
+            raise self._refused(problem, event, "no key of a robot is as deep: look at its brackets")
+        total = values + sum(inside for _, inside, _ in self._open)
+        if total > MOST_VALUES:
+            problem = f"it comes to more than {MOST_VALUES} values"
+            hint = "look at its aliases (*name), each of which repeats what it names"
+            raise self._refused(problem, event, hint)
+        if self._open:
+            anchor, inside, most = self._open[-1]
+            self._open[-1] = (anchor, inside + values, max(most, height + 1))
+
+    def _refused(self, problem: str, event: yaml.Event, hint: str) -> RefusedError:
+        mark = event.start_mark
+        return RefusedError(problem, _mark(self._path, mark.line, mark.column), hint)
+
+
+def _mark(path: Path, line: int, column: int) -> yaml.Mark:
+    return yaml.Mark(str(path), 0, line, column, None, None)
