@@ -25,7 +25,7 @@ from pipeline.output import FAILED, Output
 from pipeline.plan import Plan
 from pipeline.preflight import beforehand, destination, foreseen, suffix_of
 from pipeline.progress import Both, Log, Progress, Quiet
-from pipeline.report import Report, StageReport
+from pipeline.report import Report, StageReport, Status
 from pipeline.settle import name_of
 from pipeline.stage import STAGES, Stage, libraries, stages_until
 from pipeline.store import sha256
@@ -47,9 +47,10 @@ def build(
 ) -> Report:
     """Builds the robot that `plan` describes and puts it into its output folder.
 
-    Returns the report, whose `exit_status` is 3 where a check failed. Raises ConfigError for what is
-    wrong before the first stage, and any other LinkwrightError for what goes wrong later; the last
-    good output is whole then, and `<output>.failed` holds the report and the log.
+    Returns the report, whose `exit_status` is 3 where a check failed or an older state had to do.
+    Raises ConfigError for what is wrong before the first stage, and any other LinkwrightError for what
+    goes wrong later; the last good output is whole then, and `<output>.failed` holds the report and the
+    log.
 
     `began` [s since the epoch]: the start of the sweep that this is a job of; its jobs share what a
     workspace said since then, so that all build the same state of it.
@@ -147,6 +148,7 @@ class Run:
     bundle: dict[str, str] = field(default_factory=dict)
     figures: dict[str, float] = field(default_factory=dict)
     diagnostics: list[Diagnostic] = field(default_factory=list)
+    stale: bool = False
     shown: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -176,6 +178,7 @@ class Run:
         found = json.loads(files[NOTES])
         self.figures |= found["figures"]
         self.source |= found.get("source", {})
+        self.stale = self.stale or found.get("stale", False)
         if cached:
             bench.calls["saved"] += found.get("calls", 0)
         self.note(codec.decode_diagnostics(found["diagnostics"]))
@@ -198,10 +201,12 @@ class Run:
             checks += self.strict_checks()
         for check in checks:
             self.log.line(f"{'passed' if check.passed else 'FAILED'} {check.name}: {check.detail}")
-        valid = all(check.passed for check in checks)
+        status: Status = "stale" if self.stale else "built"
+        if not all(check.passed for check in checks):
+            status = "invalid"
         return self.report(
-            status="built" if valid else "invalid",
-            exit_status=0 if valid else 3,
+            status=status,
+            exit_status=0 if status == "built" else 3,
             checks=checks,
             outputs={path: sha256(data) for path, data in sorted(files.items())},
         )

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pipeline import streams
+
 if TYPE_CHECKING:
     from pipeline.plan import Plan
     from pipeline.report import Report
@@ -55,7 +57,7 @@ groups, each a set of presets (group=option):
 
 keys (key=value; with their units and defaults in stages/<stage>/keys.py of the package):
   name  source.url  source.path  source.tessellation.{angle,chord,max_facet_width}
-  source.{offline,refresh,verify,max_calls,max_wait}
+  source.{offline,refresh,verify,stale,max_calls,max_wait}
   source.{packages,args,missing_meshes,bad_inertia}
   root.{select,base,frame,disconnected}  depth.{max,rigid,flexible}  hidden  zero  mirror  conventions
   names.{links,joints}  joints.<glob>.{limits,effort,velocity,damping,friction,armature}
@@ -73,8 +75,8 @@ environment:
   LINKWRIGHT_TRACEBACK=1                    show where an error came from
 
 exit status:
-  0  built and valid           1  failed                  2  wrong configuration, nothing was built
-  3  built, a check failed   130  interrupted
+  0  built and valid    1  failed    2  wrong configuration, nothing was built    130  interrupted
+  3  built, but a check failed, or it is not the newest state (the quota of calls is used up)
 """
 
 VERBS = {"bundle": "pipeline.verbs.bundle", "cache": "pipeline.verbs.cache"}
@@ -100,7 +102,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Nearly all objects that a command makes live until it ends. Looking through them for cycles, again
     # and again on the way and once more at the end, takes a tenth of its time.
     gc.set_threshold(100_000, 50, 100)
+    streams.patient()
     status = run(sys.argv[1:] if arguments is None else arguments)
+    why_not = streams.flushed()
+    if why_not and not status:
+        print(f"error: the standard output cannot be written: {why_not}", file=sys.stderr)
+        status = 1
     gc.freeze()
     return status
 

@@ -1,7 +1,8 @@
 """What the command line makes of an error: one message and an exit status.
 
 Exit status: 0 built and valid; 1 failed once the stages ran; 2 wrong in a way that was knowable
-before the first stage (`ConfigError`); 3 built, but a check failed; 130 interrupted.
+before the first stage (`ConfigError`); 3 built, but a check failed, or of an older state since the quota
+is used up; 130 interrupted.
 """
 
 import errno

@@ -14,7 +14,7 @@ from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
 from stages.robot.printable import printable, printable_lines
 
-Status = Literal["built", "invalid", "failed"]
+Status = Literal["built", "stale", "invalid", "failed"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,8 @@ class StageReport:
 class Report:
     """Everything about one build.
 
-    `status`: built (exit status 0), invalid (built, but a check failed: 3) or failed (1 or 2).
+    `status`: built (exit status 0), stale (built and valid, but of what was fetched last, since the quota
+    is used up: 3), invalid (built, but a check failed: 3) or failed (1 or 2).
     `source`: its kind and what it is pinned to. `calls`: API calls `made`, and `saved` by the cache;
     where any was made also `counted_this_year` by the ledger of this key, `remaining` in the server's
     windows by kind of request, as it told, `served` (its API versions and release) and the seconds

@@ -148,6 +148,7 @@ class Fetch(Common):
                 fetched.diagnostics,
                 source={**bundle.root, **({"title": fetched.title} if fetched.title else {})},
                 calls=fetched.calls + fetched.saved,
+                stale=fetched.stale,
             ),
         }
 

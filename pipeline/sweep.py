@@ -1,5 +1,6 @@
 """A sweep: many plans from one command line, each built into a folder of its own."""
 
+import contextlib
 import hashlib
 import os
 import re
@@ -90,15 +91,16 @@ class Task:
         until = job.plan.until
         message = "valid" if until == "validate" else f"built up to {until}"
         if report.exit_status != 0:
-            message = "a check failed"
+            message = "not the newest state" if report.status == "stale" else "a check failed"
         return Outcome(job.number, job.label, report.exit_status, message, os.path.relpath(report.folder))
 
 
 def _tell(line: str) -> None:
-    # In one piece: other processes write there too.
-    err = clean(sys.stderr)
-    err.write(f"{printable(line)}\n")
-    err.flush()
+    # In one piece: other processes write there too. In these nobody may be left who reads it.
+    with contextlib.suppress(BrokenPipeError):
+        err = clean(sys.stderr)
+        err.write(f"{printable(line)}\n")
+        err.flush()
 
 
 def jobs_of(composer: "Composer", asked: "Asked", judge: Judge) -> Sweep:

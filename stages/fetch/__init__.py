@@ -28,7 +28,8 @@ VERSION = 3
 class Fetched:
     """A bundle, the `calls` made for it that count against the quota, and the calls `saved`.
 
-    `title`: what the assembly's tab is called, where a reply told it.
+    `title`: what the assembly's tab is called, where a reply told it. `stale`: it is what was fetched
+    last, since the quota is used up, and `source.stale` does not take that for success.
     """
 
     bundle: Bundle
@@ -36,6 +37,7 @@ class Fetched:
     saved: int
     diagnostics: tuple[Diagnostic, ...] = ()
     title: str = ""
+    stale: bool = False
 
 
 def fetch(
@@ -139,11 +141,16 @@ def _from_onshape(
                 except SourceError:
                     raise exhausted from None
                 msg = f"{exhausted.message}; this is the assembly as it was last fetched completely"
-                found = (Diagnostic("W-QUOTA", msg, exhausted.where, exhausted.hint),)
+                hint = "build again when the quota is renewed, or with another key"
+                if not source.stale:
+                    hint += "; source.stale=true takes a build from what was fetched last for a success"
+                found = (Diagnostic("W-QUOTA", msg, exhausted.where, hint),)
         finally:
             server.account(calls)
             calls.saved = asking.saved
-    return Fetched(bundle, calls.made, calls.saved, (*network.diagnostics, *found), network.title())
+    stale = bool(found) and not source.stale
+    diagnostics = (*network.diagnostics, *found)
+    return Fetched(bundle, calls.made, calls.saved, diagnostics, network.title(), stale)
 
 
 def preflight(keys: FetchKeys, environ: Mapping[str, str]) -> None:
@@ -171,7 +178,10 @@ def preflight(keys: FetchKeys, environ: Mapping[str, str]) -> None:
             hint = "give the address of a workspace (…/w/…), or set the variables in Onshape"
             raise ConfigError(msg, "source.variables", hint)
         if not url.pinned and not source.offline:
+            from stages.fetch.surroundings import require as require_surroundings
+
             find(environ)
+            require_surroundings(environ, proxies=not url.loopback)
     elif source.kind != "sample":
         from stages.fetch.files import require
 

@@ -87,6 +87,10 @@ class OnshapeKeys(Keys):
     """Longest wait in all that the server may ask for in one build [s]; where it asks for more the
     build ends, with what was fetched kept."""
 
+    stale: Flag = False
+    """Where the yearly quota is used up: whether to build from what was fetched last counts as success.
+    Else the robot is built all the same, with exit status 3."""
+
     @field_validator("allow_write")
     @classmethod
     def _said_before_written(cls, value: bool, info: ValidationInfo) -> bool:

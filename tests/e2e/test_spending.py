@@ -73,6 +73,33 @@ def test_max_calls_bounds_what_is_asked_again_too(tmp_path: Path) -> None:
         assert server.count <= limit
 
 
+def test_an_edit_that_the_quota_does_not_allow_builds_what_was_fetched_last_with_exit_status_3(
+    tmp_path: Path,
+) -> None:
+    document = sample_document()
+    with OnshapeServer(document) as server:
+        environ = environment(tmp_path, **server.environ)
+        line = ["source=onshape", f"source.url='{server.document_url()}'", "output=arm", "until=graph"]
+        assert linkwright(tmp_path, *line, environ=environ).returncode == 0
+        before = (tmp_path / "arm.graph" / "robot.json").read_bytes()
+        server.edit(document.edited(document.studios[0].name))
+        server.fault = lambda method, target, number: Fault(402) if "/elements" in target else None
+        stale = linkwright(tmp_path, *line, environ=environ)
+        assert stale.returncode == 3, stale.stderr
+        assert "W-QUOTA" in stale.stdout
+        assert "source.stale=true" in stale.stdout
+        assert (tmp_path / "arm.graph" / "robot.json").read_bytes() == before
+        report = json.loads((tmp_path / "arm.graph" / "report.json").read_text())
+        assert (report["status"], report["exit_status"]) == ("stale", 3)
+        wanted = linkwright(tmp_path, *line, "source.stale=true", environ=environ)
+        assert wanted.returncode == 0, wanted.stderr
+        assert "W-QUOTA" in wanted.stdout
+        report = json.loads((tmp_path / "arm.graph" / "report.json").read_text())
+        assert (report["status"], report["exit_status"]) == ("built", 0)
+        server.fault = None
+        assert linkwright(tmp_path, *line, environ=environ).returncode == 0
+
+
 @pytest.mark.parametrize("launcher", ["basic", "joblib"])
 def test_the_jobs_of_a_sweep_share_one_state_of_a_workspace(tmp_path: Path, launcher: str) -> None:
     with OnshapeServer(sample_document()) as server:

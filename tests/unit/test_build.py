@@ -162,6 +162,19 @@ def test_refresh_runs_every_stage_and_bypass_keeps_nothing(make, tmp_path):
     assert [stage.runs for stage in stages] == [3] * 5
 
 
+def test_what_was_fetched_last_is_exit_status_3_where_the_newest_was_asked_for(make, folder):
+    fetch = {"more": {"source": {}, "calls": 3, "stale": True}, "pinned": False}
+    report = make(fakes(fetch=fetch))
+    assert (report.status, report.exit_status) == ("stale", 3)
+    assert (folder / "arm.urdf").exists()
+    assert json.loads((folder / "report.json").read_bytes())["status"] == "stale"
+    assert '<span class="stale">' in (folder / "report.html").read_text()
+    bad = Check("mass", False, "link arm is 1 kg, CAD says 2 kg", 1.0, 2.0)
+    assert make(fakes(checks=[bad], fetch=fetch, validate={"version": 2})).status == "invalid"
+    fetch["more"]["stale"] = False
+    assert (make(fakes(fetch=fetch)).status, make(fakes(fetch=fetch)).exit_status) == ("built", 0)
+
+
 def test_a_failed_check_is_exit_status_3_and_the_build_is_swapped_in(make, folder):
     report = make(fakes(checks=[Check("mass", False, "link arm is 1 kg, CAD says 2 kg", 1.0, 2.0)]))
     assert report.status == "invalid"

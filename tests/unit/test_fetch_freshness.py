@@ -465,7 +465,14 @@ def test_a_used_up_quota_leaves_the_last_complete_state_and_says_so(server, kept
     server.fault = lambda method, path, number: Fault(402) if number == 2 else None
     made = build(server, kept)
     assert made.bundle == cold.bundle
-    assert [found.code for found in made.diagnostics] == ["W-QUOTA"]
+    assert made.stale
+    (found,) = made.diagnostics
+    assert found.code == "W-QUOTA"
+    assert "source.stale=true" in found.hint
+    wanted = build(server, kept, stale=True)
+    assert (wanted.bundle, wanted.stale) == (cold.bundle, False)
+    assert [found.code for found in wanted.diagnostics] == ["W-QUOTA"]
+    assert "source.stale" not in wanted.diagnostics[0].hint
     server.fault = lambda *_: Fault(402)
     with pytest.raises(QuotaExhausted):
         build(server, Kept())
