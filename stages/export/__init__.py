@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 4
+VERSION = 5
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ from stages.robot.model import (
     Value,
 )
 from stages.robot.numbers import number, numbers
-from stages.robot.poses import quat_from_rotation
+from stages.robot.poses import at_rest, quat_from_rotation
 from stages.robot.printable import printable_lines
 from stages.robot.urdfnames import urdf_names
 
@@ -41,10 +41,11 @@ def describe(robot: Robot, start: Configuration) -> bytes:
     motion) in its own frame, and the `origin` of that in the frame which the dof before it moves
     (null where they are the same). Values are numbers [rad or m], a ball's quaternion, or the seven
     of free motion (x, y, z, quat). A ball's are its chain's, from parent to child; `mate_quat` is the
-    saved one as the mate has it: the inverse where the joint runs backwards. `lowered` has what
-    stands for a joint in the URDF where that is several joints with links between them; `urdf` is the link
-    that a frame is there, of a loop the links of its first and second frame. `transmissions`
-    is there where the source tells what drives the joints.
+    saved one as the mate has it: the inverse where the joint runs backwards. A ball's q = 0 is its mate's
+    zero in the URDF, but its pose at qpos0 in the MJCF, which has no `ref` for it: `zero` has both.
+    `lowered` has what stands for a joint in the URDF where that is several joints with links between
+    them; `urdf` is the link that a frame is there, of a loop the links of its first and second frame.
+    `transmissions` is there where the source tells what drives the joints.
     """
     names = urdf_names(robot)
     table = {
@@ -179,7 +180,12 @@ def _joint(joint: Joint, start: Configuration) -> dict[str, Any]:
         "origin": _pose(joint.parent_from_joint),
         "backwards": joint.backwards,
         "dofs": [
-            {**_dof(dof, joint.backwards), "unset": unset(dof), "qpos0": _value(start[dof.name])}
+            {
+                **_dof(dof, joint.backwards),
+                "unset": unset(dof),
+                "qpos0": _value(start[dof.name]),
+                **({"zero": _zero(start[dof.name])} if dof.kind == "ball" else {}),
+            }
             for dof in joint.dofs
         ],
         "cad": _mate(joint.mate),
@@ -205,6 +211,11 @@ def _dof(dof: Dof, backwards: bool = False) -> dict[str, Any]:
         w, x, y, z = dof.saved
         table["mate_quat"] = _value((w, -x, -y, -z) if backwards else dof.saved)
     return table
+
+
+def _zero(start: Value) -> dict[str, Any]:
+    """Where a ball's q = 0 is, by format, as its chain's quaternion."""
+    return {"urdf": _value(at_rest("ball")), "mjcf": _value(start)}
 
 
 def _mate(mate: MateRef | None) -> dict[str, Any] | None:

@@ -49,7 +49,7 @@ def write_mjcf(
         body.set("childclass", top)
     _equalities(root, robot, start, closures)
     _keyframes(root, world, robot, start, scene_pose(keys))
-    diagnostics.extend(unwritten(robot))
+    diagnostics.extend(unwritten(robot, start))
     return to_bytes(root)
 
 

@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from stages.robot.bundle import Bundle
     from stages.robot.model import Robot
 
-VERSION = 9
+VERSION = 10
 
 
 def build_robot(bundle: "Bundle", keys: "GraphKeys") -> "Robot":

@@ -6,7 +6,7 @@ from dataclasses import replace
 from stages.graph.added import with_added_frames, with_added_links
 from stages.graph.globs import as_key, fits, listed
 from stages.graph.keys import GraphKeys, JointKeys
-from stages.graph.massing import check_links, with_given_masses
+from stages.graph.massing import check_links, with_given_masses, with_least_inertias
 from stages.graph.mechanism import Coupling, Mechanism
 from stages.graph.mobility import with_mobility
 from stages.graph.notes import Notes
@@ -57,6 +57,7 @@ def assemble(bundle: Bundle, keys: GraphKeys) -> Robot:
     tell_loops(robot, unknown, notes)
     robot = with_given_masses(robot, keys.mass.links, notes)
     check_links(robot, notes, mechanism.posed)
+    robot = with_least_inertias(robot, notes)
     robot = with_added_frames(robot, keys.frames.add, notes)
     if keys.zero == "saved":
         robot = zeroed(robot, notes)

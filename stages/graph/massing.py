@@ -10,10 +10,11 @@ from stages.graph.masskeys import LinkMassKeys, tensor
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.notes import Notes
 from stages.graph.onshape.mass import scaled
-from stages.robot.inertia import ZERO, is_physical, principal
+from stages.robot.inertia import ZERO, is_physical, large_enough, principal
 from stages.robot.model import Inertial, Link, Robot, frozen
 
 _MEND = "mend the material or the mass override in Onshape, or give inertia in mass."
+_LARGER = "it hardly matters to the rest; check the document's units, or FASTEN it to something larger"
 _MEND_FILE = (
     "mend it in the file, give mass: {links: {...}}, or say source.bad_inertia: recompute (from the shapes) "
     "or project (to the nearest possible one)"
@@ -90,6 +91,27 @@ def check_links(robot: Robot, notes: Notes, drawn: bool = True) -> None:
                 told.add(id(part.inertial))
                 text = f"no solid can have the part's inertia; that of its link {link.name!r} is possible"
                 notes.tell("W-INERTIA", text, part.name, f"{_MEND}parts")
+
+
+def with_least_inertias(robot: Robot, notes: Notes) -> Robot:
+    """The robot with the least mass and inertia that MuJoCo takes on links that have less (W-INERTIA-LEAST):
+    those of a robot that is a few millimetres long."""
+    links = []
+    for link in robot.links:
+        own = link.inertial
+        found = own if own.mass <= 0 or not is_physical(own) else large_enough(own)
+        if found is not own:
+            was, now = (_weight(one) for one in (own, found))
+            text = f"less than MuJoCo takes of a body that moves ({was}): it gets the least ({now})"
+            notes.tell("W-INERTIA-LEAST", text, link.name, _LARGER)
+            link = replace(link, inertial=found, given=found)
+        links.append(link)
+    return replace(robot, links=tuple(links))
+
+
+def _weight(inertial: Inertial) -> str:
+    moments = ", ".join(f"{moment:.4g}" for moment in principal(inertial.inertia))
+    return f"{inertial.mass:.4g} kg, {moments} kg m²"
 
 
 def _moving_without_mass(robot: Robot) -> list[Link]:

@@ -5,6 +5,7 @@ All tensors have true signs (off-diagonal −∫xy dm) and are about the centre 
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -13,8 +14,18 @@ from stages.robot.model import Array, Inertial, PrimitiveKind, frozen
 
 ZERO = Inertial(0.0, frozen(np.zeros(3)), frozen(np.zeros((3, 3))))
 
+LEAST_MOMENT = 1e-14
+"""The smallest principal moment [kg m²] that we write: MuJoCo takes none of 1e-15 for a body that moves, and
+a link may be shared by several bodies."""
+
+LEAST_MASS = 1e-14
+"""The smallest mass [kg] likewise."""
+
 NEXT_TO_NOTHING = 1e-12
 """Mass [kg] and moments of inertia [kg m²] of a link that only stands between two joints."""
+
+FLATTEST_WRITTEN = 1e-11
+"""Of the largest moment: how flat a body may be without that its digits, as they are written, lose it."""
 
 SPECK = Inertial(NEXT_TO_NOTHING, frozen(np.zeros(3)), frozen(NEXT_TO_NOTHING * np.eye(3)))
 
@@ -60,6 +71,32 @@ def is_physical(inertial: Inertial) -> bool:
     """Positive mass and moments, and the triangle inequality A + B ≥ C up to rounding."""
     low, middle, high = principal(inertial.inertia)
     return bool(inertial.mass > 0 and low > 0 and low + middle >= high * (1 - 1e-12))
+
+
+def spread(inertia: Array) -> Array:
+    """How a body's matter is spread (3,), ascending: the eigenvalues of S = ∫ x xᵀ dm = ½ tr(I) 1 − I, about
+    its centre of mass. There is a solid with the inertia I exactly where none is negative, which says
+    A + B ≥ C of the moments too."""
+    return np.asarray(np.linalg.eigvalsh(np.trace(inertia) / 2 * np.eye(3) - inertia), dtype=np.float64)
+
+
+def no_thinner(inertia: Array, least: float) -> Array:
+    """The inertia (3, 3) nearest to this one whose `spread` is nowhere below `least`."""
+    values, axes = np.linalg.eigh(np.trace(inertia) / 2 * np.eye(3) - inertia)
+    second = axes @ np.diag(np.maximum(values, least)) @ axes.T
+    found = np.trace(second) * np.eye(3) - second
+    return frozen((found + found.T) / 2)
+
+
+def large_enough(inertial: Inertial) -> Inertial:
+    """The same where MuJoCo takes it; else with the least mass and moments that it takes."""
+    moments = principal(inertial.inertia)
+    mass = max(inertial.mass, LEAST_MASS)
+    if moments[0] >= LEAST_MOMENT:
+        return inertial if mass == inertial.mass else replace(inertial, mass=mass)
+    # Each moment is the sum of two of the spread; and what is far below the largest is lost in its digits.
+    floor = max(LEAST_MOMENT / 2, FLATTEST_WRITTEN * float(moments[2]))
+    return replace(inertial, mass=mass, inertia=no_thinner(inertial.inertia, floor))
 
 
 def solid_inertia(vertices: Array, triangles: npt.NDArray[np.integer], density: float) -> Inertial:

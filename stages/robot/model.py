@@ -111,7 +111,8 @@ class Primitive:
 class Link:
     """A rigid body. `path`: the occurrence that names it; `parts` are sorted by path.
 
-    `given`: the inertial that the user gave in place of what the parts sum up to. `shapes`: what the
+    `given`: the inertial that it has in place of what the parts sum up to, by the user's word or because
+    engines take no less. `shapes`: what the
     user made up beside the parts. A link that CAD does not have has neither path nor parts.
     """
 

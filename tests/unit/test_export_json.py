@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from lxml import etree
 from scipy.spatial.transform import Rotation
 
 from stages.export.description import describe
@@ -12,6 +13,8 @@ from stages.export.lowering import lower
 from stages.robot import kinematics
 from stages.robot.kinematics import link_poses, rest_configuration, saved_configuration
 from stages.robot.model import Dynamics, Frame, Limits, Mobility, Primitive, Robot, frozen
+from tests.building import write
+from tests.engines import Mujoco, Pinocchio
 from tests.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, solid, some_value, some_values
 
 
@@ -107,6 +110,49 @@ def test_qpos0_is_the_start_and_not_the_saved_pose() -> None:
     slide, turn = table["joints"][0]["dofs"]
     assert (slide["saved"], slide["qpos0"], turn["saved"], turn["qpos0"]) == (0.1, 0, 0.2, 0.7)
     assert table["joints"][1]["dofs"][0]["qpos0"] == [1, 0, 0, 0]
+
+
+def test_where_a_ball_is_zero_is_told_by_format(tmp_path) -> None:
+    """Its loop is closed in the saved pose alone, so the MJCF starts there."""
+    value = (0.8, 0.0, 0.6, 0.0)
+    joints = [joint("ball", "base", "arm", [value])]
+    poses = link_poses(robot_with(joints), {"arm_joint": value})
+    ends = np.linalg.inv(poses["arm"]), np.linalg.inv(poses["base"])
+    robot = robot_with(joints, loops=[loop("revolute", "arm", "base", *ends, [0.0])], fixed=True)
+    exported = write(robot, tmp_path)
+    (dof,) = told(robot)["joints"][0]["dofs"]
+    assert dof["zero"] == {"urdf": [1, 0, 0, 0], "mjcf": list(value)}
+    engines = {"urdf": Pinocchio(exported.files["robot.urdf"]), "mjcf": Mujoco(tmp_path / "robot.xml")}
+    for kind, engine in engines.items():
+        found = engine.poses({"arm_joint": (1.0, 0.0, 0.0, 0.0)})["arm"]
+        wanted = link_poses(robot, {"arm_joint": tuple(dof["zero"][kind])})["arm"]
+        np.testing.assert_allclose(found, wanted, atol=1e-12)
+    (said,) = [one for one in exported.diagnostics if one.code == "I-BALL-ZERO"]
+    assert "arm_joint (73.74 deg apart)" in said.message
+
+
+def test_the_frames_of_a_loop_are_named_as_the_urdf_has_them(tmp_path) -> None:
+    """Even where a link and a frame have the names that they would have."""
+    joints = [joint("revolute", "base", name, [0.1]) for name in ("arm", "shut_a")]
+    robot = robot_with(
+        joints, loops=[loop("revolute", "arm", "shut_a", at(1, 0, 0), at(0, 1, 0), [0.0], name="shut")]
+    )
+    robot = replace(
+        robot, frames=(Frame("shut_b", "base", at(0, 0, 1), ""), Frame("arm", "base", at(0, 0, 2), ""))
+    )
+    urdf = etree.fromstring(write(robot, tmp_path).files["robot.urdf"])
+    holders = {one.find("child").get("link"): one for one in urdf.findall("joint")}
+    table = told(robot)
+    (shut,) = table["loops"]
+    assert shut["urdf"] == ["shut_a_2", "shut_b_2"]
+    assert {one["name"]: one["urdf"] for one in table["frames"]} == {"shut_b": "shut_b", "arm": "arm_frame"}
+    for name, link, place in (
+        ("shut_a_2", "arm", "1 0 0"),
+        ("shut_b_2", "shut_a", "0 1 0"),
+        ("arm_frame", "base", "0 0 2"),
+    ):
+        assert holders[name].find("parent").get("link") == link
+        assert holders[name].find("origin").get("xyz") == place
 
 
 def test_what_stands_for_a_joint_in_the_urdf_is_listed() -> None:

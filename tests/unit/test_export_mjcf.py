@@ -182,6 +182,7 @@ def test_limits_and_dynamics_belong_to_each_dof_and_a_cone_is_told() -> None:
     assert [(one.code, one.where) for one in told] == [
         ("W-BALL-CONE", "robot.xml"),
         ("W-BALL-EFFORT", "robot.xml"),
+        ("I-BALL-ZERO", "robot.xml"),
     ]
     assert all("tip_joint" in one.message for one in told)
 

@@ -4,6 +4,7 @@ import json
 import math
 from dataclasses import replace
 
+import mujoco
 import numpy as np
 import pytest
 import yaml
@@ -17,10 +18,16 @@ from stages.robot.errors import ConfigError
 from stages.robot.inertia import ZERO
 from stages.robot.model import Inertial, frozen
 from stages.robot.triangles import Body
-from tests.building import bundle_of, plan_of
+from stages.validate import validate
+from tests.building import bundle_of, plan_of, robot_of, write
 from tests.kit import Kit
 from tests.onshape import solids
+from tests.onshape.frames import frame
 from tests.robots import joint, pose, robot_with
+from tests.unit.test_urdf_reader import inertial, robot_text
+from tests.unit.test_urdf_reader import joint as joint_text
+from tests.unit.test_urdf_reader import link as link_text
+from tests.urdfs import urdf_robot
 
 SIZE = (0.02, 0.03, 0.1)
 VOLUME = 0.02 * 0.03 * 0.1
@@ -410,3 +417,35 @@ def test_an_estimate_is_in_the_parts_own_frame():
     kit.root.add(part, pose=pose(np.random.default_rng(0)))
     inertial = weights(kit, missing="density")[0]["Bar <1>"][0]
     np.testing.assert_allclose(inertial.com, [0.5, 0, 0], rtol=1e-12, atol=1e-12)
+
+
+def test_a_robot_two_millimetres_long_gets_the_least_inertia_and_is_told(tmp_path) -> None:
+    kit = Kit()
+    sizes = {"Base": 2e-3, "Link": 5e-4, "Tip": 1e-4}
+    parts = (kit.bar(name, (size, size, size)) for name, size in sizes.items())
+    base, link, tip = (kit.root.add(part) for part in parts)
+    kit.root.revolute("Hinge", (link, np.eye(4)), (base, frame((0, 0, 2e-3))), limits=(-1, 1))
+    kit.root.revolute("Wrist", (tip, np.eye(4)), (link, frame((0, 0, 5e-4))), limits=(-1, 1))
+    robot = robot_of(kit.document)
+    assert [(one.where, one.code) for one in robot.diagnostics if "INERTIA" in one.code] == [
+        ("link", "W-INERTIA-LEAST"),
+        ("tip", "W-INERTIA-LEAST"),
+    ]
+    write(robot, tmp_path)
+    assert [check for check in validate(tmp_path, robot, plan_of()) if not check.passed] == []
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    for size, name in ((5e-4, "link"), (1e-4, "tip")):
+        assert model.body(name).inertia.min() >= 1e-14
+        assert model.body(name).inertia.max() < 1.01e-14
+        assert model.body(name).mass[0] == pytest.approx(1000 * size**3)
+
+
+@pytest.mark.parametrize("moments", [(1e-16, 1e-16, 1e-16), (1e-20, 1e-9, 1e-9), (1e-18, 3e-4, 3e-4)])
+@pytest.mark.parametrize("policy", ["refuse", "project"])
+def test_a_speck_in_a_urdf_gets_the_least_too(moments, policy, tmp_path) -> None:
+    text = robot_text(link_text("a"), link_text("b", inertial(1e-15, *moments)), joint_text("j", "a", "b"))
+    robot = urdf_robot(text, policy=policy)
+    assert [one.where for one in robot.diagnostics if one.code == "W-INERTIA-LEAST"] == ["b"]
+    write(robot, tmp_path)
+    assert [check for check in validate(tmp_path, robot, plan_of()) if not check.passed] == []
+    assert robot.link("b").inertial.mass == 1e-14

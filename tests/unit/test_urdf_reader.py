@@ -200,11 +200,10 @@ def test_links_without_mass_that_carry_others_get_next_to_none() -> None:
     assert {"I-URDF-MASSLESS", "W-URDF-MASSLESS"} <= set(codes(robot))
 
 
-@pytest.mark.parametrize("moments", [(1, 1, 3), (0, 1, 1), (-1, 2, 2), (1e-16, 1e-16, 1e-16)])
+@pytest.mark.parametrize("moments", [(1, 1, 3), (0, 1, 1), (-1, 2, 2)])
 def test_an_inertia_that_no_solid_has_is_refused_or_projected(moments: tuple[float, ...]) -> None:
     text = robot_text(link("a"), link("b", inertial(1.0, *moments)), joint("j", "a", "b"))
-    if moments[0] != 1e-16:
-        assert refused(text) == [("E-INERTIA", "b")]
+    assert refused(text) == [("E-INERTIA", "b")]
     robot = urdf_robot(text, policy="project")
     found = robot.link("b").inertial
     assert is_physical(found)

@@ -8,12 +8,9 @@ import numpy as np
 from stages.graph.globs import listed
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.notes import Notes
-from stages.robot.inertia import NEXT_TO_NOTHING, SPECK, merged, moved
+from stages.robot.inertia import LEAST_MOMENT, NEXT_TO_NOTHING, SPECK, merged, moved
 from stages.robot.model import Array, Inertial, frozen
 from stages.robot.urdf import Urdf, UrdfJoint, UrdfLink, UrdfShape
-
-LEAST_MOMENT = 1e-14
-"""The smallest principal moment [kg m²] that MuJoCo takes for one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,30 +1,20 @@
-"""Inertias that no solid can have: refused, made anew from the link's shapes, or taken to the nearest one.
-
-A body's matter is measured by S = ∫ x xᵀ dm = ½ tr(I) 1 − I, about its centre of mass: there is a solid
-with the inertia I exactly where no eigenvalue of S is negative, which says A + B ≥ C of the moments too.
-"""
+"""Inertias that no solid can have: refused, made anew from the link's shapes, or taken to the nearest one."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Literal
 
-import numpy as np
-
 from stages.graph.notes import Notes
-from stages.graph.urdf.dummies import LEAST_MOMENT
 from stages.graph.urdf.solids import solid_of
 from stages.robot.bundle import Bundle
-from stages.robot.inertia import NEXT_TO_NOTHING, is_physical, principal
+from stages.robot.inertia import FLATTEST_WRITTEN, NEXT_TO_NOTHING, is_physical, no_thinner, principal, spread
 from stages.robot.model import Array, Inertial, frozen
 from stages.robot.urdf import Urdf, UrdfLink, UrdfShape
 
 Policy = Literal["refuse", "recompute", "project"]
 
 FLATTEST = 1e-6
-"""Of the largest eigenvalue of S: the smallest that a mended inertia has."""
-
-EDGE = 1e-11
-"""A body this flat, of its largest moment, is on the edge of the possible: engines see it beyond."""
+"""Of the largest `spread`: the smallest that a mended inertia has."""
 
 Solid = Callable[[Iterable[UrdfShape]], Inertial | None]
 
@@ -49,7 +39,7 @@ def _mended(link: UrdfLink, policy: Policy, solid: Solid, notes: Notes) -> Inert
     if own.mass <= 0:
         _tell_without_mass(link, own, policy, notes)
         return None
-    if is_physical(own) and principal(own.inertia)[0] >= LEAST_MOMENT:
+    if is_physical(own):
         return _off_the_edge(own)
     if policy == "refuse":
         return own
@@ -61,8 +51,6 @@ def _mended(link: UrdfLink, policy: Policy, solid: Solid, notes: Notes) -> Inert
         found = Inertial(own.mass, own.com, nearest(own.inertia))
         how = "the nearest one that a solid can have"
         how = how if policy == "project" else f"{how}, since the link has no shape that holds a volume"
-    if principal(found.inertia)[0] < LEAST_MOMENT:
-        found = replace(found, inertia=nearest(found.inertia))
     text = f"{why_not(own)}; it became {how}: {_moments(found.inertia)} kg m²"
     notes.tell("W-INERTIA", text, link.name, "mend it in the file, or give mass: {links: {...}}")
     return found
@@ -80,37 +68,25 @@ def _tell_without_mass(link: UrdfLink, own: Inertial, policy: Policy, notes: Not
 
 
 def nearest(inertia: Array) -> Array:
-    """The inertia (3, 3) nearest to this one, by S, that a solid of some thickness has."""
-    values, axes = np.linalg.eigh(np.trace(inertia) / 2 * np.eye(3) - inertia)
-    floor = max(FLATTEST * float(values.max()), NEXT_TO_NOTHING / 2)
-    return _from_second(np.maximum(values, floor), axes)
+    """The inertia (3, 3) nearest to this one that a solid of some thickness has."""
+    return no_thinner(inertia, max(FLATTEST * float(spread(inertia).max()), NEXT_TO_NOTHING / 2))
 
 
 def _off_the_edge(own: Inertial) -> Inertial:
-    """The same, but for a flat body a hair thicker: by less than any file's digits."""
-    values, axes = np.linalg.eigh(np.trace(own.inertia) / 2 * np.eye(3) - own.inertia)
-    floor = EDGE * float(values.sum() - values.min())
-    if values.min() >= floor:
-        return own
-    return replace(own, inertia=_from_second(np.maximum(values, floor), axes))
-
-
-def _from_second(values: Array, axes: Array) -> Array:
-    """I = tr(S) 1 − S, from the eigenvalues (3,) and eigenvectors (3, 3) of S."""
-    second = axes @ np.diag(values) @ axes.T
-    inertia = np.trace(second) * np.eye(3) - second
-    return frozen((inertia + inertia.T) / 2)
+    """The same, but for a flat body a hair thicker, by less than any file's digits: on the edge of the
+    possible engines see it beyond."""
+    values = spread(own.inertia)
+    floor = FLATTEST_WRITTEN * float(values.sum() - values.min())
+    return own if values.min() >= floor else replace(own, inertia=no_thinner(own.inertia, floor))
 
 
 def why_not(inertial: Inertial) -> str:
     """What keeps an inertia from being a solid's, with its numbers."""
-    low, middle, high = principal(inertial.inertia)
+    low, *_ = principal(inertial.inertia)
     told = f"its principal moments are {_moments(inertial.inertia)} kg m²"
     if low <= 0:
         return f"{told}: not all are above zero"
-    if low + middle < high:
-        return f"{told}: the largest is more than the other two together"
-    return f"{told}: below {LEAST_MOMENT:g}, which is the least that MuJoCo takes"
+    return f"{told}: the largest is more than the other two together"
 
 
 def _moments(inertia: Array) -> str:
