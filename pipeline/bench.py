@@ -50,6 +50,8 @@ class Bench:
         self.began = began
         self.ahead: Callable[[], None] = lambda: None
         """Called by a stage that waits for others and has seen that the later stages will run."""
+        self.room: Callable[[], None] = lambda: None
+        """Called by a stage before it spends calls: raises where there is no room for what they give."""
         self.calls: dict[str, Any] = {"made": 0, "saved": 0}
 
     def digests(self, stage: str) -> dict[str, str]:

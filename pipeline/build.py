@@ -1,5 +1,6 @@
 """One build: five stages in order, each from the cache where nothing that it depends on changed."""
 
+import functools
 import json
 import os
 import time
@@ -10,8 +11,8 @@ from typing import Any
 
 from pipeline import bundles, cache, report
 from pipeline.ahead import Ahead
-from pipeline.bench import FILES, NOTES, ROBOT, Bench
-from pipeline.cache import Action, Files
+from pipeline.bench import NOTES, Bench
+from pipeline.cache import Action, Cache, Files
 from pipeline.errors import (
     ConfigError,
     InTheWay,
@@ -24,14 +25,15 @@ from pipeline.errors import (
 from pipeline.output import FAILED, Output
 from pipeline.plan import Plan
 from pipeline.preflight import beforehand, destination, foreseen, suffix_of
+from pipeline.products import digests, products
 from pipeline.progress import Both, Log, Progress, Quiet
 from pipeline.report import Report, StageReport, Status
+from pipeline.room import LEAST
 from pipeline.settle import name_of
 from pipeline.stage import STAGES, Stage, libraries, stages_until
-from pipeline.store import sha256
 from stages.fetch import remarks
 from stages.fetch.ledger import FOLDER as LEDGER
-from stages.graph.view.views import OUTLINE, PICTURE, VIEWS
+from stages.graph.view.views import OUTLINE, VIEWS
 from stages.robot import codec
 from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
@@ -80,13 +82,14 @@ def build(
             bench = Bench(plan, store, environ, ledger=ledger, began=began)
             ahead = Ahead(module for stage in stages for module in stage.modules)
             bench.ahead = ahead.start
+            bench.room = functools.partial(require_room, store, output, suffix)
             for stage in stages:
                 run.stage(stage, bench)
                 ahead.wait()
             files = products(bench)
             log.secrets.check(files)
             done = run.finished(bench, files)
-            output.publish({**files, **run.documents(done, files)}, suffix)
+            output.publish({**files, **run.documents(done, files)}, suffix, done.outputs)
     except Exception as error:
         # What was built and cannot be put into its place is kept there.
         leave_failure(output, run, error, files if isinstance(error, InTheWay) else {})
@@ -97,32 +100,12 @@ def build(
     return done
 
 
-def products(bench: Bench) -> dict[str, bytes]:
-    """What the build hands to the user: the exported files, or before those the robot alone; and its
-    picture."""
-    files: dict[str, bytes] = {}
-    if "export" in bench.files:
-        files = dict(bench.files["export"].below(FILES))
-    elif "graph" in bench.files:
-        files = {"robot.json": described(bench)}
-    if "graph" in bench.files and PICTURE in bench.files["graph"]:
-        files[PICTURE] = bench.files["graph"][PICTURE]
-    return files
-
-
-def described(bench: Bench) -> bytes:
-    """The robot alone as the export stage writes it; kept, so that it costs no import again."""
-    from stages.export import VERSION
-
-    def make() -> bytes:
-        from stages.export.description import describe
-        from stages.export.pose import starting_point
-
-        return describe(bench.robot, starting_point(bench.robot))
-
-    export = next(stage for stage in STAGES if stage.name == "export")
-    memo = bench.cache.memo("export", VERSION, libraries(export))
-    return memo("description", {"robot": bench.files["graph"].digests[ROBOT]}, make)
+def require_room(store: Cache, output: Output, suffix: str) -> None:
+    """CacheError or OutputError where a disk has no room for a build as large as the last one."""
+    size = max(LEAST, output.size(), output.size(suffix))
+    # Both at once, since they may lie on one disk.
+    with store.store.room(size), output.room(size):
+        pass
 
 
 def perform(stage: Stage, bench: Bench) -> tuple[Files, bool]:
@@ -208,7 +191,7 @@ class Run:
             status=status,
             exit_status=0 if status == "built" else 3,
             checks=checks,
-            outputs={path: sha256(data) for path, data in sorted(files.items())},
+            outputs=digests(bench, files),
         )
 
     def strict_checks(self) -> tuple[Check, ...]:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from pipeline.errors import CacheError
+from pipeline.errors import CacheError, reason
 from pipeline.secrets import Secrets
 from pipeline.store import Store, sha256
 
@@ -257,7 +257,20 @@ def opened(
     """
     check = Secrets(environ).check
     if mode == "bypass":
-        with tempfile.TemporaryDirectory(prefix="linkwright-", ignore_cleanup_errors=True) as private:
-            yield Cache(Store(Path(private)), check=check)
+        with _private() as private:
+            yield Cache(Store(private), check=check)
     else:
         yield Cache(Store(folder(configured, environ)), mode, check)
+
+
+@contextlib.contextmanager
+def _private() -> Iterator[Path]:
+    """A folder of this build alone, removed at the end; CacheError where none can be made."""
+    with contextlib.ExitStack() as stack:
+        try:
+            made = tempfile.TemporaryDirectory(prefix="linkwright-", ignore_cleanup_errors=True)
+        except OSError as error:
+            msg = f"no temporary folder can be made: {reason(error)}"
+            hint = "make room there, or name another folder in the environment variable TMPDIR"
+            raise CacheError(msg, tempfile.tempdir or "", hint) from error
+        yield Path(stack.enter_context(made))

@@ -14,7 +14,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
-from pipeline import inway, lock, manifest
+from pipeline import inway, lock, manifest, room
 from pipeline.errors import ConfigError, InTheWay, LinkwrightError, OutputError, reason
 from pipeline.manifest import is_folder
 from pipeline.place import absolute
@@ -71,17 +71,37 @@ class Output:
         if kept:
             self._tell(f"not linkwright's, carried over: {inway.listed(kept)}")
 
-    def publish(self, files: Mapping[str, bytes], suffix: str = "") -> Path:
+    def size(self, suffix: str = "") -> int:
+        """Bytes of the last build there, 0 where there is none."""
+        folder = self.folder(suffix)
+        with contextlib.suppress(OSError):
+            files = [folder / path for path in manifest.ours(folder) or {}]
+            return sum(file.lstat().st_size for file in files if file.is_file())
+        return 0
+
+    @contextlib.contextmanager
+    def room(self, size: int) -> Iterator[None]:
+        """Inside, so many bytes are taken where the output goes, which must be prepared; OutputError
+        where there are not as many."""
+        with contextlib.ExitStack() as stack:
+            with named(self.target):
+                stack.enter_context(room.taken(lock.beside(self.target).parent, size))
+            yield
+
+    def publish(
+        self, files: Mapping[str, bytes], suffix: str = "", digests: Mapping[str, str] | None = None
+    ) -> Path:
         """Puts `files` in the place of all that linkwright wrote there before; the folder.
 
-        InTheWay where that would replace what is not linkwright's.
+        `digests`: the SHA-256 of those of which it is known. InTheWay where that would replace what is
+        not linkwright's.
         """
         folder = self.folder(suffix)
         with self._locked(), named(folder):
             self._mend(folder)
             self._require_free(folder, files)
             try:
-                _stage(_staging(folder), files)
+                _stage(_staging(folder), files, digests or {})
                 self._swap(folder)
             except BaseException:
                 with contextlib.suppress(OSError):
@@ -203,9 +223,9 @@ class Output:
         self._tell(f"waiting for another build of {self.target.name}")
 
 
-def _stage(staging: Path, files: Mapping[str, bytes]) -> None:
+def _stage(staging: Path, files: Mapping[str, bytes], digests: Mapping[str, str]) -> None:
     staging.mkdir()
-    manifest.write(staging, {path: sha256(data) for path, data in files.items()})
+    manifest.write(staging, {path: digests.get(path) or sha256(data) for path, data in files.items()})
     write_tree(staging, files)
 
 

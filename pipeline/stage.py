@@ -112,9 +112,11 @@ class Fetch(Common):
         return {}
 
     def run(self, bench: Bench) -> dict[str, bytes]:
-        from stages.fetch import fetch
+        from stages.fetch import fetch, spends
         from stages.fetch.plan_of_calls import Calls
 
+        if spends(bench.plan):
+            bench.room()
         calls = Calls()
         try:
             fetched = fetch(

@@ -21,7 +21,8 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from pipeline.errors import CacheError, OutputError, reason
+from pipeline import room
+from pipeline.errors import FULL, CacheError, OutputError, reason
 from pipeline.lock import held
 
 STALE = 24 * 3600.0
@@ -144,6 +145,14 @@ class Store:
         finally:
             shutil.rmtree(folder, ignore_errors=True)
 
+    @contextlib.contextmanager
+    def room(self, size: int) -> Iterator[None]:
+        """Inside, so many bytes of the disk are taken; CacheError where there are not as many."""
+        with contextlib.ExitStack() as stack:
+            with self._named("written"):
+                stack.enter_context(room.taken(self._tmp, size))
+            yield
+
     def _blob(self, digest: str) -> Path:
         return self._cas / digest[:2] / digest
 
@@ -188,4 +197,7 @@ class Store:
         except OSError as error:
             msg = f"the cache folder cannot be {done}: {reason(error)}"
             hint = "choose another with cache.dir=FOLDER or LINKWRIGHT_CACHE, or build with cache.mode=bypass"
+            if error.errno in FULL:
+                hint = "make room there, say with linkwright cache gc --max-size 1G, or choose another "
+                hint += "folder with cache.dir=FOLDER or LINKWRIGHT_CACHE"
             raise CacheError(msg, where=str(self.root), hint=hint) from error

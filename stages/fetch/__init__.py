@@ -197,6 +197,11 @@ def remarks(keys: FetchKeys) -> tuple[Diagnostic, ...]:
     return credentials.remarks()
 
 
+def spends(keys: FetchKeys) -> bool:
+    """Whether a fetch may make calls that count against a quota."""
+    return keys.source.kind == "onshape" and not keys.source.offline
+
+
 def writes(keys: FetchKeys) -> bool:
     """Whether a build changes the user's document, if only for a moment."""
     return keys.source.kind == "onshape" and bool(keys.source.variables)

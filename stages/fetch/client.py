@@ -75,6 +75,7 @@ class Client:
         self._credentials = credentials
         self._patience = patience
         self._ledger = ledger
+        self._uncounted = False
         self._tell_user = tell
         self._lock = threading.Lock()
         self._budget = Budget(max_calls)
@@ -299,8 +300,10 @@ class Client:
                 if headers.get(header):
                     name = apart + name if name == "api" else name
                     self.met[name] = self._credentials.scrub(headers[header])[:40]
-        if self._ledger is not None:
-            self._ledger.note(kind, status, rest)
+        if self._ledger is not None and (why := self._ledger.note(kind, status, rest)):
+            if not self._uncounted:
+                self._say(f"calls go uncounted: {why}")
+            self._uncounted = True
 
     def _arrived(self, size: int) -> None:
         """Shows what has arrived of long replies, a few times a second."""

@@ -7,6 +7,7 @@ processes; a line that a full disk cut short is passed over. Imports nothing hea
 """
 
 import contextlib
+import errno
 import json
 import os
 import re
@@ -65,20 +66,24 @@ class Ledger:
         self._who = who
         self._year = year
 
-    def note(self, kind: str, status: int, left: int | None = None) -> None:
+    def note(self, kind: str, status: int, left: int | None = None) -> str:
         """Writes down a reply that was billed, or the one that tells that the quota is used up (402).
 
         `left`: calls left in the window of this endpoint. A ledger that cannot be written is no
-        reason to lose a reply that was paid for: the call then goes uncounted.
+        reason to lose a reply that was paid for: the call then goes uncounted. Returns why it does, in
+        words; nothing where the call was counted.
         """
         if not billed(status) and status != 402:
-            return
+            return ""
         entry: dict[str, Any] = {"at": int(time.time()), "endpoint": kind, "status": status}
         if left is not None:
             entry["left"] = left
-        with contextlib.suppress(OSError):
+        try:
             self._folder.mkdir(parents=True, exist_ok=True)
             _append(self._path(), json.dumps(entry, separators=(",", ":")).encode() + b"\n")
+        except OSError as error:
+            return f"the ledger {self._path()} cannot be written: {error.strerror or error}"
+        return ""
 
     def counted(self) -> int:
         """Billed calls of the year so far."""
@@ -147,7 +152,8 @@ def _append(path: Path, line: bytes) -> None:
             os.lseek(handle, -1, os.SEEK_END)
             if os.read(handle, 1) != b"\n":
                 line = b"\n" + line
-        os.write(handle, line)
+        if os.write(handle, line) < len(line):
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
     finally:
         os.close(handle)
 

@@ -4,10 +4,12 @@ import json
 import pickle
 import sys
 from dataclasses import asdict, dataclass, field
+from hashlib import sha256
 
 import pytest
 import yaml
 
+from pipeline import manifest
 from pipeline.bench import FILES, NOTES, notes
 from pipeline.build import build
 from pipeline.errors import AssemblyError, ConfigError, InTheWay, SecretFound, render
@@ -121,6 +123,15 @@ def test_a_build_leaves_the_exported_files_with_report_plan_and_log(make, folder
     assert report.diagnostics == (WARNING,)
     assert [stage.outputs for stage in report.stages] == [f"made {stage.name}" for stage in STAGES]
     assert json.loads((folder / "report.json").read_bytes())["linkwright-report"] == 1
+
+
+@pytest.mark.parametrize("until", ["fetch", "validate"])
+def test_the_manifest_has_the_digest_of_every_file(make, folder, until):
+    make(fakes(), until=until)
+    place = folder if until == "validate" else folder.with_name("arm.fetch")
+    found = {name: sha256((place / name).read_bytes()).hexdigest() for name in names(place)}
+    del found[manifest.NAME]
+    assert manifest.ours(place) == found
 
 
 def test_the_config_that_is_left_behind_is_the_plan(make, folder):

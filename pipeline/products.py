@@ -1,0 +1,46 @@
+"""What a build hands to the user."""
+
+from collections.abc import Mapping
+
+from pipeline.bench import FILES, ROBOT, Bench
+from pipeline.stage import STAGES, libraries
+from pipeline.store import sha256
+from stages.graph.view.views import PICTURE
+
+
+def products(bench: Bench) -> dict[str, bytes]:
+    """What the build hands to the user: the exported files, or before those the robot alone; and its
+    picture."""
+    files: dict[str, bytes] = {}
+    if "export" in bench.files:
+        files = dict(bench.files["export"].below(FILES))
+    elif "graph" in bench.files:
+        files = {"robot.json": described(bench)}
+    if "graph" in bench.files and PICTURE in bench.files["graph"]:
+        files[PICTURE] = bench.files["graph"][PICTURE]
+    return files
+
+
+def digests(bench: Bench, files: Mapping[str, bytes]) -> dict[str, str]:
+    """The SHA-256 of each product; most are known, since the cache has the files by them."""
+    known: dict[str, str] = {}
+    if "export" in bench.files:
+        known = bench.files["export"].below(FILES).digests
+    if PICTURE in files:
+        known[PICTURE] = bench.files["graph"].digests[PICTURE]
+    return {path: known.get(path) or sha256(data) for path, data in sorted(files.items())}
+
+
+def described(bench: Bench) -> bytes:
+    """The robot alone as the export stage writes it; kept, so that it costs no import again."""
+    from stages.export import VERSION
+
+    def make() -> bytes:
+        from stages.export.description import describe
+        from stages.export.pose import starting_point
+
+        return describe(bench.robot, starting_point(bench.robot))
+
+    export = next(stage for stage in STAGES if stage.name == "export")
+    memo = bench.cache.memo("export", VERSION, libraries(export))
+    return memo("description", {"robot": bench.files["graph"].digests[ROBOT]}, make)
