@@ -2,6 +2,7 @@
 
 import contextlib
 import html
+import io
 import itertools
 import json
 import os
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import Literal
 from urllib.parse import quote
 
+from stages.fetch import regular
 from stages.robot.errors import ConfigError, Diagnostic
 
 ACCESS = "ONSHAPE_ACCESS_KEY"
@@ -27,6 +29,7 @@ PRIVATE = (ACCESS, SECRET, TOKEN, OLD_TOKEN)
 """The variables whose values nobody else may see."""
 
 DOTENV = ".env"
+_LARGEST_DOTENV = 1 << 20
 
 Kind = Literal["basic", "signature", "bearer"]
 
@@ -133,6 +136,8 @@ def find(environ: Mapping[str, str], folder: Path | None = None) -> Credentials:
     missing = [name for name, value in ((ACCESS, access), (SECRET, secret)) if not value]
     if missing:
         msg = f"no Onshape API key: {' and '.join(missing)} not set, neither in the environment nor in .env"
+        if regular.is_special((folder or Path.cwd()) / DOTENV):
+            msg += f" ({regular.NOT_REGULAR})"
         hint = (
             "make a key with read permission in Onshape (My account > Developer > API keys) and set both "
             "variables, or build without the network: linkwright source=sample"
@@ -159,13 +164,15 @@ def _require_plain(text: str, names: str) -> None:
 
 
 def _dotenv(path: Path) -> dict[str, str]:
-    if not path.is_file():
+    # A pipe or a device of that name is nobody's: it may block, or never end.
+    if not regular.is_file(path):
         return {}
     from dotenv import dotenv_values
 
     try:
-        values = dotenv_values(path, interpolate=False)
-    except (OSError, UnicodeDecodeError) as error:
+        text = regular.content(path, _LARGEST_DOTENV).decode()
+        values = dotenv_values(stream=io.StringIO(text), interpolate=False)
+    except (OSError, UnicodeDecodeError, regular.TooLarge) as error:
         msg = f"the file .env cannot be read: {type(error).__name__}"
         raise ConfigError(msg, DOTENV, f"write lines such as {ACCESS}=... in it, as UTF-8 text") from None
     return {name: value for name, value in values.items() if value and value.strip()}

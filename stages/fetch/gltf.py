@@ -26,7 +26,7 @@ _KINDS = {5121: "u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC3": 3}
 _TRIANGLES = 4
 _DEEPEST = 64
-_MOST_VALUES = 1 << 23
+MOST_VALUES = 1 << 23
 """Values in the JSON, by its brackets and commas; base64 has none of these."""
 
 _MOST_NUMBERS = 1 << 26
@@ -38,7 +38,7 @@ _PRIMITIVE = 256
 """What a primitive counts beside its numbers: it takes time, however few it has."""
 
 _MOST_NODES = 1 << 16
-_LARGEST_STRIDE = 252
+LARGEST_STRIDE = 252
 _HINT = "run the same command again; if it fails each time, the API has changed"
 
 _Array = npt.NDArray[np.float64]
@@ -82,11 +82,11 @@ class _File:
     """A glTF 2 file, binary or as JSON with its buffers in it."""
 
     def __init__(self, data: bytes) -> None:
-        text, self._chunk = _chunks(data)
-        if sum(map(text.count, (b",", b"[", b"{"))) > _MOST_VALUES:
+        text, self._chunk = chunks(data)
+        if values(text) > MOST_VALUES:
             msg = "its JSON is larger than any that makes sense"
             raise ValueError(msg)
-        self._room = min(max(_FREE_NUMBERS, _NUMBERS_A_BYTE * len(data)), _MOST_NUMBERS)
+        self._room = room(len(data))
         self._json = orjson.loads(text)
         needed = self._json.get("extensionsRequired")
         if needed:
@@ -183,16 +183,16 @@ class _File:
             msg = f"accessor {index} is not a plain {kind}"
             raise ValueError(msg)
         view = self._json["bufferViews"][record["bufferView"]]
-        dtype, count = np.dtype(_KINDS[record["componentType"]]), _natural(record, "count")
+        dtype, count = np.dtype(_KINDS[record["componentType"]]), natural(record, "count")
         width = _WIDTHS[kind]
         each = width * dtype.itemsize
-        stride = _natural(view, "byteStride", 0) or each
-        if not each <= stride <= _LARGEST_STRIDE:
+        stride = natural(view, "byteStride", 0) or each
+        if not each <= stride <= LARGEST_STRIDE:
             msg = f"accessor {index} has a stride of {stride} bytes"
             raise ValueError(msg)
-        buffer = self._buffers[_natural(view, "buffer", 0)]
-        first, inside = _natural(view, "byteOffset", 0), _natural(record, "byteOffset", 0)
-        length = _natural(view, "byteLength")
+        buffer = self._buffers[natural(view, "buffer", 0)]
+        first, inside = natural(view, "byteOffset", 0), natural(record, "byteOffset", 0)
+        length = natural(view, "byteLength")
         end = inside + ((count - 1) * stride + each if count else 0)
         if end > length or first + length > len(buffer):
             msg = f"accessor {index} reaches beyond the {len(buffer)} bytes of its buffer"
@@ -210,7 +210,17 @@ class _File:
         return base64.b64decode(content, validate=True)
 
 
-def _natural(record: _Record, key: str, default: int | None = None) -> int:
+def room(size: int) -> int:
+    """How many numbers of points and indices the nodes of a file of this size [bytes] may come to."""
+    return min(max(_FREE_NUMBERS, _NUMBERS_A_BYTE * size), _MOST_NUMBERS)
+
+
+def values(text: bytes) -> int:
+    """How many values a JSON text has, about, without reading it."""
+    return sum(map(text.count, (b",", b"[", b"{")))
+
+
+def natural(record: _Record, key: str, default: int | None = None) -> int:
     """A number that counts something; KeyError where it is missing, ValueError for anything else."""
     value = record[key] if default is None else record.get(key, default)
     if type(value) is not int or value < 0:
@@ -219,7 +229,7 @@ def _natural(record: _Record, key: str, default: int | None = None) -> int:
     return value
 
 
-def _chunks(data: bytes) -> tuple[bytes, bytes]:
+def chunks(data: bytes) -> tuple[bytes, bytes]:
     """The JSON of a file and its binary chunk (empty where it has none)."""
     if not data.startswith(MAGIC):
         return data, b""

@@ -179,6 +179,16 @@ def test_a_gltf_that_claims_what_it_has_not_is_one_message(tmp_path: Path, name:
         assert "(400)" in said or "glTF" in said
 
 
+@pytest.mark.parametrize("name", GLTFS)
+def test_a_gltf_of_a_robots_own_file_is_one_message(tmp_path: Path, name: str) -> None:
+    (tmp_path / "mesh.gltf").write_bytes(GLTFS[name])
+    mesh = '<visual><geometry><mesh filename="mesh.gltf"/></geometry></visual>'
+    (tmp_path / "arm.urdf").write_text(f'<robot name="arm"><link name="base">{mesh}</link></robot>')
+    said = limited(tmp_path, "source=urdf", "source.path=arm.urdf")
+    assert "E-MESH-READ" in said
+    assert "mesh.gltf" in said
+
+
 def test_a_robot_of_aliases_is_one_message(tmp_path: Path) -> None:
     lines = [f"  {b}: &{b} [{', '.join([f'*{a}'] * 10)}]" for a, b in zip("abcdefgh", "bcdefghi")]
     text = "\n".join(["# @package _global_", "vars:", "  a: &a [1]", *lines, ""])

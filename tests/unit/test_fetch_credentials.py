@@ -1,5 +1,7 @@
 """API keys: where they come from, and that they never show."""
 
+import os
+
 import pytest
 
 from stages.fetch.credentials import Credentials, find, remarks
@@ -23,6 +25,29 @@ def test_the_environment_wins_over_dotenv_variable_by_variable(tmp_path):
 def test_what_is_missing_is_named(tmp_path, environ, named):
     with pytest.raises(ConfigError, match=named):
         find(environ, tmp_path)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes")
+def test_a_dotenv_that_is_a_pipe_or_a_device_is_not_read(tmp_path):
+    os.mkfifo(tmp_path / ".env")
+    key = {"ONSHAPE_ACCESS_KEY": "a", "ONSHAPE_SECRET_KEY": "s"}
+    assert find(key, tmp_path) == Credentials("a", "s")
+    with pytest.raises(ConfigError, match=r"nor in .env \(it is a device, a pipe or a socket"):
+        find({}, tmp_path)
+    (tmp_path / ".env").unlink()
+    (tmp_path / ".env").symlink_to("/dev/zero")
+    with pytest.raises(ConfigError, match="a device"):
+        find({}, tmp_path)
+    (tmp_path / ".env").unlink()
+    (tmp_path / ".env").mkdir()
+    with pytest.raises(ConfigError, match=r"nor in .env\n"):
+        find({}, tmp_path)
+
+
+def test_a_dotenv_that_is_huge_is_not_read(tmp_path):
+    (tmp_path / ".env").write_bytes(b"# " * (1 << 20))
+    with pytest.raises(ConfigError, match="cannot be read: TooLarge"):
+        find({}, tmp_path)
 
 
 def test_a_dotenv_that_is_no_text_is_an_error_without_its_content(tmp_path):

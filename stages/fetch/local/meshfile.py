@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from stages.fetch import gltfclaims
 from stages.fetch.local.dae import cleaned
 from stages.fetch.triangles import merged
 from stages.robot.geometry import NEUTRAL, Colour
@@ -59,6 +60,8 @@ def read(data: bytes, name: str, companions: Mapping[str, bytes]) -> Mesh:
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
+            if kind in ("gltf", "glb"):
+                gltfclaims.judge(data, companions)
             scene = _scene(_PREPARED.get(kind, bytes)(data), kind, companions)
             pieces = [_placed(scene, node) for node in scene.graph.nodes_geometry]
             scale = _unit(scene, kind)
