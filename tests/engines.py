@@ -112,7 +112,7 @@ class Mujoco:
                 self.data.qpos[at] = value
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_comPos(self.model, self.data)
-        mujoco.mj_crb(self.model, self.data)
+        mujoco.mj_makeM(self.model, self.data)
         mujoco.mj_rne(self.model, self.data, 0, self.data.qfrc_bias)
 
     def _order(self, dofs: Sequence[str]) -> list[int]:

@@ -15,10 +15,12 @@ from stages.export.placement import placement, scene_pose
 from stages.export.pose import home, saved
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Colour, Geometry, Shape
+from stages.robot.inertia import principal_axes
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Inertial, Joint, Primitive, Relation, Robot, Value
 from stages.robot.names import free
-from stages.robot.numbers import number, spaced
+from stages.robot.numbers import number, rounded, spaced
+from stages.robot.poses import from_parts
 from stages.robot.xml import Element, element, to_bytes
 
 WORLD = "world"
@@ -151,17 +153,19 @@ class _Bodies:
 
 
 def _inertial(body: Element, inertial: Inertial) -> None:
-    """Mass properties; fullinertia is M11 M22 M33 M12 M13 M23."""
+    """Mass properties, about principal axes: of `fullinertia` MuJoCo up to 3.13 finds the axes to 1e-6
+    only, and drops what is below 1e-12 kg m²."""
     if inertial.mass == 0.0:
         return
-    i = inertial.inertia
-    full = [i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]
+    # Of the tensor as it is written elsewhere: what is below those digits differs between machines.
+    moments, axes = principal_axes(rounded(inertial.inertia))
     element(
         body,
         "inertial",
         pos=spaced(inertial.com),
+        **placement(from_parts(axes, np.zeros(3))),
         mass=number(inertial.mass),
-        fullinertia=spaced(full),
+        diaginertia=spaced(moments),
     )
 
 

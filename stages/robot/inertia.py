@@ -27,6 +27,12 @@ NEXT_TO_NOTHING = 1e-12
 FLATTEST_WRITTEN = 1e-11
 """Of the largest moment: how flat a body may be without that its digits, as they are written, lose it."""
 
+_ROUNDING = 1e-14
+"""Entries off the diagonal, relative to the largest, that are rounding."""
+
+_SWEEPS = 12
+"""Jacobi's method squares what is left in each sweep: six are the most that a (3, 3) tensor takes."""
+
 SPECK = Inertial(NEXT_TO_NOTHING, frozen(np.zeros(3)), frozen(NEXT_TO_NOTHING * np.eye(3)))
 
 
@@ -65,6 +71,34 @@ def merged(bodies: Sequence[Inertial]) -> Inertial:
 def principal(inertia: Array) -> Array:
     """Principal moments (3,) of a tensor (3, 3), ascending."""
     return np.asarray(np.linalg.eigvalsh(inertia), dtype=np.float64)
+
+
+def principal_axes(inertia: Array) -> tuple[Array, Array]:
+    """Principal moments (3,) and axes (3, 3; columns, right-handed): I = A diag(moments) Aᵀ.
+
+    Jacobi's method in plain arithmetic, so that the same tensor has the same axes on every machine, also
+    where moments are equal and any axes between them would do. What is diagonal keeps its axes.
+    """
+    tensor: list[list[float]] = np.asarray(inertia, dtype=float).tolist()
+    axes = np.eye(3).tolist()
+    negligible = _ROUNDING * max(abs(entry) for row in tensor for entry in row)
+    for _ in range(_SWEEPS):
+        for p, q in ((0, 1), (0, 2), (1, 2)):
+            if abs(tensor[p][q]) > negligible:
+                half = (tensor[q][q] - tensor[p][p]) / (2 * tensor[p][q])
+                tangent = math.copysign(1.0, half) / (abs(half) + math.sqrt(half * half + 1))
+                cosine = 1 / math.sqrt(tangent * tangent + 1)
+                _turn_columns(tensor, p, q, cosine, tangent * cosine)
+                tensor = [list(row) for row in zip(*tensor, strict=True)]
+                _turn_columns(tensor, p, q, cosine, tangent * cosine)
+                _turn_columns(axes, p, q, cosine, tangent * cosine)
+    return np.array([tensor[i][i] for i in range(3)]), np.array(axes)
+
+
+def _turn_columns(matrix: list[list[float]], p: int, q: int, cosine: float, sine: float) -> None:
+    """Turns columns p and q of a matrix against each other, in place."""
+    for row in matrix:
+        row[p], row[q] = cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]
 
 
 def is_physical(inertial: Inertial) -> bool:

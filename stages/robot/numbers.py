@@ -8,6 +8,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from stages.robot.model import Array
+
 TOLERANCE = 1e-12
 
 
@@ -40,6 +42,11 @@ def numbers(values: Iterable[float], scale: float | None = None) -> list[str]:
     flat = [float(value) for value in np.ravel(np.asarray(values, dtype=float))]
     largest = max((abs(value) for value in flat), default=0.0) if scale is None else scale
     return [number(value, largest) for value in flat]
+
+
+def rounded(values: Array) -> Array:
+    """A vector or tensor with the values that its texts have."""
+    return np.array(numbers(values), dtype=float).reshape(values.shape)
 
 
 def spaced(values: Iterable[float], scale: float | None = None) -> str:

@@ -8,7 +8,7 @@ if TYPE_CHECKING:
     from stages.robot.model import Robot
     from stages.validate.keys import ValidateKeys
 
-VERSION = 3
+VERSION = 4
 
 
 def validate(folder: Path, robot: "Robot", keys: "ValidateKeys") -> "tuple[Check, ...]":
@@ -28,5 +28,5 @@ def _checks_of(file: Path, robot: "Robot", thorough: bool) -> "list[Check]":
     if not thorough or loaded.model is None:
         return [loaded.check]
     with listening() as heard:
-        found = check_model(file.name, loaded.model, robot)
+        found = check_model(file, loaded.model, robot)
     return [loaded.check, *found, quiet(f"{file.name}: runs", heard)]

@@ -44,7 +44,7 @@ def _compiled(path: Path) -> Any:
     afloat = [] if root is None else root.xpath("joint[@type='floating']/parent[@link != 'world']")
     _bound_cache()
     if not afloat:
-        return mujoco.MjSpec.from_file(str(path.resolve())).compile()
+        return _spec(path.resolve()).compile()
     holder = element(root, "joint", name="world_fixed", type="fixed")
     element(holder, "parent", link="world")
     element(holder, "child", link=afloat[0].get("link"))
@@ -53,6 +53,15 @@ def _compiled(path: Path) -> Any:
         parent.set("link", "world")
     meshes = {f"assets/{mesh.name}": mesh.read_bytes() for mesh in sorted((path.parent / "assets").glob("*"))}
     return mujoco.MjSpec.from_string(to_bytes(root).decode(), assets=meshes).compile()
+
+
+def _spec(path: Path) -> Any:
+    """What a file says. Of a URDF by its text, since MuJoCo 3.4.0 knows files by the ending .xml alone."""
+    if path.suffix != ".urdf":
+        return mujoco.MjSpec.from_file(str(path))
+    spec = mujoco.MjSpec.from_string(path.read_text(encoding="utf-8"))
+    spec.modelfiledir = str(path.parent)
+    return spec
 
 
 def _bound_cache() -> None:

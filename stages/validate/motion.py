@@ -4,7 +4,8 @@ The robot's own kinematics is the measure: it is what was held against CAD at th
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import mujoco
@@ -15,6 +16,7 @@ from stages.robot.kinematics import link_poses, rest_configuration, saved_config
 from stages.robot.model import Array, Configuration, Dof, Robot
 from stages.robot.poses import inverse
 from stages.robot.urdfnames import urdf_names
+from stages.validate.ability import mimics, reads_mimic
 from stages.validate.coordinates import (
     body_index,
     distance,
@@ -35,12 +37,13 @@ CLOSE = 1e-9
 """Poses [m, rad] and joint values [rad, m] that two engines compute from the same numbers."""
 
 
-def check_motion(file: str, model: Any, robot: Robot) -> Iterator[Check]:
-    """All checks of how one model moves; every link and joint must be there by name."""
-    urdf = file.endswith(".urdf")
+def check_motion(path: Path, model: Any, robot: Robot) -> Iterator[Check]:
+    """All checks of how one file's model moves; every link and joint must be there by name."""
+    file, urdf = path.name, path.suffix == ".urdf"
     yield _joints(file, model, robot, urdf)
     yield _sweep(file, model, robot, urdf)
-    yield _relations(file, model, robot)
+    by_text = urdf and not reads_mimic()
+    yield _relations(file, model, robot, mimics(model, path.read_bytes()) if by_text else _related(model))
     if not urdf:
         yield from check_loops(file, model, robot)
         yield from _keyframe(file, model, robot)
@@ -129,12 +132,14 @@ def _frame(model: Any, data: Any, name: str, urdf: bool) -> Array:
     return pose(data, found) if found >= 0 else np.full((4, 4), np.nan)
 
 
-def _relations(file: str, model: Any, robot: Robot) -> Check:
-    """Each relation is an equality of its two joints, solved for either of them, with its numbers."""
-    found = {}
-    for index in np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT):
-        pair = (int(model.eq_obj1id[index]), int(model.eq_obj2id[index]))
-        found[pair] = model.eq_data[index][:5]
+def _related(model: Any) -> dict[tuple[int, int], Array]:
+    """By (follower, driver): the numbers of each equality of two joints."""
+    joints = np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT)
+    return {(int(model.eq_obj1id[one]), int(model.eq_obj2id[one])): model.eq_data[one][:5] for one in joints}
+
+
+def _relations(file: str, model: Any, robot: Robot, found: Mapping[tuple[int, int], Array]) -> Check:
+    """Each relation is among the `found` ones of its two joints, solved for either, with its numbers."""
     wrong = []
     for relation in robot.relations:
         driver, follower = joint_index(model, relation.driver), joint_index(model, relation.follower)

@@ -27,7 +27,7 @@ from stages.robot.model import (
     Value,
     frozen,
 )
-from stages.robot.poses import inverse, motion, quat_from_rotation, rotation_from_rpy
+from stages.robot.poses import inverse, motion, quat_from_rotation, rotation_from_quat, rotation_from_rpy
 from tests import robots
 from tests.building import NO_MESHES, plan_of, robot_of, write
 from tests.kit import SIDE, TOP, Kit, four_bar
@@ -185,6 +185,23 @@ def test_limits_and_dynamics_belong_to_each_dof_and_a_cone_is_told() -> None:
         ("I-BALL-ZERO", "robot.xml"),
     ]
     assert all("tip_joint" in one.message for one in told)
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-7, 1e-10])
+def test_inertias_are_written_about_principal_axes(size: float) -> None:
+    """Every MuJoCo takes these as they are; of whole tensors those up to 3.13 lose the sixth digit, and
+    of small ones more."""
+    turned = rotation_from_quat(np.array([0.2, 0.3, -0.7, 0.4]))
+    tensor = size * turned @ np.diag([1.0, 0.8, 0.5]) @ turned.T
+    robot = robot_with(
+        [joint("revolute", "base", "arm")],
+        inertials={"arm": Inertial(size, frozen(np.zeros(3)), frozen(tensor))},
+    )
+    model = compiled(robot)
+    arm = model.body("arm")
+    axes = rotation_from_quat(model.body_iquat[arm.id])
+    found = axes @ np.diag(arm.inertia) @ axes.T
+    assert np.abs(found - tensor).max() < 1e-11 * size
 
 
 def test_primitives_have_mujocos_half_sizes() -> None:

@@ -15,6 +15,7 @@ from stages.robot.inertia import (
     moved,
     primitive_inertial,
     primitive_volume,
+    principal_axes,
     solid_inertia,
 )
 from stages.robot.model import Inertial, frozen
@@ -152,3 +153,37 @@ def test_a_capsule_is_the_limit_of_its_meshes() -> None:
     assert is_physical(found)
     ball = primitive_inertial("capsule", (0.2, 0.0), 5)
     assert np.allclose(ball.inertia, primitive_inertial("sphere", (0.2,), 5).inertia, rtol=1e-14)
+
+
+moments = st.floats(0.1, 10)
+
+
+@given(moments, moments, moments, quats, st.sampled_from([1e-14, 1e-8, 1.0, 1e6]))
+def test_principal_axes_are_a_rotation_and_give_the_tensor_again(
+    a: float, b: float, c: float, quat: tuple[float, ...], size: float
+) -> None:
+    turned = Rotation.from_quat(np.array(quat)).as_matrix()
+    tensor = size * turned @ np.diag([a, b, c]) @ turned.T
+    tensor = (tensor + tensor.T) / 2
+    found, axes = principal_axes(tensor)
+    assert np.allclose(axes @ np.diag(found) @ axes.T, tensor, rtol=0, atol=1e-13 * np.abs(tensor).max())
+    assert np.allclose(axes.T @ axes, np.eye(3), rtol=0, atol=1e-14)
+    assert np.linalg.det(axes) > 0
+    assert np.allclose(sorted(found), size * np.array(sorted([a, b, c])), rtol=1e-12)
+
+
+@pytest.mark.parametrize("diagonal", [(1.0, 1.0, 1.0), (3.0, 1.0, 2.0), (2.0, 2.0, 1.0), (0.0, 0.0, 0.0)])
+def test_a_diagonal_tensor_keeps_its_axes(diagonal: tuple[float, ...]) -> None:
+    noise = 1e-17 * max(diagonal) * (np.ones((3, 3)) - np.eye(3))
+    found, axes = principal_axes(np.diag(diagonal) + noise)
+    assert (found == diagonal).all()
+    assert (axes == np.eye(3)).all()
+
+
+def test_equal_moments_leave_no_axis_to_chance() -> None:
+    """A rod that lies askew: what differs in the last digit leads to the same axes."""
+    along = np.array([1.0, 2.0, -1.5]) / np.linalg.norm([1.0, 2.0, -1.5])
+    rod = np.eye(3) - 0.9 * np.outer(along, along)
+    _, axes = principal_axes(rod)
+    _, nearly = principal_axes(rod * (1 + 2e-16))
+    assert np.allclose(axes, nearly, rtol=0, atol=1e-14)

@@ -5,6 +5,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -13,7 +14,7 @@ from stages.robot.kinematics import chain, link_poses, saved_configuration
 from stages.robot.model import Frame, Limits, Relation, Robot
 from stages.robot.poses import inverse
 from stages.robot.poses import turn as turned
-from stages.validate import validate
+from stages.validate import ability, validate
 from stages.validate.coordinates import turns_from_rotation
 from tests import robots
 from tests.building import bundle_of, plan_of, robot_of, write
@@ -92,7 +93,7 @@ FAULTS = {
     "a mass changed": ("robot.xml", lambda text: re.sub(r'mass="0.06"', 'mass="0.061"', text, count=1)),
     "an inertia changed": (
         "robot.xml",
-        lambda text: re.sub(r'fullinertia="[^ ]+', 'fullinertia="5.1e-5', text, count=1),
+        lambda text: re.sub(r'diaginertia="[^ ]+', 'diaginertia="5.1e-5', text, count=1),
     ),
     "a joint more": (
         "robot.xml",
@@ -122,8 +123,59 @@ def test_a_planted_fault_fails_a_check(good: tuple[Robot, Path], tmp_path: Path,
     after = change(before)
     assert after != before
     (tmp_path / "bad" / file).write_text(after)
-    failed = [check.name for check in validate(tmp_path / "bad", robot, plan_of()) if not check.passed]
-    assert any(name.startswith(file) for name in failed)
+    assert any(name.startswith(file) for name in failed_of(robot, tmp_path / "bad"))
+
+
+def failed_of(robot: Robot, folder: Path) -> list[str]:
+    return [check.name for check in validate(folder, robot, plan_of()) if not check.passed]
+
+
+def test_what_this_mujoco_can_do_is_found_out() -> None:
+    version = tuple(int(part) for part in mujoco.__version__.split(".")[:2])
+    assert ability.reads_mimic() == (version >= (3, 13))
+    assert [ability.axes_off(size) == 0 for size in (10.0, 1e-4, 1e-9)] == [version >= (3, 14)] * 3
+
+
+def test_relations_of_a_urdf_are_read_from_its_text_where_mujoco_reads_none(
+    good: tuple[Robot, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot, folder = good
+    shutil.copytree(folder, tmp_path / "old")
+    file = tmp_path / "old" / "robot.urdf"
+    text = file.read_text()
+    monkeypatch.setattr("stages.validate.motion.reads_mimic", lambda: False)
+    assert failed_of(robot, tmp_path / "old") == []
+    for fault in ("mimic dropped", "mimic turned round"):
+        file.write_text(FAULTS[fault][1](text))
+        assert failed_of(robot, tmp_path / "old") == ["robot.urdf: relations"]
+
+
+def test_an_inertia_of_a_urdf_is_judged_as_finely_as_mujoco_finds_axes(
+    good: tuple[Robot, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot, folder = good
+    shutil.copytree(folder, tmp_path / "off")
+    for name in ("robot.urdf", "robot.xml"):
+        file = tmp_path / "off" / name
+        change = r'(ixx=")([^"]+)' if name == "robot.urdf" else r'(diaginertia=")([^ ]+)'
+        nearly = re.sub(change, lambda m: f"{m[1]}{float(m[2]) * (1 + 5e-7):.16g}", file.read_text(), count=1)
+        file.write_text(nearly)
+    exact = ["robot.xml: inertia", "scene.xml: inertia"]
+    if not ability.axes_off(1e-4):
+        assert failed_of(robot, tmp_path / "off") == [*exact, "robot.urdf: inertia"]
+    monkeypatch.setattr("stages.validate.checks.axes_off", lambda size: 1e-6)
+    assert failed_of(robot, tmp_path / "off") == exact
+
+
+def test_how_finely_mujoco_finds_axes_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    true_axes = mujoco.mju_eig3
+
+    def coarse(values: np.ndarray, vectors: np.ndarray, quat: np.ndarray, tensor: np.ndarray) -> None:
+        true_axes(values, vectors, quat, tensor)
+        values[:] *= 1 + 1e-5
+
+    monkeypatch.setattr(mujoco, "mju_eig3", coarse)
+    assert 1e-5 < ability._lost.__wrapped__(-4) < 1e-3
 
 
 def test_quick_only_compiles(good: tuple[Robot, Path]) -> None:
