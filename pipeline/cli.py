@@ -5,12 +5,12 @@ import importlib
 import importlib.util
 import os
 import sys
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeline import streams
+from pipeline.options import Command, UsageError, parse
 
 if TYPE_CHECKING:
     from pipeline.plan import Plan
@@ -30,6 +30,7 @@ usage: linkwright [-m] [--config-dir DIR] [group=option ...] [key=value ...]
   linkwright robot=my_arm until=graph           stop after a stage: fetch graph mesh export validate
   linkwright robot=my_arm "joints.*.damping=0.2" root=free
                                                 change keys and options of a robot
+  linkwright experiment=wide                    build what ./experiment/wide.yaml makes of a robot
   linkwright -m robot=my_arm root=fixed,free    a sweep: every combination, a folder each
 
 other verbs (linkwright VERB --help tells more):
@@ -40,6 +41,11 @@ options:
   -m, --multirun        sweep over values that are separated by commas;
                         side by side with hydra/launcher=workstation
   --config-dir DIR      DIR holds robot/ with robots of your own (besides ./robot/); may be repeated
+  --cfg job|hydra|all   print the configuration, judged, and build nothing; with --resolve values in place of
+                        ${...}, with --package KEY a part of it
+  --info [KIND]         how it came to be: all config defaults defaults-tree plugins searchpath
+  --install-completion [SHELL]
+                        the tab key completes: bash, zsh, fish (for this shell alone: -sc install=SHELL)
   -h, --help            this text
   --version             the version
 
@@ -65,7 +71,7 @@ keys (key=value; with their units and defaults in stages/<stage>/keys.py of the 
   links.<name>.{parent,child,xyz,rpy,mass,com,inertia,geometry,joint}  frames.include
   frames.add.<name>.{link,xyz,rpy}  loops.{cut,solref}  ground.{kind,size,xyz,rpy,friction}
   scene.pose.{xyz,rpy}  scene.option.timestep  validate.level
-  cache.mode (use, refresh, bypass)  cache.dir  output (default: outputs/<name>)  overwrite  until
+  vars  cache.mode (use, refresh, bypass)  cache.dir  output (default: outputs/<name>)  overwrite  until
 
 environment:
   ONSHAPE_ACCESS_KEY, ONSHAPE_SECRET_KEY    credentials, from here or from .env, never from YAML
@@ -81,20 +87,6 @@ exit status:
 
 VERBS = {"bundle": "pipeline.verbs.bundle", "cache": "pipeline.verbs.cache"}
 """What else the command does: verb → the module with its `HELP` and its `run(arguments) -> exit status`."""
-
-
-@dataclass(frozen=True, slots=True)
-class Command:
-    """The command line, taken apart."""
-
-    overrides: tuple[str, ...] = ()
-    config_dirs: tuple[str, ...] = ()
-    multirun: bool = False
-    show: str = ""
-
-
-class UsageError(Exception):
-    """The command line has an option that is not there, or one without its value."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -114,6 +106,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = None) -> int:
     """Runs a command line; the exit status. `build` stands in for a build without display."""
+    if arguments[:1] in (["-sc"], ["--shell-completion"]):
+        return _complete("".join(arguments[1:2]))
     if {"-h", "--help", "--version"}.intersection(arguments) or shadows():
         return _run(arguments, build)  # it prints nothing but our own words
     from pipeline.terminal import clean_streams
@@ -127,12 +121,16 @@ def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> 
         if arguments and arguments[0] in VERBS:
             return _verb(arguments[0], arguments[1:])
         command = parse(arguments)
-        if command.show:
-            print(command.show)
+        if command.show in ("help", "version"):
+            print(HELP.rstrip() if command.show == "help" else f"linkwright {_version()}")
             return 0
         shadowed = shadows()
         if shadowed:
             raise UsageError(shadowed)
+        if command.show:
+            for text in _shown(command):
+                print(text, end="")
+            return 0
         if command.multirun:
             return _sweep(command, build)
         return _single(command, build)
@@ -141,34 +139,6 @@ def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> 
         return 2
     except (Exception, KeyboardInterrupt) as error:
         return _told(error)
-
-
-def parse(arguments: Sequence[str]) -> Command:
-    """The command line taken apart; UsageError for an unknown option."""
-    overrides: list[str] = []
-    folders: list[str] = []
-    multirun = False
-    rest = iter(arguments)
-    for argument in rest:
-        option, equal, value = argument.partition("=")
-        if argument in ("-h", "--help"):
-            return Command(show=HELP.rstrip())
-        if argument == "--version":
-            return Command(show=f"linkwright {_version()}")
-        if argument in ("-m", "--multirun"):
-            multirun = True
-        elif option in ("--config-dir", "-cd"):
-            folder = value if equal else next(rest, "")
-            if not folder:
-                msg = f"{option} needs a folder\n  → {option} DIR, where DIR holds robot/"
-                raise UsageError(msg)
-            folders.append(folder)
-        elif argument.startswith("-"):
-            msg = f"there is no option {option}\n  → linkwright --help shows what there is"
-            raise UsageError(msg)
-        else:
-            overrides.append(argument)
-    return Command(tuple(overrides), tuple(folders), multirun)
 
 
 def shadows() -> str:
@@ -209,6 +179,40 @@ def _verb(name: str, arguments: Sequence[str]) -> int:
         raise UsageError(shadowed)
     status: int = verb.run(arguments)
     return status
+
+
+def _shown(command: Command) -> Iterable[str]:
+    """What a command prints that builds nothing."""
+    if command.show == "install-completion":
+        return [_install_completion(command.what)]
+    from pipeline.looking import configuration, information
+
+    return [configuration(command)] if command.show == "cfg" else information(command)
+
+
+def _complete(argument: str) -> int:
+    """What a shell asks for, at each press of a key: at once, and without a word of an error."""
+    from pipeline import completion
+
+    text = completion.run(argument)
+    print(text, end="")
+    if not text and not argument.startswith("query="):
+        print(
+            f"error: there is no completion for {argument}\n  → linkwright -sc install=bash", file=sys.stderr
+        )
+        return 2
+    return 0
+
+
+def _install_completion(shell: str) -> str:
+    from pipeline.completion import SHELLS, install
+
+    try:
+        return f"{install(shell)}\n"
+    except ValueError as error:
+        msg = f"there is no completion for {error.args[0] or 'a shell without a name'}"
+        hint = " or ".join(f"linkwright --install-completion {name}" for name in SHELLS)
+        raise UsageError(f"{msg}\n  → {hint}") from None
 
 
 def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:

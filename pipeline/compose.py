@@ -7,8 +7,8 @@ under Hydra; a sweep runs under Hydra's own launcher once every job's plan is kn
 import os
 import re
 import shlex
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -26,7 +26,7 @@ from omegaconf.errors import OmegaConfBaseException
 
 from pipeline import texts
 from pipeline.draft import Draft
-from pipeline.errors import Diagnostic, refusal
+from pipeline.errors import ConfigError, Diagnostic, refusal
 from pipeline.hydra_errors import explained
 from pipeline.hydra_files import guarded
 from pipeline.hydra_node import PRIMARY, HydraNode, hydra_text, searching
@@ -49,12 +49,15 @@ HYDRA: Mapping[str, str] = {"version_base": "1.3"} if __version__.startswith("1.
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """A plan, the tree that it was parsed from, the robot's option, and what files say of a sweep."""
+    """A plan, the tree that it was parsed from, the robot's option, and what files say of a sweep; and the
+    tree as Hydra composed it, with the places of its interpolations."""
 
     plan: Plan
     tree: dict[str, Any]
     robot: str
-    sweeping: Sweeping = field(default_factory=Sweeping)
+    sweeping: Sweeping
+    config: DictConfig
+    computed: Collection[Place]
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +120,7 @@ class Composer:
         self._node = HydraNode(presets)
         self._search = searching(presets.own)
         self._typed = ["linkwright"]
+        self._everything: list[str] = []
 
     def read(
         self, arguments: Sequence[str], multirun: bool = False
@@ -175,7 +179,7 @@ class Composer:
         draft.problems += [one for one in overridden(map(content, files)) if one.where not in places]
         draft.problems += untrusted(settled, self._given(good), files, self._environ, command)
         plan = Plan.parse(settled, draft.problems, unsure=draft.unsure, judge=self._judge)
-        return Composed(plan, settled, robot, sweeping)
+        return Composed(plan, settled, robot, sweeping, config, computed)
 
     def _given(self, overrides: Iterable[str]) -> set[str]:
         """Those of the keys that let code run which overrides give."""
@@ -216,6 +220,7 @@ class Composer:
                 stand_ins[group] = f"{group}={stand_in(group)}"
                 draft.without.add(group)
             else:
+                self._everything = everything
                 if len(config.hydra.overrides.hydra) + len(config.hydra.overrides.task) != len(everything):
                     draft.add(not_to_say("overrides"))
                 return config, [default.config_path or "" for default in defaults]
@@ -263,6 +268,15 @@ class Composer:
                 added += given
             problems += [Diagnostic(one.code, one.message, f"hydra.{place}", one.hint) for one in wrong]
         return added, problems
+
+    def tell(self, kind: str, overrides: Sequence[Override], known: Iterable[Diagnostic]) -> None:
+        """Has Hydra log how a tree comes to be; also of one that is no plan. `kind`: as for `--info`."""
+        with suppress(ConfigError):
+            self.compose([override.hydra for override in overrides], known)
+        hydra = GlobalHydra.instance().hydra
+        if hydra is None or not self._everything:
+            raise refusal(list(known))
+        hydra.show_info(kind, PRIMARY, self._everything, RunMode.RUN)
 
     def ours(self, launcher: str) -> DictConfig:
         """What the command line alone makes of Hydra: all that a sweep runs under."""

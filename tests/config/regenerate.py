@@ -4,13 +4,19 @@ An option's golden is its section of the plan, a robot's and `build`'s the whole
 file for Hydra itself Hydra's own composed section.
 """
 
+import json
 from pathlib import Path
-from typing import Any
+from typing import Any, get_origin
 
 import yaml
 
+from pipeline.completion import KEYS
 from pipeline.compose import HYDRA, compose_plan
+from pipeline.plan import Plan
 from pipeline.presets import OURS
+from pipeline.schema import annotation_at, is_section, options
+from pipeline.schema import names as names_of
+from stages.fetch.keys import SOURCES
 
 GOLDEN = Path(__file__).parent / "golden"
 
@@ -61,6 +67,26 @@ def _hydra_section(group: str, option: str) -> Any:
     return {group: section}
 
 
+def completion(owner: Any = Plan, place: tuple[str, ...] = ()) -> dict[str, list[str]]:
+    """Every key that can be typed, and the words that it may be."""
+    found: dict[str, list[str]] = {}
+    for section in SOURCES.values() if place == ("source",) else (owner,):
+        for name in names_of(section):
+            inner, below = (*place, name), annotation_at(section, (name,))
+            if get_origin(below) is dict:
+                inner, below = (*inner, "*"), annotation_at(section, (name, "x"))
+            if inner == ("source",) or is_section(below):
+                found |= completion(below, inner)
+            else:
+                words = ["false", "true"] if below is bool else options(below)
+                found[".".join(inner)] = sorted({*words, *found.get(".".join(inner), [])})
+    return dict(sorted(found.items()))
+
+
+def completion_text() -> str:
+    return json.dumps(completion(), indent=1, ensure_ascii=False) + "\n"
+
+
 def main() -> None:
     import tempfile
 
@@ -70,6 +96,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as empty:
         for name in names():
             (GOLDEN / f"{name}.yaml").write_text(text(name, Path(empty)), encoding="utf-8")
+    KEYS.write_text(completion_text(), encoding="utf-8")
     print(f"{len(names())} goldens written")
 
 

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.cli import HELP, VERBS, Command, UsageError, parse, run
+from pipeline.cli import HELP, VERBS, run
+from pipeline.options import Command, UsageError, parse
 from pipeline.presets import GROUPS, Presets
 from pipeline.report import Report
 from stages.robot.errors import AssemblyError, ConfigError
@@ -96,7 +97,7 @@ def test_the_command_line_is_taken_apart():
 
 @pytest.mark.parametrize(
     ("arguments", "told"),
-    [(["--cfg", "job"], "there is no option --cfg"), (["--config-dir"], "--config-dir needs a folder")],
+    [(["--nope", "job"], "there is no option --nope"), (["--config-dir"], "--config-dir needs a folder")],
 )
 def test_an_option_that_is_not_there_is_told(arguments, told, capsys):
     with pytest.raises(UsageError):

@@ -1,0 +1,259 @@
+"""Tab completion for bash, zsh and fish: scripts for the shell, and what may follow a command line.
+
+It runs at every press of the key, so it reads names of files and one list of keys, and imports nothing.
+"""
+
+import importlib.util
+import json
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+
+KEYS = Path(__file__).with_name("completion.json")
+"""Every key that can be typed → the values that it may have, where they are words; `*` is any name.
+Made by `python -m tests.config.regenerate`."""
+
+CONF = Path(__file__).resolve().parents[1] / "conf"
+
+SHELLS = ("bash", "zsh", "fish")
+
+LAUNCHERS: Mapping[str, tuple[str, ...]] = {
+    "hydra_joblib_launcher": ("joblib",),
+    "hydra_submitit_launcher": ("submitit_local", "submitit_slurm"),
+    "hydra_ray_launcher": ("ray", "ray_aws"),
+}
+"""Package in `hydra_plugins` → the launchers in it."""
+
+PATHS = ("source.path", "output", "cache.dir", "robot")
+"""Keys whose values are files or folders."""
+
+WORDS_OF: Mapping[str, tuple[str, ...]] = {
+    "--cfg": ("job", "hydra", "all"),
+    "--info": ("all", "config", "defaults", "defaults-tree", "plugins", "searchpath"),
+    "--install-completion": SHELLS,
+}
+"""Option → the words that may follow it."""
+
+SHORT = {"-c": "--cfg", "-i": "--info", "-cd": "--config-dir"}
+
+OPTIONS = (
+    "--multirun", "--config-dir", "--cfg", "--package", "--resolve", "--info", "--install-completion",
+    "--help", "--version",
+)  # fmt: skip
+
+BASH = """\
+_linkwright() {
+    local IFS=$'\\n'
+    COMPREPLY=($(COMP_LINE="$COMP_LINE" COMP_POINT="$COMP_POINT" COMP_WORDBREAKS="$COMP_WORDBREAKS" \\
+        "${COMP_WORDS[0]}" -sc query=bash 2>/dev/null))
+}
+complete -o nospace -F _linkwright linkwright
+"""
+
+ZSH = """\
+#compdef linkwright
+_linkwright() {
+    local -a found open whole
+    found=("${(@f)$(COMP_LINE="${(j: :)words[1,CURRENT]}" "${(Q)words[1]}" -sc query=zsh 2>/dev/null)}")
+    open=(${(M)found:#*[=./]}) whole=(${found:#*[=./]})
+    (( $#open )) && compadd -Q -S '' -- $open
+    (( $#whole )) && compadd -Q -- $whole
+}
+(( $+functions[compdef] )) || { autoload -Uz compinit && compinit -u; }
+compdef _linkwright linkwright
+"""
+
+FISH = """\
+function __linkwright_complete
+    set -lx COMP_LINE (commandline -cp)
+    set -l words (commandline -cpo)
+    $words[1] -sc query=fish 2>/dev/null
+end
+complete -c linkwright -f -a '(__linkwright_complete)'
+"""
+
+SCRIPTS = {"bash": BASH, "zsh": ZSH, "fish": FISH}
+
+REMOVALS = {
+    "bash": "complete -r linkwright; unset -f _linkwright\n",
+    "zsh": "compdef -d linkwright; unfunction _linkwright\n",
+    "fish": "complete -e -c linkwright; functions -e __linkwright_complete\n",
+}
+
+
+def run(argument: str, environ: Mapping[str, str] = os.environ) -> str:
+    """What `-sc` prints for `install=SHELL`, `uninstall=SHELL` or `query=SHELL`, Hydra's own words; nothing
+    where they are others."""
+    verb, _, shell = argument.partition("=")
+    if shell not in SHELLS:
+        return ""
+    if verb == "query":
+        return "".join(f"{one}\n" for one in query(shell, environ))
+    return {"install": SCRIPTS, "uninstall": REMOVALS}.get(verb, {}).get(shell, "")
+
+
+def query(shell: str, environ: Mapping[str, str]) -> list[str]:
+    """What may follow the line in `COMP_LINE`, as the shell wants it."""
+    line = environ.get("COMP_LINE", "")
+    point = environ.get("COMP_POINT", "")
+    words = split(line[: int(point)] if point.isdigit() else line)
+    found = candidates(words[-1], words[1:-1], Path.cwd()) if len(words) > 1 else []
+    if shell != "bash":
+        return found
+    # bash replaces only what follows the last of these letters, and is asked not to add a space.
+    breaks = set(environ.get("COMP_WORDBREAKS", "=:")) & set("=:")
+    cut = max((words[-1].rfind(one) + 1 for one in breaks), default=0) if words else 0
+    sweep = {"-m", "--multirun"} & set(words)
+    return [one[cut:] if one.endswith(("=", ".", "/")) or sweep else f"{one[cut:]} " for one in found]
+
+
+def split(line: str) -> list[str]:
+    """The words of a line, quotes left as they are; the last one is empty after a space."""
+    words, quote = [""], ""
+    for letter in line:
+        if letter.isspace() and not quote:
+            words += [""] if words[-1] else []
+            continue
+        if letter in "'\"":
+            quote = "" if letter == quote else quote or letter
+        words[-1] += letter
+    return words
+
+
+def candidates(word: str, before: Sequence[str], here: Path) -> list[str]:
+    """What `word`, which follows the words `before` it, may become; sorted."""
+    option = SHORT.get(before[-1], before[-1]) if before else ""
+    if option == "--config-dir":
+        return [one for one in _files(word, here) if one.endswith("/")]
+    if option in WORDS_OF and (words := _starting(WORDS_OF[option], word)):
+        return words
+    if word.startswith("-"):
+        return _starting(OPTIONS, word)
+    if option == "--package":
+        return []
+    sign = word[: len(word) - len(word.lstrip("+~"))]
+    word = word[len(sign) :]
+    folders = [here, *(here / one for one in _config_dirs(before))]
+    key, equal, value = word.partition("=")
+    if equal:
+        head, comma, last = value.rpartition(",")
+        found = [f"{key}={head}{comma}{one}" for one in _values(key, last, folders)]
+    else:
+        found = _starting((f"{group}=" for group in _groups(folders)), word)
+        found += [] if sign == "~" else _keys(word)
+        found += _starting(_verbs(), word) if not before and not sign else []
+    return [sign + one for one in sorted(set(found))]
+
+
+def _starting(words: Iterable[str], start: str) -> list[str]:
+    return sorted(word for word in words if word.startswith(start))
+
+
+def _verbs() -> Iterable[str]:
+    from pipeline.cli import VERBS
+
+    return VERBS
+
+
+def _config_dirs(words: Sequence[str]) -> Iterator[str]:
+    for option, value in zip(words, [*words[1:], ""], strict=False):
+        if option in ("--config-dir", "-cd"):
+            yield value
+        elif option.startswith(("--config-dir=", "-cd=")):
+            yield option.partition("=")[2]
+
+
+def _groups(folders: Iterable[Path]) -> set[str]:
+    """Ours, and what the user has for experiments; other folders may be anything."""
+    ours = {folder.name for folder in CONF.iterdir() if folder.is_dir() and folder.name != "hydra"}
+    own = {"experiment" for folder in folders if (folder / "experiment").is_dir()}
+    return {one for one in ours if not one.startswith("_")} | own | {"hydra/launcher"}
+
+
+def _values(key: str, start: str, folders: Sequence[Path]) -> list[str]:
+    found: list[str] = []
+    if key in _groups(folders):
+        found = [option for folder in (CONF, *folders) for option in _options(folder / key)]
+        found += _launchers() if key == "hydra/launcher" else ()
+    elif key in (known := json.loads(KEYS.read_text(encoding="utf-8"))):
+        found = known[key]
+    paths = _files(start, folders[0]) if key in PATHS and (key != "robot" or "/" in start) else []
+    return [*_starting(found, start), *paths]
+
+
+def _launchers() -> list[str]:
+    """Hydra's own launcher, and those of the plug-ins that are installed."""
+    spec = importlib.util.find_spec("hydra_plugins")
+    places = [Path(place) for place in spec.submodule_search_locations or ()] if spec else []
+    return ["basic"] + [
+        launcher
+        for package, launchers in LAUNCHERS.items()
+        for launcher in launchers
+        if any((place / package).is_dir() for place in places)
+    ]
+
+
+def _options(group: Path) -> Iterator[str]:
+    for file in group.rglob("*.yaml"):
+        yield file.relative_to(group).with_suffix("").as_posix()
+
+
+def _files(start: str, here: Path) -> list[str]:
+    """Files and folders whose path begins so; folders end with a slash."""
+    folder, slash, name = start.rpartition("/")
+    place = here / Path(f"{folder}{slash}").expanduser()
+    try:
+        inside = sorted(place.iterdir())
+    except OSError:
+        return []
+    return [
+        f"{folder}{slash}{one.name}{'/' if one.is_dir() else ''}"
+        for one in inside
+        if one.name.startswith(name) and (name or not one.name.startswith("."))
+    ]
+
+
+def _keys(word: str) -> list[str]:
+    """The keys that begin so, up to the next dot."""
+    *typed, last = word.split(".")
+    found = set()
+    for key in json.loads(KEYS.read_text(encoding="utf-8")):
+        names = key.split(".")
+        if len(names) <= len(typed) or not all(a in (b, "*") for a, b in zip(names, typed, strict=False)):
+            continue
+        name = names[len(typed)]
+        if name != "*" and name.startswith(last):
+            end = "=" if len(names) == len(typed) + 1 else "."
+            found.add(".".join([*typed, name]) + end)
+    return sorted(found)
+
+
+def install(shell: str, environ: Mapping[str, str] = os.environ) -> str:
+    """Writes the script of a shell (none: the one in use) to where it is read; what was done.
+
+    ValueError where the shell is not one of ours.
+    """
+    shell = shell or Path(environ.get("SHELL", "")).name
+    if shell not in SHELLS:
+        raise ValueError(shell)
+    home = Path(environ.get("HOME", "~")).expanduser()
+    if shell == "fish":
+        config = Path(environ.get("XDG_CONFIG_HOME") or home / ".config")
+        script = config / "fish" / "completions" / "linkwright.fish"
+        start = None
+    else:
+        data = Path(environ.get("XDG_DATA_HOME") or home / ".local" / "share")
+        script = data / "linkwright" / f"completion.{shell}"
+        start = Path(environ.get("ZDOTDIR") or home) / ".zshrc" if shell == "zsh" else home / ".bashrc"
+    script.parent.mkdir(parents=True, exist_ok=True)
+    script.write_text(SCRIPTS[shell], encoding="utf-8")
+    done = [f"{script}: completion for {shell}"]
+    if start is not None:
+        line = f'[ -r "{script}" ] && . "{script}"  # completion of linkwright\n'
+        before = start.read_text(encoding="utf-8") if start.exists() else ""
+        if line not in before:
+            gap = "" if not before or before.endswith("\n") else "\n"
+            with start.open("a", encoding="utf-8") as file:
+                file.write(gap + line)
+        done.append(f"{start}: reads it")
+    return "\n".join([*done, "open a new shell to use it"])

@@ -1,0 +1,105 @@
+"""What `--cfg` and `--info` print: a configuration before it is built, and how it came to be."""
+
+import contextlib
+import io
+import logging
+import os
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import yaml
+
+from pipeline.compose import Composed, session
+from pipeline.errors import ConfigError
+from pipeline.options import INFO, Command
+from pipeline.plain import as_written
+from pipeline.problems import nearest
+from pipeline.schema import Place
+from pipeline.secrets import Secrets
+
+
+def configuration(command: Command, environ: Mapping[str, str] = os.environ) -> str:
+    """The configuration that a command composes, judged, as YAML with secrets blanked.
+
+    Interpolations stay as they are written, but for `--resolve`. ConfigError as for a build, but for what
+    only a build needs, credentials say.
+    """
+    with session(command.config_dirs, environ=environ) as composer:
+        overrides, problems = composer.read(command.overrides)
+        composed = composer.compose([override.hydra for override in overrides], problems)
+    return _as_yaml(composed, command, environ)
+
+
+def _as_yaml(composed: Composed, command: Command, environ: Mapping[str, str]) -> str:
+    tree: dict[str, Any] = {}
+    if command.what != "hydra":
+        tree = composed.plan.tree()
+        if not command.resolve:
+            _put_back(tree, as_written(composed.config), composed.computed)
+    if command.what != "job":
+        node = as_written(composed.config.hydra)
+        tree["hydra"] = {key: one for key, one in node.items() if key not in ("help", "hydra_help")}
+    tree = Secrets(environ).within(tree)
+    if command.package in ("", "_global_"):
+        return _dumped(tree)
+    part = _part(tree, command.package)
+    return f"# @package {command.package}\n{_dumped(part)}" if isinstance(part, dict | list) else f"{part}\n"
+
+
+def _dumped(tree: Any) -> str:
+    return str(yaml.safe_dump(tree, sort_keys=False, allow_unicode=True))
+
+
+def _put_back(tree: Any, written: Any, places: Iterable[Place]) -> None:
+    """Puts interpolations back to where they were written, as far as the plan has those places."""
+    for place in places:
+        node, text = tree, written
+        with contextlib.suppress(KeyError, IndexError, TypeError):
+            for name in place[:-1]:
+                node, text = node[name], text[name]
+            if place[-1] in node if isinstance(node, dict) else True:
+                node[place[-1]] = text[place[-1]]
+
+
+def _part(tree: Any, package: str) -> Any:
+    node = tree
+    for name in package.split("."):
+        if isinstance(node, list) and name.isdigit() and int(name) < len(node):
+            node = node[int(name)]
+        elif isinstance(node, dict) and name in node:
+            node = node[name]
+        else:
+            there = list(map(str, node)) if isinstance(node, dict) else []
+            msg = "there is no such part of the configuration"
+            hint = nearest(name, there) or f"there is: {', '.join(there) or 'nothing below'}"
+            raise ConfigError(msg, f"--package {package}", hint)
+    return node
+
+
+def information(command: Command, environ: Mapping[str, str] = os.environ) -> Iterator[str]:
+    """How the configuration comes to be, mostly in Hydra's own words: files, defaults, plug-ins, search
+    path; at last the configuration itself, where that is asked for."""
+    kinds = [kind for kind in INFO if command.what in (kind, "all") and kind not in ("all", "config")]
+    with session(command.config_dirs, environ=environ) as composer:
+        overrides, problems = composer.read(command.overrides)
+        for kind in kinds:
+            text = _captured(partial(composer.tell, kind, overrides, problems))
+            yield Secrets(environ).blanked(text.strip("\n") + "\n\n")
+    if command.what in ("config", "all"):
+        yield configuration(replace(command, what="job"), environ)
+
+
+def _captured(tell: Callable[[], None]) -> str:
+    """What Hydra logs to the terminal."""
+    root = logging.getLogger()
+    handlers, level = list(root.handlers), root.level
+    stream = io.StringIO()
+    try:
+        with contextlib.redirect_stdout(stream):
+            tell()
+    finally:
+        root.handlers[:] = handlers
+        root.setLevel(level)
+    return stream.getvalue()
