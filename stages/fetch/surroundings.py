@@ -11,6 +11,7 @@ from pathlib import Path
 from urllib.parse import SplitResult, urlsplit
 
 from stages.robot.errors import ConfigError
+from stages.robot.install import install
 
 CERTIFICATES, FOLDER = "SSL_CERT_FILE", "SSL_CERT_DIR"
 
@@ -52,7 +53,7 @@ def _require_proxy(name: str, value: str) -> None:
         raise ConfigError(msg, name, f"set it to an address such as {_EXAMPLE}, or unset it")
     if parts.scheme in _SOCKS and importlib.util.find_spec("socksio") is None:
         msg = "it names a SOCKS proxy, and the package that speaks with those is not installed"
-        raise ConfigError(msg, name, f"pip install 'socksio>=1,<2', or name a proxy such as {_EXAMPLE}")
+        raise ConfigError(msg, name, f"{install('socksio')}, or name a proxy such as {_EXAMPLE}")
 
 
 def _require_certificates(environ: Mapping[str, str]) -> None:

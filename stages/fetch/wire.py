@@ -1,6 +1,7 @@
 """One request over HTTP and its reply, whole or not at all. The only module that imports httpx."""
 
 import contextlib
+import re
 import socket
 import tempfile
 import time
@@ -189,9 +190,10 @@ def _body(response: httpx.Response, until: float, most: int, arrived: Callable[[
     """The body, gathered in a file without a name, which no kill can leave behind."""
     status = response.status_code
     good = status < 300
-    promised = response.headers.get("Content-Length", "")
+    announced = response.headers.get("Content-Length", "")
+    promised = int(announced) if re.fullmatch("[0-9]{1,20}", announced) else None
     encoding = response.headers.get("Content-Encoding", "")
-    if good and promised.isdigit() and int(promised) > most:
+    if good and promised is not None and promised > most:
         raise TooLarge
     with tempfile.SpooledTemporaryFile(_IN_MEMORY) as file:
         try:
@@ -207,7 +209,7 @@ def _body(response: httpx.Response, until: float, most: int, arrived: Callable[[
             # Of a refusal the status says enough; only the server's own words are lost.
             if good:
                 raise _lost(error, status) from error
-        if good and promised.isdigit() and int(promised) != response.num_bytes_downloaded:
+        if good and promised is not None and promised != response.num_bytes_downloaded:
             raise Lost("length", begun=True, status=status)
         file.seek(0)
         return file.read()

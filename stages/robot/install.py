@@ -4,6 +4,7 @@ OPTIONAL = {
     "hydra-joblib-launcher": ">=1.2,<2",
     "joblib": ">=1.5,<2",
     "pycollada": ">=0.8,<1",
+    "socksio": ">=1.0,<2",
     "xacro": ">=2.1,<3",
 }
 """The versions of each, as in pyproject.toml."""

@@ -10,12 +10,13 @@ from pathlib import Path
 
 import pytest
 
+from stages import fetch as stage
 from stages.fetch import surroundings
 from stages.fetch.client import Client
 from stages.fetch.credentials import Credentials
 from stages.fetch.url import AssemblyUrl
 from stages.robot.errors import ConfigError, Offline
-from tests.kept import QUICK
+from tests.kept import ADDRESS, QUICK, fetched, onshape
 
 KEY = Credentials("the-access", "the-secret")
 MASS = "/partstudios/d/D/m/M/e/STUDIO/massproperties?configuration=default"
@@ -283,3 +284,17 @@ def test_exceptions_from_proxies_that_cannot_be_read_are_told(monkeypatch):
     monkeypatch.setenv("NO_PROXY", "[::1")
     with pytest.raises(ConfigError, match="the proxy settings cannot be read"):
         asked_of(WORLD)
+
+
+def test_a_build_that_will_call_is_told_before_it_begins():
+    key = {"ONSHAPE_ACCESS_KEY": "access-key", "ONSHAPE_SECRET_KEY": "secret-key"}
+    wrong = {**key, "HTTPS_PROXY": "ftp://x"}
+    with pytest.raises(ConfigError, match="HTTPS_PROXY: it is not the address of a proxy"):
+        stage.preflight(onshape(ADDRESS), wrong)
+    stage.preflight(onshape(ADDRESS, offline=True), wrong)
+    with pytest.raises(ConfigError, match="SSL_CERT_FILE: /nowhere is no file"):
+        stage.preflight(onshape(ADDRESS), {**key, "SSL_CERT_FILE": "/nowhere"})
+    pinned = ADDRESS.replace("/w/", "/v/")
+    stage.preflight(onshape(pinned), wrong)
+    with pytest.raises(ConfigError, match="HTTPS_PROXY"):
+        fetched(onshape(pinned), environ=wrong)
