@@ -2,7 +2,7 @@
 
 import difflib
 from collections.abc import Iterable
-from typing import Any, get_args
+from typing import Any, get_args, get_origin
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -150,7 +150,16 @@ def _unknown(place: Place, value: Any, owner: Any, root: type[Keys]) -> Diagnost
         if others:
             text = f"source={here} has no such key {given}"
             return Diagnostic("E-KEY", text, key, f"it belongs to source={others[0]}")
-    return Diagnostic("E-KEY", f"unknown key {given}", key, _instead(name, place, owner, root))
+    hint = _dotted(place, value, root) or _instead(name, place, owner, root)
+    return Diagnostic("E-KEY", f"unknown key {given}", key, hint)
+
+
+def _dotted(place: Place, value: Any, root: type[Keys]) -> str:
+    """How to quote a name of the user's own that was cut at its dot: joints.joint_0.0.damping."""
+    above = place[:-2]
+    if not (isinstance(value, dict) and above and get_origin(annotation_at(root, above)) is dict):
+        return ""
+    return f'a name with a dot is quoted: {key_of(above)}["{place[-2]}.{place[-1]}"]'
 
 
 def _instead(name: str, place: Place, owner: Any, root: type[Keys]) -> str:

@@ -105,7 +105,7 @@ def as_told(text: bytes, robot: Robot) -> bytes:
     """The URDF with the inertials that the robot's diagnostics say were changed; without what else
     keeps Pinocchio from reading it: shapes."""
     root = etree.fromstring(text)
-    told = {d.where for d in robot.diagnostics if d.code == "W-INERTIA"}
+    told = {d.where for d in robot.diagnostics if d.code in ("W-INERTIA", "W-INERTIA-LEAST")}
     carried = [d for d in robot.diagnostics if d.code.endswith("-URDF-MASSLESS")]
     told |= {name for d in carried for name in d.message.rsplit(": ", 1)[1].split(", ")}
     links = {link.path[0]: link for link in robot.links if link.path}

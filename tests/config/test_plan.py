@@ -56,6 +56,15 @@ def test_two_errors_are_told_in_one_message():
             ("E-KEY", "export.mjcf.x", "unknown key (given 1)", "there are no keys there yet"),
         ),
         (
+            {"mass": {"links": {"tip": {"0": {"mass": 1}}}}},
+            (
+                "E-KEY",
+                "mass.links.tip.0",
+                "unknown key (given {'mass': 1})",
+                'a name with a dot is quoted: mass.links["tip.0"]',
+            ),
+        ),
+        (
             {"joints": {"left.knee": {"dampng": 1}}},
             (
                 "E-KEY",
