@@ -81,7 +81,10 @@ def told(folder: Path, stopped: Mapping[str, str]) -> str:
     return "\n".join([f"{folder} has what a build must not replace:", *lines[:SHOWN], *more])
 
 
-def ways_out(folder: Path) -> str:
+def ways_out(folder: Path, found: Found | None = None) -> str:
+    """What a user can do about it."""
+    if found is not None and found.stuck:
+        return "move it elsewhere, or build into another folder with output=FOLDER"
     return (
         f"move it elsewhere, or say overwrite=true, which moves it to {folder.name}{REPLACED}, "
         "or build into another folder with output=FOLDER"

@@ -43,14 +43,19 @@ def held(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
         lock.release()
 
 
+def place(target: Path) -> Path:
+    """The lock file of an output folder."""
+    return target.parent / FOLDER / f"{target.name}.lock"
+
+
 def beside(target: Path) -> Path:
-    """The lock file of an output folder; its own folder is made if need be. OSError where it cannot be."""
-    folder = target.parent / FOLDER
-    if folder.is_symlink():
-        msg = f"{folder} is a link"
+    """As `place`; the folder of the lock file is made if need be. OSError where it cannot be."""
+    path = place(target)
+    if path.parent.is_symlink():
+        msg = f"{path.parent} is a link"
         raise NotADirectoryError(msg)
-    folder.mkdir(parents=True, exist_ok=True)
-    return folder / f"{target.name}.lock"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    return path
 
 
 def drop(path: Path) -> bool:

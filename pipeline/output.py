@@ -51,7 +51,12 @@ class Output:
         """ConfigError where a build that writes the `coming` paths, and others, would have to replace
         what is not linkwright's. Changes nothing."""
         folder = self.folder(suffix)
-        with named(folder):
+        with contextlib.ExitStack() as stack, named(folder):
+            place = lock.place(self.target)
+            if place.is_file():
+                # Another build may be moving its folder in: half-way, its files look changed or gone.
+                with contextlib.suppress(OSError):
+                    stack.enter_context(lock.held(place, self._wait))
             self._judge(folder, coming)
 
     def prepare(self, suffix: str = "", coming: Iterable[str] = ()) -> None:
@@ -143,7 +148,7 @@ class Output:
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
         found = inway.look(folder, coming, self._reader)
         if stopped := found.against(self._overwrite):
-            raise ConfigError(inway.told(folder, stopped), "output", inway.ways_out(folder))
+            raise ConfigError(inway.told(folder, stopped), "output", inway.ways_out(folder, found))
         return inway.visible(found.carried)
 
     def _require_free(self, folder: Path, files: Iterable[str]) -> None:
@@ -152,8 +157,9 @@ class Output:
             inway.require_folder(folder)
         except ConfigError as error:
             raise InTheWay(error.message, error.where, error.hint) from error
-        if stopped := inway.look(folder, files, self._reader).against(self._overwrite):
-            raise InTheWay(inway.told(folder, stopped), str(folder), inway.ways_out(folder))
+        found = inway.look(folder, files, self._reader)
+        if stopped := found.against(self._overwrite):
+            raise InTheWay(inway.told(folder, stopped), str(folder), inway.ways_out(folder, found))
 
     def _swap(self, folder: Path) -> None:
         """Moves the staged folder in. A folder is only ever removed under the staging name.

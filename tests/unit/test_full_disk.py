@@ -219,7 +219,7 @@ def test_the_command_on_disks_of_all_sizes_ends_well_or_with_one_message(tmp_pat
         assert linkwright(here, *arguments, environ=environ).returncode == 0
         used = int(subprocess.check_output(["du", "-sk", str(here)], text=True).split()[0])
     statuses = []
-    for kilobytes in [4, 24, *range(60, used, used // 8), 100_000]:
+    for kilobytes in [4, 24, *range(60, used, used // 5), 100_000]:
         with disk(tmp_path / "small", kilobytes):
             done = linkwright(here, *arguments, environ=environ)
             statuses.append(done.returncode)

@@ -71,6 +71,14 @@ def test_a_build_that_waits_for_another_of_its_folder_says_so_and_goes_on(tmp_pa
 
 
 @pytest.mark.usefixtures("_impatient")
+def test_a_folder_that_another_build_moves_in_is_not_judged_half_way(tmp_path):
+    output, told = Output(tmp_path / "arm"), []
+    output.prepare()
+    while_held(lock.place(output.target), told, lambda tell: Output(output.target, tell).judge())
+    assert told == ["waiting for another build of arm"]
+
+
+@pytest.mark.usefixtures("_impatient")
 def test_a_build_that_waits_for_the_work_of_another_says_so_and_takes_its_own_turn(tmp_path):
     action, told, made = Action("mesh", 1), [], []
     cache = Cache(Store(tmp_path))

@@ -307,6 +307,15 @@ def test_a_manifest_that_names_what_is_outside_has_no_say_there(tmp_path, output
     assert (output.target / "out").is_symlink()
 
 
+def test_what_cannot_be_moved_stops_a_build_also_with_overwrite(output, monkeypatch):
+    (output.target / "disk").mkdir()
+    monkeypatch.setattr(Path, "is_mount", lambda path: path.name == "disk")
+    for overwrite in (True, False):
+        with pytest.raises(ConfigError, match="disk is not linkwright's, and cannot be moved") as caught:
+            Output(output.target, overwrite=overwrite).judge()
+        assert "overwrite" not in caught.value.hint
+
+
 @pytest.mark.parametrize("name", [".arm.tmp", ".arm.old"])
 @pytest.mark.parametrize("there", [True, False])
 def test_what_others_put_beside_under_a_name_of_ours_is_moved_and_kept(tmp_path, heard, name, there):
