@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from pipeline.errors import CacheError, reason
+from pipeline.errors import CacheError, ConfigError, reason
 from pipeline.secrets import Secrets
 from pipeline.store import Store, sha256
 
@@ -238,10 +238,18 @@ class Replies:
 
 
 def folder(configured: str | None, environ: Mapping[str, str]) -> Path:
-    """Where the cache lies: `cache.dir`, else LINKWRIGHT_CACHE, else the platform's cache folder."""
+    """Where the cache lies: `cache.dir`, else LINKWRIGHT_CACHE, else the platform's cache folder.
+
+    ConfigError where that is in the home of nobody who is known.
+    """
     chosen = configured or environ.get("LINKWRIGHT_CACHE")
     if chosen:
-        return Path(chosen).expanduser()
+        try:
+            return Path(chosen).expanduser()
+        except RuntimeError as error:
+            msg = f"{chosen} is in the home of nobody who is known here"
+            where = "cache.dir" if configured else "LINKWRIGHT_CACHE"
+            raise ConfigError(msg, where, "name a folder, or leave it out") from error
     import platformdirs
 
     return Path(platformdirs.user_cache_dir("linkwright", appauthor=False))

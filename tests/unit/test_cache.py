@@ -7,8 +7,8 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 
 from pipeline import cache as caching
-from pipeline.cache import Action, Cache, opened
-from pipeline.errors import CacheError
+from pipeline.cache import Action, Cache, folder, opened
+from pipeline.errors import CacheError, ConfigError
 from pipeline.store import Store
 
 ACTION = Action("mesh", 1, {"tolerance": 0.1}, {"robot": "d1"}, {"numpy": "2.0"})
@@ -251,3 +251,16 @@ def test_one_at_a_time_is_alone_with_a_subject(cache):
     with ThreadPoolExecutor(4) as pool:
         list(pool.map(work, range(8)))
     assert most == [1] * 8
+
+
+@pytest.mark.parametrize(
+    ("configured", "environ", "where"),
+    [
+        ("~nobody-of-that-name/x", {}, "cache.dir"),
+        (None, {"LINKWRIGHT_CACHE": "~nobody-of-that-name/x"}, "LINKWRIGHT_CACHE"),
+    ],
+)
+def test_a_cache_in_the_home_of_nobody_is_refused(configured, environ, where):
+    with pytest.raises(ConfigError, match="nobody who is known") as caught:
+        folder(configured, environ)
+    assert caught.value.where == where
