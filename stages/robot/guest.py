@@ -1,0 +1,222 @@
+"""Guests: code that runs on what anyone wrote, each in a process of its own and within bounds.
+
+A guest is a module with a function `answer(request: bytes) -> bytes`. Its process is Python's isolated
+mode with the libraries of this one, an environment of what it is given and no more, no terminal, and no
+input but the request; whatever becomes of it, this process goes on. It is ended with all that it started
+where it takes more time or memory than it may, and where this process is interrupted or ends.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+from stages.robot.errors import ConfigError, LinkwrightError, SourceError
+
+_MAIN = Path(__file__).with_name("guestmain.py")
+_LIBRARIES = str(Path(__file__).parents[2])
+"""The folder that holds this package."""
+
+_OF_THE_LOADER = ("LD_LIBRARY_PATH", "DYLD_LIBRARY_PATH", "DYLD_FALLBACK_LIBRARY_PATH")
+"""Variables without which Python may not start; a guest does not see them."""
+
+_OF_WINDOWS = ("SYSTEMROOT", "SYSTEMDRIVE", "TEMP", "TMP")
+
+_ERRORS: Mapping[str, type[LinkwrightError]] = {"SourceError": SourceError, "ConfigError": ConfigError}
+_HEAD = 9
+"""Bytes before a reply: what it is, and its length."""
+
+_LOOK = 0.05
+"""How often a guest's time and memory are looked at [s]."""
+
+_LOOK_BY_PS = 0.5
+_PATIENCE = 5.0
+"""How long a guest that has said all may take to end [s]."""
+
+_LONGEST_LINE = 200
+_STATM = "/proc/{}/statm"
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """What a guest may take: time by the clock [s], resident memory and the length of its reply [bytes].
+
+    Where a system tells nobody the memory of a process (Windows), time alone is bounded.
+    """
+
+    seconds: float
+    memory: int
+    reply: int
+
+
+class Ended(Exception):
+    """A guest ended without a reply; the text goes on from its name: "took longer than 60 s"."""
+
+
+def ask(module: str, request: bytes, bounds: Bounds, environ: Mapping[str, str]) -> bytes:
+    """What `module` answers to `request` in a process whose variables are `environ` and, on Windows, the
+    few that the system needs.
+
+    Raises the guest's own SourceError or ConfigError, and Ended where it gives no whole reply.
+    """
+    environ = {**_taken(_OF_WINDOWS), **environ}
+    guest = _Guest(environ, bounds)
+    head = {
+        "module": module,
+        "path": _libraries(),
+        "seconds": bounds.seconds + _PATIENCE,
+        "parent": os.getpid(),
+        "environ": sorted(environ),
+    }
+    try:
+        return guest.reply(json.dumps(head).encode() + b"\n" + request)
+    finally:
+        guest.end()
+
+
+class _Guest:
+    """A process, with a thread for each of its three streams."""
+
+    def __init__(self, environ: Mapping[str, str], bounds: Bounds) -> None:
+        self._bounds = bounds
+        self._said = bytearray()
+        self._complained = bytearray()
+        try:
+            self._process = subprocess.Popen(
+                [sys.executable, "-I", "-X", "utf8", str(_MAIN)],
+                env={**_taken(_OF_THE_LOADER), **environ},
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.PIPE,
+                bufsize=0,
+                start_new_session=True,
+            )
+        except OSError as error:
+            msg = f"could not be started ({error.strerror or type(error).__name__})"
+            raise Ended(msg) from None
+
+    def reply(self, request: bytes) -> bytes:
+        started = time.monotonic()
+        reader = self._thread(self._listen)
+        complaints = self._thread(self._hear_complaints)
+        self._thread(self._tell, request)
+        look = _LOOK if os.path.exists(_STATM.format("self")) else _LOOK_BY_PS  # noqa: PTH110
+        while reader.is_alive():
+            reader.join(look)
+            if time.monotonic() - started > self._bounds.seconds:
+                raise Ended(f"took longer than {self._bounds.seconds:g} s")
+            if resident(self._process.pid) > self._bounds.memory:
+                raise Ended(f"needed more than {self._bounds.memory / 1e9:.3g} GB of memory")
+        kind, length = self._said[:1], int.from_bytes(self._said[1:_HEAD], "big")
+        body = bytes(self._said[_HEAD:])
+        if len(body) > self._bounds.reply:
+            raise Ended(f"made more than {self._bounds.reply / 1e6:.3g} MB")
+        if kind == b"R" and len(body) == length:
+            return body
+        if kind == b"E" and len(body) == length:
+            raise _error(body)
+        complaints.join(_PATIENCE)
+        raise Ended(self._how_it_ended())
+
+    def end(self) -> None:
+        """Ends the process with all that it started; no process is left behind."""
+        with contextlib.suppress(OSError):
+            if hasattr(os, "killpg"):
+                os.killpg(self._process.pid, signal.SIGKILL)
+            else:
+                self._process.kill()
+        self._process.wait()
+
+    def _thread(self, work: Callable[..., None], *arguments: object) -> threading.Thread:
+        thread = threading.Thread(target=work, args=arguments, name="guest", daemon=True)
+        thread.start()
+        return thread
+
+    def _tell(self, request: bytes) -> None:
+        with contextlib.suppress(OSError), _stream(self._process.stdin) as stream:
+            rest = memoryview(request)
+            while rest:
+                rest = rest[stream.write(rest) :]
+
+    def _listen(self) -> None:
+        with contextlib.suppress(OSError), _stream(self._process.stdout) as stream:
+            while len(self._said) <= self._bounds.reply + _HEAD and (piece := stream.read(1 << 20)):
+                self._said += piece
+
+    def _hear_complaints(self) -> None:
+        """Keeps the end of what the guest writes otherwise."""
+        with contextlib.suppress(OSError), _stream(self._process.stderr) as stream:
+            while piece := stream.read(1 << 16):
+                self._complained[:] = (self._complained + piece)[-4096:]
+
+    def _how_it_ended(self) -> str:
+        try:
+            status = self._process.wait(_PATIENCE)
+        except subprocess.TimeoutExpired:
+            return "gave no reply"
+        if status < 0:
+            name = signal.Signals(-status).name if -status in list(signal.Signals) else str(-status)
+            return f"crashed ({name})"
+        lines = self._complained.decode("utf-8", "replace").strip().splitlines()
+        return f"failed ({lines[-1][:_LONGEST_LINE]})" if lines else f"ended with status {status}"
+
+
+def resident(process: int) -> int:
+    """The resident memory of a process [bytes], 0 where nobody tells."""
+    try:
+        with open(_STATM.format(process), "rb") as file:
+            return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    except (OSError, IndexError, ValueError):
+        return 0 if os.path.exists(_STATM.format("self")) else _resident_by_ps(process)  # noqa: PTH110
+
+
+def _resident_by_ps(process: int) -> int:
+    try:
+        told = subprocess.run(
+            ["ps", "-o", "rss=", "-p", str(process)],
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=_PATIENCE,
+            check=False,
+        )
+        return int(told.stdout) * 1024
+    except (OSError, ValueError, subprocess.TimeoutExpired):
+        return 0
+
+
+def _stream(pipe: IO[bytes] | None) -> IO[bytes]:
+    assert pipe is not None
+    return pipe
+
+
+def _taken(names: Iterable[str]) -> dict[str, str]:
+    """Those of this process's variables."""
+    return {name: os.environ[name] for name in names if name in os.environ}
+
+
+def _libraries() -> list[str]:
+    """Where this process finds libraries, without the working folder and that of a script."""
+    beside = {os.path.abspath(""), os.path.dirname(os.path.abspath(sys.argv[0]))}  # noqa: PTH100, PTH120
+    found = [os.path.abspath(place) for place in sys.path if place]  # noqa: PTH100
+    return list(dict.fromkeys([*(place for place in found if place not in beside), _LIBRARIES]))
+
+
+def _error(body: bytes) -> LinkwrightError:
+    """The error that a guest tells, as far as it is one."""
+    try:
+        told = json.loads(body)
+        kind = _ERRORS[told["kind"]]
+        message, where, hint = (str(told[name])[:2000] for name in ("message", "where", "hint"))
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise Ended("told an error that is none") from None
+    return kind(message, where, hint)
