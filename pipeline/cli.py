@@ -64,7 +64,7 @@ groups, each a set of presets (group=option):
 keys (key=value; with their units and defaults in stages/<stage>/keys.py of the package):
   name  source.url  source.path  source.tessellation.{angle,chord,max_facet_width}
   source.{offline,refresh,verify,stale,max_calls,max_wait}
-  source.{packages,args,missing_meshes,bad_inertia}
+  source.{packages,args,trust,missing_meshes,bad_inertia}
   root.{select,base,frame,disconnected}  depth.{max,rigid,flexible}  hidden  zero  mirror  conventions
   names.{links,joints}  joints.<glob>.{limits,effort,velocity,damping,friction,armature}
   mass.{missing,density}  mass.parts.<glob>.{mass,density,com,inertia}  mass.links.<glob>.{mass,com,inertia}

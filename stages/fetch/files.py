@@ -4,6 +4,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from stages.fetch import regular
 from stages.robot.errors import ConfigError, SourceError
 
 LARGEST = 1 << 30
@@ -20,24 +21,25 @@ def label(source: Any) -> str:
 def require(source: Any) -> None:
     """ConfigError where `source.path` is no file, or a package of a robot's file is no folder."""
     path = Path(source.path)
-    if not path.is_file():
+    if not regular.is_file(path):
         wanted, example = _WANTED[source.kind]
         what = f"is a folder, and {wanted}" if path.is_dir() else "does not exist"
+        if regular.is_special(path):
+            what = f"is no such file: {regular.NOT_REGULAR}"
         hint = f"paths start from the working folder; give one such as {example}"
         raise ConfigError(f"{source.path} {what}", "source.path", hint)
     if source.kind == "urdf":
-        _require_urdf(source, path)
+        _require_urdf(source)
 
 
-def _require_urdf(source: Any, path: Path) -> None:
+def _require_urdf(source: Any) -> None:
     from stages.fetch.local import macros
 
     for name, folder in source.packages.items():
         if not Path(folder).is_dir():
             hint = "name the folder that holds the package's own, such as meshes/"
             raise ConfigError(f"{folder} is no folder", f"source.packages.{name}", hint)
-    if macros.is_named(path):
-        macros.require(source.path)
+    macros.require(source)
 
 
 def content(source: Any) -> bytes:
@@ -45,12 +47,10 @@ def content(source: Any) -> bytes:
     try:
         if source.kind == "sample":
             return files("stages.fetch").joinpath(_SAMPLE).read_bytes()
-        path = Path(source.path)
-        size = path.stat().st_size
-        if size > LARGEST:
-            msg = f"not readable as a bundle: it has {size} bytes; at most {LARGEST} are read"
-            raise SourceError(msg, label(source), "check that source.path names the right file")
-        return path.read_bytes()
+        return regular.content(Path(source.path), LARGEST)
+    except regular.TooLarge as error:
+        msg = f"not readable as a bundle: it has {error.size} bytes; at most {LARGEST} are read"
+        raise SourceError(msg, label(source), "check that source.path names the right file") from None
     except OSError as error:
         msg = f"it cannot be read: {error.strerror or type(error).__name__}"
         hint = (

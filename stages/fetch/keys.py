@@ -107,8 +107,8 @@ class UrdfKeys(Keys):
     """Tells the sources apart."""
 
     path: Text
-    """The file, relative to the working directory. One that ends in .xacro is expanded; a xacro file is a
-    program, so expand only one that you trust."""
+    """The file, relative to the working directory. One that ends in .xacro is expanded where `trust` says
+    so."""
 
     packages: dict[Text, Text] = Field(default_factory=dict)
     """Folders of packages (`package://name/...`), before where ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the
@@ -116,6 +116,10 @@ class UrdfKeys(Keys):
 
     args: dict[Text, Setting] = Field(default_factory=dict)
     """Arguments of the xacro file: name → value."""
+
+    trust: Flag = False
+    """Whether a xacro file may be expanded: it is a program, so only where you would run it. Counts on the
+    command line alone."""
 
     missing_meshes: Literal["refuse", "skip"] = "refuse"
     """Meshes that are not there or cannot be read: refuse the robot, or build it without them."""

@@ -9,16 +9,16 @@ from __future__ import annotations
 
 import importlib.metadata
 import json
+import re
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stages.robot import guest
 from stages.robot.bundle import Bundle
-from stages.robot.errors import Diagnostic, SourceError
+from stages.robot.errors import Diagnostic, ProtocolError, SourceError
 
 if TYPE_CHECKING:
-    import mujoco
-
     from stages.fetch.keys import MjcfKeys
 
 READER = 2
@@ -27,77 +27,92 @@ READER = 2
 MODEL = "model"
 """The request that stands for the compiled model."""
 
+BOUNDS = guest.Bounds(seconds=120, memory=4 << 30, reply=1 << 30)
+"""What MuJoCo may take: a model of 10,000 bodies takes it half a minute."""
+
+_ENVIRON = {"MUJOCO_GL": "disable"}
+"""Nothing is drawn, and looking for a window system takes as long as all else that is imported."""
+
+_KEY = re.compile(r"[A-Za-z0-9_-]{1,60}")
+_LONGEST, _MOST_WARNINGS = 500, 100
+"""How long a warning of MuJoCo may be, and how many of them are told."""
+
 _LOOK = "see whether the file means what MuJoCo made of it"
-_HINT = "MuJoCo's own viewer says the same of it (python -m mujoco.viewer --mjcf=...)"
+_SMALLER = (
+    "look for what makes it large (counts, sizes, models in models) or for a file that names itself; "
+    "MuJoCo's own viewer may say more (python -m mujoco.viewer --mjcf=...)"
+)
 
 
 def gather(source: MjcfKeys) -> tuple[Bundle, tuple[Diagnostic, ...]]:
     """The bundle of an MJCF, and what MuJoCo warned of.
 
-    SourceError where it is no MJCF, a file is missing, or MuJoCo refuses it.
+    SourceError where it is no MJCF, a file is missing, MuJoCo refuses it, or does not get through it.
     """
-    from stages.fetch.mjcfmodel import Meshes, taken
-    from stages.robot import codec
+    from stages.fetch.mjcffiles import survey
 
     path = Path(source.path)
-    told = identity(source)
-    model, spec, warnings = _compiled(path)
-    meshes = Meshes(model)
-    body = codec.dump(taken(model, spec, meshes, path.name))
-    definition = sha256(body).hexdigest()
-    requests = {MODEL: definition, **{f"mesh/{key}": digest for key, digest in sorted(meshes.keys.items())}}
+    files = survey(path)
+    request = {"path": str(path), "texts": [str(text) for text in files.texts]}
+    try:
+        reply = guest.ask("stages.fetch.mjcfguest", json.dumps(request).encode(), BOUNDS, _ENVIRON)
+        warnings, model, meshes = _read(reply)
+    except guest.Ended as ended:
+        msg = f"not readable as an MJCF: MuJoCo's compiler {ended}"
+        raise SourceError(msg, path.name, _SMALLER) from None
+    definition = sha256(model).hexdigest()
+    digests = {key: sha256(mesh).hexdigest() for key, mesh in meshes.items()}
     bundle = Bundle(
         kind="mjcf",
         api="",
-        root={"document": path.name, "microversion": _sum(told), "element": "", "configuration": ""},
+        root={"document": path.name, "microversion": _sum(files.digests), "element": "", "configuration": ""},
         definition=definition,
         studios=(),
-        requests=requests,
-        blobs={definition: body, **meshes.blobs},
+        requests={MODEL: definition, **{f"mesh/{key}": digests[key] for key in sorted(digests)}},
+        blobs={definition: model, **{digests[key]: mesh for key, mesh in meshes.items()}},
     )
-    return bundle, warnings
+    return bundle, tuple(Diagnostic("W-MJCF", text, path.name, _LOOK) for text in warnings)
 
 
 def identity(source: MjcfKeys) -> dict[str, Any]:
     """What tells the source from every other, by content, as plain data."""
-    from stages.fetch.mjcffiles import digests
+    from stages.fetch.mjcffiles import survey
 
     path = Path(source.path)
     return {
         "kind": "mjcf",
         "document": path.name,
-        "files": digests(path),
+        "files": survey(path).digests,
         "mujoco": importlib.metadata.version("mujoco"),
         "reader": READER,
     }
 
 
-def _sum(told: dict[str, Any]) -> str:
-    return sha256(json.dumps(told["files"], sort_keys=True).encode()).hexdigest()
+def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes]]:
+    """The warnings, the model and the meshes in what the guest answers; Ended where it is no such answer.
+
+    By then the guest may run anything, so nothing is taken on trust; the model is checked by its reader.
+    """
+    from stages.robot import triangles
+
+    head, _, body = reply.partition(b"\n")
+    try:
+        told = json.loads(head)
+        warnings = [str(text)[:_LONGEST] for text in told["warnings"][:_MOST_WARNINGS]]
+        at = int(told["model"])
+        model, meshes = body[:at], dict[str, bytes]()
+        for key, length in told["meshes"]:
+            mesh = body[at : at + length]
+            if not _KEY.fullmatch(key):
+                raise ValueError(key)
+            triangles.check(mesh)
+            meshes[key] = mesh
+            at += length
+    except (KeyError, TypeError, ValueError, RecursionError, ProtocolError):
+        msg = "answers what is no model"
+        raise guest.Ended(msg) from None
+    return warnings, model, meshes
 
 
-def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, tuple[Diagnostic, ...]]:
-    """The model with what is only seen in it, what it was compiled from, and MuJoCo's warnings."""
-    import mujoco
-
-    from stages.robot.listening import listening
-
-    with listening() as heard:
-        try:
-            spec = mujoco.MjSpec.from_file(str(path))
-            spec.compiler.discardvisual = False
-            model = spec.compile()
-        except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
-            msg = f"MuJoCo refuses it: {_said(str(error), path)}"
-            raise SourceError(msg, path.name, _HINT) from None
-    warnings = (Diagnostic("W-MJCF", _said(text, path), path.name, _LOOK) for text in sorted(set(heard)))
-    return model, spec, tuple(warnings)
-
-
-def _said(text: str, path: Path) -> str:
-    """MuJoCo's words in one line, without the folder that the model is in."""
-    for folder in (str(path.resolve().parent), str(path.absolute().parent), str(path.parent)):
-        if len(folder) > 1:
-            text = text.replace(f"{folder}/", "")
-    words = " ".join(text.split())
-    return words.removeprefix("XML Error: ").removeprefix("Error: ")[:500]
+def _sum(digests: dict[str, str]) -> str:
+    return sha256(json.dumps(digests, sort_keys=True).encode()).hexdigest()

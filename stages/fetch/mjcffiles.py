@@ -7,55 +7,86 @@ the folders that a `<compiler>` names: one too many only makes the robot anew.
 import os
 import re
 from collections.abc import Iterator
-from hashlib import file_digest, sha256
+from dataclasses import dataclass
+from hashlib import sha256
 from html import unescape
+from itertools import chain, product
 from pathlib import Path, PurePath
 
+from stages.fetch import regular
 from stages.robot.errors import SourceError
 
 LARGEST_TEXT = 1 << 25
 """Longer XML is not read [bytes]: a model of 10,000 bodies has a tenth of that."""
 
+LARGEST_FILE = 1 << 29
+"""Larger files are not read [bytes]."""
+
+LARGEST_MODEL = 1 << 32
+"""A model's files have no more than this together [bytes]."""
+
 _MOST_FILES = 20_000
+_MOST_PLACES = 200_000
+"""Places at which files are looked for: names by folders."""
+
 _NO_TEXT = (".stl", ".obj", ".msh", ".png", ".hdr", ".ply", ".dae", ".skn", ".bin", ".ktx")
 _FIRST = re.compile(r"<([A-Za-z_][\w.-]*)")
 _FILE = re.compile(r"""\bfile\w*\s*=\s*(?:"([^"]*)"|'([^']*)')""")
 _FOLDER = re.compile(r"""\b(?:meshdir|texturedir|assetdir)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
 
 
-def digests(path: Path) -> dict[str, str]:
-    """SHA-256 of the model's own file and of all that it may read, by their paths from its folder.
+@dataclass(frozen=True, slots=True)
+class Files:
+    """`digests`: SHA-256 of the model's own file and of all that it may read, by their paths from its
+    folder; `texts`: those of them that may be XML, the model's own first."""
 
-    SourceError where the file cannot be read, or is no MJCF.
-    """
-    home = path.parent
-    found = {path: ""}
-    texts = [path]
+    digests: dict[str, str]
+    texts: tuple[Path, ...]
+
+
+def survey(path: Path) -> Files:
+    """The files of a model. SourceError where its own cannot be read or is no MJCF, and where one that
+    it names is no regular file, or is too large."""
+    found: dict[Path, str] = {}
+    texts, seen = [path], 0
     folders = {""}
     wanted: set[tuple[Path, str]] = set()
-    while texts:
-        one = texts.pop()
-        text = _text(one) if one != path else _own_text(path)
+    size = 0
+    while seen < len(texts):
+        one = texts[seen]
+        text = _own_text(path) if one == path else _text(one)
+        seen += 1
         found[one] = sha256(text.encode()).hexdigest()
-        folders |= set(_values(_FOLDER, text))
-        wanted |= {(one.parent, name) for name in _values(_FILE, text)}
-        if len(wanted) > _MOST_FILES:
+        new_folders = set(_values(_FOLDER, text)) - folders
+        new = {(one.parent, name) for name in _values(_FILE, text)} - wanted
+        folders |= new_folders
+        if len(wanted) + len(new) > _MOST_FILES:
             raise _refused(path.name, f"it names more than {_MOST_FILES} files")
-        for candidate in sorted({c for beside, name in wanted for c in _places(home, folders, beside, name)}):
-            # Path.is_file fails on a name that is too long for one.
-            if candidate not in found and os.path.isfile(candidate):  # noqa: PTH113
-                found[candidate] = _digest(candidate)
-                if found[candidate] and candidate.suffix.lower() not in _NO_TEXT:
-                    texts.append(candidate)
-    return {PurePath(os.path.relpath(one, home)).as_posix(): found[one] for one in sorted(found)}
+        if (len(wanted) + len(new)) * len(folders) > _MOST_PLACES:
+            raise _refused(path.name, f"its files may be at more than {_MOST_PLACES} places")
+        for (beside, name), folder in sorted(chain(product(new, folders), product(wanted, new_folders))):
+            for candidate in _places(path.parent, beside, folder, name):
+                if candidate in found or not os.path.exists(candidate):  # noqa: PTH110
+                    continue
+                if regular.is_endless(candidate):
+                    raise _refused(path.name, f"it names {name}: {regular.NOT_REGULAR}")
+                if regular.is_file(candidate):
+                    found[candidate], length = _digest(path, candidate, name)
+                    size += length
+                    if candidate.suffix.lower() not in _NO_TEXT and 0 < length <= LARGEST_TEXT:
+                        texts.append(candidate)
+        wanted |= new
+        if size > LARGEST_MODEL:
+            raise _refused(path.name, f"its files have more than {LARGEST_MODEL / 1e9:.3g} GB")
+    digests = {PurePath(os.path.relpath(one, path.parent)).as_posix(): found[one] for one in sorted(found)}
+    return Files(digests, tuple(texts))
 
 
-def _places(home: Path, folders: set[str], beside: Path, name: str) -> Iterator[Path]:
+def _places(home: Path, beside: Path, folder: str, name: str) -> Iterator[Path]:
     """Where a file may be: from the model's folder, that of the file which names it, or without its own
     path (`strippath`)."""
     for text in {name, PurePath(name.replace("\\", "/")).name} - {""}:
-        for start in {home, beside}:
-            yield from (Path(os.path.normpath(start / folder / text)) for folder in folders)
+        yield from (Path(os.path.normpath(start / folder / text)) for start in {home, beside})
 
 
 def _values(pattern: re.Pattern[str], text: str) -> Iterator[str]:
@@ -65,9 +96,9 @@ def _values(pattern: re.Pattern[str], text: str) -> Iterator[str]:
 def _own_text(path: Path) -> str:
     """The model's text; SourceError where it is none."""
     try:
-        if path.stat().st_size > LARGEST_TEXT:
-            raise _refused(path.name, f"it is longer than {LARGEST_TEXT >> 20} MB")
         text = _text(path)
+    except regular.TooLarge:
+        raise _refused(path.name, f"it is longer than {LARGEST_TEXT >> 20} MB") from None
     except OSError as error:
         msg = f"it cannot be read: {error.strerror or type(error).__name__}"
         raise SourceError(msg, path.name, "check source.path and its permissions") from None
@@ -83,7 +114,7 @@ def _own_text(path: Path) -> str:
 
 def _text(path: Path) -> str:
     """A file's text without its comments."""
-    text = path.read_bytes().decode("latin-1").replace("\0", "")
+    text = regular.content(path, LARGEST_TEXT).decode("latin-1").replace("\0", "")
     pieces, end = [], 0
     while (start := text.find("<!--", end)) >= 0:
         pieces.append(text[end:start])
@@ -93,12 +124,14 @@ def _text(path: Path) -> str:
     return "".join([*pieces, text[end:]])
 
 
-def _digest(path: Path) -> str:
+def _digest(path: Path, file: Path, name: str) -> tuple[str, int]:
+    """The SHA-256 of a file that the model `path` calls `name`, and its size [bytes]."""
     try:
-        with path.open("rb") as file:
-            return file_digest(file, "sha256").hexdigest()
+        return regular.digest(file, LARGEST_FILE), file.stat().st_size
+    except regular.TooLarge:
+        raise _refused(path.name, f"it names {name}, which has more than {LARGEST_FILE >> 20} MB") from None
     except OSError:
-        return ""  # MuJoCo says what is wrong with it, if it wants it
+        return "", 0  # MuJoCo says what is wrong with it, if it wants it
 
 
 def _refused(name: str, why: str, hint: str = "check that source.path names the right file") -> SourceError:

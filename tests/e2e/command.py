@@ -17,7 +17,7 @@ def environment(here: Path, **more: str) -> dict[str, str]:
 
 
 def linkwright(
-    here: Path, *arguments: str, environ: Mapping[str, str] | None = None
+    here: Path, *arguments: str, environ: Mapping[str, str] | None = None, timeout: float = 120
 ) -> subprocess.CompletedProcess[str]:
     """Runs the command in the folder `here`."""
     return subprocess.run(
@@ -26,7 +26,7 @@ def linkwright(
         env=dict(environ or environment(here)),
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=timeout,
         check=False,
     )
 

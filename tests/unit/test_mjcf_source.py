@@ -24,11 +24,16 @@ from stages.validate import validate
 from tests.building import plan_of, write
 from tests.building import robot_of as drawn_robot
 from tests.engines import Mujoco, Pinocchio
-from tests.mjcfs import Original, body, bundle_of, model, random_model, robot_of, written
+from tests.mjcfs import Original, at_home, body, bundle_of, model, random_model, robot_of, written
 from tests.onshape.sample import sample_document
 from tests.robots import joint, loop, robot_with, some_values
 
 EXACT = 1e-9
+
+
+@pytest.fixture(autouse=True)
+def _guests_at_home(monkeypatch):
+    monkeypatch.setattr("stages.robot.guest.ask", at_home)
 
 
 def codes(robot):

@@ -381,45 +381,6 @@ def test_a_dae_of_which_a_shape_cannot_be_followed_is_refused(tmp_path):
     assert problem.code == "E-MESH-READ"
 
 
-# xacro.
-
-XACRO = b"""<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r"><xacro:arg name="n" default="x"/>
-<xacro:include filename="$(find parts)/part.xacro"/>
-<link name="$(arg n)"/><xacro:part mesh="file://$(find parts)/a.stl"/>
-<gazebo><config>$(find parts)/c.yaml</config></gazebo></robot>"""
-PART = b"""<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="part" params="mesh">
-<link name="part"><visual><geometry><mesh filename="${mesh}"/></geometry></visual></link>
-</xacro:macro></robot>"""
-
-
-@pytest.mark.parametrize("name", ["r.urdf.xacro", "r.urdf"])
-def test_a_xacro_file_is_expanded_with_its_arguments_and_packages(tmp_path, name):
-    put(tmp_path, **{name: XACRO, "p/part.xacro": PART, "p/a.stl": block()})
-    keys = {"packages": {"parts": str(tmp_path / "p")}, "args": {"n": True}}
-    bundle, _ = gathered(tmp_path / name, **keys)
-    text = bundle.blobs[bundle.definition]
-    assert b'<link name="true"' in text
-    assert str(tmp_path).encode() not in text
-    assert b"package://parts/c.yaml" in text
-    assert len(bundle.requests) == 2
-
-
-def test_a_namespace_alone_needs_no_xacro(tmp_path):
-    text = b'<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="r"><link name="${a}"/></robot>'
-    put(tmp_path, **{"r.urdf": text})
-    bundle, _ = gathered(tmp_path / "r.urdf")
-    assert b"${a}" in bundle.blobs[bundle.definition]
-
-
-def test_what_xacro_refuses_is_told_as_ours(tmp_path):
-    put(tmp_path, **{"r.xacro": XACRO})
-    error = refused(tmp_path / "r.xacro")
-    assert (error.message, error.hint) == (
-        "xacro refuses it: there is no package parts",
-        "name its folder by source.packages={parts: FOLDER}",
-    )
-
-
 # What is known beforehand.
 
 
@@ -437,11 +398,3 @@ def test_a_wrong_path_is_known_before_any_work(tmp_path, monkeypatch, keys, wher
     with pytest.raises(ConfigError) as caught:
         preflight(Plan.model_validate({"name": "r", "source": {"kind": "urdf", **keys}}), {})
     assert caught.value.where == where
-
-
-def test_a_missing_xacro_is_known_before_any_work(tmp_path, monkeypatch):
-    put(tmp_path, **{"r.xacro": XACRO})
-    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
-    plan = Plan.model_validate({"name": "r", "source": {"kind": "urdf", "path": str(tmp_path / "r.xacro")}})
-    with pytest.raises(ConfigError, match=r"pip install 'xacro>=2\.1,<3', or expand"):
-        preflight(plan, {})

@@ -7,6 +7,8 @@ import re
 from pathlib import Path
 from urllib.parse import unquote
 
+from stages.fetch import regular
+
 _LARGEST = 1 << 28
 
 
@@ -37,9 +39,8 @@ def _content(folder: Path, name: str) -> bytes | None:
     for spelt in dict.fromkeys((name, unquote(name), name.replace("\\", "/"))):
         try:
             place = (folder / spelt).resolve()
-            inside = place.is_relative_to(folder.resolve()) and place.is_file()
-            if inside and place.stat().st_size <= _LARGEST:
-                return place.read_bytes()
-        except (OSError, ValueError):
+            if place.is_relative_to(folder.resolve()):
+                return regular.content(place, _LARGEST)
+        except (OSError, ValueError, regular.TooLarge):
             continue
     return None

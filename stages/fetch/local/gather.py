@@ -7,6 +7,7 @@ from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
+from stages.fetch import regular
 from stages.fetch.local.companions import companions
 from stages.fetch.local.meshfile import Mesh, Unreadable, body, read
 from stages.fetch.local.places import Place
@@ -147,10 +148,10 @@ def _moved(named: str, there: str, files: list[str]) -> str:
 
 def _content(file: Path) -> Mesh | str:
     try:
-        if file.stat().st_size > LARGEST_MESH:
-            return f"it is larger than {LARGEST_MESH} bytes"
-        data = file.read_bytes()
+        data = regular.content(file, LARGEST_MESH)
         return read(data, file.name, companions(file, data))
+    except regular.TooLarge:
+        return f"it is larger than {LARGEST_MESH} bytes"
     except OSError as error:
         return f"it cannot be read: {error.strerror or type(error).__name__}"
     except Unreadable as error:

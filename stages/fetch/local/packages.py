@@ -8,7 +8,17 @@ import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from stages.fetch import regular
+
 _NAME = re.compile(rb"<name>\s*([^<\s]+)\s*</name>")
+_OF_ROS = ("ROS_PACKAGE_PATH", "GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH")
+_AMENT = "AMENT_PREFIX_PATH"
+VARIABLES = (*_OF_ROS, _AMENT)
+"""ROS's own variables of the environment: the paths on which packages lie."""
+
+_LARGEST = 1 << 20
+"""Larger files are no package.xml [bytes]."""
+
 _ABOVE = 6
 """Folders above the file in which a package is looked for."""
 
@@ -58,13 +68,13 @@ class Packages:
             return
         yield from (place for place in self._above if _called(place) == name)
         yield from self._of_ros(name)
-        for prefix in self._entries("AMENT_PREFIX_PATH"):
+        for prefix in self._entries(_AMENT):
             yield prefix / "share" / name
         yield from (place for place in self._above if place.name == name)
         yield from (place / name for place in self._above)
 
     def _of_ros(self, name: str) -> Iterator[Path]:
-        for variable in ("ROS_PACKAGE_PATH", "GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH"):
+        for variable in _OF_ROS:
             for entry in self._entries(variable):
                 if entry.name == name or _called(entry) == name:
                     yield entry
@@ -82,9 +92,8 @@ class Packages:
 def _called(place: Path) -> str:
     """The name in a folder's package.xml, "" without one."""
     try:
-        with (place / "package.xml").open("rb") as file:
-            found = _NAME.search(file.read(1 << 16))
-    except OSError:
+        found = _NAME.search(regular.content(place / "package.xml", _LARGEST))
+    except (OSError, regular.TooLarge):
         return ""
     return found.group(1).decode("utf-8", "replace") if found else ""
 

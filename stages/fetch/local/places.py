@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
 
+from stages.fetch import regular
 from stages.fetch.local.packages import Packages
 
 _MOST_SEEN = 50_000
@@ -49,8 +50,10 @@ class Places:
             return Place(None, why=f"{scheme.group(1)}:// is not read: no mesh is fetched from a network")
         for spelt in dict.fromkeys((name, unquote(name), name.replace("\\", "/"))):
             for candidate in self._meant(spelt):
-                if _is_file(candidate):
+                if regular.is_file(candidate):
                     return Place(candidate)
+                if regular.is_special(candidate):
+                    return Place(None, why=regular.NOT_REGULAR)
         return self._search(name)
 
     def _meant(self, name: str) -> Iterator[Path]:
@@ -76,7 +79,7 @@ class Places:
         if ".." not in steps:
             inner = [steps, steps[1:]] if _SCHEME.match(name) else [steps]
             for rest in ("/".join(one) for one in inner if one):
-                found = next((place for place in self._packages.near(rest) if _is_file(place)), None)
+                found = next((place for place in self._packages.near(rest) if regular.is_file(place)), None)
                 if found is not None:
                     return Place(found, searched=True)
         alike = self._by_name.get(steps[-1].casefold(), [])
@@ -120,13 +123,6 @@ class Places:
     def is_private(self, name: str) -> bool:
         """Whether a name says where on this computer a file is."""
         return name.lower().startswith("file://") or name.startswith("/") or bool(_DRIVE.match(name))
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):  # a name that no file can have
-        return False
 
 
 def _relative(path: Path, root: Path) -> str:

@@ -10,20 +10,25 @@ import importlib.metadata
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from hashlib import file_digest, sha256
+from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stages.fetch.local import macros, text
+from stages.fetch import regular
+from stages.fetch.local import macros, plain, text
 from stages.fetch.local.companions import companions
 from stages.fetch.local.packages import Packages
 from stages.fetch.local.places import Place, Places
+from stages.robot.errors import SourceError
 
 if TYPE_CHECKING:
     from stages.fetch.keys import UrdfKeys
 
 LARGEST_MESH = 1 << 29
 """Larger mesh files are not read [bytes]."""
+
+LARGEST_ROBOT = 1 << 32
+"""The meshes of a robot have no more than this together [bytes]."""
 
 _NAMING_FILES = (".obj", ".gltf")
 
@@ -39,7 +44,14 @@ class Survey:
     files: Places
 
     def digests(self) -> list[list[str]]:
-        """Of each mesh's name: where the file is, as messages tell it, and the SHA-256 of all it holds."""
+        """Of each mesh's name: where the file is, as messages tell it, and the SHA-256 of all it holds.
+
+        SourceError where the files are larger together than is read.
+        """
+        files = {place.file for place in self.places.values() if place.file is not None}
+        if sum(_size(file) for file in files) > LARGEST_ROBOT:
+            msg = f"its meshes have more than {LARGEST_ROBOT / 1e9:.3g} GB"
+            raise SourceError(msg, self.document, "a robot for simulation needs coarser ones")
         return [[name, *self._digest(self.places[name])] for name in sorted(self.places)]
 
     def microversion(self) -> str:
@@ -54,14 +66,16 @@ class Survey:
 
 
 def survey(source: UrdfKeys, environ: Mapping[str, str]) -> Survey:
-    """ConfigError where xacro is needed and not installed; SourceError where the file is not readable."""
+    """ConfigError where xacro is needed, and is not installed or the file not trusted; SourceError where
+    the file is not readable as a URDF."""
     path = Path(source.path).absolute()
     given = {name: Path(folder).absolute() for name, folder in source.packages.items()}
     packages = Packages(path.parent, given, environ)
     content = text.read(path, path.name)
-    if macros.wanted(path, content):
-        made = macros.expanded(path, path.name, source.args, packages.find)
-        content = text.uncommented(made)
+    if macros.is_named(path):
+        content = text.uncommented(macros.expanded(source, content, environ, packages.find))
+    else:
+        plain.require(content, path.name)
     places = Places(path.parent, packages, text.meshdir(content))
     found = {name: places.find(name) for name in text.meshes(content)}
     public = _public(found, places)
@@ -114,15 +128,23 @@ def _version(library: str) -> str:
         return "absent"
 
 
+def _size(file: Path) -> int:
+    """A file's size [bytes]; 0 where it is too large to be read, or is not there any more."""
+    try:
+        size = file.stat().st_size
+    except OSError:
+        return 0
+    return size if size <= LARGEST_MESH else 0
+
+
 def _content_digest(file: Path) -> str:
     """The SHA-256 of a file, and of the files that it names; its size where it is too large to be read."""
     try:
-        if file.stat().st_size > LARGEST_MESH:
-            return "too large"
         if file.suffix.lower() not in _NAMING_FILES:
-            with file.open("rb") as stream:
-                return file_digest(stream, "sha256").hexdigest()
-        data = file.read_bytes()
+            return regular.digest(file, LARGEST_MESH)
+        data = regular.content(file, LARGEST_MESH)
+    except regular.TooLarge:
+        return "too large"
     except OSError as error:
         return error.strerror or type(error).__name__
     whole = sha256(data)

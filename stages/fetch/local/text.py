@@ -8,6 +8,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
+from stages.fetch import regular
 from stages.robot.errors import SourceError
 
 LARGEST = 1 << 24
@@ -33,14 +34,13 @@ def read(path: Path, where: str) -> str:
     SourceError where it cannot be read, or is no text.
     """
     try:
-        size = path.stat().st_size
-        data = b"" if size > LARGEST else path.read_bytes()
+        data = regular.content(path, LARGEST)
     except OSError as error:
         msg = f"it cannot be read: {error.strerror or type(error).__name__}"
         raise SourceError(msg, where, "check source.path and its permissions") from error
-    if size > LARGEST:
-        msg = f"it is not readable as a URDF: it has {size} bytes; at most {LARGEST} are read"
-        raise SourceError(msg, where, "check that source.path names the right file")
+    except regular.TooLarge as error:
+        msg = f"it is not readable as a URDF: it has {error.size} bytes; at most {LARGEST} are read"
+        raise SourceError(msg, where, "check that source.path names the right file") from None
     return uncommented(_decoded(data, where))
 
 

@@ -1,0 +1,45 @@
+"""The guest that expands a xacro file, by ROS's own `xacro` package."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+
+import xacro
+from xacro import substitution_args
+
+
+class _Lacking(Exception):
+    """A package is asked for that nobody named."""
+
+
+def answer(request: bytes) -> bytes:
+    """To {"path": the file, "args": its arguments, "packages": folders of packages by name}: a line
+    {"lacking": a package that is not among them, "refused": why there is no text}, and the text."""
+    asked = json.loads(request)
+    lacking: list[str] = []
+    try:
+        text, why = _expanded(asked["path"], asked["args"], asked["packages"], lacking), ""
+    except RecursionError:
+        text, why = "", "it nests too deep, or calls itself"
+    except Exception as error:
+        text, why = "", str(error) or type(error).__name__
+    told = {"lacking": lacking[-1] if lacking and why else "", "refused": why}
+    return json.dumps(told).encode() + b"\n" + text.encode()
+
+
+def _expanded(path: str, args: Mapping[str, str], packages: Mapping[str, str], lacking: list[str]) -> str:
+    def folder(name: str) -> str:
+        if name not in packages:
+            lacking.append(name)
+            raise _Lacking(name)
+        return packages[name]
+
+    # xacro's own look-up needs an installed ROS.
+    substitution_args._eval_find = folder
+    substitution_args._eval_dict["find"] = folder
+    xacro.init_stacks(path)
+    document = xacro.parse(None, path)
+    xacro.process_doc(document, mappings=dict(args))
+    text: str = document.toprettyxml(indent="  ")
+    return text

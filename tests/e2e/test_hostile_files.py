@@ -1,0 +1,204 @@
+"""Files that were written to run code, or to use up time, memory or a crash of what reads them: through the
+real command each is one clear message, nothing of it runs, and nothing is left."""
+
+import os
+import signal
+import socket
+from pathlib import Path
+
+import pytest
+
+from tests.e2e.command import environment, linkwright, tree
+from tests.mjcfs import model
+
+pytestmark = pytest.mark.slow
+
+XMLNS = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+SECRET = "a-secret-of-the-environment"
+ESCAPE = (
+    "${(lambda: [c for c in ().__class__.__base__.__subclasses__() if c.__name__ == '_wrap_close'][0]"
+    ".__init__.__globals__['system']('touch ran'))()}"
+)
+"""An expression that gets around xacro's filter and runs a shell command."""
+
+
+def refused(here: Path, *arguments: str, status: int = 1, mine: str = "outputs") -> str:
+    """What the command says of a source that it refuses: one error, and no trace of this computer."""
+    before = tree(here)
+    environ = environment(here, ONSHAPE_SECRET_KEY=SECRET, ONSHAPE_ACCESS_KEY=SECRET)
+    done = linkwright(here, "until=graph", "name=r", *arguments, environ=environ, timeout=400)
+    told = done.stdout + done.stderr
+    assert done.returncode == status, told
+    assert len([line for line in done.stderr.splitlines() if line.startswith("error:")]) == 1, told
+    assert not [word for word in ("Traceback", SECRET, "root:", str(here)) if word in told], told
+    assert {Path(path).parts[0] for path in tree(here) - before} <= {mine}
+    return done.stderr
+
+
+# URDF and xacro.
+
+
+@pytest.mark.parametrize(
+    "inside",
+    [
+        f'<link name="{ESCAPE}"/>',
+        '<link name="$(env ONSHAPE_SECRET_KEY)"/>',
+        "<link name=\"${load_yaml('/etc/passwd')}\"/>",
+        '<xacro:include filename="/etc/passwd"/><link name="a"/>',
+        '<link name="a" xacro:if="1"/>',
+    ],
+)
+@pytest.mark.parametrize(("name", "status"), [("r.urdf", 1), ("r.urdf.xacro", 2)])
+def test_no_file_runs_that_nobody_trusts(tmp_path, inside, name, status):
+    (tmp_path / name).write_text(f'<robot {XMLNS} name="r">{inside}</robot>')
+    said = refused(tmp_path, "source=urdf", f"source.path={name}", status=status)
+    assert "xacro FILE > robot.urdf" in said
+    assert "source.trust=true" in said
+
+
+@pytest.mark.parametrize(
+    ("inside", "said"),
+    [
+        ('<link name="$(env ONSHAPE_SECRET_KEY)"/>', "ONSHAPE_SECRET_KEY"),
+        ('<link name="${python.sum(python.range(10**12))}"/>', "took longer than 60 s"),
+        ('<link name="${len(str(10) * 5 * 10**9)}"/>', "needed more than 2.15 GB"),
+        ('<link name="${str(10) * 10**8}"/>', "made more than 16.8 MB"),
+        ("<xacro:macro name='m'><xacro:m/><xacro:m/></xacro:macro><xacro:m/>", "calls itself"),
+        ('<link name="${(lambda: 1 and __import__)()}"/>', "xacro refuses it"),
+        ("<link name=\"${load_yaml('/dev/zero')}\"/>", "xacro refuses it"),
+        ("<xacro:include filename='x.pipe'/><link name='a'/>", "took longer than 60 s"),
+    ],
+)
+def test_what_is_trusted_has_bounds(tmp_path, inside, said):
+    (tmp_path / "r.xacro").write_text(f'<robot {XMLNS} name="r">{inside}</robot>')
+    os.mkfifo(tmp_path / "x.pipe")
+    assert said in refused(tmp_path, "source=urdf", "source.path=r.xacro", "source.trust=true")
+
+
+# MJCF.
+
+COPIES = '<worldbody><replicate count="{}">{}</replicate></worldbody>'
+ATTACH = '<attach model="m" body="x" prefix="{}"/>'
+
+
+def nest(depth: int) -> dict[str, str]:
+    """Models in models, each in the one above twice: 2 to the power of `depth` bodies."""
+    twice = ATTACH.format("a") + ATTACH.format("b")
+    files = {
+        f"m{i}.xml": f'<mujoco><asset><model name="m" file="m{i + 1}.xml"/></asset>'
+        f'<worldbody><body name="x">{twice}</body></worldbody></mujoco>'
+        for i in range(depth)
+    }
+    last = '<mujoco><worldbody><body name="x"><geom size=".1"/></body></worldbody></mujoco>'
+    return {**files, f"m{depth}.xml": last}
+
+
+@pytest.mark.parametrize(
+    ("files", "said"),
+    [
+        ({"m0.xml": f'<mujoco><asset><model name="m" file="m0.xml"/></asset>'
+                    f'<worldbody><body>{ATTACH.format("a")}</body></worldbody></mujoco>'}, "MuJoCo"),
+        ({"m0.xml": model("", '<asset><mesh name="m" file="m0.xml"/></asset>')}, "MuJoCo refuses it"),
+        ({"m0.xml": '<mujoco><include file="m0.xml"/></mujoco>'}, "MuJoCo refuses it"),
+        (nest(26), "MuJoCo's compiler"),
+        ({"m0.xml": "<mujoco>" + COPIES.format(20_000, "<body/>") + "</mujoco>"}, "comes to 20000"),
+        (
+            {
+                "m0.xml": '<mujoco><worldbody><replicate count="3000"><include file="i.xml"/></replicate>'
+                "</worldbody></mujoco>",
+                "i.xml": '<mujoco><replicate count="3000"><body><geom/></body></replicate></mujoco>',
+            },
+            "MuJoCo's compiler",
+        ),
+        ({"m0.xml": model("<body/>", '<size nkey="2000000000"/>')}, "<size nkey>"),
+        ({"m0.xml": model("<body/>", '<size nuser_geom="2000000000"/>')}, "<size nuser_geom>"),
+        ({"m0.xml": model("<body/>", '<size memory="1000T"/>')}, "MuJoCo refuses it"),
+        ({"m0.xml": model("<body/>", '<sensor><user dim="2000000000"/></sensor>')}, "<user dim>"),
+        ({"m0.xml": model("<body/>", '<asset><hfield nrow="60000" ncol="60000"/></asset>')},
+         "<hfield> has"),
+        ({"m0.xml": model('<body><flexcomp type="grid" count="300 300 300"/></body>')},
+         "comes to 2.7e+07"),
+        ({"m0.xml": model("<body>" * 20_000 + "</body>" * 20_000)}, "MuJoCo refuses it"),
+        ({"m0.xml": model(f'<body name="{"a" * 30_000_000}"/>')}, "letters"),
+        ({"m0.xml": model("<body/>" * 1_000_000)}, "1000000 bodies"),
+        ({"m0.xml": model("<body/>", '<asset><mesh file="/proc/kmsg"/></asset>')}, "/proc/kmsg"),
+        ({"m0.xml": model("<body/>", '<asset><mesh file="/dev/zero"/></asset>')}, "/dev/zero"),
+        ({"m0.xml": model("<body/>", '<asset><mesh file="x.pipe"/></asset>')}, "x.pipe"),
+        ({"m0.xml": model("<body/>", '<asset><texture file="x.socket"/></asset>')}, "x.socket"),
+        ({"m0.xml": '<mujoco><include file="x.huge"/></mujoco>'}, "x.huge"),
+    ],
+    ids=lambda value: "",
+)  # fmt: skip
+def test_a_hostile_mjcf_is_one_error(tmp_path, files, said):
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    _with_odd_files(tmp_path)
+    assert said in refused(tmp_path, "source=mjcf", "source.path=m0.xml")
+
+
+@pytest.mark.parametrize("name", ["/dev/zero", "/proc/kmsg", "x.pipe", "x.socket", "x.huge"])
+def test_a_mesh_of_a_urdf_that_is_no_file_is_one_error(tmp_path, name):
+    shape = f'<visual><geometry><mesh filename="{name}"/></geometry></visual>'
+    (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="a">{shape}</link></robot>')
+    _with_odd_files(tmp_path)
+    said = refused(tmp_path, "source=urdf", "source.path=r.urdf")
+    assert "E-MESH" in said
+
+
+@pytest.mark.parametrize("kind", ["urdf", "mjcf", "bundle"])
+@pytest.mark.parametrize(
+    ("name", "status"), [("/dev/zero", 2), ("x.pipe", 2), ("x.socket", 2), ("x.huge", 1), ("/proc/kmsg", 1)]
+)
+def test_a_source_that_is_no_file_is_one_error(tmp_path, kind, name, status):
+    _with_odd_files(tmp_path)
+    refused(tmp_path, f"source={kind}", f"source.path={name}", status=status)
+
+
+def _with_odd_files(folder: Path) -> None:
+    os.mkfifo(folder / "x.pipe")
+    here = Path.cwd()
+    with socket.socket(socket.AF_UNIX) as one:
+        os.chdir(folder)
+        one.bind("x.socket")
+        os.chdir(here)
+    with (folder / "x.huge").open("wb") as file:
+        file.truncate(1 << 42)
+
+
+def test_an_interrupt_while_a_guest_works_leaves_nothing(tmp_path):
+    """Ctrl-C in a terminal goes to the command alone: the guest is in a session of its own."""
+    import subprocess
+    import time
+
+    from tests.e2e.command import COMMAND
+
+    (tmp_path / "r.xacro").write_text(
+        f'<robot {XMLNS} name="r"><link name="${{[0 for a in range(10**12)]}}"/></robot>'
+    )
+    command = [str(COMMAND), "source=urdf", "source.path=r.xacro", "source.trust=true", "name=r"]
+    with subprocess.Popen(
+        command, cwd=tmp_path, env=environment(tmp_path), stderr=subprocess.PIPE, text=True
+    ) as run:
+        until = time.monotonic() + 60
+        while not (guests := _guests_of(run.pid)) and time.monotonic() < until:
+            time.sleep(0.05)
+        assert guests
+        run.send_signal(signal.SIGINT)
+        _, said = run.communicate(timeout=60)
+    assert run.returncode == 130, said
+    assert "Traceback" not in said
+    assert not any(Path(f"/proc/{pid}").exists() for pid in guests)
+
+
+def _guests_of(pid: int) -> list[int]:
+    """The guests of a process (Linux)."""
+    found = []
+    for one in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            parent = int(one.read_text().rpartition(")")[2].split()[1])
+            line = (one.parent / "cmdline").read_bytes()
+        except OSError:
+            continue
+        if parent == pid and b"guestmain.py" in line:
+            found.append(int(one.parent.name))
+    return found
