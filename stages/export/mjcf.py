@@ -17,7 +17,7 @@ from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Colour, Geometry, Shape
 from stages.robot.inertia import principal_axes
 from stages.robot.kinematics import chain
-from stages.robot.model import Array, Configuration, Inertial, Joint, Primitive, Relation, Robot, Value
+from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Primitive, Relation, Robot, Value
 from stages.robot.names import free
 from stages.robot.numbers import number, rounded, spaced
 from stages.robot.poses import from_parts
@@ -104,15 +104,17 @@ class _Bodies:
 
     def write(self) -> None:
         joints = {joint.child: joint for joint in self.robot.joints}
+        frames: dict[str, list[Frame]] = {}
+        for frame in self.robot.frames:
+            frames.setdefault(frame.link, []).append(frame)
         for link in self.robot.links:
             joint = joints.get(link.name)
             body, place = self._root() if joint is None else (self._child(joint), np.eye(4))
             self.elements[link.name] = body, place
             _inertial(body, self.closures.share(link.name, link.inertial))
             self._geoms(body, link.name, place)
-            for frame in self.robot.frames:
-                if frame.link == link.name:
-                    element(body, "site", name=frame.name, **placement(place @ frame.link_from_frame))
+            for frame in frames.get(link.name, ()):
+                element(body, "site", name=frame.name, **placement(place @ frame.link_from_frame))
             self.closures.write_sites(body, link.name, place)
         for carrier in self.closures.carriers:
             above, place = self.elements[carrier.parent]

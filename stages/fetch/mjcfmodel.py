@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from hashlib import sha256
 
 import mujoco
@@ -111,20 +111,22 @@ def taken(model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, where: str
     kept = _kept(model)
     numbers = {body: number for number, body in enumerate(kept)}
     joints = [joint for joint in range(model.njnt) if int(model.jnt_bodyid[joint]) in numbers]
+    sites = _of_bodies(model.site_bodyid)
     shown = any(geom_shows(model, geom) for geom in range(model.ngeom))
     limits = efforts(model)
     bodies = []
     for body in kept:
-        own = [_joint(model, joint, limits) for joint in joints if model.jnt_bodyid[joint] == body]
+        first = int(model.body_jntadr[body])
+        own = range(first, first + int(model.body_jntnum[body]))
         bodies.append(
             MjcfBody(
                 name=model.body(body).name,
                 parent=numbers[int(model.body_parentid[body])],
                 parent_from_body=placed(model.body_pos[body], model.body_quat[body]),
                 inertial=_inertial(model, body),
-                joints=tuple(own),
+                joints=tuple(_joint(model, joint, limits) for joint in own),
                 geoms=tuple(_geoms(model, body, meshes, shown)) if body else (),
-                sites=tuple(_sites(model, body)),
+                sites=tuple(_site(model, site) for site in sites.get(body, ()) if model.site(site).name),
             )
         )
     order = {joint: number for number, joint in enumerate(joints)}
@@ -157,11 +159,19 @@ def _require_finite(model: mujoco.MjModel, where: str) -> None:
 
 def _kept(model: mujoco.MjModel) -> list[int]:
     """The bodies that no mocap body is, nor is above; the world is the first."""
-    kept: list[int] = []
+    kept: dict[int, None] = {}
     for body in range(model.nbody):
         if model.body_mocapid[body] < 0 and (body == 0 or int(model.body_parentid[body]) in kept):
-            kept.append(body)
-    return kept
+            kept[body] = None
+    return list(kept)
+
+
+def _of_bodies(bodies: Iterable[int]) -> dict[int, list[int]]:
+    """Which of the things that are on `bodies` each of these has."""
+    found: dict[int, list[int]] = {}
+    for thing, body in enumerate(bodies):
+        found.setdefault(int(body), []).append(thing)
+    return found
 
 
 def _inertial(model: mujoco.MjModel, body: int) -> Inertial | None:
@@ -250,11 +260,8 @@ def _colour(rgba: Array) -> Colour:
     return r, g, b, a
 
 
-def _sites(model: mujoco.MjModel, body: int) -> Iterator[MjcfSite]:
-    for site in range(model.nsite):
-        if model.site_bodyid[site] == body and model.site(site).name:
-            pose = placed(model.site_pos[site], model.site_quat[site])
-            yield MjcfSite(model.site(site).name, pose)
+def _site(model: mujoco.MjModel, site: int) -> MjcfSite:
+    return MjcfSite(model.site(site).name, placed(model.site_pos[site], model.site_quat[site]))
 
 
 def _closures(model: mujoco.MjModel, numbers: Mapping[int, int]) -> Iterator[MjcfClosure]:

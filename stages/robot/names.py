@@ -84,10 +84,21 @@ def shortest_unique(paths: Mapping[str, Sequence[str]], taken: Iterable[str] = (
 
 
 def free(name: str, taken: set[str]) -> str:
-    """`name`, or with the first of _2, _3, ... that is not taken."""
+    """`name`, or with the first of _2, _3, ... that is not taken; of very many some that is not."""
     if name not in taken:
         return name
-    count = 2
-    while f"{name}_{count}" in taken:
-        count += 1
-    return f"{name}_{count}"
+    for count in range(2, _NEAR):
+        if f"{name}_{count}" not in taken:
+            return f"{name}_{count}"
+    # Without gaps this is the first, too, and it takes log n steps where one by one takes n.
+    low, high = _NEAR - 1, 2 * _NEAR
+    while f"{name}_{high}" in taken:
+        low, high = high, 2 * high
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if f"{name}_{middle}" in taken else (low, middle)
+    return f"{name}_{high}"
+
+
+_NEAR = 100
+"""Counts that are tried one by one."""

@@ -9,6 +9,9 @@ Element: TypeAlias = Any
 """An lxml element; lxml ships no types of its own."""
 
 
+_MOST_LEVELS = 100
+
+
 class Malformed(ValueError):
     """The text is no XML, or XML that nobody needs: entities, or nested or long beyond any sense."""
 
@@ -25,8 +28,8 @@ def element(parent: Element | None, tag: str, **attributes: str | None) -> Eleme
 
 
 def to_bytes(root: Element) -> bytes:
-    """The document as UTF-8 with two spaces a level and a newline at the end."""
-    etree.indent(root, space="  ")
+    """The document as UTF-8 with two spaces a level, of the first hundred, and a newline at the end."""
+    _indent(root)
     text: bytes = etree.tostring(root, encoding="utf-8", xml_declaration=True)
     return text + b"\n"
 
@@ -37,6 +40,34 @@ def to_text(node: Element) -> str:
     etree.cleanup_namespaces(own)
     text: str = etree.tostring(own, encoding="unicode", with_tail=False)
     return text
+
+
+def _indent(root: Element) -> None:
+    """Puts every element on a line of its own, but for those beside text that says something.
+
+    The white space of a deep tree grows with its square where every level has more.
+    """
+    # lxml looks through all that is above an element when it lets go of it, unless its parent is in use.
+    everything = list(root.iter())
+    waiting = [(everything[0], 0)]
+    while waiting:
+        parent, level = waiting.pop()
+        inner = "\n" + "  " * min(level + 1, _MOST_LEVELS)
+        last = None
+        for child in parent:
+            if last is None:
+                parent.text = _spaced(parent.text, inner)
+            else:
+                last.tail = _spaced(last.tail, inner)
+            last = child
+            if len(child):
+                waiting.append((child, level + 1))
+        if last is not None:
+            last.tail = _spaced(last.tail, "\n" + "  " * min(level, _MOST_LEVELS))
+
+
+def _spaced(text: str | None, space: str) -> str:
+    return space if text is None or not text.strip() else text
 
 
 def parse(data: bytes, *, large: bool = False) -> Element:

@@ -1,6 +1,6 @@
 """Links that are no bodies: frames that a file writes as links, and links that only carry the next joint."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from stages.graph.globs import listed
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.notes import Notes
+from stages.graph.urdf.structure import tops
 from stages.robot.inertia import LEAST_MOMENT, NEXT_TO_NOTHING, SPECK, merged, moved
 from stages.robot.model import Array, Inertial, frozen
 from stages.robot.urdf import Urdf, UrdfJoint, UrdfLink, UrdfShape
@@ -36,8 +37,12 @@ def without_dummies(urdf: Urdf, notes: Notes) -> tuple[Urdf, tuple[UrdfFrame, ..
         for child, joint in joints.items()
         if joint.type == "fixed" and joint.parent != world and _is_point(links[child].inertial)
     }
-    places = {name: _place(name, dummies, joints) for name in sorted(dummies)}
-    kept = [_taking_in(link, places, links) for link in urdf.links if link.name not in dummies]
+    places = _places(dummies, joints)
+    carried: dict[str, list[tuple[UrdfLink, Array]]] = {}
+    for name in sorted(places):
+        carrier, pose = places[name]
+        carried.setdefault(carrier, []).append((links[name], pose))
+    kept = [_taking_in(link, carried.get(link.name, [])) for link in urdf.links if link.name not in dummies]
     moved_joints = [_moved(joint, places) for joint in urdf.joints if joint.child not in dummies]
     if dummies:
         text = f"{len(dummies)} link(s) without a body of their own became frames of what they are fixed to"
@@ -67,20 +72,23 @@ def has_world(urdf: Urdf) -> bool:
     )
 
 
-def _place(name: str, dummies: set[str], joints: Mapping[str, UrdfJoint]) -> tuple[str, Array]:
-    """The link that carries a dummy in the end, and the dummy's frame in it (4, 4)."""
-    pose = np.eye(4)
-    while name in dummies:
-        pose = joints[name].parent_from_joint @ pose
-        name = joints[name].parent
-    return name, frozen(pose)
+def _places(dummies: set[str], joints: Mapping[str, UrdfJoint]) -> dict[str, tuple[str, Array]]:
+    """The link that carries each dummy in the end, and the dummy's frame in it (4, 4)."""
+    found: dict[str, tuple[str, Array]] = {}
+    for name in dummies:
+        way = []
+        while name in dummies and name not in found:
+            way.append(name)
+            name = joints[name].parent
+        for one in reversed(way):
+            joint = joints[one]
+            carrier, pose = found.get(joint.parent, (joint.parent, np.eye(4)))
+            found[one] = carrier, frozen(pose @ joint.parent_from_joint)
+    return found
 
 
-def _taking_in(
-    link: UrdfLink, places: Mapping[str, tuple[str, Array]], links: Mapping[str, UrdfLink]
-) -> UrdfLink:
-    """The link with the shapes and the mass of the dummies that it carries."""
-    mine = [(links[name], pose) for name, (carrier, pose) in places.items() if carrier == link.name]
+def _taking_in(link: UrdfLink, mine: Sequence[tuple[UrdfLink, Array]]) -> UrdfLink:
+    """The link with the shapes and the mass of the dummies that it carries, each with its place in it."""
     if not mine:
         return link
     points = [moved(one.inertial, pose) for one, pose in mine if one.inertial and one.inertial.mass > 0]
@@ -111,18 +119,18 @@ def with_carriers(urdf: Urdf, mend: bool, notes: Notes) -> Urdf:
 
     `mend`: links that move without mass and carry none get some too (W-URDF-MASSLESS).
     """
-    rigid = {joint.child: joint for joint in urdf.joints if joint.type == "fixed"}
+    rigid = tops({joint.child: joint.parent for joint in urdf.joints if joint.type == "fixed"})
 
     def group(name: str) -> str:
-        while name in rigid:
-            name = rigid[name].parent
-        return name
+        return rigid.get(name, name)
 
     heavy = {group(link.name) for link in urdf.links if not weighs_nothing(link.inertial)}
     above = {group(joint.child): group(joint.parent) for joint in urdf.joints if joint.type != "fixed"}
     carriers: set[str] = set()
+    seen: set[str] = set()
     for name in sorted(heavy):
-        while name in above:
+        while name in above and name not in seen:
+            seen.add(name)
             name = above[name]
             if name in above and name not in heavy:
                 carriers.add(name)

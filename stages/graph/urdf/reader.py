@@ -1,5 +1,6 @@
 """From a URDF to a mechanism: its links are the bodies, its joints the couplings, all at zero."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import cast
@@ -13,7 +14,7 @@ from stages.graph.unused import tell_unused
 from stages.graph.urdf.dummies import UrdfFrame, weighs_nothing, with_carriers, without_dummies
 from stages.graph.urdf.inertias import Policy, mended
 from stages.graph.urdf.naming import Names, names_of
-from stages.graph.urdf.structure import SCALAR, check_structure
+from stages.graph.urdf.structure import SCALAR, check_structure, tops
 from stages.robot.bundle import Bundle
 from stages.robot.inertia import ZERO, moved
 from stages.robot.kinematics import chain
@@ -82,12 +83,8 @@ def read_urdf(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechanism,
 def _root(urdf: Urdf) -> str:
     """The link without a parent; of several the one that most hangs on, then the first by name."""
     above = {joint.child: joint.parent for joint in urdf.joints}
-    count: dict[str, int] = {}
-    for link in urdf.links:
-        name = link.name
-        while name in above:
-            name = above[name]
-        count[name] = count.get(name, 0) + 1
+    top = tops(above)
+    count = Counter(top.get(link.name, link.name) for link in urdf.links)
     return min(count, key=lambda name: (-count[name], name))
 
 
@@ -148,12 +145,17 @@ def _saved(dofs: Mapping[str, tuple[Dof, ...]], urdf: Urdf) -> dict[str, tuple[D
     """The dofs with followers where their mimic has them when what drives them is at zero."""
     mimics = {joint.name: joint.mimic for joint in urdf.joints if joint.mimic and joint.type in SCALAR}
 
-    def value(name: str) -> float:
-        mimic = mimics.get(name)
-        return 0.0 if mimic is None else mimic.multiplier * value(mimic.joint) + mimic.offset
-
+    values: dict[str, float] = {}
+    for name in mimics:
+        way = []
+        while name in mimics and name not in values:
+            way.append(name)
+            name = mimics[name].joint
+        for follower in reversed(way):
+            mimic = mimics[follower]
+            values[follower] = mimic.multiplier * values.get(mimic.joint, 0.0) + mimic.offset
     return {
-        name: tuple(replace(dof, saved=value(name)) for dof in own) if name in mimics else own
+        name: tuple(replace(dof, saved=values[name]) for dof in own) if name in values else own
         for name, own in dofs.items()
     }
 

@@ -1,7 +1,7 @@
 """Whether the links and joints of a file are a tree, and what in it is none, all told at once."""
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 
 import networkx as nx
 
@@ -19,16 +19,21 @@ def check_structure(urdf: Urdf, disconnected: bool, notes: Notes) -> None:
     `disconnected`: whether several roots are allowed, since the user says what becomes of them.
     """
     links = {link.name for link in urdf.links}
-    sound = [joint for joint in urdf.joints if _ends_are_there(joint, links, notes)]
+    there = f"links are: {listed(links)}"
+    sound = [joint for joint in urdf.joints if _ends_are_there(joint, links, there, notes)]
     _check_parents(sound, notes)
     graph: nx.DiGraph[str] = nx.DiGraph()
     graph.add_nodes_from(links)
     graph.add_edges_from((joint.parent, joint.child) for joint in sound)
-    for group in sorted(sorted(group) for group in nx.strongly_connected_components(graph)):
-        if len(group) > 1:
-            names = sorted(one.name for one in sound if {one.parent, one.child} <= set(group))
-            text = f"the links {listed(group)} hang on each other in a circle"
-            notes.tell("E-URDF-CYCLE", text, listed(names), "a URDF is a tree: take one of the joints out")
+    groups = sorted(sorted(group) for group in nx.strongly_connected_components(graph) if len(group) > 1)
+    group_of = {name: number for number, group in enumerate(groups) for name in group}
+    within: list[list[str]] = [[] for _ in groups]
+    for joint in sound:
+        if joint.parent in group_of and group_of[joint.parent] == group_of.get(joint.child):
+            within[group_of[joint.parent]].append(joint.name)
+    for group, names in zip(groups, within, strict=True):
+        text = f"the links {listed(group)} hang on each other in a circle"
+        notes.tell("E-URDF-CYCLE", text, listed(names), "a URDF is a tree: take one of the joints out")
     roots = sorted(name for name in links if graph.in_degree(name) == 0)
     if len(roots) > 1 and not disconnected:
         text = f"{len(roots)} links have no parent: {listed(roots)}"
@@ -37,11 +42,11 @@ def check_structure(urdf: Urdf, disconnected: bool, notes: Notes) -> None:
     _check_mimics(urdf, notes)
 
 
-def _ends_are_there(joint: UrdfJoint, links: set[str], notes: Notes) -> bool:
+def _ends_are_there(joint: UrdfJoint, links: set[str], there: str, notes: Notes) -> bool:
     missing = [f"{side} {name!r}" for side, name in _ends(joint) if name not in links]
     if missing:
         text = f"there is no link for its {' and '.join(missing)}"
-        notes.tell("E-URDF-LINK", text, joint.name, f"links are: {listed(links)}")
+        notes.tell("E-URDF-LINK", text, joint.name, there)
     elif joint.parent == joint.child:
         text = f"it joins the link {joint.parent!r} to itself"
         notes.tell("E-URDF-SELF", text, joint.name, "a joint has two different links")
@@ -68,15 +73,18 @@ def _check_mimics(urdf: Urdf, notes: Notes) -> None:
     """E-URDF-MIMIC for a joint that cannot follow what it says it follows."""
     counts = Counter(joint.name for joint in urdf.joints)
     joints = {joint.name: joint for joint in urdf.joints if counts[joint.name] == 1}
+    circles = _circles({name: joint.mimic.joint for name, joint in joints.items() if joint.mimic})
     hint = "mend the <mimic>, or take it out"
     for joint in sorted(joints.values(), key=lambda one: one.name):
         if joint.mimic is not None and joint.type in SCALAR:
-            why = _unfollowed(joint, joint.mimic, joints)
+            why = _unfollowed(joint, joint.mimic, joints, circles)
             if why:
                 notes.tell("E-URDF-MIMIC", why, joint.name, hint)
 
 
-def _unfollowed(joint: UrdfJoint, mimic: UrdfMimic, joints: dict[str, UrdfJoint]) -> str:
+def _unfollowed(
+    joint: UrdfJoint, mimic: UrdfMimic, joints: Mapping[str, UrdfJoint], circles: Mapping[str, str]
+) -> str:
     """Why the joint cannot follow; "" where it can."""
     if mimic.joint == joint.name:
         return "it mimics itself"
@@ -85,10 +93,32 @@ def _unfollowed(joint: UrdfJoint, mimic: UrdfMimic, joints: dict[str, UrdfJoint]
         return f"it mimics {mimic.joint!r}, which is no joint"
     if driver.type not in SCALAR:
         return f"it mimics {mimic.joint!r}, which is {driver.type} and so has no single value"
-    seen = [joint.name]
-    while driver is not None and driver.mimic is not None:
-        if driver.name in seen:
-            return f"it mimics in a circle: {', '.join(sorted(seen))}" if driver is joint else ""
-        seen.append(driver.name)
-        driver = joints.get(driver.mimic.joint)
-    return ""
+    return f"it mimics in a circle: {circles[joint.name]}" if joint.name in circles else ""
+
+
+def _circles(above: Mapping[str, str]) -> dict[str, str]:
+    """By each name from which the way up, from name to name, comes back to it: the names on that way."""
+    found: dict[str, str] = {}
+    seen: set[str] = set()
+    for name in above:
+        way: dict[str, None] = {}
+        while name in above and name not in seen:
+            seen.add(name)
+            way[name] = None
+            name = above[name]
+        if name in way:
+            circle = list(way)[list(way).index(name) :]
+            found |= dict.fromkeys(circle, listed(circle))
+    return found
+
+
+def tops(above: Mapping[str, str]) -> dict[str, str]:
+    """Where the way up ends from each name of a forest that has one."""
+    found: dict[str, str] = {}
+    for name in above:
+        way = []
+        while name in above and name not in found:
+            way.append(name)
+            name = above[name]
+        found |= dict.fromkeys(way, found.get(name, name))
+    return found

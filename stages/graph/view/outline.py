@@ -34,7 +34,8 @@ Cells = tuple[str, str, str, str, str]
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A link's lines. `lasts`: for it and each link above, the root aside, whether it is the last child."""
+    """A link's lines. `lasts`: for it and the links above, the root aside and as far up as is drawn, whether
+    it is the last child."""
 
     lasts: tuple[bool, ...]
     is_leaf: bool
@@ -67,7 +68,7 @@ def _rows(robot: Robot) -> Iterator[Row]:
         above, lasts = waiting.pop()
         link = robot.root if above is None else links[above.child]
         children = below[link.name]
-        waiting += [(child, (*lasts, child is children[-1])) for child in reversed(children)]
+        waiting += [(child, (*lasts[-_TRUNK:], child is children[-1])) for child in reversed(children)]
         mass = "" if is_origin(robot, link) else f"{link.inertial.mass:.3g}"
         name, kind = (base, "") if above is None else (above.name, above.type)
         ranges = () if above is None else tuple(_ranges(above, follows))
