@@ -58,7 +58,7 @@ def fetch(
     Calls are taken down in the folder `ledger`, and in `calls` also where the fetch fails. `patience`:
     how failures of the server are borne with, but for `source.max_wait`. `began`: the start of the
     sweep that this build is a job of [s since the epoch]. `while_waiting` is called once replies are on
-    their way that make the later stages run, and must return at once.
+    their way, or a guest is asked, that make the later stages run, and must return at once.
 
     ConfigError where a call is due and there is no API key; SourceError and its kinds where the
     source cannot be read; AssemblyError where the assembly has no part.
@@ -79,7 +79,7 @@ def fetch(
     if source.kind == "mjcf":
         from stages.fetch.mjcf import gather as compiled
 
-        bundle, found = compiled(source)
+        bundle, found = compiled(source, while_waiting)
         return Fetched(bundle, calls=0, saved=0, diagnostics=found)
 
     from stages.fetch.bundle import read, whole

@@ -10,6 +10,7 @@ from __future__ import annotations
 import importlib.metadata
 import json
 import re
+from collections.abc import Callable
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,8 +31,8 @@ MODEL = "model"
 BOUNDS = guest.Bounds(seconds=120, memory=4 << 30, reply=1 << 30)
 """What MuJoCo may take: a model of 10,000 bodies takes it half a minute."""
 
-_ENVIRON = {"MUJOCO_GL": "disable"}
-"""Nothing is drawn, and looking for a window system takes as long as all else that is imported."""
+_ENVIRON = {"MUJOCO_GL": "disable", "OPENBLAS_NUM_THREADS": "1"}
+"""Nothing is drawn, and no large matrix multiplied: what would prepare for it takes as long as all else."""
 
 _KEY = re.compile(r"[A-Za-z0-9_-]{1,60}")
 _LONGEST, _MOST_WARNINGS = 500, 100
@@ -44,8 +45,10 @@ _SMALLER = (
 )
 
 
-def gather(source: MjcfKeys) -> tuple[Bundle, tuple[Diagnostic, ...]]:
-    """The bundle of an MJCF, and what MuJoCo warned of.
+def gather(
+    source: MjcfKeys, while_waiting: Callable[[], None] = lambda: None
+) -> tuple[Bundle, tuple[Diagnostic, ...]]:
+    """The bundle of an MJCF, and what MuJoCo warned of. `while_waiting` is called before MuJoCo begins.
 
     SourceError where it is no MJCF, a file is missing, MuJoCo refuses it, or does not get through it.
     """
@@ -54,6 +57,7 @@ def gather(source: MjcfKeys) -> tuple[Bundle, tuple[Diagnostic, ...]]:
     path = Path(source.path)
     files = survey(path)
     request = {"path": str(path), "texts": [str(text) for text in files.texts]}
+    while_waiting()
     try:
         reply = guest.ask("stages.fetch.mjcfguest", json.dumps(request).encode(), BOUNDS, _ENVIRON)
         warnings, model, meshes = _read(reply)

@@ -157,3 +157,11 @@ def test_a_guest_that_cannot_start_is_told(tmp_path, monkeypatch):
 
     monkeypatch.setattr(guest, "ask", never)
     assert "MuJoCo's compiler could not be started" in refused(written(tmp_path, MESHED)).message
+
+
+def test_there_is_something_to_do_meanwhile(tmp_path, monkeypatch):
+    """The later stages' imports begin once the file is known to be one, before MuJoCo has an answer."""
+    order = []
+    monkeypatch.setattr(guest, "ask", lambda *asked: order.append("asked") or at_home(*asked))
+    mjcf.gather(MjcfKeys(path=str(written(tmp_path, MESHED))), lambda: order.append("meanwhile"))
+    assert order == ["meanwhile", "asked"]
