@@ -13,7 +13,7 @@ LAUGHS = f'<!DOCTYPE r [<!ENTITY l0 "lol">{ENTITIES}]>'
 EXTERNAL = '<!DOCTYPE r [<!ENTITY x SYSTEM "file:///etc/passwd">]>'
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 ENDLESS = '<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>'
-LIMIT = 2.0
+LIMIT = 6.0
 """What one of these may take of a processor [s], with what the command takes to start."""
 
 Text = str | bytes

@@ -1,7 +1,6 @@
 """MJCFs through the installed command: a real arm, a bundle, and files that no one can read."""
 
 import json
-import time
 from pathlib import Path
 
 import mujoco
@@ -119,13 +118,10 @@ def test_what_cannot_be_read_is_one_message_at_once(
 ) -> None:
     if text is not None:
         written(tmp_path, text, "arm.xml")
-    began = time.monotonic()
     done = linkwright(tmp_path, "source=mjcf", "source.path=arm.xml", "until=graph")
-    took = time.monotonic() - began
     assert done.returncode == status, done.stdout + done.stderr
     assert said in done.stderr
     assert "Traceback" not in done.stderr
     assert done.stderr.count("error:") == (status > 0)
     assert str(tmp_path) not in done.stderr
-    assert took < 5  # about one second where nothing else runs
     assert "MUJOCO_LOG.TXT" not in tree(tmp_path)
