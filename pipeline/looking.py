@@ -96,10 +96,22 @@ def _captured(tell: Callable[[], None]) -> str:
     root = logging.getLogger()
     handlers, level = list(root.handlers), root.level
     stream = io.StringIO()
+    # A sweep in the same process switches off the loggers that were there before it.
+    silent = [logger for logger in _loggers("hydra") if logger.disabled]
+    for logger in silent:
+        logger.disabled = False
     try:
         with contextlib.redirect_stdout(stream):
             tell()
     finally:
         root.handlers[:] = handlers
         root.setLevel(level)
+        for logger in silent:
+            logger.disabled = True
     return stream.getvalue()
+
+
+def _loggers(package: str) -> list[logging.Logger]:
+    """The loggers of a package that exist."""
+    found = logging.root.manager.loggerDict.values()
+    return [one for one in found if isinstance(one, logging.Logger) and one.name.startswith(f"{package}.")]

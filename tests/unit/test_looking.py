@@ -1,5 +1,7 @@
 """`--cfg` and `--info`: a configuration before it is built, and how it came to be."""
 
+import logging
+
 import pytest
 import yaml
 
@@ -150,3 +152,17 @@ def test_an_option_that_cannot_be_is_told(arguments, told):
     with pytest.raises(UsageError) as caught:
         parse(arguments)
     assert str(caught.value).startswith(told)
+
+
+def test_info_speaks_also_after_a_sweep_in_the_same_process(here, capsys):
+    """A sweep's logging switches off the loggers that were there before it."""
+    silenced = [
+        logging.getLogger(name) for name in logging.root.manager.loggerDict if name.startswith("hydra.")
+    ]
+    for logger in silenced:
+        logger.disabled = True
+    try:
+        assert "robot: my_arm" in printed(capsys, "--info", "defaults-tree", "robot=my_arm")
+    finally:
+        for logger in silenced:
+            logger.disabled = False
