@@ -9,17 +9,14 @@ import re
 import shlex
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 from warnings import catch_warnings, filterwarnings
 
 from hydra import __version__, compose, initialize_config_module
-from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.global_hydra import GlobalHydra
-from hydra.core.override_parser.overrides_parser import OverridesParser
-from hydra.core.override_parser.types import Glob
-from hydra.errors import HydraException, MissingConfigException
+from hydra.errors import MissingConfigException
 from hydra.types import RunMode
 from omegaconf import DictConfig, open_dict
 from omegaconf.errors import OmegaConfBaseException
@@ -30,14 +27,16 @@ from pipeline.errors import ConfigError, Diagnostic, refusal
 from pipeline.hydra_errors import explained
 from pipeline.hydra_files import guarded
 from pipeline.hydra_node import PRIMARY, HydraNode, hydra_text, searching
+from pipeline.hydra_reading import Reading
 from pipeline.overrides import Override, read, refused
 from pipeline.plain import plain
 from pipeline.plan import Judge, Plan
 from pipeline.presets import GROUPS, Presets, chosen, content, stand_in
+from pipeline.problems import how_to_give
 from pipeline.schema import Place
 from pipeline.secrets import Secrets
 from pipeline.settle import settle
-from pipeline.trust import DEFAULTS, Sweeping, not_to_say, overridden, targets, untrusted
+from pipeline.trust import Sweeping, not_to_say, overridden, targets, untrusted
 
 DEFAULT = "robot=sample"
 
@@ -116,9 +115,8 @@ class Composer:
         self._judge = judge
         self._environ = environ
         self._secrets = Secrets(environ, cwd)
-        self._parser = OverridesParser.create()
+        self.reading = Reading(presets)
         self._node = HydraNode(presets)
-        self._search = searching(presets.own)
         self._typed = ["linkwright"]
         self._everything: list[str] = []
 
@@ -128,11 +126,25 @@ class Composer:
         """The overrides of a command line, and what is wrong with the others."""
         clean, leaks = self._secrets.typed(arguments)
         self._typed = ["linkwright", *["-m"] * multirun, *self._presets.options_typed, *clean]
-        overrides, problems = read(clean, GROUPS, self._values, multirun, self._presets.own_groups())
+        paths = [self._by_path(one) for one in clean]
+        overrides, problems = read(paths, GROUPS, self.reading.values, multirun, self._presets.own_groups())
+        overrides = [replace(one, typed=clean[paths.index(one.typed)]) for one in overrides]
         problems += leaks + [problem for one in overrides if (problem := refused(one, multirun))]
         overrides = [one for one in overrides if not refused(one, multirun)]
         problems += self._node.take(overrides, self._typed)
         return overrides, problems
+
+    def _by_path(self, argument: str) -> str:
+        """An argument that chooses robots by the paths of their files, as options; others as they are."""
+        sign, _, value = argument.partition("robot=")
+        if sign.strip("+") or not value or value[0] in "[{":
+            return argument
+        words = [word.strip().strip("'\"") for word in value.split(",")]
+        options = [self._presets.named(word) for word in words]
+        if not any(options):
+            return argument
+        texts = [hydra_text(option) if option else word for option, word in zip(options, words, strict=True)]
+        return f"{sign}robot={','.join(texts)}"
 
     def compose(
         self, overrides: Sequence[str], known: Iterable[Diagnostic] = (), job: tuple[int, str] | None = None
@@ -164,6 +176,8 @@ class Composer:
         unresolved: list[Diagnostic] = []
         computed: set[Place] = set()
         tree = plain(config, (), unresolved, computed)
+        kind = str((tree.get("source") or {}).get("kind", "")) if isinstance(tree.get("source"), dict) else ""
+        unresolved = [_fitting(problem, kind) for problem in unresolved]
         draft.problems += [problem for problem in unresolved if not draft.unsure(problem)]
         draft.problems += self._leaks(config, tree)
         tree = self._secrets.within(tree)
@@ -177,21 +191,9 @@ class Composer:
         files, command = self._presets.own_files(paths), shlex.join(self._typed)
         places = {problem.where for problem in draft.problems}
         draft.problems += [one for one in overridden(map(content, files)) if one.where not in places]
-        draft.problems += untrusted(settled, self._given(good), files, self._environ, command)
+        draft.problems += untrusted(settled, self.reading.trusting(good), files, self._environ, command)
         plan = Plan.parse(settled, draft.problems, unsure=draft.unsure, judge=self._judge)
         return Composed(plan, settled, robot, sweeping, config, computed)
-
-    def _given(self, overrides: Iterable[str]) -> set[str]:
-        """Those of the keys that let code run which overrides give."""
-        found = set()
-        for override in map(self._parser.parse_override, overrides):
-            value = None if override.is_delete() else override.value()
-            for key in DEFAULTS:
-                below = key.removeprefix(override.key_or_group)
-                inside = isinstance(value, dict) and below[:1] == "." and below[1:] in value
-                if not override.is_delete() and (not below or inside):
-                    found.add(key)
-        return found
 
     def _leaks(self, config: DictConfig, tree: dict[str, Any]) -> list[Diagnostic]:
         """The keys of a composed configuration, Hydra's own too, that hold a secret."""
@@ -206,7 +208,7 @@ class Composer:
         """The composed tree and the paths of its files; None where it cannot be composed so."""
         stand_ins: dict[str, str] = {}
         while True:
-            everything = [*overrides, *stand_ins.values(), *self._node.typed, *self._search]
+            everything = [*overrides, *stand_ins.values(), *self._node.typed, *searching(self._presets.own)]
             try:
                 config = compose(PRIMARY, everything, return_hydra_config=True)
                 loader = GlobalHydra.instance().config_loader()
@@ -260,9 +262,11 @@ class Composer:
         added: list[Override] = []
         problems: list[Diagnostic] = []
         for key, values in params.items():
-            given, wrong = read([f"{key}={values}"], GROUPS, self._values, multirun=True)
+            given, wrong = read([f"{key}={values}"], GROUPS, self.reading.values, multirun=True)
             place = f"sweeper.params.{key}"
-            if any(one.for_hydra_itself for one in given) or self._given(one.hydra for one in given):
+            if any(one.for_hydra_itself for one in given) or self.reading.trusting(
+                one.hydra for one in given
+            ):
                 problems.append(not_to_say(place, values))
             else:
                 added += given
@@ -282,39 +286,13 @@ class Composer:
         """What the command line alone makes of Hydra: all that a sweep runs under."""
         return self._node.ours(launcher)
 
-    def jobs(self, overrides: Iterable[Override]) -> list[list[str]]:
-        """The overrides of each job, as Hydra's own sweeper splits them and in its order."""
-        wanted = [override.hydra for override in overrides if not override.for_hydra_itself]
-        parsed = self._parser.parse_overrides(wanted)
-        return [list(job) for batch in BasicSweeper.split_arguments(parsed, None) for job in batch]
-
-    def _values(self, text: str) -> list[str]:
-        try:
-            override = self._parser.parse_override(text)
-        except HydraException as error:
-            raise ValueError(str(error).splitlines()[0]) from None
-        except RecursionError:
-            msg = "it is nested too deeply"
-            raise ValueError(msg) from None
-        if not override.is_sweep_override():
-            return [override.get_value_element_as_str()]
-        value: Any = override.value()
-        if isinstance(value, Glob):
-            group = override.key_or_group
-            if group not in GROUPS:
-                msg, hint = "glob() chooses among the options of a group", f"groups: {', '.join(GROUPS)}"
-                raise ValueError(msg, hint)
-            there = self._presets.options(group)
-            options = value.filter(there)
-            if not options:
-                raise ValueError("no option matches", f"options: {', '.join(there)}")
-            return [one if re.fullmatch(r"[\w/-]+", one) else hydra_text(one) for one in options]
-        if not override.is_discrete_sweep():
-            msg = "a sweep needs a list of values"
-            raise ValueError(msg)
-        return list(override.sweep_string_iterator())
-
 
 def _lacks_a_robot(config: DictConfig) -> bool:
     """Whether neither the command line nor any defaults list has chosen a robot or a source."""
     return config.hydra.runtime.choices.get("robot") in (None, "bare") and not config.get("source")
+
+
+def _fitting(problem: Diagnostic, kind: str) -> Diagnostic:
+    """A problem of a value that is not given, with an example that fits the kind of source."""
+    missing = problem.code == "E-MISSING"
+    return replace(problem, hint=how_to_give(problem.where, kind)) if missing else problem

@@ -5,8 +5,10 @@ from hydra.errors import HydraException, MissingConfigException
 from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.errors import Diagnostic
-from pipeline.presets import Presets
+from pipeline.hydra_words import COMPOSING, in_words
+from pipeline.presets import GROUPS, Presets
 from pipeline.problems import GLOBAL
+from pipeline.trust import not_to_say
 from pipeline.yamlfile import RefusedError
 from stages.robot.install import install
 
@@ -25,11 +27,14 @@ def explained(error: Exception, presets: Presets) -> Diagnostic:
     if isinstance(error, MissingConfigException) and error.missing_cfg_file:
         group, _, option = error.missing_cfg_file.rpartition("/")
         if group == "hydra/launcher":
-            options = ", ".join(error.options or ())
+            options = ", ".join(error.options or ("basic", *presets.options(group)))
             more = install("hydra-joblib-launcher", "joblib")
             hint = f"launchers here: {options}; more come with {more}"
             return Diagnostic("E-OPTION", f"there is no launcher {option}", f"{group}={option}", hint)
-        return presets.unknown(group, option)
+        found = presets.unknown(group, option)
+        if group.startswith("hydra/") and error.options:
+            return Diagnostic(found.code, found.message, found.where, f"options: {', '.join(error.options)}")
+        return found
     if isinstance(error, UnicodeDecodeError):
         file = str(presets.not_utf8() or "")
         return Diagnostic("E-YAML", "not UTF-8 text", file, "save it as UTF-8")
@@ -41,12 +46,21 @@ def explained(error: Exception, presets: Presets) -> Diagnostic:
         text = f"names a variable that is not set: {error.args[0]}"
         return Diagnostic("E-OVERRIDE", text, "hydra.job.env_copy", "take it out")
     if isinstance(error, HydraException | OmegaConfBaseException | ValueError):
+        if "hydra.searchpath" in str(error):
+            return not_to_say("searchpath")
         if "@robot." in str(error):
             return Diagnostic("E-KEY", "its file chooses options for itself alone", "robot", HEADER)
-        lines = [line for line in str(error).splitlines() if line.strip() and "append to your" not in line]
-        text = f"cannot be composed: {' '.join(lines[:2])}"
-        hint = "look at the defaults list of the robot's file and at the overrides"
-        return Diagnostic("E-OVERRIDE", text, "", hint)
+        causes = [str(one) for one in (error, error.__cause__) if one is not None]
+        said = in_words("\n".join(causes), COMPOSING, [*GROUPS, *presets.own_groups()])
+        if said is not None:
+            return Diagnostic("E-OVERRIDE", *said)
+        lines = [
+            line for line in "\n".join(causes).splitlines() if line.strip() and "append to your" not in line
+        ]
+        hint = (
+            "look at the defaults lists of your files; linkwright --info defaults-tree shows those that count"
+        )
+        return Diagnostic("E-OVERRIDE", f"cannot be composed: {' '.join(lines[:2])}", "", hint)
     if isinstance(error, OSError):
         text = f"cannot be read: {error.strerror or error}"
         return Diagnostic("E-YAML", text, str(error.filename or ""), "check the file and its folder")

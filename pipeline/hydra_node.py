@@ -93,8 +93,8 @@ class HydraNode:
         theirs = as_written(config.hydra)
         ours["searchpath"] = [f"file://{folder}" for folder in self._presets.own]
         said, problems = listed(theirs, ours, lambda place: at(config, ("hydra", *place), draft.problems))
-        for problem in problems:
-            draft.add(problem)
+        known = {problem.where for problem in draft.problems}
+        draft.problems += [problem for problem in problems if problem.where not in known]
         return said
 
     def _of_ones_own(self, launcher: str) -> Diagnostic | None:

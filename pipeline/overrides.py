@@ -9,7 +9,9 @@ import re
 import shlex
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
+from pipeline import grammar
 from pipeline.problems import nearest
 from stages.robot.errors import Diagnostic
 
@@ -21,9 +23,6 @@ VERBS = ("new", "check", "diff", "view", "bundle", "cache")
 _NAME = r"[A-Za-z_$][\w$-]*"
 _PATH = re.compile(rf"{_NAME}(\.({_NAME}|0|[1-9]\d*))*", re.ASCII)
 _GROUP = re.compile(r"[A-Za-z_][\w-]*(/[A-Za-z_][\w-]*)*(@.*)?", re.ASCII)
-_CARRIED = re.compile(r"[\w\-/+.$%*@?|()\[\]{}:=, \\]+", re.ASCII)
-_ESCAPED = re.compile(r"([()\[\]{}:=, \\])")
-_NO_TEXT = re.compile(r"[+-]?[\d._]+(e[+-]?\d+)?|[+-]?(inf|nan)|true|false|null", re.IGNORECASE)
 
 OF_HYDRA = re.compile(
     r"hydra(/launcher|\.launcher(\..*)?|\.sweep\.(dir|subdir)|\.sweeper\.max_batch_size"
@@ -104,12 +103,18 @@ class _RefusedError(Exception):
     """(message, hint) about one argument."""
 
 
+_NOT_CARRIED = "the command line cannot carry this key"
 _NO_KEY = "key=value is expected"
 _QUOTE_TWICE = "a URL needs quotes, and around them quotes for the shell"
 
 
 def _read(argument: str, groups: Collection[str], values: Values) -> Override:
     sign, key, equal, value = _split(argument)
+    try:
+        value = grammar.carried(value)
+    except grammar.NoFormError:
+        raise _RefusedError(_NOT_CARRIED, f"write it in YAML: {key}: {value}") from None
+    argument = f"{sign}{key}{equal}{value}"
     names = _segments(key.partition("@")[0])
     if re.match(r"\w+://", argument) or not any(names[:1]) or (not equal and sign != "~"):
         raise _RefusedError(*_no_key(argument))
@@ -128,10 +133,8 @@ def _read(argument: str, groups: Collection[str], values: Values) -> Override:
         return Override(argument, key, _parsed(argument, hydra, values), hydra)
     head, *path = _segments(key)
     given = _parsed(argument, f"++x={value}", values)
-    if not _PATH.fullmatch(head) or not all(map(_can_carry, path)):
-        raise _RefusedError(
-            "the command line cannot carry this key", f"write it in YAML: {_yaml(key, value)}"
-        )
+    if not _PATH.fullmatch(head) or not all(map(grammar.has_form, path)):
+        raise _RefusedError(_NOT_CARRIED, f"write it in YAML: {_yaml(key, value)}")
     hydra = f"++{head}={','.join(_nested(path, one) for one in given)}"
     return Override(argument, key, tuple(values(hydra)), hydra)
 
@@ -161,6 +164,10 @@ def _parsed(argument: str, hydra: str, values: Values) -> tuple[str, ...]:
     except ValueError as error:
         key, _, value = argument.partition("=")
         message, *hint = error.args
+        if not hint and value.lstrip()[:1] in ("{", "["):
+            hint = ["a mapping is typed so: 'joints={\"elbow*\": {damping: 1, limits: [-1, 1]}}'"]
+        if value.startswith("~"):
+            value = str(Path(value).expanduser())
         raise _RefusedError(
             f"cannot be read: {message}", *(hint or [f"quote the value: {quoted(key, value)}"])
         ) from None
@@ -174,13 +181,8 @@ def _segments(key: str) -> list[str]:
     return ["".join(found) for found in _SEGMENT.findall(key)]
 
 
-def _can_carry(name: str) -> bool:
-    plain = bool(_CARRIED.fullmatch(name)) and name == name.strip()
-    return plain and not _NO_TEXT.fullmatch(name)
-
-
 def _nested(path: Iterable[str], value: str) -> str:
-    names = [_ESCAPED.sub(r"\\\1", name) for name in path]
+    names = [grammar.name(one) for one in path]
     return "".join(f"{{{name}:" for name in names) + value + "}" * len(names)
 
 
@@ -220,8 +222,23 @@ def _one_value(argument: str, override: Override) -> str:
 
 def _no_key(argument: str) -> tuple[str, str]:
     if argument in VERBS:
-        return f"`{argument}` is not supported yet", "see linkwright --help"
+        return f"`{argument}` is not supported yet", "linkwright --help shows what there is"
     if "://" in argument:
         return _NO_KEY, f"linkwright source=onshape {quoted('source.url', argument)}"
     near = nearest(argument, VERBS)
-    return _NO_KEY, near or f"a robot is chosen with robot={argument}; see linkwright --help"
+    if near or not re.fullmatch(r"[\w./~ -]+", argument):
+        return _NO_KEY, near or "linkwright --help shows how keys and groups are typed"
+    ending = argument.lower().rpartition(".")[2]
+    key = f"source={_SOURCES[ending]} source.path" if ending in _SOURCES else "robot"
+    plain = re.fullmatch(r"[\w./-]+", argument)
+    return _NO_KEY, f"linkwright {key}={argument}" if plain else f"linkwright {_given(key, argument)}"
+
+
+def _given(key: str, value: str) -> str:
+    """The last word of `key` in quotes, with its value."""
+    *before, last = key.split(" ")
+    return " ".join([*before, quoted(last, value)])
+
+
+_SOURCES = {"urdf": "urdf", "xacro": "urdf", "xml": "mjcf", "mjcf": "mjcf", "zip": "bundle"}
+"""Ending of a file → the kind of source that it is."""

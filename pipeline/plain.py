@@ -7,6 +7,7 @@ from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.errors import Diagnostic
+from pipeline.hydra_words import RESOLVING, Words, in_words
 from pipeline.problems import how_to_give
 from pipeline.schema import Place, key_of
 from pipeline.yamlfile import DEEPEST, MOST_VALUES
@@ -26,8 +27,7 @@ def at(config: DictConfig, place: Place, problems: list[Diagnostic]) -> Any:
         for name in place:
             node = node[name]
     except OmegaConfBaseException as error:
-        text = f"cannot be resolved: {str(error).splitlines()[0]}"
-        problems.append(Diagnostic("E-VALUE", text, key_of(place)))
+        problems.append(_unresolved(error, place))
         return None
     return plain(node, place, problems)
 
@@ -69,8 +69,14 @@ def plain(
             if computed is not None and OmegaConf.is_interpolation(node, index):
                 computed.add(inner)
         except OmegaConfBaseException as error:
-            text = f"cannot be resolved: {str(error).splitlines()[0]}"
-            problems.append(Diagnostic("E-VALUE", text, key_of(inner)))
+            problems.append(_unresolved(error, inner))
             continue
         found[name] = plain(value, inner, problems, computed, room)
     return list(found.values()) if isinstance(node, ListConfig) else found
+
+
+def _unresolved(error: Exception, place: Place) -> Diagnostic:
+    """What is wrong with an interpolation."""
+    unknown = Words(f"cannot be resolved: {str(error).splitlines()[0]}", hint="mend its ${...}")
+    said = in_words(str(error), RESOLVING) or unknown
+    return Diagnostic("E-VALUE", said.text, key_of(place), said.hint)

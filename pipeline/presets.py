@@ -1,6 +1,8 @@
 """The YAML files that a configuration is composed from: ours in `conf`, and the user's own."""
 
+import os
 import re
+import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -40,20 +42,32 @@ class Presets:
 
     def __init__(self, config_dirs: Iterable[str | Path] = (), cwd: Path | None = None) -> None:
         """ConfigError where one of `config_dirs` is no folder. `./robot/` counts where it exists."""
-        here, dirs = cwd or Path.cwd(), list(config_dirs)
+        self._here, dirs = cwd or Path.cwd(), list(config_dirs)
+        here = self._here
         folders = [here] if any((here / group).is_dir() for group in ("robot", EXPERIMENT)) else []
         given = []
         self.options_typed = [text for named in dirs for text in ("--config-dir", str(named))]
         for named in dirs:
-            folder = here / named
-            if not folder.is_dir():
-                msg = f"{named} is not a folder"
-                raise ConfigError(msg, "--config-dir", "name the folder that holds robot/")
+            folder = here / Path(named).expanduser()
+            _check_place(folder, str(named))
             given.append(folder.resolve())
         self.given = tuple(dict.fromkeys(folder for folder in given if folder != OURS))
         """The folders of `config_dirs`: who names one trusts the launchers in it."""
         own = [*(folder.resolve() for folder in folders), *given]
         self.own = tuple(dict.fromkeys(folder for folder in own if folder != OURS))
+
+    def named(self, value: str) -> str | None:
+        """The option that a robot's file is, where `value` is the path of one: relative to ours, so that
+        it is found wherever it lies. Its folder, or the one around `robot/`, counts from then on."""
+        path = Path(value).expanduser()
+        file = self._here / (path if path.suffix == ".yaml" else path.with_name(f"{path.name}.yaml"))
+        by_path = path.suffix == ".yaml" or "/" in value
+        if not by_path or (path.suffix != ".yaml" and self.files("robot", value)) or not file.is_file():
+            return None
+        file = file.resolve()
+        place = file.parent.parent if file.parent.name == "robot" else file.parent
+        self.own = tuple(dict.fromkeys([*self.own, place]))
+        return Path(os.path.relpath(file.with_suffix(""), OURS.resolve() / "robot")).as_posix()
 
     def options(self, group: str) -> list[str]:
         """The options of a group, sorted."""
@@ -66,15 +80,20 @@ class Presets:
     def files(self, group: str, option: str) -> list[Path]:
         """The files that an option may mean; more than one is a clash."""
         found = [folder / group / f"{option}.yaml" for folder in (OURS, *self.own)]
+        if option.startswith("../"):
+            found = found[:1]
         return [file for file in found if file.is_file()]
 
     def own_files(self, paths: Iterable[str]) -> list[Path]:
         """The files of a composed tree that are not ours, by their paths in the search path."""
         found = []
         for path in paths:
-            places = [folder / f"{path.removesuffix('.yaml')}.yaml" for folder in self.own]
-            files = [file for file in places if file.is_file()]
-            if not files and not path.startswith("hydra/") and not (OURS / f"{path}.yaml").is_file():
+            name = f"{path.removesuffix('.yaml')}.yaml"
+            files = [folder / name for folder in self.own if (folder / name).is_file()]
+            ours = (OURS / name).resolve()
+            if ours.is_file() and not ours.is_relative_to(OURS.resolve()):
+                files = [ours]
+            elif not files and not ours.is_file() and not path.startswith("hydra/"):
                 files = [Path(path)]
             found += files
         return found
@@ -150,9 +169,14 @@ class Presets:
     def unknown(self, group: str, option: str) -> Diagnostic:
         """The problem of an option that no file is there for."""
         where, options = f"{group}={option}", self.options(group)
+        if not options:
+            hint = f"groups: {', '.join([*GROUPS, *self.own_groups()])}"
+            return Diagnostic("E-OPTION", f"there is no folder {group}/", where, hint)
         if option in LATER.get(group, ()):
             return Diagnostic("E-LATER", "not supported yet", where, f"options: {', '.join(options)}")
         hint = f"options: {', '.join(options)}"
+        if group == "robot" and (option.endswith((".yaml", ".yml")) or "/" in option):
+            return Diagnostic("E-OPTION", "there is no such file", where, self._near(option, options))
         near = nearest(option.removesuffix(".yaml").rpartition("/")[2], options)
         if near:
             hint = f"{near} {hint}"
@@ -163,6 +187,18 @@ class Presets:
             if misnamed:
                 hint = f"{misnamed[0]} must end in .yaml"
         return Diagnostic("E-OPTION", "there is no such option", where, hint)
+
+    def _near(self, path: str, options: Iterable[str]) -> str:
+        """What may be meant by the path of a robot's file that is not there."""
+        stem = Path(path).stem
+        near = nearest(stem, options)
+        other = (self._here / path).with_suffix(".yaml")
+        if path.endswith(".yml") and (self._here / path).is_file():
+            return f"rename it: mv {shlex.quote(path)} {shlex.quote(str(other.name))}"
+        places = " and ".join(str(folder / "robot") for folder in self.own)
+        return (
+            f"{near} a path is one from {self._here}{f'; robots by name: {places}' if places else ''}".strip()
+        )
 
     def not_utf8(self) -> Path | None:
         """A file of the user's own that cannot be read as text."""
@@ -183,6 +219,24 @@ def content(file: Path) -> dict[str, Any]:
     except (OSError, UnicodeDecodeError, yaml.YAMLError):
         return {}
     return read if isinstance(read, dict) else {}
+
+
+def _check_place(folder: Path, named: str) -> None:
+    """ConfigError where a folder cannot be one of `--config-dir`, which holds `robot/` or other groups."""
+    wanted = "name the folder that holds robot/, that is DIR of DIR/robot/my_arm.yaml"
+    if not folder.is_dir():
+        msg = f"{named} is {'a file' if folder.exists() else 'not a folder'}"
+        raise ConfigError(msg, "--config-dir", wanted)
+    if any(one.is_dir() and any(one.rglob("*.yaml")) for one in folder.iterdir()):
+        return
+    if any(folder.glob("*.yaml")):
+        msg = f"{named} holds YAML files itself, and no folder robot/ with them"
+        above = folder.resolve().parent
+        if folder.resolve().name == "robot":
+            wanted = f"name the folder above it: --config-dir {shlex.quote(str(above))}"
+        raise ConfigError(msg, "--config-dir", wanted)
+    msg = f"{named} has no folder robot/ with a robot in it"
+    raise ConfigError(msg, "--config-dir", wanted)
 
 
 def _overridden(defaults: Any) -> Iterator[tuple[str, str]]:

@@ -55,10 +55,11 @@ def nearest(name: str, candidates: Iterable[str]) -> str:
     return f"did you mean {' or '.join(near)}?" if near else ""
 
 
-def how_to_give(key: str) -> str:
-    """How a value that is missing can be given."""
-    examples = {"source.url": "https://cad.onshape.com/documents/...", "source.path": "arm.zip"}
-    example = examples.get(key, "...")
+def how_to_give(key: str, kind: str = "") -> str:
+    """How a value that is missing can be given, of a source of this kind."""
+    files = {"urdf": "arm.urdf", "mjcf": "arm.xml", "bundle": "arm.zip"}
+    examples = {"source.url": "https://cad.onshape.com/documents/...", "source.path": files.get(kind)}
+    example = examples.get(key) or "..."
     return f"set it in the robot's file, or on the command line: \"{key}='{example}'\""
 
 

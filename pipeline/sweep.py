@@ -111,7 +111,7 @@ def jobs_of(composer: "Composer", asked: "Asked", judge: Judge) -> Sweep:
     """
     swept = [override for override in asked.overrides if override.swept]
     told = [one for one in asked.overrides if not (one.for_hydra_itself or says_how(one.key))]
-    everything = composer.jobs(asked.overrides)
+    everything = composer.reading.jobs(asked.overrides)
     labels = [_label(swept or told, job) for job in everything]
     made: list[Composed] = []
     found: dict[Diagnostic, list[int]] = {}
@@ -230,7 +230,10 @@ def _label(named: Sequence[Override], job: Sequence[str]) -> str:
 
 
 def _inner(value: str, override: Override) -> str:
-    """The value itself of an override that had to be nested: `{*:{damping:1}}` → `1`."""
+    """The value itself of an override that had to be nested, `{*:{damping:1}}` → `1`, and of a robot's path
+    its name."""
+    if override.key == "robot" and "/" in value:
+        return Path(value.strip("'")).name
     if override.hydra.partition("=")[0].lstrip("+") == override.key:
         return value
     return value.rstrip("}").rpartition(":")[2]

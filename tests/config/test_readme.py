@@ -78,7 +78,7 @@ def test_each_command_composes(tmp_path: Path, words: list[str]) -> None:
     (folder / "experiment").mkdir()
     (folder / "experiment" / "wide.yaml").write_text(HEADER)
     command = parse([word.replace("~/robots", str(folder)) for word in words])
-    compose_plan(command.overrides, command.config_dirs, tmp_path)
+    compose_plan(command.overrides, command.config_dirs, folder)
 
 
 def test_the_keys_of_the_kinematics_make_a_robot_of_the_sample(tmp_path: Path) -> None:

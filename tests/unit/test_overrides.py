@@ -1,5 +1,7 @@
 """What is typed, and what Hydra gets."""
 
+from pathlib import Path
+
 import pytest
 
 from pipeline.compose import session
@@ -10,7 +12,7 @@ from pipeline.presets import GROUPS
 @pytest.fixture(scope="module")
 def values():
     with session() as composer:
-        yield composer._values
+        yield composer.reading.values
 
 
 @pytest.mark.parametrize(
@@ -39,6 +41,9 @@ def values():
         ('mass.parts."Hand/Pad*".mass=2', "++mass={parts:{Hand/Pad*:{mass:2}}}"),
         ("joints.f[0-9].effort=2", r"++joints={f\[0-9\]:{effort:2}}"),
         ("+joints.*.damping=1", "++joints={*:{damping:1}}"),
+        ('joints={"elbow*": {"damping": 1}}', "++joints={elbow*:{damping:1}}"),
+        ("joints={'a:b': {limits: [null, \"${vars.x}\"]}}", r"++joints={a\:b:{limits:[null,'${vars.x}']}}"),
+        ('+names={links: {"Upper arm": "it\'s \\\\"}}', r"+names={links:{Upper\ arm:'it\'s \\'}}"),
         ("source.url='https://x/y?a=b&c=d,e#f'", "++source.url='https://x/y?a=b&c=d,e#f'"),
         ("source.url=https://x/y?z", "++source.url=https://x/y?z"),
     ],
@@ -100,13 +105,13 @@ def test_the_line_to_paste_can_be_pasted(values):
 @pytest.mark.parametrize(
     ("typed", "message", "hint"),
     [
-        ("new", "`new` is not supported yet", "see linkwright --help"),
+        ("new", "`new` is not supported yet", "linkwright --help shows what there is"),
         (
             "my_arm",
             "key=value is expected",
-            "a robot is chosen with robot=my_arm; see linkwright --help",
+            "linkwright robot=my_arm",
         ),
-        ("=1", "key=value is expected", "a robot is chosen with robot==1; see linkwright --help"),
+        ("=1", "key=value is expected", "linkwright --help shows how keys and groups are typed"),
         (
             "https://x/y?a=b",
             "key=value is expected",
@@ -117,8 +122,11 @@ def test_the_line_to_paste_can_be_pasted(values):
             "several values, but no sweep",
             "for a sweep add -m; for one text \"mesh.tolerance='1,2'\"; for a list 'mesh.tolerance=[1,2]'",
         ),
-        ('"=1', "key=value is expected", 'a robot is chosen with robot="=1; see linkwright --help'),
-        ("@x=1", "key=value is expected", "a robot is chosen with robot=@x=1; see linkwright --help"),
+        ('"=1', "key=value is expected", "linkwright --help shows how keys and groups are typed"),
+        ("@x=1", "key=value is expected", "linkwright --help shows how keys and groups are typed"),
+        ("arm.v2.urdf", "key=value is expected", "linkwright source=urdf source.path=arm.v2.urdf"),
+        ("my scene.xml", "key=value is expected", "linkwright source=mjcf \"source.path='my scene.xml'\""),
+        ("robot/arm.yaml", "key=value is expected", "linkwright robot=robot/arm.yaml"),
         (
             'mass.parts."Hand <1>/*".mass=1',
             "the command line cannot carry this key",
@@ -130,14 +138,24 @@ def test_the_line_to_paste_can_be_pasted(values):
             'write it in YAML: joints: {"Gelenk <1>": {damping: 1}}',
         ),
         (
+            'joints={"Gelenk <1>": {damping: 1}}',
+            "the command line cannot carry this key",
+            'write it in YAML: joints: {"Gelenk <1>": {damping: 1}}',
+        ),
+        (
+            "joints={a: {damping: 1}",
+            "cannot be read: {a: {damping: 1} makes no sense there",
+            "a mapping is typed so: 'joints={\"elbow*\": {damping: 1, limits: [-1, 1]}}'",
+        ),
+        (
             "joints.12.x y=1",
             "the command line cannot carry this key",
             'write it in YAML: joints: {"12": {"x y": 1}}',
         ),
         (
             "source.path=~/arm.zip",
-            "cannot be read: token recognition error at: '~'",
-            "quote the value: \"source.path='~/arm.zip'\"",
+            "cannot be read: ~ must stand in quotes",
+            f"quote the value: \"source.path='{Path.home()}/arm.zip'\"",
         ),
     ],
 )

@@ -1,0 +1,73 @@
+"""Overrides, as Hydra's own parser reads them."""
+
+import re
+from collections.abc import Iterable
+from typing import Any
+
+from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
+from hydra.core.override_parser.overrides_parser import OverridesParser
+from hydra.core.override_parser.types import Glob
+from hydra.errors import HydraException
+
+from pipeline.hydra_node import hydra_text
+from pipeline.hydra_words import READING, in_words
+from pipeline.overrides import Override
+from pipeline.presets import GROUPS, Presets
+from pipeline.trust import DEFAULTS
+
+
+class Reading:
+    """Reads overrides; the options of groups are those of `presets`."""
+
+    def __init__(self, presets: Presets) -> None:
+        self._presets = presets
+        self._parser = OverridesParser.create()
+
+    def values(self, text: str) -> list[str]:
+        """The values of an override, several in a sweep; ValueError, with what is wrong and perhaps a hint,
+        where it cannot be read."""
+        try:
+            override = self._parser.parse_override(text)
+        except HydraException as error:
+            text = str(error).splitlines()[0]
+            said = in_words(text, READING)
+            raise ValueError(said.text if said else text) from None
+        except RecursionError:
+            msg = "it is nested too deeply"
+            raise ValueError(msg) from None
+        if not override.is_sweep_override():
+            return [override.get_value_element_as_str()]
+        value: Any = override.value()
+        if isinstance(value, Glob):
+            group = override.key_or_group
+            groups = [*GROUPS, *self._presets.own_groups()]
+            if group not in groups:
+                msg, hint = "glob() chooses among the options of a group", f"groups: {', '.join(groups)}"
+                raise ValueError(msg, hint)
+            there = self._presets.options(group)
+            options = value.filter(there)
+            if not options:
+                raise ValueError("no option matches", f"options: {', '.join(there)}")
+            return [one if re.fullmatch(r"[\w/-]+", one) else hydra_text(one) for one in options]
+        if not override.is_discrete_sweep():
+            msg = "a sweep needs a list of values"
+            raise ValueError(msg)
+        return list(override.sweep_string_iterator())
+
+    def trusting(self, overrides: Iterable[str]) -> set[str]:
+        """Those of the keys that let code run which overrides give."""
+        found = set()
+        for override in map(self._parser.parse_override, overrides):
+            value = None if override.is_delete() else override.value()
+            for key in DEFAULTS:
+                below = key.removeprefix(override.key_or_group)
+                inside = isinstance(value, dict) and below[:1] == "." and below[1:] in value
+                if not override.is_delete() and (not below or inside):
+                    found.add(key)
+        return found
+
+    def jobs(self, overrides: Iterable[Override]) -> list[list[str]]:
+        """The overrides of each job, as Hydra's own sweeper splits them and in its order."""
+        wanted = [override.hydra for override in overrides if not override.for_hydra_itself]
+        parsed = self._parser.parse_overrides(wanted)
+        return [list(job) for batch in BasicSweeper.split_arguments(parsed, None) for job in batch]

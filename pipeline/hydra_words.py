@@ -1,0 +1,120 @@
+# ruff: noqa: E501
+"""What Hydra and OmegaConf say, in words about what the user wrote: a table of their texts and of ours."""
+
+import re
+from collections.abc import Collection
+from typing import NamedTuple
+
+from pipeline.problems import nearest
+
+
+class Words(NamedTuple):
+    """What is wrong, where, and what to do."""
+
+    text: str
+    where: str = ""
+    hint: str = ""
+
+
+Rules = dict[str, Words]
+"""A text of theirs, as a pattern → ours, with the pattern's groups in braces; `near`: groups of options
+that `group` may mean."""
+
+TREE = "linkwright --cfg job shows the tree"
+
+COMPOSING: Rules = {
+    r"In '?(?P<file>[^':]+)'?: Could not override '(?P<group>[^'@]+).*'. Did you mean to override (?P=group)\?": Words(
+        "its defaults list cannot override {group} from there",
+        "{file}.yaml",
+        "let a robot or an experiment choose it, in its own defaults list",
+    ),
+    r"In '?(?P<file>[^':]+)'?: Could not override '(?P<group>[^'@]+)": Words(
+        "its defaults list overrides {group}, and there is no such group", "{file}.yaml", "{near}"
+    ),
+    r"In '?(?P<file>[^':]+)'?: Override '.*?' is defined before '(?P<entry>.*?)'": Words(
+        "in its defaults list an override stands before {entry}",
+        "{file}.yaml",
+        "put the lines with `override` at the end of the list",
+    ),
+    r"In '?(?P<file>[^':]+)'?: Multiple values for (?P<group>[^\s.]+)": Words(
+        "its defaults list chooses {group}, which is chosen already",
+        "{file}.yaml",
+        "write `override` before it: - override /{group}: ...",
+    ),
+    r"(?P<group>\S+) appears more than once in the final defaults list": Words(
+        "is chosen twice in defaults lists", "{group}", "write `override` before it: - override /{group}: ..."
+    ),
+    r"Error resolving interpolation '(?P<text>[^']*)'": Words(
+        "a defaults list cannot be computed from this", "{text}", "write the name of the option itself"
+    ),
+    r"Could not append to config\. An item is already at '(?P<key>[^']+)'": Words(
+        "is there already", "+{key}", "leave out the +"
+    ),
+    r"Could not delete from config\. '(?P<key>[^']+)' does not exist": Words(
+        "there is nothing to delete", "~{key}", TREE
+    ),
+    r"Could not delete '(?P<key>[^'=]+)[^']*'\. No match in the defaults list": Words(
+        "there is nothing to delete", "~{key}", TREE
+    ),
+    r"Could not delete from config\. The value of '(?P<key>[^']+)' is (?P<value>.*?) and not ": Words(
+        "is not deleted: its value is {value}", "~{key}", "leave out the value: ~{key}"
+    ),
+    r"force-add of config groups is not supported: '\+\+(?P<line>[^']+)'": Words(
+        "++ is for keys, and this is a group", "++{line}", "{line}"
+    ),
+    r"Could not override '(?P<group>[^'@]+)": Words("there is no such group", "{group}", "{near}"),
+    r"In '?(?P<file>[^':]+)'?: \w+ raised while composing config:\s*(?P<cause>[^\n]*)(.*full_key: (?P<key>\S+))?": Words(
+        "does not fit: {cause}", "{file}.yaml {key}", "look at what the file says there"
+    ),
+    r"Error merging override (?P<line>[^\n]*)\s*(?P<cause>[^\n]*)": Words(
+        "does not fit there: {cause}", "{line}", TREE
+    ),
+    r"Error merging '(?P<file>[^']+)' with schema": Words(
+        "has the name of a plug-in's own settings, and does not fit them",
+        "{file}.yaml",
+        "give the file another name",
+    ),
+    r"Config '?(?P<file>[^' ]+)'? must be an OmegaConf config": Words(
+        "must be a mapping: lines of `key: value`", "{file}.yaml", "take out what is not one"
+    ),
+}  # fmt: skip
+"""Hydra, as it composes."""
+
+RESOLVING: Rules = {
+    r"Interpolation key '(?P<key>[^']+)' not found": Words(
+        "names {key}, which is not there", hint="an interpolation names a whole key: ${{vars.reach}}"
+    ),
+    r"Environment variable '(?P<name>[^']+)' not found": Words(
+        "the environment has no {name}",
+        hint="export {name}=..., or give a default: ${{oc.env:{name},0}}",
+    ),
+    r"Unsupported interpolation type (?P<name>\S+)": Words(
+        "there is no resolver {name}",
+        hint="resolvers: oc.env, oc.decode, oc.select, oc.create, oc.dict.keys, oc.dict.values, now",
+    ),
+    r"[Rr]ecursi": Words("is computed from itself", hint="break the circle of ${{...}}"),
+    r"Interpolation to a missing value|Missing mandatory value|MissingMandatoryValue": Words(
+        "is computed from a value that is not given", hint="give that value"
+    ),
+}
+"""OmegaConf, as it resolves interpolations."""
+
+READING: Rules = {
+    r"token recognition error at: '(?P<text>.+)'": Words("{text} must stand in quotes"),
+    r"(mismatched|extraneous) input '<EOF>'": Words("it ends too early"),
+    r"(mismatched|extraneous) input '(?P<text>.*?)'( expecting|$)": Words("{text} is not expected there"),
+    r"no viable alternative at input '(?P<text>.*)'": Words("{text} makes no sense there"),
+    r"missing (?P<text>\S+) at": Words("{text} is missing"),
+}
+"""The grammar of overrides."""
+
+
+def in_words(text: str, rules: Rules, groups: Collection[str] = ()) -> Words | None:
+    """Our words for a text of theirs; None where the table has none."""
+    for pattern, words in rules.items():
+        match = re.search(pattern, text, re.DOTALL)
+        if match:
+            found = {name: (one or "").strip() for name, one in match.groupdict().items()}
+            near = nearest(found.get("group", ""), groups) or f"groups: {', '.join(groups)}"
+            return Words(*(one.format(near=near, **found).strip() for one in words))
+    return None
