@@ -54,3 +54,10 @@ def texts(room: str) -> list[Path]:
 def test_shown_commands_install_what_the_extras_do() -> None:
     shown = re.findall(r"pip install (?:'[^']+'\s?)+", "".join(one.read_text() for one in texts("conf")))
     assert [one.strip(" ") for one in shown] == [install("hydra-joblib-launcher", "joblib")]
+
+
+def test_no_test_fails_where_pinocchio_is_not_installed() -> None:
+    """It has no wheel for every Python: tests take it from `tests.pinocchio`, which skips them there."""
+    files = [one for one in (TOP / "tests").rglob("*.py") if "benchmarks" not in one.parts]
+    imports = re.compile(r"^\s*(import|from) pinocchio\b", re.MULTILINE)
+    assert [one.name for one in files if imports.search(one.read_text())] == []

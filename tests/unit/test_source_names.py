@@ -5,7 +5,6 @@ import re
 from pathlib import Path
 
 import mujoco
-import pinocchio as pin
 import pytest
 import yaml
 from lxml import etree
@@ -19,6 +18,7 @@ from tests.building import plan_of, write
 from tests.mjcfs import body, model
 from tests.mjcfs import robot_of as mjcf_robot
 from tests.mjcfs import written as mjcf_file
+from tests.pinocchio import pin
 from tests.unit.test_urdf_reader import BODY, codes, joint, link, robot_text
 from tests.urdfs import urdf_bundle, urdf_robot
 
