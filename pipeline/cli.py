@@ -234,9 +234,10 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     from pipeline.compose import session
     from pipeline.launch import Account, launch
+    from pipeline.outcome import Outcome, sweep_status, table
     from pipeline.output import named
     from pipeline.preflight import before_a_sweep
-    from pipeline.sweep import Outcome, Task, jobs_of, judge_folders, summary, sweep_status
+    from pipeline.sweep import Task, jobs_of, judge_folders
     from pipeline.sweepfolder import keep, prepare
 
     if build is None:
@@ -250,12 +251,12 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
         asked = composer.with_params(*composer.read(command.overrides, multirun=True))
         sweep = jobs_of(composer, asked, before_a_sweep)
         judge_folders(sweep.jobs)
-        prepare(sweep.root, sweep.jobs[0].plan)
+        prepare(sweep.root, sweep.jobs[0].plan, command.overrides)
         account = Account(asked.tree, command.overrides, sweep.overrides)
         ours, numbers = composer.ours(sweep.sweeping.launcher), sweep.sweeping.numbers
         with named(sweep.root):
             outcomes: list[Outcome] = launch(ours, numbers, Task(sweep.jobs, build), sweep.root, account)
-    print(summary(outcomes, sweep.root))
+    print(table(outcomes, sweep.root))
     keep(outcomes, sweep.root)
     return sweep_status(outcomes)
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from hydra._internal.core_plugins.basic_sweeper import BasicSweeper
 from hydra.core.override_parser.overrides_parser import OverridesParser
-from hydra.core.override_parser.types import Glob
+from hydra.core.override_parser.types import Glob, QuotedString
 from hydra.errors import HydraException
 
 from pipeline.hydra_node import hydra_text
@@ -54,6 +54,10 @@ class Reading:
             raise ValueError(msg)
         return list(override.sweep_string_iterator())
 
+    def data(self, text: str) -> Any:
+        """The value of an override that is not swept, as plain data."""
+        return _plain(self._parser.parse_override(text).value())
+
     def trusting(self, overrides: Iterable[str]) -> set[str]:
         """Those of the keys that let code run which overrides give."""
         found = set()
@@ -71,3 +75,11 @@ class Reading:
         wanted = [override.hydra for override in overrides if not override.for_hydra_itself]
         parsed = self._parser.parse_overrides(wanted)
         return [list(job) for batch in BasicSweeper.split_arguments(parsed, None) for job in batch]
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, QuotedString):
+        return value.text
+    if isinstance(value, dict):
+        return {str(_plain(key)): _plain(one) for key, one in value.items()}
+    return [_plain(one) for one in value] if isinstance(value, list) else value

@@ -7,17 +7,18 @@ import re
 import sys
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from pipeline.errors import as_problems, exit_status, refusal
+from pipeline.errors import as_problems, refusal
+from pipeline.outcome import Outcome, built, failed
 from pipeline.overrides import Override
 from pipeline.plan import Judge, Plan, says_how
 from pipeline.preflight import destination
 from pipeline.terminal import clean
 from pipeline.trust import Sweeping
-from stages.robot.errors import ConfigError, Diagnostic, LinkwrightError
+from stages.robot.errors import ConfigError, Diagnostic
 from stages.robot.printable import printable
 
 if TYPE_CHECKING:
@@ -32,11 +33,13 @@ LONGEST_SLUG = 60
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """One plan of a sweep; `label` says what sets it apart; `plan.output` is a folder of its own."""
+    """One plan of a sweep; `label` says what sets it apart; `plan.output` is a folder of its own;
+    `overrides`: what makes it what it is, key → value."""
 
     number: int
     label: str
     plan: Plan
+    overrides: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,17 +50,6 @@ class Sweep:
     root: Path
     overrides: Sequence[Sequence[str]]
     sweeping: Sweeping
-
-
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """How a job ended: its exit status, what it says about that, and its folder."""
-
-    number: int
-    label: str
-    status: int
-    message: str
-    folder: str
 
 
 class Task:
@@ -76,23 +68,14 @@ class Task:
         return outcome
 
     def _outcome(self, job: Job) -> Outcome:
-        folder = str(job.plan.folder)
+        told = (job.number, job.label, job.overrides)
         try:
-            report = self._build(job.plan)
+            return built(*told, self._build(job.plan))
         except KeyboardInterrupt:
             raise
         except BaseException as error:
             # SystemExit too: it would end the whole sweep.
-            name = "" if isinstance(error, LinkwrightError) else f"{type(error).__name__}: "
-            message = f"{name}{error}".splitlines()[0]
-            failed = f"{folder}.failed"
-            place = failed if Path(failed).is_dir() else folder
-            return Outcome(job.number, job.label, exit_status(error), message, place)
-        until = job.plan.until
-        message = "valid" if until == "validate" else f"built up to {until}"
-        if report.exit_status != 0:
-            message = "not the newest state" if report.status == "stale" else "a check failed"
-        return Outcome(job.number, job.label, report.exit_status, message, os.path.relpath(report.folder))
+            return failed(*told, str(job.plan.folder), error)
 
 
 def _tell(line: str) -> None:
@@ -130,7 +113,8 @@ def jobs_of(composer: "Composer", asked: "Asked", judge: Judge) -> Sweep:
             found.setdefault(problem, []).append(number)
     if found or asked.problems:
         raise _refused(found, labels, asked.problems)
-    jobs, root = _placed(made, everything, labels)
+    data = [_data(asked.overrides, job, composer) for job in everything]
+    jobs, root = _placed(made, everything, labels, data)
     return Sweep(jobs, root, everything, made[0].sweeping)
 
 
@@ -149,7 +133,10 @@ def _disagreeing(first: Sweeping, other: Sweeping, master: Sweeping) -> list[Dia
 
 
 def _placed(
-    made: Sequence["Composed"], everything: list[list[str]], labels: list[str]
+    made: Sequence["Composed"],
+    everything: list[list[str]],
+    labels: list[str],
+    data: list[dict[str, Any]],
 ) -> tuple[list[Job], Path]:
     plans = [composed.plan for composed in made]
     roots = {plan.output for plan in plans}
@@ -170,7 +157,8 @@ def _placed(
         if twin is not None:
             msg = f"jobs {twin.number} and {number} are the same: {label}"
             raise ConfigError(msg, hint="name each value once")
-        jobs.append(Job(number, label, composed.plan.model_copy(update={"output": str(folder)})))
+        plan = composed.plan.model_copy(update={"output": str(folder)})
+        jobs.append(Job(number, label, plan, data[number]))
     return jobs, root
 
 
@@ -196,26 +184,23 @@ def judge_folders(jobs: Sequence[Job], environ: Mapping[str, str] = os.environ) 
         raise _refused(found, [job.label for job in jobs], ())
 
 
-def summary(outcomes: Sequence[Outcome], root: Path) -> str:
-    """The closing table."""
-    table = [("job", "status", "", "what", "folder")]
-    for one in outcomes:
-        table.append((str(one.number), str(one.status), one.message, one.label, one.folder))
-    widths = [max(len(row[column]) for row in table) for column in range(4)]
-    lines = [
-        "  ".join([*(cell.ljust(width) for cell, width in zip(row, widths, strict=False)), row[4]]).rstrip()
-        for row in table
-    ]
-    good = sum(outcome.status == 0 for outcome in outcomes)
-    return "\n".join([*lines, f"{good} of {len(outcomes)} jobs built and valid: {root}"])
-
-
-def sweep_status(outcomes: Iterable[Outcome]) -> int:
-    """1 if any job failed, else 3 if any job's check failed, else 0."""
-    found = {outcome.status for outcome in outcomes}
-    if found - {0, 3}:
-        return 1
-    return 3 if 3 in found else 0
+def _data(overrides: Iterable[Override], job: Sequence[str], composer: "Composer") -> dict[str, Any]:
+    """The overrides of a job as data, each key as it was typed."""
+    found: dict[str, Any] = {}
+    for override in overrides:
+        sign = override.hydra.partition("=")[0]
+        text = next((one for one in job if one.partition("=")[0] == sign), None)
+        if text is None:
+            continue
+        value = composer.reading.data(text)
+        if override.key == "robot" and "/" in str(value):
+            value = Path(value).name
+        if sign.lstrip("+~") != override.key:
+            # `joints.*.damping` was nested into `joints`.
+            while isinstance(value, Mapping) and len(value) == 1:
+                value = next(iter(value.values()))
+        found[override.key if sign[:1] != "~" else f"~{override.key}"] = value
+    return found
 
 
 def _label(named: Sequence[Override], job: Sequence[str]) -> str:

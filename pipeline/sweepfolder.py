@@ -4,8 +4,9 @@ import json
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pipeline import cache, inway, manifest
 from pipeline.errors import ConfigError
@@ -17,15 +18,16 @@ from pipeline.store import sha256
 from stages.robot.printable import printable_lines
 
 if TYPE_CHECKING:
-    from pipeline.sweep import Outcome
+    from pipeline.outcome import Outcome
 
 SUMMARY, ACCOUNT = "summary.json", "multirun.yaml"
 OWN = (SUMMARY, ACCOUNT)
 """The files of a sweep's own: how its jobs ended, and Hydra's account of what it is."""
 
 
-def prepare(root: Path, plan: Plan, environ: Mapping[str, str] = os.environ) -> None:
-    """Makes the folder of a sweep whose jobs have plans such as `plan`, and marks it as one.
+def prepare(root: Path, plan: Plan, typed: Sequence[str], environ: Mapping[str, str] = os.environ) -> None:
+    """Makes the folder of a sweep whose jobs have plans such as `plan`, and marks it as one; a run begins,
+    of the overrides that were `typed`, beside those that the folder has seen.
 
     ConfigError where no sweep can be there, or what is not linkwright's is in its way; OutputError where
     it cannot be written.
@@ -43,13 +45,15 @@ def prepare(root: Path, plan: Plan, environ: Mapping[str, str] = os.environ) -> 
             move_aside(place / path, place, path)
         # Until the sweep is over they are ours whatever they hold: it may be killed.
         manifest.write(place, dict.fromkeys(OWN))
-        _write(place, [])
+        run = {"started": f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}", "overrides": list(typed), "jobs": []}
+        _write(place, [*_runs(place), run])
 
 
 def keep(outcomes: Sequence["Outcome"], root: Path) -> None:
-    """Leaves `summary.json` beside the jobs; OutputError where it cannot be written."""
+    """Leaves how the jobs of the run ended in `summary.json`; OutputError where it cannot be written."""
     with named(root):
-        _write(root, outcomes)
+        *before, run = _runs(root)
+        _write(root, [*before, {**run, "jobs": [asdict(outcome) for outcome in outcomes]}])
         there = [name for name in OWN if (root / name).is_file()]
         manifest.write(root, {name: sha256((root / name).read_bytes()) for name in there})
 
@@ -61,8 +65,21 @@ def _in_the_way(root: Path) -> dict[str, str]:
     return {entry.path: inway.why(entry) for entry in others if entry.path in OWN}
 
 
-def _write(root: Path, outcomes: Sequence["Outcome"]) -> None:
-    tree = {manifest.SWEEP: 1, "jobs": [asdict(outcome) for outcome in outcomes]}
+def _runs(root: Path) -> list[dict[str, Any]]:
+    """The runs that the folder has seen, the oldest first; of 0.1 the last one."""
+    try:
+        kept = json.loads((root / SUMMARY).read_bytes())
+    except (OSError, ValueError):
+        return []
+    runs = kept.get("runs") if isinstance(kept, dict) else None
+    if isinstance(runs, list):
+        return [run for run in runs if isinstance(run, dict)]
+    jobs = kept.get("jobs") if isinstance(kept, dict) else None
+    return [{"started": None, "overrides": [], "jobs": jobs}] if jobs else []
+
+
+def _write(root: Path, runs: Sequence[Mapping[str, Any]]) -> None:
+    tree = {manifest.SWEEP: 2, "runs": list(runs)}
     text = json.dumps(Secrets(os.environ).within(tree), indent=2, ensure_ascii=False)
     staged = root / f".{SUMMARY}.tmp"
     staged.write_text(printable_lines(text) + "\n", encoding="utf-8")

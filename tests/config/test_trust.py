@@ -258,7 +258,7 @@ def test_nothing_of_a_refused_robot_is_in_the_environment_of_others(tmp_path):
     build = Recorder()
     assert run(["-m", "robot=mine", "root=auto,free"], build) == 0
     assert all(environ == dict(os.environ) for environ in build.environs)
-    assert json.loads((tmp_path / "outputs/mine.sweep/summary.json").read_text())["jobs"]
+    assert json.loads((tmp_path / "outputs/mine.sweep/summary.json").read_text())["runs"]
 
 
 def test_a_mark_would_be_seen(tmp_path):

@@ -12,7 +12,8 @@ import pytest
 
 from pipeline.cli import run
 from pipeline.report import Report
-from stages.robot.errors import MeshError
+from stages.robot.check import Check
+from stages.robot.errors import ConfigError, MeshError
 
 REPO = Path(__file__).parents[2]
 
@@ -37,6 +38,10 @@ class Recorder:
     def __call__(self, plan):
         self.plans.append(plan)
         return Report("built", plan.name, str(plan.folder), plan.until, 0)
+
+
+def runs_of(folder):
+    return json.loads((folder / "summary.json").read_text())["runs"]
 
 
 @pytest.fixture(autouse=True)
@@ -107,7 +112,7 @@ def test_hydras_account_and_the_summary_lie_beside_the_jobs(tmp_path):
         "multirun.yaml",
         "summary.json",
     ]
-    assert [one["status"] for one in json.loads((folder / "summary.json").read_text())["jobs"]] == [0, 3]
+    assert [one["status"] for one in runs_of(folder)[-1]["jobs"]] == [0, 3]
 
 
 @pytest.mark.parametrize(
@@ -260,7 +265,7 @@ def test_a_place_that_a_sweep_cannot_have_is_told_and_nothing_is_built(tmp_path,
 def test_a_sweep_may_be_run_again_where_it_was(tmp_path):
     for _ in range(2):
         assert run(["-m", "source=sample", "root=auto,free", "output=there"], Recorder()) == 0
-    assert len(json.loads((tmp_path / "there" / "summary.json").read_text())["jobs"]) == 2
+    assert [len(one["jobs"]) for one in runs_of(tmp_path / "there")] == [2, 2]
 
 
 def test_a_sweep_over_robots_lies_in_a_folder_of_its_own(tmp_path):
@@ -351,3 +356,97 @@ def test_a_single_build_into_a_sweep_is_refused(tmp_path, capsys):
     assert run(["-m", "source=sample", "root=auto,free", "output=there"], Recorder()) == 0
     assert run(["source=sample", "output=there"]) == 2
     assert "there is the folder of a sweep" in capsys.readouterr().err
+
+
+FIGURES = {"mass": 3.28571, "dof": 7.0, "links": 11}
+CHECKS = (Check("masses", True, "", 0.0, 1.0), Check("poses", False, "", 2.0, 1.0))
+CALLS = {"made": 5, "saved": 2, "remaining": {"all": 9}}
+
+
+def measured(plan):
+    """A build with figures; of a free base it fails, and leaves what it cost."""
+    if plan.root.base == "free":
+        left = Path(f"{plan.folder}.failed")
+        left.mkdir(parents=True, exist_ok=True)
+        told = {"figures": {"links": 2}, "calls": CALLS, "error": {"message": "no triangles"}}
+        (left / "report.json").write_text(json.dumps(told))
+        msg = "no triangles"
+        raise MeshError(msg)
+    return Report(
+        "invalid", plan.name, str(plan.folder), plan.until, 3, calls=CALLS, figures=FIGURES, checks=CHECKS
+    )
+
+
+def test_the_summary_has_overrides_as_data_and_figures(tmp_path, capsys):
+    typed = [
+        "source=sample",
+        "root=fixed,free",
+        "joints.*.limits=[null,0.5]",
+        "vars.y='a b'",
+        "vars={x: [1, true]}",
+    ]
+    assert run(["-m", *typed, "~ground", "output=there"], measured) == 1
+    (only,) = runs_of(tmp_path / "there")
+    assert only["overrides"] == [*typed, "~ground", "output=there"]
+    assert re.fullmatch(r"\d{4}-\d\d-\d\dT\d\d:\d\d:\d\dZ", only["started"])
+    first, second = only["jobs"]
+    assert first["overrides"] == {
+        "source": "sample",
+        "root": "fixed",
+        "joints.*.limits": [None, 0.5],
+        "vars.y": "a b",
+        "vars": {"x": [1, True]},
+        "~ground": None,
+        "output": "there",
+    }
+    assert (second["overrides"]["root"], second["figures"], second["checks"]) == ("free", {"links": 2}, {})
+    assert (first["figures"], first["checks"]) == (FIGURES, {"passed": 1, "failed": ["poses"]})
+    assert first["calls"] == second["calls"] == {"made": 5, "saved": 2}
+    rows = [re.split(r"\s{2,}", line) for line in capsys.readouterr().out.splitlines()]
+    assert rows[0] == ["job", "status", "what", "kg", "dof", "checks", "calls", "folder"]
+    assert rows[1][1:8] == ["3", "a check failed", "root=fixed", "3.286", "7", "1/2", "5"]
+    assert rows[2][1:5] == ["1", "no triangles", "root=free", "5"]
+
+
+def test_what_an_earlier_build_left_is_no_figure_of_a_failed_job(tmp_path):
+    def refused(plan):
+        msg = "is wrong"
+        raise ConfigError(msg)
+
+    run(["-m", "source=sample", "root=free", "output=there"], measured)
+    run(["-m", "source=sample", "root=free", "output=there"], refused)
+    assert [one["jobs"][0]["calls"] for one in runs_of(tmp_path / "there")] == [{"made": 5, "saved": 2}, {}]
+
+
+def test_a_sweep_keeps_all_its_runs_also_those_of_other_values(tmp_path):
+    for values in ("auto,fixed", "free", "auto"):
+        run(["-m", "source=sample", f"root={values}", "output=there"], ending)
+    runs = runs_of(tmp_path / "there")
+    assert [[job["overrides"]["root"] for job in one["jobs"]] for one in runs] == [
+        ["auto", "fixed"],
+        ["free"],
+        ["auto"],
+    ]
+    assert [[job["status"] for job in one["jobs"]] for one in runs] == [[0, 3], [1], [0]]
+
+
+def test_a_run_that_is_cut_short_is_kept_and_so_is_one_of_an_older_version(tmp_path):
+    def cut_short(plan):
+        raise KeyboardInterrupt
+
+    old = [{"number": 0, "label": "root=auto", "status": 0, "message": "valid", "folder": "x"}]
+    (tmp_path / "there").mkdir()
+    (tmp_path / "there" / "summary.json").write_text(json.dumps({"linkwright-sweep": 1, "jobs": old}))
+    assert run(["-m", "source=sample", "root=auto,free", "output=there"], cut_short) == 130
+    assert run(["-m", "source=sample", "root=auto", "output=there"], ending) == 0
+    assert [len(one["jobs"]) for one in runs_of(tmp_path / "there")] == [1, 0, 1]
+
+
+def test_robots_by_their_paths_are_named_in_the_summary(tmp_path):
+    own = "# @package _global_\ndefaults: [{override /source: sample}]\n"
+    (tmp_path / "there").mkdir()
+    for name in ("a", "b"):
+        (tmp_path / "there" / f"{name}.yaml").write_text(own)
+    assert run(["-m", "robot=there/a.yaml,there/b.yaml"], Recorder()) == 0
+    (only,) = runs_of(tmp_path / "outputs" / "robots.sweep")
+    assert [job["overrides"] for job in only["jobs"]] == [{"robot": "a"}, {"robot": "b"}]

@@ -1,0 +1,109 @@
+"""How the jobs of a sweep ended: what is kept of each, and the closing table."""
+
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipeline.errors import exit_status
+from stages.robot.errors import LinkwrightError
+
+if TYPE_CHECKING:
+    from pipeline.report import Report
+
+REPORT = "report.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a job ended: its exit status, what it says about that, and its folder.
+
+    `overrides`: what makes the job what it is, key → value; `figures`, `checks` (how many `passed`, and the
+    names of those that `failed`) and `calls` are those of its report, as far as there is one.
+    """
+
+    number: int
+    label: str
+    status: int
+    message: str
+    folder: str
+    overrides: Mapping[str, Any] = field(default_factory=dict)
+    figures: Mapping[str, float] = field(default_factory=dict)
+    checks: Mapping[str, Any] = field(default_factory=dict)
+    calls: Mapping[str, int] = field(default_factory=dict)
+
+
+def built(number: int, label: str, overrides: Mapping[str, Any], report: "Report") -> Outcome:
+    """The outcome of a job that left this report."""
+    message = "valid" if report.until == "validate" else f"built up to {report.until}"
+    if report.exit_status != 0:
+        message = "not the newest state" if report.status == "stale" else "a check failed"
+    failed = [check.name for check in report.failed_checks]
+    checks = {"passed": len(report.checks) - len(failed), "failed": failed} if report.checks else {}
+    folder = os.path.relpath(report.folder)
+    calls = _calls(report.calls)
+    return Outcome(
+        number, label, report.exit_status, message, folder, overrides, report.figures, checks, calls
+    )
+
+
+def failed(
+    number: int, label: str, overrides: Mapping[str, Any], folder: str, error: BaseException
+) -> Outcome:
+    """The outcome of a job for this folder that an error ended; what it cost is in the report that it
+    left."""
+    name = "" if isinstance(error, LinkwrightError) else f"{type(error).__name__}: "
+    message = f"{name}{error}".splitlines()[0]
+    left = Path(f"{folder}.failed")
+    place = left if left.is_dir() else Path(folder)
+    try:
+        told = json.loads((left / REPORT).read_bytes())
+        if told["error"]["message"] not in (str(error), getattr(error, "message", "")):
+            raise ValueError  # of an earlier build
+        figures, calls = dict(told["figures"]), _calls(told["calls"])
+    except (OSError, ValueError, KeyError, TypeError):
+        figures, calls = {}, {}
+    return Outcome(number, label, exit_status(error), message, str(place), overrides, figures, {}, calls)
+
+
+def _calls(told: Mapping[str, Any]) -> dict[str, int]:
+    return {name: told[name] for name in ("made", "saved") if name in told}
+
+
+def table(outcomes: Sequence[Outcome], root: Path) -> str:
+    """The closing table."""
+    rows: list[tuple[str, ...]] = [("job", "status", "", "what", "kg", "dof", "checks", "calls", "folder")]
+    rows += [_row(outcome) for outcome in outcomes]
+    used = [column for column in range(9) if column < 4 or any(row[column] for row in rows[1:])]
+    widths = {column: max(len(row[column]) for row in rows) for column in used}
+    lines = ["  ".join(row[column].ljust(widths[column]) for column in used).rstrip() for row in rows]
+    good = sum(outcome.status == 0 for outcome in outcomes)
+    return "\n".join([*lines, f"{good} of {len(outcomes)} jobs built and valid: {root}"])
+
+
+def _row(one: Outcome) -> tuple[str, ...]:
+    mass, dof = one.figures.get("mass"), one.figures.get("dof")
+    checks = ""
+    if one.checks:
+        checks = f"{one.checks['passed']}/{one.checks['passed'] + len(one.checks['failed'])}"
+    return (
+        str(one.number),
+        str(one.status),
+        one.message,
+        one.label,
+        "" if mass is None else f"{mass:.4g}",
+        "" if dof is None else str(int(dof)),
+        checks,
+        str(one.calls["made"]) if "made" in one.calls else "",
+        one.folder,
+    )
+
+
+def sweep_status(outcomes: Iterable[Outcome]) -> int:
+    """1 if any job failed, else 3 if any job's check failed, else 0."""
+    found = {outcome.status for outcome in outcomes}
+    if found - {0, 3}:
+        return 1
+    return 3 if 3 in found else 0
