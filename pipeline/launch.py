@@ -64,24 +64,34 @@ def launch(
         with open_dict(config):
             for key, value in numbers.items():
                 OmegaConf.update(config, f"hydra.launcher.{key}", value)
-            config.hydra.sweep.dir, config.hydra.sweep.subdir = str(folder), "."
+            # A folder is no interpolation, whatever it is called.
+            config.hydra.sweep.dir, config.hydra.sweep.subdir = str(folder).replace("${", r"\${"), "."
         launcher = Plugins.instance().instantiate_launcher(
             config=config,
             hydra_context=HydraContext(config_loader=cast(ConfigLoader, _Known()), callbacks=Callbacks()),
             task_function=_Numbered(task),
         )
     except (HydraException, OmegaConfBaseException) as error:
-        msg = f"cannot start: {str(error).splitlines()[0]}"
-        raise ConfigError(msg, "hydra/launcher", "look at the settings of hydra.launcher") from error
+        raise _cannot_start(error) from error
     (folder / ACCOUNT).write_text(account.text(config), encoding="utf-8")
-    size = config.hydra.sweeper.max_batch_size or len(account.jobs)
+    wanted = config.hydra.sweeper.max_batch_size or 0
+    size = wanted if wanted > 0 else len(account.jobs)
     alone = config.hydra.runtime.choices["hydra/launcher"] == ALONE
     done: list[Any] = []
     with nullcontext() if alone else kept_from_workers():
         for start in range(0, len(account.jobs), size):
             batch = [list(job) for job in account.jobs[start : start + size]]
-            done += launcher.launch(batch, initial_job_idx=start)
+            try:
+                done += launcher.launch(batch, initial_job_idx=start)
+            except (ValueError, TypeError, HydraException, OmegaConfBaseException) as error:
+                # Jobs never raise: this is the launcher's word on its own settings.
+                raise _cannot_start(error) from error
     return [job.return_value for job in done]
+
+
+def _cannot_start(error: Exception) -> ConfigError:
+    text = f"cannot run the jobs: {(str(error).splitlines() or [type(error).__name__])[0]}"
+    return ConfigError(text, "hydra/launcher", "look at the settings of hydra.launcher")
 
 
 class _Known:

@@ -192,6 +192,41 @@ def test_jobs_run_side_by_side_with_joblib(capsys):
     assert [line.split()[1] for line in capsys.readouterr().out.splitlines()[1:-1]] == ["0", "3", "1"]
 
 
+@pytest.mark.parametrize(("size", "batches"), [("-1", 1), ("2", 2), ("null", 1)])
+def test_jobs_may_be_launched_in_batches(size, batches, monkeypatch):
+    from hydra._internal.core_plugins.basic_launcher import BasicLauncher
+
+    launched, launch = [], BasicLauncher.launch
+
+    def watched(self, jobs, initial_job_idx):
+        launched.append(initial_job_idx)
+        return launch(self, jobs, initial_job_idx)
+
+    monkeypatch.setattr(BasicLauncher, "launch", watched)
+    build = Recorder()
+    assert (
+        run(["-m", "source=sample", "root=auto,fixed,free", f"hydra.sweeper.max_batch_size={size}"], build)
+        == 0
+    )
+    assert [plan.root.base for plan in build.plans] == ["auto", "fixed", "free"]
+    assert launched == [0, 2][:batches]
+
+
+def test_a_launcher_that_cannot_run_is_told(capsys):
+    pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
+    arguments = ["source=sample", "root=auto,free", "hydra/launcher=joblib", "hydra.launcher.n_jobs=0"]
+    assert run(["-m", *arguments], Recorder()) == 2
+    assert capsys.readouterr().err.startswith("error: hydra/launcher: cannot run the jobs: n_jobs == 0")
+
+
+def test_a_folder_is_no_interpolation():
+    build = Recorder()
+    assert run(["-m", "source=sample", "root=auto,free", r"output='a\${oc.env:HOME}'"], build) == 0
+    assert all(plan.output.startswith("a${oc.env:HOME}/") for plan in build.plans)
+    assert (Path("a${oc.env:HOME}") / "multirun.yaml").is_file()
+    assert [path.name for path in Path().iterdir()] == ["a${oc.env:HOME}"]
+
+
 def test_an_interrupt_ends_the_sweep(capsys):
     def interrupted(plan):
         raise KeyboardInterrupt
