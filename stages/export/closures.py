@@ -16,13 +16,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stages.export.placement import placement
+from stages.formats.numbers import spaced
+from stages.formats.xml import Element, element
 from stages.robot.inertia import moved
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Dof, Inertial, Loop, Robot, frozen
 from stages.robot.names import free
-from stages.robot.numbers import spaced
 from stages.robot.poses import inverse
-from stages.robot.xml import Element, element
 
 Site = tuple[str, str, Array]
 """The link (or carrier) that it is on, its name, and its pose (4, 4) there."""

@@ -7,6 +7,8 @@ import numpy as np
 
 from stages.export.lowering import lower, unset
 from stages.export.mjcf_joints import free_joint_name
+from stages.formats.numbers import number, numbers
+from stages.formats.urdf.names import urdf_names
 from stages.robot.codec import plain
 from stages.robot.model import (
     Array,
@@ -21,10 +23,8 @@ from stages.robot.model import (
     Robot,
     Value,
 )
-from stages.robot.numbers import number, numbers
 from stages.robot.poses import at_rest, quat_from_rotation
 from stages.robot.printable import printable_lines
-from stages.robot.urdfnames import urdf_names
 
 FORMAT = "linkwright-robot"
 

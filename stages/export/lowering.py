@@ -6,8 +6,8 @@ from typing import Literal
 
 import numpy as np
 
+from stages.formats.urdf.names import UrdfNames, urdf_names
 from stages.robot.model import Array, Dof, Dynamics, Joint, Limits, Robot
-from stages.robot.urdfnames import UrdfNames, urdf_names
 
 StepType = Literal["fixed", "continuous", "revolute", "prismatic", "floating"]
 

@@ -13,15 +13,15 @@ from stages.export.keys import ExportKeys
 from stages.export.mjcf_joints import free_joint_name, free_qpos, qpos, unwritten, write_joints
 from stages.export.placement import placement, scene_pose
 from stages.export.pose import home, saved
+from stages.formats.numbers import number, rounded, spaced
+from stages.formats.xml import Element, element, to_bytes
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Colour, Geometry, Shape
 from stages.robot.inertia import principal_axes
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Primitive, Relation, Robot, Value
 from stages.robot.names import free
-from stages.robot.numbers import number, rounded, spaced
 from stages.robot.poses import from_parts
-from stages.robot.xml import Element, element, to_bytes
 
 WORLD = "world"
 """The link that is the assembly's origin: MuJoCo's worldbody, with a site of that name in its place."""

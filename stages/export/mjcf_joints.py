@@ -8,13 +8,13 @@ ball's number counts from the pose at qpos0, a free joint's is the pose in the w
 import math
 from collections.abc import Iterator, Sequence
 
+from stages.formats.numbers import number, spaced
+from stages.formats.xml import Element, element
 from stages.robot.errors import Diagnostic
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Dof, Robot, Value
 from stages.robot.names import free
-from stages.robot.numbers import number, spaced
 from stages.robot.poses import inverse, motion, quat_from_rotation
-from stages.robot.xml import Element, element
 
 OPEN = "1e6"
 """Stands for the open side of a one-sided limit: MuJoCo has no such thing as half a range."""

@@ -3,8 +3,8 @@
 import numpy as np
 
 from stages.export.keys import ExportKeys
+from stages.formats.numbers import spaced
 from stages.robot.model import Array
-from stages.robot.numbers import spaced
 from stages.robot.poses import from_parts, quat_from_rotation, rotation_from_rpy
 
 

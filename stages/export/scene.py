@@ -4,10 +4,10 @@ import numpy as np
 
 from stages.export.keys import ExportKeys
 from stages.export.placement import placement
+from stages.formats.numbers import spaced
+from stages.formats.xml import element, to_bytes
 from stages.robot.model import Robot
-from stages.robot.numbers import spaced
 from stages.robot.poses import from_parts, rotation_from_rpy
-from stages.robot.xml import element, to_bytes
 
 
 def write_scene(robot: Robot, keys: ExportKeys) -> bytes:

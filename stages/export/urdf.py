@@ -11,14 +11,14 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from stages.export.lowering import Lowered, Step, lower, unset
+from stages.formats.numbers import number, numbers, spaced
+from stages.formats.urdf.names import UrdfNames, urdf_names
+from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Colour, Geometry, Role, Shape
 from stages.robot.inertia import NEXT_TO_NOTHING, SPECK
 from stages.robot.model import Array, Inertial, Limits, Primitive, Robot
-from stages.robot.numbers import number, numbers, spaced
 from stages.robot.poses import from_parts, rpy_from_rotation
-from stages.robot.urdfnames import UrdfNames, urdf_names
-from stages.robot.xml import Element, element, parse, to_bytes
 
 UNSET_EFFORT = 100.0
 UNSET_VELOCITY = 10.0

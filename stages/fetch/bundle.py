@@ -47,7 +47,7 @@ from pydantic import (
 
 from stages.fetch import sizes
 from stages.fetch.files import LARGEST
-from stages.robot import triangles
+from stages.formats import triangles
 from stages.robot.bundle import Bundle
 from stages.robot.errors import ProtocolError, SourceError
 

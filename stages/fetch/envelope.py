@@ -11,7 +11,7 @@ from stages.fetch.requests import (
     is_gltf,
     is_triangles,
 )
-from stages.robot import triangles as compact
+from stages.formats import triangles as compact
 from stages.robot.errors import ProtocolError
 
 
@@ -25,7 +25,7 @@ def accepted(request: str, body: bytes) -> bytes:
 
         return triangles.compact(body)
     if is_gltf(request):
-        from stages.fetch import gltf
+        from stages.formats import gltf
 
         gltf.read(body)
         return body

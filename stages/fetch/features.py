@@ -12,8 +12,8 @@ from typing import Any
 import orjson
 
 from stages.fetch import definition
+from stages.formats.onshape_configuration import split
 from stages.robot.bundle import StudioKey
-from stages.robot.configuration import split
 from stages.robot.errors import ProtocolError
 
 _Record = Mapping[str, Any]

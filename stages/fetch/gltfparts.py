@@ -12,11 +12,10 @@ import numpy as np
 import numpy.typing as npt
 import orjson
 
-from stages.fetch import gltf
-from stages.fetch.gltf import Node
 from stages.fetch.matching import Shape, assigned
 from stages.fetch.triangles import merged
-from stages.robot import triangles
+from stages.formats import gltf, triangles
+from stages.formats.gltf import Node
 from stages.robot.errors import ProtocolError
 
 _SPECK = 1e-9

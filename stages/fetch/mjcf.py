@@ -1,6 +1,6 @@
 """The source `mjcf`: a model file, read and compiled by MuJoCo itself, as a bundle.
 
-What is kept is what MuJoCo made of it (`stages.robot.mjcf`), exact to the bit, and the triangles of each
+What is kept is what MuJoCo made of it (`stages.formats.mjcf`), exact to the bit, and the triangles of each
 mesh: neither text nor mesh files, so that nothing after this depends on how MuJoCo finds and reads them.
 MuJoCo's own way to write a model down again loses defaults, inertias and digits, and is not used.
 """
@@ -97,7 +97,7 @@ def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes]]:
 
     By then the guest may run anything, so nothing is taken on trust; the model is checked by its reader.
     """
-    from stages.robot import triangles
+    from stages.formats import triangles
 
     head, _, body = reply.partition(b"\n")
     try:

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from stages.fetch import regular
 from stages.fetch.mjcffiles import LARGEST_TEXT
-from stages.robot import xml
+from stages.formats import xml
+from stages.formats.xml import Element
 from stages.robot.errors import SourceError
-from stages.robot.xml import Element
 
 MOST_COPIES = 10_000
 """Elements that those which copy may make of what is in them."""

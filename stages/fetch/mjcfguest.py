@@ -12,7 +12,7 @@ from stages.fetch import mjcfbounds
 from stages.fetch.mjcfmodel import Meshes, taken
 from stages.robot import codec
 from stages.robot.errors import SourceError
-from stages.robot.listening import listening
+from stages.robot.mujoco_warnings import listening
 
 _HINT = "MuJoCo's own viewer says the same of it (python -m mujoco.viewer --mjcf=...)"
 

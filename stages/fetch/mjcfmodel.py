@@ -11,11 +11,8 @@ import numpy as np
 
 from stages.fetch.mjcfleft import carried, left_out
 from stages.fetch.mjcflimits import efforts
-from stages.robot import triangles
-from stages.robot.errors import SourceError
-from stages.robot.geometry import NEUTRAL, Colour
-from stages.robot.inertia import moved
-from stages.robot.mjcf import (
+from stages.formats import triangles
+from stages.formats.mjcf import (
     Mjcf,
     MjcfBody,
     MjcfClosure,
@@ -26,6 +23,9 @@ from stages.robot.mjcf import (
     MjcfRelation,
     MjcfSite,
 )
+from stages.robot.errors import SourceError
+from stages.robot.geometry import NEUTRAL, Colour
+from stages.robot.inertia import moved
 from stages.robot.model import Array, Dynamics, Inertial, Limits, MeshRef, frozen
 from stages.robot.poses import from_parts, inverse, rotation_from_quat
 

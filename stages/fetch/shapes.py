@@ -16,7 +16,7 @@ from stages.fetch.asking import Asking, Refused
 from stages.fetch.envelope import compacted
 from stages.fetch.onshape import Answer, Needs, Reply
 from stages.fetch.refusals import Declined
-from stages.robot import triangles
+from stages.formats import triangles
 from stages.robot.errors import Diagnostic, NotFound, ProtocolError
 
 NOTHING: Mapping[str, bytes] = MappingProxyType({})

@@ -14,13 +14,13 @@ import numpy as np
 import numpy.typing as npt
 
 from stages.fetch import jsonpieces
-from stages.fetch.appearance import colour_of
 from stages.fetch.jsonpieces import Document, MalformedError
 from stages.fetch.refusals import Declined
-from stages.robot import triangles
+from stages.formats import triangles
+from stages.formats.colours import colour_of
+from stages.formats.triangles import Body
 from stages.robot.errors import ProtocolError
 from stages.robot.geometry import Colour
-from stages.robot.triangles import Body
 
 _Record = Mapping[str, Any]
 _Points = npt.NDArray[np.float64]

@@ -23,6 +23,7 @@ from stages.fetch.freshness import Workspace
 from stages.fetch.plan_of_calls import count
 from stages.fetch.server import Server
 from stages.fetch.url import AssemblyUrl
+from stages.formats.onshape_units import SI, Measure
 from stages.robot.errors import (
     AuthError,
     Diagnostic,
@@ -32,7 +33,6 @@ from stages.robot.errors import (
     RateLimited,
     SourceError,
 )
-from stages.robot.units import SI, Measure
 
 _KEY = "source.variables"
 _SENT = ("name", "type", "expression", "description")

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
+from stages.formats.urdf.transmissions import with_joints
 from stages.graph.added import with_added_frames, with_added_links
 from stages.graph.globs import as_key, fits, listed
 from stages.graph.keys import GraphKeys, JointKeys
@@ -19,7 +20,6 @@ from stages.graph.zero import zeroed
 from stages.robot.bundle import Bundle
 from stages.robot.errors import AssemblyError
 from stages.robot.model import Robot, Transmission
-from stages.robot.urdfactuators import with_joints
 
 Reader = Callable[[Bundle, GraphKeys, Notes], tuple[Mechanism, GraphKeys]]
 """From a bundle to a mechanism; the keys come back with what the source's own conventions imply."""

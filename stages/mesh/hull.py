@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from stages.formats.triangles import distinct
 from stages.mesh.surface import Points, Surface, compacted, weld
-from stages.robot.triangles import distinct
 
 _THIN = 1e-6
 """A hull of less mean thickness [m], or a millionth of its size, has no inside to collide with."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot.triangles import distinct
+from stages.formats.triangles import distinct
 
 Points = npt.NDArray[np.float64]
 """(n, 3) coordinates [m]."""

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from stages.formats import triangles
+from stages.formats.triangles import Body
 from stages.mesh.surface import Surface, weld
-from stages.robot import triangles
 from stages.robot.geometry import Colour
-from stages.robot.triangles import Body
 
 
 @dataclass(frozen=True, slots=True, eq=False)

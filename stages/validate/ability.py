@@ -8,8 +8,8 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from stages.formats.xml import parse
 from stages.robot.model import Array
-from stages.robot.xml import parse
 
 _PROBES = [
     (np.array(moments), np.array(quat))

@@ -11,9 +11,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from stages.formats.urdf.names import urdf_names
 from stages.robot.model import Array, Configuration, Dof, Robot, Value
 from stages.robot.poses import inverse, motion, quat_from_rotation
-from stages.robot.urdfnames import urdf_names
 
 HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 BALL, FREE = mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_FREE

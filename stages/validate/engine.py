@@ -6,9 +6,9 @@ from typing import Any
 
 import mujoco
 
+from stages.formats.xml import element, parse, to_bytes
 from stages.robot.check import Check
-from stages.robot.listening import listening
-from stages.robot.xml import element, parse, to_bytes
+from stages.robot.mujoco_warnings import listening
 
 KEPT_MESHES = 20_000_000
 """What MuJoCo may keep of the meshes of one model for the next [bytes]."""

@@ -11,11 +11,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from stages.formats.urdf.names import urdf_names
 from stages.robot.check import Check
 from stages.robot.kinematics import link_poses, rest_configuration, saved_configuration
 from stages.robot.model import Array, Configuration, Dof, Robot
 from stages.robot.poses import inverse
-from stages.robot.urdfnames import urdf_names
 from stages.validate.ability import mimics, reads_mimic
 from stages.validate.coordinates import (
     body_index,

@@ -23,7 +23,7 @@ from stages.fetch.local.gather import gather
 from stages.graph import build_robot
 from stages.mesh import make_geometry
 from stages.robot.errors import LinkwrightError
-from stages.robot.listening import listening
+from stages.robot.mujoco_warnings import listening
 from stages.validate import validate
 from tests.building import plan_of
 from tests.urdfs import parity, same_bounds

@@ -52,7 +52,7 @@ def replies(parts: int, triangles: int) -> dict[str, bytes]:
 def read(folder: Path, kind: str, traced: bool) -> dict[str, float]:
     """What reading the reply of this kind takes; run in a process of its own."""
     from stages.fetch import gltfparts, triangles
-    from stages.robot import triangles as codec
+    from stages.formats import triangles as codec
 
     mass = (folder / "mass").read_bytes()
     small = replies(2, 60)  # so that imports are not measured

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stages.formats.urdf.elements import HINTS
 from stages.graph.bonds import bonded
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Body, Bond, Mechanism
@@ -15,7 +16,6 @@ from stages.graph.notes import Notes
 from stages.graph.tree import spanning_tree
 from stages.robot.errors import Diagnostic, Disconnected
 from stages.robot.model import Provenance
-from stages.robot.urdftext import HINTS
 from tests.robots import joint, robot_with
 
 TOP = Path(__file__).resolve().parents[2]
@@ -92,7 +92,7 @@ def test_every_error_and_warning_of_a_stage_has_a_place_and_a_hint() -> None:
         source = file.read_text()
         seen |= {code for _, code, _ in told(source)}
         # Of what a URDF says wrong, one table has the hints of those that have none of their own.
-        known = HINTS if file.name in ("urdftext.py", "urdfshapes.py", "urdfxml.py") else {}
+        known = HINTS if file.is_relative_to(TOP / "stages/formats/urdf") else {}
         found = incomplete(source, 3)
         if file.name == "urdf.py":  # in its own `tell` the place is the file itself
             found = incomplete(source, 2)

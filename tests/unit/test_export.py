@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from stages.export.pose import starting_point
+from stages.formats.xml import parse
 from stages.robot.kinematics import saved_configuration
-from stages.robot.xml import parse
 from stages.validate.ability import reads_mimic
 from tests.building import plan_of, robot_of, write
 from tests.engines import Mujoco, Pinocchio

@@ -8,7 +8,7 @@ import pytest
 
 from stages.fetch.bundle import pack
 from stages.fetch.onshape import digest
-from stages.robot import triangles
+from stages.formats import triangles
 from stages.robot.errors import Offline, ProtocolError
 from tests.kept import Kept, fetched, onshape
 from tests.onshape import solids

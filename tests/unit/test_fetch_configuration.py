@@ -10,8 +10,8 @@ from pipeline.plan import Plan
 from stages.fetch import configuration
 from stages.fetch.bundle import pack
 from stages.fetch.configuration import encode
+from stages.formats.onshape_configuration import decoded, encoded, joined, split
 from stages.graph import build_robot
-from stages.robot.configuration import decoded, encoded, joined, split
 from stages.robot.errors import ConfigError, Offline, ProtocolError, SourceError
 from tests.building import plan_of
 from tests.kept import ADDRESS, Kept, fetched, onshape

@@ -7,9 +7,9 @@ import struct
 import numpy as np
 import pytest
 
-from stages.fetch import gltf as reader
 from stages.fetch import gltfparts, triangles
-from stages.robot import triangles as codec
+from stages.formats import gltf as reader
+from stages.formats import triangles as codec
 from stages.robot.errors import ProtocolError
 from tests.onshape import solids
 from tests.onshape.document import Document

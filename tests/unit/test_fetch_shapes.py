@@ -9,7 +9,7 @@ import pytest
 
 from stages.fetch.bundle import pack
 from stages.fetch.shapes import selected
-from stages.robot import triangles
+from stages.formats import triangles
 from stages.robot.errors import Offline, ProtocolError, QuotaExhausted
 from tests.kept import Kept, fetched, onshape
 from tests.onshape import solids

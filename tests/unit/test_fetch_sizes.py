@@ -10,14 +10,15 @@ import zlib
 import numpy as np
 import pytest
 
-from stages.fetch import gltf, jsonpieces, matching, requests, sizes, triangles
+from stages.fetch import jsonpieces, matching, requests, sizes, triangles
 from stages.fetch.client import Client
 from stages.fetch.credentials import Credentials
 from stages.fetch.jsonpieces import Document, MalformedError
 from stages.fetch.retries import Patience
 from stages.fetch.unpacking import DamagedError, UnknownEncodingError, unpacked
 from stages.fetch.url import AssemblyUrl
-from stages.robot import triangles as codec
+from stages.formats import gltf
+from stages.formats import triangles as codec
 from stages.robot.bundle import StudioKey
 from stages.robot.errors import ProtocolError
 from tests.kept import QUICK

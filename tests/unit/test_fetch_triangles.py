@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from stages.fetch import jsonpieces, triangles
 from stages.fetch.jsonpieces import Document, MalformedError, Pieces
-from stages.robot import triangles as codec
+from stages.formats import triangles as codec
 from stages.robot.errors import ProtocolError
 
 

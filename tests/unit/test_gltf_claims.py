@@ -5,8 +5,8 @@ import json
 import pytest
 import trimesh
 
-from stages.fetch import gltf, gltfclaims
 from stages.fetch.local.meshfile import Unreadable, read
+from stages.formats import gltf, gltf_claims
 from tests.onshape.gltf import gltf as drawn
 from tests.unit.test_fetch_gltf import opened, studio
 from tests.unit.test_fetch_sizes import changed
@@ -48,7 +48,7 @@ def test_what_claims_more_than_it_has_is_refused(monkeypatch, changes, why):
 
 
 def test_a_text_of_brackets_is_refused_before_it_is_parsed(monkeypatch):
-    monkeypatch.setattr(gltfclaims, "MOST_VALUES", 100)
+    monkeypatch.setattr(gltf_claims, "MOST_VALUES", 100)
     with pytest.raises(Unreadable, match="larger than any"):
         read(b'{"nodes":[' + b"[]," * 1000 + b"[]]}", "a.gltf", {})
     with pytest.raises(Unreadable):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
+from stages.formats.triangles import Body
 from stages.graph.massing import check_links, with_given_masses
 from stages.graph.notes import Notes
 from stages.graph.onshape.definition import read_assembly
@@ -17,7 +18,6 @@ from stages.graph.onshape.mass import weighed
 from stages.robot.errors import ConfigError
 from stages.robot.inertia import ZERO
 from stages.robot.model import Inertial, frozen
-from stages.robot.triangles import Body
 from stages.validate import validate
 from tests.building import bundle_of, plan_of, robot_of, write
 from tests.kit import Kit

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stages.fetch import triangles as reply_triangles
-from stages.fetch.appearance import NEUTRAL, colour_of
+from stages.formats.colours import NEUTRAL, colour_of
 from stages.mesh import tessellation
 from stages.robot.errors import ProtocolError
 from tests.onshape import outlines, solids

@@ -11,14 +11,15 @@ from stages.export.pose import starting_point
 from stages.fetch.bundle import pack, read, whole
 from stages.fetch.keys import MjcfKeys
 from stages.fetch.mjcf import gather, identity
+from stages.formats import triangles
+from stages.formats.mjcf import Mjcf
 from stages.graph import build_robot
 from stages.graph.couplings import conjugate
 from stages.mesh import make_geometry
-from stages.robot import codec, triangles
+from stages.robot import codec
 from stages.robot.bundle import Bundle
 from stages.robot.errors import AssemblyError, ProtocolError, SourceError
 from stages.robot.kinematics import chain, link_poses
-from stages.robot.mjcf import Mjcf
 from stages.robot.model import Limits
 from stages.validate import validate
 from tests.building import plan_of, write

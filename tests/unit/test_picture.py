@@ -10,13 +10,13 @@ from itertools import combinations
 import numpy as np
 import pytest
 
+from stages.formats import xml
 from stages.graph.view.boxes import boxes_of
 from stages.graph.view.labels import columns, decimal, limits, part_names, rules, shortened
 from stages.graph.view.layout import levels, tidy
 from stages.graph.view.outline import outline
 from stages.graph.view.picture import _placed, draw
 from stages.graph.view.tables import tables
-from stages.robot import xml
 from stages.robot.model import Dynamics, Frame, Limits, Mobility, Relation
 from stages.robot.printable import printable
 from tests.robots import CHAINS, EVERY, joint, loop, robot_with

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 
-from stages.robot import xml
+from stages.formats import xml
 from stages.robot.printable import printable, printable_lines
 
 

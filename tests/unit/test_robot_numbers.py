@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stages.robot.numbers import TOLERANCE, number, numbers, spaced
+from stages.formats.numbers import TOLERANCE, number, numbers, spaced
 
 finite = st.floats(-1e9, 1e9, allow_nan=False, allow_subnormal=False)
 

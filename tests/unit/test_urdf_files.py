@@ -15,7 +15,7 @@ from stages.fetch import bundle as packing
 from stages.fetch import pinned, preflight
 from stages.fetch.keys import UrdfKeys
 from stages.fetch.local.gather import gather
-from stages.robot import triangles
+from stages.formats import triangles
 from stages.robot.bundle import Bundle
 from stages.robot.errors import ConfigError, Diagnostic, SourceError
 from stages.robot.geometry import NEUTRAL

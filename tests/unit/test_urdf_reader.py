@@ -7,6 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stages.formats.triangles import Body, encode
+from stages.formats.urdf.model import mesh_key
+from stages.formats.urdf.parse import parse
 from stages.graph import build_robot
 from stages.graph.urdf.inertias import nearest
 from stages.graph.urdf.solids import solid_of
@@ -16,9 +19,6 @@ from stages.robot.errors import AssemblyError
 from stages.robot.inertia import is_physical, primitive_inertial, principal
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Limits, Robot
-from stages.robot.triangles import Body, encode
-from stages.robot.urdf import mesh_key
-from stages.robot.urdfxml import parse
 from stages.validate import validate
 from tests.building import plan_of, write
 from tests.engines import Pinocchio

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from stages.formats.urdf.model import Transmission, Urdf, mesh_key
+from stages.formats.urdf.parse import parse
 from stages.robot.errors import SourceError
-from stages.robot.urdf import Transmission, Urdf, mesh_key
-from stages.robot.urdfxml import parse
 
 
 def read(body: str, name: str = "r") -> Urdf:

@@ -6,8 +6,8 @@ image, without a word.
 
 from __future__ import annotations
 
-from stages.robot import xml
-from stages.robot.xml import Element
+from stages.formats import xml
+from stages.formats.xml import Element
 
 _WHITE = "1 1 1 1"
 

@@ -12,11 +12,11 @@ from stages.fetch.local.companions import companions
 from stages.fetch.local.meshfile import Mesh, Unreadable, body, read
 from stages.fetch.local.places import Place
 from stages.fetch.local.survey import LARGEST_MESH, Survey, survey
-from stages.robot import triangles
+from stages.formats import triangles
+from stages.formats.urdf.model import Urdf, UrdfShape, mesh_key
+from stages.formats.urdf.parse import parse
 from stages.robot.bundle import Bundle
 from stages.robot.errors import Diagnostic, SourceError
-from stages.robot.urdf import Urdf, UrdfShape, mesh_key
-from stages.robot.urdfxml import parse
 
 if TYPE_CHECKING:
     from stages.fetch.keys import UrdfKeys

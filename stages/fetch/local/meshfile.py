@@ -18,12 +18,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stages.fetch import gltfclaims
 from stages.fetch.local.dae import cleaned
 from stages.fetch.triangles import merged
+from stages.formats import gltf_claims
+from stages.formats.triangles import Body
 from stages.robot.geometry import NEUTRAL, Colour
 from stages.robot.install import install
-from stages.robot.triangles import Body
 
 FORMATS = ("stl", "obj", "dae", "gltf", "glb", "ply")
 
@@ -61,7 +61,7 @@ def read(data: bytes, name: str, companions: Mapping[str, bytes]) -> Mesh:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
             if kind in ("gltf", "glb"):
-                gltfclaims.judge(data, companions)
+                gltf_claims.judge(data, companions)
             scene = _scene(_PREPARED.get(kind, bytes)(data), kind, companions)
             pieces = [_placed(scene, node) for node in scene.graph.nodes_geometry]
             scale = _unit(scene, kind)

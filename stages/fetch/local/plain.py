@@ -9,7 +9,7 @@ from stages.fetch.local.macros import EXPAND
 from stages.robot.errors import SourceError
 
 if TYPE_CHECKING:
-    from stages.robot.xml import Element
+    from stages.formats.xml import Element
 
 _MAYBE = re.compile(r"xacro|\$[{(]")
 _NAMED = re.compile(r"\{[^{}]*\bxacro/?\}|xacro:")
@@ -22,7 +22,7 @@ def require(text: str, where: str) -> None:
     nor taken as it stands. What is for Gazebo is not read, and may hold anything."""
     if not _MAYBE.search(text):
         return
-    from stages.robot import xml
+    from stages.formats import xml
 
     try:
         root = xml.parse(text.encode())

@@ -3,11 +3,11 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+from stages.formats.mjcf import Mjcf
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.mjcf.closing import Closing
 from stages.graph.naming import Key, Namer
 from stages.graph.notes import Notes
-from stages.robot.mjcf import Mjcf
 
 WORLD_NUMBER = 0
 """The body that is the world."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stages.formats.mjcf import Mjcf, MjcfBody, MjcfGeom
 from stages.graph.couplings import backwards
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import WORLD_LINK, Body, Bond, Coupling, Marker, Mechanism
@@ -20,7 +21,6 @@ from stages.robot.bundle import Bundle
 from stages.robot.errors import ProtocolError
 from stages.robot.inertia import ZERO, moved
 from stages.robot.kinematics import chain
-from stages.robot.mjcf import Mjcf, MjcfBody, MjcfGeom
 from stages.robot.model import (
     Array,
     Configuration,

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stages.formats.mjcf import Mjcf, MjcfBody
 from stages.graph.mjcf.closing import Closing
-from stages.robot.mjcf import Mjcf, MjcfBody
 
 
 def _tops(mjcf: Mjcf) -> list[int]:

@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from stages.robot import triangles
+from stages.formats import triangles
 from stages.robot.bundle import Bundle, StudioKey
 from stages.robot.inertia import solid_inertia
 from stages.robot.model import Array, Inertial, frozen

@@ -15,12 +15,12 @@ from typing import Any
 
 import orjson
 
+from stages.formats.onshape_configuration import decoded, split
 from stages.graph.couplings import TYPES, Freedom
 from stages.graph.onshape.assembly import Assembly, Mate, Path, Record
 from stages.graph.onshape.expressions import ExpressionError, Scope, measured
 from stages.graph.onshape.replies import shape_of
 from stages.robot.bundle import Bundle, Features, StudioKey
-from stages.robot.configuration import decoded, split
 from stages.robot.model import DofKind
 
 MateKey = tuple[Path, str]

@@ -4,12 +4,12 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from typing import Literal
 
+from stages.formats.urdf.model import Urdf, UrdfLink, UrdfShape
 from stages.graph.notes import Notes
 from stages.graph.urdf.solids import solid_of
 from stages.robot.bundle import Bundle
 from stages.robot.inertia import FLATTEST_WRITTEN, NEXT_TO_NOTHING, is_physical, no_thinner, principal, spread
 from stages.robot.model import Array, Inertial, frozen
-from stages.robot.urdf import Urdf, UrdfLink, UrdfShape
 
 Policy = Literal["refuse", "recompute", "project"]
 

@@ -7,6 +7,8 @@ from typing import cast
 
 import numpy as np
 
+from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, UrdfShape, mesh_key
+from stages.formats.urdf.parse import parse
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import WORLD_LINK, Body, Bond, Coupling, Marker, Mechanism
 from stages.graph.notes import Notes
@@ -33,8 +35,6 @@ from stages.robot.model import (
     frozen,
 )
 from stages.robot.poses import at_rest
-from stages.robot.urdf import Urdf, UrdfJoint, UrdfLink, UrdfShape, mesh_key
-from stages.robot.urdfxml import parse
 
 TYPES: Mapping[str, JointType] = {
     "fixed": "fixed",

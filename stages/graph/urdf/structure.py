@@ -5,9 +5,9 @@ from collections.abc import Iterable, Mapping
 
 import networkx as nx
 
+from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfMimic
 from stages.graph.globs import listed
 from stages.graph.notes import Notes
-from stages.robot.urdf import Urdf, UrdfJoint, UrdfMimic
 
 SCALAR = ("revolute", "continuous", "prismatic")
 """Types of joints that have one number for their value."""

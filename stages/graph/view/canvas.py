@@ -3,8 +3,8 @@
 import math
 import unicodedata
 
+from stages.formats import xml
 from stages.graph.view.labels import shortened
-from stages.robot import xml
 from stages.robot.printable import printable, printable_lines
 
 FONT = "system-ui, 'Segoe UI', 'Helvetica Neue', Arial, 'DejaVu Sans', sans-serif"

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 import orjson
 
-from stages.fetch.appearance import NEUTRAL
+from stages.formats.colours import NEUTRAL
 from stages.robot.errors import ProtocolError
 from stages.robot.geometry import Colour
 

@@ -12,15 +12,15 @@ from typing import get_args
 
 import numpy as np
 
-from stages.robot import xml
+from stages.formats import xml
+from stages.formats.urdf.elements import Told, child, number, numbers, pose, tag
+from stages.formats.urdf.model import Transmission, Urdf, UrdfJoint, UrdfJointType, UrdfLink, UrdfMimic
+from stages.formats.urdf.shapes import Materials, collisions, visuals
+from stages.formats.urdf.transmissions import controlled, rotors, transmissions
+from stages.formats.xml import Element
 from stages.robot.errors import SourceError
 from stages.robot.inertia import moved
 from stages.robot.model import Array, Inertial, Limits, frozen
-from stages.robot.urdf import Transmission, Urdf, UrdfJoint, UrdfJointType, UrdfLink, UrdfMimic
-from stages.robot.urdfactuators import controlled, rotors, transmissions
-from stages.robot.urdfshapes import Materials, collisions, visuals
-from stages.robot.urdftext import Told, child, number, numbers, pose, tag
-from stages.robot.xml import Element
 
 _TYPES: tuple[str, ...] = get_args(UrdfJointType)
 _PARTS = ("link", "joint", "material", "transmission", "ros2_control", "mujoco")

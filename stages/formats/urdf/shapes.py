@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import cast
 
+from stages.formats.urdf.elements import Told, child, number, numbers, pose, tag
+from stages.formats.urdf.model import UrdfShape, UrdfShapeKind
+from stages.formats.xml import Element
 from stages.robot.geometry import Colour
-from stages.robot.urdf import UrdfShape, UrdfShapeKind
-from stages.robot.urdftext import Told, child, number, numbers, pose, tag
-from stages.robot.xml import Element
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,10 +7,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from stages.formats.xml import Element
 from stages.robot.errors import Diagnostic
 from stages.robot.model import Array, frozen
 from stages.robot.poses import from_parts, rotation_from_quat, rotation_from_rpy
-from stages.robot.xml import Element
 
 _MOST_TOLD = 50
 

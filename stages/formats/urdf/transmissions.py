@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 
-from stages.robot import xml
-from stages.robot.urdf import Transmission
-from stages.robot.urdftext import Told, number, tag
-from stages.robot.xml import Element
+from stages.formats import xml
+from stages.formats.urdf.elements import Told, number, tag
+from stages.formats.urdf.model import Transmission
+from stages.formats.xml import Element
 
 
 def transmissions(element: Element, told: Told) -> list[Transmission]:

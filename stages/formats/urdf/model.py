@@ -1,7 +1,7 @@
 """A URDF as a value: what the file says, before anything is made of it.
 
 Poses are (4, 4) float64 transforms, named by their frames; SI units, radians. A link's frame is the
-URDF's own. `stages.robot.urdfxml` reads a file into these values.
+URDF's own. `stages.formats.urdf.parse` reads a file into these values.
 """
 
 import re

@@ -1,0 +1,1 @@
+"""Text to value and back, without policy: URDF, MJCF, XML, glTF, numbers, units, triangles."""

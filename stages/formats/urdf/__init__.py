@@ -1,0 +1,1 @@
+"""URDF text as values: links, joints, shapes, transmissions."""
