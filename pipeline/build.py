@@ -32,7 +32,7 @@ from pipeline.room import LEAST
 from pipeline.settle import name_of
 from pipeline.stage import STAGES, Stage, libraries, stages_until
 from stages.fetch import remarks
-from stages.fetch.ledger import FOLDER as LEDGER
+from stages.fetch.onshape.api.ledger import FOLDER as LEDGER
 from stages.graph.view.views import OUTLINE, VIEWS
 from stages.robot import codec
 from stages.robot.check import Check

@@ -21,7 +21,7 @@ class Secrets:
 
     def __init__(self, environ: Mapping[str, str], folder: Path | None = None) -> None:
         """`folder` holds `.env`; default: the working folder."""
-        from stages.fetch.credentials import known
+        from stages.fetch.onshape.api.credentials import known
 
         found = {text: name for text, name in known(environ, folder).items() if len(text) >= SHORTEST}
         # The longest first: one may hold another.

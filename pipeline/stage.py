@@ -87,7 +87,7 @@ class Common:
 
 class Fetch(Common):
     name = "fetch"
-    modules = ("stages.fetch.triangles",)
+    modules = ("stages.fetch.onshape.triangles.faces",)
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         from stages.fetch import preflight, writes
@@ -113,7 +113,7 @@ class Fetch(Common):
 
     def run(self, bench: Bench) -> dict[str, bytes]:
         from stages.fetch import fetch, spends
-        from stages.fetch.plan_of_calls import Calls
+        from stages.fetch.onshape.call_budget import Calls
 
         if spends(bench.plan):
             bench.room()

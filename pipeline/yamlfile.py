@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 
-from stages.fetch import regular
+from stages.fetch import regular_files
 
 LARGEST = 4 << 20
 """Larger files are not read [bytes]."""
@@ -45,8 +45,8 @@ def text(path: Path) -> str:
     """The text of a file, once it is known to come to no more than makes sense. Raises as `read` does,
     but for text that is no YAML at all: that is its reader's to tell."""
     try:
-        content = regular.content(path, LARGEST)
-    except regular.TooLarge as error:
+        content = regular_files.content(path, LARGEST)
+    except regular_files.TooLarge as error:
         why = f"it has {error.size} bytes, and at most {LARGEST} are read"
         raise RefusedError(why, _mark(path, 0, 0), "name the robot's own file") from None
     found = content.decode("utf-8")

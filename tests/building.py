@@ -5,9 +5,9 @@ from typing import Any
 
 from pipeline.plan import Plan
 from stages.export import Exported, export
-from stages.fetch.bundle import read
-from stages.fetch.onshape import gather
-from stages.fetch.recorded import Recorded
+from stages.fetch.bundle.archive import read
+from stages.fetch.onshape.gather import gather
+from stages.fetch.onshape.recorded import Recorded
 from stages.graph import build_robot
 from stages.robot.bundle import Bundle
 from stages.robot.geometry import Geometry

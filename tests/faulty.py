@@ -11,8 +11,8 @@ from pipeline.cache import Cache
 from pipeline.store import Store
 from pipeline.upkeep import verify
 from stages import fetch as stage
-from stages.fetch.ledger import years
-from stages.fetch.plan_of_calls import Calls
+from stages.fetch.onshape.api.ledger import years
+from stages.fetch.onshape.call_budget import Calls
 from stages.robot.errors import SourceError
 from tests.kept import QUICK, fetched, onshape
 from tests.onshape import solids

@@ -6,7 +6,7 @@ from threading import Lock, RLock
 
 from stages import fetch as stage
 from stages.fetch.keys import FetchKeys
-from stages.fetch.retries import Patience
+from stages.fetch.onshape.api.retries import Patience
 
 QUICK = Patience(first_wait=0.001, longest_wait=0.004, jitter=0.001, connect=5, read=10, whole=20)
 """Asks again at once: tests have no time to wait."""

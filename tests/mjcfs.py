@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from stages.fetch.keys import MjcfKeys
-from stages.fetch.mjcf import gather
+from stages.fetch.mjcf.gather import gather
 from stages.graph import build_robot
 from stages.robot.bundle import Bundle
 from stages.robot.model import Robot

@@ -10,10 +10,10 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from stages.fetch import requests
-from stages.fetch.bundle import read
-from stages.fetch.onshape import gather
-from stages.fetch.recorded import Recorded
+from stages.fetch.bundle.archive import read
+from stages.fetch.onshape import requests
+from stages.fetch.onshape.gather import gather
+from stages.fetch.onshape.recorded import Recorded
 from stages.robot.bundle import Bundle, StudioKey
 
 DATA = Path(__file__).resolve().parents[1].parent / "shared" / "data" / "onshape"

@@ -130,7 +130,7 @@ def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, s
     from pipeline.cache import Cache
     from pipeline.secrets import Secrets
     from pipeline.store import Store
-    from stages.fetch.bundle import pack, read
+    from stages.fetch.bundle.archive import pack, read
 
     roots = _caches(folder, asked.cache, environ)
     for root in roots:

@@ -9,7 +9,7 @@ from pipeline import upkeep
 from pipeline.cache import folder
 from pipeline.errors import ConfigError
 from pipeline.lock import FOLDER as LOCKS
-from stages.fetch import ledger
+from stages.fetch.onshape.api import ledger
 
 HELP = """\
 linkwright cache: look after the cache, where builds keep what they fetched and made.

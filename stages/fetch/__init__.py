@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stages.fetch.keys import FetchKeys, OnshapeKeys
-    from stages.fetch.plan_of_calls import Calls
-    from stages.fetch.replies import Replies
-    from stages.fetch.retries import Patience
+    from stages.fetch.onshape.api.retries import Patience
+    from stages.fetch.onshape.call_budget import Calls
+    from stages.fetch.onshape.reply_store import Replies
     from stages.robot.bundle import Bundle
     from stages.robot.errors import Diagnostic
 
@@ -65,27 +65,27 @@ def fetch(
     """
     source = keys.source
     if source.kind == "onshape":
-        from stages.fetch.plan_of_calls import Calls
+        from stages.fetch.onshape.call_budget import Calls
 
         calls = Calls() if calls is None else calls
         return _from_onshape(
             source, replies, environ, tell, ledger, calls, patience, began, while_waiting, passing
         )
     if source.kind == "urdf":
-        from stages.fetch.local.gather import gather as gathered
+        from stages.fetch.urdf.gather import gather as gathered
 
         bundle, found = gathered(source, environ)
         return Fetched(bundle, calls=0, saved=0, diagnostics=found)
     if source.kind == "mjcf":
-        from stages.fetch.mjcf import gather as compiled
+        from stages.fetch.mjcf.gather import gather as compiled
 
         bundle, found = compiled(source, while_waiting)
         return Fetched(bundle, calls=0, saved=0, diagnostics=found)
 
-    from stages.fetch.bundle import read, whole
+    from stages.fetch.bundle.archive import read, whole
     from stages.fetch.files import content, label
-    from stages.fetch.onshape import gather
-    from stages.fetch.recorded import Recorded
+    from stages.fetch.onshape.gather import gather
+    from stages.fetch.onshape.recorded import Recorded
 
     where = label(source)
     recording = read(content(source), where)
@@ -106,12 +106,12 @@ def _from_onshape(
     while_waiting: Callable[[], None],
     passing: Callable[[str], None],
 ) -> Fetched:
-    from stages.fetch.asking import Asking
-    from stages.fetch.network import Network
-    from stages.fetch.onshape import gather
-    from stages.fetch.server import Server
-    from stages.fetch.url import parse
-    from stages.fetch.variables import Variables
+    from stages.fetch.onshape.cached_client import Asking
+    from stages.fetch.onshape.gather import gather
+    from stages.fetch.onshape.live import Network
+    from stages.fetch.onshape.session import Server
+    from stages.fetch.onshape.url import parse
+    from stages.fetch.onshape.variables import Variables
     from stages.robot.errors import Diagnostic, QuotaExhausted, SourceError
 
     url = parse(source.url)
@@ -161,8 +161,8 @@ def preflight(keys: FetchKeys, environ: Mapping[str, str]) -> None:
     """
     source = keys.source
     if source.kind == "onshape":
-        from stages.fetch.credentials import find
-        from stages.fetch.url import parse
+        from stages.fetch.onshape.api.credentials import find
+        from stages.fetch.onshape.url import parse
 
         if source.offline and source.refresh:
             from stages.robot.errors import ConfigError
@@ -178,7 +178,7 @@ def preflight(keys: FetchKeys, environ: Mapping[str, str]) -> None:
             hint = "give the address of a workspace (…/w/…), or set the variables in Onshape"
             raise ConfigError(msg, "source.variables", hint)
         if not url.pinned and not source.offline:
-            from stages.fetch.surroundings import require as require_surroundings
+            from stages.fetch.onshape.api.network_settings import require as require_surroundings
 
             find(environ)
             require_surroundings(environ, proxies=not url.loopback)
@@ -192,7 +192,7 @@ def remarks(keys: FetchKeys) -> tuple[Diagnostic, ...]:
     """What a user should know of the place that the key is read from."""
     if keys.source.kind != "onshape":
         return ()
-    from stages.fetch import credentials
+    from stages.fetch.onshape.api import credentials
 
     return credentials.remarks()
 
@@ -219,16 +219,16 @@ def pinned(keys: FetchKeys, environ: Mapping[str, str] | None = None) -> dict[st
     """
     source = keys.source
     if source.kind == "urdf":
-        from stages.fetch.local.survey import identity
+        from stages.fetch.urdf.survey import identity
 
         return identity(source, environ or {})
     if source.kind == "mjcf":
-        from stages.fetch.mjcf import identity as of_the_model
+        from stages.fetch.mjcf.gather import identity as of_the_model
 
         return of_the_model(source)
     if source.kind == "onshape":
-        from stages.fetch.requests import API, definition
-        from stages.fetch.url import parse
+        from stages.fetch.onshape.requests import API, definition
+        from stages.fetch.onshape.url import parse
 
         url = parse(source.url)
         if not url.pinned:

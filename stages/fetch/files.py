@@ -4,7 +4,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from stages.fetch import regular
+from stages.fetch import regular_files
 from stages.robot.errors import ConfigError, SourceError
 
 LARGEST = 1 << 30
@@ -21,11 +21,11 @@ def label(source: Any) -> str:
 def require(source: Any) -> None:
     """ConfigError where `source.path` is no file, or a package of a robot's file is no folder."""
     path = Path(source.path)
-    if not regular.is_file(path):
+    if not regular_files.is_file(path):
         wanted, example = _WANTED[source.kind]
         what = f"is a folder, and {wanted}" if path.is_dir() else "does not exist"
-        if regular.is_special(path):
-            what = f"is no such file: {regular.NOT_REGULAR}"
+        if regular_files.is_special(path):
+            what = f"is no such file: {regular_files.NOT_REGULAR}"
         hint = f"paths start from the working folder; give one such as {example}"
         raise ConfigError(f"{source.path} {what}", "source.path", hint)
     if source.kind == "urdf":
@@ -33,13 +33,13 @@ def require(source: Any) -> None:
 
 
 def _require_urdf(source: Any) -> None:
-    from stages.fetch.local import macros
+    from stages.fetch.urdf import expand
 
     for name, folder in source.packages.items():
         if not Path(folder).is_dir():
             hint = "name the folder that holds the package's own, such as meshes/"
             raise ConfigError(f"{folder} is no folder", f"source.packages.{name}", hint)
-    macros.require(source)
+    expand.require(source)
 
 
 def content(source: Any) -> bytes:
@@ -47,8 +47,8 @@ def content(source: Any) -> bytes:
     try:
         if source.kind == "sample":
             return files("stages.fetch").joinpath(_SAMPLE).read_bytes()
-        return regular.content(Path(source.path), LARGEST)
-    except regular.TooLarge as error:
+        return regular_files.content(Path(source.path), LARGEST)
+    except regular_files.TooLarge as error:
         msg = f"not readable as a bundle: it has {error.size} bytes; at most {LARGEST} are read"
         raise SourceError(msg, label(source), "check that source.path names the right file") from None
     except OSError as error:

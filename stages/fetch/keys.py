@@ -14,7 +14,7 @@ ADDRESS = "address"
 
 
 def _address(url: str) -> str:
-    from stages.fetch.url import parse
+    from stages.fetch.onshape.url import parse
 
     try:
         parse(url)

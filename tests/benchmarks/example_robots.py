@@ -19,7 +19,7 @@ import mujoco
 
 from pipeline.plan import Plan
 from stages.export import export
-from stages.fetch.local.gather import gather
+from stages.fetch.urdf.gather import gather
 from stages.graph import build_robot
 from stages.mesh import make_geometry
 from stages.robot.errors import LinkwrightError

@@ -51,7 +51,7 @@ def replies(parts: int, triangles: int) -> dict[str, bytes]:
 
 def read(folder: Path, kind: str, traced: bool) -> dict[str, float]:
     """What reading the reply of this kind takes; run in a process of its own."""
-    from stages.fetch import gltfparts, triangles
+    from stages.fetch.onshape.triangles import faces, gltf_parts
     from stages.formats import triangles as codec
 
     mass = (folder / "mass").read_bytes()
@@ -62,7 +62,7 @@ def read(folder: Path, kind: str, traced: bool) -> dict[str, float]:
         resident = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         reply = data[kind] if data else (folder / kind).read_bytes()
         start = time.process_time()
-        compact = gltfparts.compact(reply, of) if kind == "glTF" else triangles.compact(reply)
+        compact = gltf_parts.compact(reply, of) if kind == "glTF" else faces.compact(reply)
         seconds = time.process_time() - start
     traced_peak = tracemalloc.get_traced_memory()[1] if traced else 0
     return {

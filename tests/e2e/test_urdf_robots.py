@@ -8,7 +8,7 @@ import pytest
 
 from pipeline.plan import Plan
 from stages.export import export
-from stages.fetch.local.gather import gather
+from stages.fetch.urdf.gather import gather
 from stages.graph import build_robot
 from stages.mesh import make_geometry
 from stages.robot.bundle import Bundle

@@ -46,5 +46,5 @@ def test_only_a_build_that_must_read_replies_imports_what_reads_them(tmp_path) -
         profiled = linkwright(tmp_path, *source, environ=environ | {"PYTHONPROFILEIMPORTTIME": "1"})
     assert profiled.returncode == 0
     imported = {line.rpartition("|")[2].strip() for line in profiled.stderr.splitlines() if "|" in line}
-    assert "stages.fetch.freshness" in imported
+    assert "stages.fetch.onshape.freshness" in imported
     assert not {"networkx", "scipy", "mujoco", "trimesh"} & imported

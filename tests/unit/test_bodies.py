@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from stages.fetch.triangles import read as read_triangles
+from stages.fetch.onshape.triangles.faces import read as read_triangles
 from stages.graph import build_robot
 from stages.mesh import make_geometry
 from stages.robot.errors import AssemblyError

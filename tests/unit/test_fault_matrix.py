@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from stages.fetch.refusals import Declined
+from stages.fetch.onshape.api.http_errors import Declined
 from stages.robot.errors import (
     AuthError,
     NotFound,

@@ -10,7 +10,7 @@ import pytest
 from pydantic import ValidationError
 
 from stages import fetch as stage
-from stages.fetch.bundle import pack
+from stages.fetch.bundle.archive import pack
 from stages.fetch.keys import FetchKeys
 from stages.robot.errors import AssemblyError, ConfigError, NotFound, ProtocolError, SourceError
 from tests.kept import Kept, fetched, onshape

@@ -2,7 +2,7 @@
 
 import pytest
 
-from stages.fetch.plan_of_calls import Budget
+from stages.fetch.onshape.call_budget import Budget
 from stages.robot.errors import SourceError
 
 

@@ -11,8 +11,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from stages.fetch import bundle as module
-from stages.fetch.bundle import pack, read
+from stages.fetch.bundle import archive as module
+from stages.fetch.bundle.archive import pack, read
 from stages.fetch.files import content
 from stages.robot.bundle import Bundle
 from stages.robot.errors import SourceError

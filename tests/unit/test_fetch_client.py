@@ -13,10 +13,10 @@ from time import monotonic, sleep, time
 
 import pytest
 
-from stages.fetch.client import Client
-from stages.fetch.credentials import Credentials
-from stages.fetch.refusals import Declined
-from stages.fetch.url import AssemblyUrl
+from stages.fetch.onshape.api.client import Client
+from stages.fetch.onshape.api.credentials import Credentials
+from stages.fetch.onshape.api.http_errors import Declined
+from stages.fetch.onshape.url import AssemblyUrl
 from stages.robot.errors import (
     AuthError,
     NotFound,

@@ -6,8 +6,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from stages.fetch.bundle import pack
-from stages.fetch.onshape import digest
+from stages.fetch.bundle.archive import pack
+from stages.fetch.onshape.gather import digest
 from stages.formats import triangles
 from stages.robot.errors import Offline, ProtocolError
 from tests.kept import Kept, fetched, onshape

@@ -7,9 +7,9 @@ import pytest
 
 from pipeline.build import build
 from pipeline.plan import Plan
-from stages.fetch import configuration
-from stages.fetch.bundle import pack
-from stages.fetch.configuration import encode
+from stages.fetch.bundle.archive import pack
+from stages.fetch.onshape import configuration
+from stages.fetch.onshape.configuration import encode
 from stages.formats.onshape_configuration import decoded, encoded, joined, split
 from stages.graph import build_robot
 from stages.robot.errors import ConfigError, Offline, ProtocolError, SourceError

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from stages.fetch.credentials import Credentials, find, remarks
+from stages.fetch.onshape.api.credentials import Credentials, find, remarks
 from stages.robot.errors import ConfigError
 
 

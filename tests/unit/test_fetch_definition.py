@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from stages.fetch.definition import read, require_parts
+from stages.fetch.onshape.definition import read, require_parts
 from stages.robot.bundle import StudioKey
 from stages.robot.errors import AssemblyError, ProtocolError
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from stages import fetch as stage
-from stages.fetch import features
-from stages.fetch.bundle import pack, read
-from stages.fetch.features import Owner
-from stages.fetch.onshape import gather
-from stages.fetch.recorded import Recorded
+from stages.fetch.bundle.archive import pack, read
+from stages.fetch.onshape import features
+from stages.fetch.onshape.features import Owner
+from stages.fetch.onshape.gather import gather
+from stages.fetch.onshape.recorded import Recorded
 from stages.graph import build_robot
 from stages.robot.bundle import StudioKey
 from stages.robot.codec import encode_robot

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from stages import fetch as stage
-from stages.fetch.plan_of_calls import Calls
+from stages.fetch.onshape.call_budget import Calls
 from stages.robot.errors import ConfigError, Offline, ProtocolError, QuotaExhausted, SourceError
 from tests.kept import Kept, fetched, onshape
 from tests.onshape import solids

@@ -7,7 +7,7 @@ import struct
 import numpy as np
 import pytest
 
-from stages.fetch import gltfparts, triangles
+from stages.fetch.onshape.triangles import faces, gltf_parts
 from stages.formats import gltf as reader
 from stages.formats import triangles as codec
 from stages.robot.errors import ProtocolError
@@ -40,7 +40,7 @@ def from_faces(of):
     reply = tessellated_faces(
         of, of.parts, appearances=True, facet_normals=False, vertex_normals=False, index_table=True
     )
-    return codec.decode(triangles.compact(json.dumps(reply).encode()))
+    return codec.decode(faces.compact(json.dumps(reply).encode()))
 
 
 def assert_same(bodies, expected):
@@ -65,31 +65,31 @@ def test_bodies_are_told_apart_by_their_figures_whichever_axis_is_up(up):
     of = studio()
     for order in ([0, 1, 2, 3], [3, 1, 0, 2]):
         reply = gltf(of.parts, appearances=True, up=up, order=order)
-        assert_same(codec.decode(gltfparts.compact(reply, masses(of))), from_faces(of))
+        assert_same(codec.decode(gltf_parts.compact(reply, masses(of))), from_faces(of))
 
 
 def test_a_node_that_is_named_by_a_part_id_is_that_part():
     of = studio()
     of.part("Twin cover", solids.box(0.2, 0.09, 0.002, at=(0, 0, 0.28)))
     twins = {part.id for part in of.parts[3:]}
-    unnamed = codec.names(gltfparts.compact(gltf(of.parts, appearances=True), masses(of)))
+    unnamed = codec.names(gltf_parts.compact(gltf(of.parts, appearances=True), masses(of)))
     assert unnamed == {part.id for part in of.parts} - twins  # neither has a mass, so neither a place
     named = gltf(of.parts, appearances=True, name=lambda part, _: part.id)
-    assert_same(codec.decode(gltfparts.compact(named, masses(of))), from_faces(of))
+    assert_same(codec.decode(gltf_parts.compact(named, masses(of))), from_faces(of))
 
 
 def test_parts_that_do_not_tell_which_way_is_up_are_refused():
     of = Document("Loose").studio("Loose")
     of.part("Cover", solids.box(0.2, 0.09, 0.002))
     with pytest.raises(ProtocolError, match="whichever axis is up"):
-        gltfparts.compact(gltf(of.parts, appearances=True), masses(of))
+        gltf_parts.compact(gltf(of.parts, appearances=True), masses(of))
 
 
 def test_bodies_of_another_studio_are_refused():
     other = Document("Other").studio("Other")
     other.part("Ball", solids.ball(0.3), density=1000)
     with pytest.raises(ProtocolError, match="none of the 4 bodies"):
-        gltfparts.compact(gltf(studio().parts, appearances=True), masses(other))
+        gltf_parts.compact(gltf(studio().parts, appearances=True), masses(other))
 
 
 def opened(reply):
@@ -157,4 +157,4 @@ def test_figures_without_a_number_are_refused():
     broken = mass_properties(of, of.parts, as_group=False, overrides=True)
     del broken["bodies"][of.parts[0].id]["periphery"]
     with pytest.raises(ProtocolError, match="do not tell the parts apart"):
-        gltfparts.compact(gltf(of.parts, appearances=True), json.dumps(broken).encode())
+        gltf_parts.compact(gltf(of.parts, appearances=True), json.dumps(broken).encode())

@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from stages import fetch as stage
-from stages.fetch import surroundings
-from stages.fetch.client import Client
-from stages.fetch.credentials import Credentials
-from stages.fetch.url import AssemblyUrl
+from stages.fetch.onshape.api import network_settings
+from stages.fetch.onshape.api.client import Client
+from stages.fetch.onshape.api.credentials import Credentials
+from stages.fetch.onshape.url import AssemblyUrl
 from stages.robot.errors import ConfigError, Offline
 from tests.kept import ADDRESS, QUICK, fetched, onshape
 
@@ -253,9 +253,9 @@ WRONG = [
 
 @pytest.mark.parametrize(("environ", "name", "said"), WRONG)
 def test_a_setting_that_cannot_be_meant_is_refused_by_its_name(monkeypatch, environ, name, said):
-    monkeypatch.setattr(surroundings.importlib.util, "find_spec", lambda _: None)
+    monkeypatch.setattr(network_settings.importlib.util, "find_spec", lambda _: None)
     with pytest.raises(ConfigError, match=said) as caught:
-        surroundings.require(environ)
+        network_settings.require(environ)
     assert caught.value.where == name
     assert caught.value.hint
     assert "hunter22" not in str(caught.value)
@@ -273,11 +273,11 @@ def test_a_setting_that_cannot_be_meant_is_refused_by_its_name(monkeypatch, envi
     ],
 )
 def test_what_can_be_meant_is_let_through(environ):
-    surroundings.require(environ)
+    network_settings.require(environ)
 
 
 def test_this_computers_own_servers_need_no_proxy():
-    surroundings.require({"HTTPS_PROXY": "ftp://x"}, proxies=False)
+    network_settings.require({"HTTPS_PROXY": "ftp://x"}, proxies=False)
 
 
 def test_exceptions_from_proxies_that_cannot_be_read_are_told(monkeypatch):

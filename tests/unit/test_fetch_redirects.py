@@ -2,10 +2,10 @@
 
 import pytest
 
-from stages.fetch import redirects
-from stages.fetch.client import Client
-from stages.fetch.credentials import Credentials
-from stages.fetch.url import AssemblyUrl
+from stages.fetch.onshape.api import redirects
+from stages.fetch.onshape.api.client import Client
+from stages.fetch.onshape.api.credentials import Credentials
+from stages.fetch.onshape.url import AssemblyUrl
 from stages.robot.errors import ProtocolError
 from tests.kept import QUICK, Kept, fetched, onshape
 from tests.onshape.sample import sample_document

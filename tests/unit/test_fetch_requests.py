@@ -2,7 +2,7 @@
 
 from types import SimpleNamespace
 
-from stages.fetch import requests
+from stages.fetch.onshape import requests
 from stages.robot.bundle import StudioKey
 
 QUALITY = SimpleNamespace(angle=0.2, chord=0.0005, max_facet_width=None)

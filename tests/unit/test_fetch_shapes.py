@@ -7,8 +7,8 @@ from urllib.parse import parse_qsl
 import numpy as np
 import pytest
 
-from stages.fetch.bundle import pack
-from stages.fetch.shapes import selected
+from stages.fetch.bundle.archive import pack
+from stages.fetch.onshape.triangles.requests import selected
 from stages.formats import triangles
 from stages.robot.errors import Offline, ProtocolError, QuotaExhausted
 from tests.kept import Kept, fetched, onshape

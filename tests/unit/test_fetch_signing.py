@@ -5,10 +5,10 @@ from time import time
 
 import pytest
 
-from stages.fetch import signing
-from stages.fetch.client import Client
-from stages.fetch.credentials import Credentials
-from stages.fetch.url import AssemblyUrl
+from stages.fetch.onshape.api import signing
+from stages.fetch.onshape.api.client import Client
+from stages.fetch.onshape.api.credentials import Credentials
+from stages.fetch.onshape.url import AssemblyUrl
 from stages.robot.errors import AuthError
 from tests.kept import QUICK, Kept, fetched, onshape
 from tests.onshape.sample import sample_document

@@ -10,13 +10,15 @@ import zlib
 import numpy as np
 import pytest
 
-from stages.fetch import jsonpieces, matching, requests, sizes, triangles
-from stages.fetch.client import Client
-from stages.fetch.credentials import Credentials
-from stages.fetch.jsonpieces import Document, MalformedError
-from stages.fetch.retries import Patience
-from stages.fetch.unpacking import DamagedError, UnknownEncodingError, unpacked
-from stages.fetch.url import AssemblyUrl
+from stages.fetch import reply_sizes
+from stages.fetch.onshape import requests
+from stages.fetch.onshape.api.client import Client
+from stages.fetch.onshape.api.credentials import Credentials
+from stages.fetch.onshape.api.decompression import DamagedError, UnknownEncodingError, unpacked
+from stages.fetch.onshape.api.retries import Patience
+from stages.fetch.onshape.triangles import faces, json_stream, matching
+from stages.fetch.onshape.triangles.json_stream import Document, MalformedError
+from stages.fetch.onshape.url import AssemblyUrl
 from stages.formats import gltf
 from stages.formats import triangles as codec
 from stages.robot.bundle import StudioKey
@@ -61,7 +63,7 @@ class Fine:
     ],
 )
 def test_each_kind_of_reply_has_its_bound(request_, most):
-    assert sizes.largest(request_) == most * MB
+    assert reply_sizes.largest(request_) == most * MB
 
 
 class Answering:
@@ -122,7 +124,7 @@ def test_a_length_beyond_the_bound_is_believed():
 
 
 def test_a_body_without_an_end_is_left_at_the_bound(monkeypatch):
-    monkeypatch.setattr(sizes, "_BY_PATH", [(r"/massproperties$", 4 * MB)])
+    monkeypatch.setattr(reply_sizes, "_BY_PATH", [(r"/massproperties$", 4 * MB)])
     with (
         Answering(Fault(body=b" " * 65536, endless=True)) as there,
         pytest.raises(ProtocolError, match="larger than any that makes sense \\(4 MB\\)"),
@@ -206,7 +208,7 @@ def peak_of(refused):
 )
 def test_a_text_that_would_take_many_times_its_size_is_refused(text):
     # A block of the text is looked at in 40 times its size, the whole text in 4 times.
-    assert peak_of(lambda: triangles.compact(text)) < 4 * len(text) + 40 * jsonpieces._BLOCK
+    assert peak_of(lambda: faces.compact(text)) < 4 * len(text) + 40 * json_stream._BLOCK
 
 
 def test_a_text_that_is_nested_without_end_is_refused():
@@ -218,7 +220,7 @@ def test_a_text_that_is_nested_without_end_is_refused():
 
 
 def test_few_triangles_that_are_many_are_refused(monkeypatch):
-    monkeypatch.setattr(triangles.Room.__init__, "__defaults__", (1000, 3000, 20))
+    monkeypatch.setattr(faces.Room.__init__, "__defaults__", (1000, 3000, 20))
     point = '{"x": 0, "y": 0, "z": 0}'
 
     def body(name, facets, **more):
@@ -231,19 +233,19 @@ def test_few_triangles_that_are_many_are_refused(monkeypatch):
     shared = {"bodies": [{"id": f"B{n}"} for n in range(4)], "facetPoints": [[0, 0, 0]] * 1000}
     for reply in ([fan], parts, [loose], [{"id": f"B{n}"} for n in range(21)], shared):
         with pytest.raises(ProtocolError, match="more than"):
-            triangles.read(json.dumps(reply).encode())
-    assert len(triangles.read(json.dumps(parts[:4]).encode())) == 4
+            faces.read(json.dumps(reply).encode())
+    assert len(faces.read(json.dumps(parts[:4]).encode())) == 4
 
 
 def test_more_colours_than_are_kept_are_told(monkeypatch):
     monkeypatch.setattr(codec, "_MOST_COLOURS", 100)
-    faces = [
+    drawn = [
         {"appearance": {"color": [n >> 16, n >> 8 & 255, n & 255]}, "facets": [{"indices": [0, 1, 2]}]}
         for n in range(101)
     ]
-    reply = [{"id": "A", "faces": faces, "facetPoints": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}]
+    reply = [{"id": "A", "faces": drawn, "facetPoints": [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}]
     with pytest.raises(ProtocolError, match="101 colours"):
-        triangles.compact(json.dumps(reply).encode())
+        faces.compact(json.dumps(reply).encode())
 
 
 def test_a_compact_form_with_a_header_that_is_none_is_refused():
@@ -329,4 +331,4 @@ def test_the_index_of_a_text_is_small():
     document = Document(json.dumps([[0.25, 0.5, 0.75]] * 1000).encode())
     assert document._begins[2].dtype == np.uint32
     assert len(document._begins[2]) == 1000
-    assert len("[0,0,0],") > jsonpieces._BYTES_EACH
+    assert len("[0,0,0],") > json_stream._BYTES_EACH

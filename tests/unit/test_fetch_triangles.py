@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stages.fetch import jsonpieces, triangles
-from stages.fetch.jsonpieces import Document, MalformedError, Pieces
+from stages.fetch.onshape.triangles import faces, json_stream
+from stages.fetch.onshape.triangles.json_stream import Document, MalformedError, Pieces
 from stages.formats import triangles as codec
 from stages.robot.errors import ProtocolError
 
@@ -39,8 +39,8 @@ values = st.recursive(
 def test_a_text_read_in_pieces_is_what_it_is_read_at_once(value, run, block, spaced):
     text = json.dumps(value, ensure_ascii=False, indent=1 if spaced else None).encode()
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(jsonpieces, "_RUN", run)
-        patch.setattr(jsonpieces, "_BLOCK", block)
+        patch.setattr(json_stream, "_RUN", run)
+        patch.setattr(json_stream, "_BLOCK", block)
         assert plain(Document(text).root()) == value
 
 
@@ -52,8 +52,8 @@ def test_a_text_that_is_cut_or_changed_is_refused_or_read_as_json_is(data):
     changed = text[:cut] + data.draw(st.sampled_from([b"", b"]", b"}", b'"', b",", b"\\"])) + text[cut + 1 :]
     for harmed in (text[:cut], changed):
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(jsonpieces, "_RUN", 8)
-            patch.setattr(jsonpieces, "_BLOCK", 16)
+            patch.setattr(json_stream, "_RUN", 8)
+            patch.setattr(json_stream, "_BLOCK", 16)
             try:
                 found = plain(Document(harmed).root())
             except MalformedError:
@@ -85,10 +85,10 @@ def lattice(rows, columns, form):
 def test_a_large_reply_takes_little_more_memory_than_itself_and_a_fifth_when_kept(form):
     reply = lattice(120, 120, form)
     assert len(reply) > 4e6
-    triangles.compact(lattice(2, 2, form))  # what is imported only once
+    faces.compact(lattice(2, 2, form))  # what is imported only once
     tracemalloc.start()
     try:
-        compact = triangles.compact(reply)
+        compact = faces.compact(reply)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
@@ -102,17 +102,17 @@ def test_a_large_reply_takes_little_more_memory_than_itself_and_a_fifth_when_kep
 
 def test_pieces_of_any_size_give_the_same_bytes(monkeypatch):
     replies = [lattice(6, 7, form) for form in ("table", "loose")]
-    whole = [triangles.compact(reply) for reply in replies]
+    whole = [faces.compact(reply) for reply in replies]
     assert whole[0] == whole[1]
     for run in (40, 200, 3000):
-        monkeypatch.setattr(jsonpieces, "_RUN", run)
-        monkeypatch.setattr(triangles, "_BATCH", run // 40)
-        assert [triangles.compact(reply) for reply in replies] == whole
+        monkeypatch.setattr(json_stream, "_RUN", run)
+        monkeypatch.setattr(faces, "_BATCH", run // 40)
+        assert [faces.compact(reply) for reply in replies] == whole
 
 
 def test_the_compact_form_is_the_same_everywhere_and_its_own_compact_form():
-    compact = triangles.compact(lattice(2, 3, "table"))
-    assert triangles.compact(compact) is compact
+    compact = faces.compact(lattice(2, 3, "table"))
+    assert faces.compact(compact) is compact
     assert codec.encode(list(codec.decode(compact).values())) == compact
     assert sha256(compact).hexdigest() == DIGEST
 
@@ -124,7 +124,7 @@ DIGEST = "6a559681bea35ec48da0f0c6868d0fcbedfcd4007f4b4d5eca18546c98521898"
 @given(st.integers(0, 2**32 - 1))
 def test_a_harmed_compact_form_is_refused_or_has_no_corner_out_of_range(seed):
     rng = np.random.default_rng(seed)
-    compact = bytearray(triangles.compact(lattice(2, 3, "table")))
+    compact = bytearray(faces.compact(lattice(2, 3, "table")))
     compact[rng.integers(len(compact))] = rng.integers(256)
     for harmed in (bytes(compact), bytes(compact[: rng.integers(len(compact))])):
         try:
@@ -141,7 +141,7 @@ def test_bodies_are_found_by_name_and_only_those_wanted_are_read():
     reply = json.dumps(
         [{"id": "A", **box}, {"id": "B", **box}, {"id": "A"}, {"id": "C"}, {"id": 7}, 8]
     ).encode()
-    compact = triangles.compact(reply)
+    compact = faces.compact(reply)
     assert codec.names(compact) == {"A", "B"}
     assert set(codec.decode(compact)) == {"A", "B", "C"}
     assert set(codec.decode(compact, {"B", "D"})) == {"B"}
@@ -166,5 +166,5 @@ def test_bodies_are_found_by_name_and_only_those_wanted_are_read():
 )
 def test_what_is_no_reply_with_triangles_is_told(reply, why):
     with pytest.raises(ProtocolError) as caught:
-        triangles.compact(reply)
+        faces.compact(reply)
     assert why in str(caught.value)

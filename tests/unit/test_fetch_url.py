@@ -2,7 +2,7 @@
 
 import pytest
 
-from stages.fetch.url import AssemblyUrl, parse
+from stages.fetch.onshape.url import AssemblyUrl, parse
 from stages.robot.errors import ConfigError
 
 D, W, E = "5f1a0c2b9d8e7f6a5b4c3d2e", "0a1b2c3d4e5f60718293a4b5", "a1b2c3d4e5f60718293a4b5c"

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from stages.fetch import verify
-from stages.fetch.plan_of_calls import allow
+from stages.fetch.onshape import mass_check
+from stages.fetch.onshape.call_budget import allow
 from stages.robot.bundle import StudioKey
 from stages.robot.errors import ProtocolError, SourceError
 from tests.building import bundle_of
@@ -52,11 +52,11 @@ WEIGHTS = {StudioKey("D", "m/M", "S", "default"): {"base": 1.0, "bone": 0.25}}
 
 
 def masses(theirs, weights=WEIGHTS):
-    return verify.compare(json.dumps(DEFINITION).encode(), weights, b'{"mass": [%r]}' % theirs)
+    return mass_check.compare(json.dumps(DEFINITION).encode(), weights, b'{"mass": [%r]}' % theirs)
 
 
 def test_every_occurrence_of_a_part_counts_at_any_depth():
-    assert masses(1.5) == verify.Masses(1.5, 1.5, 1.25)
+    assert masses(1.5) == mass_check.Masses(1.5, 1.5, 1.25)
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_rounding_and_hidden_parts_make_no_difference(theirs, agree):
 
 def test_parts_without_mass_count_nothing():
     assert masses(0.0, {}).agree
-    assert verify.read_weights(
+    assert mass_check.read_weights(
         b'{"bodies": {"a": {"mass": [2, 1, 3]}, "b": {"mass": [7, 7, 7], "hasMass": false}}}'
     ) == {"a": 2.0, "b": 0.0}
 
@@ -77,15 +77,15 @@ def test_parts_without_mass_count_nothing():
 def test_the_sum_over_a_whole_robot_is_what_its_document_weighs():
     document = sample_document()
     bundle = bundle_of(document)
-    weights = {studio.key: verify.read_weights(bundle.blobs[studio.mass[0]]) for studio in bundle.studios}
+    weights = {studio.key: mass_check.read_weights(bundle.blobs[studio.mass[0]]) for studio in bundle.studios}
     total = json.dumps(assembly_mass(document)).encode()
-    found = verify.compare(json.dumps(definition(document)).encode(), weights, total)
+    found = mass_check.compare(json.dumps(definition(document)).encode(), weights, total)
     assert found.theirs == pytest.approx(document.truth.total_mass(), rel=1e-12)
     assert found.ours == pytest.approx(document.truth.total_mass(), rel=1e-12)
 
 
 def test_the_diagnostic_names_both_masses():
-    found = verify.Masses(1.5, 2.25, 2.25).diagnostic("abc")
+    found = mass_check.Masses(1.5, 2.25, 2.25).diagnostic("abc")
     assert (found.code, found.level, found.where) == ("W-VERIFY", "warning", "assembly abc")
     assert "2.25 kg" in found.message
     assert "1.5 kg" in found.message
@@ -94,9 +94,9 @@ def test_the_diagnostic_names_both_masses():
 @pytest.mark.parametrize("body", [b"", b"[]", b"{}", b'{"mass": []}', b'{"mass": ["much"]}', b"7"])
 def test_a_reply_without_a_mass_is_refused(body):
     with pytest.raises(ProtocolError, match="has no mass"):
-        verify.read_total(body)
+        mass_check.read_total(body)
     with pytest.raises(ProtocolError, match="without mass properties"):
-        verify.read_weights(b'{"bodies": {"a": %s}}' % (body or b"null"))
+        mass_check.read_weights(b'{"bodies": {"a": %s}}' % (body or b"null"))
 
 
 def test_as_many_calls_as_allowed_may_be_made_and_no_more():

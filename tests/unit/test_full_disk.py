@@ -16,7 +16,7 @@ from pipeline.output import FAILED, Output
 from pipeline.plan import Plan
 from pipeline.report import Report
 from pipeline.store import Store
-from stages.fetch.ledger import Ledger
+from stages.fetch.onshape.api.ledger import Ledger
 from tests.e2e.command import environment, linkwright
 from tests.faulty import desk
 from tests.onshape.server import OnshapeServer
@@ -168,7 +168,7 @@ def test_a_ledger_that_cannot_be_written_is_told_once_and_loses_no_reply(tmp_pat
         def __getattr__(self, name):
             return lambda *words: told.append(" ".join(map(str, words)))
 
-    monkeypatch.setattr("stages.fetch.ledger._append", refuse)
+    monkeypatch.setattr("stages.fetch.onshape.api.ledger._append", refuse)
     with OnshapeServer(desk()) as server:
         asked = plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
         assert build(asked, Ears(), server.environ).exit_status == 0

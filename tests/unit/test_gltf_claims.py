@@ -5,7 +5,7 @@ import json
 import pytest
 import trimesh
 
-from stages.fetch.local.meshfile import Unreadable, read
+from stages.fetch.urdf.mesh_file import Unreadable, read
 from stages.formats import gltf, gltf_claims
 from tests.onshape.gltf import gltf as drawn
 from tests.unit.test_fetch_gltf import opened, studio

@@ -11,12 +11,12 @@ import pytest
 REPO = Path(__file__).parents[2]
 
 HOMES = {
-    "httpx": ("stages/fetch/",),
-    "stamina": ("stages/fetch/",),
-    "dotenv": ("stages/fetch/",),
-    "mujoco": ("stages/validate/", "stages/fetch/mjcf", "stages/robot/mujoco_warnings.py"),
-    "trimesh": ("stages/mesh/", "stages/fetch/local/"),
-    "xacro": ("stages/fetch/local/",),
+    "httpx": ("stages/fetch/onshape/api/",),
+    "stamina": ("stages/fetch/onshape/api/",),
+    "dotenv": ("stages/fetch/onshape/api/",),
+    "mujoco": ("stages/validate/", "stages/fetch/mjcf/", "stages/robot/mujoco_warnings.py"),
+    "trimesh": ("stages/mesh/", "stages/fetch/urdf/"),
+    "xacro": ("stages/fetch/urdf/",),
     "collada": (),
     "networkx": ("stages/graph/",),
     "lxml": ("stages/formats/xml.py",),

@@ -6,9 +6,9 @@ import math
 
 import pytest
 
-from stages.fetch.bundle import read
-from stages.fetch.onshape import gather
-from stages.fetch.recorded import Recorded
+from stages.fetch.bundle.archive import read
+from stages.fetch.onshape.gather import gather
+from stages.fetch.onshape.recorded import Recorded
 from stages.graph import build_robot
 from stages.graph.onshape.assembly import Assembly, Mate
 from stages.graph.onshape.limits import resolve_limits

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.fetch.triangles import compact
+from stages.fetch.onshape.triangles.faces import compact
 from stages.mesh import make_geometry
 from stages.robot.bundle import Bundle
 from stages.robot.geometry import NEUTRAL

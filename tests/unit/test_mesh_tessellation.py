@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stages.fetch import triangles as reply_triangles
+from stages.fetch.onshape.triangles import faces as reply_triangles
 from stages.formats.colours import NEUTRAL, colour_of
 from stages.mesh import tessellation
 from stages.robot.errors import ProtocolError

@@ -4,8 +4,8 @@ import json
 
 import pytest
 
-from stages.fetch import mjcf, mjcfbounds
 from stages.fetch.keys import MjcfKeys
+from stages.fetch.mjcf import gather, size_bounds
 from stages.robot import guest
 from stages.robot.errors import SourceError
 from stages.robot.guest import Bounds, Ended
@@ -17,7 +17,7 @@ MESHED = model(body("a", '<geom type="mesh" mesh="box"/><joint name="j"/>'), f"<
 
 def refused(path):
     with pytest.raises(SourceError) as caught:
-        mjcf.gather(MjcfKeys(path=str(path)))
+        gather.gather(MjcfKeys(path=str(path)))
     assert str(path.parent) not in str(caught.value)
     return caught.value
 
@@ -52,7 +52,7 @@ def test_a_crash_of_the_compiler_is_one_message(tmp_path):
     ],
 )
 def test_bounds_hold(tmp_path, monkeypatch, bounds, said):
-    monkeypatch.setattr(mjcf, "BOUNDS", bounds)
+    monkeypatch.setattr(gather, "BOUNDS", bounds)
     assert f"MuJoCo's compiler {said}" in refused(written(tmp_path, MESHED)).message
 
 
@@ -104,7 +104,7 @@ MANY = "9" * 400
 def test_more_than_a_robot_has_is_refused_before_it_is_compiled(tmp_path, text, said):
     path = written(tmp_path, text)
     with pytest.raises(SourceError) as caught:
-        mjcfbounds.require(path, [path])
+        size_bounds.require(path, [path])
     assert said in caught.value.message
 
 
@@ -129,7 +129,7 @@ def test_what_a_model_includes_is_bounded_too_and_the_guest_asks(tmp_path):
 )
 def test_what_a_robot_may_have_is_let_through(tmp_path, text):
     path = written(tmp_path, text)
-    mjcfbounds.require(path, [path])
+    size_bounds.require(path, [path])
 
 
 def test_bounds_take_time_in_proportion(tmp_path):
@@ -138,7 +138,7 @@ def test_bounds_take_time_in_proportion(tmp_path):
 
     def counted(count):
         path = written(tmp_path, model("<body><geom/></body>" * count))
-        return lines_run(lambda: mjcfbounds.require(path, [path]))
+        return lines_run(lambda: size_bounds.require(path, [path]))
 
     before, after = counted(200), counted(800)
     assert max(after[line] / before[line] for line in after if after[line] > FEW) < 5
@@ -147,7 +147,7 @@ def test_bounds_take_time_in_proportion(tmp_path):
 def test_warnings_are_told_in_bounds(tmp_path, monkeypatch):
     head = {"warnings": ["x" * 1000] * 1000, "model": 2, "meshes": []}
     monkeypatch.setattr(guest, "ask", lambda *_: json.dumps(head).encode() + b"\n{}")
-    _, found = mjcf.gather(MjcfKeys(path=str(written(tmp_path, MESHED))))
+    _, found = gather.gather(MjcfKeys(path=str(written(tmp_path, MESHED))))
     assert (len(found), {len(one.message) for one in found}) == (100, {500})
 
 
@@ -163,5 +163,5 @@ def test_there_is_something_to_do_meanwhile(tmp_path, monkeypatch):
     """The later stages' imports begin once the file is known to be one, before MuJoCo has an answer."""
     order = []
     monkeypatch.setattr(guest, "ask", lambda *asked: order.append("asked") or at_home(*asked))
-    mjcf.gather(MjcfKeys(path=str(written(tmp_path, MESHED))), lambda: order.append("meanwhile"))
+    gather.gather(MjcfKeys(path=str(written(tmp_path, MESHED))), lambda: order.append("meanwhile"))
     assert order == ["meanwhile", "asked"]

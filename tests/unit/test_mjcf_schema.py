@@ -13,8 +13,8 @@ import mujoco
 import pytest
 from lxml import etree
 
-from stages.fetch import mjcfleft
-from stages.fetch.mjcfmodel import Meshes, taken
+from stages.fetch.mjcf import unsupported
+from stages.fetch.mjcf.compiled import Meshes, taken
 from stages.graph import build_robot
 from stages.robot import codec
 from stages.robot.bundle import Bundle
@@ -317,7 +317,7 @@ def test_elements_that_are_left_out_as_a_whole_are_named(words: str) -> None:
 
 
 def test_what_is_silent_is_found(base: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(mjcfleft, "of_elements", lambda *_: ())
+    monkeypatch.setattr(unsupported, "of_elements", lambda *_: ())
     assert lost(("body", "joint"), ["margin", "damping"], base) == ["margin is silent"]
 
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from stages.export.pose import starting_point
-from stages.fetch.bundle import pack, read, whole
+from stages.fetch.bundle.archive import pack, read, whole
 from stages.fetch.keys import MjcfKeys
-from stages.fetch.mjcf import gather, identity
+from stages.fetch.mjcf.gather import gather, identity
 from stages.formats import triangles
 from stages.formats.mjcf import Mjcf
 from stages.graph import build_robot

@@ -7,8 +7,8 @@ from urllib.parse import quote, urlsplit
 import numpy as np
 import pytest
 
-from stages.fetch.credentials import Credentials
-from stages.fetch.signing import headers
+from stages.fetch.onshape.api.credentials import Credentials
+from stages.fetch.onshape.api.signing import headers
 from tests.benchmarks.many_parts import many_parts
 from tests.onshape.server import OnshapeServer
 

@@ -8,8 +8,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from stages.fetch.credentials import Credentials
-from stages.fetch.signing import headers
+from stages.fetch.onshape.api.credentials import Credentials
+from stages.fetch.onshape.api.signing import headers
 from tests.onshape.auth import Gate
 from tests.onshape.bundle import requests
 from tests.onshape.replies import Replies

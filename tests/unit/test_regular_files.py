@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 
 from pipeline.plan import Plan
-from stages.fetch import pinned, preflight, regular
+from stages.fetch import pinned, preflight, regular_files
 from stages.fetch.keys import BundleKeys, MjcfKeys, UrdfKeys
-from stages.fetch.local.gather import gather as gather_urdf
-from stages.fetch.local.packages import Packages
-from stages.fetch.mjcf import gather as gather_mjcf
+from stages.fetch.mjcf.gather import gather as gather_mjcf
+from stages.fetch.urdf.gather import gather as gather_urdf
+from stages.fetch.urdf.ros_packages import Packages
 from stages.robot import guest
 from stages.robot.errors import ConfigError, SourceError
 from tests.mjcfs import model, written
@@ -55,8 +55,12 @@ KINDS = ["pipe", "socket", "device"]
 @pytest.mark.parametrize("kind", KINDS)
 def test_what_is_no_file_is_neither_opened_nor_read(tmp_path, kind):
     path = made(kind, tmp_path)
-    assert (regular.is_file(path), regular.is_special(path), regular.is_endless(path)) == (False, True, True)
-    for read in (regular.content, regular.digest):
+    assert (regular_files.is_file(path), regular_files.is_special(path), regular_files.is_endless(path)) == (
+        False,
+        True,
+        True,
+    )
+    for read in (regular_files.content, regular_files.digest):
         with pytest.raises(OSError, match="regular"):
             read(path, 100)
 
@@ -64,23 +68,23 @@ def test_what_is_no_file_is_neither_opened_nor_read(tmp_path, kind):
 def test_a_file_is_read_as_long_as_the_system_says_it_is(tmp_path):
     path = tmp_path / "a"
     path.write_bytes(b"abc")
-    assert regular.content(path, 3) == b"abc"
-    with pytest.raises(regular.TooLarge) as caught:
-        regular.content(path, 2)
+    assert regular_files.content(path, 3) == b"abc"
+    with pytest.raises(regular_files.TooLarge) as caught:
+        regular_files.content(path, 2)
     assert caught.value.size == 3
-    assert regular.digest(path, 3).startswith("ba7816bf")
-    assert not regular.is_endless(path)
+    assert regular_files.digest(path, 3).startswith("ba7816bf")
+    assert not regular_files.is_endless(path)
     with pytest.raises(OSError, match="directory"):
-        regular.content(tmp_path, 3)
-    assert not regular.is_file(Path("x" * 5000))
-    assert not regular.is_file(Path("a\0"))
+        regular_files.content(tmp_path, 3)
+    assert not regular_files.is_file(Path("x" * 5000))
+    assert not regular_files.is_file(Path("a\0"))
 
 
 @pytest.mark.skipif(not Path("/proc/self/mountinfo").exists(), reason="there is no /proc")
 def test_what_a_kernel_shows_as_a_file_is_empty(tmp_path):
     path = made("kernel", tmp_path)
-    assert (regular.is_file(path), regular.is_endless(path)) == (True, True)
-    assert regular.content(path, 100) == b""
+    assert (regular_files.is_file(path), regular_files.is_endless(path)) == (True, True)
+    assert regular_files.content(path, 100) == b""
 
 
 @pytest.mark.parametrize("kind", [*KINDS, "kernel", "huge"])
@@ -93,7 +97,7 @@ def test_a_mesh_of_a_urdf(tmp_path, kind):
     with pytest.raises(SourceError) as caught:
         gather_urdf(source, {})
     (problem,) = caught.value.problems
-    words = {"kernel": "it is empty", "huge": "it is larger than"}.get(kind, regular.NOT_REGULAR)
+    words = {"kernel": "it is empty", "huge": "it is larger than"}.get(kind, regular_files.NOT_REGULAR)
     assert words in problem.message
 
 
@@ -132,8 +136,8 @@ def test_a_source_larger_than_is_read(tmp_path, keys):
 
 
 def test_the_files_of_a_robot_are_bounded_together(tmp_path, monkeypatch):
-    from stages.fetch import mjcffiles
-    from stages.fetch.local import survey
+    from stages.fetch.mjcf import files
+    from stages.fetch.urdf import survey
 
     for name in ("a.stl", "b.stl"):
         (tmp_path / name).write_bytes(bytes(600))
@@ -141,7 +145,7 @@ def test_the_files_of_a_robot_are_bounded_together(tmp_path, monkeypatch):
     urdf = written(tmp_path, f'<robot name="r"><link name="a">{shapes}</link></robot>', "r.urdf")
     mjcf = written(tmp_path, model("", '<asset><mesh file="a.stl"/><mesh file="b.stl"/></asset>'))
     monkeypatch.setattr(survey, "LARGEST_ROBOT", 1000)
-    monkeypatch.setattr(mjcffiles, "LARGEST_MODEL", 1000)
+    monkeypatch.setattr(files, "LARGEST_MODEL", 1000)
     for source in (UrdfKeys(path=str(urdf)), MjcfKeys(path=str(mjcf))):
         with pytest.raises(SourceError, match="have more than 1e-06 GB"):
             pinned(Plan.model_validate({"name": "r", "source": source}), {})
@@ -156,7 +160,7 @@ def test_a_package_whose_description_is_a_pipe_is_passed_by(tmp_path):
 
 
 def test_the_material_of_an_obj_that_is_a_pipe_is_none(tmp_path):
-    from stages.fetch.local.companions import companions
+    from stages.fetch.urdf.companions import companions
 
     os.mkfifo(tmp_path / "m.mtl")
     assert companions(tmp_path / "a.obj", b"mtllib m.mtl\n") == {}

@@ -13,7 +13,7 @@ from pipeline.cache import Action, Cache
 from pipeline.cli import run
 from pipeline.output import Output
 from pipeline.store import Store
-from stages.fetch.ledger import Ledger
+from stages.fetch.onshape.api.ledger import Ledger
 from tests.kill import killed_at
 
 REPO = Path(__file__).parents[2]

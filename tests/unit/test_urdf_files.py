@@ -11,10 +11,10 @@ import pytest
 import trimesh
 
 from pipeline.plan import Plan
-from stages.fetch import bundle as packing
 from stages.fetch import pinned, preflight
+from stages.fetch.bundle import archive as packing
 from stages.fetch.keys import UrdfKeys
-from stages.fetch.local.gather import gather
+from stages.fetch.urdf.gather import gather
 from stages.formats import triangles
 from stages.robot.bundle import Bundle
 from stages.robot.errors import ConfigError, Diagnostic, SourceError

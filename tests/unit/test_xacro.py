@@ -8,8 +8,8 @@ import pytest
 from pipeline.plan import Plan
 from stages.fetch import pinned, preflight
 from stages.fetch.keys import UrdfKeys
-from stages.fetch.local import macros
-from stages.fetch.local.gather import gather
+from stages.fetch.urdf import expand
+from stages.fetch.urdf.gather import gather
 from stages.robot import guest
 from stages.robot.errors import ConfigError, SourceError
 from tests.unit.test_urdf_files import block, put
@@ -201,5 +201,5 @@ def test_what_xacro_refuses_is_told_as_ours(tmp_path, inside, said, hint):
     ],
 )
 def test_what_is_trusted_has_bounds(tmp_path, monkeypatch, inside, bounds, said):
-    monkeypatch.setattr(macros, "BOUNDS", bounds)
+    monkeypatch.setattr(expand, "BOUNDS", bounds)
     assert said in refused(tmp_path, inside).message

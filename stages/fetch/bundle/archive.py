@@ -1,0 +1,289 @@
+"""A bundle as one zip file: `manifest.json` and `replies/<sha256>`.
+
+A bundle comes from anyone, so it is read with distrust: nothing is unpacked to disk, only the
+names that a bundle has are accepted, sizes are bounded before anything is inflated, no entry is inflated
+beyond the size that was judged, a reply is no larger than one of its kind from a server
+(`stages.fetch.reply_sizes`), and every reply must have the digest that it is named by.
+
+`manifest.json` is an object:
+
+    format, kind   1 and "onshape"
+    api            the version of the API that was asked, "v16"
+    definition_api that of the definition, "v17"; without it, the same
+    root           {document, microversion, element, configuration} of the assembly
+    definition     the digest of the assembly definition
+    requests       {request: digest}: the path below /api/<api> with its query, and its reply
+
+That of a robot's own file has its kind ("urdf", "mjcf"), no api, the file's name as the document, the
+digest of its text or model as the definition, a request `mesh/<key>` for each mesh, whose body is in the
+compact form of triangles, and `options`, {name: text}, for its reader.
+
+A recording of another client can be made one: the assembly definition, and of each part studio in it
+the mass properties, whole (`/partstudios/.../massproperties`) or of each part that is used
+(`/parts/.../partid/<id>/massproperties`); without `.../tessellatedfaces` the robot has no meshes. A
+request may hold any query: what a recording has is what there is. `pack` makes the zip.
+"""
+
+import io
+import json
+import re
+import stat
+import struct
+import zipfile
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import Annotated, Literal, Self
+
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    StringConstraints,
+    ValidationError,
+    model_validator,
+)
+
+from stages.fetch import reply_sizes
+from stages.fetch.files import LARGEST
+from stages.formats import triangles
+from stages.robot.bundle import Bundle
+from stages.robot.errors import ProtocolError, SourceError
+
+FORMAT = 1
+_MANIFEST = "manifest.json"
+_DEFINITION = "the definition"
+_FOLDER = "replies/"
+_REPLY = re.compile(r"replies/([0-9a-f]{64})")
+_ENTRY = b"PK\x01\x02"  # what each entry of a zip's directory begins with
+_MOST_ENTRIES = 20_000
+_LARGEST_MANIFEST = 1 << 24
+_MOST_RATIO = 400
+_RATIO_MATTERS = 1 << 20
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+_UNREADABLE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    struct.error,
+    EOFError,
+    NotImplementedError,
+    OSError,
+    RuntimeError,
+    ValueError,
+)
+
+_Digest = Annotated[str, StringConstraints(strict=True, pattern=r"^[0-9a-f]{64}$")]
+_Text = Annotated[str, StringConstraints(strict=True, min_length=1)]
+_Version = Annotated[str, StringConstraints(strict=True, pattern=r"^(v\d+)?$")]
+_MaybeText = Annotated[str, StringConstraints(strict=True, min_length=0)]
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """What a zip holds, checked: every digest of `requests` and `definition` is in `blobs`."""
+
+    kind: str
+    api: str
+    root: Mapping[str, str]
+    definition: str
+    requests: Mapping[str, str]
+    blobs: Mapping[str, bytes]
+    options: Mapping[str, str]
+    definition_api: str = ""
+
+
+class _Root(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    document: _Text
+    microversion: _Text
+    element: _MaybeText
+    configuration: _MaybeText
+
+
+class _Manifest(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="ignore")
+
+    format: Literal[1]
+    kind: Literal["onshape", "urdf", "mjcf"]
+    api: _Version
+    definition_api: _Version = ""
+    root: _Root
+    definition: _Digest
+    requests: dict[_Text, _Digest]
+    options: dict[_Text, _MaybeText] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _of_a_document(self) -> Self:
+        if self.kind == "onshape" and not (self.api and self.root.element and self.root.configuration):
+            msg = "an Onshape assembly has an api, an element and a configuration"
+            raise ValueError(msg)
+        return self
+
+
+def read(data: bytes, where: str) -> Recording:
+    """The recording in a zip's bytes; `where` names the file in messages.
+
+    SourceError, one for each way a file can be wrong: no zip, damaged, names that leave the folder,
+    links, too many or too large entries, digests that do not fit, missing entries, another format.
+    """
+    entries = _entries(data, where)
+    if _MANIFEST not in entries:
+        raise _refused("it has no manifest.json, so it is no bundle", where)
+    manifest = _manifest(entries.pop(_MANIFEST), where)
+    blobs = {name.removeprefix(_FOLDER): body for name, body in entries.items()}
+    for name, body in blobs.items():
+        if sha256(body).hexdigest() != name:
+            raise _refused(f"its reply {name} does not have that digest: the file was changed", where)
+    for request, name in sorted({_DEFINITION: manifest.definition, **manifest.requests}.items()):
+        if name not in blobs:
+            raise _refused(f"it lacks the reply {name} ({request})", where)
+        most = reply_sizes.DEFINITION if request == _DEFINITION else reply_sizes.largest(request)
+        if len(blobs[name]) > most:
+            why = f"its reply {name} ({request}) has {len(blobs[name])} bytes; at most {most} are read"
+            raise _refused(why, where)
+    return Recording(
+        kind=manifest.kind,
+        api=manifest.api,
+        root=manifest.root.model_dump(),
+        definition=manifest.definition,
+        requests=dict(manifest.requests),
+        blobs=blobs,
+        options=dict(manifest.options),
+        definition_api=manifest.definition_api,
+    )
+
+
+def whole(recording: Recording, where: str) -> Bundle:
+    """The bundle of a robot's own file as it was packed; SourceError where its meshes are none."""
+    meshes = {name for request, name in recording.requests.items() if request.startswith("mesh/")}
+    try:
+        for name in sorted(meshes):
+            triangles.check(recording.blobs[name])
+    except ProtocolError as error:
+        raise _refused(error.message, where) from None
+    wanted = {recording.definition, *recording.requests.values()}
+    return Bundle(
+        kind=recording.kind,
+        api=recording.api,
+        root=recording.root,
+        definition=recording.definition,
+        studios=(),
+        requests=recording.requests,
+        blobs={name: recording.blobs[name] for name in sorted(wanted)},
+        options=recording.options,
+    )
+
+
+def pack(bundle: Bundle) -> bytes:
+    """The zip of a bundle: the same bundle gives the same bytes, with the same zlib."""
+    manifest = {
+        "format": FORMAT,
+        "kind": bundle.kind,
+        "api": bundle.api,
+        **({"definition_api": bundle.definition_api} if bundle.definition_api else {}),
+        "root": dict(bundle.root),
+        "definition": bundle.definition,
+        "requests": dict(bundle.requests),
+        **({"options": dict(bundle.options)} if bundle.options else {}),
+    }
+    text = json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False)
+    entries = {_MANIFEST: text.encode() + b"\n"}
+    entries |= {_FOLDER + name: bundle.blobs[name] for name in sorted(bundle.blobs)}
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as archive:
+        for name, body in entries.items():
+            info = zipfile.ZipInfo(name, _EPOCH)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.create_system = 3  # as on Unix, wherever it is made
+            info.external_attr = 0o644 << 16
+            archive.writestr(info, body)
+    return out.getvalue()
+
+
+def _entries(data: bytes, where: str) -> dict[str, bytes]:
+    """The zip's entries by name, once their names and sizes are ones that a bundle may have."""
+    # The library makes an object of each entry before any can be counted.
+    if data.count(_ENTRY) > 2 * _MOST_ENTRIES:
+        raise _refused(f"it has more entries than the {_MOST_ENTRIES} that are read", where)
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            infos = [info for info in archive.infolist() if info.filename != _FOLDER]
+            _check_names(infos, where)
+            _check_sizes(infos, where)
+            return {info.filename: _inflated(archive, info) for info in infos}
+    except _UNREADABLE as error:
+        what = "damaged" if zipfile.is_zipfile(io.BytesIO(data)) else "no zip file"
+        raise _refused(f"it is {what} ({type(error).__name__}: {error})", where) from None
+
+
+def _inflated(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> bytes:
+    """An entry's bytes: read in one go, the library would inflate all there is and cut it afterwards."""
+    with archive.open(info) as entry:
+        body = entry.read(info.file_size)
+        # The check sum is compared where the end is met.
+        if len(body) != info.file_size or entry.read(1):
+            msg = f"{info.filename} does not have the size that is announced"
+            raise ValueError(msg)
+    return body
+
+
+def _check_names(infos: list[zipfile.ZipInfo], where: str) -> None:
+    if len(infos) > _MOST_ENTRIES:
+        raise _refused(f"it has {len(infos)} entries; at most {_MOST_ENTRIES} are read", where)
+    seen: set[str] = set()
+    for info in infos:
+        name = info.orig_filename
+        if name.startswith(("/", "\\")) or ":" in name or ".." in re.split(r"[/\\]", name):
+            raise _refused(f"its entry {name!r} points outside of the bundle", where)
+        if stat.S_ISLNK(info.external_attr >> 16):
+            raise _refused(f"its entry {name!r} is a link", where)
+        if name != _MANIFEST and not _REPLY.fullmatch(name):
+            raise _refused(f"its entry {name!r} is neither manifest.json nor replies/<sha256>", where)
+        if info.flag_bits & 1:
+            raise _refused(f"its entry {name!r} is encrypted", where)
+        if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
+            # Other methods let a file of a few bytes ask for gigabytes of working memory.
+            raise _refused(f"its entry {name!r} is packed by another method than deflate", where)
+        if name in seen:
+            raise _refused(f"its entry {name!r} is there twice", where)
+        seen.add(name)
+
+
+def _check_sizes(infos: list[zipfile.ZipInfo], where: str) -> None:
+    total = sum(info.file_size for info in infos)
+    if total > LARGEST:
+        raise _refused(f"it would unpack to {total} bytes; at most {LARGEST} are read", where)
+    for info in infos:
+        if info.filename == _MANIFEST and info.file_size > _LARGEST_MANIFEST:
+            raise _refused(f"its manifest.json would unpack to {info.file_size} bytes", where)
+        bound = _MOST_RATIO * max(info.compress_size, 1)
+        if info.file_size > _RATIO_MATTERS and info.file_size > bound:
+            raise _refused(f"its entry {info.filename!r} is packed too tightly to be a reply", where)
+
+
+def _manifest(body: bytes, where: str) -> _Manifest:
+    try:
+        data = json.loads(body)
+    except (ValueError, RecursionError):
+        raise _refused("its manifest.json is not JSON", where) from None
+    if not isinstance(data, dict):
+        raise _refused("its manifest.json is no JSON object", where)
+    found = data.get("format")
+    if isinstance(found, int) and found > FORMAT:
+        msg = f"not readable as a bundle: it has format {found}, and this version reads {FORMAT}"
+        raise SourceError(msg, where, "update linkwright")
+    try:
+        return _Manifest.model_validate(data)
+    except ValidationError as error:
+        wrong = "; ".join(
+            f"{'.'.join(str(step) for step in problem['loc'])}: {problem['msg']}"
+            for problem in error.errors()[:3]
+        )
+        raise _refused(f"its manifest.json is malformed ({wrong})", where) from None
+
+
+def _refused(why: str, where: str) -> SourceError:
+    msg = f"not readable as a bundle: {why}"
+    return SourceError(msg, where, "make the bundle again, or get it again from where it came")

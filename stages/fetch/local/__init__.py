@@ -1,1 +1,0 @@
-"""A robot's file on this computer, and the meshes that it names, as a bundle."""

@@ -1,0 +1,1 @@
+"""An MJCF on this computer, as MuJoCo compiles it, as a bundle."""

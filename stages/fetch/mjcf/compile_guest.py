@@ -1,0 +1,57 @@
+"""The guest that has MuJoCo read and compile a foreign MJCF: of its compiler any input may make a crash,
+or use up time and memory."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import mujoco
+
+from stages.fetch.mjcf import size_bounds
+from stages.fetch.mjcf.compiled import Meshes, taken
+from stages.robot import codec
+from stages.robot.errors import SourceError
+from stages.robot.mujoco_warnings import listening
+
+_HINT = "MuJoCo's own viewer says the same of it (python -m mujoco.viewer --mjcf=...)"
+
+
+def answer(request: bytes) -> bytes:
+    """To {"path": a model's file, "texts": its files that may be XML}: a line of JSON with MuJoCo's
+    `warnings`, the length of the `model` and the `meshes` as [key, length], and after it all of these.
+
+    SourceError where the file asks for too much, or MuJoCo refuses it.
+    """
+    asked = json.loads(request)
+    path = Path(asked["path"])
+    size_bounds.require(path, [Path(text) for text in asked["texts"]])
+    model, spec, warnings = _compiled(path)
+    meshes = Meshes(model)
+    body = codec.dump(taken(model, spec, meshes, path.name))
+    blobs = {key: meshes.blobs[digest] for key, digest in sorted(meshes.keys.items())}
+    lengths = [[key, len(blob)] for key, blob in blobs.items()]
+    head = {"warnings": warnings, "model": len(body), "meshes": lengths}
+    return b"".join([json.dumps(head).encode(), b"\n", body, *blobs.values()])
+
+
+def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
+    """The model, with what is only seen in it, what it was compiled from, and MuJoCo's warnings."""
+    with listening() as heard:
+        try:
+            spec = mujoco.MjSpec.from_file(str(path))
+            spec.compiler.discardvisual = False
+            model = spec.compile()
+        except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
+            msg = f"MuJoCo refuses it: {_said(str(error), path)}"
+            raise SourceError(msg, path.name, _HINT) from None
+    return model, spec, [_said(text, path) for text in sorted(set(heard))]
+
+
+def _said(text: str, path: Path) -> str:
+    """MuJoCo's words in one line, without the folder that the model is in."""
+    for folder in (str(path.resolve().parent), str(path.absolute().parent), str(path.parent)):
+        if len(folder) > 1:
+            text = text.replace(f"{folder}/", "")
+    words = " ".join(text.split())
+    return words.removeprefix("XML Error: ").removeprefix("Error: ")[:500]

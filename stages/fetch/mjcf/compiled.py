@@ -1,0 +1,309 @@
+"""From a model that MuJoCo compiled to values of our own, and the triangles of its meshes."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from hashlib import sha256
+
+import mujoco
+import numpy as np
+
+from stages.fetch.mjcf.effort import efforts
+from stages.fetch.mjcf.unsupported import carried, left_out
+from stages.formats import triangles
+from stages.formats.mjcf import (
+    Mjcf,
+    MjcfBody,
+    MjcfClosure,
+    MjcfGeom,
+    MjcfGeomKind,
+    MjcfJoint,
+    MjcfJointType,
+    MjcfRelation,
+    MjcfSite,
+)
+from stages.robot.errors import SourceError
+from stages.robot.geometry import NEUTRAL, Colour
+from stages.robot.inertia import moved
+from stages.robot.model import Array, Dynamics, Inertial, Limits, MeshRef, frozen
+from stages.robot.poses import from_parts, inverse, rotation_from_quat
+
+JOINTS: Mapping[int, MjcfJointType] = {
+    mujoco.mjtJoint.mjJNT_HINGE: "hinge",
+    mujoco.mjtJoint.mjJNT_SLIDE: "slide",
+    mujoco.mjtJoint.mjJNT_BALL: "ball",
+    mujoco.mjtJoint.mjJNT_FREE: "free",
+}
+
+GEOMS: Mapping[int, MjcfGeomKind] = {
+    mujoco.mjtGeom.mjGEOM_BOX: "box",
+    mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
+    mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
+    mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
+    mujoco.mjtGeom.mjGEOM_MESH: "mesh",
+}
+
+_OPEN = 1e6
+"""A bound [rad or m] from which on a range has none on that side: MuJoCo knows no half a range."""
+
+_PLAIN = (0.5, 0.5, 0.5, 1.0)
+"""MuJoCo's colour of a geom that has none: its material's counts then."""
+
+_SHOWN = 3
+"""Geoms of this group or above are hidden in MuJoCo's viewer until asked for."""
+
+_FINITE = (
+    *("qpos0", "body_pos", "body_quat", "body_mass", "body_ipos", "body_iquat", "body_inertia"),
+    *("jnt_pos", "jnt_axis", "jnt_range", "geom_pos", "geom_quat", "geom_size", "site_pos", "site_quat"),
+    *("eq_data", "dof_damping", "dof_frictionloss", "dof_armature"),
+)
+"""What must be numbers: MuJoCo compiles a NaN, with a warning."""
+
+
+class Meshes:
+    """The triangles of a model's meshes, a blob for each mesh in each colour that is asked for.
+
+    `keys`: the digest of each by its key; `blobs`: the compact form by digest.
+    """
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self._model = model
+        self.keys: dict[str, str] = {}
+        self.blobs: dict[str, bytes] = {}
+
+    def ref(self, mesh: int, colour: Colour | None) -> MeshRef:
+        """Where the triangles of a mesh in this colour are."""
+        model = self._model
+        name = model.mesh(mesh).name
+        told = sha256(repr((mesh, name, colour)).encode()).hexdigest()[:12]
+        key = f"{re.sub(r'[^A-Za-z0-9_]+', '_', name)[:40]}-{told}"
+        if key not in self.keys:
+            body = triangles.encode([self._body(key, mesh, colour or NEUTRAL)])
+            self.keys[key] = sha256(body).hexdigest()
+            self.blobs[self.keys[key]] = body
+        return MeshRef(self.keys[key], key)
+
+    def asset_from_mesh(self, mesh: int) -> Array:
+        """(4, 4): MuJoCo turns a mesh to its principal axes about its centre, and each geom with it."""
+        return placed(self._model.mesh_pos[mesh], self._model.mesh_quat[mesh])
+
+    def _body(self, key: str, mesh: int, colour: Colour) -> triangles.Body:
+        model = self._model
+        first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
+        pose = self.asset_from_mesh(mesh)
+        points = model.mesh_vert[first : first + count].astype(np.float64) @ pose[:3, :3].T + pose[:3, 3]
+        first, count = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
+        faces = np.array(model.mesh_face[first : first + count], dtype=np.int32)
+        return triangles.Body(key, points, faces, (colour,), np.zeros(len(faces), dtype=np.uint16))
+
+
+def taken(model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, where: str) -> Mjcf:
+    """The model as a value; `spec` is what it was compiled from, and `where` names its file. SourceError
+    where a number is not finite.
+
+    What is posed by hand (a mocap body) is no part of a robot and is left out with all below it.
+    """
+    if model.nbody < 2:
+        msg = "not readable as an MJCF: it has no body"
+        raise SourceError(msg, where, "a robot's links are the <body>s of its <worldbody>")
+    _require_finite(model, where)
+    kept = _kept(model)
+    numbers = {body: number for number, body in enumerate(kept)}
+    joints = [joint for joint in range(model.njnt) if int(model.jnt_bodyid[joint]) in numbers]
+    sites = _of_bodies(model.site_bodyid)
+    shown = any(geom_shows(model, geom) for geom in range(model.ngeom))
+    limits = efforts(model)
+    bodies = []
+    for body in kept:
+        first = int(model.body_jntadr[body])
+        own = range(first, first + int(model.body_jntnum[body]))
+        bodies.append(
+            MjcfBody(
+                name=model.body(body).name,
+                parent=numbers[int(model.body_parentid[body])],
+                parent_from_body=placed(model.body_pos[body], model.body_quat[body]),
+                inertial=_inertial(model, body),
+                joints=tuple(_joint(model, joint, limits) for joint in own),
+                geoms=tuple(_geoms(model, body, meshes, shown)) if body else (),
+                sites=tuple(_site(model, site) for site in sites.get(body, ()) if model.site(site).name),
+            )
+        )
+    order = {joint: number for number, joint in enumerate(joints)}
+    return Mjcf(
+        name=model.names.split(b"\0", 1)[0].decode(errors="replace"),
+        bodies=tuple(bodies),
+        closures=tuple(_closures(model, numbers)),
+        relations=tuple(_relations(model, numbers, order)),
+        diagnostics=tuple(left_out(model, spec, set(numbers), where)),
+    )
+
+
+def placed(position: Array, quat: Array) -> Array:
+    """The pose (4, 4) of MuJoCo's position and quaternion (w, x, y, z)."""
+    return frozen(from_parts(rotation_from_quat(quat), np.asarray(position, dtype=np.float64)))
+
+
+def geom_shows(model: mujoco.MjModel, geom: int) -> bool:
+    """Whether a geom is there to be looked at alone."""
+    touches = model.geom_contype[geom] or model.geom_conaffinity[geom]
+    return not touches and bool(model.geom_bodyid[geom]) and _rgba(model, geom)[3] > 0
+
+
+def _require_finite(model: mujoco.MjModel, where: str) -> None:
+    wrong = [name for name in _FINITE if not np.isfinite(getattr(model, name)).all()]
+    if wrong:
+        msg = f"not readable as an MJCF: it holds numbers that are none (NaN or infinite): {', '.join(wrong)}"
+        raise SourceError(msg, where, "look for nan and inf in the file")
+
+
+def _kept(model: mujoco.MjModel) -> list[int]:
+    """The bodies that no mocap body is, nor is above; the world is the first."""
+    kept: dict[int, None] = {}
+    for body in range(model.nbody):
+        if model.body_mocapid[body] < 0 and (body == 0 or int(model.body_parentid[body]) in kept):
+            kept[body] = None
+    return list(kept)
+
+
+def _of_bodies(bodies: Iterable[int]) -> dict[int, list[int]]:
+    """Which of the things that are on `bodies` each of these has."""
+    found: dict[int, list[int]] = {}
+    for thing, body in enumerate(bodies):
+        found.setdefault(int(body), []).append(thing)
+    return found
+
+
+def _inertial(model: mujoco.MjModel, body: int) -> Inertial | None:
+    mass = float(model.body_mass[body])
+    if body == 0 or mass == 0.0:
+        return None
+    own = Inertial(mass, np.zeros(3), np.diag(model.body_inertia[body]))
+    return moved(own, placed(model.body_ipos[body], model.body_iquat[body]))
+
+
+def _joint(model: mujoco.MjModel, joint: int, limits: Mapping[int, float]) -> MjcfJoint:
+    kind = JOINTS[int(model.jnt_type[joint])]
+    scalar = kind in ("hinge", "slide")
+    dof = int(model.jnt_dofadr[joint])
+    low, high = (float(bound) for bound in model.jnt_range[joint])
+    ranged = scalar and model.jnt_limited[joint]
+
+    def told(value: float) -> float | None:
+        return float(value) if kind != "free" and value else None
+
+    return MjcfJoint(
+        name=model.joint(joint).name,
+        type=kind,
+        anchor=frozen(np.zeros(3) if kind == "free" else model.jnt_pos[joint]),
+        axis=frozen(model.jnt_axis[joint] if scalar else np.zeros(3)),
+        ref=float(model.qpos0[model.jnt_qposadr[joint]]) if scalar else 0.0,
+        limits=Limits(
+            low if ranged and low > -_OPEN else None,
+            high if ranged and high < _OPEN else None,
+        ),
+        dynamics=Dynamics(
+            damping=told(model.dof_damping[dof]),
+            friction=told(model.dof_frictionloss[dof]),
+            armature=told(model.dof_armature[dof]),
+            effort=limits.get(joint),
+        ),
+    )
+
+
+def _geoms(model: mujoco.MjModel, body: int, meshes: Meshes, shown: bool) -> Iterator[MjcfGeom]:
+    """A body's shapes. What collides is looked at too where the body has nothing else to look at, unless
+    it is in a hidden group of a model that has something to look at."""
+    first = int(model.body_geomadr[body])
+    geoms = range(first, first + int(model.body_geomnum[body]))
+    dressed = any(geom_shows(model, geom) for geom in geoms)
+    for geom in geoms:
+        kind = GEOMS.get(int(model.geom_type[geom]))
+        if kind is None:
+            continue
+        collides = bool(model.geom_contype[geom] or model.geom_conaffinity[geom])
+        hidden = dressed or (shown and model.geom_group[geom] >= _SHOWN)
+        rgba = _rgba(model, geom)
+        seen = rgba[3] > 0 and not (collides and hidden)
+        if not (collides or seen):
+            continue
+        colour = rgba if seen and rgba != _PLAIN else None
+        pose = placed(model.geom_pos[geom], model.geom_quat[geom])
+        mesh = None
+        if kind == "mesh":
+            number = int(model.geom_dataid[geom])
+            mesh = meshes.ref(number, colour)
+            pose = frozen(pose @ inverse(meshes.asset_from_mesh(number)))
+        size = _size(kind, model.geom_size[geom])
+        yield MjcfGeom(model.geom(geom).name, kind, size, mesh, pose, colour, collides, seen)
+
+
+def _size(kind: MjcfGeomKind, size: Array) -> tuple[float, ...]:
+    """MuJoCo has radii as they are and lengths halved."""
+    x, y, z = (float(value) for value in size)
+    if kind == "mesh":
+        return ()
+    if kind == "box":
+        return 2 * x, 2 * y, 2 * z
+    return (x,) if kind == "sphere" else (x, 2 * y)
+
+
+def _rgba(model: mujoco.MjModel, geom: int) -> Colour:
+    """The geom's own colour, else its material's."""
+    own, material = _colour(model.geom_rgba[geom]), int(model.geom_matid[geom])
+    return own if own != _PLAIN or material < 0 else _colour(model.mat_rgba[material])
+
+
+def _colour(rgba: Array) -> Colour:
+    # Single precision as it is typed: 0.8, not 0.800000011920929.
+    r, g, b, a = (float(str(value)) for value in rgba)
+    return r, g, b, a
+
+
+def _site(model: mujoco.MjModel, site: int) -> MjcfSite:
+    return MjcfSite(model.site(site).name, placed(model.site_pos[site], model.site_quat[site]))
+
+
+def _closures(model: mujoco.MjModel, numbers: Mapping[int, int]) -> Iterator[MjcfClosure]:
+    """Connects and welds. Said by bodies, `eq_data` of a connect is the point in both; of a weld the point
+    in the second, the same in the first, and first_from_second as a quaternion."""
+    for eq in range(model.neq):
+        kind = int(model.eq_type[eq])
+        if kind == mujoco.mjtEq.mjEQ_JOINT or not carried(model, eq, numbers):
+            continue
+        ends = int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq])
+        by_sites = model.eq_objtype[eq] == mujoco.mjtObj.mjOBJ_SITE
+        bodies = tuple(int(model.site_bodyid[end]) for end in ends) if by_sites else ends
+        data = model.eq_data[eq]
+        still = np.array([1.0, 0, 0, 0])
+        sites = ("", "")
+        if by_sites:
+            sites = (model.site(ends[0]).name, model.site(ends[1]).name)
+            frames = [placed(model.site_pos[end], model.site_quat[end]) for end in ends]
+        elif kind == mujoco.mjtEq.mjEQ_CONNECT:
+            frames = [placed(data[0:3], still), placed(data[3:6], still)]
+        else:
+            frames = [placed(data[3:6], data[6:10]), placed(data[0:3], still)]
+        yield MjcfClosure(
+            name=model.equality(eq).name,
+            type="connect" if kind == mujoco.mjtEq.mjEQ_CONNECT else "weld",
+            bodies=(numbers[bodies[0]], numbers[bodies[1]]),
+            sites=sites,
+            a_from_frame=frames[0],
+            b_from_frame=frames[1],
+        )
+
+
+def _relations(
+    model: mujoco.MjModel, numbers: Mapping[int, int], order: Mapping[int, int]
+) -> Iterator[MjcfRelation]:
+    """Linear joint equalities: y − y₀ = a₀ + a₁ (x − x₀)."""
+    for eq in range(model.neq):
+        if model.eq_type[eq] != mujoco.mjtEq.mjEQ_JOINT or not carried(model, eq, numbers):
+            continue
+        follower, driver = int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq])
+        y, x = (float(model.qpos0[model.jnt_qposadr[joint]]) for joint in (follower, driver))
+        constant, slope = (float(value) for value in model.eq_data[eq][:2])
+        yield MjcfRelation(
+            model.equality(eq).name, order[follower], order[driver], slope, y + constant - slope * x
+        )

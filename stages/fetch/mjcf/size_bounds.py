@@ -1,0 +1,89 @@
+"""Numbers in an MJCF by which a few bytes become more than a robot has."""
+
+import re
+from collections.abc import Iterable, Iterator
+from math import prod
+from pathlib import Path
+
+from stages.fetch import regular_files
+from stages.fetch.mjcf.files import LARGEST_TEXT
+from stages.formats import xml
+from stages.formats.xml import Element
+from stages.robot.errors import SourceError
+
+MOST_COPIES = 10_000
+"""Elements that those which copy may make of what is in them."""
+
+MOST_COUNT = 10_000
+"""The largest number of anything that an attribute makes room for."""
+
+MOST_CELLS = 1 << 26
+"""Pixels or points that an image or a height field may have."""
+
+MOST_BODIES = 20_000
+"""Bodies that a file may have: MuJoCo's compiler takes a minute for that many, and the square for more."""
+
+MOST_LETTERS = 1000
+"""The longest name."""
+
+_NAMES = ("name", "model", "prefix", "class")
+_COUNTS = re.compile(r"nkey|nuser\w*|dim|actdim|nsample")
+_COPYING = ("replicate", "composite", "flexcomp")
+_AREAS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
+
+
+def require(path: Path, texts: Iterable[Path]) -> None:
+    """SourceError where the XML of the model `path`, in `texts`, asks for more than is read. What takes
+    several files, or MuJoCo's own reading, to be seen is left to the guest's bounds."""
+    for text in texts:
+        try:
+            root = xml.parse(regular_files.content(text, LARGEST_TEXT), large=True)
+        except (xml.Malformed, OSError, regular_files.TooLarge):
+            continue  # MuJoCo's to judge
+        for why in _beyond(root):
+            msg = f"it asks for more than is read: {why}"
+            raise SourceError(msg, path.name, "no robot needs so much: take it out, or lower the number")
+
+
+def _beyond(root: Element) -> Iterator[str]:
+    """What is beyond the bounds, as "<size nkey> is 2000000000; at most 10000"."""
+    copies: dict[Element, float] = {}
+    made = bodies = 0.0
+    for element in root.iter():
+        above = copies.get(element.getparent(), 1.0)
+        copies[element] = above * (max(1.0, _product(element, "count")) if element.tag in _COPYING else 1.0)
+        made = max(made + (above if above > 1 else 0), copies[element] if copies[element] > 1 else 0)
+        bodies += element.tag == "body"
+        if made > MOST_COPIES:
+            copying = ", ".join(f"<{one}>" for one in _COPYING)
+            yield f"what it copies ({copying}) comes to {made:.6g} elements; at most {MOST_COPIES}"
+            return
+        yield from _large(element)
+    if bodies > MOST_BODIES:
+        yield f"it has {bodies:.0f} bodies; at most {MOST_BODIES}"
+
+
+def _large(element: Element) -> Iterator[str]:
+    """What is beyond the bounds in one element."""
+    name = element.tag
+    for key, value in element.items():
+        if _COUNTS.fullmatch(key) and _number(value) > MOST_COUNT:
+            yield f"<{name} {key}> is {_number(value):.12g}; at most {MOST_COUNT}"
+        if key in _NAMES and len(value) > MOST_LETTERS:
+            yield f"the {key} of a <{name}> has {len(value)} letters; at most {MOST_LETTERS}"
+    if name in _AREAS:
+        cells = prod(_product(element, key) for key in _AREAS[name])
+        if cells > MOST_CELLS:
+            yield f"<{name}> has {cells:.6g} points; at most {MOST_CELLS}"
+
+
+def _product(element: Element, key: str) -> float:
+    return prod(_number(text) for text in element.get(key, "").split())
+
+
+def _number(text: str) -> float:
+    """A count; 1 where it is none, which MuJoCo refuses."""
+    try:
+        return float(text)
+    except ValueError:
+        return 1.0

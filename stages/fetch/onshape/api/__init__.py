@@ -1,0 +1,1 @@
+"""HTTP to an Onshape server: authenticated, counted, patient within bounds."""

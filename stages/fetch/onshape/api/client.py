@@ -1,0 +1,331 @@
+"""The one client: authenticated, counted, patient within bounds, a few calls at a time.
+
+What a failure leads to is decided here. What passes by itself (5xx, a reply cut short or late) is
+asked again; a closed window (429) is waited for; a used-up quota (402) stops all calls at once;
+every other refusal is explained and final.
+"""
+
+import contextlib
+import functools
+import json
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Mapping
+from types import TracebackType
+from urllib.parse import urlsplit
+
+from stages.fetch import reply_sizes
+from stages.fetch.onshape.api import redirects, retries, signing
+from stages.fetch.onshape.api.credentials import Credentials
+from stages.fetch.onshape.api.http_errors import (
+    cut_short,
+    offline,
+    rate_limited,
+    refusal,
+    too_large,
+    unreached,
+    web_page,
+    wrongly_packed,
+)
+from stages.fetch.onshape.api.ledger import Ledger, billed, endpoint
+from stages.fetch.onshape.api.rate_limits import Windows, left, retry_after
+from stages.fetch.onshape.api.retries import Passing, Patience
+from stages.fetch.onshape.api.transport import AT_ONCE, Answer, Lost, Packed, TooLarge, Wire
+from stages.fetch.onshape.call_budget import Budget, Place
+from stages.fetch.onshape.requests import JSON, api, describe, is_definition
+from stages.fetch.onshape.url import AssemblyUrl
+from stages.robot.errors import Offline, ProtocolError, QuotaExhausted, RateLimited, SourceError
+
+__all__ = ["AT_ONCE", "JSON", "Client"]
+
+_PAGE = b"<"
+_MET = {"X-Api-Version": "api", "On-Version": "release"}
+_PATIENCE = Patience()
+_LONG = 1_000_000
+"""What arrives in no time need not be watched [bytes]."""
+_EVERY = 0.2
+"""How often it is shown how much has arrived [s]."""
+
+
+class Client:
+    """Asks one host. Safe to call from several threads; a context manager.
+
+    `ledger` takes down what is billed; `tell` gets a line wherever the user has to wait, and `passing`
+    how much has arrived while that is going on; `max_calls` bounds what is billed, whatever has to be
+    asked again.
+    """
+
+    def __init__(
+        self,
+        url: AssemblyUrl,
+        credentials: Credentials,
+        *,
+        patience: Patience = _PATIENCE,
+        ledger: Ledger | None = None,
+        tell: Callable[[str], None] = lambda _: None,
+        max_calls: int | None = None,
+        passing: Callable[[str], None] = lambda _: None,
+    ) -> None:
+        self.host = urlsplit(url.origin).netloc
+        self.met: dict[str, str] = {}
+        """What the server said of itself: `api`, the version that it serves, `definition_api`, that of
+        definitions, and its `release`."""
+        self._origin = url.origin
+        self._origins: dict[str, str] = {}
+        self._credentials = credentials
+        self._patience = patience
+        self._ledger = ledger
+        self._uncounted = False
+        self._tell_user = tell
+        self._lock = threading.Lock()
+        self._budget = Budget(max_calls)
+        self._stopped = threading.Event()
+        self._reason: SourceError | None = None
+        self._windows = Windows(patience.max_wait, self._stopped)
+        self._passing = passing
+        self._received, self._shown = 0, 0.0
+        self._wire = Wire(patience, loopback=url.loopback, arrived=self._arrived)
+
+    def __enter__(self) -> "Client":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._wire.close()
+
+    @property
+    def calls(self) -> int:
+        """Calls that count against the quota so far: every 2xx and 3xx."""
+        return self._budget.made
+
+    @property
+    def left(self) -> Mapping[str, int]:
+        """Calls left in the server's windows, by endpoint, where it told."""
+        return dict(self._windows.left)
+
+    @property
+    def waited(self) -> float:
+        """Seconds waited because the server asked for it."""
+        return self._windows.waited
+
+    def get(self, request: str, accept: str = JSON, check: Callable[[bytes], None] | None = None) -> bytes:
+        """The body of the reply to `request`.
+
+        `check` raises ProtocolError for a body that is not what was asked for; that is paid for, so
+        it is asked for once more and no further.
+
+        AuthError, NotFound, QuotaExhausted, RateLimited, SourceError or ProtocolError where the
+        server refuses or answers with something else; Offline where it cannot be reached.
+        """
+
+        def once() -> bytes:
+            answer = self._answer("GET", request, accept, None)
+            if answer.status != 200:
+                raise self._refusal(answer, request)
+            if answer.body[:64].lstrip()[:1] == _PAGE:
+                raise web_page(describe(request), self.host)
+            if check is not None:
+                self._check(answer.body, check)
+            return answer.body
+
+        return self._persist(once)
+
+    def post(self, request: str, body: bytes, *, restoring: bool = False) -> bytes:
+        """The body of the reply to what is posted (JSON); errors as for `get`.
+
+        Asked again only where the server cannot have carried it out: it was not reached, or its
+        window was closed. `restoring`: what is posted undoes a change and may be done twice, so it is
+        asked again as `get` does, and sent even where all other calls were stopped.
+        """
+
+        def once() -> bytes:
+            answer = self._answer("POST", request, JSON, body, restoring=restoring)
+            if not 200 <= answer.status < 300:
+                raise self._refusal(answer, request, final=not restoring)
+            return answer.body
+
+        return self._persist(once, restoring=restoring)
+
+    def stop(self) -> None:
+        """Lets no further call begin, and ends those on their way and all waits: they raise Offline."""
+        self._halt(Offline("the calls were stopped", self.host, "run the same command again"))
+        self._wire.hang_up()
+
+    def _persist(self, once: Callable[[], bytes], *, restoring: bool = False) -> bytes:
+        """What `once` gives, asked again where that may help and the calls were not stopped."""
+
+        def unless_stopped() -> bytes:
+            try:
+                return once()
+            except Passing:
+                if not restoring:
+                    self._may_go()
+                raise
+
+        return retries.persist(unless_stopped, self._patience)
+
+    def _answer(
+        self, method: str, request: str, accept: str, content: bytes | None, *, restoring: bool = False
+    ) -> Answer:
+        """The reply, whatever its status, once the server's window is open."""
+        kind, seconds = endpoint(request), self._patience.first_wait
+        for _ in range(self._patience.refusals):
+            self._windows.wait(kind, stoppable=not restoring)
+            answer = self._whole(method, request, accept, content, restoring)
+            if answer.status != 429:
+                return answer
+            if not restoring:
+                self._may_go()
+            # Never less than our own pause: a server that says 0 must not be asked in a rush.
+            asked = retry_after(answer.headers)
+            seconds = max(asked or 0.0, seconds)
+            if not self._windows.close(kind, seconds):
+                break
+            self._say(f"{self.host} allows no more calls for {describe(request)}: waiting {seconds:.0f} s")
+            seconds = min(2 * seconds, self._patience.longest_wait) if asked is None else seconds
+        error = rate_limited(
+            describe(request),
+            self._said(answer),
+            self.host,
+            asked=retry_after(answer.headers),
+            waited=self._windows.waited,
+            max_wait=self._patience.max_wait,
+        )
+        self._halt(error)
+        raise error
+
+    def _whole(
+        self, method: str, request: str, accept: str, content: bytes | None, restoring: bool
+    ) -> Answer:
+        """A whole reply, or the error for the lack of one."""
+        try:
+            return self._follow(method, request, accept, content, restoring)
+        except Lost as lost:
+            what = describe(request)
+            if lost.trouble is not None and not lost.late:
+                error: SourceError = unreached(lost.trouble, self.host)
+                if lost.trouble.lasting:
+                    raise error from lost
+            elif lost.late or not lost.status:
+                error = offline(what, self.host, str(lost), late=lost.late)
+            else:
+                error = cut_short(what, self.host)
+            if method != "GET" and lost.begun and not restoring:
+                hint = "it may have been carried out all the same: look at the document in the browser"
+                raise type(error)(error.message, error.where, hint) from lost
+            raise Passing(error, "billed" if billed(lost.status) else "free", self._say) from lost
+        except TooLarge as error:
+            raise too_large(request, self.host) from error
+        except Packed as error:
+            raise wrongly_packed(describe(request), self.host, str(error)) from error
+        except OSError as error:
+            msg = f"the reply with {describe(request)} cannot be written: {error.strerror or error}"
+            hint = "make room there, or name another folder in the environment variable TMPDIR"
+            raise SourceError(msg, tempfile.gettempdir(), hint) from error
+
+    def _follow(
+        self, method: str, request: str, accept: str, content: bytes | None, restoring: bool
+    ) -> Answer:
+        """The reply where it is in the end. Every stop on the way is authenticated, and billed."""
+        what = describe(request)
+        document = request.partition("/d/")[2].partition("/")[0]
+        with self._lock:
+            origin = self._origins.get(document, self._origin)
+        first = address = f"{origin}/api/{api(request)}{request}"
+        for _ in range(1 + redirects.MOST):
+            if not restoring:
+                self._may_go()
+            # What is put back must go out whatever the budget.
+            with self._budget.place(needed=restoring) as place:
+                answer = self._wire.send(
+                    method,
+                    address,
+                    lambda target: {
+                        "Accept": accept,
+                        **({} if content is None else {"Content-Type": signing.CONTENT_TYPE}),
+                        **signing.headers(self._credentials, method, target),
+                    },
+                    content,
+                    functools.partial(self._note, request, place),
+                    reply_sizes.largest(request),
+                )
+            if not redirects.followed(method, answer.status):
+                return answer
+            address = redirects.target(address, answer.headers.get("Location", ""), what)
+            region = redirects.moved(first, address)
+            if region is not None:
+                # The other calls for this document go there directly: each stop costs a call.
+                with self._lock:
+                    self._origins[document] = region
+        msg = f"the server points elsewhere for {what} more than {redirects.MOST} times"
+        raise ProtocolError(msg, self.host, "use the host that the browser shows for this document")
+
+    def _check(self, body: bytes, check: Callable[[bytes], None]) -> None:
+        try:
+            check(body)
+        except ProtocolError as error:
+            told = ProtocolError(error.message, self.host, error.hint)
+            raise Passing(told, "billed", self._say) from error
+
+    def _refusal(self, answer: Answer, request: str, *, final: bool = False) -> Exception:
+        """The error for a refusal; `Passing` where it may pass by itself, unless it is `final`."""
+        error = refusal(
+            answer.status, answer.headers, self._said(answer), request, self.host, self._credentials.kind
+        )
+        if isinstance(error, QuotaExhausted):
+            self._halt(error)
+        if final or not (answer.status >= 500 or answer.status == 499):
+            return error
+        asked = retry_after(answer.headers)
+        if asked and not self._windows.close(endpoint(request), asked):
+            return error
+        return Passing(error, "free", self._say)
+
+    def _said(self, answer: Answer) -> str:
+        """The body, free of secrets, also of those that JSON hides in escapes."""
+        text = answer.body.decode("utf-8", "replace")
+        with contextlib.suppress(ValueError, RecursionError):
+            text = json.dumps(json.loads(text), ensure_ascii=False)
+        return self._credentials.scrub(text)
+
+    def _note(self, request: str, place: Place, status: int, headers: Mapping[str, str]) -> None:
+        place.settle(billed(status))
+        kind = endpoint(request)
+        apart = "definition_" if is_definition(request) else ""
+        rest = left(headers)
+        self._windows.note(kind, rest)
+        with self._lock:
+            for header, name in _MET.items():
+                if headers.get(header):
+                    name = apart + name if name == "api" else name
+                    self.met[name] = self._credentials.scrub(headers[header])[:40]
+        if self._ledger is not None and (why := self._ledger.note(kind, status, rest)):
+            if not self._uncounted:
+                self._say(f"calls go uncounted: {why}")
+            self._uncounted = True
+
+    def _arrived(self, size: int) -> None:
+        """Shows what has arrived of long replies, a few times a second."""
+        with self._lock:
+            self._received += size
+            now = time.monotonic()
+            if self._received < _LONG or now - self._shown < _EVERY:
+                return
+            self._shown = now
+            self._passing(f"{self._received / 1e6:.1f} MB received")
+
+    def _say(self, line: str) -> None:
+        with self._lock:
+            self._tell_user(line)
+
+    def _halt(self, reason: QuotaExhausted | RateLimited | Offline) -> None:
+        with self._lock:
+            self._reason = self._reason or reason
+        self._stopped.set()
+
+    def _may_go(self) -> None:
+        """Raises what stopped all calls, if something did."""
+        if self._reason is not None:
+            raise type(self._reason)(self._reason.message, self._reason.where, self._reason.hint)

@@ -1,0 +1,114 @@
+"""Why a server was not reached, and what to do: its name, the connection, a proxy, its certificate."""
+
+import errno
+import os
+import socket
+import ssl
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from stages.fetch.onshape.api.network_settings import CERTIFICATES, proxy_variable
+
+_NETWORK = (
+    "check the network and the host in source.url, or build offline: source.offline=true, source=bundle, "
+    "source=sample"
+)
+_NAMES = {socket.EAI_NONAME: "its name is not known (DNS)", socket.EAI_AGAIN: "no name server answers (DNS)"}
+_UNREACHABLE = {
+    errno.ECONNREFUSED: "nothing listens there (connection refused)",
+    errno.ENETUNREACH: "there is no network that leads there",
+    errno.EHOSTUNREACH: "there is no way to that host",
+    errno.ECONNRESET: "it hung up",
+    errno.ETIMEDOUT: "it does not answer",
+}
+_SELF_SIGNED, _IN_CHAIN, _NO_ISSUER, _NO_FIRST = 18, 19, 20, 21
+_EARLY, _EXPIRED = 9, 10
+_OTHER_HOST, _OTHER_ADDRESS = 62, 64
+_CERTIFICATES = {
+    _SELF_SIGNED: "nobody vouches for its certificate (self-signed)",
+    _IN_CHAIN: "its certificate is vouched for by nobody who is trusted (self-signed)",
+    _NO_ISSUER: "its certificate is vouched for by nobody who is trusted",
+    _NO_FIRST: "its certificate is vouched for by nobody who is trusted",
+    _EARLY: "its certificate is not valid yet",
+    _EXPIRED: "its certificate has expired",
+    _OTHER_HOST: "its certificate is another host's",
+    _OTHER_ADDRESS: "its certificate is another host's",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Trouble:
+    """What kept a request from its server. `lasting`: to try again changes nothing."""
+
+    message: str
+    hint: str
+    lasting: bool = False
+
+
+def trouble(error: BaseException, host: str, met: tuple[str, int] | None) -> Trouble:
+    """What `error`, and those that caused it, say about the way to `host`.
+
+    `met`: host and port that were connected to, or tried; another one than `host` is a proxy.
+    """
+    causes = list(_causes(error))
+    for cause in causes:
+        if isinstance(cause, ssl.SSLCertVerificationError):
+            return _untrusted(cause, host)
+        if isinstance(cause, ssl.SSLError):
+            reason = (cause.reason or "no TLS").replace("_", " ").lower()
+            return Trouble(f"no safe connection to {host}: TLS failed ({reason})", _NETWORK)
+    subject, hint = host, _NETWORK
+    if met is not None and met[0] != host:
+        variable = proxy_variable(os.environ)
+        subject = f"the proxy {met[0]}:{met[1]} ({variable})"
+        hint = f"correct or unset {variable}; NO_PROXY={host} goes there without it"
+    why = next((words for cause in causes if (words := _why(cause))), type(error).__name__)
+    return Trouble(f"{subject} cannot be reached: {why}", hint)
+
+
+def refused_by_proxy(said: str, host: str, met: tuple[str, int] | None) -> Trouble:
+    """What a proxy that lets nothing through `said`: "407 Proxy Authentication Required"."""
+    variable = proxy_variable(os.environ)
+    subject = f"the proxy {met[0]}:{met[1]} ({variable})" if met else f"the proxy ({variable})"
+    status = said.partition(" ")[0]
+    if status == "407":
+        hint = f"write user and password into {variable}: http://USER:PASSWORD@HOST:PORT"
+        return Trouble(f"{subject} asks for a login (407)", hint, lasting=True)
+    code = f" ({status})" if status.isdigit() else ""
+    hint = f"ask who runs it to allow {host}; NO_PROXY={host} goes there without it"
+    return Trouble(f"{subject} does not lead to {host}{code}", hint, lasting=not status.startswith("5"))
+
+
+def _untrusted(error: ssl.SSLCertVerificationError, host: str) -> Trouble:
+    code = error.verify_code
+    why = _CERTIFICATES.get(code) or f"its certificate is not accepted ({error.verify_message})"
+    if code in (_EARLY, _EXPIRED):
+        hint = "check this computer's clock; if it is right, tell those who run that server"
+    elif code in (_OTHER_HOST, _OTHER_ADDRESS):
+        hint = "check the host in source.url, and that the network asks for no login first"
+    else:
+        hint = (
+            f"if your network reads what passes through it, name its certificate: {CERTIFICATES}=FILE.pem; "
+            "else somebody else may be answering, and your key was not sent"
+        )
+    return Trouble(f"no safe connection to {host}: {why}", hint, lasting=True)
+
+
+def _why(cause: BaseException) -> str:
+    if isinstance(cause, socket.gaierror):
+        return _NAMES.get(cause.errno or 0) or f"its name is not found (DNS: {cause.strerror})"
+    if isinstance(cause, UnicodeError):
+        return "its name is none"
+    if isinstance(cause, OSError) and cause.errno:
+        return _UNREACHABLE.get(cause.errno) or (cause.strerror or "").lower()
+    return ""
+
+
+def _causes(error: BaseException) -> Iterator[BaseException]:
+    """The error, and what caused it."""
+    seen: set[int] = set()
+    cause: BaseException | None = error
+    while cause is not None and id(cause) not in seen:
+        seen.add(id(cause))
+        yield cause
+        cause = cause.__cause__ or cause.__context__

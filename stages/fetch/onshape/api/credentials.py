@@ -1,0 +1,178 @@
+"""The user's key to Onshape: from the environment, or from `.env` where they work."""
+
+import contextlib
+import html
+import io
+import itertools
+import json
+import os
+import re
+import stat
+from base64 import b64encode, urlsafe_b64encode
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from hashlib import sha256
+from pathlib import Path
+from typing import Literal
+from urllib.parse import quote
+
+from stages.fetch import regular_files
+from stages.robot.errors import ConfigError, Diagnostic
+
+ACCESS = "ONSHAPE_ACCESS_KEY"
+SECRET = "ONSHAPE_SECRET_KEY"
+TOKEN = "ONSHAPE_ACCESS_TOKEN"
+OLD_TOKEN = "ONSHAPE_SECRET_BEARER"
+AUTH = "ONSHAPE_AUTH"
+
+PRIVATE = (ACCESS, SECRET, TOKEN, OLD_TOKEN)
+"""The variables whose values nobody else may see."""
+
+DOTENV = ".env"
+_LARGEST_DOTENV = 1 << 20
+
+Kind = Literal["basic", "signature", "bearer"]
+
+
+@dataclass(frozen=True, slots=True)
+class Credentials:
+    """An API key, or a bearer `token`. Its text never shows in `repr`, so that no log or traceback
+    holds it. `kind`: how a request shows it."""
+
+    access: str = field(default="", repr=False)
+    secret: str = field(default="", repr=False)
+    kind: Kind = "basic"
+    token: str = field(default="", repr=False)
+
+    @property
+    def who(self) -> str:
+        """A name for whose calls these are, which does not tell the key.
+
+        Bearer tokens live for an hour, so all of them are one.
+        """
+        return "bearer" if self.kind == "bearer" else sha256(self.access.encode()).hexdigest()[:16]
+
+    @property
+    def private(self) -> tuple[str, ...]:
+        """The texts that must never be written anywhere, the longest first."""
+        plain = {text for text in (self.access, self.secret, self.token) if text}
+        pair = {f"{self.access}:{self.secret}"} if self.access and self.secret else set()
+        found = {form for text in plain | pair for form in forms(text)} - pair
+        return tuple(sorted(found, key=lambda text: (-len(text), text)))
+
+    def scrub(self, text: str) -> str:
+        """`text` with the key blotted out, for what a server sent back."""
+        for private in self.private:
+            text = text.replace(private, "***")
+        return text
+
+
+def forms(text: str) -> frozenset[str]:
+    """How a file or a server may write `text`: plain, in base64, and with the escapes of URLs, JSON, XML."""
+    raw = text.encode("utf-8", "replace")
+    packed = {b64encode(raw).decode(), urlsafe_b64encode(raw).decode()}
+    bare = {text, *packed, *(one.rstrip("=") for one in packed)}
+    escaped = {quote(one, safe="") for one in bare}
+    escaped |= {re.sub("%..", lambda code: code[0].lower(), one) for one in escaped}
+    for one in bare:
+        inside = json.dumps(one)[1:-1]
+        escaped |= {inside, inside.replace("/", "\\/"), html.escape(one), html.escape(one, quote=False)}
+    return frozenset(bare | escaped)
+
+
+def known(environ: Mapping[str, str], folder: Path | None = None) -> dict[str, str]:
+    """Every form of every key in `environ` and in `.env`, also of those that no build would use: the text,
+    and the variable that it is the value of."""
+    inside: Mapping[str, str] = {}
+    with contextlib.suppress(ConfigError, OSError):
+        inside = _dotenv((folder or Path.cwd()) / DOTENV)
+    values: dict[str, set[str]] = {}
+    for name in PRIVATE:
+        texts = (given.get(name, "").strip() for given in (environ, inside))
+        values[name] = {text for text in texts if text}
+    found: dict[str, str] = {}
+    for access, secret in itertools.product(sorted(values[ACCESS]), sorted(values[SECRET])):
+        found |= dict.fromkeys(sorted(forms(f"{access}:{secret}")), f"{ACCESS} and {SECRET}")
+    for name in PRIVATE:
+        for text in sorted(values[name]):
+            found |= dict.fromkeys(sorted(forms(text)), name)
+    return found
+
+
+def remarks(folder: Path | None = None) -> tuple[Diagnostic, ...]:
+    """What the user should know of the file `.env`: that others can read the key in it."""
+    path = (folder or Path.cwd()) / DOTENV
+    if os.name != "posix":
+        return ()
+    try:
+        mode = stat.S_IMODE(path.stat().st_mode)
+        open_to = [who for who, bits in (("its group", 0o070), ("everybody", 0o007)) if mode & bits]
+        if not open_to or not any(name in PRIVATE for name in _dotenv(path)):
+            return ()
+    except (OSError, ConfigError):
+        return ()
+    msg = f"the API key in it is open to {' and '.join(open_to)} on this computer (mode {mode:04o})"
+    return (Diagnostic("I-DOTENV", msg, DOTENV, f"chmod 600 {DOTENV}"),)
+
+
+def find(environ: Mapping[str, str], folder: Path | None = None) -> Credentials:
+    """The key in `environ`, else in `.env` in `folder` (default: the working folder).
+
+    A bearer token where one is set, else an API key. ConfigError names the variable that is missing.
+    """
+    names = (ACCESS, SECRET, TOKEN, OLD_TOKEN, AUTH)
+    outside = {name: environ[name].strip() for name in names if environ.get(name, "").strip()}
+    inside = {name: value.strip() for name, value in _dotenv((folder or Path.cwd()) / DOTENV).items()}
+    values = inside | outside
+    kind = _kind(values.get(AUTH, "basic").lower())
+    # A whole key in the environment goes before a token in the file.
+    whole_key = ACCESS in outside and SECRET in outside
+    tokens = outside if whole_key else values
+    token = tokens.get(TOKEN) or tokens.get(OLD_TOKEN)
+    if token:
+        _require_plain(token, f"{TOKEN} or {OLD_TOKEN}")
+        return Credentials(kind="bearer", token=token)
+    access, secret = (values.get(name, "") for name in (ACCESS, SECRET))
+    missing = [name for name, value in ((ACCESS, access), (SECRET, secret)) if not value]
+    if missing:
+        msg = f"no Onshape API key: {' and '.join(missing)} not set, neither in the environment nor in .env"
+        if regular_files.is_special((folder or Path.cwd()) / DOTENV):
+            msg += f" ({regular_files.NOT_REGULAR})"
+        hint = (
+            "make a key with read permission in Onshape (My account > Developer > API keys) and set both "
+            "variables, or build without the network: linkwright source=sample"
+        )
+        raise ConfigError(msg, hint=hint)
+    _require_plain(access + secret, f"{ACCESS} or {SECRET}")
+    return Credentials(access, secret, kind)
+
+
+def _kind(text: str) -> Kind:
+    if text == "basic":
+        return "basic"
+    if text == "signature":
+        return "signature"
+    msg = f"{AUTH} is neither basic nor signature"
+    raise ConfigError(msg, hint=f"set {AUTH}=signature to sign each request, or leave it out")
+
+
+def _require_plain(text: str, names: str) -> None:
+    """ConfigError for text that cannot be a key; the text itself is not shown."""
+    if not text.isascii() or not text.isprintable():
+        msg = f"{names} holds characters that no Onshape key has"
+        raise ConfigError(msg, hint="copy the key again, without quotes or line breaks")
+
+
+def _dotenv(path: Path) -> dict[str, str]:
+    # A pipe or a device of that name is nobody's: it may block, or never end.
+    if not regular_files.is_file(path):
+        return {}
+    from dotenv import dotenv_values
+
+    try:
+        text = regular_files.content(path, _LARGEST_DOTENV).decode()
+        values = dotenv_values(stream=io.StringIO(text), interpolate=False)
+    except (OSError, UnicodeDecodeError, regular_files.TooLarge) as error:
+        msg = f"the file .env cannot be read: {type(error).__name__}"
+        raise ConfigError(msg, DOTENV, f"write lines such as {ACCESS}=... in it, as UTF-8 text") from None
+    return {name: value for name, value in values.items() if value and value.strip()}

@@ -1,0 +1,211 @@
+"""What a server's refusal means, and what to do about it."""
+
+import json
+import time
+from collections.abc import Mapping
+
+from stages.fetch import reply_sizes
+from stages.fetch.onshape.api.connection_errors import Trouble
+from stages.fetch.onshape.api.rate_limits import date
+from stages.fetch.onshape.requests import configuration_asked, describe, is_definition, is_gltf, is_triangles
+from stages.robot.errors import (
+    AuthError,
+    NotFound,
+    Offline,
+    ProtocolError,
+    QuotaExhausted,
+    RateLimited,
+    SourceError,
+)
+
+AGAIN = "run the same command again; what was fetched is kept and not paid for twice"
+
+_NOT_ASSEMBLY = "it may not be an assembly (a part studio or a drawing?)"
+_SKEW = 240.0
+"""Onshape accepts signatures of 5 minutes before and after its own time [s]; a little less here."""
+
+
+class Declined(ProtocolError):
+    """The server will not answer this very request, however often it is made; another one may do.
+
+    Nothing is wrong with the connection, the key or the quota, and nothing was billed.
+    """
+
+
+def refusal(
+    status: int, headers: Mapping[str, str], text: str, request: str, host: str, kind: str = "basic"
+) -> SourceError:
+    """The error for a reply whose status is not 200.
+
+    `text` is the body, free of secrets; `headers` looks names up without regard to case; `kind`:
+    how the request was authenticated (basic, signature, bearer).
+    """
+    what = describe(request)
+    said = server_words(text)
+    quoted = f' ("{said}")' if said else ""
+    if status in (401, 403):
+        return _denied(status, what, quoted, host, kind, _skew(headers))
+    if status == 402:
+        msg = f"the yearly quota of API calls is used up (402), so {what} was not given{quoted}"
+        hint = (
+            "no further call was made, and what was fetched is kept; look at My account > Developer in "
+            "Onshape, or build from the cache (source.offline=true) or a bundle (source=bundle)"
+        )
+        return QuotaExhausted(msg, host, hint)
+    if status == 404:
+        return _absent(what, quoted, host, request, page=_is_page(text))
+    if status == 400 and is_definition(request) and configuration_asked(request):
+        return _not_so_configured(configuration_asked(request), quoted, host)
+    if status == 400 and is_definition(request):
+        msg = f"the server refuses to give {what} (400){quoted}: {_NOT_ASSEMBLY}"
+        return SourceError(msg, host, _open_the_tab())
+    if status in (405, 406, 415):
+        msg = f"the server does not take the form of the request for {what} ({status}){quoted}"
+        return Declined(msg, host, "this is a fault of linkwright, or the API has changed: report it")
+    if status == 204:
+        return ProtocolError(f"the server has nothing to say about {what} (204)", host, AGAIN)
+    if 300 <= status < 400:
+        msg = f"the server points elsewhere for {what} ({status}), which is not followed"
+        return ProtocolError(msg, host, "use the host that the browser shows for this document")
+    if status >= 500 or status == 499:
+        msg = f"the server failed to give {what} ({status}){quoted}"
+        hint = f"{AGAIN}, in a while; if it fails each time, try a smaller assembly"
+        return ProtocolError(msg, host, hint)
+    msg = f"the server refuses to give {what} ({status}){quoted}"
+    return Declined(msg, host, "check that the document opens in the browser with the same account")
+
+
+def rate_limited(
+    what: str, text: str, host: str, *, asked: float | None, waited: float, max_wait: float
+) -> RateLimited:
+    """The error for a closed window (429) that is not waited for any longer. Times in seconds."""
+    said = server_words(text)
+    quoted = f' ("{said}")' if said else ""
+    bound = f"source.max_wait allows {max_wait:g} s"
+    spent = f" and {waited:.0f} s were waited already" if waited else ""
+    after = f"; it asks to wait {asked:.0f} s" if asked is not None else ""
+    msg = f"the server allows no more calls for {what} for now (429){after}, while {bound}{spent}{quoted}"
+    when = f"in {_minutes(asked)}" if asked is not None else "later"
+    hint = f"run the same command again {when}: what was fetched is kept and not paid for twice"
+    if asked is not None:
+        hint += f"; or let it wait: source.max_wait={int(asked) + 10}"
+    return RateLimited(msg, host, hint)
+
+
+def cut_short(what: str, host: str) -> ProtocolError:
+    """The error for a reply that ended before its end."""
+    return ProtocolError(f"the reply with {what} was cut short", host, AGAIN)
+
+
+def offline(what: str, host: str, why: str, *, late: bool) -> Offline:
+    """The error for a server that does not answer, or not in time."""
+    if late:
+        return Offline(f"{host} did not answer in time for {what}", host, AGAIN)
+    msg = f"{host} cannot be reached: {why}"
+    hint = "check the network and the host in source.url, or build offline: source=sample, source=bundle"
+    return Offline(msg, host, hint)
+
+
+def unreached(trouble: Trouble, host: str) -> Offline:
+    """The error for a request that did not get to its server."""
+    return Offline(trouble.message, host, trouble.hint)
+
+
+def too_large(request: str, host: str) -> ProtocolError:
+    """The error for a reply that unpacks to more than its kind may have."""
+    bound = reply_sizes.in_words(reply_sizes.largest(request))
+    msg = f"the reply with {describe(request)} is larger than any that makes sense ({bound})"
+    if is_triangles(request) or is_gltf(request):
+        return ProtocolError(msg, host, "use a coarser source.tessellation")
+    return ProtocolError(msg, host, "check that source.url is of the assembly that you mean, and report it")
+
+
+def wrongly_packed(what: str, host: str, how: str) -> ProtocolError:
+    """The error for a reply that is packed in a way that was not asked for."""
+    msg = f"the reply with {what} is packed in a way that was not asked for ({how})"
+    return ProtocolError(msg, host, "check the host in source.url, and what a proxy in between does")
+
+
+def web_page(what: str, host: str) -> ProtocolError:
+    """The error for a web page that comes as if it were the reply."""
+    msg = f"the server sent a web page instead of {what}"
+    return ProtocolError(msg, host, "check the host in source.url, and that no proxy asks for a login")
+
+
+def server_words(text: str) -> str:
+    """What the server says, short and on one line; nothing for web pages and other noise."""
+    try:
+        data = json.loads(text)
+    except (ValueError, RecursionError):
+        return ""
+    message = data.get("message") if isinstance(data, dict) else None
+    if not isinstance(message, str):
+        return ""
+    line = " ".join("".join(char if char.isprintable() else " " for char in message).split())
+    return line if len(line) <= 200 else line[:199] + "…"
+
+
+def _denied(status: int, what: str, quoted: str, host: str, kind: str, skew: float) -> AuthError:
+    if skew:
+        ahead = "ahead of" if skew > 0 else "behind"
+        clock = f"this computer's clock is {_minutes(abs(skew))} {ahead} the server's"
+    else:
+        clock = ""
+    if kind == "signature" and clock:
+        msg = f"the server does not accept the signature ({status}){quoted}: {clock}"
+        return AuthError(msg, host, "set the clock, or leave out ONSHAPE_AUTH=signature")
+    if status == 401 and kind == "bearer":
+        msg = f"the server does not accept the bearer token (401){quoted}"
+        hint = f"tokens live for about an hour: get a new one; and is it a token for {host}?"
+        return AuthError(msg, host, hint)
+    if status == 401:
+        msg = f"the server does not accept the API key (401){quoted}"
+        hint = (
+            f"check ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY; a key works only on the host where it was "
+            f"made: is it a key of {host}?"
+        )
+        return AuthError(msg, host, hint)
+    mine = "bearer token" if kind == "bearer" else "API key"
+    msg = f"the {mine} may not read {what} (403){quoted}"
+    hint = f"give the {mine} read permission and share the document with its owner" + (
+        f"; {clock}" if clock else ", and check this computer's clock"
+    )
+    return AuthError(msg, host, hint)
+
+
+def _not_so_configured(configuration: str, quoted: str, host: str) -> SourceError:
+    msg = f"the server does not take the configuration {configuration!r} (400){quoted}"
+    hint = (
+        "choose it in the browser and copy the address again, or give the values by name in "
+        "source.configuration, which is checked against the document; if the address works without "
+        "one, it is the configuration, else the tab may not be an assembly"
+    )
+    return SourceError(msg, host, hint)
+
+
+def _absent(what: str, quoted: str, host: str, request: str, *, page: bool) -> NotFound:
+    maybe = f", or {_NOT_ASSEMBLY}" if is_definition(request) else ""
+    msg = f"the server does not find {what} (404){quoted}: gone, or private to others{maybe}"
+    hint = _open_the_tab() if maybe else "share the linked document with the owner of the API key"
+    if page:
+        hint += f"; {host} answered with a web page: is it the host that the browser shows?"
+    return NotFound(msg, host, hint)
+
+
+def _is_page(text: str) -> bool:
+    return text[:64].lstrip().startswith("<")
+
+
+def _skew(headers: Mapping[str, str]) -> float:
+    """How far this computer's clock is ahead [s]; 0 where it is near enough or the server is silent."""
+    there = date(headers.get("Date", ""))
+    skew = 0.0 if there is None else time.time() - there
+    return skew if abs(skew) > _SKEW else 0.0
+
+
+def _minutes(seconds: float) -> str:
+    return f"{seconds:.0f} s" if seconds < 120 else f"{seconds / 60:.0f} min"
+
+
+def _open_the_tab() -> str:
+    return "open the assembly's tab in the browser, with the account of the API key, and copy its address"

@@ -1,0 +1,225 @@
+"""One request over HTTP and its reply, whole or not at all. The only module that imports httpx."""
+
+import contextlib
+import re
+import socket
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from threading import Lock
+from typing import Any
+from weakref import WeakSet
+
+import httpx
+
+from stages.fetch import reply_sizes
+from stages.fetch.onshape.api import connection_errors, decompression
+from stages.fetch.onshape.api.connection_errors import Trouble
+from stages.fetch.onshape.api.retries import Patience
+from stages.robot.errors import ConfigError
+
+AT_ONCE = 4
+"""Connections at most: the server's limits are per window, and it answers no faster to more."""
+
+_IN_MEMORY = 1 << 20
+_UNMET = (httpx.ConnectError, httpx.ConnectTimeout, httpx.ProxyError, httpx.UnsupportedProtocol)
+_BROKEN: Mapping[type[httpx.HTTPError], str] = {
+    httpx.RemoteProtocolError: "it hung up, or does not speak HTTP",
+    httpx.ReadError: "the connection broke off",
+    httpx.WriteError: "the connection broke off",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """A reply. `headers` looks names up without regard to case; `body` is unpacked."""
+
+    status: int
+    headers: Mapping[str, str]
+    body: bytes
+
+
+class Lost(Exception):
+    """There is no whole reply. Its text says why and holds nothing that was sent.
+
+    `begun`: the request may have reached the server; `status`: what it answered before the rest
+    was lost, 0 where it answered nothing; `late`: it took too long; `trouble`: what kept it from the
+    server, where that is known.
+    """
+
+    def __init__(
+        self, why: str, *, begun: bool, status: int, late: bool = False, trouble: Trouble | None = None
+    ) -> None:
+        super().__init__(why)
+        self.begun = begun
+        self.status = status
+        self.late = late
+        self.trouble = trouble
+
+
+class TooLarge(Exception):
+    """A reply that unpacks to more than its kind may have."""
+
+
+class Packed(Exception):
+    """A reply that is packed in a way that was not asked for; its text names the way."""
+
+
+class _Way:
+    """Where one request went: `met`, the host and port that were connected to or tried."""
+
+    def __init__(self, wire: "Wire") -> None:
+        self._wire = wire
+        self.met: tuple[str, int] | None = None
+
+    def trace(self, event: str, told: Mapping[str, Any]) -> None:
+        if event.endswith("connect_tcp.started"):
+            self.met = (str(told["host"]), int(told["port"]))
+        # TLS puts another socket in the place of the plain one.
+        if event.endswith(("connect_tcp.complete", "start_tls.complete")):
+            self._wire.connected(told["return_value"].get_extra_info("socket"))
+
+
+class Wire:
+    """Connections that are kept alive. Safe to use from several threads."""
+
+    def __init__(
+        self, patience: Patience, *, loopback: bool, arrived: Callable[[int], None] = lambda _: None
+    ) -> None:
+        """`arrived` hears of each piece of a reply, how many bytes it took."""
+        self._arrived = arrived
+        self._whole = patience.whole
+        self._sockets: WeakSet[socket.socket] = WeakSet()
+        self._lock = Lock()
+        self._http = _client(patience, loopback=loopback)
+
+    def close(self) -> None:
+        self._http.close()
+
+    def hang_up(self) -> None:
+        """Ends what is on its way: whoever waits for it gets Lost at once. New requests may be sent.
+
+        To close a socket does not wake a thread that waits for it; to shut it down does.
+        """
+        with self._lock:
+            sockets = list(self._sockets)
+        for connected in sockets:
+            with contextlib.suppress(OSError):
+                # Not the method of a TLS socket, which first takes the encryption off.
+                socket.socket.shutdown(connected, socket.SHUT_RDWR)
+
+    def connected(self, made: socket.socket) -> None:
+        """Takes down a socket as it is made."""
+        with self._lock:
+            self._sockets.add(made)
+
+    def send(
+        self,
+        method: str,
+        address: str,
+        headers: Callable[[str], Mapping[str, str]],
+        content: bytes | None,
+        met: Callable[[int, Mapping[str, str]], None],
+        most: int,
+    ) -> Answer:
+        """The reply to one request; Lost, TooLarge or Packed where there is none that can be used.
+
+        `headers` gets path and query as they are sent; `met` gets status and headers as soon as
+        they are there, since that is when a call is billed; `most`: bytes that a reply may unpack to.
+        """
+        # The address goes out as it is, never encoded a second time.
+        url = httpx.URL(address)
+        status, until, way = 0, time.monotonic() + self._whole, _Way(self)
+        try:
+            request = self._http.build_request(
+                method,
+                url,
+                headers=dict(headers(url.raw_path.decode("ascii"))),
+                content=content,
+                extensions={"trace": way.trace},
+            )
+            response = self._http.send(request, stream=True)
+            try:
+                status = response.status_code
+                met(status, response.headers)
+                return Answer(status, response.headers, _body(response, until, most, self._arrived))
+            finally:
+                response.close()
+        except _UNMET as error:
+            late = isinstance(error, httpx.TimeoutException)
+            if isinstance(error, httpx.ProxyError):
+                known = connection_errors.refused_by_proxy(str(error), url.host, way.met)
+            else:
+                known = connection_errors.trouble(error, url.host, way.met)
+            why = type(error).__name__
+            raise Lost(why, begun=False, status=0, late=late, trouble=known) from error
+        except httpx.HTTPError as error:
+            late = isinstance(error, httpx.TimeoutException)
+            why = _BROKEN.get(type(error)) or type(error).__name__
+            raise Lost(why, begun=True, status=status, late=late) from error
+
+
+def _client(patience: Patience, *, loopback: bool) -> httpx.Client:
+    """ConfigError where the library cannot take what the environment says about proxies."""
+    try:
+        return httpx.Client(
+            headers={"User-Agent": "linkwright", "Accept-Encoding": decompression.ACCEPTED},
+            # A call that waits for a free connection has not begun; no limit fits that.
+            timeout=httpx.Timeout(patience.read, connect=patience.connect, pool=None),
+            limits=httpx.Limits(max_connections=AT_ONCE, max_keepalive_connections=AT_ONCE),
+            follow_redirects=False,
+            verify=httpx.create_ssl_context(),
+            # A proxy is for the world outside; it cannot reach this computer's own loopback.
+            trust_env=not loopback,
+        )
+    except (ValueError, ImportError, httpx.InvalidURL):
+        # Its words may show a proxy's password. What is known to be wrong was told before.
+        msg = "the proxy settings cannot be read"
+        hint = "set HTTPS_PROXY and NO_PROXY to what your network needs, or unset them"
+        raise ConfigError(msg, "NO_PROXY", hint) from None
+
+
+def _pieces(response: httpx.Response, arrived: Callable[[int], None]) -> Iterator[bytes]:
+    """The body as it comes, packed; `arrived` hears of each piece's size."""
+    for piece in response.iter_raw():
+        arrived(len(piece))
+        yield piece
+
+
+def _body(response: httpx.Response, until: float, most: int, arrived: Callable[[int], None]) -> bytes:
+    """The body, gathered in a file without a name, which no kill can leave behind."""
+    status = response.status_code
+    good = status < 300
+    announced = response.headers.get("Content-Length", "")
+    promised = int(announced) if re.fullmatch("[0-9]{1,20}", announced) else None
+    encoding = response.headers.get("Content-Encoding", "")
+    if good and promised is not None and promised > most:
+        raise TooLarge
+    with tempfile.SpooledTemporaryFile(_IN_MEMORY) as file:
+        try:
+            for piece in decompression.unpacked(_pieces(response, arrived), encoding):
+                file.write(piece)
+                if time.monotonic() > until:
+                    raise Lost("too slow", begun=True, status=status, late=True)
+                if good and max(file.tell(), response.num_bytes_downloaded) > most:
+                    raise TooLarge
+                if not good and file.tell() > reply_sizes.REFUSAL:
+                    break
+        except (httpx.HTTPError, decompression.DamagedError, decompression.UnknownEncodingError) as error:
+            # Of a refusal the status says enough; only the server's own words are lost.
+            if good:
+                raise _lost(error, status) from error
+        if good and promised is not None and promised != response.num_bytes_downloaded:
+            raise Lost("length", begun=True, status=status)
+        file.seek(0)
+        return file.read()
+
+
+def _lost(error: Exception, status: int) -> Exception:
+    """What the lack of a whole body is told as."""
+    if isinstance(error, decompression.UnknownEncodingError):
+        return Packed(str(error))
+    if isinstance(error, decompression.DamagedError):
+        return Lost("damaged", begun=True, status=status)
+    return error

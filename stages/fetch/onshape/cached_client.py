@@ -1,0 +1,180 @@
+"""Kept replies first, the server for the rest: each reply is paid for once, also by many processes."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from functools import partial
+from threading import Lock
+from typing import Any
+
+from stages.fetch.onshape.api.http_errors import Declined
+from stages.fetch.onshape.api.threads import run_all
+from stages.fetch.onshape.call_budget import allow, count
+from stages.fetch.onshape.reply_store import Replies
+from stages.fetch.onshape.requests import API, api, describe, is_definition
+from stages.fetch.onshape.session import Promise, Server
+from stages.robot.errors import NotFound, Offline, ProtocolError
+
+Refused = dict[str, NotFound | Declined]
+
+_MOST_NAMED = 3
+
+
+class Asking:
+    """Gives replies to requests.
+
+    `offline`: no call is made; `refresh`: what earlier builds kept is asked for again;
+    `max_calls`: what one build may spend.
+    """
+
+    def __init__(
+        self, server: Server, replies: Replies, *, offline: bool, refresh: bool, max_calls: int
+    ) -> None:
+        self._server = server
+        self._replies = replies
+        self._refresh = refresh
+        self._max_calls = max_calls
+        self._lock = Lock()
+        self._asked: set[str] = set()
+        self._doubted: set[str] = set()
+        self._promises: dict[str, Promise] = {}
+        self._held: set[str] = set()
+        self.offline = offline
+        self.saved = 0
+        """Calls that kept replies made needless."""
+        self.began: float | None = None
+        """The start of a sweep: since then what a workspace told to one of its jobs holds for all."""
+        self.settled: Callable[[], AbstractContextManager[None]] = nullcontext
+        """Within it the workspace is as its users left it: no build has its variables changed."""
+        self.while_waiting: Callable[[], None] = lambda: None
+        """Called, perhaps more than once, when replies are asked for that were never there before."""
+
+    def kept(self, request: str) -> bytes | None:
+        """The kept reply to a pinned request, or None; one that lacks what it must have is as none."""
+        with self._lock:
+            if (self._refresh or request in self._doubted) and request not in self._asked:
+                return None
+            body = self._replies.get(request)
+        promise = None if request in self._held else self._promises.get(request)
+        if body is None or promise is None:
+            return body
+        try:
+            promise(body)
+        except ProtocolError:
+            return None
+        self._held.add(request)
+        return body
+
+    def require(self, request: str, promise: Promise) -> None:
+        """Makes the reply to a request count, and be kept, only where it holds the `promise`."""
+        self._promises[request] = promise
+
+    def keep(self, request: str, body: bytes) -> None:
+        """Keeps the reply to a pinned request; of a definition also the API version that was asked."""
+        with self._lock:
+            self._asked.add(request)
+            if is_definition(request):
+                self._replies.remember(f"{request}#api", {"api": api(request)})
+            self._replies.put(request, body)
+
+    def api(self, request: str) -> str:
+        """The API version that the kept reply to a request for a definition was asked at."""
+        return str(self.recall(f"{request}#api").get("api", API))
+
+    def doubt(self, requests: Iterable[str]) -> None:
+        """Makes this build ask for these again, although replies are kept."""
+        with self._lock:
+            self._doubted.update(requests)
+
+    def spare(self, calls: int) -> None:
+        """Takes down that kept replies made `calls` needless."""
+        with self._lock:
+            self.saved += calls
+
+    @property
+    def made(self) -> int:
+        """Calls made so far that count against the quota."""
+        return self._server.calls
+
+    def allow(self, more: int) -> None:
+        """SourceError where `more` calls from now on are more than the build may make."""
+        allow(more, self._server.calls, self._max_calls)
+
+    def now(self, request: str) -> bytes:
+        """The reply to a request whose reply changes with time: asked for, and not kept."""
+        self._reachable([request])
+        self.allow(1)
+        return self._server.ask(request)
+
+    def one(self, request: str) -> bytes:
+        """The reply to a pinned request, kept or else asked for and kept."""
+        return self.all([request])[request]
+
+    def all(self, wanted: Sequence[str], refused: Refused | None = None) -> dict[str, bytes]:
+        """The replies to pinned requests, a few calls at a time.
+
+        After a failure no further call begins, but those on their way are finished and kept, since
+        they are paid for. Of several failures the first in order is told. Where `refused` is given,
+        the failures that concern a request alone are put there, and what arrived is returned.
+        """
+        found = {request: self.kept(request) for request in wanted}
+        bodies = {request: body for request, body in found.items() if body is not None}
+        missing = [request for request in wanted if request not in bodies]
+        self.spare(sum(request not in self._asked for request in bodies))
+        if not missing:
+            return bodies
+        self._reachable(missing)
+        self.allow(len(missing))
+        self._server.ready()
+        self.while_waiting()
+        try:
+            futures = run_all([partial(self._once, request) for request in missing], self._server.at_once)
+        except BaseException:
+            # Interrupted: nothing is asked again, and nothing waits for its turn.
+            self._server.stop()
+            raise
+        for request, future in zip(missing, futures, strict=True):
+            if future.cancelled():
+                continue
+            error = future.exception()
+            if error is None:
+                bodies[request] = future.result()
+            elif refused is not None and isinstance(error, NotFound | Declined):
+                refused[request] = error
+            else:
+                raise error
+        return bodies
+
+    def recall(self, subject: str) -> Mapping[str, Any]:
+        """What is remembered of a subject; empty where nothing is."""
+        with self._lock:
+            return self._replies.recall(subject) or {}
+
+    def remember(self, subject: str, fact: Mapping[str, Any]) -> None:
+        with self._lock:
+            self._replies.remember(subject, fact)
+
+    def alone(self, subject: str) -> AbstractContextManager[None]:
+        """Only one builder at a time is inside, for each subject."""
+        return self._replies.alone(subject)
+
+    def _once(self, request: str) -> bytes:
+        """The reply to a request, which another builder may be asking for right now."""
+        with self.alone(request):
+            body = self.kept(request)
+            if body is not None:
+                self.spare(1)
+                return body
+            body = self._server.ask(request, self._promises.get(request))
+            self.keep(request, body)
+            return body
+
+    def _reachable(self, missing: Sequence[str]) -> None:
+        if not self.offline:
+            return
+        names = [describe(request) for request in missing[:_MOST_NAMED]]
+        if len(missing) > _MOST_NAMED:
+            names[-1] += f" and {len(missing) - _MOST_NAMED} more"
+        replies = "reply is" if len(missing) == 1 else "replies are"
+        msg = f"{len(missing)} {replies} not in the cache: {', '.join(names)}"
+        hint = f"build once with source.offline=false ({count(len(missing), 'call')}), or from a bundle"
+        raise Offline(msg, "source.offline", hint)

@@ -1,0 +1,79 @@
+"""Which configuration of an assembly is built: the address's own, with what the user wants over it.
+
+The document's parameters are asked for once at each microversion and kept. What they were when the
+assembly was last built tells, for the one call that sees that nothing changed, what to look for.
+"""
+
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+from stages.fetch.onshape import configuration, requests
+from stages.fetch.onshape.cached_client import Asking
+from stages.fetch.onshape.freshness import Workspace
+from stages.fetch.onshape.url import AssemblyUrl
+from stages.robot.errors import SourceError
+
+
+class Configured:
+    """The address with `wanted` (parameter → value) in its configuration."""
+
+    def __init__(self, url: AssemblyUrl, wanted: Mapping[str, Any], asking: Asking) -> None:
+        self._url = url
+        self._wanted = wanted
+        self._asking = asking
+        self._subject = f"/documents/d/{url.document}/{url.pin}/e/{url.element}#configuration"
+
+    def at(self, pin: str) -> AssemblyUrl:
+        """The address at a version or microversion; SourceError lists what the document refuses."""
+        body = self._asking.one(self._request(pin))
+        if not self._url.pinned:
+            self._asking.remember(self._subject, {"microversion": pin[2:]})
+        return self._with(body)
+
+    def now(self, *, anew: bool) -> tuple[AssemblyUrl, str | None, str]:
+        """The address, the microversion last built (None at first) and the one its workspace is at.
+
+        One call where nothing changed, two for both parameters and definition the first time. Of
+        several builders that ask at once the first does.
+        """
+        began = time.time()
+        with self._asking.alone(self._subject):
+            known = self._known()
+            body = b"" if known else self._parameters()
+            url = known or self._with(body)
+            workspace = Workspace(url, self._asking)
+            then = workspace.last()
+            microversion = workspace.current(anew=anew, began=began)
+            if not known:
+                self._asking.keep(self._request(f"m/{microversion}"), body)
+            return self.at(f"m/{microversion}"), then, microversion
+
+    def _parameters(self) -> bytes:
+        """The parameters that the workspace has now, while no build has its variables changed."""
+        with self._asking.settled():
+            return self._asking.now(self._request(self._url.pin))
+
+    def _known(self) -> AssemblyUrl | None:
+        """The address by the parameters of the last build, if they allow what is wanted now."""
+        microversion = self._asking.recall(self._subject).get("microversion")
+        body = self._asking.kept(self._request(f"m/{microversion}")) if microversion else None
+        if body is None:
+            return None
+        try:
+            return self._with(body)
+        except SourceError:
+            if self._asking.offline:
+                raise
+            return None
+
+    def _with(self, body: bytes) -> AssemblyUrl:
+        parameters = configuration.read(body)
+        return replace(
+            self._url,
+            configuration=configuration.encode(self._url.configuration, self._wanted, parameters),
+        )
+
+    def _request(self, pin: str) -> str:
+        return requests.configuration(self._url.document, pin, self._url.element)

@@ -1,0 +1,115 @@
+"""Whether a workspace changed since it was last built, and which of its tabs did.
+
+A workspace is asked for its microversion alone; all else is asked for, and kept, at that
+microversion. An edit anywhere gives the whole document a new one, but each tab has a microversion of
+its own: replies about a tab that kept it still hold.
+"""
+
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from stages.fetch.onshape import definition, documents, requests
+from stages.fetch.onshape.cached_client import Asking
+from stages.fetch.onshape.url import AssemblyUrl
+from stages.robot.errors import Offline
+
+
+class Workspace:
+    """The workspace that an address names, and the microversions of it that earlier builds met."""
+
+    def __init__(self, url: AssemblyUrl, asking: Asking) -> None:
+        self._url = url
+        self._asking = asking
+        self._place = f"/documents/d/{url.document}/{url.pin}"
+        self._definition = requests.definition(url.document, url.pin, url.element, url.configuration)
+
+    def last(self) -> str | None:
+        """The microversion that was last built completely, else the one first met; None at first."""
+        return self._recalled(f"{self._definition}#complete") or self._recalled(f"{self._definition}#first")
+
+    def completed(self, microversion: str) -> None:
+        """Takes down that all replies about this assembly are kept at `microversion`."""
+        if self._recalled(f"{self._definition}#complete") != microversion:
+            self._asking.remember(f"{self._definition}#complete", {"microversion": microversion})
+
+    def current(self, *, anew: bool = False, began: float | None = None) -> str:
+        """The microversion that the workspace is at, for one call; the last one met when offline.
+
+        The first time, and with `anew`, the definition itself is asked for: it names the
+        microversion. Of several builders that ask at once the first does, and the others take what
+        it was told while they waited: since `began`, which is now unless they waited before. All jobs
+        of a sweep take what the first of them was told.
+        """
+        asking = self._asking
+        began = asking.began or began or time.time()
+        if asking.offline:
+            return self._without_network()
+        # Not while another build has the variables changed: that state is not the user's.
+        with asking.settled(), asking.alone(self._place):
+            told = asking.recall(self._place)
+            # A time to come is one of a clock that was put back since.
+            if not anew and began <= _number(told.get("at")) <= time.time():
+                asking.spare(1)
+                microversion = str(told["microversion"])
+            else:
+                microversion = self._asked(anew)
+                asking.remember(self._place, {"microversion": microversion, "at": time.time()})
+        if self.last() is None:
+            asking.remember(f"{self._definition}#first", {"microversion": microversion})
+        return microversion
+
+    def discrepancy(self) -> Mapping[str, Any]:
+        """What was last taken down of masses that differ though all is known anew; empty for nothing."""
+        return self._asking.recall(f"{self._definition}#discrepancy")
+
+    def differs(self, fact: Mapping[str, Any]) -> None:
+        """Takes down a discrepancy, or with an empty one that there is none."""
+        if self.discrepancy() != fact:
+            self._asking.remember(f"{self._definition}#discrepancy", fact)
+
+    def definition(self, microversion: str) -> str:
+        """The request for the assembly definition at a microversion."""
+        url = self._url
+        return requests.definition(url.document, f"m/{microversion}", url.element, url.configuration)
+
+    def _asked(self, anew: bool) -> str:
+        if self.last() is None or anew:
+            self._asking.while_waiting()
+            body = self._asking.now(self._definition)
+            microversion = definition.read(body).microversion
+            self._asking.keep(self.definition(microversion), body)
+            return microversion
+        body = self._asking.now(requests.current_microversion(self._url.document, self._url.pin[2:]))
+        return documents.microversion(body)
+
+    def _without_network(self) -> str:
+        last = self.last()
+        if last is None:
+            msg = f"nothing is known yet about the workspace of assembly {self._url.element}"
+            hint = "build it once with source.offline=false, or build from a bundle (source=bundle)"
+            raise Offline(msg, "source.offline", hint)
+        return last
+
+    def _recalled(self, subject: str) -> str | None:
+        found = self._asking.recall(subject).get("microversion")
+        return found if isinstance(found, str) else None
+
+
+def tabs_to_ask(url: AssemblyUrl, then: str, now: str, asking: Asking) -> tuple[str, str]:
+    """The requests that tell which tabs changed between two microversions, both of the assembly."""
+    asked = requests.elements(url.document, then), requests.elements(url.document, now)
+    for request in asked:
+        asking.require(request, lambda body: documents.require_tab(body, url.element))
+    return asked
+
+
+def unchanged(asked: Sequence[str], asking: Asking) -> frozenset[str]:
+    """The ids of the elements that are the same in the replies to both of `tabs_to_ask`."""
+    bodies = asking.all(asked)
+    before, after = (documents.tabs(bodies[request]) for request in asked)
+    return frozenset(element for element, version in after.items() if before.get(element) == version)
+
+
+def _number(value: Any) -> float:
+    return float(value) if isinstance(value, int | float) else -1.0

@@ -1,0 +1,128 @@
+"""From an assembly to its bundle: definition, then the part studios, then their replies.
+
+The one path for all sources: the network, a bundle and the sample differ only in who answers.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from hashlib import sha256
+from typing import Protocol
+
+from stages.fetch.onshape import definition, features
+from stages.fetch.onshape.features import Owner
+from stages.robot.bundle import Bundle, Features, Studio, StudioKey
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """A checked reply, under its pinned request."""
+
+    request: str
+    body: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Needs:
+    """What a build needs of one part studio: `parts` are the ids used, sorted; `root` the document.
+
+    `solids`: those of the parts that are solid bodies by the definition.
+    """
+
+    studio: StudioKey
+    parts: tuple[str, ...]
+    root: str
+    solids: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """The replies about one part studio: one for its mass or one a part, and its triangles if any."""
+
+    mass: tuple[Reply, ...]
+    triangles: Reply | None
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What one assembly says about the limits of its mates; None where it cannot be had."""
+
+    features: Reply | None
+    variables: Reply | None = None
+
+
+class Answers(Protocol):
+    """Who answers: the network or a recording."""
+
+    def versions(self) -> tuple[str, str]:
+        """The API versions that were asked for the definition, once that is there, and for all else."""
+        ...
+
+    def definition(self) -> Reply:
+        """The assembly definition, under a request pinned to a version or microversion."""
+        ...
+
+    def configuration(self) -> str:
+        """The configuration of the root assembly."""
+        ...
+
+    def studios(self, needs: Sequence[Needs]) -> Sequence[Answer]:
+        """The answers about part studios, in the order of `needs`."""
+        ...
+
+    def features(self, owners: Sequence[Owner], root: str) -> Sequence[Told]:
+        """What assemblies say about limits, in the order of `owners`; `root` is the root's document."""
+        ...
+
+
+def gather(answers: Answers) -> Bundle:
+    """The bundle of the assembly that `answers` is about.
+
+    AssemblyError where the assembly has no part; SourceError and its kinds where a reply cannot be
+    had or is not what the API promises.
+    """
+    first = answers.definition()
+    assembly = definition.read(first.body)
+    definition.require_parts(assembly)
+    needs = [
+        Needs(key, parts, assembly.document, assembly.solids[key]) for key, parts in assembly.parts.items()
+    ]
+    replies = [first]
+    studios = []
+    for need, answer in zip(needs, answers.studios(needs), strict=True):
+        replies += [*answer.mass, *([answer.triangles] if answer.triangles else [])]
+        triangles = digest(answer.triangles.body) if answer.triangles else None
+        studios.append(Studio(need.studio, tuple(digest(reply.body) for reply in answer.mass), triangles))
+    limits = []
+    owners = features.owners(first.body)
+    for owner, told in zip(owners, answers.features(owners, assembly.document), strict=True):
+        if told.features is None:
+            continue
+        replies += [told.features, *([told.variables] if told.variables else [])]
+        variables = digest(told.variables.body) if told.variables else None
+        limits.append(Features(owner.key, digest(told.features.body), variables))
+    definition_api, api = answers.versions()
+    return Bundle(
+        kind="onshape",
+        api=api,
+        definition_api=definition_api,
+        root={
+            "document": assembly.document,
+            "microversion": assembly.microversion,
+            "element": assembly.element,
+            "configuration": answers.configuration(),
+        },
+        definition=digest(first.body),
+        studios=tuple(studios),
+        requests=_by_request(replies),
+        blobs={digest(reply.body): reply.body for reply in replies},
+        features=tuple(limits),
+    )
+
+
+def digest(body: bytes) -> str:
+    """The name of a body: its SHA-256 in hex."""
+    return sha256(body).hexdigest()
+
+
+def _by_request(replies: Sequence[Reply]) -> Mapping[str, str]:
+    return {reply.request: digest(reply.body) for reply in sorted(replies, key=lambda reply: reply.request)}

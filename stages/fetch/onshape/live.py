@@ -1,0 +1,274 @@
+"""Answers from an Onshape server: as few calls as tell how the assembly is now."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from stages.fetch.onshape import documents, features, mass_check, requests
+from stages.fetch.onshape.cached_client import Asking
+from stages.fetch.onshape.call_budget import count
+from stages.fetch.onshape.configured import Configured
+from stages.fetch.onshape.features import Owner
+from stages.fetch.onshape.freshness import Workspace, tabs_to_ask, unchanged
+from stages.fetch.onshape.gather import Answer, Needs, Reply, Told
+from stages.fetch.onshape.limits import limits_of
+from stages.fetch.onshape.triangles.requests import NOTHING, Shapes
+from stages.fetch.onshape.url import AssemblyUrl
+from stages.robot.errors import Diagnostic, NotFound, ProtocolError
+
+if TYPE_CHECKING:
+    from stages.fetch.keys import OnshapeKeys
+
+_Bodies = dict[str, bytes]
+
+
+class Network:
+    """Answers about the assembly at `url`; `keys` are those of the source.
+
+    Pinned replies are kept for ever. Of a workspace that changed, replies about part studios that
+    did not are taken from the microversion that was last built, and filed under the new one once the
+    mass of the assembly proves them.
+    """
+
+    def __init__(
+        self, url: AssemblyUrl, keys: "OnshapeKeys", asking: Asking, tell: Callable[[str], None]
+    ) -> None:
+        self._url = url
+        self._keys = keys
+        self._asking = asking
+        self._tell = tell
+        self._shapes = Shapes(asking, keys.tessellation)
+        self._workspace = None if url.pinned else Workspace(url, asking)
+        self._then: str | None = None
+        self._pin = url.pin
+        self._definition: Reply | None = None
+        self.diagnostics: tuple[Diagnostic, ...] = ()
+        """What was found about the replies."""
+
+    def versions(self) -> tuple[str, str]:
+        assert self._definition is not None
+        return self._asking.api(self._definition.request), requests.API
+
+    def configuration(self) -> str:
+        return self._url.configuration
+
+    def definition(self) -> Reply:
+        if self._keys.configuration:
+            self._configure()
+        elif self._workspace is not None:
+            self._then = self._workspace.last()
+            self._tell("asking whether the document changed" if self._then else _ASKING)
+            self._pin = f"m/{self._workspace.current(anew=self._keys.refresh)}"
+        url = self._url
+        request = requests.definition(url.document, self._pin, url.element, url.configuration)
+        if self._asking.kept(request) is None and not self._asking.offline:
+            self._tell(_ASKING)
+        self._definition = Reply(request, self._asking.one(request))
+        return self._definition
+
+    def _configure(self) -> None:
+        """The address, in the configuration that is wanted, and the microversion that it is at."""
+        configured = Configured(self._url, self._keys.configuration, self._asking)
+        if self._workspace is None:
+            self._url = configured.at(self._pin)
+            return
+        self._tell("asking how the assembly can be configured, and whether it changed")
+        self._url, self._then, microversion = configured.now(anew=self._keys.refresh)
+        self._pin = f"m/{microversion}"
+        self._workspace = Workspace(self._url, self._asking)
+
+    def title(self) -> str:
+        """What the assembly's tab is called, where a reply of any build told it; no call is made."""
+        url, asking = self._url, self._asking
+        subject = f"/documents/d/{url.document}/e/{url.element}#name"
+        known = str(asking.recall(subject).get("name", ""))
+        kept = asking.kept(requests.elements(url.document, self._pin[2:]))
+        name = documents.tab_name(kept, url.element) if kept is not None else known
+        if name != known:
+            asking.remember(subject, {"name": name})
+        return name
+
+    def features(self, owners: Sequence[Owner], root: str) -> Sequence[Told]:
+        if owners:
+            self._tell(f"{count(len(owners), 'list')} of features for limits that the definition lacks")
+            self._keep_lists(owners)
+        return limits_of(owners, root, self._url, self._asking)
+
+    def studios(self, needs: Sequence[Needs]) -> Sequence[Answer]:
+        asking = self._asking
+        known = [request for need in needs for request in self._requests(need)]
+        kept = {request: body for request in known if (body := asking.kept(request)) is not None}
+        reused = self._reused(needs, kept)
+        wanted = [request for need in needs for request in self._requests(need, {**kept, **reused})]
+        missing = [request for request in wanted if request not in kept and request not in reused]
+        suspects = {*reused, *self._unchecked(wanted)}
+        calls = len(missing) + self._to_weigh(suspects)
+        held = len(kept) + len(reused)
+        self._tell(f"{count(len(needs), 'part studio')}: {count(calls, 'call')}, {held} kept")
+        asking.spare(held)
+        if missing and not asking.offline:
+            asking.allow(calls)
+        weights = set(wanted[::2])
+        bodies = {**kept, **reused, **asking.all([request for request in missing if request in weights])}
+        # After the masses, which tell how much of a part studio the assembly uses.
+        bodies |= self._shapes.gathered(needs, bodies)
+        fresh, checked = self._verified(needs, bodies, suspects)
+        # Before they are filed: a kill between the two must not make them look checked.
+        self._check_later(() if checked else suspects)
+        for request in reused.keys() - fresh.keys():
+            asking.keep(request, reused[request])
+        if self._workspace is not None and not asking.offline:
+            self._workspace.completed(self._pin[2:])
+        bodies |= fresh
+        self.diagnostics += self._shapes.diagnostics(needs, bodies)
+        return [self._shapes.answer(need, bodies) for need in needs]
+
+    def _lists(self, owners: Sequence[Owner]) -> dict[str, tuple[str, bytes]]:
+        """Lists of features that lack a reply, from the microversion `then`: request → element and body."""
+        found = {}
+        for owner in owners:
+            if (owner.key.document, owner.key.pin) != (self._url.document, self._pin):
+                continue
+            new, old = (
+                requests.features(replace(owner.key, pin=pin), self._url.document)
+                for pin in (self._pin, f"m/{self._then}")
+            )
+            body = self._asking.kept(old) if self._asking.kept(new) is None else None
+            if body is not None:
+                found[new] = owner.key.element, body
+        return found
+
+    def _keep_lists(self, owners: Sequence[Owner]) -> None:
+        """Keeps the lists of features of assemblies that are as they were `then`, where it saves calls."""
+        if self._then is None or self._then == self._pin[2:]:
+            return
+        found = self._lists(owners)
+        if len(found) <= len(self._tabs_to_ask()):
+            return
+        same = unchanged(tabs_to_ask(self._url, self._then, self._pin[2:], self._asking), self._asking)
+        for request, (element, body) in found.items():
+            if element in same:
+                self._asking.keep(request, body)
+                self._asking.spare(1)
+
+    def _tabs_to_ask(self) -> list[str]:
+        """The requests that tell which tabs changed since `then`, as far as they lack a reply."""
+        assert self._then is not None
+        asked = tabs_to_ask(self._url, self._then, self._pin[2:], self._asking)
+        return [request for request in asked if self._asking.kept(request) is None]
+
+    def _requests(self, need: Needs, known: Mapping[str, bytes] = NOTHING) -> tuple[str, str]:
+        """The requests for the mass properties and for the triangles of a part studio.
+
+        `known`: bodies beside the kept ones; which triangles are asked for depends on what is there.
+        """
+        return self._shapes.mass(need), self._shapes.request(need, known)
+
+    def _reused(self, needs: Sequence[Needs], kept: Mapping[str, bytes]) -> _Bodies:
+        """Bodies of requests that lack one, from the microversion `then`, where their tab is the same.
+
+        Nothing where asking which tabs are the same would cost as much as asking for all anew.
+        """
+        then, now = self._then, self._pin[2:]
+        if then is None or then == now:
+            return {}
+        found = [(need.studio.element, self._earlier(need, kept, then)) for need in needs]
+        spared = sum(len(bodies) for _, bodies in found)
+        assert self._definition is not None
+        # What tells which tabs changed serves the lists of features too.
+        lists = len(self._lists(features.owners(self._definition.body))) if spared else 0
+        if spared + lists <= len(self._tabs_to_ask()) + self._to_weigh(["any"]):
+            return {}
+        same = unchanged(tabs_to_ask(self._url, then, now, self._asking), self._asking)
+        return {
+            request: body for element, bodies in found if element in same for request, body in bodies.items()
+        }
+
+    def _earlier(self, need: Needs, kept: Mapping[str, bytes], then: str) -> _Bodies:
+        """What a part studio of this very document lacks, as it was at the microversion `then`."""
+        studio = need.studio
+        if (studio.document, studio.pin) != (self._url.document, self._pin):
+            return {}
+        before = replace(need, studio=replace(studio, pin=f"m/{then}"))
+        pairs = [(self._shapes.mass(need), self._shapes.mass(before)), self._shapes.same(need, before)]
+        bodies = {new: body for new, old in pairs if (body := self._asking.kept(old)) is not None}
+        mass = pairs[0][0]
+        # Where the masses differ the studio was found changed: its old triangles are wrong as well.
+        if mass not in bodies or kept.get(mass, bodies[mass]) != bodies[mass]:
+            return {}
+        return {request: body for request, body in bodies.items() if request not in kept}
+
+    def _verified(self, needs: Sequence[Needs], bodies: _Bodies, suspects: set[str]) -> tuple[_Bodies, bool]:
+        """The replies of `suspects`, asked for anew, where the assembly's mass shows that one is stale.
+
+        And whether `suspects` need no check any more. Where that mass cannot be had, they do.
+        """
+        asking = self._asking
+        total = asking.kept(self._total())
+        if total is None and self._to_weigh(suspects) == 0:
+            return {}, self._keys.verify
+        if total is None:
+            self._tell("holding the mass of the assembly against the sum of its parts")
+            try:
+                total = asking.one(self._total())
+            except (NotFound, ProtocolError) as error:
+                self.diagnostics += (mass_check.unchecked(self._url.element, error),)
+                return {}, False
+        fresh: _Bodies = {}
+        masses = self._masses(needs, bodies, total)
+        lasting = not masses.agree and self._differed(needs, masses)
+        if not masses.agree and not lasting and suspects and not asking.offline:
+            again = sorted(suspects)
+            self._tell(f"a part studio changed with another one: {count(len(again), 'call')}")
+            asking.doubt(again)
+            fresh = asking.all(again)
+            masses = self._masses(needs, {**bodies, **fresh}, total)
+            if self._workspace is not None:
+                excess = {"excess": list(masses.excess), "studios": _tabs(needs)}
+                self._workspace.differs({} if masses.agree else excess)
+        if not masses.agree:
+            self.diagnostics += (masses.diagnostic(self._url.element, lasting=lasting),)
+        return fresh, self._keys.verify
+
+    def _differed(self, needs: Sequence[Needs], masses: mass_check.Masses) -> bool:
+        """Whether the masses differed by as much when all these part studios had been asked for anew."""
+        known = self._workspace.discrepancy() if self._workspace is not None else {}
+        if not known or not set(_tabs(needs)) <= set(known["studios"]):
+            return False
+        return masses.as_before(known["excess"])
+
+    def _masses(self, needs: Sequence[Needs], bodies: Mapping[str, bytes], total: bytes) -> mass_check.Masses:
+        weights = {need.studio: mass_check.read_weights(bodies[self._requests(need)[0]]) for need in needs}
+        assert self._definition is not None
+        return mass_check.compare(self._definition.body, weights, total)
+
+    def _to_weigh(self, suspects: Iterable[str]) -> int:
+        """Calls for the assembly's mass: one where replies are in doubt and it is not kept."""
+        wanted = self._keys.verify and not self._asking.offline
+        return int(wanted and any(suspects) and self._asking.kept(self._total()) is None)
+
+    def _total(self) -> str:
+        url = self._url
+        return requests.assembly_mass_properties(url.document, self._pin, url.element, url.configuration)
+
+    def _unchecked(self, wanted: Iterable[str]) -> set[str]:
+        """Kept replies that were taken from an earlier microversion without a check."""
+        if self._workspace is None or self._asking.offline:
+            return set()
+        found = self._asking.recall(self._total()).get("unchecked", ())
+        return set(wanted).intersection(found)
+
+    def _check_later(self, unchecked: Iterable[str]) -> None:
+        if self._workspace is None or self._asking.offline:
+            return
+        listed = sorted(unchecked)
+        if listed != self._asking.recall(self._total()).get("unchecked", []):
+            self._asking.remember(self._total(), {"unchecked": listed})
+
+
+def _tabs(needs: Sequence[Needs]) -> list[str]:
+    """The part studios, in whatever state of their documents."""
+    return sorted({f"{n.studio.document}/{n.studio.element}/{n.studio.configuration}" for n in needs})
+
+
+_ASKING = "asking for the assembly definition"

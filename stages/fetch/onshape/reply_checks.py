@@ -1,0 +1,79 @@
+"""Whether a reply is what its request promises: checked before it is kept or used."""
+
+import orjson
+
+from stages.fetch.onshape import configuration, definition, documents, features, mass_check
+from stages.fetch.onshape.requests import (
+    describe,
+    is_assembly_mass,
+    is_definition,
+    is_features,
+    is_gltf,
+    is_triangles,
+)
+from stages.formats import triangles as compact
+from stages.robot.errors import ProtocolError
+
+
+def accepted(request: str, body: bytes) -> bytes:
+    """What is kept of a reply: itself, but tessellated faces in their compact form. Errors as `check`."""
+    if compact.is_compact(body):
+        compact.check(body)
+        return body
+    if is_triangles(request):
+        from stages.fetch.onshape.triangles import faces
+
+        return faces.compact(body)
+    if is_gltf(request):
+        from stages.formats import gltf
+
+        gltf.read(body)
+        return body
+    check(request, body)
+    return body
+
+
+def compacted(request: str, body: bytes, mass: bytes) -> bytes:
+    """The compact form of an accepted reply with triangles; ProtocolError where its bodies are unclear.
+
+    `mass`: the reply with the mass properties of the part studio, by which those of glTF are told apart.
+    """
+    if is_gltf(request) and not compact.is_compact(body):
+        from stages.fetch.onshape.triangles import gltf_parts
+
+        return gltf_parts.compact(body, mass)
+    return accepted(request, body)
+
+
+def check(request: str, body: bytes) -> None:
+    """ProtocolError where `body` does not parse or lacks the keys that every such reply has."""
+    if is_definition(request):
+        definition.read(body)
+        return
+    path = request.partition("?")[0]
+    if path.startswith("/documents/"):
+        read = documents.tabs if path.endswith("/elements") else documents.microversion
+        read(body)
+        return
+    if is_assembly_mass(request):
+        mass_check.read_total(body)
+        return
+    if is_triangles(request) or is_gltf(request):
+        accepted(request, body)
+        return
+    if path.startswith("/elements/") and path.endswith("/configuration"):
+        configuration.read(body)
+        return
+    if is_features(request) or path.startswith("/variables/"):
+        features.check(body, describe(request), tables=not is_features(request))
+        return
+    try:
+        data = orjson.loads(body)
+    except orjson.JSONDecodeError:
+        msg = f"the reply with {describe(request)} is not JSON, or was cut short"
+        raise ProtocolError(msg, hint="run the same command again; what was fetched is kept") from None
+    if not (isinstance(data, dict) and isinstance(data.get("bodies"), dict)):
+        msg = f"the reply with {describe(request)} has no bodies"
+        raise ProtocolError(
+            msg, hint="run the same command again; if it fails each time, the API has changed"
+        )

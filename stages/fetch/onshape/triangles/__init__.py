@@ -1,0 +1,1 @@
+"""The triangles of part studios: how they are requested and read."""

@@ -1,0 +1,272 @@
+"""Onshape's tessellated faces out of their JSON, which takes about 300 bytes a triangle.
+
+Reads both envelopes (an object with `bodies`, a bare list) and both forms of facets (`indices` into
+the body's `facetPoints`, `vertices` of their own), piece by piece into arrays.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import chain
+from operator import itemgetter
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stages.fetch.onshape.api.http_errors import Declined
+from stages.fetch.onshape.triangles import json_stream
+from stages.fetch.onshape.triangles.json_stream import Document, MalformedError
+from stages.formats import triangles
+from stages.formats.colours import colour_of
+from stages.formats.triangles import Body
+from stages.robot.errors import ProtocolError
+from stages.robot.geometry import Colour
+
+_Record = Mapping[str, Any]
+_Points = npt.NDArray[np.float64]
+_Indices = npt.NDArray[np.int64]
+_XYZ = itemgetter("x", "y", "z")
+_BATCH = 4096
+_CORNERS = 16  # facets with more than this wait in smaller batches
+_HINT = "run the same command again; if it fails each time, the API has changed"
+
+MOST_TRIANGLES = 1 << 24
+"""In one reply: five times what a reply of the largest size has where CAD wrote it."""
+
+MOST_BODIES = 1 << 16
+"""In one reply."""
+
+
+@dataclass(slots=True)
+class Room:
+    """What a reply may still come to in memory: a few bytes of text can stand for many triangles."""
+
+    triangles: int = MOST_TRIANGLES
+    points: int = 3 * MOST_TRIANGLES
+    bodies: int = MOST_BODIES
+
+    def take(self, *, triangles: int = 0, points: int = 0, bodies: int = 0) -> None:
+        """Declined where there is no more room; nothing needs to be made before it is asked for."""
+        self.triangles -= triangles
+        self.points -= points
+        self.bodies -= bodies
+        if min(self.triangles, self.points, self.bodies) < 0:
+            msg = f"the reply with triangles has more than {MOST_TRIANGLES} triangles or {MOST_BODIES} bodies"
+            raise Declined(msg, hint="use a coarser source.tessellation")
+
+
+def compact(reply: bytes) -> bytes:
+    """The compact form of a reply with tessellated faces; a reply in that form is returned as it is.
+
+    ProtocolError where the reply is not JSON, has no bodies, or has a body in no known shape.
+    """
+    if triangles.is_compact(reply):
+        triangles.check(reply)
+        return reply
+    try:
+        return triangles.encode(read(reply))
+    except ValueError as error:  # too many colours
+        raise ProtocolError(str(error), hint=_HINT) from None
+
+
+def read(reply: bytes) -> list[Body]:
+    """The bodies of a reply in its order; one without triangles has none. Errors as `compact`.
+
+    A composite part is its own triangles, or else those of its constituents.
+    """
+    room = Room()
+    try:
+        root = Document(reply).root()
+        record = root if isinstance(root, dict) else {}
+        listed = record.get("bodies") if record else root
+        if not isinstance(listed, list | json_stream.Pieces):
+            msg = "the reply with triangles has no bodies"
+            raise ProtocolError(msg, hint=_HINT)
+        shared = _points(record.get("facetPoints"), room)
+        bodies, composites = [], dict[str, frozenset[str]]()
+        for body in json_stream.elements(listed):
+            name = body.get("id") if isinstance(body, dict) else None
+            if isinstance(name, str):
+                room.take(bodies=1)
+                bodies.append(_named(name, body, shared, room))
+                listing = json_stream.elements(body.get("constituents"))
+                composites[name] = frozenset(one for one in listing if isinstance(one, str))
+    except MalformedError as error:
+        msg = f"the reply with triangles is not JSON, or was cut short: {error}"
+        raise ProtocolError(msg, hint=_HINT) from None
+    solid = [body for body in bodies if len(body.triangles)]
+    return [_whole(body, composites[body.id], solid, room) for body in bodies]
+
+
+def _whole(body: Body, constituents: frozenset[str], solid: Sequence[Body], room: Room) -> Body:
+    """A composite without triangles of its own with those of its constituents; else the body itself."""
+    if not constituents or len(body.triangles):
+        return body
+    parts = [one for one in solid if one.id in constituents]
+    if not parts:
+        return body
+    for one in parts:
+        room.take(triangles=len(one.triangles), points=len(one.points))
+    first = np.cumsum([0, *(len(part.points) for part in parts)])
+    shade = np.cumsum([0, *(len(part.palette) for part in parts)])
+    return merged(
+        body.id,
+        np.concatenate([part.points for part in parts]),
+        np.concatenate([part.triangles + at for part, at in zip(parts, first, strict=False)]),
+        [colour for part in parts for colour in part.palette],
+        np.concatenate([part.colours + at for part, at in zip(parts, shade, strict=False)]),
+    )
+
+
+def merged(name: str, points: _Points, corners: _Indices, colours: Sequence[Colour], which: _Indices) -> Body:
+    """A body out of loose triangles: points that are equal to the last bit become one.
+
+    `corners` (m, 3) index the points (n, 3), `which` (m,) the colours.
+    """
+    used = np.zeros(len(points), dtype=bool)
+    used[corners] = True
+    if not used.all():
+        corners = (np.cumsum(used) - 1)[corners]
+        points = points[used]
+    points, index = triangles.distinct(points)
+    palette = tuple(sorted({colours[seen] for seen in np.unique(which)}))
+    rank = {colour: place for place, colour in enumerate(palette)}
+    ranks = np.array([rank.get(colour, 0) for colour in colours], dtype=np.uint16)
+    return Body(
+        id=name,
+        points=points,
+        triangles=index.astype(np.int32)[corners],
+        palette=palette,
+        colours=ranks[which],
+    )
+
+
+def _named(name: str, record: _Record, shared: _Points, room: Room) -> Body:
+    try:
+        return _body(name, record, shared, room)
+    except MalformedError:
+        raise
+    except (AttributeError, IndexError, KeyError, OverflowError, TypeError, ValueError) as error:
+        msg = f"the triangles are not in a known shape ({type(error).__name__}: {error})"
+        raise ProtocolError(msg, f"part {name}", _HINT) from error
+
+
+def _body(name: str, record: _Record, shared: _Points, room: Room) -> Body:
+    own = _points(record.get("facetPoints"), room)
+    if not len(own):
+        room.take(points=len(shared))
+    soup = _Soup(own if len(own) else shared, room)
+    colours: list[Colour] = []
+    for face in json_stream.elements(record.get("faces")):
+        for facets in json_stream.runs(face.get("facets")):
+            soup.add(facets, len(colours))
+        colours.append(colour_of(face.get("appearance"), record.get("appearance")))
+    return merged(name, *soup.joined(), colours, soup.faces())
+
+
+class _Soup:
+    """A body's facets as they are read, in batches: faces have few facets, arrays like many.
+
+    `table` (n, 3): the points that indices name.
+    """
+
+    def __init__(self, table: _Points, room: Room) -> None:
+        self._room = room
+        self._table = len(table)
+        self._points, self._known = [table], len(table)
+        self._corners = [np.empty((0, 3), dtype=np.int64)]
+        self._faces = [np.empty(0, dtype=np.int64)]
+        self._facets: list[_Record] = []
+        self._face: list[int] = []
+        self._waiting = 0
+
+    def add(self, facets: Sequence[_Record], face: int) -> None:
+        """Facets of the face with this number."""
+        self._facets += facets
+        self._face += [face] * len(facets)
+        self._waiting += sum(len(facet.get("indices") or facet.get("vertices") or ()) for facet in facets)
+        if max(len(self._facets), self._waiting // _CORNERS) >= _BATCH:
+            self._flush()
+
+    def joined(self) -> tuple[_Points, _Indices]:
+        """All points (n, 3), and the corners (m, 3) of all triangles among them."""
+        self._flush()
+        points, corners = np.concatenate(self._points), np.concatenate(self._corners)
+        self._points, self._corners = [points], [corners]
+        return points, corners
+
+    def faces(self) -> _Indices:
+        """(m,): the number of each triangle's face."""
+        self._flush()
+        return np.concatenate(self._faces)
+
+    def _flush(self) -> None:
+        if not self._facets:
+            return
+        facets, face = self._facets, np.array(self._face, dtype=np.int64)
+        self._facets, self._face, self._waiting = [], [], 0
+        rows = [facet.get("indices") or () for facet in facets] if self._table else [()] * len(facets)
+        lengths = np.fromiter(map(len, rows), dtype=np.int64, count=len(rows))
+        self._room.take(triangles=_triangles(lengths))
+        corners = np.fromiter(chain.from_iterable(rows), dtype=np.int64, count=int(lengths.sum()))
+        if len(corners) and not 0 <= corners.min() <= corners.max() < self._table:
+            msg = f"an index lies outside of the {self._table} points"
+            raise IndexError(msg)
+        self._keep(corners, lengths, face)
+        if not lengths.all():  # facets without indices bring points of their own
+            pairs = zip(facets, rows, strict=True)
+            own = [() if row else facet.get("vertices") or () for facet, row in pairs]
+            own_lengths = np.fromiter(map(len, own), dtype=np.int64, count=len(own))
+            self._room.take(triangles=_triangles(own_lengths), points=int(own_lengths.sum()))
+            loose = _array(list(chain.from_iterable(own)))
+            self._keep(np.arange(self._known, self._known + len(loose)), own_lengths, face)
+            self._points.append(loose)
+            self._known += len(loose)
+
+    def _keep(self, corners: _Indices, lengths: _Indices, face: _Indices) -> None:
+        found, owner = _fan(corners, lengths)
+        self._corners.append(found)
+        self._faces.append(face[owner])
+
+
+def _triangles(lengths: _Indices) -> int:
+    """How many triangles polygons with so many corners are."""
+    return int(np.maximum(lengths - 2, 0).sum())
+
+
+def _fan(corners: _Indices, lengths: _Indices) -> tuple[_Indices, _Indices]:
+    """Polygons, their corners end to end, as triangles (m, 3), and the polygon of each (m,).
+
+    A polygon with more than three corners becomes a fan.
+    """
+    counts = np.maximum(lengths - 2, 0)
+    owner = np.repeat(np.arange(len(lengths)), counts)
+    start = (np.cumsum(lengths) - lengths)[owner]
+    step = np.arange(len(owner)) - (np.cumsum(counts) - counts)[owner]
+    picks = np.stack([start, start + step + 1, start + step + 2], axis=1)
+    return corners[picks].reshape(-1, 3), owner
+
+
+def _points(listed: Any, room: Room) -> _Points:
+    """(n, 3) from an array of points, large or small."""
+    pieces = [np.empty((0, 3))]
+    for run in json_stream.runs(listed):
+        room.take(points=len(run))
+        pieces.append(_array(run))
+    return np.concatenate(pieces)
+
+
+def _array(records: Sequence[Any]) -> _Points:
+    """(n, 3) from {x, y, z} mappings or from lists of three."""
+    if not records:
+        return np.empty((0, 3))
+    rows = list(map(_XYZ, records)) if isinstance(records[0], dict) else records
+    if set(map(len, rows)) != {3}:
+        msg = "a point does not have three coordinates"
+        raise ValueError(msg)
+    # Flat, since a list of numbers becomes an array several times faster than one of lists.
+    points = np.array(list(chain.from_iterable(rows)), dtype=np.float64).reshape(-1, 3)
+    if not np.isfinite(points).all():
+        msg = "a coordinate is not a finite number"
+        raise ValueError(msg)
+    return points

@@ -1,0 +1,97 @@
+"""A part studio's triangles out of its glTF: the alternative to tessellated faces.
+
+Its coordinates are single precision, its nodes are not known to be named by part id, and where its up
+axis points is not known either. So its bodies are told apart, and turned, by volume, area, centroid
+and inertia, held against the mass properties of the studio.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import orjson
+
+from stages.fetch.onshape.triangles.faces import merged
+from stages.fetch.onshape.triangles.matching import Shape, assigned
+from stages.formats import gltf, triangles
+from stages.formats.gltf import Node
+from stages.robot.errors import ProtocolError
+
+_SPECK = 1e-9
+_HINT = "run the same command again; if it fails each time, the API has changed"
+
+
+def compact(reply: bytes, mass: bytes) -> bytes:
+    """The compact form of a glTF reply; `mass` is the reply with the mass properties of the parts.
+
+    Parts that no body fits, or that several fit equally well, are left out. ProtocolError where the
+    reply is no such file, where no body fits, or where the parts do not tell which way is up.
+    """
+    nodes = [node for node in gltf.read(reply) if len(node.corners)]
+    parts = _parts(mass)
+    if not nodes or not parts:
+        return triangles.encode([])
+    try:
+        found = assigned([_shape(node) for node in nodes], parts)
+    except ValueError as error:
+        raise ProtocolError(str(error), hint=_HINT) from None
+    if not found.meshes:
+        msg = f"none of the {len(nodes)} bodies of the glTF fits one of the {len(parts)} parts"
+        raise ProtocolError(msg, hint=_HINT)
+    if not found.certain:
+        msg = "the bodies of the glTF fit the parts whichever axis is up"
+        raise ProtocolError(msg, hint="give the parts materials in Onshape, so that their places are known")
+    bodies = []
+    for name in sorted(found.meshes):
+        node = nodes[found.meshes[name]]
+        points = _turned(node.points, found.rotation)
+        bodies.append(merged(name, points, node.corners, node.colours, node.which))
+    return triangles.encode(bodies)
+
+
+def _turned(points: npt.NDArray[np.float64], rotation: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """The points (n, 3) under a rotation by right angles, exactly."""
+    x, y, z = points.T
+    return np.stack([row[0] * x + row[1] * y + row[2] * z for row in rotation], axis=1)
+
+
+def _shape(node: Node) -> Shape:
+    """The figures of a node's mesh; those by volume are None where it encloses next to none."""
+    middle = (node.points.min(axis=0) + node.points.max(axis=0)) / 2
+    corners = (node.points - middle)[node.corners]
+    a, b, c = np.moveaxis(corners, 1, 0)
+    area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+    size = float(np.linalg.norm(np.ptp(node.points, axis=0)))
+    signed = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+    volume = float(signed.sum())
+    if abs(volume) <= _SPECK * size**3:
+        return Shape(node.name, abs(volume), area, size, None, None)
+    total = a + b + c
+    centre = signed @ total / (4 * volume)
+    # Second moments of tetrahedra with one corner at the middle.
+    second = np.einsum("k,kia,kib->ab", signed, corners, corners) + np.einsum(
+        "k,ka,kb->ab", signed, total, total
+    )
+    second = second / (20 * volume) - np.outer(centre, centre)
+    gyration = np.trace(second) * np.eye(3) - second
+    return Shape(node.name, abs(volume), area, size, middle + centre, gyration)
+
+
+def _parts(mass: bytes) -> dict[str, Shape]:
+    """The figures that CAD gives, by part id; without a mass it gives no centroid and no inertia."""
+    try:
+        bodies: Mapping[str, Mapping[str, Any]] = orjson.loads(mass)["bodies"]
+        return {name: _expected(name, record) for name, record in bodies.items()}
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
+        msg = f"the mass properties do not tell the parts apart ({type(error).__name__}: {error})"
+        raise ProtocolError(msg, hint=_HINT) from None
+
+
+def _expected(name: str, record: Mapping[str, Any]) -> Shape:
+    volume, area, weight = (float(record[key][0]) for key in ("volume", "periphery", "mass"))
+    if not record.get("hasMass") or weight <= 0:
+        return Shape(name, volume, area, 0.0, None, None)
+    centroid = np.array(record["centroid"][:3], dtype=np.float64)
+    inertia = np.array(record["inertia"][:9], dtype=np.float64).reshape(3, 3)
+    return Shape(name, volume, area, 0.0, centroid, inertia / weight)

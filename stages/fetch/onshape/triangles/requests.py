@@ -1,0 +1,185 @@
+"""How the triangles of a part studio are asked for, and what stands in where they are refused.
+
+Tessellated faces are asked for: of all parts, or only of those used where the studio holds many
+others. Where they are refused for good, glTF is. As files it is half as large as faces with a table
+of points, but compressed, as both are sent, a third larger; it has single precision, and does not
+tell which body is which part (`python -m tests.benchmarks.tessellation` measures both).
+"""
+
+from collections.abc import Mapping, Sequence
+from types import MappingProxyType
+
+import orjson
+
+from stages.fetch.onshape import requests
+from stages.fetch.onshape.api.http_errors import Declined
+from stages.fetch.onshape.cached_client import Asking, Refused
+from stages.fetch.onshape.gather import Answer, Needs, Reply
+from stages.fetch.onshape.reply_checks import compacted
+from stages.formats import triangles
+from stages.robot.errors import Diagnostic, NotFound, ProtocolError
+
+NOTHING: Mapping[str, bytes] = MappingProxyType({})
+
+_FEW = 8
+"""So many parts more are no reason to ask for some only: another robot may use them."""
+
+_NO_MASS = b'{"bodies":{}}'
+
+_NOT_KEPT = (
+    "run the same command again (source.refresh=true is not needed: nothing of that reply was kept); "
+    "if it fails each time, open the part studio in the browser and look whether it regenerates"
+)
+
+_MOST_NAMED = 200
+"""Part ids in one request at most: servers take lines of about 8 kB."""
+
+
+class Shapes:
+    """Asks for triangles of this `quality`. `known` is always bodies by request beside the kept ones."""
+
+    def __init__(self, asking: Asking, quality: requests.Tessellation) -> None:
+        self._asking = asking
+        self._quality = quality
+        self._refusals: dict[str, str] = {}
+
+    def mass(self, need: Needs) -> str:
+        """The request for the mass properties of a part studio, which must tell of all solids."""
+        request = requests.mass_properties(need.studio, need.root)
+        self._asking.require(request, lambda body: _require_masses(need, body))
+        return request
+
+    def request(self, need: Needs, known: Mapping[str, bytes]) -> str:
+        """The request for its triangles: one whose reply is there, else the one to make.
+
+        A reply for all parts comes first: one for some may lack what was asked for.
+        """
+        some, whole, gltf = self._ways(need, self._body(self.mass(need), known))
+        there = (way for way in (whole, some, gltf) if self._body(way, known) is not None)
+        return next(there, some)
+
+    def same(self, need: Needs, before: Needs) -> tuple[str, str]:
+        """The request that is there `before`, and, first, what it is called for `need`."""
+        mass = self._body(self.mass(before), NOTHING)
+        old = self.request(before, NOTHING)
+        names = dict(zip(self._ways(before, mass), self._ways(need, mass), strict=True))
+        return names[old], old
+
+    def gathered(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> dict[str, bytes]:
+        """The replies about triangles that are not `known`; the masses must be."""
+        wanted = {request: need for need in needs if (request := self.request(need, known)) not in known}
+        refused: Refused = {}
+        # After a refusal no further call begins: what lacks then is asked for one by one.
+        found = self._asking.all(list(wanted), refused)
+        for need in wanted.values():
+            request, body = self._one(need, {**known, **found}, refused)
+            found[request] = body
+        return found
+
+    def answer(self, need: Needs, known: Mapping[str, bytes]) -> Answer:
+        """The answer about a part studio whose replies are known."""
+        mass, request = self.mass(need), self.request(need, known)
+        body = compacted(request, known[request], known[mass])
+        return Answer((Reply(mass, known[mass]),), Reply(request, body))
+
+    def diagnostics(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
+        """I-TESSELLATION for each part studio whose triangles are from its glTF."""
+        return tuple(
+            Diagnostic(
+                "I-TESSELLATION",
+                "the triangles are from glTF, which has single precision and no part ids, since "
+                f"tessellated faces were refused: {self._refusals.get(need.studio.element, 'earlier')}",
+                f"part studio {need.studio.element}",
+                "to ask for tessellated faces again, build with source.refresh=true",
+            )
+            for need in needs
+            if requests.is_gltf(self.request(need, known))
+        )
+
+    def _one(self, need: Needs, known: Mapping[str, bytes], refused: Refused) -> tuple[str, bytes]:
+        """The first request for triangles that is not refused, and its reply."""
+        some, whole, gltf = self._ways(need, known[self.mass(need)])
+        first: NotFound | Declined | None = None
+        for request in dict.fromkeys([self.request(need, known), some, whole, gltf]):
+            try:
+                if request in refused:
+                    raise refused[request]
+                body = self._body(request, known)
+                return request, self._asking.one(request) if body is None else body
+            except (NotFound, Declined) as error:
+                first = first or error
+                self._refusals.setdefault(need.studio.element, error.message)
+        assert first is not None
+        raise first
+
+    def _ways(self, need: Needs, mass: bytes | None) -> tuple[str, str, str]:
+        """The requests for triangles: of what is needed, of all parts, as glTF.
+
+        Each must bring what is needed. Where faces of all parts lack some, no other way is tried.
+        """
+        studio, root, only = need.studio, need.root, selected(need.parts, mass)
+        some = requests.tessellated_faces(studio, root, self._quality, only)
+        whole = requests.tessellated_faces(studio, root, self._quality)
+        gltf = requests.gltf(studio, root, self._quality, only)
+        known = mass or _NO_MASS
+        self._asking.require(some, lambda body: _require_complete(need, some, body, known))
+        self._asking.require(gltf, lambda body: _require_complete(need, gltf, body, known))
+        self._asking.require(whole, lambda body: _require_solids(need, whole, body, known))
+        return some, whole, gltf
+
+    def _body(self, request: str, known: Mapping[str, bytes]) -> bytes | None:
+        return known[request] if request in known else self._asking.kept(request)
+
+
+def selected(parts: Sequence[str], mass: bytes | None) -> tuple[str, ...]:
+    """The parts to ask for where a studio holds many others; none where all are asked for.
+
+    `mass`: the reply with the mass properties of the studio, if it is known. Parts that it does not
+    list as solids are not asked for by id: whether a server then gives them is not known.
+    """
+    if mass is None or len(parts) > _MOST_NAMED:
+        return ()
+    solids = {name for name, volume in _volumes(mass).items() if volume > 0}
+    others = len(solids) - len(parts)
+    return tuple(parts) if others > max(len(parts), _FEW) and solids.issuperset(parts) else ()
+
+
+def _require_complete(need: Needs, request: str, body: bytes, mass: bytes) -> None:
+    """Declined where triangles that were asked for by part, or are told apart, lack one of the parts."""
+    try:
+        lacking = sorted(set(need.parts) - triangles.names(compacted(request, body, mass)))
+    except ProtocolError as error:
+        raise Declined(error.message, error.where, error.hint) from error
+    if lacking:
+        msg = f"the triangles of part studio {need.studio.element} lack the parts {', '.join(lacking)}"
+        raise Declined(msg, hint="run the same command again; if it fails each time, report it")
+
+
+def _require_masses(need: Needs, body: bytes) -> None:
+    """ProtocolError where a reply with mass properties lacks those of a needed solid."""
+    bodies = orjson.loads(body)["bodies"]
+    lacking = [part for part in need.solids if not bodies.get(part)]
+    if lacking:
+        msg = f"the mass properties of part studio {need.studio.element} lack the parts {', '.join(lacking)}"
+        raise ProtocolError(msg, hint=_NOT_KEPT)
+
+
+def _require_solids(need: Needs, request: str, body: bytes, mass: bytes) -> None:
+    """ProtocolError where the triangles of all parts lack a needed solid that has a volume.
+
+    A solid whose volume is not known, since `mass` does not tell it, counts as having one.
+    """
+    volumes, there = _volumes(mass), triangles.names(compacted(request, body, mass))
+    lacking = [part for part in need.solids if volumes.get(part, 1.0) > 0 and part not in there]
+    if lacking:
+        msg = f"the triangles of part studio {need.studio.element} lack the parts {', '.join(lacking)}"
+        raise ProtocolError(msg, hint=_NOT_KEPT)
+
+
+def _volumes(mass: bytes) -> dict[str, float]:
+    """The volume [m³] of each body in a reply with mass properties; nothing where it has none."""
+    try:
+        bodies = orjson.loads(mass)["bodies"]
+        return {name: float(record["volume"][0]) for name, record in bodies.items()}
+    except (AttributeError, IndexError, KeyError, TypeError, ValueError):
+        return {}

@@ -1,0 +1,281 @@
+"""Variables of a document, set for one build: a write to the user's CAD, so undone at once.
+
+Variables are changed in their variable studios, the microversion of that state is noted, and what
+was there before is put back; the build then reads that microversion, which never changes. A studio's
+table is written whole, as it stood but for the values wanted: whether the server would replace or
+merge a partial one is not documented.
+
+What to put back is remembered before anything is written: a process that is killed in between leaves
+it to the next build.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from hashlib import sha256
+from typing import Any
+
+import orjson
+
+from stages.fetch.onshape import definition, documents, requests
+from stages.fetch.onshape.cached_client import Asking
+from stages.fetch.onshape.call_budget import count
+from stages.fetch.onshape.freshness import Workspace
+from stages.fetch.onshape.session import Server
+from stages.fetch.onshape.url import AssemblyUrl
+from stages.formats.onshape_units import SI, Measure
+from stages.robot.errors import (
+    AuthError,
+    Diagnostic,
+    NotFound,
+    ProtocolError,
+    QuotaExhausted,
+    RateLimited,
+    SourceError,
+)
+
+_KEY = "source.variables"
+_SENT = ("name", "type", "expression", "description")
+
+Table = list[dict[str, Any]]
+"""The variables of one studio, as the API takes them."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Change:
+    """One variable studio's variables, before and after."""
+
+    studio: str
+    before: Table
+    after: Table
+
+
+class Variables:
+    """The variables of the workspace at `url`, and the way to write them."""
+
+    def __init__(self, url: AssemblyUrl, asking: Asking, server: Server, tell: Callable[[str], None]) -> None:
+        self._url = url
+        self._asking = asking
+        self._server = server
+        self._tell = tell
+        self._subject = f"/documents/d/{url.document}/{url.pin}#variables"
+
+    def mend(self) -> None:
+        """Puts back what a build that was killed had changed."""
+        if not self._url.pinned and not self._asking.offline and self._left():
+            with self.settled():
+                pass
+
+    @contextmanager
+    def settled(self) -> Iterator[None]:
+        """Within it the workspace is as its users left it, and no other build changes its variables.
+
+        Waits until a build that has them changed has put them back; what one that was killed had
+        changed is put back first.
+        """
+        with self._asking.alone(self._subject):
+            left = self._left()
+            if left:
+                self._tell("putting back the variables that a build which was killed had changed")
+                self._put_back([_Change(**change) for change in left], look=True)
+            yield
+
+    def applied(self, wanted: Mapping[str, Any]) -> AssemblyUrl:
+        """The address, pinned to the microversion at which the variables have the values wanted.
+
+        SourceError lists the variables that the document does not have; no value is changed then.
+        """
+        with self.settled():
+            now = self._microversion()
+            known = self._asking.recall(self._state(now, wanted)).get("microversion")
+            if known:
+                return self._pinned(str(known))
+            changes = self._changes(wanted)
+            if not changes:
+                return self._pinned(now)
+            self._plan(len(wanted), 2 * len(changes) + 2)
+            self._asking.remember(self._subject, {"changes": [_plain(change) for change in changes]})
+            written: list[_Change] = []
+            try:
+                for change in changes:
+                    self._set(change, written)
+                made = self._microversion()
+            except BaseException as first:
+                self._put_back(written, look=False, first=first)
+                raise
+            self._put_back(written, look=False)
+            # The same values in the same state of the document need no second write.
+            self._asking.remember(self._state(self._microversion(), wanted), {"microversion": made})
+            return self._pinned(made)
+
+    def _plan(self, variables: int, writing: int) -> None:
+        """Tells the calls to come; SourceError before the first write where they are too many.
+
+        `writing`: calls to write, to put back and to ask what the state is. What the build itself
+        needs is known from the last complete one: the definition, and two for each part studio of
+        this document, whose replies at the new state nobody has yet.
+        """
+        workspace = Workspace(self._url, self._asking)
+        last = workspace.last()
+        body = self._asking.kept(workspace.definition(last)) if last else None
+        studios = definition.read(body).parts if body else ()
+        mine = [key for key in studios if (key.document, key.pin) == (self._url.document, f"m/{last}")]
+        building = 1 + 2 * len(mine)
+        self._asking.allow(writing + building)
+        least = self._asking.made + writing + building
+        self._tell(
+            f"setting {count(variables, 'variable')} of the document, and putting back what was there: "
+            f"{writing} calls; with the build at least {building} more, {least} in all"
+        )
+
+    def _set(self, change: _Change, written: list[_Change]) -> None:
+        """Writes the wanted values of one studio; `written` grows where that may have been done."""
+        written.append(change)
+        try:
+            self._write(change.studio, change.after)
+        except AuthError as refusal:
+            written.pop()
+            msg = "the API key may not write the variables of the document"
+            hint = "give the key write permission, or set the variables in Onshape"
+            raise AuthError(f"{msg}: {refusal.message}", refusal.where, hint) from refusal
+        except (NotFound, QuotaExhausted, RateLimited):
+            written.pop()
+            raise
+
+    def _put_back(
+        self, changes: Sequence[_Change], *, look: bool, first: BaseException | None = None
+    ) -> None:
+        """Writes what was there before; with `look` only where it still is as we left it.
+
+        Each studio is tried, whatever becomes of the others. SourceError where one fails, which tells
+        what made the build end (`first`) as well; what is to be put back stays remembered.
+        """
+        failed = [(change, error) for change in changes if (error := self._restored(change, look=look))]
+        self._asking.remember(self._subject, {"changes": [_plain(change) for change, _ in failed]})
+        if not failed:
+            return
+        errors = [error for _, error in failed]
+        if isinstance(first, SourceError):
+            errors.insert(0, first)
+        names = [name for change, _ in failed for name in _by_hand(change)]
+        # A dict keeps the order and tells what is said of several studios once.
+        why = "; ".join(dict.fromkeys(error.message for error in errors))
+        hints = dict.fromkeys(error.hint for error in errors if error.hint)
+        msg = f"variables of the document could not be put back to {', '.join(names)}: {why}"
+        own = "run the same command again, which does it first, or set them in Onshape"
+        raise SourceError(msg, _KEY, "; ".join([own, *hints])) from (first or errors[0])
+
+    def _restored(self, change: _Change, *, look: bool) -> SourceError | None:
+        """Writes a studio's variables as they were; the error where that fails."""
+        sent = False
+        try:
+            there = _values(self._table(change.studio)) if look else _values(change.after)
+            if there == _values(change.after):
+                sent = True
+                self._write(change.studio, change.before, restoring=True)
+            elif there != _values(change.before):
+                self._tell(f"variable studio {change.studio} was edited since: left as it is")
+        except SourceError as error:
+            what = "was not put back" if sent else "could not be looked at, so nothing was sent to it"
+            msg = f"variable studio {change.studio} {what}: {error.message}"
+            return SourceError(msg, error.where, error.hint)
+        return None
+
+    def _changes(self, wanted: Mapping[str, Any]) -> list[_Change]:
+        tables = {studio: self._table(studio) for studio in self._studios()}
+        known = {row["name"]: studio for studio, table in tables.items() for row in table}
+        problems = [
+            Diagnostic(
+                "E-VARIABLE",
+                "no variable studio of the document has this variable",
+                f"{_KEY}.{name}",
+                f"it has: {', '.join(sorted(known)) or 'none'}",
+            )
+            for name in wanted
+            if name not in known
+        ]
+        changes = []
+        for studio in sorted({known[name] for name in wanted if name in known}):
+            before = tables[studio]
+            after = [
+                {**row, "expression": expression(wanted[row["name"]], str(row.get("type")))}
+                if known[row["name"]] == studio and row["name"] in wanted
+                else row
+                for row in before
+            ]
+            blank = [str(row["name"]) for row in before if not row.get("expression")]
+            if after != before and blank:
+                what = f"its studio has variables whose values are not told, such as #{blank[0]}"
+                hint = "a configured variable cannot be written back: use source.configuration"
+                problems.append(Diagnostic("E-VARIABLE", what, f"{_KEY} ({studio})", hint))
+            elif after != before:
+                changes.append(_Change(studio, before, after))
+        if problems:
+            msg = f"the variables cannot be set: {len(problems)} problem(s)"
+            raise SourceError(msg, _KEY, problems=problems)
+        return changes
+
+    def _studios(self) -> list[str]:
+        """The ids of the document's variable studios."""
+        body = self._asking.now(requests.tabs(self._url.document, self._url.pin[2:]))
+        tabs = orjson.loads(body)
+        return sorted(str(tab["id"]) for tab in tabs if tab.get("elementType") == "VARIABLESTUDIO")
+
+    def _table(self, studio: str) -> Table:
+        """A studio's own variables, as they are now; what it refers to is not its to write."""
+        request = requests.variable_studio(self._url.document, self._url.pin[2:], studio)
+        rows = [
+            row
+            for table in orjson.loads(self._asking.now(request))
+            if not table.get("variableStudioReference")
+            for row in table.get("variables") or ()
+        ]
+        if any(not isinstance(row.get("name"), str) for row in rows):
+            msg = "the reply with the variables has one without a name"
+            raise ProtocolError(msg, _KEY, "run the same command again; the API may have changed")
+        return [{key: row[key] for key in _SENT if row.get(key) is not None} for row in rows]
+
+    def _write(self, studio: str, table: Table, *, restoring: bool = False) -> None:
+        request = requests.variable_studio(self._url.document, self._url.pin[2:], studio)
+        self._server.ready().post(request, orjson.dumps(table), restoring=restoring)
+
+    def _microversion(self) -> str:
+        request = requests.current_microversion(self._url.document, self._url.pin[2:])
+        return documents.microversion(self._asking.now(request))
+
+    def _pinned(self, microversion: str) -> AssemblyUrl:
+        return replace(self._url, pin=f"m/{microversion}")
+
+    def _state(self, microversion: str, wanted: Mapping[str, Any]) -> str:
+        """What names these values at one state of the document."""
+        values = orjson.dumps(dict(wanted), option=orjson.OPT_SORT_KEYS)
+        return f"/documents/d/{self._url.document}/m/{microversion}#variables={sha256(values).hexdigest()}"
+
+    def _left(self) -> list[dict[str, Any]]:
+        changes = self._asking.recall(self._subject).get("changes")
+        return changes if isinstance(changes, list) else []
+
+
+def expression(value: Any, kind: str) -> str:
+    """A value as the expression of a variable of the type `kind`; bare numbers are SI."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, str):
+        return value
+    measures: Mapping[str, Measure] = {"LENGTH": "length", "ANGLE": "angle"}
+    unit = SI[measures[kind]] if kind in measures else ""
+    return f"{value!r} {unit}".rstrip()
+
+
+def _plain(change: _Change) -> dict[str, Any]:
+    return {"studio": change.studio, "before": change.before, "after": change.after}
+
+
+def _by_hand(change: _Change) -> list[str]:
+    """What a user has to set in a studio for it to be as it was."""
+    rows = zip(change.before, change.after, strict=True)
+    return [f"{old['name']} = {old.get('expression')}" for old, new in rows if old != new]
+
+
+def _values(table: Table) -> dict[str, Any]:
+    return {row["name"]: row.get("expression") for row in table}

@@ -1,0 +1,115 @@
+"""xacro files, through ROS's own `xacro` package, in a guest and where they are trusted.
+
+A xacro file is a program: its expressions can do what Python can. So only a file that is called .xacro
+is expanded, only with `source.trust`, and in a process that sees neither the environment nor a terminal.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+import time
+from collections.abc import Callable, Mapping
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stages.fetch.urdf.ros_packages import VARIABLES
+from stages.fetch.urdf.text import LARGEST
+from stages.robot import guest
+from stages.robot.errors import ConfigError, SourceError
+from stages.robot.install import install
+
+if TYPE_CHECKING:
+    from stages.fetch.keys import UrdfKeys
+
+BOUNDS = guest.Bounds(seconds=60, memory=2 << 30, reply=LARGEST + (1 << 16))
+"""What a xacro file may take: those of whole humanoids take some seconds."""
+
+EXPAND = "expand it yourself: xacro FILE > robot.urdf"
+
+_PACKAGE = "name its folder by source.packages={%s: FOLDER}"
+_HINTS = {
+    "Undefined substitution argument": "a xacro's arguments are given by source.args={name: value}",
+    "environment variable": "it sees no variables but ROS's paths: " + EXPAND,
+}
+"""What xacro says, and what is to be done about it."""
+
+_FIND = re.compile(r"\$\(\s*find\s+([^\s()$]+)\s*\)")
+_MOST_PACKAGES = 100
+_LONGEST = 500
+
+
+def is_named(path: Path) -> bool:
+    """Whether a file is called .xacro."""
+    return path.suffix.lower() == ".xacro"
+
+
+def require(source: UrdfKeys) -> None:
+    """ConfigError where the source is a xacro file, and it is not trusted or the package is not there."""
+    if not is_named(Path(source.path)):
+        return
+    if not source.trust:
+        msg = f"{source.path} is a xacro file, and that is a program: to expand it is to run it"
+        hint = f"if you trust it say source.trust=true on the command line, or {EXPAND}"
+        raise ConfigError(msg, "source.trust", hint)
+    if importlib.util.find_spec("xacro") is None:
+        msg = f"{source.path} is a xacro file, and the package that expands those is not installed"
+        raise ConfigError(msg, "source.path", f"{install('xacro')}, or {EXPAND}")
+
+
+def expanded(
+    source: UrdfKeys, text: str, environ: Mapping[str, str], find: Callable[[str], Path | None]
+) -> str:
+    """The URDF that the source's xacro file makes, of which `text` is the content. `find`: a package's
+    folder by its name.
+
+    ConfigError as `require`; SourceError where xacro refuses the file, or does not get through it.
+    """
+    require(source)
+    path = Path(source.path).absolute()
+    packages = {name: find(name) for name in islice(dict.fromkeys(_FIND.findall(text)), _MOST_PACKAGES)}
+    until = time.monotonic() + BOUNDS.seconds
+    while True:
+        request = {
+            "path": str(path),
+            "args": {name: _text(value) for name, value in source.args.items()},
+            "packages": {name: str(place) for name, place in packages.items() if place is not None},
+        }
+        made, lacking, why = _asked(request, path.name, environ)
+        if lacking and len(packages) < _MOST_PACKAGES and lacking not in packages:
+            # The name is in a file that it includes, or is made up as it runs.
+            packages[lacking] = find(lacking)
+            if packages[lacking] is not None and time.monotonic() < until:
+                continue
+        if lacking:
+            raise _refused(f"there is no package {lacking}", path.name, _PACKAGE % lacking)
+        if why:
+            why = " ".join(why.replace(f"{path.parent}/", "").split())[:_LONGEST]
+            raise _refused(why, path.name, next((hint for said, hint in _HINTS.items() if said in why), ""))
+        return made
+
+
+def _asked(request: Mapping[str, Any], where: str, environ: Mapping[str, str]) -> tuple[str, str, str]:
+    """The text that xacro makes, or the package that it lacks, or why it refuses."""
+    variables = {name: environ[name] for name in VARIABLES if name in environ}
+    try:
+        reply = guest.ask("stages.fetch.urdf.expand_guest", json.dumps(request).encode(), BOUNDS, variables)
+    except guest.Ended as ended:
+        raise _refused(f"it {ended}", where, f"look for what never ends, or {EXPAND}") from None
+    head, _, made = reply.partition(b"\n")
+    try:
+        told = json.loads(head)
+        return made.decode(), str(told["lacking"]), str(told["refused"])
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise _refused("its guest answers what is no text", where, f"look through it, or {EXPAND}") from None
+
+
+def _refused(why: str, where: str, hint: str) -> SourceError:
+    return SourceError(f"xacro refuses it: {why}", where, hint)
+
+
+def _text(value: Any) -> str:
+    """A value as xacro's command line would get it."""
+    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -1,0 +1,158 @@
+"""A URDF and its meshes as a bundle."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from hashlib import sha256
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING
+
+from stages.fetch import regular_files
+from stages.fetch.urdf.companions import companions
+from stages.fetch.urdf.mesh_file import Mesh, Unreadable, body, read
+from stages.fetch.urdf.resolve import Place
+from stages.fetch.urdf.survey import LARGEST_MESH, Survey, survey
+from stages.formats import triangles
+from stages.formats.urdf.model import Urdf, UrdfShape, mesh_key
+from stages.formats.urdf.parse import parse
+from stages.robot.bundle import Bundle
+from stages.robot.errors import Diagnostic, SourceError
+
+if TYPE_CHECKING:
+    from stages.fetch.keys import UrdfKeys
+
+ROBOT = "robot.urdf"
+"""The request that stands for the robot's text."""
+
+_SKIP = (
+    "put the files where they are named, name packages by source.packages={name: FOLDER}, or build "
+    "without them: source.missing_meshes=skip"
+)
+
+
+def gather(source: UrdfKeys, environ: Mapping[str, str]) -> tuple[Bundle, tuple[Diagnostic, ...]]:
+    """The bundle of a robot's file, and what is to be told of how its meshes were found.
+
+    SourceError tells all that is wrong with the text and all meshes that are missing or damaged.
+    """
+    seen = survey(source, environ)
+    robot = parse(seen.text, seen.document)
+    files = _Files(seen, skip=source.missing_meshes == "skip")
+    blobs = files.blobs(robot)
+    errors = [one for one in (*robot.diagnostics, *files.missing) if one.level == "error"]
+    if errors:
+        hint = _SKIP if any(one.code in ("E-MESH-MISSING", "E-MESH-READ") for one in errors) else ""
+        count = f"{len(errors)} problems" if len(errors) > 1 else "a problem"
+        raise SourceError(f"it has {count}", seen.document, hint, errors)
+    bodies = {sha256(blob).hexdigest(): blob for blob in (seen.text, *blobs.values())}
+    definition = sha256(seen.text).hexdigest()
+    bundle = Bundle(
+        kind="urdf",
+        api="",
+        root={
+            "document": seen.document,
+            "microversion": seen.microversion(),
+            "element": "",
+            "configuration": "",
+        },
+        definition=definition,
+        studios=(),
+        requests={
+            ROBOT: definition,
+            **{f"mesh/{key}": sha256(blobs[key]).hexdigest() for key in sorted(blobs)},
+        },
+        blobs=bodies,
+        options={"bad_inertia": source.bad_inertia},
+    )
+    return bundle, (*files.found_elsewhere(), *files.missing)
+
+
+class _Files:
+    """The mesh files of a robot, each read once."""
+
+    def __init__(self, seen: Survey, *, skip: bool) -> None:
+        self._seen = seen
+        self._skip = skip
+        self._read: dict[Path, Mesh | str] = {}
+        self._moved: dict[str, Path] = {}
+        self.missing: list[Diagnostic] = []
+
+    def blobs(self, robot: Urdf) -> dict[str, bytes]:
+        """The triangles of every mesh of the robot, by key, without those that are missing or damaged."""
+        shapes = [shape for link in robot.links for shape in (*link.visuals, *link.collisions)]
+        found: dict[str, bytes] = {}
+        lacking: dict[str, Diagnostic] = {}
+        for shape in shapes:
+            key = mesh_key(shape)
+            if shape.kind != "mesh" or key in found:
+                continue
+            place = self._place(shape)
+            mesh = self._mesh(place)
+            if isinstance(mesh, str):
+                lacking[shape.filename] = self._told(shape.filename, mesh, there=place.file is not None)
+            else:
+                found[key] = triangles.encode([body(mesh, key, shape.scale, shape.colour)])
+        self.missing = list(lacking.values())
+        return found
+
+    def _place(self, shape: UrdfShape) -> Place:
+        place = self._seen.places.get(shape.filename) or self._seen.files.find(shape.filename)
+        if place.searched and place.file is not None:
+            self._moved[shape.filename] = place.file
+        return place
+
+    def _mesh(self, place: Place) -> Mesh | str:
+        """The file's mesh, or why there is none."""
+        if place.file is None:
+            return place.why
+        if place.file not in self._read:
+            self._read[place.file] = _content(place.file)
+        return self._read[place.file]
+
+    def _told(self, name: str, why: str, *, there: bool) -> Diagnostic:
+        text, where = f"mesh {name}: {why}", self._seen.document
+        hint = "write the file again" if there else "put the file there, or take the <mesh> out"
+        if self._skip:
+            return Diagnostic("W-NO-MESH", text, where, hint)
+        if there:
+            return Diagnostic("E-MESH-READ", text, where, hint)
+        return Diagnostic("E-MESH-MISSING", text, where, hint)
+
+    def found_elsewhere(self) -> list[Diagnostic]:
+        """What is told of files that are not where they should be: one finding a folder."""
+        groups: dict[tuple[str, str], list[str]] = {}
+        for name, file in self._moved.items():
+            shown = PurePosixPath(self._seen.files.shown(file))
+            named = PurePosixPath(name.replace("\\", "/"))
+            if shown.name == named.name:
+                pair = (_folder(name), f"{shown.parent}/")
+            else:
+                pair = (name, str(shown))
+            groups.setdefault(pair, []).append(named.name)
+        return [
+            Diagnostic("I-MESH-FOUND", _moved(named, there, files), self._seen.document)
+            for (named, there), files in groups.items()
+        ]
+
+
+def _folder(name: str) -> str:
+    return name.replace("\\", "/").rpartition("/")[0] + "/"
+
+
+def _moved(named: str, there: str, files: list[str]) -> str:
+    if not there.endswith("/"):
+        return f"{named} is not there; {there} is taken"
+    shown = ", ".join(files[:5]) + (f" and {len(files) - 5} more" if len(files) > 5 else "")
+    return f"{shown}: not in {named}, taken from {there}"
+
+
+def _content(file: Path) -> Mesh | str:
+    try:
+        data = regular_files.content(file, LARGEST_MESH)
+        return read(data, file.name, companions(file, data))
+    except regular_files.TooLarge:
+        return f"it is larger than {LARGEST_MESH} bytes"
+    except OSError as error:
+        return f"it cannot be read: {error.strerror or type(error).__name__}"
+    except Unreadable as error:
+        return str(error)

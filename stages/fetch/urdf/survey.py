@@ -1,0 +1,153 @@
+"""What a robot's file is made of, without reading the robot: its text and the files that it names.
+
+Needs no array or XML library, as it tells a build whether it was made before.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib.metadata
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from stages.fetch import regular_files
+from stages.fetch.urdf import expand, plain, text
+from stages.fetch.urdf.companions import companions
+from stages.fetch.urdf.resolve import Place, Places
+from stages.fetch.urdf.ros_packages import Packages
+from stages.robot.errors import SourceError
+
+if TYPE_CHECKING:
+    from stages.fetch.keys import UrdfKeys
+
+LARGEST_MESH = 1 << 29
+"""Larger mesh files are not read [bytes]."""
+
+LARGEST_ROBOT = 1 << 32
+"""The meshes of a robot have no more than this together [bytes]."""
+
+_NAMING_FILES = (".obj", ".gltf")
+
+
+@dataclass(frozen=True, slots=True)
+class Survey:
+    """A robot's text after xacro, as UTF-8, and the places of the mesh files, by the names that the
+    text has for them."""
+
+    document: str
+    text: bytes
+    places: Mapping[str, Place]
+    files: Places
+
+    def digests(self) -> list[list[str]]:
+        """Of each mesh's name: where the file is, as messages tell it, and the SHA-256 of all it holds.
+
+        SourceError where the files are larger together than is read.
+        """
+        files = {place.file for place in self.places.values() if place.file is not None}
+        if sum(_size(file) for file in files) > LARGEST_ROBOT:
+            msg = f"its meshes have more than {LARGEST_ROBOT / 1e9:.3g} GB"
+            raise SourceError(msg, self.document, "a robot for simulation needs coarser ones")
+        return [[name, *self._digest(self.places[name])] for name in sorted(self.places)]
+
+    def microversion(self) -> str:
+        """What tells the robot from every other: the SHA-256 of all that was read."""
+        told = json.dumps([sha256(self.text).hexdigest(), self.digests()])
+        return sha256(told.encode()).hexdigest()
+
+    def _digest(self, place: Place) -> tuple[str, str]:
+        if place.file is None:
+            return "", place.why
+        return self.files.shown(place.file), _content_digest(place.file)
+
+
+def survey(source: UrdfKeys, environ: Mapping[str, str]) -> Survey:
+    """ConfigError where xacro is needed, and is not installed or the file not trusted; SourceError where
+    the file is not readable as a URDF."""
+    path = Path(source.path).absolute()
+    given = {name: Path(folder).absolute() for name, folder in source.packages.items()}
+    packages = Packages(path.parent, given, environ)
+    content = text.read(path, path.name)
+    if expand.is_named(path):
+        content = text.uncommented(expand.expanded(source, content, environ, packages.find))
+    else:
+        plain.require(content, path.name)
+    places = Places(path.parent, packages, text.meshdir(content))
+    found = {name: places.find(name) for name in text.meshes(content)}
+    public = _public(found, places)
+    content = text.without(text.renamed(content, public), _folders(path.parent, packages))
+    named = {public.get(name, name): place for name, place in found.items()}
+    return Survey(path.name, content.encode(), named, places)
+
+
+def identity(source: UrdfKeys, environ: Mapping[str, str]) -> dict[str, Any]:
+    """What identifies the source for ever, as plain data."""
+    seen = survey(source, environ)
+    return {
+        "kind": "urdf",
+        "document": seen.document,
+        "text": sha256(seen.text).hexdigest(),
+        "meshes": seen.digests(),
+        "bad_inertia": source.bad_inertia,
+        "missing_meshes": source.missing_meshes,
+        "libraries": {name: _version(name) for name in ("trimesh", "pycollada", "numpy")},
+    }
+
+
+def _public(found: Mapping[str, Place], places: Places) -> dict[str, str]:
+    """Other names for those that tell where on this computer a file is."""
+    names: dict[str, str] = {}
+    folders: dict[str, int] = {}
+    for name, place in found.items():
+        if not places.is_private(name):
+            continue
+        shown = places.public(place.file) if place.file and not place.searched else ""
+        if not shown:
+            parent, _, last = name.replace("\\", "/").rpartition("/")
+            shown = f"elsewhere/{folders.setdefault(parent, len(folders) + 1)}/{last}"
+        names[name] = shown
+    return names
+
+
+def _folders(folder: Path, packages: Packages) -> dict[str, str]:
+    """Folders of this computer that the text may name, and what stands for them."""
+    named = {str(place): f"package://{name}" for name, place in packages.found.items()}
+    own = {str(folder): ".", str(packages.root): ".", str(Path.home()): "~"}
+    return {place: name for place, name in {**own, **named}.items() if len(place) > 1}
+
+
+@functools.cache
+def _version(library: str) -> str:
+    try:
+        return importlib.metadata.version(library)
+    except importlib.metadata.PackageNotFoundError:
+        return "absent"
+
+
+def _size(file: Path) -> int:
+    """A file's size [bytes]; 0 where it is too large to be read, or is not there any more."""
+    try:
+        size = file.stat().st_size
+    except OSError:
+        return 0
+    return size if size <= LARGEST_MESH else 0
+
+
+def _content_digest(file: Path) -> str:
+    """The SHA-256 of a file, and of the files that it names; its size where it is too large to be read."""
+    try:
+        if file.suffix.lower() not in _NAMING_FILES:
+            return regular_files.digest(file, LARGEST_MESH)
+        data = regular_files.content(file, LARGEST_MESH)
+    except regular_files.TooLarge:
+        return "too large"
+    except OSError as error:
+        return error.strerror or type(error).__name__
+    whole = sha256(data)
+    for name, content in sorted(companions(file, data).items()):
+        whole.update(f"{name}\0{sha256(content).hexdigest()}".encode())
+    return whole.hexdigest()

@@ -1,0 +1,109 @@
+"""The text of a robot's file, as plain URDF that tells nothing of this computer."""
+
+from __future__ import annotations
+
+import codecs
+import html
+import re
+from collections.abc import Mapping
+from pathlib import Path
+
+from stages.fetch import regular_files
+from stages.robot.errors import SourceError
+
+LARGEST = 1 << 24
+"""Larger files are not read as a robot [bytes]."""
+
+_MESH = re.compile(r"<mesh\b[^<]*")
+_COMPILER = re.compile(r"<compiler\b[^<]*")
+_VALUE = r"""\b%s\s*=\s*(?:"([^"<]*)"|'([^'<]*)')"""
+_FILENAME = re.compile(_VALUE % "filename")
+_MESHDIR = re.compile(_VALUE % "meshdir")
+_DECLARED = re.compile(rb"""\A<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+_DECLARATION = re.compile(r"\A<\?xml[^>]*\?>")
+_BOMS = (
+    (codecs.BOM_UTF8, "utf-8"),
+    (codecs.BOM_UTF16_LE, "utf-16-le"),
+    (codecs.BOM_UTF16_BE, "utf-16-be"),
+)
+
+
+def read(path: Path, where: str) -> str:
+    """The text of a file, without its comments but with all its lines; `where` names it in messages.
+
+    SourceError where it cannot be read, or is no text.
+    """
+    try:
+        data = regular_files.content(path, LARGEST)
+    except OSError as error:
+        msg = f"it cannot be read: {error.strerror or type(error).__name__}"
+        raise SourceError(msg, where, "check source.path and its permissions") from error
+    except regular_files.TooLarge as error:
+        msg = f"it is not readable as a URDF: it has {error.size} bytes; at most {LARGEST} are read"
+        raise SourceError(msg, where, "check that source.path names the right file") from None
+    return uncommented(_decoded(data, where))
+
+
+def _decoded(data: bytes, where: str) -> str:
+    bom = next((bom for bom in _BOMS if data.startswith(bom[0])), None)
+    declared = _DECLARED.match(data)
+    encoding = bom[1] if bom else declared.group(1).decode() if declared else "utf-8"
+    try:
+        text = (data[len(bom[0]) :] if bom else data).decode(encoding)
+    except (LookupError, UnicodeDecodeError):
+        text = ""
+    if not text or "\0" in text:
+        why = "it is no text" if data else "it is empty"
+        msg = f"it is not readable as a URDF: {why}"
+        raise SourceError(msg, where, "give a URDF, or a xacro file that ends in .xacro")
+    return _DECLARATION.sub('<?xml version="1.0"?>', text)
+
+
+def uncommented(text: str) -> str:
+    """The text with its comments emptied: every line keeps its number."""
+    pieces, end = list[str](), 0
+    while (start := text.find("<!--", end)) >= 0:
+        after = text.find("-->", start + 4)
+        if after < 0:
+            break
+        pieces += [text[end:start], "\n" * text.count("\n", start, after)]
+        end = after + 3
+    return "".join([*pieces, text[end:]])
+
+
+def meshes(text: str) -> list[str]:
+    """The names of mesh files, in their order and once each. Needs no XML library."""
+    values = (_FILENAME.search(element.group()) for element in _MESH.finditer(text))
+    return list(dict.fromkeys(_value(found) for found in values if found))
+
+
+def meshdir(text: str) -> str:
+    """The folder of meshes that MuJoCo's extension names, "" for none."""
+    element = _COMPILER.search(text) if "<mujoco" in text else None
+    found = _MESHDIR.search(element.group()) if element else None
+    return _value(found) if found else ""
+
+
+def renamed(text: str, names: Mapping[str, str]) -> str:
+    """The text with mesh files called otherwise: `names` from old to new."""
+
+    def other(element: re.Match[str]) -> str:
+        said = element.group()
+        found = _FILENAME.search(said)
+        if found is None or _value(found) not in names:
+            return said
+        start, end = found.span(1 if found.group(1) is not None else 2)
+        return f"{said[:start]}{html.escape(names[_value(found)], quote=True)}{said[end:]}"
+
+    return _MESH.sub(other, text) if names else text
+
+
+def without(text: str, folders: Mapping[str, str]) -> str:
+    """The text with what `folders` maps, absolute paths, called otherwise; the longest first."""
+    for folder in sorted(folders, key=len, reverse=True):
+        text = text.replace(f"{folder}/", f"{folders[folder]}/")
+    return text
+
+
+def _value(found: re.Match[str]) -> str:
+    return html.unescape(found.group(1) if found.group(1) is not None else found.group(2)).strip()
