@@ -166,7 +166,7 @@ def _held(bundle: "Bundle") -> str:
 class Graph(Common):
     name = "graph"
     libraries = ("numpy", "scipy", "networkx", "lxml")
-    modules = ("stages.graph.assemble", "stages.graph.view.views")
+    modules = ("stages.graph.build", "stages.graph.view.views")
 
     def config(self, bench: Bench) -> Any:
         from stages.graph.keys import GraphKeys

@@ -14,7 +14,7 @@ def build_robot(bundle: "Bundle", keys: "GraphKeys") -> "Robot":
     """The robot in a bundle. AssemblyError tells all problems at once; findings are on the robot."""
     import gc
 
-    from stages.graph.assemble import assemble
+    from stages.graph.build import assemble
 
     # The stage makes values by the hundred thousand and next to no cycles: to look for those each time
     # that there are a quarter more would cost a fifth of its time, and a larger share of a larger robot's.

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase, translate
 from typing import TypeVar
 
-from stages.graph.notes import Notes
+from stages.robot.diagnostics import Notes
 from stages.robot.model import Joint, Loop, Robot
 from stages.robot.names import RESERVED
 

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, Strict
 from pydantic_core import PydanticCustomError
 
-from stages.graph.addedkeys import AddedFrameKeys, AddedLinkKeys
-from stages.graph.masskeys import MassKeys
+from stages.graph.added_keys import AddedFrameKeys, AddedLinkKeys
+from stages.graph.mass_keys import MassKeys
 from stages.robot.keys import (
     Flag,
     Interval,

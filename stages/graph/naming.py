@@ -4,7 +4,7 @@ from collections.abc import Hashable, Iterable
 from typing import TypeVar
 
 from stages.graph.mechanism import WORLD_LINK
-from stages.graph.notes import Notes
+from stages.robot.diagnostics import Notes
 from stages.robot.names import free
 
 Key = TypeVar("Key", bound=Hashable)

@@ -5,7 +5,7 @@ import networkx as nx
 from stages.graph.globs import matching, with_plain
 from stages.graph.keys import RootKeys
 from stages.graph.mechanism import WORLD_LINK, Marker, Mechanism
-from stages.graph.notes import Notes
+from stages.robot.diagnostics import Notes
 from stages.robot.errors import NoRoot
 from stages.robot.model import Array, Base
 

@@ -10,8 +10,8 @@ import networkx as nx
 from stages.graph.globs import fits, listed
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Coupling, Mechanism
-from stages.graph.notes import Notes
 from stages.graph.root import choose_root, heaviest
+from stages.robot.diagnostics import Notes
 from stages.robot.errors import Diagnostic, Disconnected
 from stages.robot.model import Array, JointType
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from stages.graph.added import with_added_frames, with_added_links
-from stages.graph.massing import check_links
-from stages.graph.notes import Notes
+from stages.graph.passes.added_links import with_added_frames, with_added_links
+from stages.graph.passes.link_mass import check_links
+from stages.robot.diagnostics import Notes
 from stages.robot.errors import ConfigError
 from stages.robot.inertia import primitive_inertial
 from stages.robot.kinematics import link_poses

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stages.graph.couplings import TYPES, dofs_of, right_handed, value_in
-from stages.graph.notes import Notes
+from stages.graph.dofs import TYPES, dofs_of, right_handed, value_in
 from stages.graph.onshape.assembly import Assembly, Entity, Mate, Occurrence
-from stages.graph.onshape.compose import Absorbed, Composed, composed
+from stages.graph.onshape.parallel_mates import Absorbed, Composed, composed
+from stages.robot.diagnostics import Notes
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, MateRef, frozen
 from stages.robot.poses import from_parts, inverse, rotation_from_quat, turn

@@ -10,10 +10,10 @@ import pytest
 
 from stages.graph import build_robot
 from stages.graph.keys import GraphKeys
-from stages.graph.notes import Notes
 from stages.graph.onshape.assembly import Assembly
 from stages.graph.onshape.definition import read_assembly
-from stages.graph.onshape.peer import translated
+from stages.graph.onshape.onshape_to_robot import translated
+from stages.robot.diagnostics import Notes
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Limits, Robot
 from tests.building import bundle_of, plan_of, robot_of

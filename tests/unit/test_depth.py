@@ -5,11 +5,11 @@ import orjson
 import pytest
 
 from stages.graph.keys import DepthKeys, GraphKeys
-from stages.graph.notes import Notes
 from stages.graph.onshape.assembly import Assembly
 from stages.graph.onshape.bodies import Bodies, find_bodies
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.hidden import without_hidden
+from stages.robot.diagnostics import Notes
 from stages.robot.errors import AssemblyError
 from tests.building import plan_of, robot_of
 from tests.kit import SIDE, TOP, Kit

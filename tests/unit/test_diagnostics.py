@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from stages.formats.urdf.elements import HINTS
-from stages.graph.bonds import bonded
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Body, Bond, Mechanism
-from stages.graph.notes import Notes
+from stages.graph.passes.relation_dofs import bonded
 from stages.graph.tree import spanning_tree
+from stages.robot.diagnostics import Notes
 from stages.robot.errors import Diagnostic, Disconnected
 from stages.robot.model import Provenance
 from tests.robots import joint, robot_with

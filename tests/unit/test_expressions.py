@@ -4,7 +4,13 @@ import math
 
 import pytest
 
-from stages.graph.onshape.expressions import ExpressionError, Scope, UnknownVariable, evaluate, measured
+from stages.graph.onshape.expressions.evaluate import (
+    ExpressionError,
+    Scope,
+    UnknownVariable,
+    evaluate,
+    measured,
+)
 
 DEGREE = math.pi / 180
 SCOPE = Scope({"reach": "30 deg", "twice": "#reach * 2", "wide": "1/2 in", "flag": "#reach > 1 rad"})

@@ -10,11 +10,11 @@ import pytest
 import yaml
 
 from stages.formats.triangles import Body
-from stages.graph.massing import check_links, with_given_masses
-from stages.graph.notes import Notes
 from stages.graph.onshape.definition import read_assembly
-from stages.graph.onshape.estimate import shape_of
-from stages.graph.onshape.mass import weighed
+from stages.graph.onshape.mass_estimate import shape_of
+from stages.graph.onshape.part_mass import weighed
+from stages.graph.passes.link_mass import check_links, with_given_masses
+from stages.robot.diagnostics import Notes
 from stages.robot.errors import ConfigError
 from stages.robot.inertia import ZERO
 from stages.robot.model import Inertial, frozen

@@ -14,7 +14,7 @@ from stages.fetch.mjcf.gather import gather, identity
 from stages.formats import triangles
 from stages.formats.mjcf import Mjcf
 from stages.graph import build_robot
-from stages.graph.couplings import conjugate
+from stages.graph.dofs import conjugate
 from stages.mesh import make_geometry
 from stages.robot import codec
 from stages.robot.bundle import Bundle

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stages.graph.mobility import with_mobility
-from stages.graph.notes import Notes
+from stages.graph.passes.mobility import with_mobility
+from stages.robot.diagnostics import Notes
 from stages.robot.kinematics import chain, link_poses, saved_configuration
 from stages.robot.model import Relation, Robot
 from stages.robot.poses import from_parts, inverse, motion, rotation_from_quat, turn

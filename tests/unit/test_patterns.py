@@ -8,13 +8,13 @@ import orjson
 import pytest
 from hypothesis import given, settings
 
-from stages.graph.couplings import dofs_of, right_handed
+from stages.graph.dofs import dofs_of, right_handed
 from stages.graph.keys import DepthKeys, GraphKeys
-from stages.graph.notes import Notes
 from stages.graph.onshape.assembly import Assembly, Mate
 from stages.graph.onshape.bodies import Bodies, find_bodies
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.patterns import with_copies
+from stages.robot.diagnostics import Notes
 from stages.robot.kinematics import chain
 from stages.robot.poses import inverse
 from tests.kit import SIDE, TOP, Kit

@@ -6,10 +6,10 @@ from dataclasses import replace
 import pytest
 import yaml
 
-from stages.graph.added import with_added_links
 from stages.graph.keys import GraphKeys
-from stages.graph.notes import Notes
-from stages.graph.properties import LOCKED_PLAY, check_limits, tell_loops, with_properties
+from stages.graph.passes.added_links import with_added_links
+from stages.graph.passes.joint_limits import LOCKED_PLAY, check_limits, tell_loops, with_properties
+from stages.robot.diagnostics import Notes
 from stages.robot.model import Limits, Relation, Robot
 from tests.robots import CARRIED, LOOPS, at, joint, loop, robot_with
 

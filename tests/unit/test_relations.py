@@ -6,8 +6,8 @@ import pytest
 
 from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import Bond
-from stages.graph.notes import Notes
-from stages.graph.relations import with_relations
+from stages.graph.passes.relations import with_relations
+from stages.robot.diagnostics import Notes
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Limits, Robot
 from tests.robots import at, joint, loop, robot_with

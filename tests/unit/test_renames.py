@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from stages.graph.couplings import dofs_of
+from stages.graph.dofs import dofs_of
 from stages.graph.keys import NamesKeys
 from stages.graph.mechanism import Body, Bond, Coupling, Marker, Mechanism
-from stages.graph.notes import Notes
-from stages.graph.renames import renamed
+from stages.graph.passes.rename import renamed
+from stages.robot.diagnostics import Notes
 from stages.robot.model import MateRef, Provenance
 
 POSE = np.eye(4)

@@ -166,7 +166,7 @@ def test_twenty_thousand_links_are_nothing_special(make: Callable[[int], Bundle]
 def test_a_loop_within_a_loop_would_be_seen() -> None:
     """The measure itself, on a stage's function that looks at each pair of names."""
     from stages.graph.globs import entries_of
-    from stages.graph.notes import Notes
+    from stages.robot.diagnostics import Notes
 
     def every_pair(count: int) -> Counter[Line]:
         names = [{f"n{number}"} for number in range(count)]

@@ -6,13 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stages.graph.couplings import TYPES, dofs_of
+from stages.graph.dofs import TYPES, dofs_of
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Body, Bond, Coupling, Marker, Mechanism
-from stages.graph.notes import Notes
-from stages.graph.place import place
+from stages.graph.robot_from_tree import place
 from stages.graph.root import choose_root
 from stages.graph.tree import Tree, spanning_tree
+from stages.robot.diagnostics import Notes
 from stages.robot.errors import Disconnected, NoRoot
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Inertial, MateRef, Part, Provenance, frozen

@@ -12,7 +12,7 @@ from stages.formats.urdf.model import mesh_key
 from stages.formats.urdf.parse import parse
 from stages.graph import build_robot
 from stages.graph.urdf.inertias import nearest
-from stages.graph.urdf.solids import solid_of
+from stages.graph.urdf.solid_inertia import solid_of
 from stages.mesh import make_geometry
 from stages.robot.codec import decode_robot, encode_robot
 from stages.robot.errors import AssemblyError

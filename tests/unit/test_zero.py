@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from stages.graph.notes import Notes
-from stages.graph.zero import zeroed
+from stages.graph.passes.zero_pose import zeroed
+from stages.robot.diagnostics import Notes
 from stages.robot.kinematics import chain, link_poses, rest_configuration, saved_configuration
 from stages.robot.model import Limits, Relation, Robot
 from stages.robot.poses import at_rest, from_parts, rotation_from_quat

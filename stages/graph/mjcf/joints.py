@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stages.formats.mjcf import MjcfBody, MjcfJoint
-from stages.graph.couplings import TYPES, Freedom
+from stages.graph.dofs import TYPES, Freedom
 from stages.robot.model import Array, Dof, DofKind, JointType, Value, frozen
 from stages.robot.poses import at_rest, from_parts, inverse, motion
 

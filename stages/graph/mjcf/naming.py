@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 from stages.formats.mjcf import Mjcf
 from stages.graph.mechanism import WORLD_LINK
-from stages.graph.mjcf.closing import Closing
+from stages.graph.mjcf.equalities import Closing
 from stages.graph.naming import Key, Namer
-from stages.graph.notes import Notes
+from stages.robot.diagnostics import Notes
 
 WORLD_NUMBER = 0
 """The body that is the world."""

@@ -6,18 +6,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stages.formats.mjcf import Mjcf, MjcfBody, MjcfGeom
-from stages.graph.couplings import backwards
+from stages.graph.cad_only_keys import tell_unused
+from stages.graph.dofs import backwards
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import WORLD_LINK, Body, Bond, Coupling, Marker, Mechanism
-from stages.graph.mjcf.closing import closings, couplings, own_sites
+from stages.graph.mjcf.base import base_of, bodies_of, floats, joining, root_of
+from stages.graph.mjcf.equalities import closings, couplings, own_sites
 from stages.graph.mjcf.joints import SINGLE, Chain, chain_of, mate_of
 from stages.graph.mjcf.naming import Names, names_of
-from stages.graph.mjcf.standing import base_of, bodies_of, floats, joining, root_of
-from stages.graph.notes import Notes
-from stages.graph.relations import said_values
-from stages.graph.unused import tell_unused
+from stages.graph.passes.relations import said_values
 from stages.robot import codec
 from stages.robot.bundle import Bundle
+from stages.robot.diagnostics import Notes
 from stages.robot.errors import ProtocolError
 from stages.robot.inertia import ZERO, moved
 from stages.robot.kinematics import chain

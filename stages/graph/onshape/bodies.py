@@ -13,9 +13,9 @@ import networkx as nx
 import numpy as np
 
 from stages.graph.keys import GraphKeys
-from stages.graph.notes import Notes
 from stages.graph.onshape.assembly import Assembly, Mate, Path
-from stages.graph.onshape.rigidity import rigid_subassemblies
+from stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
+from stages.robot.diagnostics import Notes
 
 WORLD: Path = ()
 """The assembly origin, as a node beside the occurrences."""

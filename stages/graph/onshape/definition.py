@@ -6,7 +6,7 @@ from dataclasses import astuple
 import numpy as np
 import orjson
 
-from stages.graph.couplings import TYPES
+from stages.graph.dofs import TYPES
 from stages.graph.onshape.assembly import (
     Assembly,
     Connector,
@@ -21,7 +21,7 @@ from stages.graph.onshape.assembly import (
     check_parts,
     leave_out_empty,
 )
-from stages.graph.onshape.replies import check_rigid, number, numbers, path_of, shape_of, text
+from stages.graph.onshape.reply_fields import check_rigid, number, numbers, path_of, shape_of, text
 from stages.robot.bundle import StudioKey
 from stages.robot.errors import Diagnostic, ProtocolError
 from stages.robot.model import Array, MateRef, frozen

@@ -2,8 +2,8 @@
 
 from dataclasses import replace
 
-from stages.graph.notes import Notes
 from stages.graph.onshape.assembly import Assembly, Path, check_parts, leave_out_empty
+from stages.robot.diagnostics import Notes
 
 TOLD = 10
 """So many hidden instances are told by name."""

@@ -16,10 +16,10 @@ from typing import Any
 import orjson
 
 from stages.formats.onshape_configuration import decoded, split
-from stages.graph.couplings import TYPES, Freedom
+from stages.graph.dofs import TYPES, Freedom
 from stages.graph.onshape.assembly import Assembly, Mate, Path, Record
-from stages.graph.onshape.expressions import ExpressionError, Scope, measured
-from stages.graph.onshape.replies import shape_of
+from stages.graph.onshape.expressions.evaluate import ExpressionError, Scope, measured
+from stages.graph.onshape.reply_fields import shape_of
 from stages.robot.bundle import Bundle, Features, StudioKey
 from stages.robot.model import DofKind
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import count
 from typing import TypeVar
 
-from stages.graph.couplings import dof_names
+from stages.graph.dofs import dof_names
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.onshape.assembly import Assembly, Connector, Path
 from stages.graph.onshape.bodies import Bodies

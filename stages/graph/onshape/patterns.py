@@ -15,11 +15,11 @@ import networkx as nx
 
 from stages.graph.globs import listed
 from stages.graph.keys import DepthKeys
-from stages.graph.notes import Notes
 from stages.graph.onshape.assembly import Assembly, Entity, Mate, MateGroup, Path, Pattern
-from stages.graph.onshape.hanging import Feature, node_of
-from stages.graph.onshape.rigidity import rigid_subassemblies
-from stages.graph.onshape.series import Series, series_of
+from stages.graph.onshape.pattern_copies import Series, series_of
+from stages.graph.onshape.pattern_supports import Feature, node_of
+from stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
+from stages.robot.diagnostics import Notes
 from stages.robot.model import Array, frozen
 from stages.robot.poses import inverse
 

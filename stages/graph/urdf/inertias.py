@@ -5,9 +5,9 @@ from dataclasses import replace
 from typing import Literal
 
 from stages.formats.urdf.model import Urdf, UrdfLink, UrdfShape
-from stages.graph.notes import Notes
-from stages.graph.urdf.solids import solid_of
+from stages.graph.urdf.solid_inertia import solid_of
 from stages.robot.bundle import Bundle
+from stages.robot.diagnostics import Notes
 from stages.robot.inertia import FLATTEST_WRITTEN, NEXT_TO_NOTHING, is_physical, no_thinner, principal, spread
 from stages.robot.model import Array, Inertial, frozen
 

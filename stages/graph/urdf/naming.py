@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from stages.formats.urdf.model import Urdf, UrdfJoint
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.naming import Namer
-from stages.graph.notes import Notes
-from stages.graph.urdf.dummies import has_world
+from stages.graph.urdf.dummy_links import has_world
 from stages.graph.urdf.structure import SCALAR
+from stages.robot.diagnostics import Notes
 
 _PLANAR = ("_x", "_y", "_turn")
 """What the names of a planar joint's dofs end in."""

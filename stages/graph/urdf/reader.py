@@ -9,15 +9,15 @@ import numpy as np
 
 from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, UrdfShape, mesh_key
 from stages.formats.urdf.parse import parse
+from stages.graph.cad_only_keys import tell_unused
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import WORLD_LINK, Body, Bond, Coupling, Marker, Mechanism
-from stages.graph.notes import Notes
-from stages.graph.unused import tell_unused
-from stages.graph.urdf.dummies import UrdfFrame, weighs_nothing, with_carriers, without_dummies
+from stages.graph.urdf.dummy_links import UrdfFrame, weighs_nothing, with_carriers, without_dummies
 from stages.graph.urdf.inertias import Policy, mended
 from stages.graph.urdf.naming import Names, names_of
 from stages.graph.urdf.structure import SCALAR, check_structure, tops
 from stages.robot.bundle import Bundle
+from stages.robot.diagnostics import Notes
 from stages.robot.inertia import ZERO, moved
 from stages.robot.kinematics import chain
 from stages.robot.model import (

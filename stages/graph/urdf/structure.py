@@ -7,7 +7,7 @@ import networkx as nx
 
 from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfMimic
 from stages.graph.globs import listed
-from stages.graph.notes import Notes
+from stages.robot.diagnostics import Notes
 
 SCALAR = ("revolute", "continuous", "prismatic")
 """Types of joints that have one number for their value."""

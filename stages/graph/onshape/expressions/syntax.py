@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from stages.formats.onshape_units import UNITS
-from stages.graph.onshape.quantity import ExpressionError
+from stages.graph.onshape.expressions.quantity import ExpressionError
 
 _TOKEN = re.compile(
     r"\s*(?:(?P<number>(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)"

@@ -13,12 +13,12 @@ from heapq import heappop, heappush
 
 import networkx as nx
 
-from stages.graph.bonds import Bonded, bonded, named, settled
 from stages.graph.globs import as_key
 from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import Bond
-from stages.graph.notes import Notes
-from stages.graph.properties import ends, unwrapped, with_each_dof
+from stages.graph.passes.joint_limits import ends, unwrapped, with_each_dof
+from stages.graph.passes.relation_dofs import Bonded, bonded, named, settled
+from stages.robot.diagnostics import Notes
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Dof, DofKind, Link, Relation, Robot, Value, frozen
 

@@ -4,10 +4,10 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.addedkeys import AddedLinkKeys
+from stages.graph.added_keys import AddedLinkKeys
 from stages.graph.globs import as_key, fits, listed
 from stages.graph.keys import JointKeys
-from stages.graph.notes import Notes
+from stages.robot.diagnostics import Notes
 from stages.robot.model import Dof, DofKind, Dynamics, Joint, Limits, Loop, Robot, Value
 
 LOCKED_PLAY = 1e-6

@@ -4,20 +4,20 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from stages.formats.urdf.transmissions import with_joints
-from stages.graph.added import with_added_frames, with_added_links
 from stages.graph.globs import as_key, fits, listed
 from stages.graph.keys import GraphKeys, JointKeys
-from stages.graph.massing import check_links, with_given_masses, with_least_inertias
 from stages.graph.mechanism import Coupling, Mechanism
-from stages.graph.mobility import with_mobility
-from stages.graph.notes import Notes
-from stages.graph.place import place
-from stages.graph.properties import check_limits, tell_loops, with_properties
-from stages.graph.relations import with_relations
-from stages.graph.renames import renamed
+from stages.graph.passes.added_links import with_added_frames, with_added_links
+from stages.graph.passes.joint_limits import check_limits, tell_loops, with_properties
+from stages.graph.passes.link_mass import check_links, with_given_masses, with_least_inertias
+from stages.graph.passes.mobility import with_mobility
+from stages.graph.passes.relations import with_relations
+from stages.graph.passes.rename import renamed
+from stages.graph.passes.zero_pose import zeroed
+from stages.graph.robot_from_tree import place
 from stages.graph.tree import Tree, spanning_tree
-from stages.graph.zero import zeroed
 from stages.robot.bundle import Bundle
+from stages.robot.diagnostics import Notes
 from stages.robot.errors import AssemblyError
 from stages.robot.model import Robot, Transmission
 
@@ -34,7 +34,7 @@ def _reader(kind: str) -> Reader:
         from stages.graph.mjcf.reader import read_mjcf
 
         return read_mjcf
-    from stages.graph.onshape.drawing import read_drawing
+    from stages.graph.onshape.reader import read_drawing
 
     return read_drawing
 

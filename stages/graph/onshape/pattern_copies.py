@@ -3,9 +3,9 @@
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 
-from stages.graph.notes import Notes
 from stages.graph.onshape.assembly import Assembly, Occurrence, Path, Pattern
-from stages.graph.onshape.hanging import Hanging, Support
+from stages.graph.onshape.pattern_supports import Hanging, Support
+from stages.robot.diagnostics import Notes
 
 
 @dataclass(slots=True)

@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stages.graph.couplings import TYPES
-from stages.graph.notes import Notes
+from stages.graph.dofs import TYPES
 from stages.graph.onshape.assembly import Assembly, Entity, Mate, Path
-from stages.graph.onshape.motions import ALIKE, View, columns, common, extent, span, view, within
-from stages.graph.onshape.ties import Tie, carried, coordinates, ties
+from stages.graph.onshape.mate_coordinates import Tie, carried, coordinates, ties
+from stages.graph.onshape.mate_twists import ALIKE, View, columns, common, extent, span, view, within
+from stages.robot.diagnostics import Notes
 from stages.robot.model import Array, Limits, frozen
 from stages.robot.poses import inverse
 

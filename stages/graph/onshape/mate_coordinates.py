@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.graph.couplings import value_in
-from stages.graph.onshape.motions import ALIKE, View, chain
+from stages.graph.dofs import value_in
+from stages.graph.onshape.mate_twists import ALIKE, View, chain
 from stages.robot.model import Array, Limits, Value
 from stages.robot.poses import inverse, quat_from_rotation, rotation_from_quat
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.graph.couplings import dofs_of, residual, right_handed
+from stages.graph.dofs import dofs_of, residual, right_handed
 from stages.graph.onshape.assembly import Assembly, Mate, Path
 from stages.robot.model import Array, Dof, Value
 from stages.robot.poses import inverse, motion

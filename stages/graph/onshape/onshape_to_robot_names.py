@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.graph.notes import Notes
 from stages.graph.onshape.assembly import Assembly, Mate, MateRelation, Path
+from stages.robot.diagnostics import Notes
 from stages.robot.model import frozen
 from stages.robot.names import legal
 from stages.robot.poses import inverse

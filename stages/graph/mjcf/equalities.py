@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.formats.mjcf import MjcfClosure
-from stages.graph.couplings import residual
+from stages.graph.dofs import residual
 from stages.graph.mechanism import Coupling
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Dof, Dynamics, JointType, Limits, MateRef, Value, frozen

@@ -5,8 +5,8 @@ from fnmatch import fnmatchcase
 
 from stages.graph.globs import listed, unnumbered
 from stages.graph.keys import DepthKeys
-from stages.graph.notes import Notes
 from stages.graph.onshape.assembly import Assembly, Occurrence, Path
+from stages.robot.diagnostics import Notes
 from stages.robot.names import legal
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from stages.graph.globs import listed, matching, unusable, with_plain
 from stages.graph.keys import NamesKeys
 from stages.graph.mechanism import WORLD_LINK, Coupling, Mechanism
-from stages.graph.notes import Notes
+from stages.robot.diagnostics import Notes
 
 
 def renamed(mechanism: Mechanism, wanted: NamesKeys, notes: Notes) -> Mechanism:

@@ -6,11 +6,11 @@ from typing import TypeVar
 
 import numpy as np
 
-from stages.graph.addedkeys import AddedFrameKeys, AddedJointKeys, AddedLinkKeys
+from stages.graph.added_keys import AddedFrameKeys, AddedJointKeys, AddedLinkKeys
 from stages.graph.globs import listed, names_in, unusable
-from stages.graph.masskeys import tensor
+from stages.graph.mass_keys import tensor
 from stages.graph.mechanism import WORLD_LINK
-from stages.graph.notes import Notes
+from stages.robot.diagnostics import Notes
 from stages.robot.inertia import ZERO, primitive_inertial
 from stages.robot.model import (
     Array,

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from stages.graph.globs import as_key, entries_of
 from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import Bond
-from stages.graph.notes import Notes
+from stages.robot.diagnostics import Notes
 from stages.robot.model import DofKind, Joint, Robot
 from stages.robot.names import free, legal
 

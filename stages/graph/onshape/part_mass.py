@@ -14,12 +14,12 @@ from typing import Any
 import orjson
 
 from stages.graph.globs import entries_of, escaped, listed, unnumbered
-from stages.graph.masskeys import MassKeys, PartMassKeys, tensor
-from stages.graph.notes import Notes
+from stages.graph.mass_keys import MassKeys, PartMassKeys, tensor
 from stages.graph.onshape.assembly import Assembly, Occurrence, Path
-from stages.graph.onshape.estimate import Shape, shapes_of
-from stages.graph.onshape.replies import number, numbers, shape_of
+from stages.graph.onshape.mass_estimate import Shape, shapes_of
+from stages.graph.onshape.reply_fields import number, numbers, shape_of
 from stages.robot.bundle import Bundle, StudioKey
+from stages.robot.diagnostics import Notes
 from stages.robot.inertia import ZERO
 from stages.robot.model import Inertial, frozen
 

@@ -3,7 +3,7 @@
 from typing import Literal
 
 from stages.graph.keys import GraphKeys
-from stages.graph.notes import Notes
+from stages.robot.diagnostics import Notes
 
 _CAD_ALONE = ("depth", "hidden", "mirror", "conventions")
 

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.graph.notes import Notes
-from stages.graph.relations import negligible
+from stages.graph.passes.relations import negligible
+from stages.robot.diagnostics import Notes
 from stages.robot.model import Array, Dof, Limits, Relation, Robot, Value, frozen
 from stages.robot.poses import at_rest, motion
 

@@ -10,13 +10,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.graph.couplings import backwards
+from stages.graph.dofs import backwards
 from stages.graph.globs import fits, listed
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Body, Coupling, Mechanism
-from stages.graph.notes import Notes
 from stages.graph.root import base_of
 from stages.graph.tree import Edge, Tree, ways_up
+from stages.robot.diagnostics import Notes
 from stages.robot.inertia import merged, moved
 from stages.robot.model import (
     Array,

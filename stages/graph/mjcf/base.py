@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stages.formats.mjcf import Mjcf, MjcfBody
-from stages.graph.mjcf.closing import Closing
+from stages.graph.mjcf.equalities import Closing
 
 
 def _tops(mjcf: Mjcf) -> list[int]:

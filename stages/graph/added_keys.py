@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, model_validator
 from pydantic_core import PydanticCustomError
 
-from stages.graph.masskeys import Inertia, refused
+from stages.graph.mass_keys import Inertia, refused
 from stages.robot.keys import Interval, Keys, Positive, Text, Triple
 
 if TYPE_CHECKING:

@@ -6,10 +6,10 @@ from dataclasses import replace
 import networkx as nx
 
 from stages.graph.globs import as_key, entries_of, listed
-from stages.graph.masskeys import LinkMassKeys, tensor
+from stages.graph.mass_keys import LinkMassKeys, tensor
 from stages.graph.mechanism import WORLD_LINK
-from stages.graph.notes import Notes
-from stages.graph.onshape.mass import scaled
+from stages.graph.onshape.part_mass import scaled
+from stages.robot.diagnostics import Notes
 from stages.robot.inertia import ZERO, is_physical, large_enough, principal
 from stages.robot.model import Inertial, Link, Robot, frozen
 

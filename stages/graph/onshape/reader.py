@@ -5,21 +5,21 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.graph.couplings import TYPES, dofs_of, residual, right_handed
+from stages.graph.dofs import TYPES, dofs_of, residual, right_handed
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import WORLD_LINK, Body, Bond, Coupling, Marker, Mechanism
-from stages.graph.notes import Notes
 from stages.graph.onshape.assembly import Assembly, Mate, Path
 from stages.graph.onshape.bodies import Bodies, find_bodies
-from stages.graph.onshape.compose import Absorbed, MateKey, composed
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.hidden import without_hidden
 from stages.graph.onshape.limits import Remarks, resolve_limits
-from stages.graph.onshape.mass import SHEET, part_key, weighed
 from stages.graph.onshape.naming import Names, is_link_name, name_everything
+from stages.graph.onshape.onshape_to_robot import translated
+from stages.graph.onshape.parallel_mates import Absorbed, MateKey, composed
+from stages.graph.onshape.part_mass import SHEET, part_key, weighed
 from stages.graph.onshape.patterns import with_copies
-from stages.graph.onshape.peer import translated
 from stages.robot.bundle import Bundle
+from stages.robot.diagnostics import Notes
 from stages.robot.errors import AssemblyError
 from stages.robot.kinematics import chain
 from stages.robot.model import Inertial, MeshRef, Part, Provenance, frozen

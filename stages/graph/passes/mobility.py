@@ -17,8 +17,8 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
-from stages.graph.notes import Notes
 from stages.graph.tree import ways_up
+from stages.robot.diagnostics import Notes
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Array, Dof, Loop, Mobility, Robot
 from stages.robot.poses import motion

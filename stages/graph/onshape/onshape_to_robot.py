@@ -16,10 +16,20 @@ import numpy as np
 
 from stages.graph.globs import escaped, listed, unnumbered
 from stages.graph.keys import GraphKeys
-from stages.graph.notes import Notes
 from stages.graph.onshape.assembly import Assembly, Connector, Entity, Mate, Path
 from stages.graph.onshape.naming import LINK_PREFIX, is_link_name
-from stages.graph.onshape.peernames import CLOSING, DOF, FIX, FRAME, apart, joint, rest, turned_round, words
+from stages.graph.onshape.onshape_to_robot_names import (
+    CLOSING,
+    DOF,
+    FIX,
+    FRAME,
+    apart,
+    joint,
+    rest,
+    turned_round,
+    words,
+)
+from stages.robot.diagnostics import Notes
 from stages.robot.keys import Keys
 from stages.robot.model import frozen
 from stages.robot.names import legal, legal_or_unnamed

@@ -8,9 +8,17 @@ of FeatureScript: arithmetic, comparison, `cond ? a : b`, and the functions of i
 from collections.abc import Callable, Mapping, Sequence
 
 from stages.formats.onshape_units import UNITS, Measure
-from stages.graph.onshape.functions import CONSTANTS, FUNCTIONS
-from stages.graph.onshape.quantity import NONE, ExpressionError, Quantity, UnknownVariable, Value, truth, unit
-from stages.graph.onshape.syntax import DEEPEST, Node, parse
+from stages.graph.onshape.expressions.functions import CONSTANTS, FUNCTIONS
+from stages.graph.onshape.expressions.quantity import (
+    NONE,
+    ExpressionError,
+    Quantity,
+    UnknownVariable,
+    Value,
+    truth,
+    unit,
+)
+from stages.graph.onshape.expressions.syntax import DEEPEST, Node, parse
 
 __all__ = ["ExpressionError", "Quantity", "Scope", "UnknownVariable", "Value", "evaluate", "measured"]
 
