@@ -3,12 +3,12 @@
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from stages.mesh import Memo, linkmesh, primitives, tessellation
-from stages.mesh.balance import unbalanced
-from stages.mesh.findings import diagnostics
-from stages.mesh.linkmesh import Finding, LinkMesh, Use
+from stages.mesh import Memo, link_mesh, primitives, tessellation
+from stages.mesh.com_check import unbalanced
+from stages.mesh.diagnostics import diagnostics
+from stages.mesh.link_mesh import Finding, LinkMesh, Use
+from stages.mesh.mesh_file import Piece
 from stages.mesh.names import file_names
-from stages.mesh.piece import Piece
 from stages.mesh.tessellation import PartMesh
 from stages.robot.bundle import Bundle
 from stages.robot.geometry import Geometry, Role, Shape
@@ -45,11 +45,11 @@ def _link_mesh(uses: list[Use], library: "_Library", config: Mapping[str, Any], 
     if not uses:
         return LinkMesh((), None, ())
     key = {**config, "parts": [use.key() for use in uses]}
-    return linkmesh.decode(
+    return link_mesh.decode(
         memo(
             "mesh.link",
             key,
-            lambda: linkmesh.encode(linkmesh.make(uses, library.meshes(use.mesh for use in uses))),
+            lambda: link_mesh.encode(link_mesh.make(uses, library.meshes(use.mesh for use in uses))),
         )
     )
 

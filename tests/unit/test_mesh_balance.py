@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stages.mesh import tessellation
-from stages.mesh.balance import outside
+from stages.mesh.com_check import outside
 from stages.mesh.primitives import around
 from stages.robot.model import Inertial, Primitive, frozen
 from tests.unit.test_mesh import FLAT, INERTIAL, Memory, at, geometry, link_of, of_links, part

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 import trimesh
 
-from stages.mesh import piece as module
+from stages.mesh import mesh_file as module
 from stages.mesh import stl
-from stages.mesh.hull import convex_hull
+from stages.mesh.colliders.hull import convex_hull
+from stages.mesh.mesh_file import collider, visuals
 from stages.mesh.names import file_names
-from stages.mesh.piece import collider, visuals
 from stages.mesh.surface import Surface, moved
 
 CUBE = convex_hull(np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float))

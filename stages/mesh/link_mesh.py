@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import orjson
 
-from stages.mesh import piece
-from stages.mesh.hull import convex_hull
-from stages.mesh.piece import Piece
+from stages.mesh import mesh_file
+from stages.mesh.colliders.hull import convex_hull
+from stages.mesh.mesh_file import Piece
 from stages.mesh.surface import Surface, compacted, moved
 from stages.mesh.tessellation import PartMesh
 from stages.robot.geometry import Colour
@@ -62,7 +62,7 @@ def make(uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh]) -> LinkMesh:
         for use in uses
         if use.seen and (mesh := meshes.get(use.mesh))
     ]
-    visuals = [part for colour, surface in _by_colour(placed) for part in piece.visuals(surface, colour)]
+    visuals = [part for colour, surface in _by_colour(placed) for part in mesh_file.visuals(surface, colour)]
     solid = [
         moved(mesh.surface, use.link_from_part).vertices
         for use in uses
@@ -71,7 +71,7 @@ def make(uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh]) -> LinkMesh:
     hull = convex_hull(np.concatenate(solid)) if solid else None
     return LinkMesh(
         visuals=tuple(visuals),
-        collision=piece.collider(hull) if hull is not None else None,
+        collision=mesh_file.collider(hull) if hull is not None else None,
         findings=tuple(_finding(meshes.get(use.mesh)) for use in uses),
     )
 

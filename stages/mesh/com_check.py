@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from stages.mesh import stl
-from stages.mesh.linkmesh import LinkMesh
+from stages.mesh.link_mesh import LinkMesh
 from stages.mesh.primitives import around
 from stages.mesh.surface import Points
 from stages.mesh.tessellation import PartMesh

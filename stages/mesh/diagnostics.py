@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from stages.mesh.linkmesh import Finding, LinkMesh
+from stages.mesh.link_mesh import Finding, LinkMesh
 from stages.robot.errors import Diagnostic
 from stages.robot.model import Link, MeshRef, Part
 

@@ -1,0 +1,1 @@
+"""Collision shapes of a link: one module for each way to make them."""
