@@ -36,8 +36,8 @@ def described(bench: Bench) -> bytes:
     from stages.export import VERSION
 
     def make() -> bytes:
-        from stages.export.description import describe
-        from stages.export.pose import starting_point
+        from stages.export.robot_json import describe
+        from stages.export.start_pose import starting_point
 
         return describe(bench.robot, starting_point(bench.robot))
 

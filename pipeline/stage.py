@@ -234,7 +234,7 @@ class Mesh(Common):
 class Export(Common):
     name = "export"
     libraries = ("numpy", "lxml")
-    modules = ("stages.export.mjcf", "stages.export.scene", "stages.export.urdf")
+    modules = ("stages.export.mjcf.model", "stages.export.mjcf.scene", "stages.export.urdf.model")
 
     def config(self, bench: Bench) -> Any:
         from stages.export.keys import ExportKeys
@@ -258,7 +258,7 @@ class Export(Common):
 class Validate(Common):
     name = "validate"
     libraries = ("numpy", "mujoco")
-    modules = ("stages.validate.checks", "stages.validate.engine")
+    modules = ("stages.validate.checks.parts", "stages.validate.engines.mujoco_engine")
 
     def config(self, bench: Bench) -> Any:
         from stages.validate.keys import ValidateKeys

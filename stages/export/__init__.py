@@ -35,11 +35,11 @@ def foreseen(keys: "ExportKeys", name: str) -> list[str]:
 
 def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported:
     """Writes every chosen format; what a format cannot say is told in a diagnostic."""
-    from stages.export.description import describe
-    from stages.export.mjcf import write_mjcf
-    from stages.export.pose import starting_point
-    from stages.export.scene import write_scene
-    from stages.export.urdf import write_urdf
+    from stages.export.mjcf.model import write_mjcf
+    from stages.export.mjcf.scene import write_scene
+    from stages.export.robot_json import describe
+    from stages.export.start_pose import starting_point
+    from stages.export.urdf.model import write_urdf
 
     start = starting_point(robot)
     files = {f"assets/{name}": data for name, data in geometry.files.items()}

@@ -21,8 +21,8 @@ def validate(folder: Path, robot: "Robot", keys: "ValidateKeys") -> "tuple[Check
 def _checks_of(file: Path, robot: "Robot", thorough: bool) -> "list[Check]":
     """The checks of one file; its model lives no longer, since a large one takes half a gigabyte."""
     from stages.robot.mujoco_warnings import listening
-    from stages.validate.checks import check_model
-    from stages.validate.engine import load, quiet
+    from stages.validate.checks.parts import check_model
+    from stages.validate.engines.mujoco_engine import load, quiet
 
     loaded = load(file)
     if not thorough or loaded.model is None:

@@ -15,7 +15,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from stages.export.pose import starting_point
+from stages.export.start_pose import starting_point
 from stages.graph.dofs import conjugate
 from stages.robot.codec import decode_robot, encode_robot
 from stages.robot.model import Configuration, Joint, Robot, Value

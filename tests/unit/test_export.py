@@ -7,10 +7,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.export.pose import starting_point
+from stages.export.start_pose import starting_point
 from stages.formats.xml import parse
 from stages.robot.kinematics import saved_configuration
-from stages.validate.ability import reads_mimic
+from stages.validate.engines.ability import reads_mimic
 from tests.building import plan_of, robot_of, write
 from tests.engines import Mujoco, Pinocchio
 from tests.kit import SIDE, TOP, Kit

@@ -8,8 +8,8 @@ import pytest
 from lxml import etree
 from scipy.spatial.transform import Rotation
 
-from stages.export.description import describe
-from stages.export.lowering import lower
+from stages.export.robot_json import describe
+from stages.export.urdf.lowering import lower
 from stages.robot import kinematics
 from stages.robot.kinematics import link_poses, rest_configuration, saved_configuration
 from stages.robot.model import Dynamics, Frame, Limits, Mobility, Primitive, Robot, frozen

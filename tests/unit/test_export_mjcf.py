@@ -8,9 +8,9 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.export.mjcf import write_mjcf
-from stages.export.pose import gap, starting_point
-from stages.export.scene import write_scene
+from stages.export.mjcf.model import write_mjcf
+from stages.export.mjcf.scene import write_scene
+from stages.export.start_pose import gap, starting_point
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.kinematics import chain, link_poses, saved_configuration

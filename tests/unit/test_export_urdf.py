@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from stages.export.lowering import lower
-from stages.export.urdf import write_urdf
+from stages.export.urdf.lowering import lower
+from stages.export.urdf.model import write_urdf
 from stages.formats.xml import parse
 from stages.mesh.primitives import shapes as primitive_shapes
 from stages.robot.geometry import Geometry
 from stages.robot.inertia import primitive_volume
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
-from stages.validate.ability import reads_mimic
+from stages.validate.engines.ability import reads_mimic
 from tests.pinocchio import pin
 from tests.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
 

@@ -89,7 +89,7 @@ def test_a_module_keeps_within_the_walls(path):
     ("place", "line"),
     [
         ("stages/graph/x.py", "from stages.mesh import make_geometry"),
-        ("stages/graph/x.py", "import stages.export.urdf"),
+        ("stages/graph/x.py", "import stages.export.urdf.model"),
         ("stages/graph/x.py", "from ..mesh import keys"),
         ("stages/robot/x.py", "from stages.graph.tree import span"),
         ("stages/robot/x.py", "from stages.formats.xml import parse"),

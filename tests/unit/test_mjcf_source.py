@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.export.pose import starting_point
+from stages.export.start_pose import starting_point
 from stages.fetch.bundle.archive import pack, read, whole
 from stages.fetch.keys import MjcfKeys
 from stages.fetch.mjcf.gather import gather, identity

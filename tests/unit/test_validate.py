@@ -14,8 +14,9 @@ from stages.robot.kinematics import chain, link_poses, saved_configuration
 from stages.robot.model import Frame, Limits, Relation, Robot
 from stages.robot.poses import inverse
 from stages.robot.poses import turn as turned
-from stages.validate import ability, validate
-from stages.validate.coordinates import turns_from_rotation
+from stages.validate import validate
+from stages.validate.engines import ability
+from stages.validate.engines.coordinates import turns_from_rotation
 from tests import robots
 from tests.building import bundle_of, plan_of, robot_of, write
 from tests.kit import SIDE, TOP, Kit, four_bar
@@ -143,7 +144,7 @@ def test_relations_of_a_urdf_are_read_from_its_text_where_mujoco_reads_none(
     shutil.copytree(folder, tmp_path / "old")
     file = tmp_path / "old" / "robot.urdf"
     text = file.read_text()
-    monkeypatch.setattr("stages.validate.motion.reads_mimic", lambda: False)
+    monkeypatch.setattr("stages.validate.checks.motion.reads_mimic", lambda: False)
     assert failed_of(robot, tmp_path / "old") == []
     for fault in ("mimic dropped", "mimic turned round"):
         file.write_text(FAULTS[fault][1](text))
@@ -163,7 +164,7 @@ def test_an_inertia_of_a_urdf_is_judged_as_finely_as_mujoco_finds_axes(
     exact = ["robot.xml: inertia", "scene.xml: inertia"]
     if not ability.axes_off(1e-4):
         assert failed_of(robot, tmp_path / "off") == [*exact, "robot.urdf: inertia"]
-    monkeypatch.setattr("stages.validate.checks.axes_off", lambda size: 1e-6)
+    monkeypatch.setattr("stages.validate.checks.parts.axes_off", lambda size: 1e-6)
     assert failed_of(robot, tmp_path / "off") == exact
 
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from stages.export.lowering import Lowered, Step, lower, unset
+from stages.export.urdf.lowering import Lowered, Step, lower, unset
 from stages.formats.numbers import number, numbers, spaced
 from stages.formats.urdf.names import UrdfNames, urdf_names
 from stages.formats.xml import Element, element, parse, to_bytes

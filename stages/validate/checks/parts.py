@@ -14,8 +14,10 @@ import numpy as np
 from stages.robot.check import Check
 from stages.robot.model import Array, Inertial, Link, Robot
 from stages.robot.poses import inverse
-from stages.validate.ability import axes_off
-from stages.validate.coordinates import (
+from stages.validate.checks.loops import carriers, unmet
+from stages.validate.checks.motion import check_motion
+from stages.validate.engines.ability import axes_off
+from stages.validate.engines.coordinates import (
     WIDTH,
     body_index,
     distance,
@@ -26,8 +28,6 @@ from stages.validate.coordinates import (
     root_pose,
     set_values,
 )
-from stages.validate.loops import carriers, unmet
-from stages.validate.motion import check_motion
 
 EXACT = 1e-9
 """Mass (relative), centre of mass [m], inertia (relative to its tensor's largest entry)."""

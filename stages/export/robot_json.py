@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from stages.export.lowering import lower, unset
-from stages.export.mjcf_joints import free_joint_name
+from stages.export.mjcf.joints import free_joint_name
+from stages.export.urdf.lowering import lower, unset
 from stages.formats.numbers import number, numbers
 from stages.formats.urdf.names import urdf_names
 from stages.robot.codec import plain

@@ -3,7 +3,7 @@
 import numpy as np
 
 from stages.export.keys import ExportKeys
-from stages.export.placement import placement
+from stages.export.mjcf.placement import placement
 from stages.formats.numbers import spaced
 from stages.formats.xml import element, to_bytes
 from stages.robot.model import Robot

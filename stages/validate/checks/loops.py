@@ -11,7 +11,7 @@ from stages.robot.check import Check
 from stages.robot.kinematics import chain, link_poses
 from stages.robot.model import Array, Loop, Robot
 from stages.robot.poses import inverse
-from stages.validate.coordinates import (
+from stages.validate.engines.coordinates import (
     HELD,
     body_index,
     distance,

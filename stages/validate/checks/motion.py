@@ -16,8 +16,9 @@ from stages.robot.check import Check
 from stages.robot.kinematics import link_poses, rest_configuration, saved_configuration
 from stages.robot.model import Array, Configuration, Dof, Robot
 from stages.robot.poses import inverse
-from stages.validate.ability import mimics, reads_mimic
-from stages.validate.coordinates import (
+from stages.validate.checks.loops import check_loops, unmet
+from stages.validate.engines.ability import mimics, reads_mimic
+from stages.validate.engines.coordinates import (
     body_index,
     distance,
     every_saved,
@@ -31,7 +32,6 @@ from stages.validate.coordinates import (
     site_pose,
     spread,
 )
-from stages.validate.loops import check_loops, unmet
 
 CLOSE = 1e-9
 """Poses [m, rad] and joint values [rad, m] that two engines compute from the same numbers."""

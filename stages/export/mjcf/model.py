@@ -8,11 +8,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stages.export.closures import STIFF, Closures
 from stages.export.keys import ExportKeys
-from stages.export.mjcf_joints import free_joint_name, free_qpos, qpos, unwritten, write_joints
-from stages.export.placement import placement, scene_pose
-from stages.export.pose import home, saved
+from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos, unwritten, write_joints
+from stages.export.mjcf.loops import STIFF, Closures
+from stages.export.mjcf.placement import placement, scene_pose
+from stages.export.start_pose import home, saved
 from stages.formats.numbers import number, rounded, spaced
 from stages.formats.xml import Element, element, to_bytes
 from stages.robot.errors import Diagnostic

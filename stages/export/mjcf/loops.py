@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stages.export.placement import placement
+from stages.export.mjcf.placement import placement
 from stages.formats.numbers import spaced
 from stages.formats.xml import Element, element
 from stages.robot.inertia import moved

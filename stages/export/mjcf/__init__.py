@@ -1,0 +1,1 @@
+"""MJCF: the robot, and the scene around it."""

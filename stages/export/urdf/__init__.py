@@ -1,0 +1,1 @@
+"""URDF: the tree of links and joints."""

@@ -1,0 +1,1 @@
+"""Physics engines as readers of model files."""
