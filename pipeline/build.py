@@ -9,10 +9,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from pipeline import bundles, cache, report
-from pipeline.ahead import Ahead
-from pipeline.bench import NOTES, Bench
-from pipeline.cache import Action, Cache, Files
+from pipeline import report
+from pipeline.caching import actions, bundles
+from pipeline.caching.actions import Action, Cache, Files
+from pipeline.config.choices import name_of
+from pipeline.config.plan import Plan
+from pipeline.context import NOTES, Bench
+from pipeline.disk_space import LEAST
+from pipeline.early_imports import Ahead
 from pipeline.errors import (
     ConfigError,
     InTheWay,
@@ -22,14 +26,11 @@ from pipeline.errors import (
     exit_status,
     refusal,
 )
-from pipeline.output import FAILED, Output
-from pipeline.plan import Plan
+from pipeline.output.folder import FAILED, Output
 from pipeline.preflight import beforehand, destination, foreseen, suffix_of
 from pipeline.products import digests, products
 from pipeline.progress import Both, Log, Progress, Quiet
 from pipeline.report import Report, StageReport, Status
-from pipeline.room import LEAST
-from pipeline.settle import name_of
 from pipeline.stage import STAGES, Stage, libraries, stages_until
 from stages.fetch import remarks
 from stages.fetch.onshape.api.ledger import FOLDER as LEDGER
@@ -76,9 +77,9 @@ def build(
     run.note(remarks(plan))
     files: dict[str, bytes] = {}
     try:
-        with cache.opened(plan.cache.mode, plan.cache.dir, environ) as store:
+        with actions.opened(plan.cache.mode, plan.cache.dir, environ) as store:
             # Beside the cache that lasts, also where this build does not use it.
-            ledger = cache.folder(plan.cache.dir, environ) / LEDGER
+            ledger = actions.folder(plan.cache.dir, environ) / LEDGER
             bench = Bench(plan, store, environ, ledger=ledger, began=began)
             ahead = Ahead(module for stage in stages for module in stage.modules)
             bench.ahead = ahead.start
@@ -234,7 +235,7 @@ class Run:
 
     def documents(self, done: Report, files: Mapping[str, bytes]) -> dict[str, bytes]:
         """What tells about the build, beside the `files` that it made."""
-        from pipeline.page import page
+        from pipeline.report_html import page
 
         self.log.line(f"{done.status}: exit status {done.exit_status}")
         plan = self.log.secrets.within(self.plan.tree())

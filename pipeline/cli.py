@@ -13,7 +13,7 @@ from pipeline import streams
 from pipeline.options import Command, UsageError, parse
 
 if TYPE_CHECKING:
-    from pipeline.plan import Plan
+    from pipeline.config.plan import Plan
     from pipeline.report import Report
 
 HELP = """\
@@ -185,7 +185,7 @@ def _shown(command: Command) -> Iterable[str]:
     """What a command prints that builds nothing."""
     if command.show == "install-completion":
         return [_install_completion(command.what)]
-    from pipeline.looking import configuration, information
+    from pipeline.config.looking import configuration, information
 
     return [configuration(command)] if command.show == "cfg" else information(command)
 
@@ -216,7 +216,7 @@ def _install_completion(shell: str) -> str:
 
 
 def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
-    from pipeline.compose import compose_plan
+    from pipeline.config.compose import compose_plan
     from pipeline.preflight import beforehand
 
     plan = compose_plan(command.overrides, command.config_dirs, judge=beforehand).plan
@@ -232,13 +232,13 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 
 
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
-    from pipeline.compose import session
-    from pipeline.launch import Account, launch
-    from pipeline.outcome import Outcome, sweep_status, table
-    from pipeline.output import named
+    from pipeline.config.compose import session
+    from pipeline.output.folder import named
     from pipeline.preflight import before_a_sweep
-    from pipeline.sweep import Task, jobs_of, judge_folders
-    from pipeline.sweepfolder import keep, prepare
+    from pipeline.sweep.folder import keep, prepare
+    from pipeline.sweep.launch import Account, launch
+    from pipeline.sweep.outcome import Outcome, sweep_status, table
+    from pipeline.sweep.run import Task, jobs_of, judge_folders
 
     if build is None:
         import functools

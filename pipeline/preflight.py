@@ -4,12 +4,12 @@ import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from pipeline import cache
+from pipeline.caching import actions
+from pipeline.config.plan import Plan
 from pipeline.errors import ConfigError, Diagnostic, as_problems
-from pipeline.manifest import DOCUMENTS
-from pipeline.output import Output
-from pipeline.place import require_free
-from pipeline.plan import Plan
+from pipeline.output.folder import Output
+from pipeline.output.location import require_free
+from pipeline.output.manifest import DOCUMENTS
 from pipeline.stage import STAGES, Stage, stages_until
 from stages.graph.view.views import PICTURE
 
@@ -38,7 +38,7 @@ def destination(
     output = Output(plan.folder, tell, overwrite=plan.overwrite)
     source = getattr(plan.source, "path", None)
     taken = {"the source": Path(source)} if source else {}
-    require_free(output.target, taken, cache.folder(plan.cache.dir, environ))
+    require_free(output.target, taken, actions.folder(plan.cache.dir, environ))
     output.judge(suffix_of(plan), foreseen(plan))
     return output
 

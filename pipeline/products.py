@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
-from pipeline.bench import FILES, ROBOT, Bench
+from pipeline.caching.store import sha256
+from pipeline.context import FILES, ROBOT, Bench
 from pipeline.stage import STAGES, libraries
-from pipeline.store import sha256
 from stages.graph.view.views import PICTURE
 
 

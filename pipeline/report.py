@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal, TextIO
 
-from pipeline.manifest import REPORT
+from pipeline.output.manifest import REPORT
 from pipeline.secrets import Secrets
 from pipeline.terminal import clean
 from stages.robot.check import Check

@@ -11,9 +11,9 @@ from collections.abc import Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
-from pipeline import bundles
-from pipeline.bench import FILES, NOTES, ROBOT, Bench, count, notes
-from pipeline.plan import Plan, section
+from pipeline.caching import bundles
+from pipeline.config.plan import Plan, section
+from pipeline.context import FILES, NOTES, ROBOT, Bench, count, notes
 from stages.robot import codec
 from stages.robot.errors import ConfigError
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from pipeline.plan import Plan
+from pipeline.config.plan import Plan
 from stages.export import Exported, export
 from stages.fetch.bundle.archive import read
 from stages.fetch.onshape.gather import gather

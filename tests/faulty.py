@@ -7,9 +7,9 @@ from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
-from pipeline.cache import Cache
-from pipeline.store import Store
-from pipeline.upkeep import verify
+from pipeline.caching.actions import Cache
+from pipeline.caching.maintenance import verify
+from pipeline.caching.store import Store
 from stages import fetch as stage
 from stages.fetch.onshape.api.ledger import years
 from stages.fetch.onshape.call_budget import Calls

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from lxml import etree
 
-from pipeline.plan import Plan
+from pipeline.config.plan import Plan
 from stages.export import Exported
 from stages.graph import build_robot
 from stages.robot.bundle import Bundle

@@ -82,7 +82,7 @@ def parse(arguments: Sequence[str]) -> Request:
 
 def find(name: str) -> Path:
     """The folder of a build: `outputs/<name>`, else the folder `name`; ConfigError if neither is one."""
-    from pipeline.manifest import is_build
+    from pipeline.output.manifest import is_build
 
     places = [Path("outputs") / name, Path(name)]
     for place in places:
@@ -126,10 +126,10 @@ def _manifest(folder: Path) -> str:
 
 def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, str]) -> tuple[bytes, int]:
     """The zip's bytes and how many replies it holds."""
-    from pipeline.bundles import named, recall
-    from pipeline.cache import Cache
+    from pipeline.caching.actions import Cache
+    from pipeline.caching.bundles import named, recall
+    from pipeline.caching.store import Store
     from pipeline.secrets import Secrets
-    from pipeline.store import Store
     from stages.fetch.bundle.archive import pack, read
 
     roots = _caches(folder, asked.cache, environ)
@@ -150,7 +150,7 @@ def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, s
 
 def _caches(folder: Path, named: str | None, environ: Mapping[str, str]) -> list[Path]:
     """The folders that may have it: the one that is named, else the build's own, then the usual one."""
-    from pipeline.cache import folder as cache_folder
+    from pipeline.caching.actions import folder as cache_folder
 
     wanted = [named] if named else [_configured(folder), None]
     return list(dict.fromkeys(cache_folder(one, environ) for one in wanted))
@@ -160,10 +160,10 @@ def _configured(folder: Path) -> str | None:
     """The key `cache.dir` of the build, if it had one."""
     import yaml
 
-    from pipeline import yamlfile
+    from pipeline.config import yaml_file
 
     try:
-        plan: Any = yamlfile.read(folder / "config.yaml")
+        plan: Any = yaml_file.read(folder / "config.yaml")
     except (OSError, UnicodeDecodeError, yaml.YAMLError):
         return None
     cache = plan.get("cache") if isinstance(plan, dict) else None

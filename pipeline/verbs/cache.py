@@ -5,10 +5,10 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from pipeline import upkeep
-from pipeline.cache import folder
+from pipeline.caching import maintenance
+from pipeline.caching.actions import folder
+from pipeline.caching.lock import FOLDER as LOCKS
 from pipeline.errors import ConfigError
-from pipeline.lock import FOLDER as LOCKS
 from stages.fetch.onshape.api import ledger
 
 HELP = """\
@@ -74,7 +74,7 @@ def _max_size(rest: list[str]) -> int | None:
 
 
 def _info(root: Path) -> int:
-    found = upkeep.survey(root)
+    found = maintenance.survey(root)
     print(root)
     print(
         f"  {_size(found.size)}: {found.blobs} files and {found.records} records, "
@@ -91,9 +91,9 @@ def _info(root: Path) -> int:
 
 
 def _gc(root: Path, most: int) -> int:
-    done = upkeep.collect(root, most)
+    done = maintenance.collect(root, most)
     for outputs in (Path("outputs"), *Path("outputs").glob("*.sweep")):
-        upkeep.drop_locks(outputs / LOCKS)
+        maintenance.drop_locks(outputs / LOCKS)
     paid = f" ({done.paid} of them replies that were paid for)" if done.paid else ""
     print(f"{root}: {_size(done.freed)} freed, {_size(done.size)} left")
     print(f"  dropped {done.records} records{paid} and {done.blobs} files")
@@ -103,7 +103,7 @@ def _gc(root: Path, most: int) -> int:
 
 
 def _verify(root: Path) -> int:
-    found = upkeep.verify(root)
+    found = maintenance.verify(root)
     if not found.broken and not found.records:
         print(f"{root}: {found.blobs} files, all whole")
         return 0

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import mujoco
 
-from pipeline.plan import Plan
+from pipeline.config.plan import Plan
 from stages.export import export
 from stages.fetch.urdf.gather import gather
 from stages.graph import build_robot

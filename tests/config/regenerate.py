@@ -11,11 +11,11 @@ from typing import Any, get_origin
 import yaml
 
 from pipeline.completion import KEYS
-from pipeline.compose import HYDRA, compose_plan
-from pipeline.plan import Plan
-from pipeline.presets import OURS
-from pipeline.schema import annotation_at, is_section, options
-from pipeline.schema import names as names_of
+from pipeline.config.compose import HYDRA, compose_plan
+from pipeline.config.plan import Plan
+from pipeline.config.presets import OURS
+from pipeline.config.schema import annotation_at, is_section, options
+from pipeline.config.schema import names as names_of
 from stages.fetch.keys import SOURCES
 
 GOLDEN = Path(__file__).parent / "golden"

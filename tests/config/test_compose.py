@@ -2,7 +2,7 @@
 
 import pytest
 
-from pipeline.compose import compose_plan
+from pipeline.config.compose import compose_plan
 from pipeline.preflight import beforehand
 from stages.robot.errors import ConfigError
 from tests.config.users import MY_ARM, URL, write

@@ -3,7 +3,7 @@
 import pytest
 
 from pipeline.cli import run
-from pipeline.compose import compose_plan
+from pipeline.config.compose import compose_plan
 from pipeline.report import Report
 from stages.robot.errors import ConfigError
 from tests.config.users import write

@@ -3,8 +3,8 @@
 import pytest
 import yaml
 
-from pipeline.plan import Plan
-from pipeline.presets import GROUPS, OURS, Presets
+from pipeline.config.plan import Plan
+from pipeline.config.presets import GROUPS, OURS, Presets
 from tests.config.regenerate import GOLDEN, names, text
 
 

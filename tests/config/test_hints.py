@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.compose import compose_plan
+from pipeline.config.compose import compose_plan
 from pipeline.options import UsageError, parse
 from stages.robot.errors import ConfigError
 from tests.config.users import URL, write

@@ -2,8 +2,8 @@
 
 import pytest
 
-from pipeline.plan import SECTIONS, Plan, section
-from pipeline.schema import leaves
+from pipeline.config.plan import SECTIONS, Plan, section
+from pipeline.config.schema import leaves
 from stages.graph.keys import GraphKeys
 from stages.mesh.keys import MeshKeys
 from stages.robot.errors import ConfigError
@@ -294,7 +294,7 @@ def test_every_key_of_the_tree_is_documented():
 
 
 def _sections(root):
-    from pipeline.schema import annotation_at, is_section, names
+    from pipeline.config.schema import annotation_at, is_section, names
     from stages.fetch.keys import SOURCES
 
     yield root

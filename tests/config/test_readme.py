@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.cli import VERBS, parse
-from pipeline.compose import Composed, compose_plan
+from pipeline.config.compose import Composed, compose_plan
 from stages.graph.keys import GraphKeys
 from stages.graph.view.outline import outline
 from stages.graph.view.picture import draw

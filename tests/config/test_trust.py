@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from pipeline.cli import run
-from pipeline.compose import compose_plan, session
+from pipeline.config.compose import compose_plan, session
+from pipeline.config.trust import listed
 from pipeline.report import Report
-from pipeline.trust import listed
 from stages.robot.errors import ConfigError
 from tests.config.users import write
 from tests.hostile import CODE, MARK, ROBOTS

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from pipeline.build import build
-from pipeline.plan import Plan
+from pipeline.config.plan import Plan
 from stages.robot.errors import Disconnected
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Configuration, Robot

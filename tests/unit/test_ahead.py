@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.ahead import Ahead
+from pipeline.early_imports import Ahead
 from pipeline.stage import STAGES
 from tests.e2e.command import environment, linkwright
 from tests.onshape.sample import sample_document

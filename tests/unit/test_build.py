@@ -9,11 +9,11 @@ from hashlib import sha256
 import pytest
 import yaml
 
-from pipeline import manifest
-from pipeline.bench import FILES, NOTES, notes
 from pipeline.build import build
+from pipeline.config.plan import Plan
+from pipeline.context import FILES, NOTES, notes
 from pipeline.errors import AssemblyError, ConfigError, InTheWay, SecretFound, render
-from pipeline.plan import Plan
+from pipeline.output import manifest
 from pipeline.progress import Lines, Quiet
 from pipeline.stage import STAGES
 from stages.robot import codec

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.build import build
+from pipeline.config.plan import Plan
 from pipeline.errors import LinkwrightError
-from pipeline.plan import Plan
 from tests.onshape.bundle import bundle_bytes
 from tests.onshape.sample import sample_document
 from tests.onshape.server import OnshapeServer
@@ -109,7 +109,7 @@ def test_a_fully_cached_build_imports_nothing_heavy(archive, tmp_path):
     code = (
         "import sys\n"
         "from pipeline.build import build\n"
-        "from pipeline.plan import Plan\n"
+        "from pipeline.config.plan import Plan\n"
         f"data = {plan(tmp_path, source).tree()!r}\n"
         "report = build(Plan.parse(data), environ={})\n"
         "assert all(stage.cached for stage in report.stages)\n"

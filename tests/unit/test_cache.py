@@ -6,10 +6,10 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from pipeline import cache as caching
-from pipeline.cache import Action, Cache, folder, opened
+from pipeline.caching import actions as caching
+from pipeline.caching.actions import Action, Cache, folder, opened
+from pipeline.caching.store import Store
 from pipeline.errors import CacheError, ConfigError
-from pipeline.store import Store
 
 ACTION = Action("mesh", 1, {"tolerance": 0.1}, {"robot": "d1"}, {"numpy": "2.0"})
 

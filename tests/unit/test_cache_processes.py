@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.cache import Action, Cache
-from pipeline.store import Store, sha256
+from pipeline.caching.actions import Action, Cache
+from pipeline.caching.store import Store, sha256
 from tests.kill import killed_at
 
 REPO = Path(__file__).parents[2]
@@ -19,8 +19,8 @@ REPO = Path(__file__).parents[2]
 WORKER = """
 import random, sys
 from pathlib import Path
-from pipeline.cache import Action, Cache
-from pipeline.store import Store
+from pipeline.caching.actions import Action, Cache
+from pipeline.caching.store import Store
 
 root, ledger, seed, actions = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4])
 cache = Cache(Store(root))

@@ -6,8 +6,8 @@ import time
 
 import pytest
 
+from pipeline.caching.store import STALE, Store, sha256
 from pipeline.errors import CacheError
-from pipeline.store import STALE, Store, sha256
 
 
 @pytest.fixture

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.cli import HELP, VERBS, run
+from pipeline.config.presets import GROUPS, Presets
 from pipeline.options import Command, UsageError, parse
-from pipeline.presets import GROUPS, Presets
 from pipeline.report import Report
 from stages.robot.errors import AssemblyError, ConfigError
 
@@ -77,8 +77,8 @@ def test_help_names_every_verb():
 
 
 def test_help_names_only_keys_that_are_there():
-    from pipeline.plan import Plan
-    from pipeline.schema import leaves
+    from pipeline.config.plan import Plan
+    from pipeline.config.schema import leaves
 
     keys = HELP.partition("keys (key=value")[2].partition("environment:")[0]
     named = re.findall(

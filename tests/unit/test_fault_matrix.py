@@ -120,8 +120,8 @@ def test_after_the_end_of_the_quota_no_call_begins(fetching, place):
 WORKER = """
 import sys
 from pathlib import Path
-from pipeline.cache import Cache
-from pipeline.store import Store
+from pipeline.caching.actions import Cache
+from pipeline.caching.store import Store
 from stages import fetch as stage
 from tests.kept import QUICK, onshape
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from pipeline.build import build
-from pipeline.plan import Plan
+from pipeline.config.plan import Plan
 from stages.fetch.bundle.archive import pack
 from stages.fetch.onshape import configuration
 from stages.fetch.onshape.configuration import encode

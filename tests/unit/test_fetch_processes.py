@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.build import build
+from pipeline.config.plan import Plan
 from pipeline.errors import SourceError
-from pipeline.plan import Plan
 from tests.onshape import solids
 from tests.onshape.document import Document
 from tests.onshape.server import Fault, OnshapeServer
@@ -22,7 +22,7 @@ WORKER = """
 import json, sys
 from pathlib import Path
 from pipeline.build import build
-from pipeline.plan import Plan
+from pipeline.config.plan import Plan
 
 print("ready", flush=True)
 sys.stdin.readline()

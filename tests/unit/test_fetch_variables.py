@@ -10,7 +10,7 @@ import time
 import pytest
 
 from pipeline.build import build
-from pipeline.plan import Plan
+from pipeline.config.plan import Plan
 from pipeline.preflight import before_a_sweep
 from stages import fetch as stage
 from stages.fetch.onshape.call_budget import Calls

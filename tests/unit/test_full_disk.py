@@ -8,14 +8,15 @@ import subprocess
 
 import pytest
 
-from pipeline import cache, room
+from pipeline import disk_space
 from pipeline.build import build
+from pipeline.caching import actions
+from pipeline.caching.store import Store
 from pipeline.cli import run
+from pipeline.config.plan import Plan
 from pipeline.errors import CacheError, LinkwrightError, OutputError
-from pipeline.output import FAILED, Output
-from pipeline.plan import Plan
+from pipeline.output.folder import FAILED, Output
 from pipeline.report import Report
-from pipeline.store import Store
 from stages.fetch.onshape.api.ledger import Ledger
 from tests.e2e.command import environment, linkwright
 from tests.faulty import desk
@@ -85,7 +86,7 @@ def test_no_call_is_spent_on_a_disk_that_is_really_full(tmp_path, full):
 
 def test_the_room_that_is_asked_for_is_that_of_the_last_build_in_both_places_at_once(tmp_path, monkeypatch):
     held, most = [], []
-    taken = room.taken
+    taken = disk_space.taken
 
     @contextlib.contextmanager
     def counted(folder, size):
@@ -95,11 +96,11 @@ def test_the_room_that_is_asked_for_is_that_of_the_last_build_in_both_places_at_
             yield
             held.pop()
 
-    monkeypatch.setattr(room, "taken", counted)
+    monkeypatch.setattr(disk_space, "taken", counted)
     with OnshapeServer(desk()) as server:
         asked = plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
         build(asked, environ=server.environ)
-        assert most[-1] == [room.LEAST] * 2
+        assert most[-1] == [disk_space.LEAST] * 2
         Output(asked.folder).publish({"report.json": OURS, "assets/a": b"x" * 2_000_000})
         build(asked, environ=server.environ)
         assert most[-1] == [2_000_000 + len(OURS)] * 2
@@ -120,10 +121,10 @@ def test_room_is_found_by_writing_where_the_system_cannot_reserve_it(tmp_path, m
     else:
         monkeypatch.setattr(os, "posix_fallocate", refuse)
         monkeypatch.setattr(os, "fsync", refuse)
-    with room.taken(tmp_path, 2_500_000):
+    with disk_space.taken(tmp_path, 2_500_000):
         pass
     assert list(tmp_path.iterdir()) == []
-    small = room.taken(tmp_path / "small", 1_000_000)
+    small = disk_space.taken(tmp_path / "small", 1_000_000)
     with disk(tmp_path / "small", 600), pytest.raises(OSError, match="No space"), small:
         pass
 
@@ -152,7 +153,7 @@ def test_a_temporary_folder_that_cannot_be_made_is_named(tmp_path, monkeypatch):
     def refuse(*_, **__):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    monkeypatch.setattr(cache.tempfile, "TemporaryDirectory", refuse)
+    monkeypatch.setattr(actions.tempfile, "TemporaryDirectory", refuse)
     with pytest.raises(CacheError, match="no temporary folder can be made: the disk is full") as caught:
         build(plan(tmp_path, {"kind": "sample"}, cache={"mode": "bypass"}), environ={})
     assert "TMPDIR" in caught.value.hint

@@ -5,11 +5,11 @@ import threading
 import filelock
 import pytest
 
-from pipeline import lock
-from pipeline.cache import Action, Cache
+from pipeline.caching import lock
+from pipeline.caching.actions import Action, Cache
+from pipeline.caching.store import Store
 from pipeline.errors import OutputError
-from pipeline.output import Output
-from pipeline.store import Store
+from pipeline.output.folder import Output
 
 
 @pytest.fixture

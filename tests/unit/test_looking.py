@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from pipeline.cli import run
-from pipeline.compose import compose_plan
+from pipeline.config.compose import compose_plan
 from pipeline.options import Command, UsageError, parse
 from tests.config.users import write
 

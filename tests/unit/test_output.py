@@ -4,10 +4,10 @@ import os
 
 import pytest
 
+from pipeline.caching.lock import FOLDER as LOCKS
 from pipeline.errors import ConfigError, OutputError
-from pipeline.lock import FOLDER as LOCKS
-from pipeline.manifest import NAME, is_build
-from pipeline.output import FAILED, Output
+from pipeline.output.folder import FAILED, Output
+from pipeline.output.manifest import NAME, is_build
 from tests.kill import killed_at
 
 OURS = b'{"linkwright-report": 1}'

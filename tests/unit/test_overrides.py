@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.compose import session
-from pipeline.overrides import quoted, read
-from pipeline.presets import GROUPS
+from pipeline.config.compose import session
+from pipeline.config.overrides import quoted, read
+from pipeline.config.presets import GROUPS
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from pipeline.explain import explanations
-from pipeline.page import BESIDE, page
 from pipeline.report import Report, StageReport
+from pipeline.report_html import BESIDE, page
 from pipeline.secrets import Secrets
 from stages.graph.view.views import OUTLINE, views
 from stages.robot.check import Check

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.plan import Plan
+from pipeline.config.plan import Plan
 from stages.fetch import pinned, preflight, regular_files
 from stages.fetch.keys import BundleKeys, MjcfKeys, UrdfKeys
 from stages.fetch.mjcf.gather import gather as gather_mjcf

@@ -1,6 +1,6 @@
 """What composing leaves open."""
 
-from pipeline.settle import Choices, settle
+from pipeline.config.choices import Choices, settle
 
 
 def test_a_preset_of_the_command_line_wins_but_for_keys_set_there():

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.bench import FILES, NOTES, Bench, count, notes
-from pipeline.cache import Cache
-from pipeline.plan import HOW, Plan
+from pipeline.caching.actions import Cache
+from pipeline.caching.store import Store
+from pipeline.config.plan import HOW, Plan
+from pipeline.context import FILES, NOTES, Bench, count, notes
 from pipeline.stage import STAGES, installed, libraries, stages_until
-from pipeline.store import Store
 from stages.fetch.keys import SOURCES
 from stages.robot.errors import Diagnostic
 

@@ -12,11 +12,11 @@ import yaml
 
 from pipeline.build import as_yaml
 from pipeline.cli import run
-from pipeline.page import page
 from pipeline.progress import Lines, Log, Terminal
 from pipeline.report import Report, StageReport, show
+from pipeline.report_html import page
 from pipeline.secrets import Secrets
-from pipeline.sweep import Job, Task
+from pipeline.sweep.run import Job, Task
 from pipeline.terminal import clean, clean_streams
 from stages.robot.check import Check
 from stages.robot.errors import AssemblyError, Diagnostic

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from pipeline import upkeep
-from pipeline.cache import Action, Cache
+from pipeline.caching import maintenance
+from pipeline.caching.actions import Action, Cache
+from pipeline.caching.store import Store
 from pipeline.cli import run
-from pipeline.output import Output
-from pipeline.store import Store
+from pipeline.output.folder import Output
 from stages.fetch.onshape.api.ledger import Ledger
 from tests.kill import killed_at
 
@@ -45,11 +45,11 @@ def kept(cache, number):
 
 
 def test_what_is_there_is_counted(cache, tmp_path):
-    assert upkeep.survey(tmp_path / "none") == upkeep.Survey(0, 0, 0, 0)
+    assert maintenance.survey(tmp_path / "none") == maintenance.Survey(0, 0, 0, 0)
     make(cache, 1)
     make(cache, 2)
     cache.replies().put("/x", b"{}")
-    found = upkeep.survey(cache.store.root)
+    found = maintenance.survey(cache.store.root)
     assert (found.blobs, found.records, found.replies) == (4, 3, 1)
     assert found.size > 10_000
 
@@ -60,15 +60,15 @@ def test_the_least_recently_used_goes_first_and_what_is_shared_stays(cache):
     age(cache.store.root)
     assert kept(cache, 0)  # which makes it new
     root = cache.store.root
-    size = upkeep.survey(root).size
-    done = upkeep.collect(root, size - 1)
+    size = maintenance.survey(root).size
+    done = maintenance.collect(root, size - 1)
     assert (done.records, done.blobs, done.paid) == (1, 1, 0)
-    assert done.size == upkeep.survey(root).size < size
+    assert done.size == maintenance.survey(root).size < size
     assert done.freed == size - done.size
-    done = upkeep.collect(root, 0)
+    done = maintenance.collect(root, 0)
     assert kept(cache, 0)
     assert [kept(cache, number) for number in range(1, 4)] == [False] * 3
-    assert done.size == upkeep.survey(root).size > 0
+    assert done.size == maintenance.survey(root).size > 0
 
 
 def test_what_was_paid_for_goes_last(cache):
@@ -80,11 +80,11 @@ def test_what_was_paid_for_goes_last(cache):
     then = time.time() - OLD
     for path in set(root.glob("*/*/*")) - younger:
         os.utime(path, (then, then))
-    upkeep.collect(root, 5000)
+    maintenance.collect(root, 5000)
     assert not kept(cache, 1)
     assert replies.get("/x") == b"{}" * 1000
     age(cache.store.root)
-    done = upkeep.collect(cache.store.root, 0)
+    done = maintenance.collect(cache.store.root, 0)
     assert (done.records, done.paid) == (1, 1)
     assert replies.get("/x") is None
 
@@ -92,12 +92,12 @@ def test_what_was_paid_for_goes_last(cache):
 def test_what_no_record_names_goes_once_it_is_old(cache):
     root = cache.store.root
     digest = cache.store.put(b"nobody's")
-    assert upkeep.collect(root, 10**9).blobs == 0
+    assert maintenance.collect(root, 10**9).blobs == 0
     age(root)
     assert cache.store.put(b"nobody's") == digest  # a build is about to name it
-    assert upkeep.collect(root, 10**9).blobs == 0
+    assert maintenance.collect(root, 10**9).blobs == 0
     age(root)
-    assert upkeep.collect(root, 10**9).blobs == 1
+    assert maintenance.collect(root, 10**9).blobs == 1
     assert cache.store.get(digest) is None
 
 
@@ -105,12 +105,12 @@ def test_what_is_harmed_is_found_and_made_again(cache):
     root = cache.store.root
     digest = make(cache, 1).digests["own"]
     make(cache, 2)
-    assert upkeep.verify(root) == upkeep.Verified(3, (), 0, 0)
+    assert maintenance.verify(root) == maintenance.Verified(3, (), 0, 0)
     path = root / "cas" / digest[:2] / digest
     path.chmod(0o644)
     path.write_bytes(path.read_bytes()[:-1] + b"?")
-    assert upkeep.verify(root) == upkeep.Verified(3, (digest,), 1, 0)
-    assert upkeep.verify(root) == upkeep.Verified(2, (), 0, 0)
+    assert maintenance.verify(root) == maintenance.Verified(3, (digest,), 1, 0)
+    assert maintenance.verify(root) == maintenance.Verified(2, (), 0, 0)
     fresh = Cache(Store(root))
     assert make(fresh, 1)["own"].startswith(b"1,1,")
     assert kept(fresh, 2)
@@ -121,7 +121,7 @@ def test_an_unreadable_record_is_the_first_to_go(cache):
     broken = cache.store.root / "ac" / "ab" / "broken.json"
     broken.parent.mkdir(exist_ok=True)
     broken.write_text("{")
-    upkeep.collect(cache.store.root, upkeep.survey(cache.store.root).size - 1)
+    maintenance.collect(cache.store.root, maintenance.survey(cache.store.root).size - 1)
     assert not broken.exists()
     assert kept(cache, 1)
 
@@ -132,7 +132,7 @@ def test_a_collection_that_is_killed_leaves_a_cache_that_works(cache):
         for number in range(3):
             make(Cache(Store(root)), number)
         age(root)
-        ended = not killed_at(step, lambda: upkeep.collect(root, 0))
+        ended = not killed_at(step, lambda: maintenance.collect(root, 0))
         fresh = Cache(Store(root))
         for number in range(3):
             assert make(fresh, number)["own"].startswith(b"%d," % number)

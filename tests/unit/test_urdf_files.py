@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from pipeline.plan import Plan
+from pipeline.config.plan import Plan
 from stages.fetch import pinned, preflight
 from stages.fetch.bundle import archive as packing
 from stages.fetch.keys import UrdfKeys

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from pipeline import manifest, place
 from pipeline.errors import ConfigError, InTheWay
-from pipeline.output import FAILED, Output
+from pipeline.output import location, manifest
+from pipeline.output.folder import FAILED, Output
 from tests.kill import killed_at
 
 OURS = b'{"linkwright-report": 1}'
@@ -399,7 +399,7 @@ def test_a_place_that_no_output_can_have_is_refused_with_a_way_out(tmp_path, mon
     taken = {"the source": here / "robots" / "arm" / "arm.urdf"}
     cache = here / ("holds-cache/inside" if folder == "holds-cache" else "cache")
     with pytest.raises(ConfigError, match=told) as caught:
-        place.require_free(Output(folder).target, taken, cache)
+        location.require_free(Output(folder).target, taken, cache)
     assert "output=" in caught.value.hint
     assert sorted(tmp_path.rglob("*")) == before
 

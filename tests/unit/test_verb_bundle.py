@@ -14,7 +14,7 @@ import pytest
 
 from pipeline.build import build
 from pipeline.cli import run
-from pipeline.plan import Plan
+from pipeline.config.plan import Plan
 from tests.e2e.command import robot_files
 from tests.onshape import solids
 from tests.onshape.document import Document

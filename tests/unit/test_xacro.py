@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from pipeline.plan import Plan
+from pipeline.config.plan import Plan
 from stages.fetch import pinned, preflight
 from stages.fetch.keys import UrdfKeys
 from stages.fetch.urdf import expand

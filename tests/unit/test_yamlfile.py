@@ -7,8 +7,8 @@ import os
 import pytest
 import yaml
 
-from pipeline import hydra_files, plain, yamlfile
-from pipeline.compose import compose_plan
+from pipeline.config import hydra_files, plain, yaml_file
+from pipeline.config.compose import compose_plan
 from pipeline.errors import ConfigError
 from pipeline.verbs.bundle import _configured
 from tests.config.users import write
@@ -89,10 +89,10 @@ def test_aliases_and_merges_that_make_sense_are_read(tmp_path):
 def test_what_is_no_yaml_is_its_readers_to_tell(tmp_path):
     file = tmp_path / "x.yaml"
     for text in ("a: [1\n", "a: *nobody\n", "\t: :\n", "&a a: &a b\n"):
-        yamlfile.judge(text, file)
+        yaml_file.judge(text, file)
     file.write_text("a: [1\n")
     with pytest.raises(yaml.YAMLError):
-        yamlfile.read(file)
+        yaml_file.read(file)
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes")

@@ -6,11 +6,11 @@ from typing import Any
 from omegaconf import DictConfig, ListConfig, OmegaConf
 from omegaconf.errors import OmegaConfBaseException
 
+from pipeline.config.hydra_words import RESOLVING, Words, in_words
+from pipeline.config.messages import how_to_give
+from pipeline.config.schema import Place, key_of
+from pipeline.config.yaml_file import DEEPEST, MOST_VALUES
 from pipeline.errors import Diagnostic
-from pipeline.hydra_words import RESOLVING, Words, in_words
-from pipeline.problems import how_to_give
-from pipeline.schema import Place, key_of
-from pipeline.yamlfile import DEEPEST, MOST_VALUES
 
 
 def as_written(node: DictConfig) -> dict[str, Any]:

@@ -9,11 +9,11 @@ from hydra.core.override_parser.overrides_parser import OverridesParser
 from hydra.core.override_parser.types import Glob, QuotedString
 from hydra.errors import HydraException
 
-from pipeline.hydra_node import hydra_text
-from pipeline.hydra_words import READING, in_words
-from pipeline.overrides import Override
-from pipeline.presets import GROUPS, Presets
-from pipeline.trust import DEFAULTS
+from pipeline.config.hydra_node import hydra_text
+from pipeline.config.hydra_words import READING, in_words
+from pipeline.config.overrides import Override
+from pipeline.config.presets import GROUPS, Presets
+from pipeline.config.trust import DEFAULTS
 
 
 class Reading:

@@ -15,7 +15,7 @@ from hydra.plugins.config_source import ConfigResult
 from omegaconf.base import Container
 from omegaconf.errors import InterpolationResolutionError
 
-from pipeline import yamlfile
+from pipeline.config import yaml_file
 
 MOST_RESOLVED = 2000
 """Interpolations that the value of one interpolation may be made of."""
@@ -35,7 +35,7 @@ class FileConfigSource(file_config_source.FileConfigSource):
     def load_config(self, config_path: str) -> ConfigResult:
         path = Path(self.path) / self._normalize_file_name(config_path)
         if path.exists():
-            yamlfile.text(path)
+            yaml_file.text(path)
         return super().load_config(config_path)
 
 

@@ -14,11 +14,13 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
-from pipeline import inway, lock, manifest, room
+from pipeline import disk_space
+from pipeline.caching import lock
+from pipeline.caching.store import sha256, write_tree
 from pipeline.errors import ConfigError, InTheWay, LinkwrightError, OutputError, reason
-from pipeline.manifest import is_folder
-from pipeline.place import absolute
-from pipeline.store import sha256, write_tree
+from pipeline.output import conflicts, manifest
+from pipeline.output.location import absolute
+from pipeline.output.manifest import is_folder
 
 FAILED = ".failed"
 """The suffix of the folder that a failed build leaves its report in."""
@@ -74,7 +76,7 @@ class Output:
             _staging(folder).mkdir()
             _staging(folder).rmdir()
         if kept:
-            self._tell(f"not linkwright's, carried over: {inway.listed(kept)}")
+            self._tell(f"not linkwright's, carried over: {conflicts.listed(kept)}")
 
     def size(self, suffix: str = "") -> int:
         """Bytes of the last build there, 0 where there is none."""
@@ -90,7 +92,7 @@ class Output:
         where there are not as many."""
         with contextlib.ExitStack() as stack:
             with named(self.target):
-                stack.enter_context(room.taken(lock.beside(self.target).parent, size))
+                stack.enter_context(disk_space.taken(lock.beside(self.target).parent, size))
             yield
 
     def publish(
@@ -141,25 +143,25 @@ class Output:
 
     def _judge(self, folder: Path, coming: Iterable[str]) -> list[str]:
         """The paths that will be carried over; ConfigError where something is in the way."""
-        inway.require_folder(folder)
+        conflicts.require_folder(folder)
         if not folder.exists():
             return []
         if not os.access(folder, os.W_OK | os.X_OK):
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-        found = inway.look(folder, coming, self._reader)
+        found = conflicts.look(folder, coming, self._reader)
         if stopped := found.against(self._overwrite):
-            raise ConfigError(inway.told(folder, stopped), "output", inway.ways_out(folder, found))
-        return inway.visible(found.carried)
+            raise ConfigError(conflicts.told(folder, stopped), "output", conflicts.ways_out(folder, found))
+        return conflicts.visible(found.carried)
 
     def _require_free(self, folder: Path, files: Iterable[str]) -> None:
         """InTheWay where the files, all of them known now, would replace what is not linkwright's."""
         try:
-            inway.require_folder(folder)
+            conflicts.require_folder(folder)
         except ConfigError as error:
             raise InTheWay(error.message, error.where, error.hint) from error
-        found = inway.look(folder, files, self._reader)
+        found = conflicts.look(folder, files, self._reader)
         if stopped := found.against(self._overwrite):
-            raise InTheWay(inway.told(folder, stopped), str(folder), inway.ways_out(folder, found))
+            raise InTheWay(conflicts.told(folder, stopped), str(folder), conflicts.ways_out(folder, found))
 
     def _swap(self, folder: Path) -> None:
         """Moves the staged folder in. A folder is only ever removed under the staging name.
@@ -177,7 +179,7 @@ class Output:
         old = _old(folder)
         if not old.exists():
             return
-        found = inway.look(old, manifest.ours(folder) or {}, self._reader)
+        found = conflicts.look(old, manifest.ours(folder) or {}, self._reader)
         moved = [move_aside(old / path, folder, path) for path in found.stopped]
         for path in found.carried:
             if _can_take(folder, path):
@@ -187,7 +189,7 @@ class Output:
         old.rename(_staging(folder))
         self._discard(folder)
         if moved:
-            self._tell(f"was in the way, and is now {inway.listed(map(os.path.relpath, moved))}")
+            self._tell(f"was in the way, and is now {conflicts.listed(map(os.path.relpath, moved))}")
 
     def _mend(self, folder: Path) -> None:
         """Finishes or undoes a swap that was cut short."""
@@ -259,7 +261,7 @@ def move_aside(place: Path, folder: Path, path: str) -> Path:
     """Moves what is at `place` to `path` below `<folder>.replaced`, numbered where that is taken; where
     it is now."""
     to = folder.parent
-    *above, last = (f"{folder.name}{inway.REPLACED}", *PurePosixPath(path).parts)
+    *above, last = (f"{folder.name}{conflicts.REPLACED}", *PurePosixPath(path).parts)
     for name in above:
         to = next(one for one in _numbered(to / name) if is_folder(one) or not os.path.lexists(one))
         to.mkdir(exist_ok=True)

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline.problems import shown
-from pipeline.schema import Place, key_of
+from pipeline.config.messages import shown
+from pipeline.config.schema import Place, key_of
 from stages.robot.errors import Diagnostic
 
 CODE = "E-TRUST"

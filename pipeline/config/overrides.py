@@ -11,8 +11,8 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pipeline import grammar
-from pipeline.problems import nearest
+from pipeline.config import grammar
+from pipeline.config.messages import nearest
 from stages.robot.errors import Diagnostic
 
 CODE = "E-OVERRIDE"

@@ -21,9 +21,9 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 from typing import Any
 
-from pipeline import room
+from pipeline import disk_space
+from pipeline.caching.lock import held
 from pipeline.errors import FULL, CacheError, OutputError, reason
-from pipeline.lock import held
 
 STALE = 24 * 3600.0
 """Age [s] beyond which a file in `tmp/` was left by a process that was killed."""
@@ -150,7 +150,7 @@ class Store:
         """Inside, so many bytes of the disk are taken; CacheError where there are not as many."""
         with contextlib.ExitStack() as stack:
             with self._named("written"):
-                stack.enter_context(room.taken(self._tmp, size))
+                stack.enter_context(disk_space.taken(self._tmp, size))
             yield
 
     def _blob(self, digest: str) -> Path:

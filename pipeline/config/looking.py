@@ -11,12 +11,12 @@ from typing import Any
 
 import yaml
 
-from pipeline.compose import Composed, session
+from pipeline.config.compose import Composed, session
+from pipeline.config.messages import nearest
+from pipeline.config.plain import as_written
+from pipeline.config.schema import Place
 from pipeline.errors import ConfigError
 from pipeline.options import INFO, Command
-from pipeline.plain import as_written
-from pipeline.problems import nearest
-from pipeline.schema import Place
 from pipeline.secrets import Secrets
 
 

@@ -25,7 +25,7 @@ from omegaconf.errors import OmegaConfBaseException
 from pipeline.errors import ConfigError
 from pipeline.interrupt import kept_from_workers
 from pipeline.secrets import Secrets
-from pipeline.sweepfolder import ACCOUNT
+from pipeline.sweep.folder import ACCOUNT
 
 ALONE = "basic"
 """Hydra's launcher that runs one job after the other, in this process."""

@@ -24,7 +24,7 @@ from pipeline.report import Report
 from pipeline.secrets import Secrets
 from stages.graph.view.views import PICTURE, TABLES
 
-STYLE = Path(__file__).with_name("page.css")
+STYLE = Path(__file__).with_name("report.css")
 
 LEVELS = {"error": "Errors", "warning": "Warnings", "info": "For information"}
 

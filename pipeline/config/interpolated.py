@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from pipeline.plan import Plan
-from pipeline.schema import Place, annotation_at
+from pipeline.config.plan import Plan
+from pipeline.config.schema import Place, annotation_at
 from stages.fetch.keys import SOURCES
 
 

@@ -8,7 +8,7 @@ where the source was a workspace, of which no action can be recorded.
 import json
 from typing import TYPE_CHECKING
 
-from pipeline.cache import Action, Cache, Files
+from pipeline.caching.actions import Action, Cache, Files
 from stages.robot.codec import REPLIES
 
 if TYPE_CHECKING:

@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
-from pipeline import manifest
+from pipeline.caching.lock import FOLDER as LOCKS
 from pipeline.errors import ConfigError
-from pipeline.lock import FOLDER as LOCKS
-from pipeline.manifest import Entry, Reader
-from pipeline.place import ELSEWHERE
+from pipeline.output import manifest
+from pipeline.output.location import ELSEWHERE
+from pipeline.output.manifest import Entry, Reader
 from stages.robot.printable import printable
 
 REPLACED = ".replaced"

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.cache import Cache, Files
-from pipeline.plan import Plan
+from pipeline.caching.actions import Cache, Files
+from pipeline.config.plan import Plan
 from stages.robot import codec
 from stages.robot.errors import Diagnostic
 

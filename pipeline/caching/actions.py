@@ -15,9 +15,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from pipeline.caching.store import Store, sha256
 from pipeline.errors import CacheError, ConfigError, reason
 from pipeline.secrets import Secrets
-from pipeline.store import Store, sha256
 
 Mode = Literal["use", "refresh", "bypass"]
 Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]

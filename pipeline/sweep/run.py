@@ -11,18 +11,18 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pipeline.config.overrides import Override
+from pipeline.config.plan import Judge, Plan, says_how
+from pipeline.config.trust import Sweeping
 from pipeline.errors import as_problems, refusal
-from pipeline.outcome import Outcome, built, failed
-from pipeline.overrides import Override
-from pipeline.plan import Judge, Plan, says_how
 from pipeline.preflight import destination
+from pipeline.sweep.outcome import Outcome, built, failed
 from pipeline.terminal import clean
-from pipeline.trust import Sweeping
 from stages.robot.errors import ConfigError, Diagnostic
 from stages.robot.printable import printable
 
 if TYPE_CHECKING:
-    from pipeline.compose import Asked, Composed, Composer
+    from pipeline.config.compose import Asked, Composed, Composer
     from pipeline.report import Report
 
 Build = Callable[[Plan], "Report"]

@@ -10,10 +10,10 @@ from typing import Any
 import yaml
 
 import conf
-from pipeline import yamlfile
-from pipeline.problems import EXPERIMENT, nearest
-from pipeline.schema import Place, key_of
-from pipeline.settle import Choices
+from pipeline.config import yaml_file
+from pipeline.config.choices import Choices
+from pipeline.config.messages import EXPERIMENT, nearest
+from pipeline.config.schema import Place, key_of
 from stages.export.keys import LATER_FORMATS
 from stages.mesh.keys import LATER_COLLIDERS
 from stages.robot.errors import ConfigError, Diagnostic
@@ -204,10 +204,10 @@ class Presets:
         """A file of the user's own that cannot be read as text."""
         for file in (file for folder in self.own for file in sorted((folder / "robot").rglob("*.yaml"))):
             try:
-                yamlfile.text(file)
+                yaml_file.text(file)
             except UnicodeDecodeError:
                 return file
-            except (OSError, yamlfile.RefusedError):
+            except (OSError, yaml_file.RefusedError):
                 continue
         return None
 
@@ -215,7 +215,7 @@ class Presets:
 def content(file: Path) -> dict[str, Any]:
     """What a file holds, read alone; nothing where it cannot be read."""
     try:
-        read = yamlfile.read(file)
+        read = yaml_file.read(file)
     except (OSError, UnicodeDecodeError, yaml.YAMLError):
         return {}
     return read if isinstance(read, dict) else {}

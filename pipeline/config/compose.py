@@ -21,22 +21,22 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
-from pipeline import texts
-from pipeline.draft import Draft
+from pipeline.config import interpolated
+from pipeline.config.choices import settle
+from pipeline.config.hydra_errors import explained
+from pipeline.config.hydra_files import guarded
+from pipeline.config.hydra_node import PRIMARY, HydraNode, hydra_text, searching
+from pipeline.config.hydra_reading import Reading
+from pipeline.config.messages import how_to_give
+from pipeline.config.overrides import Override, read, refused
+from pipeline.config.partial import Draft
+from pipeline.config.plain import plain
+from pipeline.config.plan import Judge, Plan
+from pipeline.config.presets import GROUPS, Presets, chosen, content, stand_in
+from pipeline.config.schema import Place
+from pipeline.config.trust import Sweeping, not_to_say, overridden, targets, untrusted
 from pipeline.errors import ConfigError, Diagnostic, refusal
-from pipeline.hydra_errors import explained
-from pipeline.hydra_files import guarded
-from pipeline.hydra_node import PRIMARY, HydraNode, hydra_text, searching
-from pipeline.hydra_reading import Reading
-from pipeline.overrides import Override, read, refused
-from pipeline.plain import plain
-from pipeline.plan import Judge, Plan
-from pipeline.presets import GROUPS, Presets, chosen, content, stand_in
-from pipeline.problems import how_to_give
-from pipeline.schema import Place
 from pipeline.secrets import Secrets
-from pipeline.settle import settle
-from pipeline.trust import Sweeping, not_to_say, overridden, targets, untrusted
 
 DEFAULT = "robot=sample"
 
@@ -183,7 +183,7 @@ class Composer:
         tree = self._secrets.within(tree)
         formats = tuple(path.removeprefix("export/") for path in paths if path.startswith("export/"))
         settled = settle(tree, self._presets.choices(robot, formats, good, paths))
-        texts.decode(settled, computed)
+        interpolated.decode(settled, computed)
         sweeping = self._node.sweeping(config, draft, settled.get("name"), job)
         for problem in self._params(sweeping.params)[1]:
             draft.add(problem)

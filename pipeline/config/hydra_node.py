@@ -9,13 +9,13 @@ from hydra import compose
 from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig, open_dict
 
-from pipeline.draft import Draft
+from pipeline.config.hydra_errors import explained
+from pipeline.config.overrides import Override
+from pipeline.config.partial import Draft
+from pipeline.config.plain import as_written, at
+from pipeline.config.presets import Presets
+from pipeline.config.trust import CODE, FOLDERS, LAUNCHER, PARAMS, Sweeping, listed
 from pipeline.errors import Diagnostic
-from pipeline.hydra_errors import explained
-from pipeline.overrides import Override
-from pipeline.plain import as_written, at
-from pipeline.presets import Presets
-from pipeline.trust import CODE, FOLDERS, LAUNCHER, PARAMS, Sweeping, listed
 
 PRIMARY = "build"
 

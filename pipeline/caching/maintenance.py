@@ -13,8 +13,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from pipeline.caching.lock import drop
 from pipeline.errors import CacheError
-from pipeline.lock import drop
 
 SPARED = 3600.0
 """Age [s] up to which nothing is removed: a build may be at work with it."""

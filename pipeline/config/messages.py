@@ -7,7 +7,7 @@ from typing import Any, get_args, get_origin
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from pipeline.schema import Place, annotation_at, field_at, is_section, key_of, leaves, names, options
+from pipeline.config.schema import Place, annotation_at, field_at, is_section, key_of, leaves, names, options
 from stages.export.keys import LATER_FORMATS, ExportSection
 from stages.fetch.keys import ADDRESS, SOURCES
 from stages.robot.errors import Diagnostic

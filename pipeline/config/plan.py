@@ -7,8 +7,8 @@ from typing import Any, Literal
 
 from pydantic import Field, ValidationError
 
+from pipeline.config.messages import told
 from pipeline.errors import Diagnostic, refusal
-from pipeline.problems import told
 from stages.export.keys import ExportKeys
 from stages.fetch.keys import FetchKeys
 from stages.graph.keys import GraphKeys

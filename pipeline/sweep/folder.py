@@ -8,17 +8,18 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline import cache, inway, manifest
+from pipeline.caching import actions
+from pipeline.caching.store import sha256
+from pipeline.config.plan import Plan
 from pipeline.errors import ConfigError
-from pipeline.output import move_aside, named
-from pipeline.place import ELSEWHERE, absolute, require_free
-from pipeline.plan import Plan
+from pipeline.output import conflicts, manifest
+from pipeline.output.folder import move_aside, named
+from pipeline.output.location import ELSEWHERE, absolute, require_free
 from pipeline.secrets import Secrets
-from pipeline.store import sha256
 from stages.robot.printable import printable_lines
 
 if TYPE_CHECKING:
-    from pipeline.outcome import Outcome
+    from pipeline.sweep.outcome import Outcome
 
 SUMMARY, ACCOUNT = "summary.json", "multirun.yaml"
 OWN = (SUMMARY, ACCOUNT)
@@ -34,12 +35,12 @@ def prepare(root: Path, plan: Plan, typed: Sequence[str], environ: Mapping[str, 
     """
     with named(root):
         place = absolute(root)
-        require_free(place, {}, cache.folder(plan.cache.dir, environ))
+        require_free(place, {}, actions.folder(plan.cache.dir, environ))
         if manifest.is_build(place):
             raise ConfigError(f"{root} is the folder of a build", "output", ELSEWHERE)
         stopped = _in_the_way(place)
         if stopped and not plan.overwrite:
-            raise ConfigError(inway.told(root, stopped), "output", inway.ways_out(root))
+            raise ConfigError(conflicts.told(root, stopped), "output", conflicts.ways_out(root))
         place.mkdir(parents=True, exist_ok=True)
         for path in stopped:
             move_aside(place / path, place, path)
@@ -62,7 +63,7 @@ def _in_the_way(root: Path) -> dict[str, str]:
     """Of the files that a sweep writes into the folder, those that are there and are not ours: why."""
     own = manifest.ours(root) or dict.fromkeys(OWN if manifest.is_sweep(root) else ())
     others = manifest.others(root, own) if root.is_dir() else ()
-    return {entry.path: inway.why(entry) for entry in others if entry.path in OWN}
+    return {entry.path: conflicts.why(entry) for entry in others if entry.path in OWN}
 
 
 def _runs(root: Path) -> list[dict[str, Any]]:

@@ -4,12 +4,12 @@ import yaml
 from hydra.errors import HydraException, MissingConfigException
 from omegaconf.errors import OmegaConfBaseException
 
+from pipeline.config.hydra_words import COMPOSING, in_words
+from pipeline.config.messages import GLOBAL
+from pipeline.config.presets import GROUPS, Presets
+from pipeline.config.trust import not_to_say
+from pipeline.config.yaml_file import RefusedError
 from pipeline.errors import Diagnostic
-from pipeline.hydra_words import COMPOSING, in_words
-from pipeline.presets import GROUPS, Presets
-from pipeline.problems import GLOBAL
-from pipeline.trust import not_to_say
-from pipeline.yamlfile import RefusedError
 from stages.robot.install import install
 
 HEADER = f"the first line of a robot's file must be: {GLOBAL}"

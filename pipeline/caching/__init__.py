@@ -1,0 +1,1 @@
+"""What was made once from the same inputs is not made again."""
