@@ -65,7 +65,8 @@ ROBOTS: dict[str, tuple[str, str, dict[str, str]]] = {
 def write(folder: Path, name: str, file: str = "robot/mine.yaml") -> None:
     """Puts a hostile robot, or an experiment, and the files that it brings along into a folder."""
     entry, keys, more = ROBOTS[name]
-    defaults = [entry, "override /source: sample"] if entry else ["override /source: sample"]
+    chosen = [] if "/source:" in entry else ["override /source: sample"]
+    defaults = [entry, *chosen] if entry else chosen
     text = "".join(
         ["# @package _global_\n", "defaults:\n", *(f"  - {one}\n" for one in defaults), keys, "\n"]
     )

@@ -191,6 +191,7 @@ class Composer:
         files, command = self._presets.own_files(paths), shlex.join(self._typed)
         places = {problem.where for problem in draft.problems}
         draft.problems += [one for one in overridden(map(content, files)) if one.where not in places]
+        draft.problems += self._presets.chosen_twice(files)
         draft.problems += untrusted(settled, self.reading.trusting(good), files, self._environ, command)
         plan = Plan.parse(settled, draft.problems, unsure=draft.unsure, judge=self._judge)
         return Composed(plan, settled, robot, sweeping, config, computed)

@@ -166,6 +166,20 @@ class Presets:
                 presets[key] = self._section(key, chosen(value)[0])
         return Choices(robot, formats, presets, frozenset(keys))
 
+    def chosen_twice(self, files: Iterable[Path]) -> list[Diagnostic]:
+        """What is wrong with files whose defaults lists override a group more than once: one would count."""
+        found = []
+        for file in files:
+            options: dict[str, list[str]] = {}
+            for group, option in _overridden(content(file).get("defaults")):
+                options.setdefault(group, []).append(option)
+            for group, several in options.items():
+                if len(several) > 1:
+                    msg = f"its defaults list overrides {group} more than once: {', '.join(several)}"
+                    hint = f"keep one line, override /{group}: {several[-1]}"
+                    found.append(Diagnostic("E-OPTION", msg, f"{file.parent.name}/{file.name}", hint))
+        return found
+
     def unknown(self, group: str, option: str) -> Diagnostic:
         """The problem of an option that no file is there for."""
         where, options = f"{group}={option}", self.options(group)

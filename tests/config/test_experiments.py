@@ -194,3 +194,13 @@ def test_what_is_no_number_is_told_as_it_stands_in_the_environment(tmp_path, mon
 def test_text_in_a_file_that_is_no_interpolation_stays_text(tmp_path):
     write(tmp_path, my_arm=f"{SAMPLE}mass: {{density: '900'}}\n")
     assert "E-VALUE mass.density: must be a number (given '900')" in refused(tmp_path, "robot=my_arm")
+
+
+def test_a_file_chooses_one_option_of_a_group(tmp_path):
+    """Hydra takes the first in a robot's file, and the last in an experiment's."""
+    twice = "  - override /source: sample\n  - override /source: urdf\n"
+    write(experiment(tmp_path, e1=f"defaults:\n{twice}"), my_arm=f"# @package _global_\ndefaults:\n{twice}")
+    for typed, file in (("experiment=e1", "experiment/e1.yaml"), ("robot=my_arm", "robot/my_arm.yaml")):
+        told = refused(tmp_path, typed)
+        assert f"E-OPTION {file}: its defaults list overrides source more than once: sample, urdf" in told
+        assert "keep one line, override /source: urdf" in told
