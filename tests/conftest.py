@@ -8,7 +8,7 @@ import os
 import pytest
 from hypothesis import settings
 
-from tests.kit import Kit
+from tests.support.kit import Kit
 
 settings.register_profile("same", derandomize=True, deadline=None)
 settings.register_profile("explore", max_examples=2000, deadline=None)

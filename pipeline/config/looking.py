@@ -96,22 +96,24 @@ def _captured(tell: Callable[[], None]) -> str:
     root = logging.getLogger()
     handlers, level = list(root.handlers), root.level
     stream = io.StringIO()
-    # A sweep in the same process switches off the loggers that were there before it.
-    silent = [logger for logger in _loggers("hydra") if logger.disabled]
-    for logger in silent:
+    # A sweep in the same process quiets Hydra's loggers, and switches off those that were there before it.
+    before = [(logger, logger.disabled, logger.level) for logger in _loggers("hydra")]
+    for logger, *_ in before:
         logger.disabled = False
+        logger.setLevel(logging.NOTSET)
     try:
         with contextlib.redirect_stdout(stream):
             tell()
     finally:
         root.handlers[:] = handlers
         root.setLevel(level)
-        for logger in silent:
-            logger.disabled = True
+        for logger, disabled, own_level in before:
+            logger.disabled = disabled
+            logger.setLevel(own_level)
     return stream.getvalue()
 
 
 def _loggers(package: str) -> list[logging.Logger]:
-    """The loggers of a package that exist."""
-    found = logging.root.manager.loggerDict.values()
-    return [one for one in found if isinstance(one, logging.Logger) and one.name.startswith(f"{package}.")]
+    """The logger of a package and those below it that exist."""
+    below = [name for name in logging.root.manager.loggerDict if name.startswith(f"{package}.")]
+    return [logging.getLogger(name) for name in (package, *below)]

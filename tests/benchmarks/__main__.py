@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from tests.e2e.command import COMMAND, environment
+from tests.support.command import COMMAND, environment
 
 GOALS = {"linkwright --help": 0.25, "a fully cached build": 1.5}
 

@@ -21,11 +21,11 @@ import httpx
 import numpy as np
 
 from tests.benchmarks.many_parts import many_parts
-from tests.e2e.command import COMMAND, environment
-from tests.onshape import solids
-from tests.onshape.document import Document
-from tests.onshape.frames import frame
-from tests.onshape.server import OnshapeServer
+from tests.fake_onshape import solids
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.frames import frame
+from tests.fake_onshape.server import OnshapeServer
+from tests.support.command import COMMAND, environment
 
 PARTS, STUDIOS, LINKS, LATENCY_S = 160, 8, 40, 0.1
 TIME_GOAL, MEMORY_GOAL_GB = 1.7, 0.6

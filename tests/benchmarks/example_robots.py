@@ -25,8 +25,8 @@ from stages.mesh import make_geometry
 from stages.robot.errors import LinkwrightError
 from stages.robot.mujoco_warnings import listening
 from stages.validate import validate
-from tests.building import plan_of
-from tests.urdfs import parity, same_bounds
+from tests.support.building import plan_of
+from tests.support.urdfs import parity, same_bounds
 
 GOAL = 66
 CLOSE = 1e-9

@@ -19,7 +19,7 @@ from stages.robot.codec import decode_robot, encode_robot
 from stages.validate import validate
 from tests.benchmarks.large import PARTS, large
 from tests.benchmarks.shapes import SHAPES
-from tests.building import NO_MESHES, plan_of, write
+from tests.support.building import NO_MESHES, plan_of, write
 
 MODULES = 34
 GOALS = {"seconds": 2.0, "MiB": 500.0, "ratio": 12.0}

@@ -8,10 +8,10 @@ from hashlib import sha256
 import numpy as np
 
 from stages.robot.bundle import Bundle
-from tests.building import bundle_of
-from tests.onshape import solids
-from tests.onshape.document import Document
-from tests.onshape.frames import frame, turn
+from tests.fake_onshape import solids
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.frames import frame, turn
+from tests.support.building import bundle_of
 
 PARTS = 30
 """Of each module."""

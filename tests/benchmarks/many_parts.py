@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from tests.onshape import solids
-from tests.onshape.document import Document
-from tests.onshape.frames import frame, turn
+from tests.fake_onshape import solids
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.frames import frame, turn
 
 PARTS, STUDIOS, LINKS = 120, 8, 30
 TRIANGLES = 600

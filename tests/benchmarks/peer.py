@@ -26,8 +26,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tests.benchmarks.many_parts import LINKS, PARTS, STUDIOS, many_parts
-from tests.e2e.command import COMMAND, environment
-from tests.onshape.server import OnshapeServer
+from tests.fake_onshape.server import OnshapeServer
+from tests.support.command import COMMAND, environment
 
 PEER = "onshape-to-robot==1.8.3"
 LATENCY_S = 0.1

@@ -4,7 +4,7 @@ Runs that tool on the local server, on a document that has all its prefixes, for
 compares them with our robot: masses, centres of mass, inertia, axes and frames at many values of the
 joints. Ends with exit status 1 where they differ by more than its six digits. `--peer
 COMMAND` (or ONSHAPE_TO_ROBOT) names an installed peer; else it is installed into a folder of its own.
-`--keep` writes its files to tests/unit/peer_output, where unit tests read them.
+`--keep` writes its files to tests/unit/graph/onshape/peer_output, where unit tests read them.
 """
 
 import argparse
@@ -18,13 +18,14 @@ from pathlib import Path
 import numpy as np
 
 from tests.benchmarks.peer import install
-from tests.building import plan_of, robot_of
-from tests.e2e.command import environment
-from tests.onshape.prefixed import LIKE_THEIRS, prefixed
-from tests.onshape.server import OnshapeServer
-from tests.peer_robots import differences, of_mjcf, of_urdf, ours
+from tests.fake_onshape.prefixed import LIKE_THEIRS, prefixed
+from tests.fake_onshape.server import OnshapeServer
+from tests.support.building import plan_of, robot_of
+from tests.support.command import environment
+from tests.support.peer_robots import differences, of_mjcf, of_urdf, ours
+from tests.support.places import PROJECT
 
-KEPT = Path(__file__).parents[1] / "unit" / "peer_output"
+KEPT = PROJECT / "tests/unit/graph/onshape/peer_output"
 FILES = {"urdf": "robot.urdf", "mujoco": "robot.xml"}
 CLOSE = 1e-5
 """What six printed digits leave of a length below 1 m, or of a number relative to itself."""

@@ -9,9 +9,9 @@ from itertools import pairwise
 import numpy as np
 
 from stages.robot.bundle import Bundle
-from tests.building import bundle_of
-from tests.onshape import solids
-from tests.onshape.document import Document
+from tests.fake_onshape import solids
+from tests.fake_onshape.document import Document
+from tests.support.building import bundle_of
 
 Point = tuple[float, float, float]
 AXES = {"xAxis": [1.0, 0.0, 0.0], "yAxis": [0.0, 1.0, 0.0], "zAxis": [0.0, 0.0, 1.0]}

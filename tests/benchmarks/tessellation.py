@@ -18,10 +18,10 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.onshape import solids
-from tests.onshape.document import Document
-from tests.onshape.frames import frame, turn
-from tests.onshape.replies import Replies
+from tests.fake_onshape import solids
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.frames import frame, turn
+from tests.fake_onshape.replies import Replies
 
 SIZES = {"20 parts of 600": (20, 600), "60 parts of 1500": (60, 1500), "1 part of 100000": (1, 100_000)}
 _FACES = "tessellatedfaces?outputFaceAppearances=true&outputFacetNormals=false&outputIndexTable="

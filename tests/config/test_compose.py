@@ -5,7 +5,7 @@ import pytest
 from pipeline.config.compose import compose_plan
 from pipeline.preflight import beforehand
 from stages.robot.errors import ConfigError
-from tests.config.users import MY_ARM, URL, write
+from tests.support.users import MY_ARM, URL, write
 
 
 def plan(folder, *arguments, config_dirs=()):

@@ -6,7 +6,7 @@ from pipeline.cli import run
 from pipeline.config.compose import compose_plan
 from pipeline.report import Report
 from stages.robot.errors import ConfigError
-from tests.config.users import write
+from tests.support.users import write
 
 GLOBAL = "# @package _global_\n"
 SAMPLE = f"{GLOBAL}defaults:\n  - override /source: sample\n"

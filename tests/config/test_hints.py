@@ -10,7 +10,7 @@ import pytest
 from pipeline.config.compose import compose_plan
 from pipeline.options import UsageError, parse
 from stages.robot.errors import ConfigError
-from tests.config.users import URL, write
+from tests.support.users import URL, write
 
 GLOBAL = "# @package _global_\n"
 SAMPLE = f"{GLOBAL}defaults:\n  - override /source: sample\n"

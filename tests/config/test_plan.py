@@ -7,7 +7,7 @@ from pipeline.config.schema import leaves
 from stages.graph.keys import GraphKeys
 from stages.mesh.keys import MeshKeys
 from stages.robot.errors import ConfigError
-from tests.config.users import URL
+from tests.support.users import URL
 
 SAMPLE = {"kind": "sample"}
 ONSHAPE = {"kind": "onshape", "url": URL}

@@ -1,6 +1,7 @@
 """What the README shows is what a user gets: its YAML, its commands, the sample's tree and picture.
 
-The picture anew: `linkwright until=graph`, and outputs/sample.graph/graph.svg is tests/onshape/sample.svg.
+To make the picture: `linkwright until=graph`; outputs/sample.graph/graph.svg is
+tests/fake_onshape/sample.svg.
 """
 
 import re
@@ -16,12 +17,12 @@ from stages.graph.view.outline import outline
 from stages.graph.view.picture import draw
 from stages.robot.keys import Keys
 from stages.robot.model import Robot
-from tests.building import plan_of, robot_of
-from tests.config.users import URL, write
-from tests.onshape.sample import sample_document
+from tests.fake_onshape.sample import sample_document
+from tests.support.building import plan_of, robot_of
+from tests.support.places import PROJECT
+from tests.support.users import URL, write
 
-TOP = Path(__file__).resolve().parents[2]
-README = (TOP / "README.md").read_text().replace("https://cad.onshape.com/documents/.../w/.../e/...", URL)
+README = (PROJECT / "README.md").read_text().replace("https://cad.onshape.com/documents/.../w/.../e/...", URL)
 BLOCK = re.compile(r"(?:^<!-- (\w+) -->\n)?^( *)```(\w*)\n(.*?)^ *```$", re.DOTALL | re.MULTILINE)
 HEADER = "# @package _global_\n"
 FROM_SAMPLE = f"{HEADER}defaults: [{{override /source: sample}}]\n"
@@ -112,5 +113,5 @@ def test_the_tree_is_that_of_the_sample() -> None:
 
 def test_the_picture_is_that_of_the_sample() -> None:
     noise = re.compile(r"[\d.]+e-\d+")  # a residual, which is all rounding
-    ours = (TOP / "tests" / "onshape" / "sample.svg").read_text()
+    ours = (PROJECT / "tests" / "onshape" / "sample.svg").read_text()
     assert noise.sub("0", ours) == noise.sub("0", draw(the_sample()).decode())

@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from stages.robot.install import OPTIONAL, install
+from tests.support.places import PROJECT
 
-TOP = Path(__file__).resolve().parents[2]
-FLOORS = runpy.run_path(str(TOP / ".ci" / "floors.py"))
+FLOORS = runpy.run_path(str(PROJECT / ".ci" / "floors.py"))
 REQUIREMENTS = sorted(set(FLOORS["requirements"]()))
 BOUNDED = re.compile(r"[\w.-]+>=(\d+)\.([\d.]+),<(\d+)(?:\.(\d+))?")
 PAIRED = ("hydra-core", "omegaconf")
@@ -43,12 +43,12 @@ def test_hints_install_what_the_extras_do() -> None:
 
 def test_nothing_that_a_user_reads_asks_for_an_extra_by_our_name() -> None:
     """pip finds `linkwright[urdf]` on an index alone; a wheel or a checkout in hand is none."""
-    ours = [TOP / "README.md", *(one for room in ("conf", "pipeline", "stages") for one in texts(room))]
+    ours = [PROJECT / "README.md", *(one for room in ("conf", "pipeline", "stages") for one in texts(room))]
     assert [one for one in ours if "linkwright[" in one.read_text()] == []
 
 
 def texts(room: str) -> list[Path]:
-    return [one for one in (TOP / room).rglob("*") if one.suffix in (".py", ".yaml", ".md")]
+    return [one for one in (PROJECT / room).rglob("*") if one.suffix in (".py", ".yaml", ".md")]
 
 
 def test_shown_commands_install_what_the_extras_do() -> None:
@@ -57,7 +57,7 @@ def test_shown_commands_install_what_the_extras_do() -> None:
 
 
 def test_no_test_fails_where_pinocchio_is_not_installed() -> None:
-    """It has no wheel for every Python: tests take it from `tests.pinocchio`, which skips them there."""
-    files = [one for one in (TOP / "tests").rglob("*.py") if "benchmarks" not in one.parts]
+    """Not every Python has a wheel of it: `tests.support.pinocchio` skips tests there."""
+    files = [one for one in (PROJECT / "tests").rglob("*.py") if "benchmarks" not in one.parts]
     imports = re.compile(r"^\s*(import|from) pinocchio\b", re.MULTILINE)
     assert [one.name for one in files if imports.search(one.read_text())] == []

@@ -11,9 +11,9 @@ from pipeline.config.compose import compose_plan, session
 from pipeline.config.trust import listed
 from pipeline.report import Report
 from stages.robot.errors import ConfigError
-from tests.config.users import write
-from tests.hostile import CODE, MARK, ROBOTS
-from tests.hostile import write as hostile
+from tests.support.hostile import CODE, MARK, ROBOTS
+from tests.support.hostile import write as hostile
+from tests.support.users import write
 
 SAMPLE = "# @package _global_\ndefaults:\n  - override /source: sample\n"
 URDF = "# @package _global_\ndefaults:\n  - override /source: urdf\nsource: {path: x.xacro, trust: true}\n"

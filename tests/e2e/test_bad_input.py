@@ -7,12 +7,12 @@ from pathlib import Path
 
 import pytest
 
-from tests.e2e.command import environment, linkwright, tree
-from tests.onshape import solids
-from tests.onshape.bundle import bundle_bytes
-from tests.onshape.document import Document
-from tests.onshape.sample import sample_document
-from tests.onshape.server import OnshapeServer
+from tests.fake_onshape import solids
+from tests.fake_onshape.bundle import bundle_bytes
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.sample import sample_document
+from tests.fake_onshape.server import OnshapeServer
+from tests.support.command import environment, linkwright, tree
 
 WEB = "https://cad.onshape.com/documents/" + "a" * 24 + "/w/" + "b" * 24 + "/e/" + "c" * 24
 

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.config.users import MY_ARM, write
-from tests.e2e.command import COMMAND, environment, linkwright
-from tests.e2e.terminal import Terminal
+from tests.support.command import COMMAND, environment, linkwright
+from tests.support.terminal import Terminal
+from tests.support.users import MY_ARM, write
 
 START = {
     "bash": ["bash", "-i"],

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.e2e.command import environment, linkwright, tree
-from tests.mjcfs import model
+from tests.support.command import environment, linkwright, tree
+from tests.support.mjcfs import model
 
 pytestmark = pytest.mark.slow
 
@@ -170,7 +170,7 @@ def test_an_interrupt_while_a_guest_works_leaves_nothing(tmp_path):
     import subprocess
     import time
 
-    from tests.e2e.command import COMMAND
+    from tests.support.command import COMMAND
 
     (tmp_path / "r.xacro").write_text(
         f'<robot {XMLNS} name="r"><link name="${{python.sum(python.range(10**12))}}"/></robot>'

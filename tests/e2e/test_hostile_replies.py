@@ -12,10 +12,10 @@ from pathlib import Path
 
 import pytest
 
-from tests.e2e.command import COMMAND, environment
-from tests.faulty import desk
-from tests.onshape.faults import Fault
-from tests.onshape.server import OnshapeServer
+from tests.fake_onshape.faults import Fault
+from tests.fake_onshape.server import OnshapeServer
+from tests.support.command import COMMAND, environment
+from tests.support.faulty import desk
 
 resource = pytest.importorskip("resource")
 pytestmark = pytest.mark.slow

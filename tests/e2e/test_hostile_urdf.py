@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.e2e.command import linkwright, tree
+from tests.support.command import linkwright, tree
 
 ENTITIES = "".join(f'<!ENTITY l{i} "{f"&l{i - 1};" * 10}">' for i in range(1, 12))
 LAUGHS = f'<!DOCTYPE r [<!ENTITY l0 "lol">{ENTITIES}]>'

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.e2e.command import environment, linkwright, tree
-from tests.hostile import CODE, ROBOTS, write
+from tests.support.command import environment, linkwright, tree
+from tests.support.hostile import CODE, ROBOTS, write
 
 WAYS = {
     "single": ["robot=mine"],

@@ -5,9 +5,9 @@ from pathlib import Path
 import pytest
 import yaml
 
-from tests.config.users import write
-from tests.e2e.command import COMMAND, environment
-from tests.e2e.terminal import Terminal
+from tests.support.command import COMMAND, environment
+from tests.support.terminal import Terminal
+from tests.support.users import write
 
 ROBOT = """\
 # @package _global_

@@ -7,10 +7,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from tests.e2e.command import linkwright, robot_files, tree
-from tests.mjcfs import body, model, written
+from tests.support.command import linkwright, robot_files, tree
+from tests.support.mjcfs import body, model, written
+from tests.support.places import SHARED
 
-SO101 = Path(__file__).parents[3] / "shared/data/robots/so101/Simulation/SO101"
+SO101 = SHARED / "data/robots/so101/Simulation/SO101"
 REAL = pytest.mark.skipif(not SO101.exists(), reason="needs the real robots in ../shared")
 
 

@@ -15,9 +15,9 @@ from stages.robot.errors import Disconnected
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Configuration, Robot
 from stages.robot.poses import inverse
-from tests.building import plan_of, write
-from tests.engines import Mujoco, Pinocchio
-from tests.recorded import (
+from tests.support.building import plan_of, write
+from tests.support.engines import Mujoco, Pinocchio
+from tests.support.recorded import (
     KBOT,
     bundle_in,
     definition_in,

@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from tests.e2e.command import environment, linkwright
-from tests.faulty import CALLS, desk
-from tests.onshape.faults import Fault
-from tests.onshape.server import OnshapeServer
+from tests.fake_onshape.faults import Fault
+from tests.fake_onshape.server import OnshapeServer
+from tests.support.command import environment, linkwright
+from tests.support.faulty import CALLS, desk
 
 
 @pytest.mark.parametrize(

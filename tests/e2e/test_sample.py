@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.e2e.command import COMMAND, environment, linkwright, robot_files
-from tests.onshape.sample import sample_document
-from tests.onshape.server import OnshapeServer
+from tests.fake_onshape.sample import sample_document
+from tests.fake_onshape.server import OnshapeServer
+from tests.support.command import COMMAND, environment, linkwright, robot_files
 
 
 def report(folder: Path) -> dict:

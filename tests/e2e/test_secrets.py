@@ -14,11 +14,11 @@ from urllib.parse import quote
 
 import pytest
 
-from tests.e2e.command import environment, linkwright
-from tests.onshape import solids
-from tests.onshape.document import Document
-from tests.onshape.sample import sample_document
-from tests.onshape.server import Fault, OnshapeServer
+from tests.fake_onshape import solids
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.sample import sample_document
+from tests.fake_onshape.server import Fault, OnshapeServer
+from tests.support.command import environment, linkwright
 
 ACCESS, SECRET, TOKEN = (
     "AkZq7Distinct0Access1Key",

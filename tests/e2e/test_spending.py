@@ -9,9 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.e2e.command import COMMAND, environment, linkwright
-from tests.onshape.sample import sample_document
-from tests.onshape.server import Fault, OnshapeServer
+from tests.fake_onshape.sample import sample_document
+from tests.fake_onshape.server import Fault, OnshapeServer
+from tests.support.command import COMMAND, environment, linkwright
 
 STUDIOS = 4
 

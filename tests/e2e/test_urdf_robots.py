@@ -16,15 +16,16 @@ from stages.robot.geometry import Geometry
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Robot
 from stages.validate import validate
-from tests.building import bundle_of, plan_of
-from tests.e2e.command import linkwright
-from tests.engines import Mujoco
-from tests.onshape.document import Document
-from tests.onshape.prefixed import prefixed
-from tests.onshape.sample import sample_document
-from tests.urdfs import parity, same_bounds
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.prefixed import prefixed
+from tests.fake_onshape.sample import sample_document
+from tests.support.building import bundle_of, plan_of
+from tests.support.command import linkwright
+from tests.support.engines import Mujoco
+from tests.support.places import SHARED
+from tests.support.urdfs import parity, same_bounds
 
-ROBOTS = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "robots"
+ROBOTS = SHARED / "data" / "robots"
 EXACT = 1e-9
 FILES = {
     "so101": "so101/Simulation/SO101/so101_new_calib.urdf",

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from tests.e2e.command import environment, linkwright, robot_files
+from tests.support.command import environment, linkwright, robot_files
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 MESH = '<geometry><mesh filename="package://arm/meshes/a.stl" scale="1 -1 1"/></geometry>'

@@ -9,8 +9,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from stages.robot.errors import SourceError
-from tests.faulty import CALLS, DECLINED, FINAL, PASSING, Fetching, desk, reference
-from tests.onshape.server import OnshapeServer
+from tests.fake_onshape.server import OnshapeServer
+from tests.support.faulty import CALLS, DECLINED, FINAL, PASSING, Fetching, desk, reference
 
 DOCUMENT = desk()
 # Where triangles are declined glTF stands in, which is another robot: the matrix has those.

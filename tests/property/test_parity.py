@@ -20,11 +20,11 @@ from stages.graph.dofs import conjugate
 from stages.robot.codec import decode_robot, encode_robot
 from stages.robot.model import Configuration, Joint, Robot, Value
 from stages.validate import validate
-from tests.building import plan_of, robot_of, write
-from tests.engines import Mujoco, Pinocchio
-from tests.onshape.document import Document
-from tests.onshape.random_document import documents
-from tests.onshape.truth import Truth
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.random_document import documents
+from tests.fake_onshape.truth import Truth
+from tests.support.building import plan_of, robot_of, write
+from tests.support.engines import Mujoco, Pinocchio
 
 TOLERANCE = 1e-9
 

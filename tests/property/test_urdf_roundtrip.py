@@ -15,11 +15,11 @@ from hypothesis import strategies as st
 from stages.robot.inertia import moved
 from stages.robot.model import Robot
 from stages.validate import validate
-from tests.building import plan_of, write
-from tests.engines import Mujoco, Pinocchio
-from tests.pinocchio import pin
-from tests.random_urdf import urdfs
-from tests.urdfs import parity, relative, same_bounds, urdf_robot
+from tests.support.building import plan_of, write
+from tests.support.engines import Mujoco, Pinocchio
+from tests.support.pinocchio import pin
+from tests.support.random_urdf import urdfs
+from tests.support.urdfs import parity, relative, same_bounds, urdf_robot
 
 TOLERANCE = 1e-9
 slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}

@@ -3,7 +3,6 @@
 import ast
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,9 +15,9 @@ from stages.graph.tree import spanning_tree
 from stages.robot.diagnostics import Notes
 from stages.robot.errors import Diagnostic, Disconnected
 from stages.robot.model import Provenance
-from tests.robots import joint, robot_with
+from tests.support.places import PROJECT
+from tests.support.robots import joint, robot_with
 
-TOP = Path(__file__).resolve().parents[2]
 CODE = re.compile(r"""["']([EWI]-[A-Z][A-Z0-9-]*)["']""")
 ROW = re.compile(r"^\| `([EWI]-[A-Z0-9-]+)` \| (.+?) \| (.+?) \| (.+?) \|$")
 MAKERS = ("tell", "Diagnostic")
@@ -28,8 +27,8 @@ def spoken() -> dict[str, set[str]]:
     """Every code in the source, and the top-level packages and stages that say it."""
     found: dict[str, set[str]] = {}
     for package in ("pipeline", "stages"):
-        for file in sorted((TOP / package).rglob("*.py")):
-            parts = file.relative_to(TOP).parts
+        for file in sorted((PROJECT / package).rglob("*.py")):
+            parts = file.relative_to(PROJECT).parts
             place = parts[1] if parts[0] == "stages" else parts[0]
             for code in CODE.findall(file.read_text()):
                 found.setdefault(code, set()).add(place)
@@ -37,7 +36,7 @@ def spoken() -> dict[str, set[str]]:
 
 
 def written() -> list[tuple[str, str, str, str]]:
-    lines = (TOP / "stages" / "DIAGNOSTICS.md").read_text().splitlines()
+    lines = (PROJECT / "stages" / "DIAGNOSTICS.md").read_text().splitlines()
     return [match.groups() for line in lines if (match := ROW.match(line))]
 
 
@@ -88,15 +87,15 @@ def test_each_row_says_where_it_is_told_what_it_means_and_what_to_do() -> None:
 
 def test_every_error_and_warning_of_a_stage_has_a_place_and_a_hint() -> None:
     lacking, seen = [], set()
-    for file in sorted((TOP / "stages").rglob("*.py")):
+    for file in sorted((PROJECT / "stages").rglob("*.py")):
         source = file.read_text()
         seen |= {code for _, code, _ in told(source)}
         # Of what a URDF says wrong, one table has the hints of those that have none of their own.
-        known = HINTS if file.is_relative_to(TOP / "stages/formats/urdf") else {}
+        known = HINTS if file.is_relative_to(PROJECT / "stages/formats/urdf") else {}
         found = incomplete(source, 3)
-        if file == TOP / "stages/export/urdf/model.py":  # in its own `tell` the place is the file itself
+        if file == PROJECT / "stages/export/urdf/model.py":  # in its own `tell` the place is the file itself
             found = incomplete(source, 2)
-        lacking += [(file.relative_to(TOP), *one) for one in found if one[1] not in known]
+        lacking += [(file.relative_to(PROJECT), *one) for one in found if one[1] not in known]
     assert lacking == []
     assert seen == {code for code, places in spoken().items() if places != {"pipeline"}}
 
@@ -115,7 +114,7 @@ def test_what_lacks_a_place_or_a_hint_is_found() -> None:
 def test_the_table_is_in_order_and_the_readme_leads_to_it() -> None:
     codes = [code for code, *_ in written()]
     assert codes == sorted(codes, key=lambda code: ("EWI".index(code[0]), code))
-    assert "stages/DIAGNOSTICS.md" in (TOP / "README.md").read_text()
+    assert "stages/DIAGNOSTICS.md" in (PROJECT / "README.md").read_text()
 
 
 @pytest.mark.parametrize(("kind", "place"), [("GEAR", "in Onshape"), ("MIMIC", "in the file")])

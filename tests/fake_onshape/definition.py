@@ -1,0 +1,216 @@
+"""The assembly definition of a document, in the shapes of Onshape's v16 and v17."""
+
+import random
+
+from tests.fake_onshape import settings
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.elements import Connector, Group, Mate, Relation
+from tests.fake_onshape.mates import FREEDOMS, SWAPPABLE, bounds
+
+
+def definition(document: Document, *, configuration="default", shuffle=None, swap=(), limits=True):
+    """The definition as plain data.
+
+    `shuffle`: a seed that reorders instances, occurrences, features, patterns and parts (they mean the same).
+    `swap`: names of mates whose two entities change places; their values are inverted and their limits
+    change sign. ValueError where that is another mate (one with a slide across the turn's axis).
+    `limits`: False leaves limits out, as recordings of versions before v17 do.
+    """
+    return _Writer(document, configuration, shuffle, frozenset(swap), limits).write()
+
+
+class _Writer:
+    def __init__(self, document, configuration, shuffle, swap, limits):
+        self.document, self.configuration, self.swap, self.limits = document, configuration, swap, limits
+        self.random = None if shuffle is None else random.Random(shuffle)
+
+    def write(self):
+        root = self.document.root
+        poses = self.document.truth.poses()
+        occurrences = [
+            {
+                "path": list(path),
+                "transform": [float(number) for number in poses[path].ravel()],
+                "fixed": place.instance.fixed or path in self.document.truth.tree.held,
+                "hidden": place.instance.hidden,
+            }
+            for path, place in self.document.truth.places.items()
+        ]
+        written = {**self._assembly(root, self.configuration), "occurrences": self._shuffled(occurrences)}
+        values = settings.values(self.document.parameters, self.configuration)
+        written["fullConfiguration"] = settings.text_of(values) if values else self.configuration
+        return {
+            "rootAssembly": written,
+            "subAssemblies": self._shuffled(
+                [self._assembly(assembly, configuration) for assembly, configuration in self._subassemblies()]
+            ),
+            "parts": self._shuffled([self._part(part, setting) for part, setting in self._parts()]),
+            "partStudioFeatures": [],
+        }
+
+    def _places(self):
+        return [place.instance for place in self.document.truth.places.values()]
+
+    def _subassemblies(self):
+        used = {
+            (i.source.element, i.configuration): (i.source, i.configuration)
+            for i in self._places()
+            if not i.is_part
+        }
+        return list(used.values())
+
+    def _parts(self):
+        used = {
+            (i.source.studio.element, i.source.id, i.configuration): (i.source, i.configuration)
+            for i in self._places()
+            if i.is_part
+        }
+        return list(used.values())
+
+    def _assembly(self, assembly, configuration):
+        patterns = assembly.patterns
+        return {
+            **_address(assembly, configuration),
+            "instances": self._shuffled([self._instance(instance) for instance in assembly.instances]),
+            "features": self._shuffled([self._feature(feature) for feature in assembly.features]),
+            "patterns": self._shuffled([_pattern(one) for one in patterns if one.type != "MIRROR"]),
+            "parametricInstances": self._shuffled([_mirror(one) for one in patterns if one.type == "MIRROR"]),
+        }
+
+    @staticmethod
+    def _instance(instance):
+        record = {"id": instance.id, "name": instance.name, "suppressed": instance.suppressed}
+        if instance.is_part:
+            part = instance.source
+            record |= {"type": "Part", "partId": part.id, "isStandardContent": False}
+            return record | _address(part.studio, instance.configuration)
+        return record | {"type": "Assembly"} | _address(instance.source, instance.configuration)
+
+    @staticmethod
+    def _part(part, configuration):
+        record = {
+            "partId": part.id,
+            "bodyType": part.body,
+            "isStandardContent": False,
+            **_address(part.studio, configuration),
+        }
+        if part.connectors:
+            record["mateConnectors"] = [
+                {"featureId": feature, "mateConnectorCS": _axes(frame)}
+                for feature, frame in part.connectors.items()
+            ]
+        return record
+
+    def _feature(self, feature):
+        kinds = {
+            Mate: ("mate", self._mate),
+            Relation: ("mateRelation", self._relation),
+            Group: ("mateGroup", self._group),
+            Connector: ("mateConnector", self._connector),
+        }
+        kind, write = kinds[type(feature)]
+        data = {"name": feature.name, **write(feature)}
+        suppressed = getattr(feature, "suppressed", False)
+        return {"id": feature.id, "featureType": kind, "suppressed": suppressed, "featureData": data}
+
+    def _mate(self, mate):
+        entities, limits = mate.entities, bounds(mate.type, mate.limits)
+        if mate.name in self.swap:
+            if mate.type not in SWAPPABLE:
+                msg = f"{mate.name!r}, a {mate.type}, is another mate with its entities swapped"
+                raise ValueError(msg)
+            entities = entities[::-1]
+            if mate.type != "BALL":  # a cone is the same from either side
+                limits = [[None if end is None else -end for end in pair[::-1]] for pair in limits]
+        made = {
+            "mateType": mate.type,
+            "mateLimits": {
+                name: float(end)
+                for freedom, pair in zip(FREEDOMS[mate.type], limits, strict=True)
+                for name, end in zip(freedom.limit_names, pair, strict=True)
+                if end is not None
+            },
+            "matedEntities": [
+                {
+                    "matedOccurrence": list(occurrence.path),
+                    "matedCS": _axes(frame),
+                    "mateConnectorCS": _axes(frame),
+                }
+                for occurrence, frame in entities[: 1 if mate.broken else 2]
+            ],
+        }
+        if not self.limits:
+            del made["mateLimits"]
+            for entity in made["matedEntities"]:
+                del entity["mateConnectorCS"]
+        return made
+
+    def _relation(self, relation):
+        # Both coordinates of one swapped mate change sign, so that a screw stays what it is.
+        swapped = len(relation.mates) == 2 and sum(mate.name in self.swap for _, mate in relation.mates) == 1
+        return {
+            "relationType": relation.type,
+            "relationLength" if relation.by_length else "relationRatio": float(relation.amount),
+            "reverseDirection": relation.reverse != swapped,
+            "mates": [
+                {"featureId": mate.id, "occurrence": list(owner.path)} for owner, mate in relation.mates
+            ],
+        }
+
+    @staticmethod
+    def _group(group):
+        return {"occurrences": [{"occurrence": list(occurrence.path)} for occurrence, _ in group.members]}
+
+    @staticmethod
+    def _connector(connector):
+        return {"occurrence": list(connector.occurrence.path), "mateConnectorCS": _axes(connector.frame)}
+
+    def _shuffled(self, records):
+        if self.random is not None:
+            self.random.shuffle(records)
+        return records
+
+
+def _address(element, configuration):
+    home = element.home
+    address = {
+        "documentId": home.id,
+        "elementId": element.element,
+        "documentMicroversion": home.microversion,
+        "configuration": configuration,
+        "fullConfiguration": configuration,
+    }
+    if home.linked:
+        address["documentVersion"] = home.version
+    return address
+
+
+def _pattern(pattern):
+    return {
+        "id": pattern.id,
+        "type": pattern.type,
+        "name": pattern.name,
+        "suppressed": False,
+        "seedToPatternInstances": {
+            seed.last.id: [copy.last.id for copy in copies]
+            for seed, copies in zip(pattern.seeds, pattern.copies, strict=True)
+        },
+    }
+
+
+def _mirror(pattern):
+    return {
+        "id": pattern.id,
+        "type": "Mirror",
+        "name": pattern.name,
+        "suppressed": False,
+        "children": [
+            {"instanceIds": [copy.last.id for copy in copies], "seedOccurrence": seed.last.id}
+            for seed, copies in zip(pattern.seeds, pattern.copies, strict=True)
+        ],
+    }
+
+
+def _axes(frame):
+    columns = {"xAxis": frame[:3, 0], "yAxis": frame[:3, 1], "zAxis": frame[:3, 2], "origin": frame[:3, 3]}
+    return {name: [float(number) for number in column] for name, column in columns.items()}

@@ -1,0 +1,1 @@
+"""What several tests share: how robots are built, read back and broken."""

@@ -1,0 +1,48 @@
+"""From a document of the local Onshape to a robot and its files, without touching a cache."""
+
+from pathlib import Path
+from typing import Any
+
+from pipeline.config.plan import Plan
+from stages.export import Exported, export
+from stages.fetch.bundle.archive import read
+from stages.fetch.onshape.gather import gather
+from stages.fetch.onshape.recorded import Recorded
+from stages.graph import build_robot
+from stages.robot.bundle import Bundle
+from stages.robot.geometry import Geometry
+from stages.robot.model import Robot
+from tests.fake_onshape.bundle import bundle_bytes
+from tests.fake_onshape.document import Document
+
+NO_MESHES = Geometry((), {})
+
+
+def plan_of(**keys: Any) -> Plan:
+    """A plan of the sample source with these keys; `scene__pose={...}` stands for scene.pose."""
+    tree: dict[str, Any] = {"name": "robot", "source": {"kind": "sample"}}
+    for key, value in keys.items():
+        *above, last = key.split("__")
+        branch = tree
+        for step in above:
+            branch = branch.setdefault(step, {})
+        branch[last] = value
+    return Plan.parse(tree)
+
+
+def bundle_of(document: Document, **options: Any) -> Bundle:
+    """The bundle that a fetch of this document gives."""
+    return gather(Recorded(read(bundle_bytes(document, **options), "document"), "document"))
+
+
+def robot_of(document: Document, plan: Plan | None = None, **options: Any) -> Robot:
+    return build_robot(bundle_of(document, **options), plan or plan_of())
+
+
+def write(robot: Robot, folder: Path, plan: Plan | None = None, geometry: Geometry = NO_MESHES) -> Exported:
+    """Exports into `folder`."""
+    exported = export(robot, geometry, plan or plan_of())
+    for name, data in exported.files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(data)
+    return exported

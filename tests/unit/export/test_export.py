@@ -1,0 +1,129 @@
+"""What the files say, read back by the engines that will use them."""
+
+import math
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from stages.export.start_pose import starting_point
+from stages.formats.xml import parse
+from stages.robot.kinematics import saved_configuration
+from stages.validate.engines.ability import reads_mimic
+from tests.fake_onshape.frames import frame, turn
+from tests.support.building import plan_of, robot_of, write
+from tests.support.engines import Mujoco, Pinocchio
+from tests.support.kit import SIDE, TOP, Kit
+
+
+def two_links(kit: Kit, **more: object) -> None:
+    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
+    kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, **more)
+
+
+def test_limits_effort_and_damping_arrive_in_both_files(kit: Kit, tmp_path: Path) -> None:
+    two_links(kit, limits=(-0.5, 1.5))
+    joints = {"elbow": {"effort": 12, "velocity": 6, "damping": 0.1, "friction": 0.02, "armature": 0.01}}
+    exported = write(robot_of(kit.document, plan_of(joints=joints)), tmp_path)
+    assert [d.code for d in exported.diagnostics] == ["I-URDF-ARMATURE"]
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    elbow = model.joint("elbow")
+    assert list(elbow.range) == [-0.5, 1.5]
+    assert list(model.jnt_actfrcrange[elbow.id]) == [-12, 12]
+    assert (elbow.damping[0], elbow.frictionloss[0], elbow.armature[0]) == (0.1, 0.02, 0.01)
+    limit = parse(exported.files["robot.urdf"]).find("joint/limit")
+    assert dict(limit.attrib) == {"lower": "-0.5", "upper": "1.5", "effort": "12", "velocity": "6"}
+    dynamics = parse(exported.files["robot.urdf"]).find("joint/dynamics")
+    assert dict(dynamics.attrib) == {"damping": "0.1", "friction": "0.02"}
+
+
+def test_a_joint_without_limits_is_continuous_and_what_urdf_made_up_is_told(kit: Kit, tmp_path: Path) -> None:
+    two_links(kit)
+    exported = write(robot_of(kit.document), tmp_path)
+    joint = parse(exported.files["robot.urdf"]).find("joint")
+    assert joint.get("type") == "continuous"
+    assert dict(joint.find("limit").attrib) == {"effort": "100", "velocity": "10"}
+    assert [d.code for d in exported.diagnostics] == ["I-URDF-UNSET"]
+    assert not mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml")).jnt_limited[0]
+
+
+def test_an_open_side_of_a_limit_stays_open_in_mujoco_and_ordered_in_urdf(kit: Kit, tmp_path: Path) -> None:
+    two_links(kit, limits=(0.2, None))
+    exported = write(robot_of(kit.document), tmp_path)
+    low, high = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml")).joint("elbow").range
+    assert (low, high) == (0.2, 1e6)
+    limit = parse(exported.files["robot.urdf"]).find("joint/limit")
+    assert float(limit.get("lower")) == 0.2
+    assert float(limit.get("upper")) == pytest.approx(0.2 + 2 * math.pi)
+
+
+def test_qpos0_is_the_saved_pose_where_loops_do_not_close_at_zero(kit: Kit, tmp_path: Path) -> None:
+    crooked_bar(kit)
+    robot = robot_of(kit.document)
+    start = starting_point(robot)
+    assert {dof.name: start[dof.name] for dof in robot.dofs} == saved_configuration(robot)
+    assert residual_at_start(robot, tmp_path) < 1e-9
+    model = Mujoco(tmp_path / "robot.xml")
+    for dof in robot.dofs:
+        assert model.model.joint(dof.name).qpos0[0] == pytest.approx(dof.saved, abs=1e-11)
+    # The numbers keep their meaning: the same q is the same pose in both files.
+    pinocchio = Pinocchio((tmp_path / "robot.urdf").read_bytes())
+    q = {joint.name: 0.1 * n for n, joint in enumerate(robot.joints)}
+    there, here = pinocchio.poses(q), model.poses(q)
+    assert all(np.abs(here[name] - there[name]).max() < 1e-9 for name in here)
+
+
+def crooked_bar(kit: Kit) -> None:
+    """A four-bar whose mate zeros (frames turned by odd angles) are no closed configuration."""
+    base, crank, rocker, coupler = (kit.place(n) for n in ("Base", "Crank", "Rocker", "Coupler"))
+    kit.root.instances[0].fixed = True
+    far, odd = frame((0.1, 0, 0)), turn((0, 0, 1), 0.4)
+    kit.root.revolute("Drive", (crank, np.eye(4)), (base, odd), value=0.5, limits=(-1, 1))
+    kit.root.revolute("Pin", (coupler, np.eye(4)), (crank, far @ odd), value=-1.3)
+    kit.root.revolute("Swing", (rocker, np.eye(4)), (base, far), value=0.9)
+    kit.root.revolute("Close", (coupler, far), (rocker, far), closing=True)
+
+
+def residual_at_start(robot: object, folder: Path) -> float:
+    write(robot, folder)
+    model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return float(np.abs(data.efc_pos[data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY]).max())
+
+
+def test_a_gear_is_a_mimic_and_an_equality_with_the_same_numbers(kit: Kit, tmp_path: Path) -> None:
+    base, one, two = kit.place("Base", fixed=True), kit.place("One"), kit.place("Two")
+    first = kit.root.revolute("First", (one, TOP), (base, SIDE), value=0.2, limits=(-1, 1))
+    second = kit.root.revolute("Second", (two, TOP), (base, TOP), value=0.5, limits=(-2, 2))
+    kit.root.gear("Gear", first, second, 1.5)
+    robot = robot_of(kit.document)
+    assert residual_at_start(robot, tmp_path) < 1e-9
+    mimic = parse((tmp_path / "robot.urdf").read_bytes()).find("joint/mimic")
+    assert dict(mimic.attrib) == {"joint": "first", "multiplier": "-1.5", "offset": "0.8"}
+    if reads_mimic():  # MuJoCo's own reading of it is the same constraint.
+        model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.urdf"))
+        assert np.allclose(model.eq_data[0][:2], [0.8, -1.5])
+
+
+def test_frames_are_sites_and_links_on_fixed_joints(kit: Kit, tmp_path: Path) -> None:
+    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
+    kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, limits=(0, 1))
+    kit.root.connector("Tool", arm, SIDE)
+    write(robot_of(kit.document), tmp_path)
+    expected = kit.document.truth.poses({"Elbow": 0.8})[arm.path] @ SIDE
+    model = Mujoco(tmp_path / "robot.xml")
+    model.poses({"elbow": 0.8})
+    assert np.abs(model.data.site("tool").xpos - expected[:3, 3]).max() < 1e-9
+    tool = Pinocchio((tmp_path / "robot.urdf").read_bytes()).poses({"elbow": 0.8})["tool"]
+    assert np.abs(tool - expected).max() < 1e-9
+
+
+def test_one_format_alone_is_written_alone(kit: Kit, tmp_path: Path) -> None:
+    two_links(kit)
+    robot = robot_of(kit.document)
+    exported = write(robot, tmp_path / "u", plan_of(export={"urdf": {}}))
+    assert sorted(exported.files) == ["robot.json", "robot.urdf"]
+    exported = write(robot, tmp_path / "m", plan_of(export={"mjcf": {}}))
+    assert sorted(exported.files) == ["robot.json", "robot.xml", "scene.xml"]

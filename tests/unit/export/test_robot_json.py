@@ -1,0 +1,254 @@
+"""robot.json: enough to rebuild the robot's kinematics, without its code."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from lxml import etree
+from scipy.spatial.transform import Rotation
+
+from stages.export.robot_json import describe
+from stages.export.urdf.lowering import lower
+from stages.robot import kinematics
+from stages.robot.kinematics import link_poses, rest_configuration, saved_configuration
+from stages.robot.model import Dynamics, Frame, Limits, Mobility, Primitive, Robot, frozen
+from tests.support.building import write
+from tests.support.engines import Mujoco, Pinocchio
+from tests.support.robots import (
+    EVERY,
+    LOOPS,
+    at,
+    joint,
+    loop,
+    pose,
+    robot_with,
+    solid,
+    some_value,
+    some_values,
+)
+
+
+def told(robot: Robot) -> dict:
+    return json.loads(describe(robot, saved_configuration(robot)))
+
+
+def matrix(record: dict | None) -> np.ndarray:
+    out = np.eye(4)
+    if record is not None:
+        w, x, y, z = record["quat"]
+        out[:3, :3] = Rotation.from_quat([x, y, z, w]).as_matrix()
+        out[:3, 3] = record["xyz"]
+    return out
+
+
+def moved(dof: dict, value: float | list[float]) -> np.ndarray:
+    """A dof's motion, from its record alone."""
+    if dof["kind"] == "slide":
+        return at(*(np.array(dof["axis"]) * value))
+    out = np.eye(4)
+    if dof["kind"] == "turn":
+        out[:3, :3] = Rotation.from_rotvec(np.array(dof["axis"]) * value).as_matrix()
+        return out
+    xyz = value[:3] if dof["kind"] == "free" else [0, 0, 0]
+    return matrix({"xyz": xyz, "quat": value[-4:]})
+
+
+def chain(dofs: list[dict], q: dict) -> np.ndarray:
+    out = np.eye(4)
+    for dof in dofs:
+        out = out @ matrix(dof["origin"]) @ moved(dof, q[dof["name"]])
+    return out
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize("kind", EVERY)
+def test_the_file_alone_gives_the_poses_of_all_links(kind, backwards) -> None:
+    rng = np.random.default_rng(EVERY.index(kind))
+    origins = [pose(rng) for _ in range(3)]
+    first = joint(kind, "base", "one", place=pose(rng), backwards=backwards, origins=origins)
+    robot = robot_with([first, joint("revolute", "one", "two", place=pose(rng))])
+    table = told(robot)
+    q = some_values(robot, rng)
+    expected, found = link_poses(robot, q), {"base": np.eye(4)}
+    for record in table["joints"]:
+        found[record["child"]] = found[record["parent"]] @ matrix(record["origin"]) @ chain(record["dofs"], q)
+    assert max(np.abs(found[name] - expected[name]).max() for name in expected) < 1e-11
+    record = table["joints"][0]
+    assert (record["type"], record["backwards"]) == (kind, backwards)
+    assert record["cad"] == {"owner": [], "feature": "one_joint", "name": "one_joint", "type": kind.upper()}
+
+
+def test_every_dof_has_one_form_and_its_own_numbers() -> None:
+    limits = {"arm_joint_x": Limits(-0.1, 0.2), "arm_joint_turn": Limits(None, 1.0)}
+    dynamics = Dynamics(0.5, 0.1, 0.01, 7, None)
+    arm = joint("planar", "base", "arm", (0.1, 0.2, 3.0), limits=limits, dynamics=dynamics)
+    ball = joint("ball", "arm", "hand", limits={"hand_joint": Limits(None, 0.4)})
+    robot = robot_with([arm, ball, joint("free", "base", "nut"), joint("fixed", "arm", "cap")])
+    records = {record["name"]: record for record in told(robot)["joints"]}
+    dofs = {dof["name"]: dof for record in records.values() for dof in record["dofs"]}
+    assert list(dofs) == [dof.name for dof in robot.dofs]
+    forms = {" ".join(dof) for dof in dofs.values() if dof["kind"] != "ball"}
+    assert forms == {
+        "name kind axis origin limits damping friction armature effort velocity saved unset qpos0"
+    }
+    x, turn = dofs["arm_joint_x"], dofs["arm_joint_turn"]
+    assert (x["axis"], x["limits"], x["origin"], x["saved"]) == ([1, 0, 0], [-0.1, 0.2], None, 0.1)
+    assert (turn["axis"], turn["limits"], turn["qpos0"]) == ([0, 0, 1], [None, 1], 3)
+    assert [x[key] for key in ("damping", "friction", "armature", "effort", "velocity")] == [
+        *(0.5, 0.1, 0.01, 7, None)
+    ]
+    assert (x["unset"], turn["unset"]) == (["velocity"], ["lower", "velocity"])
+    hand, nut = dofs["hand_joint"], dofs["nut_joint"]
+    assert (hand["axis"], hand["limits"], hand["unset"]) == (None, [None, 0.4], ["effort", "velocity"])
+    assert (nut["axis"], nut["saved"], nut["unset"]) == (None, [0, 0, 0, 1, 0, 0, 0], [])
+    assert records["cap_joint"]["dofs"] == []
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_ball_has_the_value_of_its_chain_and_of_its_mate(backwards) -> None:
+    value = some_value("ball", np.random.default_rng(2))
+    robot = robot_with([joint("ball", "base", "arm", (value,), backwards=backwards)])
+    (dof,) = told(robot)["joints"][0]["dofs"]
+    assert dof["mate_quat"] == pytest.approx(value, abs=1e-11)
+    back = (value[0], *(-x for x in value[1:])) if backwards else value
+    assert dof["saved"] == dof["qpos0"] == pytest.approx(back, abs=1e-11)
+
+
+def test_qpos0_is_the_start_and_not_the_saved_pose() -> None:
+    robot = robot_with([joint("cylindrical", "base", "arm", (0.1, 0.2)), joint("ball", "base", "hand")])
+    table = json.loads(describe(robot, {**rest_configuration(robot), "arm_joint_turn": 0.7}))
+    slide, turn = table["joints"][0]["dofs"]
+    assert (slide["saved"], slide["qpos0"], turn["saved"], turn["qpos0"]) == (0.1, 0, 0.2, 0.7)
+    assert table["joints"][1]["dofs"][0]["qpos0"] == [1, 0, 0, 0]
+
+
+def test_where_a_ball_is_zero_is_told_by_format(tmp_path) -> None:
+    """Its loop is closed in the saved pose alone, so the MJCF starts there."""
+    value = (0.8, 0.0, 0.6, 0.0)
+    joints = [joint("ball", "base", "arm", [value])]
+    poses = link_poses(robot_with(joints), {"arm_joint": value})
+    ends = np.linalg.inv(poses["arm"]), np.linalg.inv(poses["base"])
+    robot = robot_with(joints, loops=[loop("revolute", "arm", "base", *ends, [0.0])], fixed=True)
+    exported = write(robot, tmp_path)
+    (dof,) = told(robot)["joints"][0]["dofs"]
+    assert dof["zero"] == {"urdf": [1, 0, 0, 0], "mjcf": list(value)}
+    engines = {"urdf": Pinocchio(exported.files["robot.urdf"]), "mjcf": Mujoco(tmp_path / "robot.xml")}
+    for kind, engine in engines.items():
+        found = engine.poses({"arm_joint": (1.0, 0.0, 0.0, 0.0)})["arm"]
+        wanted = link_poses(robot, {"arm_joint": tuple(dof["zero"][kind])})["arm"]
+        np.testing.assert_allclose(found, wanted, atol=1e-12)
+    (said,) = [one for one in exported.diagnostics if one.code == "I-BALL-ZERO"]
+    assert "arm_joint (73.74 deg apart)" in said.message
+
+
+def test_the_frames_of_a_loop_are_named_as_the_urdf_has_them(tmp_path) -> None:
+    """Even where a link and a frame have the names that they would have."""
+    joints = [joint("revolute", "base", name, [0.1]) for name in ("arm", "shut_a")]
+    robot = robot_with(
+        joints, loops=[loop("revolute", "arm", "shut_a", at(1, 0, 0), at(0, 1, 0), [0.0], name="shut")]
+    )
+    robot = replace(
+        robot, frames=(Frame("shut_b", "base", at(0, 0, 1), ""), Frame("arm", "base", at(0, 0, 2), ""))
+    )
+    urdf = etree.fromstring(write(robot, tmp_path).files["robot.urdf"])
+    holders = {one.find("child").get("link"): one for one in urdf.findall("joint")}
+    table = told(robot)
+    (shut,) = table["loops"]
+    assert shut["urdf"] == ["shut_a_2", "shut_b_2"]
+    assert {one["name"]: one["urdf"] for one in table["frames"]} == {"shut_b": "shut_b", "arm": "arm_frame"}
+    for name, link, place in (
+        ("shut_a_2", "arm", "1 0 0"),
+        ("shut_b_2", "shut_a", "0 1 0"),
+        ("arm_frame", "base", "0 0 2"),
+    ):
+        assert holders[name].find("parent").get("link") == link
+        assert holders[name].find("origin").get("xyz") == place
+
+
+def test_what_stands_for_a_joint_in_the_urdf_is_listed() -> None:
+    robot = robot_with([joint("revolute", "base", "arm"), joint("ball", "arm", "hand")])
+    assert told(robot)["lowered"] == [
+        {
+            "joint": "hand_joint",
+            "joints": ["hand_joint_x", "hand_joint_y", "hand_joint_z"],
+            "links": ["hand_joint_1", "hand_joint_2"],
+        }
+    ]
+    assert [item.between for item in lower(robot)] == [(), ("hand_joint_1", "hand_joint_2")]
+
+
+def test_what_cad_does_not_have_says_so() -> None:
+    box = Primitive("box", (0.1, 0.2, 0.3), at(1, 0, 0), (1.0, 0.5, 0.0, 1.0), collision=False)
+    ball = Primitive("sphere", (0.1,), at(0, 2, 0))
+    rows = [replace(joint("fixed", "base", "tool"), mate=None), joint("revolute", "base", "arm")]
+    spots = [Frame("tip", "arm", at(0, 0, 1), ""), Frame("eye", "arm", at(0, 1, 0), "The eye")]
+    robot = robot_with(rows, frames=spots, given={"tool": solid(3.0)}, shapes={"tool": (box, ball)})
+    tool = replace(robot.link("tool"), path=(), parts=())
+    table = told(replace(robot, links=(robot.links[0], tool, robot.links[2])))
+    assert [record["cad"] is None for record in table["joints"]] == [True, False]
+    assert [record["cad"] for record in table["frames"]] == [None, {"name": "The eye"}]
+    base, tool, arm = table["links"]
+    assert (tool["given"], tool["cad"], tool["mass"], tool["parts"]) == (True, None, 3, [])
+    assert (arm["given"], arm["cad"], arm["shapes"]) == (False, {"path": ["arm"]}, [])
+    assert tool["shapes"] == [
+        {
+            "kind": "box",
+            "size": [0.1, 0.2, 0.3],
+            "pose": {"xyz": [1, 0, 0], "quat": [1, 0, 0, 0]},
+            "colour": [1, 0.5, 0, 1],
+            "visual": True,
+            "collision": False,
+        },
+        {
+            "kind": "sphere",
+            "size": [0.1],
+            "pose": {"xyz": [0, 2, 0], "quat": [1, 0, 0, 0]},
+            "colour": None,
+            "visual": True,
+            "collision": True,
+        },
+    ]
+    assert table["mass"] == pytest.approx(sum(link["mass"] for link in (base, tool, arm)))
+
+
+def test_a_mirrored_part_has_the_pose_of_its_image() -> None:
+    robot = robot_with([joint("revolute", "base", "arm")])
+    where = pose(np.random.default_rng(4)) @ np.diag([-1.0, 1.0, 1.0, 1.0])
+    arm = robot.link("arm")
+    flipped = replace(arm, parts=(replace(arm.parts[0], link_from_part=frozen(where)),))
+    base, arm = told(replace(robot, links=(robot.root, flipped)))["links"]
+    assert not base["parts"][0]["mirrored"]
+    assert matrix(base["parts"][0]["pose"]) == pytest.approx(robot.root.parts[0].link_from_part, abs=1e-11)
+    (part,) = arm["parts"]
+    assert part["mirrored"]
+    assert matrix(part["pose"]) @ np.diag([1.0, 1.0, -1.0, 1.0]) == pytest.approx(where, abs=1e-11)
+
+
+@pytest.mark.parametrize("kind", LOOPS)
+def test_a_loop_closes_by_its_record(kind) -> None:
+    rng = np.random.default_rng(LOOPS.index(kind))
+    near, far = pose(rng), pose(rng)
+    values = [some_value(dof.kind, rng) for dof in loop(kind, "one", "two", near, far).dofs]
+    shut = loop(kind, "one", "two", near, far, values)
+    rows = [joint("fixed", "base", "one"), joint("fixed", "base", "two")]
+    (record,) = told(robot_with(rows, loops=[shut]))["loops"]
+    assert (record["type"], record["link_a"], record["link_b"]) == (kind, "one", "two")
+    saved = {dof["name"]: dof["saved"] for dof in record["dofs"]}
+    by_record = matrix(record["frame_b"]) @ chain(record["dofs"], saved)
+    by_model = far @ kinematics.chain(shut.dofs, {dof.name: dof.saved for dof in shut.dofs})
+    assert by_record == pytest.approx(by_model, abs=1e-11)
+    assert matrix(record["frame_a"]) == pytest.approx(near, abs=1e-11)
+
+
+def test_mobility_and_the_roots_pose_are_there() -> None:
+    where = pose(np.random.default_rng(9))
+    robot = robot_with([joint("revolute", "base", "arm")], world_from_root=where)
+    table = told(replace(robot, mobility=Mobility(5, 1, 2, (("close", 1),))))
+    assert table["mobility"] == {
+        "coordinates": 5,
+        "gruebler": 1,
+        "dof": 2,
+        "redundant": [{"loop": "close", "conditions": 1}],
+    }
+    assert matrix(table["root_pose"]) == pytest.approx(where, abs=1e-11)

@@ -1,0 +1,104 @@
+"""Where a key may follow a redirect, and what following costs."""
+
+import pytest
+
+from stages.fetch.onshape.api import redirects
+from stages.fetch.onshape.api.client import Client
+from stages.fetch.onshape.api.credentials import Credentials
+from stages.fetch.onshape.url import AssemblyUrl
+from stages.robot.errors import ProtocolError
+from tests.fake_onshape.sample import sample_document
+from tests.fake_onshape.server import ACCESS_KEY, SECRET_KEY, TOKEN, Fault, OnshapeServer
+from tests.support.kept import QUICK, Kept, fetched, onshape
+
+CAD = "https://cad.onshape.com/api/v16/x?a=b%2Fc"
+LOCAL = "http://127.0.0.1:8000/api/v16/x"
+
+
+@pytest.mark.parametrize(
+    ("here", "location", "there"),
+    [
+        (CAD, "https://cad-usw2.onshape.com/api/v16/x?a=b%2Fc", None),
+        (CAD, "https://onshape.com/y", None),
+        (CAD, "/api/v16/y?p=JF%2F", "https://cad.onshape.com/api/v16/y?p=JF%2F"),
+        (CAD, "//big-co.onshape.com/y", "https://big-co.onshape.com/y"),
+        (CAD, "https://cad.onshape.com/y#part", "https://cad.onshape.com/y"),
+        (LOCAL, "http://127.0.0.1:9000/api/v16/x", None),
+        (LOCAL, "http://localhost:9000/y", None),
+    ],
+)
+def test_a_key_goes_to_hosts_of_the_same_owner(here, location, there):
+    assert redirects.target(here, location, "it") == (there or location)
+
+
+@pytest.mark.parametrize(
+    ("here", "location"),
+    [
+        (CAD, "http://cad.onshape.com/y"),
+        (CAD, "https://example.org/y"),
+        (CAD, "https://onshape.com.example.org/y"),
+        (CAD, "https://badonshape.com/y"),
+        (CAD, "https://user@cad.onshape.com/y"),
+        (CAD, "https://cad.onshape.com@example.org/y"),
+        (CAD, "http://127.0.0.1/y"),
+        (CAD, "https://localhost/y"),
+        (CAD, "ftp://cad.onshape.com/y"),
+        (CAD, "javascript:alert(1)"),
+        (CAD, "https://cad.onshape.com:port/y"),
+        (CAD, "https://[/y"),
+        (CAD, ""),
+        (LOCAL, "https://cad.onshape.com/y"),
+        (LOCAL, "http://192.168.0.1/y"),
+        (LOCAL, "file:///etc/passwd"),
+        ("https://cad.example.org/x", "https://www.example.org/x"),
+    ],
+)
+def test_a_key_goes_nowhere_else(here, location):
+    with pytest.raises(ProtocolError) as caught:
+        redirects.target(here, location, "it")
+    assert "user@" not in str(caught.value)
+
+
+def test_only_what_keeps_the_method_is_followed_for_what_is_posted():
+    assert [s for s in range(300, 400) if redirects.followed("GET", s)] == [301, 302, 303, 307, 308]
+    assert [s for s in range(300, 400) if redirects.followed("POST", s)] == [307, 308]
+
+
+@pytest.fixture(scope="module")
+def document():
+    return sample_document()
+
+
+@pytest.mark.parametrize(
+    "environ",
+    [
+        {"ONSHAPE_ACCESS_KEY": ACCESS_KEY, "ONSHAPE_SECRET_KEY": SECRET_KEY},
+        {"ONSHAPE_ACCESS_KEY": ACCESS_KEY, "ONSHAPE_SECRET_KEY": SECRET_KEY, "ONSHAPE_AUTH": "signature"},
+        {"ONSHAPE_ACCESS_TOKEN": TOKEN},
+    ],
+)
+def test_a_region_is_followed_with_a_key_of_its_own_and_remembered(document, environ):
+    """Only the first call for each of the two documents pays for the way; each stop is billed."""
+    with OnshapeServer(document) as region, OnshapeServer(document) as front:
+        front.fault = lambda method, path, number: Fault(307, headers={"Location": region.url + path})
+        found = fetched(onshape(front.document_url()), Kept(), environ)
+        assert {status for _, _, status in front.calls} == {307}
+        assert {status for _, _, status in region.calls} == {200}
+        assert found.calls == front.count + region.count
+        assert region.count == 9
+        # Those that were under way at once may each have paid.
+        assert 2 <= front.count <= 5
+
+
+@pytest.mark.parametrize(
+    ("location", "stops"),
+    [("/api/v16/again", 4), ("https://cad.onshape.com/x", 1), ("http://192.168.0.1/x", 1)],
+)
+def test_a_way_that_does_not_end_or_leads_away_is_left(document, location, stops):
+    with OnshapeServer(document) as server:
+        server.fault = lambda *_: Fault(307, headers={"Location": location})
+        url = AssemblyUrl(server.url, "D", "w/W", "E", "default")
+        with Client(url, Credentials("a", "s"), patience=QUICK) as client:
+            with pytest.raises(ProtocolError, match="points"):
+                client.get("/documents/d/D/w/W/currentmicroversion")
+            assert client.calls == server.count == stops

@@ -1,0 +1,160 @@
+"""Every fault at the first, a middle and the last call: the right bundle or the right message.
+
+Whatever happened, a clean run afterwards ends with the right bundle, and no reply that once arrived
+is asked for again.
+"""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from stages.fetch.onshape.api.http_errors import Declined
+from stages.robot.errors import (
+    AuthError,
+    NotFound,
+    Offline,
+    ProtocolError,
+    QuotaExhausted,
+    RateLimited,
+    SourceError,
+)
+from tests.fake_onshape.faults import Fault
+from tests.fake_onshape.server import OnshapeServer
+from tests.support.faulty import CALLS, DECLINED, FINAL, PASSING, SLOW, Fetching, desk, reference
+from tests.support.places import PROJECT
+
+PLACES = {"first": 0, "middle": 3, "last": CALLS - 1}
+DOCUMENT = desk()
+
+TOLD = {
+    "204": ProtocolError,
+    "400": SourceError,
+    "401": AuthError,
+    "402": QuotaExhausted,
+    "403": AuthError,
+    "404": NotFound,
+    "406": Declined,
+    "410": Declined,
+    "429 for an hour": RateLimited,
+    "503 for an hour": ProtocolError,
+    "307 to nowhere": ProtocolError,
+    "307 to others": ProtocolError,
+    "a page": ProtocolError,
+    "429": RateLimited,
+    "429 without a time": RateLimited,
+    "slow": Offline,
+    "hangs up": Offline,
+    "resets at once": Offline,
+}
+"""The error that a fault leads to where it does not pass; ProtocolError for all others."""
+
+FINAL_AT = [
+    (fault, place) for fault in FINAL for place in PLACES if not (fault in DECLINED and place == "last")
+]
+"""The last call is for triangles: where these are declined, another way is tried."""
+
+
+@pytest.fixture(scope="module")
+def right():
+    return reference(DOCUMENT)
+
+
+@pytest.fixture(scope="module")
+def server():
+    with OnshapeServer(DOCUMENT) as running:
+        yield running
+
+
+@pytest.fixture
+def fetching(server, tmp_path):
+    server.reset()
+    return Fetching(server, tmp_path / "cache")
+
+
+def assert_resumes(fetching, right, *before):
+    """A clean run ends well, and over all runs each reply arrived once."""
+    bundle, last = fetching.run({})
+    assert bundle == right
+    arrived = sum((trouble.sound for trouble in before), last.sound)
+    assert set(arrived.values()) == {1}
+    assert len(arrived) == CALLS
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("fault", {**PASSING, **SLOW})
+def test_what_passes_ends_with_the_right_bundle(fetching, right, fault, place):
+    bundle, met = fetching.run({PLACES[place]: {**PASSING, **SLOW}[fault]})
+    assert bundle == right
+    assert_resumes(fetching, right, met)
+    assert len(fetching.server.calls) == CALLS + 1
+
+
+@pytest.mark.parametrize(("fault", "place"), FINAL_AT)
+def test_what_does_not_pass_is_told_and_what_arrived_is_kept(fetching, right, fault, place):
+    error, met = fetching.run({PLACES[place]: FINAL[fault]})
+    assert isinstance(error, TOLD[fault])
+    assert error.where == fetching.server.url.removeprefix("http://")
+    assert error.hint
+    assert_resumes(fetching, right, met)
+
+
+@pytest.mark.parametrize("place", PLACES)
+@pytest.mark.parametrize("fault", {**PASSING, **SLOW})
+def test_what_never_passes_is_told_after_a_few_attempts(fetching, right, fault, place):
+    error, met = fetching.run({PLACES[place]: {**PASSING, **SLOW}[fault]}, stubborn=True)
+    assert type(error) is TOLD.get(fault, ProtocolError)
+    assert_resumes(fetching, right, met)
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_after_the_end_of_the_quota_no_call_begins(fetching, place):
+    """Those that were on their way beside it may still arrive."""
+    error, _ = fetching.run({PLACES[place]: Fault(402)})
+    assert isinstance(error, QuotaExhausted)
+    assert len(fetching.server.calls) <= PLACES[place] + 4
+
+
+WORKER = """
+import sys
+from pathlib import Path
+from pipeline.caching.actions import Cache
+from pipeline.caching.store import Store
+from stages import fetch as stage
+from tests.support.kept import QUICK, onshape
+
+print("ready", flush=True)
+folder = Path(sys.argv[2])
+replies = Cache(Store(folder)).replies()
+environ = {"ONSHAPE_ACCESS_KEY": sys.argv[3], "ONSHAPE_SECRET_KEY": sys.argv[4]}
+stage.fetch(onshape(sys.argv[1]), replies, environ, lambda _: None, folder / "ledger", None, QUICK)
+print("done", flush=True)
+"""
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_a_client_that_is_killed_in_a_call_pays_for_nothing_twice_that_it_had_kept(
+    fetching, right, server, place
+):
+    """It dies when the server gets this call, so what it has on disk is what arrived before."""
+    environ = {**os.environ, "PYTHONPATH": str(PROJECT)}
+    keys = list(server.environ.values())
+    command = [sys.executable, "-c", WORKER, server.document_url("m"), str(fetching.folder), *keys]
+
+    def kill(method, target, number):
+        if number == PLACES[place]:
+            client.kill()
+            return Fault(silent=True)
+        return None
+
+    server.fault = kill
+    client = subprocess.Popen(command, env=environ, stdout=subprocess.PIPE, text=True)
+    told, _ = client.communicate(timeout=60)
+    assert "done" not in told
+    before = server.count
+    bundle, _ = fetching.run({}, check_ledger=False)
+    assert bundle == right
+    # Up to four were on their way when it died: those were billed in vain.
+    assert CALLS <= server.count <= CALLS + 4
+    assert server.count - before <= CALLS

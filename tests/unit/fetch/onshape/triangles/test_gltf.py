@@ -1,0 +1,160 @@
+"""Triangles out of glTF: read, told apart by the mass properties, and asked for where faces are refused."""
+
+import base64
+import json
+import struct
+
+import numpy as np
+import pytest
+
+from stages.fetch.onshape.triangles import faces, gltf_parts
+from stages.formats import gltf as reader
+from stages.formats import triangles as codec
+from stages.robot.errors import ProtocolError
+from tests.fake_onshape import solids
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.frames import frame
+from tests.fake_onshape.gltf import gltf
+from tests.fake_onshape.studio_replies import mass_properties, tessellated_faces
+
+RED, BLUE = (255, 0, 0), (0, 0, 255, 51)
+
+
+def studio():
+    """Four parts: two alike in different places, one with a coloured face, one without material."""
+    made = Document("Shapes").studio("Shapes")
+    pin = solids.cylinder(0.004, 0.03)
+    made.part("Left pin", pin.moved(frame((0.05, 0, 0))), density=7800, colour=RED)
+    made.part("Right pin", pin.moved(frame((-0.05, 0, 0.01))), density=7800)
+    plate = solids.box(0.2, 0.1, 0.01, at=(0, 0, 0.2))
+    made.part("Plate", plate, density=2700, colour=RED, face_colours={"+z": BLUE})
+    made.part("Cover", solids.box(0.2, 0.09, 0.002, at=(0, 0, 0.25)))
+    return made
+
+
+def masses(of):
+    return json.dumps(mass_properties(of, of.parts, as_group=False, overrides=True)).encode()
+
+
+def from_faces(of):
+    reply = tessellated_faces(
+        of, of.parts, appearances=True, facet_normals=False, vertex_normals=False, index_table=True
+    )
+    return codec.decode(faces.compact(json.dumps(reply).encode()))
+
+
+def assert_same(bodies, expected):
+    assert set(bodies) == set(expected)
+    for name, body in expected.items():
+        found = bodies[name]
+        assert np.allclose(found.palette, body.palette, atol=2e-6)
+        assert [len(found.points), len(found.triangles)] == [len(body.points), len(body.triangles)]
+        ours, theirs = ({corners(one, row) for row in range(len(one.triangles))} for one in (found, body))
+        assert ours == theirs
+
+
+def corners(body, row):
+    """A triangle's corners on the grid that solids are on, from its least on, and its colour."""
+    points = [tuple((np.round(body.points[i], 7) + 0.0).tolist()) for i in body.triangles[row]]
+    first = points.index(min(points))
+    return (*points[first:], *points[:first], tuple(np.round(body.palette[body.colours[row]], 4).tolist()))
+
+
+@pytest.mark.parametrize("up", ["z", "y"])
+def test_bodies_are_told_apart_by_their_figures_whichever_axis_is_up(up):
+    of = studio()
+    for order in ([0, 1, 2, 3], [3, 1, 0, 2]):
+        reply = gltf(of.parts, appearances=True, up=up, order=order)
+        assert_same(codec.decode(gltf_parts.compact(reply, masses(of))), from_faces(of))
+
+
+def test_a_node_that_is_named_by_a_part_id_is_that_part():
+    of = studio()
+    of.part("Twin cover", solids.box(0.2, 0.09, 0.002, at=(0, 0, 0.28)))
+    twins = {part.id for part in of.parts[3:]}
+    unnamed = codec.names(gltf_parts.compact(gltf(of.parts, appearances=True), masses(of)))
+    assert unnamed == {part.id for part in of.parts} - twins  # neither has a mass, so neither a place
+    named = gltf(of.parts, appearances=True, name=lambda part, _: part.id)
+    assert_same(codec.decode(gltf_parts.compact(named, masses(of))), from_faces(of))
+
+
+def test_parts_that_do_not_tell_which_way_is_up_are_refused():
+    of = Document("Loose").studio("Loose")
+    of.part("Cover", solids.box(0.2, 0.09, 0.002))
+    with pytest.raises(ProtocolError, match="whichever axis is up"):
+        gltf_parts.compact(gltf(of.parts, appearances=True), masses(of))
+
+
+def test_bodies_of_another_studio_are_refused():
+    other = Document("Other").studio("Other")
+    other.part("Ball", solids.ball(0.3), density=1000)
+    with pytest.raises(ProtocolError, match="none of the 4 bodies"):
+        gltf_parts.compact(gltf(studio().parts, appearances=True), masses(other))
+
+
+def opened(reply):
+    """The JSON and the buffer of a binary glTF."""
+    size = struct.unpack_from("<I", reply, 12)[0]
+    return json.loads(reply[20 : 20 + size]), reply[28 + size :]
+
+
+def test_json_with_its_buffers_in_it_and_transforms_of_nodes_are_read():
+    part = studio().parts[2]
+    plain = gltf([part], appearances=False)
+    data, buffer = opened(plain)
+    uri = "data:application/octet-stream;base64," + base64.b64encode(buffer).decode()
+    data["buffers"] = [{"byteLength": len(buffer), "uri": uri}]
+    # A child turned a quarter about z and doubled, in a parent moved by a matrix (by columns).
+    quarter = [0, 0, 0.5**0.5, 0.5**0.5]
+    data["nodes"] = [
+        {"children": [1], "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1]},
+        {"mesh": 0, "name": "child", "rotation": quarter, "scale": [2, 2, 2], "translation": [1, 0, 0]},
+    ]
+    (node,) = reader.read(json.dumps(data).encode())
+    (before,) = reader.read(plain)
+    x, y, z = before.points.T
+    assert node.name == "child"
+    assert np.allclose(node.points, np.stack([6 - 2 * y, 6 + 2 * x, 7 + 2 * z], axis=1), atol=1e-12)
+    assert node.corners.tolist() == before.corners.tolist()
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"extensionsRequired": ["KHR_draco_mesh_compression"]},
+        {"buffers": [{"uri": "https://example.com/mesh.bin"}]},
+        {"accessors": []},
+        {"bufferViews": [{"buffer": 0, "byteLength": 12}] * 3},
+        {"nodes": [{"children": [0]}]},
+        {"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "mode": 5}]}]},
+        {"meshes": 7},
+    ],
+)
+def test_what_is_no_plain_gltf_is_refused(change):
+    data, _ = opened(gltf(studio().parts[:1], appearances=True))
+    with pytest.raises(ProtocolError, match="not in the form of glTF 2"):
+        reader.read(json.dumps(data | change).encode())
+
+
+def test_a_file_that_is_cut_or_harmed_is_refused_or_read():
+    reply = gltf(studio().parts[:1], appearances=True)
+    rng = np.random.default_rng(1)
+    refused = 0
+    for _ in range(300):
+        harmed = bytearray(reply)
+        harmed[rng.integers(min(len(reply), 1500))] = rng.integers(256)
+        try:
+            reader.read(bytes(harmed))
+        except ProtocolError:
+            refused += 1
+        with pytest.raises(ProtocolError):
+            reader.read(reply[: rng.integers(len(reply))])
+    assert refused > 50
+
+
+def test_figures_without_a_number_are_refused():
+    of = studio()
+    broken = mass_properties(of, of.parts, as_group=False, overrides=True)
+    del broken["bodies"][of.parts[0].id]["periphery"]
+    with pytest.raises(ProtocolError, match="do not tell the parts apart"):
+        gltf_parts.compact(gltf(of.parts, appearances=True), json.dumps(broken).encode())

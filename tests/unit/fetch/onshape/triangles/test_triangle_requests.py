@@ -1,0 +1,209 @@
+"""Which triangles are asked for: only those used of a large part studio, glTF where faces are refused."""
+
+import json
+from types import SimpleNamespace
+from urllib.parse import parse_qsl
+
+import numpy as np
+import pytest
+
+from stages.fetch.bundle.archive import pack
+from stages.fetch.onshape.triangles.requests import selected
+from stages.formats import triangles
+from stages.robot.errors import Offline, ProtocolError, QuotaExhausted
+from tests.fake_onshape import solids
+from tests.fake_onshape.bundle import bundle_bytes
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.frames import frame
+from tests.fake_onshape.server import Fault, OnshapeServer
+from tests.support.kept import Kept, fetched, onshape
+
+
+def rack(used, unused):
+    """An assembly that uses some parts of a part studio that holds more."""
+    document = Document("Rack")
+    studio = document.studio("Boxes")
+    rack = document.assembly("Rack")
+    for number in range(used + unused):
+        block = solids.box(0.01 + 0.001 * number, 0.02, 0.03)
+        part = studio.part(f"Box {number}", block, density=1000)
+        if number < used:
+            rack.add(part, fixed=True, pose=frame((number, 0, 0)))
+    return document
+
+
+def asked(server, kind):
+    return [target.partition("/api/v16")[2] for _, target, _ in server.calls if f"/{kind}?" in target]
+
+
+def zipped_source(path):
+    return SimpleNamespace(source=SimpleNamespace(kind="bundle", path=str(path)))
+
+
+def parts_in(request):
+    return [value for key, value in parse_qsl(request.partition("?")[2]) if key == "partId"]
+
+
+@pytest.mark.parametrize(
+    ("used", "unused", "some"), [(2, 9, True), (2, 8, False), (12, 13, True), (12, 12, False)]
+)
+def test_only_what_is_used_is_asked_for_where_a_studio_holds_many_others(used, unused, some):
+    document = rack(used, unused)
+    ids = sorted(part.id for part in document.studios[0].parts[:used])
+    kept = Kept()
+    with OnshapeServer(document) as server:
+        found = fetched(onshape(server.document_url()), kept, server.environ)
+        assert (found.calls, server.count) == (3, 3)
+        (request,) = asked(server, "tessellatedfaces")
+        assert parts_in(request) == (ids if some else [])
+        body = found.bundle.body(found.bundle.studios[0].tessellation)
+        assert triangles.names(body) == (set(ids) if some else {p.id for p in document.studios[0].parts})
+        assert fetched(onshape(server.document_url("m")), kept).calls == 0
+        again = fetched(onshape(server.document_url()), kept, server.environ)
+        assert (again.calls, again.bundle) == (1, found.bundle)
+
+
+def test_parts_that_are_not_listed_as_solids_are_not_asked_for_by_id():
+    record = {"volume": [1.0, 1.0, 1.0]}
+    mass = json.dumps({"bodies": {f"P{i}": record for i in range(40)}}).encode()
+    assert selected(["P1", "P2"], mass) == ("P1", "P2")
+    assert selected(["P1", "Q"], mass) == ()
+    assert selected(["P1"], None) == ()
+    flat = {"bodies": {f"P{i}": record | ({"volume": [0.0] * 3} if i == 1 else {}) for i in range(40)}}
+    assert selected(["P1", "P2"], json.dumps(flat).encode()) == ()
+    many = json.dumps({"bodies": {f"P{i}": record for i in range(900)}}).encode()
+    assert len(selected([f"P{i}" for i in range(200)], many)) == 200
+    assert selected([f"P{i}" for i in range(201)], many) == ()  # a request line has its bounds
+
+
+def test_a_reply_for_all_parts_that_is_kept_serves_a_robot_that_needs_some():
+    document = rack(2, 20)
+    kept = Kept()
+    with OnshapeServer(document) as server:
+        whole = rack(2, 20)
+        everything = whole.root
+        for part in whole.studios[0].parts[2:]:
+            everything.add(part, fixed=True)
+        server.replies = type(server.replies)(whole)
+        fetched(onshape(server.document_url("m")), kept, server.environ)
+        definition = next(request for request in kept if request.startswith("/assemblies"))
+        del kept[definition]
+        server.replies = type(server.replies)(document)
+        again = fetched(onshape(server.document_url("m")), kept, server.environ)
+        assert (again.calls, again.saved) == (1, 2)
+
+
+def test_a_server_that_forgets_parts_is_asked_for_all():
+    document = rack(2, 20)
+    ids = sorted(part.id for part in document.studios[0].parts[:2])
+    kept = Kept()
+    with OnshapeServer(document) as server:
+
+        def first_part_only(method, path, number):
+            if len(parts_in(path)) != 2:
+                return None
+            asked_for = path.removeprefix("/api/v16").replace(f"&partId={ids[1]}", "")
+            return Fault(200, server.replies.answer(*asked_for.split("?")).body)
+
+        server.fault = first_part_only
+        found = fetched(onshape(server.document_url("m")), kept, server.environ)
+        assert [parts_in(request) for request in asked(server, "tessellatedfaces")] == [ids, []]
+        body = found.bundle.body(found.bundle.studios[0].tessellation)
+        assert set(ids) <= triangles.names(body)
+        assert fetched(onshape(server.document_url("m")), kept).bundle == found.bundle
+
+
+def test_the_quality_is_part_of_what_is_kept():
+    kept = Kept()
+    with OnshapeServer(rack(1, 0)) as server:
+        url = server.document_url("m")
+        qualities = [{}, {"angle": 0.1}, {"chord": 0.001}, {"max_facet_width": 0.01}]
+        calls = [
+            fetched(onshape(url, tessellation=quality), kept, server.environ).calls
+            for quality in [*qualities, *qualities]
+        ]
+        assert calls == [3, 1, 1, 1, 0, 0, 0, 0]
+        first = dict(parse_qsl(asked(server, "tessellatedfaces")[0].partition("?")[2]))
+    assert first["outputFacetNormals"] == "false"
+    assert first["outputIndexTable"] == first["outputFaceAppearances"] == "true"
+    assert "outputVertexNormals" not in first  # off unless asked for
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [Fault(404), Fault(406), Fault(400), Fault(415)],
+    ids=["404", "406", "400", "415"],
+)
+def test_gltf_stands_in_for_tessellated_faces_that_are_refused(fault, tmp_path):
+    document = rack(3, 1)
+    kept = Kept()
+    with OnshapeServer(document) as server:
+        right = fetched(onshape(server.document_url("m")), Kept(), server.environ).bundle
+        server.reset()
+        server.fault = lambda method, path, number: fault if "/tessellatedfaces" in path else None
+        found = fetched(onshape(server.document_url("m")), kept, server.environ)
+        assert found.calls == server.count
+        assert [problem.code for problem in found.diagnostics] == ["I-TESSELLATION"]
+        assert document.studios[0].element in found.diagnostics[0].where
+        again = fetched(onshape(server.document_url("m")), kept)
+        assert (again.calls, again.bundle) == (0, found.bundle)
+        assert [problem.code for problem in again.diagnostics] == ["I-TESSELLATION"]
+    ours, theirs = (
+        triangles.decode(bundle.body(bundle.studios[0].tessellation)) for bundle in (found.bundle, right)
+    )
+    assert set(ours) == set(theirs)
+    for name, body in theirs.items():
+        assert np.abs(ours[name].points - body.points).max() < 1e-8
+    (tmp_path / "rack.zip").write_bytes(pack(found.bundle))
+    assert fetched(zipped_source(tmp_path / "rack.zip")).bundle == found.bundle
+
+
+def test_where_gltf_is_refused_too_the_first_refusal_is_told():
+    kept = Kept()
+    with OnshapeServer(rack(2, 0)) as server:
+        server.fault = lambda method, path, number: (
+            Fault(400, b'{"message": "no faces"}')
+            if "/tessellatedfaces" in path
+            else Fault(400, b'{"message": "no glTF"}')
+            if "/gltf" in path
+            else None
+        )
+        with pytest.raises(ProtocolError, match="no faces"):
+            fetched(onshape(server.document_url("m")), kept, server.environ)
+        assert len(asked(server, "tessellatedfaces")) == len(asked(server, "gltf")) == 1
+        assert len(kept) == server.count == 2
+
+
+@pytest.mark.parametrize(
+    ("fault", "error"),
+    [
+        (Fault(402), QuotaExhausted),
+        (Fault(silent=True), Offline),
+        (Fault(500), ProtocolError),
+        (Fault(200, b'{"bodies": ['), ProtocolError),
+    ],
+)
+def test_what_may_pass_or_concerns_all_calls_is_no_reason_for_gltf(fault, error):
+    """Else a bad moment of the network would decide what the robot looks like."""
+    with OnshapeServer(rack(2, 0)) as server:
+        server.fault = lambda method, path, number: fault if "/tessellatedfaces" in path else None
+        with pytest.raises(error):
+            fetched(onshape(server.document_url("m")), Kept(), server.environ)
+        assert asked(server, "gltf") == []
+
+
+def test_a_bundle_of_some_parts_and_a_recording_of_all_give_the_same_triangles(tmp_path):
+    document = rack(2, 20)
+    with OnshapeServer(document) as server:
+        live = fetched(onshape(server.document_url()), environ=server.environ).bundle
+    zipped = {}
+    for kind, data in (("live", pack(live)), ("raw", bundle_bytes(document))):
+        path = tmp_path / f"{kind}.zip"
+        path.write_bytes(data)
+        zipped[kind] = fetched(zipped_source(path)).bundle
+    assert zipped["live"] == live
+    bodies = [triangles.decode(b.body(b.studios[0].tessellation)) for b in (zipped["live"], zipped["raw"])]
+    assert set(bodies[0]) < set(bodies[1])
+    for name, body in bodies[0].items():
+        assert body.points.tobytes() == bodies[1][name].points.tobytes()
+        assert body.triangles.tobytes() == bodies[1][name].triangles.tobytes()

@@ -1,0 +1,167 @@
+"""A foreign MJCF is compiled by a guest: the same model, within bounds, and one message whatever happens."""
+
+import json
+
+import pytest
+
+from stages.fetch.keys import MjcfKeys
+from stages.fetch.mjcf import gather, size_bounds
+from stages.robot import guest
+from stages.robot.errors import SourceError
+from stages.robot.guest import Bounds, Ended
+from tests.support.mjcfs import at_home, body, bundle_of, model, written
+
+BOX = '<mesh name="box" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/>'
+MESHED = model(body("a", '<geom type="mesh" mesh="box"/><joint name="j"/>'), f"<asset>{BOX}</asset>")
+
+
+def refused(path):
+    with pytest.raises(SourceError) as caught:
+        gather.gather(MjcfKeys(path=str(path)))
+    assert str(path.parent) not in str(caught.value)
+    return caught.value
+
+
+def test_a_guest_makes_the_bundle_that_we_would(tmp_path, monkeypatch):
+    path = written(tmp_path, MESHED)
+    (tmp_path / "mujoco.py").write_text("raise SystemExit(9)")
+    monkeypatch.chdir(tmp_path)
+    made = bundle_of(path)
+    monkeypatch.setattr(guest, "ask", at_home)
+    assert made == bundle_of(path)
+    assert len(made.requests) == 2
+
+
+def test_a_crash_of_the_compiler_is_one_message(tmp_path):
+    path = written(
+        tmp_path,
+        '<mujoco><asset><model name="m" file="model.xml"/></asset>'
+        '<worldbody><body><attach model="m" prefix="a"/></body></worldbody></mujoco>',
+    )
+    error = refused(path)
+    assert "MuJoCo's compiler crashed (SIG" in error.message or "refuses it" in error.message
+    assert "names itself" in error.hint or "MuJoCo's own" in error.hint
+
+
+@pytest.mark.parametrize(
+    ("bounds", "said"),
+    [
+        (Bounds(0.001, 4 << 30, 1 << 30), "took longer"),
+        (Bounds(60, 1 << 20, 1 << 30), "needed more than 0.00105 GB"),
+        (Bounds(60, 4 << 30, 100), "made more than"),
+    ],
+)
+def test_bounds_hold(tmp_path, monkeypatch, bounds, said):
+    monkeypatch.setattr(gather, "BOUNDS", bounds)
+    assert f"MuJoCo's compiler {said}" in refused(written(tmp_path, MESHED)).message
+
+
+@pytest.mark.parametrize(
+    "reply",
+    [
+        b"",
+        b"[]\n",
+        b'{"warnings": 1, "model": 0, "meshes": []}\n',
+        b'{"warnings": [], "model": 0, "meshes": [["../x", 0]]}\n',
+        b'{"warnings": [], "model": 0, "meshes": [["x", 3]]}\nabc',
+        b'{"warnings": [], "model": "x", "meshes": []}\n',
+        b"[" * 100_000,
+    ],
+)
+def test_nothing_that_a_guest_says_is_taken_on_trust(tmp_path, monkeypatch, reply):
+    monkeypatch.setattr(guest, "ask", lambda *_: reply)
+    assert "answers what is no model" in refused(written(tmp_path, MESHED)).message
+
+
+# What a few bytes ask for.
+
+MANY = "9" * 400
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (model('<replicate count="30000"><body/></replicate>'), "comes to 30000 elements"),
+        (
+            model('<replicate count="101"><replicate count="100"><geom/></replicate></replicate>'),
+            "comes to",
+        ),
+        (model('<replicate count="2">' + "<geom/>" * 6000 + "</replicate>"), "comes to 10002 elements"),
+        (model(f'<replicate count="{MANY}"/>'), "comes to inf"),
+        (model('<body><composite type="cable" count="100000 1 1"/></body>'), "<composite>"),
+        (model('<body><flexcomp type="grid" count="30 30 30"/></body>'), "comes to 27000 elements"),
+        (model("", '<size nkey="2000000000"/>'), "<size nkey> is 2000000000; at most 10000"),
+        (model("", '<size nuser_body="20000"/>'), "<size nuser_body> is 20000"),
+        (model("", '<size nuserdata="20000"/>'), "<size nuserdata> is 20000"),
+        (model("", '<sensor><user dim="2000000000"/></sensor>'), "<user dim> is 2000000000"),
+        (model("", '<actuator><general actdim="20000"/></actuator>'), "<general actdim> is 20000"),
+        (model("", '<asset><hfield nrow="60000" ncol="60000"/></asset>'), "<hfield> has 3.6e+09 points"),
+        (model("", '<asset><texture width="9000" height="9000"/></asset>'), "<texture> has 8.1e+07 points"),
+        (model("<body/>" * 20_001), "it has 20001 bodies"),
+        (model(f'<body name="{"a" * 1001}"/>'), "the name of a <body> has 1001 letters"),
+    ],
+)
+def test_more_than_a_robot_has_is_refused_before_it_is_compiled(tmp_path, text, said):
+    path = written(tmp_path, text)
+    with pytest.raises(SourceError) as caught:
+        size_bounds.require(path, [path])
+    assert said in caught.value.message
+
+
+def test_what_a_model_includes_is_bounded_too_and_the_guest_asks(tmp_path):
+    written(tmp_path, model('<replicate count="30000"><body/></replicate>'), "inner.xml")
+    path = written(tmp_path, model('<include file="inner.xml"/>'))
+    assert "comes to" in refused(path).message
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        model('<replicate count="100"><body><geom/></body></replicate>' * 10),
+        model("<geom/>" * 20_000),
+        model(
+            "",
+            '<size nkey="100" memory="1T" njmax="100000"/><asset><hfield nrow="1000" ncol="1000"/></asset>',
+        ),
+        model('<replicate count="x"/>'),
+        "<mujoco>",
+    ],
+)
+def test_what_a_robot_may_have_is_let_through(tmp_path, text):
+    path = written(tmp_path, text)
+    size_bounds.require(path, [path])
+
+
+def test_bounds_take_time_in_proportion(tmp_path):
+    """The guest's own reading of the XML: no element is looked at more often in a longer text."""
+    from tests.unit.pipeline.test_scale import FEW, lines_run
+
+    def counted(count):
+        path = written(tmp_path, model("<body><geom/></body>" * count))
+        return lines_run(lambda: size_bounds.require(path, [path]))
+
+    before, after = counted(200), counted(800)
+    assert max(after[line] / before[line] for line in after if after[line] > FEW) < 5
+
+
+def test_warnings_are_told_in_bounds(tmp_path, monkeypatch):
+    head = {"warnings": ["x" * 1000] * 1000, "model": 2, "meshes": []}
+    monkeypatch.setattr(guest, "ask", lambda *_: json.dumps(head).encode() + b"\n{}")
+    _, found = gather.gather(MjcfKeys(path=str(written(tmp_path, MESHED))))
+    assert (len(found), {len(one.message) for one in found}) == (100, {500})
+
+
+def test_a_guest_that_cannot_start_is_told(tmp_path, monkeypatch):
+    def never(*_):
+        raise Ended("could not be started (no memory)")
+
+    monkeypatch.setattr(guest, "ask", never)
+    assert "MuJoCo's compiler could not be started" in refused(written(tmp_path, MESHED)).message
+
+
+def test_there_is_something_to_do_meanwhile(tmp_path, monkeypatch):
+    """The later stages' imports begin once the file is known to be one, before MuJoCo has an answer."""
+    order = []
+    monkeypatch.setattr(guest, "ask", lambda *asked: order.append("asked") or at_home(*asked))
+    gather.gather(MjcfKeys(path=str(written(tmp_path, MESHED))), lambda: order.append("meanwhile"))
+    assert order == ["meanwhile", "asked"]

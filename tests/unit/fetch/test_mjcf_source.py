@@ -1,0 +1,586 @@
+"""MJCF as a source: what MuJoCo compiles is what we build, by MuJoCo and by Pinocchio."""
+
+import struct
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from stages.export.start_pose import starting_point
+from stages.fetch.bundle.archive import pack, read, whole
+from stages.fetch.keys import MjcfKeys
+from stages.fetch.mjcf.gather import gather, identity
+from stages.formats import triangles
+from stages.formats.mjcf import Mjcf
+from stages.graph import build_robot
+from stages.graph.dofs import conjugate
+from stages.mesh import make_geometry
+from stages.robot import codec
+from stages.robot.bundle import Bundle
+from stages.robot.errors import AssemblyError, ProtocolError, SourceError
+from stages.robot.kinematics import chain, link_poses
+from stages.robot.model import Limits
+from stages.validate import validate
+from tests.fake_onshape.sample import sample_document
+from tests.support.building import plan_of, write
+from tests.support.building import robot_of as drawn_robot
+from tests.support.engines import Mujoco, Pinocchio
+from tests.support.mjcfs import Original, at_home, body, bundle_of, model, random_model, robot_of, written
+from tests.support.robots import joint, loop, robot_with, some_values
+
+EXACT = 1e-9
+
+
+@pytest.fixture(autouse=True)
+def _guests_at_home(monkeypatch):
+    monkeypatch.setattr("stages.robot.guest.ask", at_home)
+
+
+def codes(robot):
+    return [one.code for one in robot.diagnostics]
+
+
+def agree(path: Path, folder: Path, **keys):
+    """Our MJCF and URDF of a file move and weigh as the file itself, and pass every check."""
+    robot = robot_of(path, **keys)
+    exported = write(robot, folder)
+    start = starting_point(robot)
+    engines = [
+        Mujoco(folder / "robot.xml", {dof.name: start[dof.name] for dof in robot.dofs}),
+        Pinocchio(exported.files["robot.urdf"]),
+    ]
+    original = Original(path)
+    names = [dof.name for dof in robot.dofs]
+    rng = np.random.default_rng(5)
+    for _ in range(3):
+        q = some_values(robot, rng)
+        for engine in engines:
+            found, wanted = engine.poses(q), original.poses(q)
+            for link in robot.links:
+                np.testing.assert_allclose(found[link.name], wanted[link.name], atol=EXACT)
+            if names:
+                for what in ("mass_matrix", "gravity"):
+                    ours, theirs = (getattr(one, what)(q, names) for one in (engine, original))
+                    np.testing.assert_allclose(ours, theirs, atol=EXACT)
+    assert not [check for check in validate(folder, robot, plan_of()) if not check.passed]
+    return robot
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_any_tree_keeps_its_kinematics_mass_and_gravity(tmp_path, seed):
+    agree(written(tmp_path, random_model(seed)), tmp_path / "out")
+
+
+HIP = body(
+    "leg",
+    '<joint name="yaw" axis="0 0 1" pos=".1 0 0" range="-30 30" ref="10"/>'
+    '<joint name="roll" axis="1 0 0" class="weak"/>'
+    '<joint name="pitch" axis="0 1 1" pos="0 .1 0"/>'
+    + body("foot", '<joint name="ankle" type="ball" pos=".02 0 .1" range="0 40"/>', pos="0 0 -.4"),
+    pos="0 .1 -.1",
+    euler="10 20 30",
+    childclass="strong",
+)
+DEFAULTS = """<default><joint damping="1"/><default class="strong"><joint armature=".2" damping="2"/>
+    <default class="weak"><joint frictionloss=".3"/></default></default></default>"""
+
+
+def test_three_hinges_in_one_body_are_one_joint_of_three_dofs(tmp_path):
+    path = written(tmp_path, model(body("trunk", HIP), DEFAULTS, compiler=""))
+    robot = agree(path, tmp_path / "out")
+    leg, ankle = robot.joints
+    assert (leg.name, leg.type, leg.child) == ("leg_joints", "compound", "leg")
+    assert [dof.name for dof in leg.dofs] == ["yaw", "roll", "pitch"]
+    assert [dof.dynamics.damping for dof in leg.dofs] == [2.0, 2.0, 2.0]
+    assert [dof.dynamics.armature for dof in leg.dofs] == [0.2, 0.2, 0.2]
+    assert [dof.dynamics.friction for dof in leg.dofs] == [None, 0.3, None]
+    assert leg.dofs[0].limits == Limits(*np.radians([-30, 30]))
+    assert leg.dofs[0].saved == pytest.approx(np.radians(10))
+    assert (ankle.type, ankle.dofs[0].limits) == ("ball", Limits())
+    assert "range of a ball (ankle)" in "".join(
+        d.message for d in robot.diagnostics if d.code == "W-MJCF-LEFT"
+    )
+
+
+def test_a_links_frame_is_that_of_its_joint(tmp_path):
+    inside = '<joint name="hinge" axis="0 0 1" pos=".1 .2 .3"/><site name="tip" pos=".1 .2 .4"/>'
+    robot = robot_of(written(tmp_path, model(body("base", body("arm", inside, pos="0 0 1")))))
+    np.testing.assert_allclose(robot.joints[0].parent_from_joint[:3, 3], [0.1, 0.2, 1.3], atol=1e-15)
+    np.testing.assert_allclose(robot.frames[0].link_from_frame[:3, 3], [0, 0, 0.1], atol=1e-15)
+    np.testing.assert_allclose(robot.link("arm").inertial.com, [-0.09, -0.22, -0.27], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("world", "root", "fixed", "joints"),
+    [
+        (body("base"), "base", True, []),
+        (body("base", pos="0 0 .1"), "world", True, [("base_fixed", "fixed")]),
+        (body("base", "<freejoint/>", pos="0 0 .5"), "base", False, []),
+        (body("base", '<joint name="swing"/>'), "world", True, [("swing", "revolute")]),
+        (body("a", '<joint name="x"/>') + body("b", pos="1 0 0"), "world", True, [("b_fixed", 0), ("x", 0)]),
+    ],
+)
+def test_what_the_world_holds(tmp_path, world, root, fixed, joints):
+    robot = robot_of(written(tmp_path, model(world)))
+    assert (robot.root.name, robot.base.fixed) == (root, fixed)
+    assert [one.name for one in robot.joints] == [name for name, _ in joints]
+
+
+def test_a_base_that_stands_off_the_origin_floats_where_it_is_told_to(tmp_path):
+    path = written(tmp_path, model(body("base", pos="0 0 .1")))
+    robot = robot_of(path, root={"base": "free"})
+    assert (robot.root.name, robot.base.fixed) == ("base", False)
+    assert robot.world_from_root[2, 3] == pytest.approx(0.1)
+
+
+def test_a_tilted_base_keeps_the_pull_of_gravity(tmp_path):
+    arm = body("arm", '<joint name="hinge" axis="1 0 0"/>')
+    agree(written(tmp_path, model(body("base", arm, euler="1 .5 0"))), tmp_path / "out")
+
+
+def test_several_floating_bodies_are_asked_about(tmp_path):
+    world = body("robot", "<freejoint/>" + body("arm", '<joint name="hinge"/>')) + body(
+        "cube", "<freejoint/>"
+    )
+    path = written(tmp_path, model(world))
+    with pytest.raises(AssemblyError, match=r"root\.disconnected"):
+        robot_of(path)
+    assert [one.name for one in robot_of(path, root={"disconnected": "drop"}).links] == ["robot", "arm"]
+    apart = robot_of(path, root={"disconnected": "separate"})
+    assert [(one.child, one.type) for one in apart.joints] == [("arm", "revolute"), ("cube", "free")]
+
+
+FOLLOW = """<equality><joint name="second" joint1="b" joint2="a" polycoef=".1 -2 0 0 0"/>
+    <joint name="third" joint1="c" joint2="b" polycoef="0 .5 0 0 0"/>
+    <joint name="bent" joint1="d" joint2="a" polycoef="0 1 1 0 0"/>
+    <joint name="stuck" joint1="d"/></equality>"""
+
+
+def test_joint_equalities_count_from_the_references(tmp_path):
+    hinges = ("a", "b", "c", "d")
+    arms = [
+        body(f"arm_{n}", f'<joint name="{n}" ref=".{i + 1}" range="-9 9"/>') for i, n in enumerate(hinges)
+    ]
+    path = written(tmp_path, model(body("base", "".join(arms)), FOLLOW))
+    robot = agree(path, tmp_path / "out")
+    found = {one.follower: (one.driver, one.multiplier, one.offset) for one in robot.relations}
+    # b − .2 = .1 − 2 (a − .1) and c − .3 = .5 (b − .2), so both by a.
+    assert found == {
+        "b": ("a", -2.0, pytest.approx(0.5)),
+        "c": ("a", -1.0, pytest.approx(0.45)),
+    }
+    saved = {dof.name: dof.saved for dof in robot.dofs}
+    assert saved == {name: pytest.approx(q) for name, q in {"a": 0.1, "b": 0.3, "c": 0.35, "d": 0.4}.items()}
+    left = next(one.message for one in robot.diagnostics if one.code == "W-MJCF-LEFT")
+    assert "2 × equality (bent, stuck)" in left
+
+
+@pytest.mark.parametrize(
+    ("keys", "rules"),
+    [
+        ({"second": {"invert": True}}, {"b": ("a", 2.0, 0.5), "c": ("a", 1.0, 0.45)}),
+        ({"second": {"offset": 0.1}}, {"b": ("a", -2.0, 0.1), "c": ("a", -1.0, 0.25)}),
+        ({"third": {"drop": True}}, {"b": ("a", -2.0, 0.5)}),
+        ({"*": {"drop": True}}, {}),
+    ],
+)
+def test_joint_equalities_obey_relations_too(tmp_path, keys, rules):
+    hinges = ("a", "b", "c", "d")
+    arms = [
+        body(f"arm_{n}", f'<joint name="{n}" ref=".{i + 1}" range="-9 9"/>') for i, n in enumerate(hinges)
+    ]
+    path = written(tmp_path, model(body("base", "".join(arms)), FOLLOW))
+    robot = agree(path, tmp_path / "out", relations=keys)
+    found = {one.follower: (one.driver, one.multiplier, one.offset) for one in robot.relations}
+    assert found == {name: (driver, k, pytest.approx(o)) for name, (driver, k, o) in rules.items()}
+
+
+def test_one_that_follows_two_relates_them(tmp_path):
+    """b = .5 + 2 a and b = 3 c − .1, so that c = (.6 + 2 a) / 3: a drives both, as its relation is first."""
+    arms = "".join(body(f"arm_{name}", f'<joint name="{name}" ref=".2"/>') for name in "abc")
+    equality = """<equality><joint name="r1" joint1="b" joint2="a" polycoef=".7 2 0 0 0"/>
+        <joint name="r2" joint1="b" joint2="c" polycoef=".3 3 0 0 0"/></equality>"""
+    path = written(tmp_path, model(body("base", arms), equality))
+    robot = agree(path, tmp_path / "out")
+    found = {one.follower: (one.driver, one.multiplier, one.offset) for one in robot.relations}
+    assert found == {
+        "b": ("a", 2.0, pytest.approx(0.5)),
+        "c": ("a", pytest.approx(2 / 3), pytest.approx(0.2)),
+    }
+    assert [dof.saved for dof in robot.dofs] == [pytest.approx(q) for q in (0.2, 0.9, 1 / 3)]
+
+
+def test_a_circle_of_followers_is_refused(tmp_path):
+    arms = "".join(body(f"arm_{name}", f'<joint name="{name}"/>') for name in "ab")
+    equality = """<equality><joint name="r1" joint1="b" joint2="a" polycoef="0 2 0 0 0"/>
+        <joint name="r2" joint1="a" joint2="b" polycoef="0 2 0 0 0"/></equality>"""
+    with pytest.raises(AssemblyError, match="E-RELATION"):
+        robot_of(written(tmp_path, model(body("base", arms), equality)))
+
+
+def test_keys_that_only_cad_has_are_refused(tmp_path):
+    path = written(tmp_path, model(body("base")))
+    with pytest.raises(AssemblyError, match="E-SOURCE-KEY hidden"):
+        robot_of(path, hidden="drop")
+
+
+FOURBAR = body(
+    "base",
+    body(
+        "crank",
+        '<joint name="drive" axis="0 0 1"/>' + body("rod", '<joint name="pin" axis="0 0 1"/>', pos=".1 0 0"),
+    )
+    + body("rocker", '<joint name="swing" axis="0 0 1"/>', pos="0 .2 0"),
+)
+
+
+@pytest.mark.parametrize(
+    ("equality", "kind"),
+    [
+        ('<connect name="loop" body1="rod" body2="rocker" anchor=".1 .1 0"/>', "ball"),
+        ('<weld name="loop" body1="rod" body2="rocker"/>', "fixed"),
+        (
+            '<weld name="loop" body1="rod" body2="rocker" relpose=".1 .2 .3 1 .2 0 0" anchor="1 2 3"/>',
+            "fixed",
+        ),
+    ],
+)
+def test_a_connect_and_a_weld_close_loops_where_mujoco_does(tmp_path, equality, kind):
+    path = written(tmp_path, model(FOURBAR, f"<equality>{equality}</equality>"))
+    robot = robot_of(path)
+    (closed,) = robot.loops
+    assert (closed.name, closed.type, {closed.link_a, closed.link_b}) == ("loop", kind, {"rod", "rocker"})
+    if kind == "ball":
+        write(robot, tmp_path / "out")
+        names, q = [dof.name for dof in robot.dofs], np.random.default_rng(3).uniform(-1, 1, 3)
+        ours, theirs = (violation(one, names, q) for one in (tmp_path / "out" / "robot.xml", path))
+        assert np.linalg.norm(ours) == pytest.approx(np.linalg.norm(theirs), abs=EXACT)
+
+
+def violation(path: Path, names, values):
+    """The rows of the equality constraints at these joint values."""
+    compiled = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(compiled)
+    for name, value in zip(names, values, strict=True):
+        data.qpos[compiled.joint(name).qposadr[0]] = value
+    mujoco.mj_forward(compiled, data)
+    return np.array(data.efc_pos[data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY])
+
+
+@pytest.mark.parametrize(
+    "equality",
+    [
+        '<weld body1="a" body2="b" relpose=".1 .2 .3 1 .2 0 0" anchor="1 2 3"/>',
+        '<weld body1="a" body2="b" anchor="1 2 3"/>',
+        '<weld body1="b" relpose=".1 .2 .3 1 .2 0 0"/>',
+        '<weld site1="p" site2="q"/>',
+        '<connect body1="a" body2="b" anchor=".3 .2 .1"/>',
+    ],
+)
+def test_a_closure_is_closed_where_mujoco_sees_no_violation(tmp_path, equality):
+    sites = '<site name="{}" pos=".1 .3 .2" quat="1 2 {} 4"/>'
+    world = body("a", sites.format("p", 3), pos="1 2 3", quat="4 3 2 1")
+    world += body("b", "<freejoint/>" + sites.format("q", 5), pos="1 1 1")
+    path = written(tmp_path, model(world, f"<equality>{equality}</equality>"))
+    bundle = bundle_of(path)
+    (one,) = codec.load(Mjcf, bundle.body(bundle.definition)).closures
+    compiled = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(compiled)
+    mujoco.mj_forward(compiled, data)
+    assert np.abs(data.efc_pos).max() > 0.1 or ("relpose" not in equality and "site" not in equality)
+    where = {1: np.eye(4), 0: np.eye(4)}
+    where[1][:3, :3], where[1][:3, 3] = data.xmat[1].reshape(3, 3), data.xpos[1]
+    frames = dict(zip(one.bodies, (one.a_from_frame, one.b_from_frame), strict=True))
+    (still,) = set(one.bodies) - {2}
+    pose = where[still] @ frames[still] @ np.linalg.inv(frames[2])
+    data.qpos[:3] = pose[:3, 3]
+    mujoco.mju_mat2Quat(data.qpos[3:], pose[:3, :3].ravel())
+    mujoco.mj_forward(compiled, data)
+    np.testing.assert_allclose(data.efc_pos, 0, atol=1e-12)
+
+
+def test_a_file_cuts_its_loops_where_it_says(tmp_path):
+    """A fixed joint is the last that goes into a tree by itself, but an equality is later still."""
+    inside = body("rod", body("plate", pos="0 0 .1"), pos=".1 0 0")
+    world = body("base", body("crank", '<joint name="drive"/>' + inside))
+    equality = '<equality><connect name="tie" body1="plate" body2="base" anchor="0 0 0"/></equality>'
+    robot = robot_of(written(tmp_path, model(world, equality)))
+    assert [one.name for one in robot.loops] == ["tie"]
+    assert sorted(one.name for one in robot.joints) == ["drive", "plate_fixed", "rod_fixed"]
+
+
+def test_what_only_an_equality_ties_is_tied_by_a_joint(tmp_path):
+    world = body("a", "<freejoint/>") + body("b", "<freejoint/>", pos="1 0 0")
+    equality = '<equality><connect name="tie" body1="a" body2="b" anchor=".5 0 0"/></equality>'
+    robot = robot_of(written(tmp_path, model(world, equality)))
+    assert [(one.name, one.type) for one in robot.joints] == [("tie", "ball")]
+    assert "W-MJCF-TREE" in codes(robot)
+
+
+GEOMS = """<geom type="box" size=".1 .2 .3" rgba=".8 .1 .2 1" contype="0" conaffinity="0" group="2"/>
+  <geom type="sphere" size=".1" pos="0 0 1"/><geom type="capsule" size=".1 .2" group="3"/>
+  <geom type="cylinder" fromto="0 0 0 0 0 .6" size=".05" rgba="1 1 1 0"/>
+  <geom type="ellipsoid" size=".1 .2 .3"/>"""
+
+
+def test_geoms_are_seen_or_touched_as_the_file_has_them(tmp_path):
+    world = '<geom name="floor" type="plane" size="1 1 1"/>' + body(
+        "base", GEOMS + body("tip", '<geom size=".2"/>')
+    )
+    robot = robot_of(written(tmp_path, model(world)))
+    told = [(one.kind, one.size, one.visual, one.collision) for one in robot.root.shapes]
+    assert told == [
+        ("box", (0.2, 0.4, 0.6), True, False),
+        ("sphere", (0.1,), False, True),
+        ("capsule", (0.1, 0.4), False, True),
+        ("cylinder", (0.05, pytest.approx(0.6)), False, True),
+    ]
+    assert robot.root.shapes[0].colour == (0.8, 0.1, 0.2, 1.0)
+    assert [(one.visual, one.collision) for one in robot.link("tip").shapes] == [(True, True)]
+    told = {one.code: one.message for one in robot.diagnostics}
+    assert "1 × geom type (ellipsoid, field, plane, ...)" in told["W-MJCF-LEFT"]
+    assert "1 × geom of the world (floor)" in told["I-MJCF-LEFT"]
+
+
+CORNERS = np.array([[0, 0, 0], [0.3, 0, 0], [0, 0.2, 0], [0, 0, 0.1]], dtype="<f4") + np.float32(0.125)
+FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+
+
+def stl():
+    rows = [struct.pack("<3f", 0, 0, 0) + CORNERS[list(face)].tobytes() + b"\0\0" for face in FACES]
+    return b"\0" * 80 + struct.pack("<I", len(FACES)) + b"".join(rows)
+
+
+def test_a_mesh_lies_where_the_file_puts_it(tmp_path):
+    (tmp_path / "assets").mkdir()
+    (tmp_path / "assets" / "wedge.stl").write_bytes(stl())
+    world = body("base", '<geom type="mesh" mesh="wedge" pos="1 2 3" quat="1 1 0 0" material="red"/>')
+    asset = """<asset><mesh name="wedge" file="wedge.stl" scale="2 1 -1" refpos=".1 .2 .3" refquat="1 0 0 1"/>
+        <material name="red" rgba="1 0 0 1"/></asset>"""
+    path = written(tmp_path, model(world, asset, compiler='meshdir="assets"'))
+    bundle = bundle_of(path)
+    robot = build_robot(bundle, plan_of())
+    (part,) = robot.root.parts
+    made = triangles.decode(bundle.body(part.mesh.reply))[part.mesh.part]
+    assert made.palette == ((1.0, 0.0, 0.0, 1.0),)
+    found = made.points @ part.world_from_part[:3, :3].T + part.world_from_part[:3, 3]
+    # The mesh's frame in its file is at refpos, turned by 90° about z; the scale is along its axes.
+    turned = (CORNERS - [0.1, 0.2, 0.3]) @ np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1]]).T
+    placed = turned * [2.0, 1.0, -1.0]
+    wanted = placed @ np.array([[1, 0, 0], [0, 0, -1], [0, 1, 0]]).T + [1, 2, 3]
+    distance = np.linalg.norm(found[:, None] - wanted, axis=-1)
+    assert distance.min(axis=0).max() < 1e-6
+    assert distance.min(axis=1).max() < 1e-6
+    geometry = make_geometry(robot, bundle, plan_of(), lambda kind, key, make: make())
+    visual = next(shape for shape in geometry.shapes if shape.role == "visual")
+    assert visual.volume == pytest.approx(2 * 0.3 * 0.2 * 0.1 / 6, rel=1e-5)
+
+
+def test_what_is_only_seen_is_kept_though_the_file_would_do_without(tmp_path):
+    shape = '<geom size=".1" contype="0" conaffinity="0"/>'
+    path = written(tmp_path, model(body("base", shape), compiler='discardvisual="true"'))
+    assert [(one.visual, one.collision) for one in robot_of(path).root.shapes] == [(True, False)]
+
+
+def test_an_attached_model_is_part_of_the_identity_with_its_meshes(tmp_path):
+    (tmp_path / "arm").mkdir()
+    (tmp_path / "arm" / "wedge.stl").write_bytes(stl())
+    asset = '<asset><mesh file="wedge.stl"/></asset>'
+    written(tmp_path / "arm", model(body("link", '<geom type="mesh" mesh="wedge"/>'), asset), "arm.xml")
+    attached = '<frame pos="0 0 1"><attach model="arm" body="link" prefix="left/"/></frame>'
+    path = written(
+        tmp_path, model(body("base", attached), '<asset><model name="arm" file="arm/arm.xml"/></asset>')
+    )
+    assert sorted(identity(keys_of(path))["files"]) == ["arm/arm.xml", "arm/wedge.stl", "model.xml"]
+    robot = robot_of(path)
+    assert [one.name for one in robot.links] == ["base", "left/link"]
+    assert len(robot.links[1].parts) == 1
+
+
+ACTUATED = """<actuator><motor joint="a" gear="10" ctrlrange="-2 2"/><position joint="b" forcerange="-3 5"/>
+  <motor name="push" joint="c" gear="2"/></actuator><sensor><gyro name="imu" site="tip"/></sensor>
+  <tendon><spatial name="cable"><site site="tip"/><site site="root"/></spatial></tendon>
+  <keyframe><key name="stand"/></keyframe>"""
+
+
+def test_actuators_bound_efforts_and_what_is_left_is_told_by_name(tmp_path):
+    joints = "".join(
+        body(f"arm_{name}", f'<joint name="{name}" {more}/>')
+        for name, more in {"a": "", "b": "", "c": 'actuatorfrcrange="-7 7" stiffness="2"'}.items()
+    )
+    world = body("base", joints + '<site name="root"/><camera name="eye"/>') + '<light name="sun"/>'
+    world = world.replace('<site name="root"/>', '<site name="root"/><site name="tip" pos="0 0 1"/>')
+    robot = robot_of(written(tmp_path, model(world, ACTUATED)))
+    assert {dof.name: dof.dynamics.effort for dof in robot.dofs} == {"a": 20.0, "b": 5.0, "c": 7.0}
+    told = {one.code: one.message for one in robot.diagnostics}
+    assert "1 × joint stiffness (c)" in told["W-MJCF-LEFT"]
+    assert "1 × tendon (cable)" in told["W-MJCF-LEFT"]
+    for words in (
+        "3 × actuator (push, ...)",
+        "sensor (imu)",
+        "keyframe (stand)",
+        "camera (eye)",
+        "light (sun)",
+    ):
+        assert words in told["I-MJCF-LEFT"]
+
+
+def same(robot, again):
+    """The same links, joints, limits, relations, loops and frames, moving in the same way."""
+    assert {one.name for one in again.links} == {one.name for one in robot.links}
+    for kind in ("joints", "loops"):
+        wanted, found = (
+            {one.name: one.type for one in getattr(r, kind) if one.type != "fixed"} for r in (robot, again)
+        )
+        assert found == wanted
+    assert {f.name: f.link for f in again.frames} == {f.name: f.link for f in robot.frames}
+    limits = {dof.name: dof.limits for dof in again.dofs if dof.kind != "ball"}
+    for dof in robot.dofs:
+        if dof.kind != "ball":
+            wanted, found = ((one.lower, one.upper) for one in (dof.limits, limits[dof.name]))
+            assert found == tuple(end if end is None else pytest.approx(end, abs=EXACT) for end in wanted)
+    relations = {one.follower: (one.driver, one.multiplier, one.offset) for one in again.relations}
+    assert relations == {
+        one.follower: (one.driver, pytest.approx(one.multiplier), pytest.approx(one.offset, abs=EXACT))
+        for one in robot.relations
+    }
+    start = starting_point(robot)
+    q = some_values(robot, np.random.default_rng(8))
+    q_again = {dof.name: since(dof, start[dof.name], q[dof.name]) for dof in robot.dofs}
+    poses, poses_again = link_poses(robot, q), link_poses(again, q_again)
+    for link in robot.links:
+        np.testing.assert_allclose(poses_again[link.name], poses[link.name], atol=EXACT)
+        own, other = link.inertial, again.link(link.name).inertial
+        assert other.mass == pytest.approx(own.mass)
+        np.testing.assert_allclose(other.com, own.com, atol=EXACT)
+        np.testing.assert_allclose(other.inertia, own.inertia, atol=EXACT)
+
+
+def since(dof, start, value):
+    """A ball's value counted from qpos0, as MuJoCo has it."""
+    if dof.kind != "ball":
+        return value
+    turned = chain([dof], {dof.name: conjugate(start)}) @ chain([dof], {dof.name: value})
+    quat = np.zeros(4)
+    mujoco.mju_mat2Quat(quat, turned[:3, :3].ravel())
+    return tuple(quat)
+
+
+def test_our_own_sample_read_back_is_itself(tmp_path):
+    robot = drawn_robot(sample_document())
+    write(robot, tmp_path)
+    same(robot, robot_of(tmp_path / "robot.xml"))
+
+
+EVERY_MATE = ("revolute", "prismatic", "cylindrical", "ball", "planar", "pin_slot", "parallel")
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_every_mate_read_back_is_itself(tmp_path, turned):
+    """All away from zero, which the loop that is open there asks for."""
+    rng = np.random.default_rng(2)
+    names = ["base", *EVERY_MATE]
+    joints = []
+    for parent, kind in zip(names, EVERY_MATE, strict=False):
+        saved = [0.3, -0.2, 0.1, 0.4][
+            : {"planar": 3, "parallel": 4, "cylindrical": 2, "pin_slot": 2}.get(kind, 1)
+        ]
+        if kind == "ball":
+            saved = [(0.8, 0.0, 0.6, 0.0)]
+        place = np.eye(4)
+        place[:3, 3] = rng.uniform(-0.3, 0.3, 3)
+        joints.append(joint(kind, parent, kind, saved, place=place, backwards=turned))
+    bare = robot_with(joints, fixed=True)
+    poses = link_poses(bare, {dof.name: dof.saved for dof in bare.dofs})
+    ends = np.linalg.inv(poses["parallel"]), np.linalg.inv(poses["base"])
+    closed = loop("revolute", "parallel", "base", *ends, [0.0])
+    robot = robot_with(joints, loops=[closed], fixed=True)
+    assert starting_point(robot)["revolute_joint"] == 0.3
+    write(robot, tmp_path)
+    again = robot_of(tmp_path / "robot.xml")
+    same(robot, again)
+    several = [one for one in again.joints if len(one.dofs) > 1]
+    assert len(several) == 4
+    assert {one.backwards for one in several} == {turned}
+
+
+def test_a_bundle_is_read_back_from_its_zip(tmp_path):
+    path = written(tmp_path, model(body("base", HIP), DEFAULTS, compiler=""))
+    bundle = bundle_of(path)
+    again = whole(read(pack(bundle), "zip"), "zip")
+    assert again == bundle
+    assert str(tmp_path).encode() not in pack(bundle)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda text: b"[]",
+        lambda text: b"{}",
+        lambda text: text.replace(b'"parent": 1', b'"parent": 9'),
+        lambda text: text.replace(b'"mass": 1.0', b'"mass": null'),
+        lambda text: b"\xff\xfe",
+    ],
+)
+def test_a_bundle_that_holds_no_model_is_refused(tmp_path, change):
+    bundle = bundle_of(written(tmp_path, model(body("base", HIP), DEFAULTS, compiler="")))
+    body_of_it = change(bundle.body(bundle.definition))
+    forged = Bundle("mjcf", "", bundle.root, "d", (), {}, {"d": body_of_it})
+    with pytest.raises((ProtocolError, AssemblyError)):
+        build_robot(forged, plan_of())
+
+
+def keys_of(path):
+    return MjcfKeys(path=str(path))
+
+
+def test_the_identity_is_the_content_of_all_files(tmp_path):
+    for folder in ("inc", "assets", "elsewhere"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "assets" / "wedge.stl").write_bytes(stl())
+    (tmp_path / "inc" / "more.xml").write_text('<mujoco><asset><mesh file="wedge.stl"/></asset></mujoco>')
+    more = '<include file="inc/more.xml"/><!-- file="x" -->'
+    path = written(tmp_path, model(body("b"), more, compiler='meshdir="assets"'))
+    first = identity(keys_of(path))
+    assert sorted(first["files"]) == ["assets/wedge.stl", "inc/more.xml", "model.xml"]
+    assert gather(keys_of(path))[0].root["microversion"]
+    (tmp_path / "inc" / "more.xml").write_text(
+        (tmp_path / "inc" / "more.xml").read_text() + "<!-- a word -->"
+    )
+    assert identity(keys_of(path)) == first
+    (tmp_path / "assets" / "wedge.stl").write_bytes(stl() + b"\0")
+    assert identity(keys_of(path)) != first
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("hello", "no XML"),
+        ("", "no XML"),
+        ('<robot name="x"/>', "source=urdf"),
+        ("<html/>", "<html>"),
+        ("<mujoco><worldbody>", "MuJoCo refuses it: XML parse error"),
+        ("<mujoco><worldbody/></mujoco>", "no body"),
+        ('<mujoco><asset><mesh file="nope.stl"/></asset></mujoco>', "nope.stl"),
+        ('<mujoco><include file="nope.xml"/></mujoco>', "nope.xml"),
+        ('<mujoco><include file="model.xml"/></mujoco>', "already included"),
+        (model(body("a", pos="nan 0 0")), "body_pos"),
+        (model(body("a", pos="inf 0 0")), "body_pos"),
+        (model(body("a") + body("a")), "repeated name 'a'"),
+        (model("<body><joint/></body>"), "mass and inertia of moving bodies"),
+        ("<mujoco><foo/></mujoco>", "foo"),
+        ("<mujoco><worldbody>" + "<body>" * 10000 + "</body>" * 10000 + "</worldbody></mujoco>", "too deep"),
+        ('<mujoco model="' + "a" * 50_000_000 + '"/>', "longer than"),
+        ("<!--" * 100_000, "no XML"),
+        ("<mujoco>" + "".join(f'<a file="{i}"/>' for i in range(30_000)), "names more than"),
+    ],
+)
+def test_what_is_no_model_is_refused_in_one_sentence_without_a_path(tmp_path, monkeypatch, text, said):
+    monkeypatch.chdir(tmp_path)
+    path = written(tmp_path, text)
+    with pytest.raises((SourceError, ProtocolError)) as caught:
+        build_robot(gather(keys_of(path))[0], plan_of())
+    assert said in str(caught.value)
+    assert str(tmp_path) not in str(caught.value)
+    assert [one.name for one in tmp_path.iterdir()] == ["model.xml"]

@@ -1,0 +1,166 @@
+"""Regular files alone are read, wherever a source names one: nothing blocks, nothing is read for ever."""
+
+import os
+import socket
+from pathlib import Path
+
+import pytest
+
+from pipeline.config.plan import Plan
+from stages.fetch import pinned, preflight, regular_files
+from stages.fetch.keys import BundleKeys, MjcfKeys, UrdfKeys
+from stages.fetch.mjcf.gather import gather as gather_mjcf
+from stages.fetch.urdf.gather import gather as gather_urdf
+from stages.fetch.urdf.ros_packages import Packages
+from stages.robot import guest
+from stages.robot.errors import ConfigError, SourceError
+from tests.support.mjcfs import model, written
+
+HUGE = 1 << 42
+"""More [bytes] than is read in any time; a file of that size takes no room."""
+
+
+@pytest.fixture(autouse=True)
+def _no_guest(monkeypatch):
+    def never(*_: object) -> bytes:
+        raise AssertionError("a guest was started")
+
+    monkeypatch.setattr(guest, "ask", never)
+
+
+def made(kind: str, folder: Path, suffix: str = ".stl") -> Path:
+    """Something of a kind that is not to be read."""
+    path = folder / f"x{suffix}"
+    if kind == "pipe":
+        os.mkfifo(path)
+    elif kind == "socket":
+        with socket.socket(socket.AF_UNIX) as one:
+            cwd = Path.cwd()
+            os.chdir(folder)  # its whole path may be longer than a socket's can be
+            one.bind(path.name)
+            os.chdir(cwd)
+    elif kind == "device":
+        path.symlink_to("/dev/zero")
+    elif kind == "kernel":
+        path.symlink_to("/proc/self/mountinfo")
+    elif kind == "huge":
+        with path.open("wb") as file:
+            file.truncate(HUGE)
+    return path
+
+
+KINDS = ["pipe", "socket", "device"]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_is_no_file_is_neither_opened_nor_read(tmp_path, kind):
+    path = made(kind, tmp_path)
+    assert (regular_files.is_file(path), regular_files.is_special(path), regular_files.is_endless(path)) == (
+        False,
+        True,
+        True,
+    )
+    for read in (regular_files.content, regular_files.digest):
+        with pytest.raises(OSError, match="regular"):
+            read(path, 100)
+
+
+def test_a_file_is_read_as_long_as_the_system_says_it_is(tmp_path):
+    path = tmp_path / "a"
+    path.write_bytes(b"abc")
+    assert regular_files.content(path, 3) == b"abc"
+    with pytest.raises(regular_files.TooLarge) as caught:
+        regular_files.content(path, 2)
+    assert caught.value.size == 3
+    assert regular_files.digest(path, 3).startswith("ba7816bf")
+    assert not regular_files.is_endless(path)
+    with pytest.raises(OSError, match="directory"):
+        regular_files.content(tmp_path, 3)
+    assert not regular_files.is_file(Path("x" * 5000))
+    assert not regular_files.is_file(Path("a\0"))
+
+
+@pytest.mark.skipif(not Path("/proc/self/mountinfo").exists(), reason="there is no /proc")
+def test_what_a_kernel_shows_as_a_file_is_empty(tmp_path):
+    path = made("kernel", tmp_path)
+    assert (regular_files.is_file(path), regular_files.is_endless(path)) == (True, True)
+    assert regular_files.content(path, 100) == b""
+
+
+@pytest.mark.parametrize("kind", [*KINDS, "kernel", "huge"])
+def test_a_mesh_of_a_urdf(tmp_path, kind):
+    made(kind, tmp_path)
+    shape = '<visual><geometry><mesh filename="x.stl"/></geometry></visual>'
+    text = f'<robot name="r"><link name="a">{shape}</link></robot>'
+    source = UrdfKeys(path=str(written(tmp_path, text, "r.urdf")))
+    pinned(Plan.model_validate({"name": "r", "source": source}), {})
+    with pytest.raises(SourceError) as caught:
+        gather_urdf(source, {})
+    (problem,) = caught.value.problems
+    words = {"kernel": "it is empty", "huge": "it is larger than"}.get(kind, regular_files.NOT_REGULAR)
+    assert words in problem.message
+
+
+@pytest.mark.parametrize("kind", [*KINDS, "kernel", "huge"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        model("", '<asset><mesh file="x.stl"/></asset>'),
+        model("", '<asset><texture file="sub/x.stl"/></asset>'),
+        '<mujoco><include file="x.stl"/></mujoco>',
+    ],
+)
+def test_a_file_of_an_mjcf(tmp_path, kind, text):
+    made(kind, tmp_path)
+    source = MjcfKeys(path=str(written(tmp_path, text)))
+    plan = Plan.model_validate({"name": "r", "source": source})
+    for call in (lambda: pinned(plan, {}), lambda: gather_mjcf(source)):
+        with pytest.raises(SourceError, match=r"it names (sub/)?x\.stl"):
+            call()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("keys", [UrdfKeys, MjcfKeys, BundleKeys])
+def test_the_source_itself(tmp_path, kind, keys):
+    plan = Plan.model_validate({"name": "r", "source": keys(path=str(made(kind, tmp_path)))})
+    with pytest.raises(ConfigError, match="a device, a pipe or a socket"):
+        preflight(plan, {})
+    with pytest.raises(SourceError, match="it cannot be read: it is a device, a pipe or a socket"):
+        pinned(plan, {})
+
+
+@pytest.mark.parametrize("keys", [UrdfKeys, MjcfKeys, BundleKeys])
+def test_a_source_larger_than_is_read(tmp_path, keys):
+    with pytest.raises(SourceError, match=r"4398046511104 bytes|longer than 32 MB"):
+        pinned(Plan.model_validate({"name": "r", "source": keys(path=str(made("huge", tmp_path)))}), {})
+
+
+def test_the_files_of_a_robot_are_bounded_together(tmp_path, monkeypatch):
+    from stages.fetch.mjcf import files
+    from stages.fetch.urdf import survey
+
+    for name in ("a.stl", "b.stl"):
+        (tmp_path / name).write_bytes(bytes(600))
+    shapes = "".join(f'<visual><geometry><mesh filename="{n}.stl"/></geometry></visual>' for n in "ab")
+    urdf = written(tmp_path, f'<robot name="r"><link name="a">{shapes}</link></robot>', "r.urdf")
+    mjcf = written(tmp_path, model("", '<asset><mesh file="a.stl"/><mesh file="b.stl"/></asset>'))
+    monkeypatch.setattr(survey, "LARGEST_ROBOT", 1000)
+    monkeypatch.setattr(files, "LARGEST_MODEL", 1000)
+    for source in (UrdfKeys(path=str(urdf)), MjcfKeys(path=str(mjcf))):
+        with pytest.raises(SourceError, match="have more than 1e-06 GB"):
+            pinned(Plan.model_validate({"name": "r", "source": source}), {})
+
+
+def test_a_package_whose_description_is_a_pipe_is_passed_by(tmp_path):
+    (tmp_path / "p").mkdir()
+    os.mkfifo(tmp_path / "p" / "package.xml")
+    packages = Packages(tmp_path, {}, {"ROS_PACKAGE_PATH": str(tmp_path)})
+    assert packages.find("q") is None
+    assert packages.find("p") == tmp_path / "p"
+
+
+def test_the_material_of_an_obj_that_is_a_pipe_is_none(tmp_path):
+    from stages.fetch.urdf.companions import companions
+
+    os.mkfifo(tmp_path / "m.mtl")
+    assert companions(tmp_path / "a.obj", b"mtllib m.mtl\n") == {}

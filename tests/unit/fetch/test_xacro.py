@@ -1,0 +1,205 @@
+"""xacro: expanded where it is named so and trusted, in a process that knows nothing of ours; else never."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from pipeline.config.plan import Plan
+from stages.fetch import pinned, preflight
+from stages.fetch.keys import UrdfKeys
+from stages.fetch.urdf import expand
+from stages.fetch.urdf.gather import gather
+from stages.robot import guest
+from stages.robot.errors import ConfigError, SourceError
+from tests.unit.fetch.test_urdf_files import block, put
+
+XMLNS = b'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+XACRO = (
+    b"""<robot %s name="r"><xacro:arg name="n" default="x"/>
+<xacro:include filename="$(find parts)/part.xacro"/>
+<link name="$(arg n)"/><xacro:part mesh="file://$(find parts)/a.stl"/>
+<gazebo><config>$(find parts)/c.yaml</config></gazebo></robot>"""
+    % XMLNS
+)
+PART = (
+    b"""<robot %s><xacro:include filename="$(find more)/more.xacro"/>
+<xacro:macro name="part" params="mesh">
+<link name="part"><visual><geometry><mesh filename="${mesh}"/></geometry></visual></link>
+</xacro:macro></robot>"""
+    % XMLNS
+)
+
+
+def text_of(path: Path, environ: dict[str, str] | None = None, **keys: object) -> str:
+    """What a trusted xacro file becomes."""
+    bundle, _ = gather(UrdfKeys(path=str(path), trust=True, **keys), environ or {})
+    return bundle.blobs[bundle.definition].decode()
+
+
+def robot(inside: str) -> bytes:
+    return b'<robot %s name="r">%s</robot>' % (XMLNS, inside.encode())
+
+
+def made(folder: Path, inside: str, environ: dict[str, str] | None = None, **keys: object) -> str:
+    put(folder, **{"r.xacro": robot(inside)})
+    return text_of(folder / "r.xacro", environ, **keys)
+
+
+def refused(folder: Path, inside: str, **keys: object) -> SourceError:
+    with pytest.raises(SourceError) as caught:
+        made(folder, inside, **keys)
+    assert str(folder) not in str(caught.value)
+    return caught.value
+
+
+@pytest.fixture
+def no_guest(monkeypatch):
+    def never(*_: object) -> bytes:
+        raise AssertionError("a guest was started")
+
+    monkeypatch.setattr(guest, "ask", never)
+
+
+def test_one_is_expanded_with_its_arguments_and_the_packages_of_all_its_files(tmp_path):
+    put(tmp_path, **{"r.urdf.xacro": XACRO, "p/part.xacro": PART, "p/a.stl": block()})
+    put(tmp_path, **{"m/more.xacro": b'<robot %s><link name="more"/></robot>' % XMLNS})
+    packages = {"parts": str(tmp_path / "p"), "more": str(tmp_path / "m")}
+    text = text_of(tmp_path / "r.urdf.xacro", packages=packages, args={"n": True})
+    assert [name in text for name in ('<link name="true"', '"more"', "package://parts/c.yaml")] == [True] * 3
+    assert str(tmp_path) not in text
+
+
+@pytest.mark.parametrize("call", ["preflight", "pinned", "gather"])
+@pytest.mark.usefixtures("no_guest")
+def test_without_trust_it_is_not_run_and_the_error_says_why(tmp_path, call):
+    put(tmp_path, **{"r.urdf.xacro": XACRO})
+    plan = Plan.model_validate(
+        {"name": "r", "source": {"kind": "urdf", "path": str(tmp_path / "r.urdf.xacro")}}
+    )
+    calls = {
+        "preflight": lambda: preflight(plan, {}),
+        "pinned": lambda: pinned(plan, {}),
+        "gather": lambda: gather(plan.source, {}),
+    }
+    with pytest.raises(ConfigError) as caught:
+        calls[call]()
+    assert caught.value.where == "source.trust"
+    assert "that is a program" in caught.value.message
+    assert "source.trust=true" in caught.value.hint
+
+
+def test_a_missing_xacro_is_known_before_any_work(tmp_path, monkeypatch):
+    put(tmp_path, **{"r.xacro": XACRO})
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    source = {"kind": "urdf", "path": str(tmp_path / "r.xacro"), "trust": True}
+    with pytest.raises(ConfigError, match=re.escape("pip install 'xacro")):
+        preflight(Plan.model_validate({"name": "r", "source": source}), {})
+
+
+@pytest.mark.parametrize(
+    ("inside", "said"),
+    [
+        ('\n<xacro:property name="m" value="1"/>', "line 2: <xacro:property>"),
+        ('<link name="a"><xacro:if value="1"/></link>', "<xacro:if>"),
+        ('<link name="a" xacro:b="1"/>', 'xacro:b="…"'),
+        ('<link name="${a}"/>', "${a}"),
+        (
+            '<link name="a"><visual><geometry><mesh filename="$(find p)/a.stl"/></geometry></visual></link>',
+            "$(",
+        ),
+        ("<ros2_control><param>${(lambda: 1)()}</param></ros2_control>", "${(lambda: 1)()}"),
+    ],
+)
+@pytest.mark.usefixtures("no_guest")
+def test_a_urdf_with_anything_for_xacro_is_refused_with_the_way_out(tmp_path, inside, said):
+    put(tmp_path, **{"r.urdf": robot(inside)})
+    with pytest.raises(SourceError) as caught:
+        gather(UrdfKeys(path=str(tmp_path / "r.urdf"), trust=True), {})
+    assert said in caught.value.message
+    assert "xacro FILE > robot.urdf" in caught.value.hint
+    assert "r.urdf.xacro" in caught.value.hint
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b'<robot name="r"><xacro:property name="m" value="1"/><link name="a"/></robot>',
+        b'<robot name="r" xmlns:x="http://ros.org/wiki/xacro"><x:property name="m"/><link name="a"/></robot>',
+        b'<robot name="r" xmlns:xacro="urn:any"><xacro:property name="m"/><link name="a"/></robot>',
+        b'<robot name="r"><link name="$(env HOME)"/></robot>',
+    ],
+)
+@pytest.mark.usefixtures("no_guest")
+def test_it_is_known_however_it_is_declared(tmp_path, text):
+    put(tmp_path, **{"r.urdf": text})
+    with pytest.raises(SourceError, match="is for xacro"):
+        gather(UrdfKeys(path=str(tmp_path / "r.urdf")), {})
+
+
+@pytest.mark.parametrize(
+    "inside",
+    [
+        '<link name="a"/>',
+        '<link name="a$5"/><!-- <xacro:property/> ${a} -->',
+        '<link name="a"/><gazebo><plugin><parameters>$(find p)/c.yaml</parameters></plugin></gazebo>',
+    ],
+)
+@pytest.mark.usefixtures("no_guest")
+def test_a_namespace_alone_needs_no_xacro(tmp_path, inside):
+    put(tmp_path, **{"r.urdf": robot(inside)})
+    bundle, _ = gather(UrdfKeys(path=str(tmp_path / "r.urdf")), {})
+    assert b'<link name="a' in bundle.blobs[bundle.definition]
+
+
+ESCAPED = (
+    "${(lambda: [c for c in ().__class__.__base__.__subclasses__() if c.__name__ == '_wrap_close'][0]"
+    ".__init__.__globals__['environ'].copy().keys().__repr__())()}"
+)
+"""The variables of the process, by an expression that gets around xacro's filter."""
+
+
+def test_what_is_trusted_sees_the_paths_of_ros_and_no_other_variable(tmp_path, monkeypatch):
+    monkeypatch.setenv("ONSHAPE_SECRET_KEY", "very-secret-indeed")
+    environ = {"ROS_PACKAGE_PATH": str(tmp_path), "ONSHAPE_SECRET_KEY": "very-secret-indeed", "HOME": "/root"}
+    text = made(tmp_path, f'<link name="{ESCAPED}"/>', environ)
+    assert "['ROS_PACKAGE_PATH']" in text.replace("&apos;", "'")
+    error = refused(tmp_path, '<link name="$(env ONSHAPE_SECRET_KEY)"/>')
+    assert "sees no variables but ROS's paths" in error.hint
+
+
+@pytest.mark.parametrize(
+    ("inside", "said", "hint"),
+    [
+        ('<link name="$(find parts)"/>', "there is no package parts", "source.packages={parts: FOLDER}"),
+        ('<link name="$(arg n)"/>', "argument n", "source.args"),
+        ('<link name="${1/0}"/>', "division by zero", ""),
+        ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "calls itself", ""),
+    ],
+)
+def test_what_xacro_refuses_is_told_as_ours(tmp_path, inside, said, hint):
+    error = refused(tmp_path, inside)
+    assert error.message.startswith("xacro refuses it: ")
+    assert said in error.message
+    assert hint in error.hint
+
+
+@pytest.mark.parametrize(
+    ("inside", "bounds", "said"),
+    [
+        (
+            '<link name="${[0 for a in range(10**12)]}"/>',
+            guest.Bounds(1, 1 << 34, 100),
+            "took longer than 1 s",
+        ),
+        (
+            '<link name="${len(str(10) * 3 * 10**8)}"/>',
+            guest.Bounds(60, 200 << 20, 100),
+            "needed more than 0.21 GB",
+        ),
+        ('<link name="${str(10) * 10**5}"/>', guest.Bounds(60, 1 << 30, 10**5), "made more than 0.1 MB"),
+    ],
+)
+def test_what_is_trusted_has_bounds(tmp_path, monkeypatch, inside, bounds, said):
+    monkeypatch.setattr(expand, "BOUNDS", bounds)
+    assert said in refused(tmp_path, inside).message

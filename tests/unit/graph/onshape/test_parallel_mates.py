@@ -1,0 +1,562 @@
+"""Several mates between the same two bodies: the motion that all of them allow, and its limits.
+
+The oracle of what a mate allows is written here in closed form, on the relative pose of its frames.
+"""
+
+import math
+from dataclasses import replace
+from itertools import combinations, permutations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stages.graph.dofs import TYPES, dofs_of, right_handed, value_in
+from stages.graph.onshape.assembly import Assembly, Entity, Mate, Occurrence
+from stages.graph.onshape.parallel_mates import Absorbed, Composed, composed
+from stages.robot.diagnostics import Notes
+from stages.robot.kinematics import chain
+from stages.robot.model import Array, MateRef, frozen
+from stages.robot.poses import from_parts, inverse, rotation_from_quat, turn
+from tests.support.building import robot_of
+from tests.support.kit import Kit
+
+X, Y, Z = np.eye(3)
+ONE, OTHER = ("one",), ("other",)
+BODY_OF = {ONE: 3, OTHER: 1, (): 7}
+KINDS = ("REVOLUTE", "SLIDER", "CYLINDRICAL", "BALL", "PLANAR", "PARALLEL", "PIN_SLOT")
+
+
+@pytest.fixture
+def kit() -> Kit:
+    return Kit()
+
+
+def frame(z: Array = Z, at: object = (0.0, 0.0, 0.0), spin: float = 0.0) -> Array:
+    """A frame (4, 4) with this z axis, turned about it by `spin`."""
+    z = np.asarray(z, float) / np.linalg.norm(z)
+    x = np.eye(3)[int(np.argmin(np.abs(z)))]
+    x = x - z * (z @ x)
+    x /= np.linalg.norm(x)
+    rotation = np.column_stack([x, np.cross(z, x), z])
+    return from_parts(rotation @ turn(Z, spin), np.asarray(at, float))
+
+
+class Pair:
+    """Two occurrences somewhere, and mates between them at the saved pose, drawn by world frames."""
+
+    def __init__(self, seed: int = 0) -> None:
+        self.rng = np.random.default_rng(seed)
+        self.assembly = Assembly({})
+        for path in (ONE, OTHER):
+            place = frozen(self.somewhere())
+            record = {"type": "Part"}
+            self.assembly.occurrences[path] = Occurrence(path, path, record, place, False)
+        self.mates: list[Mate] = []
+
+    def somewhere(self) -> Array:
+        return from_parts(rotation_from_quat(self.rng.normal(size=4)), self.rng.uniform(-1, 1, 3))
+
+    def mate(self, name: str, kind: str, second: Array, *values, first=ONE, limits=None) -> Mate:
+        """A mate whose second entity stands at `second` in the world, and its dofs at `values`."""
+        dofs = dofs_of("", kind, {}, np.eye(4))
+        moved = second @ chain(dofs, dict(zip((dof.name for dof in dofs), values, strict=False)))
+        return self.drawn(name, kind, moved, second, first, limits)
+
+    def drawn(self, name, kind, moved, second, first=ONE, limits=None) -> Mate:
+        paths = (first, OTHER if first == ONE else ONE)
+        entities = tuple(
+            Entity(path, frozen(inverse(self.assembly.occurrences[path].world_from_occurrence) @ world))
+            for path, world in zip(paths, (moved, second), strict=True)
+        )
+        ref = MateRef((), f"id {name}", name, kind)
+        self.mates.append(Mate(ref, name, entities, {} if limits is None else limits))
+        return self.mates[-1]
+
+    def composed(self) -> tuple[Composed, list[str]]:
+        notes = Notes()
+        made = composed(self.mates, self.assembly, BODY_OF, notes)
+        assert not notes.problems
+        return made, sorted(note.code for note in notes.found)
+
+    def only(self) -> Mate:
+        made, _ = self.composed()
+        (mate,) = made.mates
+        assert made.welds == ()
+        return mate
+
+    def relative(self, mate: Mate, displaced: Array | None = None) -> Array:
+        """second_from_first of a mate, with ONE displaced (4, 4, in the world)."""
+        world = [
+            (np.eye(4) if displaced is None or entity.path != ONE else displaced)
+            @ self.assembly.world_from(entity)
+            for entity in mate.entities
+        ]
+        first, second, _ = right_handed(*world)
+        return inverse(second) @ first
+
+    def dofs(self, mate: Mate):
+        first, second, mirrored = right_handed(*(self.assembly.world_from(e) for e in mate.entities))
+        limits = mate.limits or {}
+        return second, dofs_of("", mate.ref.type, limits, inverse(second) @ first, mirrored)
+
+    def displaced(self, mate: Mate, values: dict[str, object]) -> Array:
+        """Where ONE goes, from the saved pose, as OTHER stays and the mate's dofs get new values."""
+        second, dofs = self.dofs(mate)
+        saved = {dof.name: dof.saved for dof in dofs}
+        moved = chain(dofs, {**saved, **values}) @ inverse(chain(dofs, saved))
+        displaced = second @ moved @ inverse(second)
+        return displaced if mate.entities[0].path == ONE else inverse(displaced)
+
+    def some(self, mate: Mate) -> dict[str, object]:
+        """Random values of a mate's dofs."""
+        return {
+            dof.name: tuple(self.rng.normal(size=4)) if dof.kind == "ball" else self.rng.uniform(-3, 3)
+            for dof in self.dofs(mate)[1]
+        }
+
+
+def misfit(kind: str, relative: Array) -> Array:
+    """What a mate forbids, as numbers that must vanish, from the pose of its first frame in its second."""
+    x, y, z = relative[:3, 3]
+    leaning = relative[:2, 2]
+    return {
+        "REVOLUTE": lambda: [x, y, z, *leaning],
+        "SLIDER": lambda: [x, y, *(relative[:3, :3] - np.eye(3)).ravel()],
+        "CYLINDRICAL": lambda: [x, y, *leaning],
+        "BALL": lambda: [x, y, z],
+        "PLANAR": lambda: [z, *leaning],
+        "PARALLEL": lambda: [*leaning],
+        "PIN_SLOT": lambda: [y, z, *leaning],
+    }[kind]()
+
+
+def freedom_left(pair: Pair) -> int:
+    """How many ways the pair moves, by finite differences of what all its mates forbid."""
+
+    def all_of(twist: Array) -> Array:
+        step = 1e-6
+        angle = float(np.linalg.norm(twist[:3]))
+        rotation = turn(twist[:3] / angle, step * angle) if angle else np.eye(3)
+        moved = from_parts(rotation, step * twist[3:])
+        return np.concatenate([misfit(m.ref.type, pair.relative(m, moved)) for m in pair.mates]) / step
+
+    jacobian = np.array([(all_of(t) - all_of(-t)) / 2 for t in np.eye(6)])
+    return 6 - int((np.linalg.svd(jacobian)[1] > 1e-4).sum())
+
+
+def check_motion(pair: Pair, mate: Mate, freedom: int) -> None:
+    """The mate moves as all mates of the pair allow, in as many ways as they leave."""
+    _, dofs = pair.dofs(mate)
+    assert np.abs(misfit(mate.ref.type, pair.relative(mate))).max() < 1e-9
+    assert sum(3 if dof.kind == "ball" else 1 for dof in dofs) == freedom == freedom_left(pair)
+    for _ in range(5):
+        moved = pair.displaced(mate, pair.some(mate))
+        for one in pair.mates:
+            assert np.abs(misfit(one.ref.type, pair.relative(one, moved))).max() < 1e-9, one.title
+
+
+def two(kinds: str, seed: int) -> tuple[Pair, str | None]:
+    """Two mates of a recipe at random places and values, and the type that they come to (None: rigid)."""
+    pair = Pair(seed)
+    rng = pair.rng
+    place = pair.somewhere()
+    axis, at = place[:3, 2], place[:3, 3]
+    across = place[:3, 0]
+    values = rng.uniform(-2, 2, 4)
+    along = at + axis * rng.uniform(-1, 1)
+    spin, lean = rng.uniform(-3, 3, 2)
+    turned = rng.choice([-1, 1]) * axis
+    off = at + across * 0.3
+    straight = frame(turned, along, spin)
+    recipes = {
+        "REVOLUTE REVOLUTE": (frame(axis, at), straight, "REVOLUTE"),
+        "REVOLUTE CYLINDRICAL": (frame(axis, at), straight, "REVOLUTE"),
+        "REVOLUTE PIN_SLOT": (frame(axis, at), straight, "REVOLUTE"),
+        "CYLINDRICAL CYLINDRICAL": (frame(axis, at), straight, "CYLINDRICAL"),
+        "CYLINDRICAL PARALLEL": (frame(axis, at), frame(turned, off, spin), "CYLINDRICAL"),
+        "SLIDER CYLINDRICAL": (frame(axis, at), straight, "SLIDER"),
+        "SLIDER SLIDER": (frame(axis, at), frame(turned, off, spin), "SLIDER"),
+        "SLIDER PLANAR": (frame(axis, at), frame(across, off, spin), "SLIDER"),
+        "PLANAR PLANAR same": (frame(axis, at), frame(turned, off, spin), "PLANAR"),
+        "PLANAR PARALLEL": (frame(axis, at), frame(turned, off, spin), "PLANAR"),
+        "PARALLEL PARALLEL": (frame(axis, at), frame(turned, off, spin), "PARALLEL"),
+        "BALL REVOLUTE": (straight, frame(axis, at, spin), "REVOLUTE"),
+        "BALL BALL": (frame(axis, at), frame(pair.somewhere()[:3, 2], off), "REVOLUTE"),
+        "BALL PLANAR": (frame(across, at), frame(turned, off, spin), "REVOLUTE"),
+        "BALL CYLINDRICAL": (frame(across, at), straight, "REVOLUTE"),
+        "BALL PARALLEL": (frame(across, at), frame(turned, off, spin), "REVOLUTE"),
+        "CYLINDRICAL PLANAR": (frame(axis, at), frame(turned, off, spin), "REVOLUTE"),
+        "CYLINDRICAL CYLINDRICAL beside": (frame(axis, at), frame(turned, off, spin), "SLIDER"),
+        "CYLINDRICAL PLANAR in it": (frame(axis, at), frame(across, off, spin), "SLIDER"),
+        "CYLINDRICAL PARALLEL across": (frame(axis, at), frame(across, off, spin), "SLIDER"),
+        "PLANAR PLANAR across": (frame(axis, at), frame(across + lean * axis, off, spin), "SLIDER"),
+        "REVOLUTE REVOLUTE beside": (frame(axis, at), frame(turned, off, spin), None),
+        "REVOLUTE SLIDER": (frame(axis, at), straight, None),
+        "BALL SLIDER": (frame(axis, at), straight, None),
+        "REVOLUTE REVOLUTE leaning": (frame(axis, at), frame(axis + 0.01 * across, at), None),
+    }
+    first, second, kind = recipes[kinds]
+    names = kinds.split()[:2]
+    for name, kind_of, second_frame in zip("ab", names, (first, second), strict=True):
+        drawn = [tuple(rng.normal(size=4))] if kind_of == "BALL" else values
+        if kind_of == "PIN_SLOT":  # the pin stands on the axis, wherever the slot has it
+            second_frame = second_frame @ from_parts(np.eye(3), -values[0] * X)
+        pair.mate(name, kind_of, second_frame, *drawn, first=ONE if rng.random() < 0.5 else OTHER)
+    return pair, kind
+
+
+RECIPES = [
+    "REVOLUTE REVOLUTE", "REVOLUTE CYLINDRICAL", "REVOLUTE PIN_SLOT", "CYLINDRICAL CYLINDRICAL",
+    "CYLINDRICAL PARALLEL", "SLIDER CYLINDRICAL", "SLIDER SLIDER", "SLIDER PLANAR", "PLANAR PLANAR same",
+    "PLANAR PARALLEL", "PARALLEL PARALLEL", "BALL REVOLUTE", "BALL BALL", "BALL PLANAR",
+    "BALL CYLINDRICAL", "BALL PARALLEL", "CYLINDRICAL PLANAR", "CYLINDRICAL CYLINDRICAL beside",
+    "CYLINDRICAL PLANAR in it", "CYLINDRICAL PARALLEL across", "PLANAR PLANAR across",
+    "REVOLUTE REVOLUTE beside", "REVOLUTE SLIDER", "BALL SLIDER", "REVOLUTE REVOLUTE leaning",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("recipe", RECIPES)
+@settings(max_examples=12)
+@given(seed=st.integers(0, 2**32 - 1))
+def test_two_mates_move_as_both_allow(recipe: str, seed: int) -> None:
+    pair, kind = two(recipe, seed)
+    made, codes = pair.composed()
+    if kind is None:
+        assert (made.mates, codes) == ((), ["W-MATES-RIGID"])
+        assert {frozenset(weld) for weld in made.welds} == {frozenset((ONE, OTHER))}
+        assert freedom_left(pair) == 0
+        return
+    (mate,) = made.mates
+    assert (made.welds, codes, mate.ref.type) == ((), ["I-COMPOSED"], kind)
+    check_motion(pair, mate, sum(3 if f.kind == "ball" else 1 for f in TYPES[kind][1]))
+
+
+def shift(*xyz: float) -> Array:
+    return from_parts(np.eye(3), np.array(xyz))
+
+
+def value(pair: Pair, mate: Mate, suffix: str = "", displaced: Array | None = None) -> float:
+    dof = next(dof for dof in pair.dofs(mate)[1] if dof.name == suffix)
+    return value_in(pair.relative(mate, displaced), dof.kind, dof.axis)
+
+
+def limits_of(mate: Mate) -> dict[str, float]:
+    return {name: pytest.approx(end, abs=1e-9) for name, end in (mate.limits or {}).items()}
+
+
+def test_of_two_hinges_of_a_door_the_first_by_name_is_the_joint() -> None:
+    pair = Pair()
+    pair.mate("Lower", "REVOLUTE", frame(), 0.4)
+    upper = pair.mate("A upper", "REVOLUTE", frame(-Z, (0, 0, 1.2)), 0.1)
+    assert pair.only() is upper
+
+
+def test_the_most_constrained_mate_is_the_joint_whatever_its_name() -> None:
+    pair = Pair()
+    pair.mate("a", "PARALLEL", frame(Z, (1, 0, 0)), 0.1, 0.2, 0.3, 0.4)
+    pair.mate("b", "CYLINDRICAL", frame(), 0.1, 0.2)
+    hinge = pair.mate("c", "REVOLUTE", frame(Z, (0, 0, 1)), 0.1)
+    assert pair.only() is hinge
+
+
+def test_two_balls_are_a_turn_of_the_first_ball_about_the_line_through_them() -> None:
+    pair = Pair()
+    pair.mate("a", "BALL", frame(Z, (0, 0, 0), 0.7), (1, 0, 0, 0.3))
+    pair.mate("b", "BALL", frame(X, (0, 0, 2)), (1, 0.5, -1, 0))
+    made = pair.only()
+    assert (made.title, made.ref) == ("a", replace(pair.mates[0].ref, type="REVOLUTE"))
+    assert np.allclose(pair.assembly.world_from(made.entities[1])[:3, 2], Z)
+    angle = 2 * math.atan2(0.3, 1)
+    assert value(pair, made) == pytest.approx(angle)
+    assert value(pair, made, "", pair.displaced(made, {"": 2.0})) == pytest.approx(2.0)
+
+
+def test_a_new_turn_counts_the_angle_of_the_mate_that_has_it() -> None:
+    pair = Pair()
+    planar = pair.mate("b", "PLANAR", frame(-Z, (0.5, 0, 0), 0.3), 0.2, 0.1, 1.1)
+    pair.mate("a", "BALL", frame(X, (0.1, 0.2, 0.3)), (1, 2, 3, 4))
+    made = pair.only()
+    assert (made.title, made.ref.type) == ("b", "REVOLUTE")
+    for angle in (-2.0, 0.0, 1.1, 3.0):
+        moved = pair.displaced(made, {"": angle})
+        assert value(pair, planar, "_turn", moved) == pytest.approx(angle)
+    assert np.allclose(pair.assembly.world_from(made.entities[0])[:2, 3], (0.1, 0.2))
+
+
+def test_a_new_slide_counts_the_way_of_the_mate_that_has_it() -> None:
+    pair = Pair()
+    pair.mate("a", "PLANAR", frame(X, (0, 0, 1), 0.2), 0.1, 0.2, 0.3)
+    cylinder = pair.mate("b", "CYLINDRICAL", frame(-Z), 0.7, 0.4)
+    made = pair.only()
+    assert (made.title, made.ref.type) == ("b", "SLIDER")
+    for way in (-1.0, 0.0, 0.7):
+        assert value(pair, cylinder, "_slide", pair.displaced(made, {"": way})) == pytest.approx(way)
+
+
+def test_a_slide_along_no_axis_of_a_mate_counts_the_way_along_it_in_the_first_one() -> None:
+    pair = Pair()
+    across = np.array([1.0, 0.0, 2.0]) / math.sqrt(5)
+    planar = pair.mate("a", "PLANAR", frame(Y, (0, 0, 1)), 0.3, -0.2, 0.3)
+    pair.mate("b", "PLANAR", frame(np.cross(across, Y), spin=0.5), 0.1, 0.1, 0.4)
+    made = pair.only()
+    assert (made.title, made.ref.type) == ("a", "SLIDER")
+    second = pair.assembly.world_from(planar.entities[1])[:3, :3]
+    direction = second.T @ pair.assembly.world_from(made.entities[1])[:3, 2]
+    assert abs(direction @ second.T @ across) == pytest.approx(1.0)
+    moved = pair.displaced(made, {"": 0.9})
+    assert pair.relative(planar, moved)[:3, 3] @ direction == pytest.approx(0.9)
+
+
+@pytest.mark.parametrize(("axis", "first"), [(-Z, ONE), (Z, OTHER)])
+def test_limits_of_a_second_hinge_hold_for_the_first_with_its_own_sign_and_zero(axis, first) -> None:
+    pair = Pair()
+    pair.mate("a", "REVOLUTE", frame(), 0.5, limits={"limitAxialZMin": -1.0, "limitAxialZMax": 2.0})
+    # Turns the other way round and stands at -0.2 where the first is at 0.5: q' = 0.3 - q.
+    upper = frame(axis, (0, 0, 1))
+    pair.mate("b", "REVOLUTE", upper, -0.2, first=first, limits={"limitAxialZMax": 0.9})
+    assert limits_of(pair.only()) == {"limitAxialZMin": -0.6, "limitAxialZMax": 2.0}
+
+
+def test_limits_beyond_half_a_turn_are_carried_from_where_the_saved_pose_is_within_them() -> None:
+    pair = Pair()
+    pair.mate("a", "REVOLUTE", frame(), 0.1)
+    low, high = math.radians(170), math.radians(250)
+    # At 190°, which the frames alone tell as -170°.
+    pair.mate(
+        "b", "REVOLUTE", frame(Z, (0, 0, 1)), math.radians(190),
+        limits={"limitAxialZMin": low, "limitAxialZMax": high},
+    )  # fmt: skip
+    made = pair.only()
+    assert limits_of(made) == {
+        "limitAxialZMin": 0.1 - math.radians(20),
+        "limitAxialZMax": 0.1 + math.radians(60),
+    }
+
+
+def test_a_slide_that_follows_in_proportion_bounds_the_joint() -> None:
+    pair = Pair()
+    lean = np.array([3.0, 4.0, 0.0]) / 5
+    pair.mate("a", "SLIDER", frame(lean, (0, 0, 1)), 0.5)
+    floor = from_parts(np.eye(3), np.zeros(3))
+    pair.mate("b", "PLANAR", floor, 0.0, 0.0, 0.4, limits={"limitXMax": 0.6, "limitYMin": -0.8})
+    assert limits_of(pair.only()) == {"limitZMin": -0.5, "limitZMax": 1.5}
+
+
+def test_limits_that_nothing_in_the_joint_follows_are_told() -> None:
+    pair = Pair()
+    pair.mate("a", "REVOLUTE", frame())
+    pair.mate("b", "PLANAR", frame(Z, (1, 0, 0)), 0.3, 0.2, 0.4, limits={"limitXMax": 0.6})
+    made, codes = pair.composed()
+    assert codes == ["I-COMPOSED", "W-LIMIT-LOST"]
+    assert made.mates[0].limits == {}
+
+
+@pytest.mark.parametrize(("limit", "codes"), [(0.6, ["I-COMPOSED"]), (0.2, ["I-COMPOSED", "W-LIMIT-LOST"])])
+def test_limits_of_what_stays_as_it_is_are_told_only_where_they_are_not_met(limit, codes) -> None:
+    pair = Pair()
+    pair.mate("a", "REVOLUTE", frame())
+    pair.mate("b", "CYLINDRICAL", frame(), 0.3, 0.2, limits={"limitZMax": limit})
+    assert pair.composed()[1] == codes
+
+
+def test_limits_that_exclude_each_other_are_told() -> None:
+    pair = Pair()
+    pair.mate("a", "REVOLUTE", frame(), limits={"limitAxialZMin": -2.0, "limitAxialZMax": -1.0})
+    pair.mate("b", "REVOLUTE", frame(), limits={"limitAxialZMin": 1.0, "limitAxialZMax": 2.0})
+    assert pair.composed()[1] == ["I-COMPOSED", "W-LIMIT-LOST"]
+
+
+def test_of_two_balls_in_one_place_the_narrower_cone_holds() -> None:
+    pair = Pair()
+    pair.mate("a", "BALL", frame(), (1, 0.1, 0, 0), limits={"limitEulerConeAngleMax": 0.9})
+    pair.mate("b", "BALL", frame(Z, spin=1.0), (1, 0.1, 0, 0), limits={"limitEulerConeAngleMax": 0.4})
+    first, other = (m.entities[0].occurrence_from_frame for m in pair.mates)
+    assert not np.allclose(first, other)
+    # The same axes on both bodies, so the same cone, whatever the frames' turn about them.
+    pair.mates[1] = replace(pair.mates[1], entities=tuple(
+        replace(entity, occurrence_from_frame=frozen(entity.occurrence_from_frame @ frame(Z, spin=0.3)))
+        for entity in pair.mates[0].entities
+    ))  # fmt: skip
+    assert limits_of(pair.only()) == {"limitEulerConeAngleMax": 0.4}
+
+
+def test_a_cone_about_other_axes_is_told_as_lost() -> None:
+    pair = Pair()
+    pair.mate("a", "BALL", frame(), (1, 0.1, 0, 0))
+    pair.mate("b", "BALL", frame(X), (1, 0, 0.2, 0), limits={"limitEulerConeAngleMax": 0.4})
+    assert pair.composed()[1] == ["I-COMPOSED", "W-LIMIT-LOST"]
+
+
+def test_what_is_absorbed_says_which_coordinate_moves_it() -> None:
+    pair = Pair()
+    hinge = pair.mate("a", "REVOLUTE", frame(), 0.3)
+    other = pair.mate("b", "CYLINDRICAL", frame(-Z), 0.1, 0.3)
+    made, _ = pair.composed()
+    assert made.absorbed == {other.ref.key: Absorbed(hinge.ref.key, {"_turn": ("", -1.0)})}
+    assert made.absorbed[other.ref.key].sign == -1
+
+
+def test_a_mate_of_another_type_says_which_of_its_coordinates_it_took_from_where() -> None:
+    pair = Pair()
+    planar = pair.mate("a", "PLANAR", frame(), 0.1, 0.2, 0.3)
+    ball = pair.mate("b", "BALL", frame(X), (1, 2, 3, 4))
+    made, _ = pair.composed()
+    assert made.absorbed == {
+        planar.ref.key: Absorbed(planar.ref.key, {"_turn": ("", 1.0)}),
+        ball.ref.key: Absorbed(planar.ref.key, {}),
+    }
+
+
+def many() -> Pair:
+    """A door of three hinges with a ball and a plane, drawn from either side."""
+    pair = Pair(3)
+    place = pair.somewhere()
+    limits = {"limitAxialZMin": -1.0, "limitAxialZMax": 1.5}
+    pair.mate("Hinge", "REVOLUTE", place @ shift(0, 0, 0.1), 0.4, limits=limits)
+    pair.mate("Hinge", "CYLINDRICAL", place @ shift(0, 0, 0.9), 0.4, 0.2, first=OTHER)
+    pair.mate("Another", "REVOLUTE", place @ frame(-Z), 0.6, limits={"limitAxialZMax": 1.3}, first=OTHER)
+    pair.mate("Ball", "BALL", place @ frame(X, (0, 0, 2)), (1, 0, 1, 0))
+    pair.mate("Floor", "PLANAR", place @ shift(3, 0, 2), 0.3, 0.2, 0.1)
+    return pair
+
+
+def test_many_mates_are_one_whatever_their_order() -> None:
+    pair = many()
+    mates = list(pair.mates)
+    mates[1] = replace(mates[1], ref=replace(mates[1].ref, feature="another id"))
+    expected = None
+    for order in permutations(range(5)):
+        pair.mates = [mates[index] for index in order]
+        made, codes = pair.composed()
+        told = ([(m.ref, limits_of(m)) for m in made.mates], dict(made.absorbed), codes)
+        expected = expected or told
+        assert told == expected
+    assert [mate.title for mate in made.mates] == ["Another"]
+    check_motion(pair, made.mates[0], 1)
+
+
+@pytest.mark.parametrize("recipe", RECIPES)
+def test_the_motion_does_not_depend_on_which_entity_is_the_first(recipe: str) -> None:
+    pair, kind = two(recipe, 5)
+    mates = list(pair.mates)
+    for swapped in ((0,), (1,), (0, 1)):
+        pair.mates = [
+            replace(mate, entities=mate.entities[::-1]) if i in swapped else mate
+            for i, mate in enumerate(mates)
+            if mate.ref.type != "PIN_SLOT"
+        ]
+        if len(pair.mates) < 2 or kind is None:
+            continue
+        made, _ = pair.composed()
+        assert made.mates[0].ref.type == kind
+        check_motion(pair, made.mates[0], sum(3 if f.kind == "ball" else 1 for f in TYPES[kind][1]))
+
+
+@pytest.mark.parametrize(
+    ("kinds", "axes"),
+    [
+        (("PLANAR", "PARALLEL"), (Z, X)),
+        (("PARALLEL", "PARALLEL"), (Z, X)),
+        (("PIN_SLOT", "CYLINDRICAL"), (Z, X)),
+        (("PIN_SLOT", "REVOLUTE"), (Z, X)),
+    ],
+)
+def test_what_no_mate_describes_is_left_as_it_is(kinds, axes) -> None:
+    pair = Pair()
+    for name, kind, axis in zip("ab", kinds, axes, strict=True):
+        pair.mate(name, kind, frame(axis, (0.1, 0.2, 0.3)), 0.2, 0.1, 0.3, 0.4)
+    made, codes = pair.composed()
+    assert (list(made.mates), made.welds, made.absorbed, codes) == (pair.mates, (), {}, [])
+
+
+def test_a_pin_in_its_slot_stays_where_a_plane_allows_the_same() -> None:
+    pair = Pair()
+    slot = pair.mate("b", "PIN_SLOT", frame(), 0.2, 0.3)
+    pair.mate("a", "PLANAR", frame(-Z, (1, 1, 0)), 0.1, 0.2, 0.3)
+    pair.mate("c", "PIN_SLOT", frame() @ shift(0.5, 0, 0), -0.3, 0.3)
+    assert pair.only() is slot
+
+
+@pytest.mark.parametrize(
+    ("where", "first"), [(shift(0, 0.4, 0), ONE), (frame(Z, spin=0.3), ONE), (frame(), OTHER)]
+)
+def test_two_pins_in_slots_that_are_not_the_same_are_left_as_they_are(where, first) -> None:
+    """Beside each other the two even span the same twists, but only at this pose."""
+    pair = Pair()
+    pair.mate("a", "PIN_SLOT", frame(), 0.0, 0.0)
+    pair.mate("b", "PIN_SLOT", where, 0.0, 0.0, first=first)
+    assert pair.composed()[0].mates == tuple(pair.mates)
+
+
+def test_a_mate_that_the_saved_pose_does_not_meet_is_left_as_it_is() -> None:
+    pair = Pair()
+    pair.mate("a", "REVOLUTE", frame())
+    pair.drawn("b", "REVOLUTE", shift(0, 0, 1e-4), frame())
+    assert pair.composed() == (Composed(tuple(pair.mates), (), {}), [])
+
+
+def test_mates_of_unknown_type_of_one_body_and_of_other_bodies_are_passed_on() -> None:
+    pair = Pair()
+    pair.mate("a", "REVOLUTE", frame())
+    unknown = pair.mate("b", "REVOLUTE", frame())
+    pair.mates[1] = replace(unknown, ref=replace(unknown.ref, type="WIDTH"))
+    inside = replace(unknown, title="c", entities=(unknown.entities[0], unknown.entities[0]))
+    origin = replace(unknown, title="d", entities=(Entity((), frozen(np.eye(4))), unknown.entities[0]))
+    pair.mates += [inside, origin]
+    assert set(pair.composed()[0].mates) == set(pair.mates)
+
+
+def test_mates_to_the_origin_are_composed_too() -> None:
+    pair = Pair()
+    for name, at in (("a", (0, 0, 0)), ("b", (0, 0, 1))):
+        ball = pair.mate(name, "BALL", frame(X, at), (1, 0, 0.2, 0))
+        world = pair.assembly.world_from(ball.entities[1])
+        pair.mates[-1] = replace(ball, entities=(ball.entities[0], Entity((), frozen(world))))
+    made = pair.only()
+    assert (made.ref.type, made.entities[1].path) == ("REVOLUTE", ())
+    assert np.allclose(made.entities[1].occurrence_from_frame[:3, 2], Z)
+
+
+def test_three_slides_together_hold_rigidly_though_each_two_of_them_slide() -> None:
+    pair = Pair()
+    for name, axis in zip("abc", (X, Y, Z + 0.2 * X), strict=True):
+        pair.mate(name, "PLANAR", frame(axis), 0.1, 0.2, 0.3)
+    made, codes = pair.composed()
+    assert (made.mates, codes) == ((), ["W-MATES-RIGID"])
+    for pick in combinations(pair.mates, 2):
+        assert composed(pick, pair.assembly, BODY_OF, Notes()).mates[0].ref.type == "SLIDER"
+
+
+@pytest.mark.parametrize("recipe", [recipe for recipe in RECIPES if two(recipe, 0)[1]])
+def test_mirrored_mates_move_as_their_mirror_images(recipe: str) -> None:
+    """Both bodies mirrored at a plane: the same values, and poses that are each other's images."""
+    pair, kind = two(recipe, 11)
+    image = Pair(11)
+    mirror = np.diag([1.0, -1.0, 1.0, 1.0])
+    for path, occurrence in pair.assembly.occurrences.items():
+        world = frozen(mirror @ occurrence.world_from_occurrence)
+        image.assembly.occurrences[path] = replace(occurrence, world_from_occurrence=world)
+    image.mates = pair.mates
+    one, other = pair.only(), image.only()
+    assert one.ref == other.ref
+    check_motion(image, other, sum(3 if f.kind == "ball" else 1 for f in TYPES[kind][1]))
+    if any(dof.kind == "ball" for dof in pair.dofs(one)[1]):
+        return
+    for _ in range(3):
+        values = pair.some(one)
+        assert np.allclose(
+            image.displaced(other, values), mirror @ pair.displaced(one, values) @ mirror, atol=1e-9
+        )
+
+
+def test_a_gear_on_a_hinge_that_another_stands_for_turns_that_one(kit: Kit) -> None:
+    """At zero, where no pose tells the sign, and with the second hinge drawn against the first."""
+    base, door, wheel = (kit.place(name, fixed=name == "Base") for name in ("Base", "Door", "Wheel"))
+    kit.root.revolute("A", (door, np.eye(4)), (base, np.eye(4)))
+    second = kit.root.revolute("B", (base, shift(0, 0, 1)), (door, shift(0, 0, 1)), redundant=True)
+    gear = kit.root.revolute("C", (wheel, np.eye(4)), (base, shift(1, 0, 0)))
+    kit.root.gear("Gear 1", second, gear, ratio=3.0)
+    (relation,) = robot_of(kit.document).relations
+    assert (relation.driver, relation.follower, relation.multiplier) == ("a", "c", 3.0)

@@ -1,0 +1,601 @@
+"""Patterns and mirrors: the joints of the copies, against the local Onshape's own kinematics."""
+
+import math
+from collections.abc import Iterable
+
+import numpy as np
+import orjson
+import pytest
+from hypothesis import given, settings
+
+from stages.graph.dofs import dofs_of, right_handed
+from stages.graph.keys import DepthKeys, GraphKeys
+from stages.graph.onshape.assembly import Assembly, Mate
+from stages.graph.onshape.bodies import Bodies, find_bodies
+from stages.graph.onshape.definition import read_assembly
+from stages.graph.onshape.patterns import with_copies
+from stages.robot.diagnostics import Notes
+from stages.robot.kinematics import chain
+from stages.robot.poses import inverse
+from tests.fake_onshape.definition import definition
+from tests.fake_onshape.document import ORIGIN, Document
+from tests.fake_onshape.frames import frame, turn
+from tests.fake_onshape.random_document import documents
+from tests.support.kit import SIDE, TOP, Kit
+
+PLANE = turn((0, 1, 0), 1.1, (0.3, 0.1, 0))
+
+
+def drawn(kit: Kit, mirror: str = "joints", edit=None, depth=None, **options) -> tuple[Assembly, Notes]:
+    """The assembly with its copies, and what was told."""
+    data = definition(kit.document, **options)
+    if edit:
+        edit(data["rootAssembly"])
+    notes = Notes()
+    assembly = with_copies(read_assembly(orjson.dumps(data)), mirror, depth or DepthKeys(), notes)
+    return assembly, notes
+
+
+def bodies_of(assembly: Assembly, notes: Notes, **keys) -> Bodies:
+    return find_bodies(assembly, GraphKeys(**keys), notes)
+
+
+def codes(notes: Notes) -> list[str]:
+    return [told.code for told in (*notes.problems, *notes.found)]
+
+
+def copies(assembly: Assembly) -> list[Mate]:
+    return [mate for mate in assembly.mates if mate.ref.copy]
+
+
+def displacement(assembly: Assembly, mate: Mate, *values: float) -> np.ndarray:
+    """How the world (4, 4) of the first entity's body moves from the saved pose, the second held."""
+    first, second, mirrored = right_handed(*(assembly.world_from(one) for one in mate.entities))
+    dofs = dofs_of("q", mate.ref.type, mate.limits or {}, inverse(second) @ first, mirrored)
+    return second @ chain(dofs, dict(zip((dof.name for dof in dofs), values, strict=True))) @ inverse(first)
+
+
+def expected(kit: Kit, path: tuple[str, ...], q: dict[str, object]) -> np.ndarray:
+    return kit.document.truth.poses(q)[path] @ inverse(kit.document.truth.poses()[path])
+
+
+def draw(kit: Kit, kind: str, value, **more):
+    """A base, and an arm on it by one mate."""
+    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
+    getattr(kit.root, kind)("Joint", (arm, TOP), (base, SIDE), value=value, **more)
+    return base, arm
+
+
+KINDS: dict[str, tuple[object, tuple[float, ...]]] = {
+    "revolute": (0.4, (1.3,)),
+    "slider": (0.04, (0.11,)),
+    "cylindrical": ((0.02, 0.3), (0.07, -0.9)),
+    "pin_slot": ((0.02, 0.3), (0.05, 1.1)),
+    "planar": ((0.01, 0.02, 0.3), (0.05, -0.03, 1.2)),
+    "parallel": ((0.01, 0.02, 0.03, 0.3), (0.05, -0.03, 0.02, -1.2)),
+}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("how", ["mirror", "pattern"])
+def test_a_copys_joint_moves_it_as_its_seeds_moves_the_seed_moved_or_mirrored(kit, kind, how) -> None:
+    saved, q = KINDS[kind]
+    _, arm = draw(kit, kind, saved)
+    if how == "mirror":
+        (copy,) = kit.root.mirror("Image", [arm], PLANE)
+    else:
+        ((copy,),) = kit.root.pattern("Row", [arm], [turn((0, 0, 1), 1.0, (0.5, 0, 0))])
+    assembly, notes = drawn(kit)
+    (mate,) = copies(assembly)
+    poses = kit.document.truth.poses
+    motion = poses()[copy.path] @ inverse(poses()[arm.path])
+    assert np.linalg.det(motion) == pytest.approx(-1 if how == "mirror" else 1)
+    (seed,) = (mate for mate in assembly.mates if not mate.ref.copy)
+    moved = displacement(assembly, seed, *q)
+    assert np.abs(displacement(assembly, mate, *q) - motion @ moved @ inverse(motion)).max() < 1e-12
+    (joint,) = (joint for joint in kit.document.truth.joints if joint.copies)
+    truth = expected(kit, copy.path, {joint.name: q if len(q) > 1 else q[0]})
+    assert np.abs(displacement(assembly, mate, *q) - truth).max() < 1e-12
+    assert codes(notes) == ["I-PATTERN"]
+    assert not [told for told in codes(notes) if told == "W-MIRROR"]
+
+
+def test_a_mirrored_ball_is_the_mirror_image_at_the_mirrored_turn(kit: Kit) -> None:
+    """Its mate frames have z turned round, so x and y of a rotation's axis change sign."""
+    _, arm = draw(kit, "ball", (0.9, 0.1, -0.3, 0.2))
+    (image,) = kit.root.mirror("Image", [arm], PLANE)
+    assembly, _ = drawn(kit)
+    seed, mate = assembly.mates
+    quat = (0.5, -0.5, 0.1, 0.7)
+    turned, mirrored = (tuple(np.array(q) / np.linalg.norm(quat)) for q in (quat, (0.5, 0.5, -0.1, 0.7)))
+    reflection = kit.document.truth.poses()[image.path] @ inverse(kit.document.truth.poses()[arm.path])
+    moved = reflection @ displacement(assembly, seed, turned) @ inverse(reflection)
+    assert np.abs(displacement(assembly, mate, mirrored) - moved).max() < 1e-12
+    (joint,) = (joint for joint in kit.document.truth.joints if joint.copies)
+    truth = expected(kit, image.path, {joint.name: mirrored})
+    assert np.abs(displacement(assembly, mate, mirrored) - truth).max() < 1e-12
+
+
+def test_copies_are_numbered_as_their_instances_and_keep_the_limits(kit: Kit) -> None:
+    _, arm = draw(kit, "revolute", 0.2, limits=(-0.5, 0.7))
+    (made,) = kit.root.pattern("Row", [arm], [frame((0.1 * n, 0, 0)) for n in (1, 2, 3)])
+    assembly, notes = drawn(kit)
+    found = {mate.ref.copy: mate for mate in copies(assembly)}
+    assert [found[copy.last.id].ref.name for copy in made] == [f"Joint <{n}>" for n in (2, 3, 4)]
+    assert len({mate.key for mate in assembly.mates}) == 4
+    assert all(mate.limits == assembly.mates[0].limits for mate in assembly.mates)
+    (told,) = notes.found
+    assert told.message.startswith("3 joint(s) copied for 3 instance(s)")
+    bodies = bodies_of(assembly, notes)
+    assert len(bodies.members) == 5
+    assert len(bodies.moving) == 4
+
+
+def test_a_mate_between_two_seeds_joins_their_copies(kit: Kit) -> None:
+    base, arm = draw(kit, "revolute", 0.4)
+    hand = kit.place("Hand")
+    kit.root.slider("Grip", (hand, TOP), (arm, SIDE), value=0.02)
+    (arms, hands) = kit.root.pattern("Row", [arm, hand], [frame((0.2, 0, 0)), frame((0.4, 0, 0))])
+    assembly, notes = drawn(kit)
+    joined = {
+        frozenset(entity.path for entity in mate.entities)
+        for mate in copies(assembly)
+        if mate.ref.type == "SLIDER"
+    }
+    assert joined == {frozenset({a.path, h.path}) for a, h in zip(arms, hands, strict=True)}
+    assert len(copies(assembly)) == 4
+    assert [told.message[:35] for told in notes.found] == ["4 joint(s) copied for 4 instance(s)"]
+    for mate in copies(assembly):
+        values = {"REVOLUTE": 0.4, "SLIDER": 0.02}
+        off = displacement(assembly, mate, values[mate.ref.type])
+        assert np.abs(off - np.eye(4)).max() < 1e-12, "met at the saved pose, at the seed's value"
+    assert base.path in {entity.path for mate in copies(assembly) for entity in mate.entities}
+
+
+def test_a_copy_of_a_copy_has_its_joints_too(kit: Kit) -> None:
+    _, arm = draw(kit, "revolute", 0.4)
+    ((second,),) = kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
+    (third,) = kit.root.mirror("Image", [second], PLANE)
+    assembly, notes = drawn(kit)
+    assert {mate.ref.copy for mate in copies(assembly)} == {second.last.id, third.last.id}
+    (mate,) = (mate for mate in copies(assembly) if mate.ref.copy == third.last.id)
+    (joint,) = (joint for joint in kit.document.truth.joints if len(joint.copies) == 2)
+    assert (
+        np.abs(displacement(assembly, mate, 1.2) - expected(kit, third.path, {joint.name: 1.2})).max() < 1e-12
+    )
+    assert codes(notes) == ["I-PATTERN", "I-PATTERN"]
+
+
+def wheeled(kit: Kit):
+    """A sub-assembly of a hub fastened to its own origin, with a wheel that turns on it."""
+    corner = kit.document.assembly("Corner")
+    hub, wheel = kit.place("Hub", corner), kit.place("Wheel", corner)
+    corner.ground(hub, SIDE)
+    corner.fasten("Ground", (hub, np.eye(4)), (ORIGIN, SIDE), closing=True)
+    corner.revolute("Spin", (wheel, TOP), (hub, SIDE), value=0.3)
+    return corner, hub, wheel
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_mirrored_sub_assembly_moves_inside_by_its_own_mates_and_hangs_by_its_copied_ones(
+    kit, whole
+) -> None:
+    corner, hub, wheel = wheeled(kit)
+    base = kit.place("Base", fixed=True)
+    one = kit.root.add(corner)
+    kit.root.revolute("Steer", (one if whole else one / hub, SIDE), (base, TOP), value=0.5)
+    (image,) = kit.root.mirror("Image", [one], PLANE)
+    assembly, notes = drawn(kit)
+    bodies = bodies_of(assembly, notes)
+    assert len(bodies.members) == 5
+    mates = {(mate.ref.owner, mate.ref.name): mate for mate in bodies.moving}
+    assert set(mates) == {
+        ((), "Steer"), ((), "Steer <2>"), (one.path, "Spin"), (image.path, "Spin"),
+    }  # fmt: skip
+    spin = displacement(assembly, mates[image.path, "Spin"], 1.4)
+    (joint,) = (j for j in kit.document.truth.joints if j.owner == image.path)
+    assert np.abs(spin - expected(kit, (image / wheel).path, {joint.name: 1.4})).max() < 1e-12
+    (steer,) = (j for j in kit.document.truth.joints if j.copies)
+    turned = displacement(assembly, mates[(), "Steer <2>"], -0.8)
+    assert np.abs(turned - expected(kit, (image / wheel).path, {steer.name: -0.8})).max() < 1e-12
+    assert codes(notes) == ["I-PATTERN"]
+
+
+def test_patterns_inside_a_sub_assembly_act_in_each_of_its_places(kit: Kit) -> None:
+    cart = kit.document.assembly("Cart")
+    frame_part, wheel = kit.place("Frame", cart), kit.place("Wheel", cart)
+    cart.revolute("Spin", (wheel, TOP), (frame_part, SIDE), value=0.3)
+    cart.pattern("Row", [wheel], [frame((0.2, 0, 0))])
+    base = kit.place("Base", fixed=True)
+    for number, offset in enumerate((0.0, 1.0)):
+        one = kit.root.add(cart)
+        kit.root.slider(f"Rail {number}", (one / frame_part, TOP), (base, frame((0, offset, 0))))
+    assembly, notes = drawn(kit)
+    assert len(copies(assembly)) == 2
+    for mate in copies(assembly):
+        assert np.abs(displacement(assembly, mate, 0.3) - np.eye(4)).max() < 1e-12
+    assert len(bodies_of(assembly, notes).moving) == 6
+
+
+def test_copies_join_the_groups_of_their_seeds_each_at_its_own(kit: Kit) -> None:
+    base, arm = draw(kit, "revolute", 0.4)
+    bolt, nut = kit.place("Bolt"), kit.place("Nut")
+    kit.root.group("Glue", [(base, np.eye(4)), (bolt, TOP)])
+    kit.root.group("Grip", [(arm, np.eye(4)), (nut, TOP)])
+    ((second_bolt,),) = kit.root.pattern("Bolts", [bolt], [frame((0.1, 0, 0))])
+    ((second_arm,), (second_nut,)) = kit.root.pattern("Arms", [arm, nut], [frame((0.2, 0, 0))])
+    assembly, notes = drawn(kit)
+    found = {frozenset(paths) for paths in bodies_of(assembly, notes).members}
+    assert found == {
+        frozenset({base.path, bolt.path, second_bolt.path}),
+        frozenset({arm.path, nut.path}),
+        frozenset({second_arm.path, second_nut.path}),
+    }
+
+
+def _mated(path: tuple[str, ...]):
+    """The first mate once more, with its first side on a copy."""
+
+    def edit(root: dict) -> None:
+        feature = dict(root["features"][0], id="own mate")
+        sides = [dict(side) for side in feature["featureData"]["matedEntities"]]
+        sides[0]["matedOccurrence"] = list(path)
+        feature["featureData"] = {**feature["featureData"], "name": "Own", "matedEntities": sides}
+        root["features"].append(feature)
+
+    return edit
+
+
+def test_a_copy_with_mates_of_its_own_gets_none(kit: Kit) -> None:
+    _, arm = draw(kit, "revolute", 0.4)
+    ((own, free),) = kit.root.pattern("Row", [arm], [frame((0.2, 0, 0)), frame((0.4, 0, 0))])
+    assembly, _ = drawn(kit, edit=_mated(own.path))
+    assert [mate.ref.copy for mate in copies(assembly)] == [free.last.id]
+    assert sorted(mate.ref.name for mate in assembly.mates) == ["Joint", "Joint <3>", "Own"]
+
+
+def test_mirror_weld_fastens_the_copies_where_they_are_and_makes_them_rigid_inside(kit: Kit) -> None:
+    corner, hub, wheel = wheeled(kit)
+    base = kit.place("Base", fixed=True)
+    one = kit.root.add(corner)
+    kit.root.revolute("Steer", (one / hub, SIDE), (base, TOP), value=0.5)
+    (image,) = kit.root.mirror("Image", [one], PLANE)
+    assembly, notes = drawn(kit, mirror="weld")
+    (weld,) = copies(assembly)
+    first, second = (assembly.world_from(entity) for entity in weld.entities)
+    assert weld.ref.type == "FASTENED"
+    assert np.abs(first - second).max() < 1e-12
+    bodies = bodies_of(assembly, notes)
+    held = {base.path, (image / hub).path, (image / wheel).path}
+    assert {frozenset(paths) for paths in bodies.members} == {
+        frozenset(held), frozenset({(one / hub).path}), frozenset({(one / wheel).path}),
+    }  # fmt: skip
+    assert sorted(mate.ref.name for mate in bodies.moving) == ["Spin", "Steer"]
+    assert codes(notes) == ["I-PATTERN", "I-RIGID"]
+    assert "mirror: joints" in notes.found[1].hint
+
+
+def test_mirror_weld_does_not_freeze_what_lies_between_two_mates_of_a_copy(kit: Kit) -> None:
+    base, arm = draw(kit, "revolute", 0.4)
+    rod = kit.place("Rod")
+    kit.root.revolute("Foot", (rod, TOP), (base, TOP), value=0.1)
+    kit.root.revolute("Head", (rod, SIDE), (arm, SIDE), closing=True)
+    (image,) = kit.root.mirror("Image", [rod], PLANE)
+    assembly, notes = drawn(kit, mirror="weld")
+    assert [mate.title for mate in copies(assembly)] == ["Foot <2>"]
+    bodies = bodies_of(assembly, notes)
+    assert {mate.title for mate in bodies.moving} == {"Joint", "Foot", "Head"}
+    assert bodies.of[image.path] == bodies.of[base.path]
+    assert codes(notes) == ["I-PATTERN"]
+
+
+def test_relations_of_seeds_are_not_copied_and_that_is_told(kit: Kit) -> None:
+    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
+    other = kit.place("Other")
+    joint = kit.root.revolute("Joint", (arm, TOP), (base, SIDE))
+    driven = kit.root.revolute("Driven", (other, TOP), (base, TOP))
+    free = kit.root.revolute("Free", (kit.place("Third"), TOP), (base, frame((1, 0, 0))))
+    kit.root.gear("Gear", joint, driven)
+    kit.root.gear("Far gear", driven, free)
+    kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
+    assembly, notes = drawn(kit)
+    told = [(found.code, found.where) for found in notes.found]
+    assert told == [("W-PATTERN-RELATION", "Gear"), ("I-PATTERN", "Row")]
+    assert len(assembly.relations) == 2
+
+
+def _without(ident: str):
+    def edit(root: dict) -> None:
+        for instance in root["instances"]:
+            if instance["id"] == ident:
+                instance["suppressed"] = True
+
+    return edit
+
+
+def test_a_suppressed_copy_is_absent_and_a_suppressed_seed_is_told(kit: Kit) -> None:
+    _, arm = draw(kit, "revolute", 0.4)
+    ((second, third),) = kit.root.pattern("Row", [arm], [frame((0.2, 0, 0)), frame((0.4, 0, 0))])
+    assembly, notes = drawn(kit, edit=_without(second.last.id))
+    assert [mate.ref.copy for mate in copies(assembly)] == [third.last.id]
+    assert copies(assembly)[0].ref.name == "Joint <3>"
+    assert codes(notes) == ["I-PATTERN"]
+    assembly, notes = drawn(kit, edit=_without(arm.last.id))
+    assert not copies(assembly)
+    assert codes(notes) == ["W-PATTERN"]
+    assert "Arm <2>, Arm <3>" in notes.found[0].message
+
+
+def test_a_mate_of_two_seeds_waits_for_both_copies(kit: Kit) -> None:
+    _, arm = draw(kit, "revolute", 0.4)
+    hand = kit.place("Hand")
+    kit.root.slider("Grip", (hand, TOP), (arm, SIDE), value=0.02)
+    ((second,), (lost,)) = kit.root.pattern("Row", [arm, hand], [frame((0.2, 0, 0))])
+    assembly, _ = drawn(kit, edit=_without(lost.last.id))
+    assert [(mate.ref.name, mate.ref.copy) for mate in copies(assembly)] == [("Joint <2>", second.last.id)]
+
+
+def _loosely(root: dict) -> None:
+    """The same pattern in every way that the API may send, and some that lack things."""
+    (pattern,) = root["patterns"]
+    ((seed, ids),) = pattern["seedToPatternInstances"].items()
+    children = [
+        {"instanceIds": ids, "seedOccurrence": seed},
+        {"instanceIds": None, "seedOccurrence": "x"},
+        {},
+    ]
+    root["parametricInstances"] = [
+        {"id": "z", "children": children},
+        {"id": "y"},
+        {"id": "x", "suppressed": True},
+    ]
+    root["patterns"] = [pattern, {"type": "UNKNOWN"}, {"id": "q", "seedToPatternInstances": {"gone": ["no"]}}]
+
+
+def test_a_copy_that_is_listed_twice_counts_once_and_missing_keys_do_not_matter(kit: Kit) -> None:
+    _, arm = draw(kit, "revolute", 0.4)
+    kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
+    assembly, notes = drawn(kit, edit=_loosely)
+    assert [mate.ref.name for mate in copies(assembly)] == ["Joint <2>"]
+    assert codes(notes) == ["I-PATTERN"]
+
+
+def test_a_mirror_that_made_another_part_is_told(kit: Kit) -> None:
+    _, arm = draw(kit, "revolute", 0.4)
+    (image,) = kit.root.mirror("Image", [arm], PLANE)
+
+    def derived(root: dict) -> None:
+        next(i for i in root["instances"] if i["id"] == image.last.id)["partId"] = "Other"
+
+    assembly, notes = drawn(kit, edit=derived)
+    assert not copies(assembly)
+    assert [(told.code, told.where) for told in notes.found] == [("W-PATTERN", "Image")]
+
+
+def test_a_mate_with_one_mirrored_side_is_told(kit: Kit) -> None:
+    _, arm = draw(kit, "revolute", 0.4)
+    (image,) = kit.root.mirror("Image", [arm], PLANE)
+    assembly, notes = drawn(kit, edit=_mated(image.path))
+    bodies_of(assembly, notes)
+    assert [(told.code, told.where) for told in notes.found] == [("W-MIRROR", "Own")]
+
+
+def _capped(cap: tuple[str, ...], arm: tuple[str, ...], kind: str):
+    """A mate or a group more, of a cap on the seed."""
+
+    def edit(root: dict) -> None:
+        if kind == "group":
+            members = [{"occurrence": list(path)} for path in (cap, arm)]
+            group = {"id": "cap", "featureType": "mateGroup", "featureData": {"name": "Cap"}}
+            group["featureData"]["occurrences"] = members
+            root["features"].append(group)
+            return
+        _mated(cap)(root)
+        own = root["features"][-1]["featureData"]
+        own["mateType"] = kind
+        own["matedEntities"][1]["matedOccurrence"] = list(arm)
+
+    return edit
+
+
+@pytest.mark.parametrize("kind", ["FASTENED", "SLIDER", "group"])
+@pytest.mark.parametrize("mirror", ["joints", "weld"])
+def test_a_copy_does_not_hold_what_hangs_on_its_seed(kit: Kit, kind: str, mirror: str) -> None:
+    base, arm = draw(kit, "revolute", 0.4)
+    cap = kit.place("Cap")
+    ((second,),) = kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
+    assembly, notes = drawn(kit, mirror, edit=_capped(cap.path, arm.path, kind))
+    bodies = bodies_of(assembly, notes)
+    (copy,) = copies(assembly)
+    assert {entity.path for entity in copy.entities} == {base.path, second.path}
+    assert (bodies.of[cap.path] == bodies.of[arm.path]) == (kind != "SLIDER")
+    assert bodies.of[cap.path] != bodies.of[second.path]
+
+
+@pytest.mark.parametrize(("more", "held"), [(0, 2), (1, 1)])
+def test_where_nothing_is_fixed_the_piece_with_the_most_parts_holds_a_seed(
+    kit: Kit, more: int, held: int
+) -> None:
+    base, arm = draw(kit, "revolute", 0.4)
+    base.last.fixed = False
+    cap = kit.place("Cap")
+    for number in range(more):
+        kit.root.fasten(f"Bolt {number}", (kit.place(f"Bolt {number}"), TOP), (base, SIDE))
+    kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
+    assembly, _ = drawn(kit, edit=_capped(cap.path, arm.path, "SLIDER"))
+    # Of two pieces of one size either may hold it: the copy hangs on both.
+    assert len(copies(assembly)) == held
+
+
+def test_a_copy_of_a_fixed_seed_is_held_by_its_mates_alone(kit: Kit) -> None:
+    base, arm = draw(kit, "revolute", 0.4)
+    ((second,),) = kit.root.pattern("Row", [base], [frame((0.2, 0, 0))])
+    assembly, _ = drawn(kit)
+    (copy,) = copies(assembly)
+    assert {entity.path for entity in copy.entities} == {arm.path, second.path}
+
+
+def test_the_order_of_a_reply_changes_nothing(kit: Kit) -> None:
+    _, arm = draw(kit, "revolute", 0.4)
+    hand = kit.place("Hand")
+    kit.root.revolute("Wrist", (hand, TOP), (arm, SIDE))
+    kit.root.pattern("Row", [arm, hand], [frame((0.2, 0, 0)), frame((0.4, 0, 0))])
+    kit.root.mirror("Image", [arm, hand], PLANE)
+
+    def told(mates: Iterable[Mate]) -> list[object]:
+        return sorted((m.key, m.title, [e.path for e in m.entities]) for m in mates)
+
+    plain, notes = drawn(kit)
+    for seed in range(3):
+        shuffled, again = drawn(kit, shuffle=seed)
+        assert told(shuffled.mates) == told(plain.mates)
+        assert codes(again) == codes(notes)
+
+
+def test_depth_keeps_a_mirrored_copy_moving_where_it_is_named_flexible(kit: Kit) -> None:
+    corner, hub, _ = wheeled(kit)
+    base = kit.place("Base", fixed=True)
+    one = kit.root.add(corner)
+    kit.root.revolute("Steer", (one / hub, SIDE), (base, TOP), value=math.pi / 6)
+    kit.root.mirror("Image", [one], PLANE)
+    assembly, notes = drawn(kit, mirror="weld")
+    bodies = bodies_of(assembly, notes, depth=DepthKeys(flexible=("Corner <2>",)))
+    assert sorted(mate.title for mate in bodies.moving) == ["Corner <1>/Spin", "Corner <2>/Spin", "Steer"]
+
+
+def module(kit: Kit, inside: str = ""):
+    """A sub-assembly in which a foot is patterned: held inside as said, and placed on a base by the root."""
+    sub = kit.document.assembly("Module")
+    frame_part, foot = kit.place("Frame", sub), kit.place("Foot", sub)
+    if inside:
+        getattr(sub, inside)("Inside", (foot, TOP), (frame_part, SIDE))
+    ((second,),) = sub.pattern("Feet", [foot], [frame((0.2, 0, 0))])
+    return sub, frame_part, foot, second
+
+
+@pytest.mark.parametrize("kind", ["revolute", "fasten"])
+@pytest.mark.parametrize("mirror", ["joints", "weld"])
+def test_what_places_a_seed_from_above_places_its_copies_in_each_use(kit: Kit, kind, mirror) -> None:
+    sub, frame_part, foot, second = module(kit)
+    base = kit.place("Base", fixed=True)
+    for number in (1, 2):
+        one = kit.root.add(sub)
+        kit.root.slider(f"Rail {number}", (one / frame_part, TOP), (base, frame((0, number, 0))))
+        getattr(kit.root, kind)(f"Step {number}", (one / foot, TOP), (base, frame((0.1, number, 0))))
+    (image,) = kit.root.mirror("Image", [one], PLANE)
+    assembly, notes = drawn(kit, mirror)
+    bodies = bodies_of(assembly, notes)
+    feet = [path for path in assembly.occurrences if path[-1] == second.last.id]
+    assert len(feet) == 3
+    joint = kind == "revolute" and mirror == "joints"
+    for path in feet:
+        assert (bodies.of[path] == bodies.of[base.path]) == (not joint)
+        moving = [mate for mate in bodies.moving if path in {entity.path for entity in mate.entities}]
+        assert len(moving) == joint
+        for mate in moving:
+            assert np.abs(displacement(assembly, mate, 0.0) - np.eye(4)).max() < 1e-12
+    assert not notes.problems
+    if joint:
+        assert {mate.ref.copy for mate in copies(assembly) if mate.title.startswith("Step 2")} == {
+            f"{one.last.id}/{second.last.id}", image.last.id, f"{image.last.id}/{second.last.id}",
+        }  # fmt: skip
+
+
+def test_copies_in_a_rigid_sub_assembly_need_nothing_from_above(kit: Kit) -> None:
+    sub, frame_part, foot, second = module(kit)
+    base = kit.place("Base", fixed=True)
+    one = kit.root.add(sub)
+    kit.root.revolute("Step", (one / foot, TOP), (base, TOP))
+    assembly, notes = drawn(kit, depth=DepthKeys(rigid=("Module",)))
+    assert not copies(assembly)
+    bodies = bodies_of(assembly, notes, depth=DepthKeys(rigid=("Module",)))
+    assert len({bodies.of[(one / part).path] for part in (frame_part, foot, second)}) == 1
+    assert [mate.title for mate in bodies.moving] == ["Step"]
+
+
+@pytest.mark.parametrize(("inside", "asked"), [("fasten", False), ("revolute", True)])
+def test_what_holds_a_seed_inside_its_sub_assembly_goes_before_what_does_from_above(
+    kit: Kit, inside: str, asked: bool
+) -> None:
+    sub, frame_part, foot, second = module(kit, inside)
+    base = kit.place("Base", fixed=True)
+    one = kit.root.add(sub)
+    kit.root.revolute("Step", (one / foot, TOP), (base, TOP))
+    assembly, notes = drawn(kit)
+    (copy,) = copies(assembly)
+    assert {entity.path for entity in copy.entities} == {(one / frame_part).path, (one / second).path}
+    told = [found for found in notes.found if found.code == "W-PATTERN-LEVEL"]
+    assert len(told) == asked
+    for found in told:
+        assert "Module <1>/Inside" in found.message
+        assert "Step" in found.message
+        assert "depth.rigid" in found.hint
+
+
+@pytest.mark.parametrize("how", ["mate", "group", "through another seed"])
+def test_a_fastened_seed_that_carries_a_joint_of_a_loop_leaves_the_loop_moving(kit: Kit, how: str) -> None:
+    """A four-bar whose rocker turns on a bracket that is fastened to the base: the pattern repeats the
+    bracket, not the rocker's hinge, which would freeze the four-bar."""
+    base, bracket = kit.place("Base", fixed=True), kit.place("Bracket")
+    crank, rocker, coupler = (kit.place(name) for name in ("Crank", "Rocker", "Coupler"))
+    far, seeds = frame((0.1, 0, 0)), [bracket]
+    carrier = bracket
+    if how == "group":
+        kit.root.group("Bolted", [(base, np.eye(4)), (bracket, far)])
+    else:
+        kit.root.fasten("Bolted", (bracket, np.eye(4)), (base, far))
+    if how == "through another seed":
+        carrier = kit.place("Bush")
+        kit.root.fasten("Pressed", (carrier, np.eye(4)), (bracket, np.eye(4)))
+        seeds.append(carrier)
+    kit.root.revolute("Drive", (crank, np.eye(4)), (base, np.eye(4)), value=0.5)
+    kit.root.revolute("Pin", (coupler, np.eye(4)), (crank, far), value=-0.5)
+    kit.root.revolute("Swing", (rocker, np.eye(4)), (carrier, np.eye(4)), value=0.5)
+    kit.root.revolute("Close", (coupler, far), (rocker, far), closing=True)
+    copied = kit.root.pattern("Row", seeds, [frame((0, 0.3, 0))])
+    assembly, notes = drawn(kit)
+    bodies = bodies_of(assembly, notes)
+    assert {bodies.of[copy.path] for (copy,) in copied} == {bodies.of[base.path]}
+    assert sorted(mate.title for mate in bodies.moving) == ["Close", "Drive", "Pin", "Swing"]
+    (told,) = (found for found in notes.found if found.code == "I-PATTERN-CARRIED")
+    assert (told.where, "Swing" in told.message) == ("Row", True)
+
+
+def test_a_seed_whose_other_body_carries_the_joint_still_has_it_copied(kit: Kit) -> None:
+    """The seed is a sub-assembly: its hub is fastened, its wheel turns on the hub and holds a rod."""
+    corner, hub, wheel = wheeled(kit)
+    base, rod = kit.place("Base", fixed=True), kit.place("Rod")
+    one = kit.root.add(corner)
+    kit.root.fasten("Bolted", (one / hub, SIDE), (base, TOP))
+    kit.root.ball("Hook", (rod, TOP), (one / wheel, TOP), closing=True)
+    kit.root.revolute("Far", (rod, SIDE), (base, frame((1, 0, 0))))
+    kit.root.pattern("Row", [one], [frame((0, 0.3, 0))])
+    assembly, _ = drawn(kit)
+    assert sorted(mate.ref.name for mate in copies(assembly)) == ["Bolted <2>", "Hook <2>"]
+
+
+def test_a_copy_that_only_carries_something_is_still_held_as_its_seed(kit: Kit) -> None:
+    base, arm = draw(kit, "revolute", 0.4)
+    ((second,),) = kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
+    cap = kit.place("Cap")
+    assembly, notes = drawn(kit, edit=_capped(cap.path, second.path, "SLIDER"))
+    (copy,) = copies(assembly)
+    assert {entity.path for entity in copy.entities} == {base.path, second.path}
+    assert len(bodies_of(assembly, notes).moving) == 3
+
+
+@settings(max_examples=25)
+@given(documents(everything=True))
+def test_any_assembly_has_the_bodies_and_the_mates_that_its_author_knows_of(document: Document) -> None:
+    notes = Notes()
+    data = orjson.dumps(definition(document))
+    assembly = with_copies(read_assembly(data), "joints", DepthKeys(), notes)
+    bodies = find_bodies(assembly, GraphKeys(), notes)
+    truth = document.truth
+    assert {frozenset(paths) for paths in bodies.members if paths} == {
+        b.parts for b in truth.bodies if b.parts
+    }
+    drawn = [e for e in (*truth.joints, *truth.closings, *truth.redundant) if e.type != "FASTENED"]
+    keys = {(edge.owner, edge.feature, edge.onto[0] if edge.onto else "") for edge in drawn}
+    assert {mate.key for mate in bodies.moving} == keys
+    assert not notes.problems

@@ -1,0 +1,242 @@
+"""Links and frames that CAD does not have."""
+
+import math
+
+import numpy as np
+import pytest
+
+from stages.graph.passes.added_links import with_added_frames, with_added_links
+from stages.graph.passes.link_mass import check_links
+from stages.robot.diagnostics import Notes
+from stages.robot.errors import ConfigError
+from stages.robot.inertia import primitive_inertial
+from stages.robot.kinematics import link_poses
+from stages.robot.model import Frame, frozen
+from stages.robot.poses import from_parts, inverse, rotation_from_rpy
+from tests.support.building import plan_of
+from tests.support.robots import at, joint, pose, robot_with
+
+RNG = np.random.default_rng(7)
+SPOT = pose(RNG)
+STAND = pose(RNG)
+
+
+def arm(**more):
+    frames = [Frame("spot", "arm", frozen(SPOT), "Spot")]
+    return robot_with([joint("revolute", "base", "arm", [0.2], place=pose(RNG))], frames=frames, **more)
+
+
+def added(robot, **links):
+    notes = Notes()
+    return with_added_links(robot, plan_of(links=links).links, notes), notes
+
+
+def framed(robot, **frames):
+    notes = Notes()
+    return with_added_frames(robot, plan_of(frames={"add": frames}).frames.add, notes), notes
+
+
+def problems(notes):
+    return [(one.code, one.where) for one in notes.problems]
+
+
+PLACE = {"xyz": [0.1, 0.2, 0.3], "rpy": [0.3, -0.2, 1.1]}
+OFFSET = from_parts(rotation_from_rpy((0.3, -0.2, 1.1)), np.array([0.1, 0.2, 0.3]))
+
+
+def test_a_payload_hangs_on_its_parent_and_weighs_what_its_geometry_does():
+    sphere = {"sphere": {"radius": 0.03}}
+    robot, notes = added(arm(), payload={"parent": "arm", **PLACE, "mass": 0.2, "geometry": sphere})
+    link, hung = robot.links[-1], robot.joints[-1]
+    assert (link.name, link.parts, link.path) == ("payload", (), ())
+    assert (hung.name, hung.type, hung.parent, hung.child, hung.dofs, hung.mate) == (
+        "payload_joint", "fixed", "arm", "payload", (), None,
+    )  # fmt: skip
+    np.testing.assert_allclose(hung.parent_from_joint, OFFSET, atol=1e-15)
+    assert link.given is link.inertial
+    np.testing.assert_allclose(link.inertial.inertia, 2 / 5 * 0.2 * 0.03**2 * np.eye(3), rtol=1e-12)
+    assert [(shape.kind, shape.size) for shape in link.shapes] == [("sphere", (0.03,))]
+    check_links(robot, notes)
+    assert problems(notes) == []
+
+
+@pytest.mark.parametrize(
+    ("geometry", "kind", "size"),
+    [
+        ({"box": {"size": [0.1, 0.2, 0.3]}}, "box", (0.1, 0.2, 0.3)),
+        ({"cylinder": {"radius": 0.1, "length": 0.4}}, "cylinder", (0.1, 0.4)),
+        ({"capsule": {"radius": 0.1, "length": 0.4}}, "capsule", (0.1, 0.4)),
+    ],
+)
+def test_every_geometry_is_a_shape_and_an_inertia(geometry, kind, size):
+    robot, _ = added(arm(), load={"parent": "arm", "mass": 2, "com": [0, 0, 1], "geometry": geometry})
+    link = robot.links[-1]
+    assert (link.shapes[0].kind, link.shapes[0].size) == (kind, size)
+    np.testing.assert_array_equal(link.inertial.com, [0, 0, 1])
+    np.testing.assert_array_equal(link.inertial.inertia, primitive_inertial(kind, size, 2).inertia)
+
+
+def test_an_inertia_of_the_users_goes_before_that_of_the_geometry():
+    keys = {"parent": "arm", "mass": 2, "inertia": [1, 1, 1], "geometry": {"sphere": {"radius": 1}}}
+    robot, _ = added(arm(), load=keys)
+    np.testing.assert_array_equal(robot.links[-1].inertial.inertia, np.eye(3))
+
+
+def test_a_link_may_hang_on_a_frame_and_on_another_added_link_whatever_their_order():
+    first = {"parent": "spot", **PLACE}
+    second = {"parent": "zwei", "xyz": [0, 0, 1]}
+    robot, notes = added(arm(), eins=second, zwei=first)
+    other, _ = added(arm(), zwei=first, eins=second)
+    assert problems(notes) == []
+    assert [link.name for link in robot.links] == ["base", "arm", "zwei", "eins"]
+    assert [link.name for link in other.links] == [link.name for link in robot.links]
+    poses = link_poses(robot, {"arm_joint": 0.7})
+    np.testing.assert_allclose(poses["eins"], poses["arm"] @ SPOT @ OFFSET @ at(0, 0, 1), atol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("asked", "kind", "limits"),
+    [
+        ("revolute", "turn", (None, None)),
+        ("continuous", "turn", (None, None)),
+        ({"type": "revolute", "axis": [0, 3, 0], "limits": [-1, 1]}, "turn", (-1, 1)),
+        ({"type": "prismatic", "axis": [0, 3, 0], "limits": [0, None]}, "slide", (0, None)),
+    ],
+)
+def test_an_added_joint_moves_its_link_about_its_axis(asked, kind, limits):
+    keys = {"parent": "arm", "mass": 1, "inertia": [1, 1, 1], "joint": asked, **PLACE}
+    robot, notes = added(arm(), wheel=keys)
+    (dof,) = robot.joints[-1].dofs
+    assert (dof.name, dof.kind, dof.saved) == ("wheel_joint", kind, 0.0)
+    assert (dof.limits.lower, dof.limits.upper) == limits
+    assert np.linalg.norm(dof.axis) == 1
+    poses = link_poses(robot, {"wheel_joint": 0.5})
+    local = inverse(poses["arm"] @ OFFSET) @ poses["wheel"]
+    if kind == "slide":
+        np.testing.assert_allclose(local, at(0, 0.5, 0), atol=1e-14)
+    else:
+        assert math.acos((np.trace(local[:3, :3]) - 1) / 2) == pytest.approx(0.5)
+        np.testing.assert_allclose(local[:3, :3] @ dof.axis, dof.axis, atol=1e-14)
+    assert problems(notes) == []
+
+
+def test_what_moves_without_mass_is_told():
+    robot, notes = added(arm(), wheel={"parent": "arm", "joint": "revolute"})
+    check_links(robot, notes)
+    assert problems(notes) == [("E-MASS", "wheel")]
+
+
+def test_a_link_above_the_root_leaves_everything_where_it_is():
+    before = arm(world_from_root=STAND)
+    robot, notes = added(before, base_footprint={"child": "base", **PLACE})
+    assert problems(notes) == []
+    assert [link.name for link in robot.links] == ["base_footprint", "base", "arm"]
+    assert [one.child for one in robot.joints] == ["base", "arm"]
+    assert robot.base is before.base
+    q = {"arm_joint": 0.4}
+    old, new = link_poses(before, q), link_poses(robot, q)
+    for name in ("base", "arm"):
+        np.testing.assert_allclose(robot.world_from_root @ new[name], STAND @ old[name], atol=1e-14)
+    np.testing.assert_allclose(new["base"], OFFSET, atol=1e-15)
+
+
+def test_what_floats_does_so_from_the_new_root():
+    there = (0.1, 0.2, 0.3, 1.0, 0.0, 0.0, 0.0)
+    before = arm(world_from_root=STAND)
+    crate = joint("free", "base", "crate", [there], place=OFFSET)
+    before = robot_with([*before.joints, crate], world_from_root=STAND)
+    robot, notes = added(before, foot={"child": "base", **PLACE}, ground={"child": "foot", **PLACE})
+    assert problems(notes) == []
+    assert robot.joints[-1].parent == robot.root.name == "ground"
+    q = {"crate_joint": there, "arm_joint": 0.4}
+    old, new = link_poses(before, q), link_poses(robot, q)
+    for name in old:
+        np.testing.assert_allclose(robot.world_from_root @ new[name], STAND @ old[name], atol=1e-14)
+
+
+def test_two_links_above_each_other():
+    robot, notes = added(arm(), a={"child": "base"}, b={"child": "a"})
+    assert problems(notes) == []
+    assert robot.root.name == "b"
+
+
+@pytest.mark.parametrize(
+    ("links", "where", "text"),
+    [
+        ({"load": {"parent": "leg"}}, "links.load", "no link or frame 'leg'"),
+        ({"load": {"child": "arm"}}, "links.load", "'arm' is not the root"),
+        ({"a": {"child": "base"}, "b": {"child": "base"}}, "links.b", "'base' is not the root"),
+        ({"a": {"parent": "b"}, "b": {"parent": "a"}}, "links.a", "no link or frame 'b'"),
+        ({"arm": {"parent": "base"}}, "links.arm", "the name 'arm' is taken"),
+        ({"spot": {"parent": "base"}}, "links.spot", "the name 'spot' is taken"),
+        ({"a b": {"parent": "base"}}, "links.a b", "'a b' is no name"),
+        ({"world": {"parent": "base"}}, "links.world", "reserved"),
+        (
+            {"a": {"parent": "base", "joint": {"name": "arm_joint"}}},
+            "links.a",
+            "the name 'arm_joint' is taken",
+        ),
+        ({"a": {"parent": "base", "joint": {"name": "a"}}}, "links.a", "the name 'a' is taken"),
+    ],
+)
+def test_a_link_that_cannot_be_is_told(links, where, text):
+    _, notes = added(arm(), **links)
+    assert where in [one.where for one in notes.problems]
+    assert text in " ".join(one.message for one in notes.problems)
+
+
+def test_nothing_goes_above_the_assemblys_origin():
+    robot = robot_with([joint("revolute", "world", "arm")], root="world")
+    _, notes = added(robot, foot={"child": "world"})
+    assert problems(notes) == [("E-LINK", "links.foot")]
+
+
+def test_a_joint_that_is_not_named_takes_a_name_that_is_free():
+    robot, notes = added(arm(), load={"parent": "arm"}, load_joint={"parent": "arm"})
+    assert problems(notes) == []
+    assert [one.name for one in robot.joints[1:]] == ["load_joint_2", "load_joint_joint"]
+
+
+@pytest.mark.parametrize(
+    ("keys", "message"),
+    [
+        ({}, "a parent, or else a child"),
+        ({"parent": "a", "child": "b"}, "a parent, or else a child"),
+        ({"child": "b", "joint": "revolute"}, "must have a fixed joint"),
+        ({"parent": "a", "mass": 1}, "must have a geometry or an inertia"),
+        ({"parent": "a", "com": [0, 0, 0]}, "must have a mass"),
+        ({"parent": "a", "joint": "screw"}, "'screw' is not allowed"),
+        ({"parent": "a", "joint": {"type": "continuous", "limits": [0, 1]}}, "must have no limits"),
+        ({"parent": "a", "joint": {"type": "revolute", "axis": [0, 0, 0]}}, "must point somewhere"),
+        ({"parent": "a", "geometry": {}}, "must be one of sphere, box, cylinder, capsule"),
+        ({"parent": "a", "geometry": {"sphere": {"radius": 0}}}, "greater than 0"),
+        ({"parent": "a", "geometry": {"cone": {}}}, "unknown key"),
+    ],
+)
+def test_keys_that_contradict_each_other_are_refused(keys, message):
+    with pytest.raises(ConfigError) as caught:
+        plan_of(links={"load": keys})
+    assert message in str(caught.value)
+
+
+def test_an_added_frame_is_where_it_is_said_to_be():
+    robot, notes = framed(arm(), tool={"link": "spot", **PLACE}, eye={"link": "tool"}, foot={"link": "base"})
+    assert problems(notes) == []
+    assert [frame.name for frame in robot.frames] == ["eye", "foot", "spot", "tool"]
+    frames = {frame.name: frame for frame in robot.frames}
+    for name in ("eye", "tool"):
+        assert (frames[name].link, frames[name].source) == ("arm", "")
+        np.testing.assert_allclose(frames[name].link_from_frame, SPOT @ OFFSET, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("frames", "told"),
+    [
+        ({"tool": {"link": "leg"}}, ("E-FRAME", "frames.add.tool")),
+        ({"arm": {"link": "base"}}, ("E-NAME", "frames.add.arm")),
+        ({"spot": {"link": "base"}}, ("E-NAME", "frames.add.spot")),
+        ({"arm_joint": {"link": "base"}}, ("E-NAME", "frames.add.arm_joint")),
+    ],
+)
+def test_a_frame_that_cannot_be_is_told(frames, told):
+    assert problems(framed(arm(), **frames)[1]) == [told]

@@ -1,0 +1,120 @@
+"""Where q counts from: the saved pose as zero, for every type of joint and loop."""
+
+import numpy as np
+import pytest
+
+from stages.graph.passes.zero_pose import zeroed
+from stages.robot.diagnostics import Notes
+from stages.robot.kinematics import chain, link_poses, rest_configuration, saved_configuration
+from stages.robot.model import Limits, Relation, Robot
+from stages.robot.poses import at_rest, from_parts, rotation_from_quat
+from tests.support.robots import CHAINS, EVERY, LOOPS, joint, loop, pose, robot_with, some_value, some_values
+
+
+def product(one, other):
+    """Hamilton's product of quaternions (w, x, y, z)."""
+    (a, b, c, d), (e, f, g, h) = one, other
+    return (
+        a * e - b * f - c * g - d * h,
+        a * f + b * e + c * h - d * g,
+        a * g - b * h + c * e + d * f,
+        a * h + b * g - c * f + d * e,
+    )
+
+
+def after(saved, q):
+    """The value that moves as `saved` does and then as `q`."""
+    if isinstance(saved, float):
+        return saved + q
+    if len(saved) == 4:
+        return product(saved, q)
+    start = from_parts(rotation_from_quat(np.array(saved[3:])), np.array(saved[:3]))
+    place = start[:3, :3] @ np.array(q[:3]) + start[:3, 3]
+    return (*map(float, place), *product(saved[3:], q[3:]))
+
+
+def every_joint(seed: int) -> Robot:
+    """A chain of all types, forwards, backwards and mirrored, saved somewhere, with origins between."""
+    rng = np.random.default_rng(seed)
+    joints, parent = [], "base"
+    for number, kind in enumerate(kind for kind in EVERY for _ in range(3)):
+        name = f"link_{number}"
+        values = [some_value(what, rng) for _, what, _ in CHAINS[kind]]
+        origins = [pose(rng) for _ in CHAINS[kind][1:]]
+        way = {"backwards": number % 3 == 1, "mirrored": number % 3 == 2}
+        joints.append(joint(kind, parent, name, values, place=pose(rng), origins=origins, **way))
+        parent = name
+    loops = [
+        loop(kind, "link_1", "link_4", pose(rng), pose(rng), [some_value(w, rng) for _, w, _ in CHAINS[kind]])
+        for kind in LOOPS
+    ]
+    return robot_with(joints, loops=loops)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_every_link_is_where_it_was_at_values_counted_from_the_saved_pose(seed: int) -> None:
+    robot = every_joint(seed)
+    moved = zeroed(robot, Notes())
+    q = some_values(robot, np.random.default_rng(seed + 100))
+    saved = saved_configuration(robot)
+    both = {name: after(saved[name], q[name]) for name in q}
+    want = link_poses(robot, both)
+    for name, found in link_poses(moved, q).items():
+        assert np.abs(found - want[name]).max() < 1e-9
+    want = link_poses(robot, saved)
+    for name, found in link_poses(moved, rest_configuration(moved)).items():
+        assert np.abs(found - want[name]).max() < 1e-12
+    assert all(dof.saved == at_rest(dof.kind) for dof in moved.dofs)
+    assert all((j.dofs[0].origin == np.eye(4)).all() for j in moved.joints if j.dofs)
+
+
+def test_loops_close_at_values_counted_from_the_saved_pose() -> None:
+    rng = np.random.default_rng(7)
+    robot = every_joint(3)
+    for before, now in zip(robot.loops, zeroed(robot, Notes()).loops, strict=True):
+        q = {dof.name: some_value(dof.kind, rng) for dof in before.dofs}
+        both = {dof.name: after(dof.saved, q[dof.name]) for dof in before.dofs}
+        found = now.b_from_frame @ chain(now.dofs, q)
+        assert np.abs(found - before.b_from_frame @ chain(before.dofs, both)).max() < 1e-12
+        assert (now.a_from_frame == before.a_from_frame).all()
+
+
+def test_limits_and_relations_say_the_same_of_the_shifted_values() -> None:
+    robot = robot_with(
+        [
+            joint("revolute", "base", "one", [0.5], limits={"one_joint": Limits(-1.0, None)}),
+            joint("prismatic", "base", "two", [0.1], limits={"two_joint": Limits(0.1, 0.4)}, backwards=True),
+            joint("revolute", "base", "three", [-1.3]),
+        ],
+        relations=[
+            Relation("a", "two_joint", "one_joint", 0.2, 1e-17),
+            Relation("b", "three_joint", "one_joint", -2.0, 0.7),
+        ],
+    )
+    moved = zeroed(robot, Notes())
+    one, two, three = moved.dofs
+    assert (one.limits, two.limits, three.limits) == (
+        Limits(-1.5, None),
+        Limits(0.0, 0.30000000000000004),
+        Limits(),
+    )
+    q = 0.37
+    for before, now in zip(robot.relations, moved.relations, strict=True):
+        saved = saved_configuration(robot)
+        want = before.multiplier * (saved["one_joint"] + q) + before.offset - saved[before.follower]
+        assert now.multiplier * q + now.offset == pytest.approx(want, abs=1e-12)
+    # −2 · 0.5 + 0.7 + 1.3 is the one relation that its saved pose breaks: by 1.
+    assert [relation.offset for relation in moved.relations] == [0.0, pytest.approx(1.0)]
+
+
+def test_a_ball_with_a_cone_keeps_its_zero_and_says_so() -> None:
+    turned = (0.8, 0.6, 0.0, 0.0)
+    limits = {"one_joint": Limits(None, 2.0)}
+    robot = robot_with([joint("ball", "base", "one", [turned], limits=limits)])
+    notes = Notes()
+    (dof,) = zeroed(robot, notes).dofs
+    assert (dof.saved, dof.limits) == (turned, limits["one_joint"])
+    assert [(one.code, one.where) for one in notes.found] == [("W-ZERO", "one_joint")]
+    notes = Notes()
+    zeroed(robot_with([joint("ball", "base", "one", limits=limits)]), notes)
+    assert not notes.found

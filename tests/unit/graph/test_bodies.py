@@ -1,0 +1,169 @@
+"""Every kind of body: sheets, composites, hidden and suppressed instances, and their colours."""
+
+import json
+
+import numpy as np
+import pytest
+
+from stages.fetch.onshape.triangles.faces import read as read_triangles
+from stages.graph import build_robot
+from stages.mesh import make_geometry
+from stages.robot.errors import AssemblyError
+from stages.robot.model import Robot
+from tests.fake_onshape import solids
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.extended_sample import ask
+from tests.fake_onshape.frames import frame
+from tests.fake_onshape.server import OnshapeServer
+from tests.support.building import plan_of, robot_of
+from tests.support.kept import fetched, onshape
+from tests.support.kit import TOP, Kit
+
+RED, BLUE = (255, 0, 0), (0, 0, 255)
+
+
+@pytest.fixture
+def kit() -> Kit:
+    return Kit()
+
+
+def codes(robot: Robot) -> list[str]:
+    return [diagnostic.code for diagnostic in robot.diagnostics]
+
+
+def geometry_of(document: Document):
+    """The robot and its meshes, fetched from a server."""
+    with OnshapeServer(document) as server:
+        bundle = fetched(onshape(server.document_url()), environ=server.environ).bundle
+    robot = build_robot(bundle, plan_of())
+    return robot, make_geometry(robot, bundle, plan_of(), lambda kind, key, make: make())
+
+
+def extent(geometry, link: str, role: str) -> np.ndarray:
+    """The size [m] of a link's meshes of a role along x, y and z."""
+    facet = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+    files = [shape.file for shape in geometry.shapes if (shape.link, shape.role) == (link, role)]
+    corners = np.concatenate(
+        [np.frombuffer(geometry.files[file][84:], facet)["corners"].reshape(-1, 3) for file in files]
+    )
+    return np.ptp(corners, axis=0)
+
+
+def with_sheet(kit: Kit, **more) -> None:
+    """A base with a sheet, larger than it, on top."""
+    base = kit.place("Base", fixed=True)
+    sheet = kit.root.add(kit.studio.sheet("Skin", solids.box(0.5, 0.5, 0.001), **more))
+    kit.root.fasten("Glue", (sheet, np.eye(4)), (base, TOP))
+
+
+def test_a_sheet_without_mass_is_seen_and_neither_weighs_nor_collides(kit: Kit) -> None:
+    with_sheet(kit)
+    robot, geometry = geometry_of(kit.document)
+    (link,) = robot.links
+    assert link.inertial.mass == pytest.approx(0.06)
+    parts = {part.name: (part.inertial.mass, part.collides) for part in link.parts}
+    assert parts == {"Base <1>": (pytest.approx(0.06), True), "Skin <1>": (0.0, False)}
+    (told,) = [found for found in robot.diagnostics if found.code == "W-BODY-TYPE"]
+    assert told.where == "Skin <1>"
+    assert extent(geometry, link.name, "visual")[:2] == pytest.approx([0.5, 0.5])
+    assert extent(geometry, link.name, "collision")[:2] == pytest.approx([0.02, 0.03])
+
+
+def test_a_sheet_with_a_mass_override_counts_as_any_part(kit: Kit) -> None:
+    with_sheet(kit, mass=0.5)
+    robot, geometry = geometry_of(kit.document)
+    (link,) = robot.links
+    assert link.inertial.mass == pytest.approx(0.56)
+    assert "W-BODY-TYPE" not in codes(robot)
+    assert extent(geometry, link.name, "collision")[:2] == pytest.approx([0.5, 0.5])
+
+
+def test_a_sheet_that_the_mass_reply_leaves_out_has_none(kit: Kit) -> None:
+    """Whether servers list sheets there is not documented."""
+    with_sheet(kit)
+    listed = robot_of(kit.document)
+    kit.studio.parts.pop()
+    robot = robot_of(kit.document)
+    assert codes(robot) == codes(listed) == ["W-BODY-TYPE"]
+    assert robot.links[0].inertial.mass == listed.links[0].inertial.mass
+
+
+def test_a_link_of_sheets_alone_cannot_be_built(kit: Kit) -> None:
+    base = kit.place("Base", fixed=True)
+    flag = kit.root.add(kit.studio.sheet("Flag", solids.box(0.5, 0.5, 0.001)))
+    kit.root.revolute("Wave", (flag, np.eye(4)), (base, TOP), limits=(-1, 1))
+    with pytest.raises(AssemblyError) as caught:
+        robot_of(kit.document)
+    (problem,) = caught.value.problems
+    assert (problem.code, problem.where) == ("E-MASS", "flag")
+    assert "nothing but sheets" in problem.message
+
+
+def composed(kit: Kit):
+    """A base, and a composite of two bars of different densities that turns on it."""
+    base = kit.place("Base", fixed=True)
+    light = kit.studio.part("Light", solids.box(0.1, 0.1, 0.1), density=1000, colour=RED)
+    heavy = kit.studio.part("Heavy", solids.box(0.1, 0.1, 0.1, (0.2, 0, 0)), density=3000, colour=BLUE)
+    whole = kit.root.add(kit.studio.composite("Whole", [light, heavy]))
+    kit.root.revolute("Turn", (whole, np.eye(4)), (base, TOP), limits=(-1, 1))
+    return light, heavy
+
+
+def test_a_composite_weighs_what_its_own_entry_says_and_its_constituents_are_not_counted_again(
+    kit: Kit,
+) -> None:
+    composed(kit)
+    robot, _ = geometry_of(kit.document)
+    link = next(link for link in robot.links if link.name == "whole")
+    assert link.inertial.mass == pytest.approx(4.0)
+    assert link.inertial.com == pytest.approx([0.15, 0, 0])
+    assert [part.name for part in link.parts] == ["Whole <1>"]
+    assert codes(robot) == []
+
+
+def test_a_composite_has_the_shape_and_colours_of_its_constituents(kit: Kit) -> None:
+    composed(kit)
+    _, geometry = geometry_of(kit.document)
+    assert extent(geometry, "whole", "visual") == pytest.approx([0.3, 0.1, 0.1])
+    colours = {shape.colour for shape in geometry.shapes if (shape.link, shape.role) == ("whole", "visual")}
+    assert colours == {(1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)}
+
+
+@pytest.mark.parametrize("combine", ["true", "false"])
+def test_a_composite_is_read_however_the_server_sends_it(kit: Kit, combine: str) -> None:
+    composed(kit)
+    reply = ask(
+        kit.document,
+        "tessellatedfaces",
+        kit.studio.element,
+        outputIndexTable="true",
+        combineCompositePartConstituents=combine,
+    )
+    bodies = {body.id: body for body in read_triangles(json.dumps(reply).encode())}
+    whole = bodies[kit.studio.parts[-1].id]
+    assert len(whole.triangles) == 24
+    assert np.ptp(whole.points, axis=0) == pytest.approx([0.3, 0.1, 0.1])
+
+
+def test_hidden_instances_are_built_and_suppressed_ones_are_not(kit: Kit) -> None:
+    base = kit.place("Base", fixed=True)
+    for name, more in (("Seen", {}), ("Hidden", {"hidden": True}), ("Gone", {"suppressed": True})):
+        part = kit.root.add(kit.bar(name), **more)
+        kit.root.fasten(f"{name} on", (part, np.eye(4)), (base, TOP), suppressed=name == "Gone")
+    robot, geometry = geometry_of(kit.document)
+    (link,) = robot.links
+    assert sorted(part.name for part in link.parts) == ["Base <1>", "Hidden <1>", "Seen <1>"]
+    assert link.inertial.mass == pytest.approx(3 * 0.06)
+    assert len(geometry.shapes) == 2
+
+
+def test_appearances_are_the_parts_own_and_the_faces_own(kit: Kit) -> None:
+    part = kit.studio.part(
+        "Box", solids.box(0.1, 0.1, 0.1), density=1000, colour=RED, face_colours={"+x": (*BLUE, 128)}
+    )
+    kit.root.add(part, fixed=True, pose=frame((1, 0, 0)))
+    _, geometry = geometry_of(kit.document)
+    faces = {shape.colour: shape for shape in geometry.shapes if shape.role == "visual"}
+    assert {colour[:3] for colour in faces} == {(1.0, 0.0, 0.0), (0.0, 0.0, 1.0)}
+    blue = next(colour for colour in faces if colour[2] == 1.0)
+    assert blue[3] == pytest.approx(128 / 255)

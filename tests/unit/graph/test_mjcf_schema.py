@@ -1,0 +1,339 @@
+"""Every attribute that MuJoCo knows: carried over to the robot, or named, or without a meaning of its own.
+
+The schema is that of the MuJoCo which is installed. An attribute that a later one adds fails here until
+it stands in one of the tables.
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from hashlib import sha256
+
+import mujoco
+import pytest
+from lxml import etree
+
+from stages.fetch.mjcf import unsupported
+from stages.fetch.mjcf.compiled import Meshes, taken
+from stages.graph import build_robot
+from stages.robot import codec
+from stages.robot.bundle import Bundle
+from stages.robot.codec import encode_robot
+from stages.robot.model import Robot
+from tests.support.building import plan_of
+
+Where = tuple[str, ...]
+LINE = re.compile(r"( *)(\S+) \(.\) *(.*)")
+
+
+def schema() -> list[tuple[Where, list[str]]]:
+    """The path of each element and its attributes."""
+    found: list[tuple[Where, list[str]]] = []
+    for line in mujoco.mj_printSchema(False, True).splitlines():
+        match = LINE.match(line)
+        if match:
+            level = len(match[1]) // 3
+            above = next((where for where, _ in reversed(found) if len(where) == level), ())
+            name = {"(world)body": "body", "mujoco": ""}.get(match[2], match[2])
+            found.append(((*above[:level], name), match[3].split()))
+        elif line.strip():
+            found[-1][1].extend(line.split())
+    return [(where[1:], attributes) for where, attributes in found if attributes]
+
+
+LEFT_WHOLE: tuple[Where, ...] = (
+    *((name,) for name in ("actuator", "sensor", "tendon", "keyframe", "custom", "contact", "deformable")),
+    *(("asset", name) for name in ("texture", "skin", "hfield")),
+    *(("body", name) for name in ("camera", "light", "flexcomp")),
+    *(("equality", name) for name in ("tendon", "flex", "flexstrain", "flexvert")),
+    *(("extension",), ("asset", "material", "layer"), ("body", "plugin"), ("body", "geom", "plugin")),
+)
+"""Elements that are named as a whole, with all that is said in them."""
+
+COMPILED = (
+    ("compiler",),
+    ("default",),
+    ("include",),
+    ("body", "frame"),
+    ("body", "replicate"),
+    ("body", "composite"),
+    ("body", "attach"),
+    ("asset", "model"),
+    ("asset", "mesh"),
+)
+"""Elements that MuJoCo settles when it compiles: what they come to is looked at where it arrives."""
+
+WITHOUT_MEANING = {
+    *("class", "childclass"),  # defaults are settled
+    "fuse",  # how MuJoCo compiles
+    "simple",  # whether MuJoCo looks for a quick way
+    "alignfree",
+    "align",  # of a free joint: where its frame is, which the body's pose has
+    "shellinertia",  # comes to an inertia
+    "fitscale",  # comes to a size
+    "nstack",  # is refused
+    "material name",  # is only referred to in the file
+    *("bv", "bvactive"),  # colours of MuJoCo's own debugging, which its Python does not show
+}
+"""Attributes that are settled when MuJoCo compiles."""
+
+SOLID = '<inertial mass="1" pos="0 0 0" diaginertia="1 1.5 2"/>'
+BASE = f"""<mujoco model="base"><compiler angle="radian"/><option><flag/></option><size/><statistic/>
+<visual><global/><quality/><headlight/><map/><scale/><rgba/></visual>
+<asset><material name="m" rgba="1 0 0 1"/><mesh name="tet" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/>
+<texture name="t" type="2d" builtin="flat" width="4" height="4"/>
+<hfield name="hills" nrow="2" ncol="2" size="1 1 1 1"/></asset>
+<worldbody>
+<body name="stand">{SOLID}</body>
+<body name="root">{SOLID}<freejoint name="free"/><site name="eye"/>
+  <body name="arm" pos="0 0 1">{SOLID}<joint name="j" range="-1 1"/><geom size=".1 .1 .1"/>
+    <site name="tip" pos="0 0 1"/></body>
+  <body name="hand" pos="0 1 0">{SOLID}<joint name="k"/><joint name="l" type="slide"/>
+    <geom type="mesh" mesh="tet" material="m" contype="0" conaffinity="0" mass="0"/>
+    <site name="pin" pos="0 0 1"/></body>
+  <body name="foot" pos="0 2 0">{SOLID}<joint name="n"/><site name="toe"/></body></body></worldbody>
+<equality><connect name="c" body1="foot" body2="hand" anchor="0 0 1"/>
+  <weld name="w" body1="foot" body2="hand"/><joint name="e" joint1="n" joint2="k"/></equality></mujoco>"""
+
+Values = Mapping[str, str | None]
+
+SAID: Mapping[str, str | Values] = {
+    **dict(
+        line.split(" = ")
+        for line in """pos = 0 .1 .2
+quat = 1 1 0 0
+axisangle = 1 0 0 1
+euler = 1 0 0
+zaxis = 1 0 0
+xyaxes = 0 1 0 -1 0 0
+name = another
+user = 1 2
+group = 3
+rgba = 0 1 0 1
+mocap = true
+sleep = never
+mass = 2
+diaginertia = 2 2 3
+type = slide
+axis = 1 0 0
+stiffness = 1
+damping = 1
+range = -1 2
+limited = false
+solreflimit = .1 1
+solimplimit = .8 .9 .01
+solreffriction = .1 1
+solimpfriction = .8 .9 .01
+solref = .1 1
+solimp = .8 .9 .01
+springdamper = .1 .2
+actuatorfrcrange = -1 3
+size = .2 .2 .2
+contype = 3
+conaffinity = 3
+condim = 4
+friction = 2 .1 .1
+material = m
+castshadow = false
+surfacevel = 1 0 0 0 0 0
+fluidshape = ellipsoid
+active = false
+relpose = 0 0 0 1 1 0 0
+polycoef = 1 1 0 0 0
+joint1 = l
+joint2 = l
+body1 = root
+body2 = root
+texture = t
+memory = 10M
+cone = elliptic
+integrator = RK4
+jacobian = dense
+solver = CG
+gravity = 0 0 -1.6
+o_solref = .1 1
+o_solimp = .8 .9 .01
+o_friction = 2 2 .1 .1 .1""".splitlines()
+    ),
+    "fullinertia": {"fullinertia": "2 2 2 .1 0 0", "diaginertia": None},
+    "actuatorfrclimited": {"actuatorfrclimited": "true", "actuatorfrcrange": "-3 3"},
+    "fromto": {"fromto": "0 0 0 0 0 1", "type": "capsule", "pos": None},
+    "fluidcoef": {"fluidshape": "ellipsoid", "fluidcoef": "1 1 1 1 1"},
+    "hfield": {"hfield": "hills", "type": "hfield"},
+    "mesh": {"mesh": "tet", "type": "mesh", "size": None},
+    "site1": {"site1": "toe", "site2": "pin", "body1": None, "body2": None, "anchor": None},
+    "site2": {"site1": "toe", "site2": "pin", "body1": None, "body2": None, "anchor": None},
+}
+"""What says something, by attribute: a value, or attributes that belong together (None: without that)."""
+
+ELSEWHERE: Mapping[tuple[str, str], str | Values] = {
+    ("flag", "gravity"): "disable",
+    ("headlight", "active"): "0",
+    ("flag", "sleep"): "enable",
+    ("flag", "ipc"): {"ipc": "enable", "../integrator": "discrete"},
+    ("geom", "type"): "box",
+    ("site", "type"): "box",
+    ("geom", "mass"): {"mass": "2", "BODY": None},
+    ("geom", "density"): {"density": "2", "BODY": None},
+}
+"""The same of single elements."""
+
+ANY = ("0.7", "7", "2 2", ".1 .2 .3", ".1 .2 .3 .4", "true", "enable", "disable")
+"""Of other attributes the first of these that MuJoCo takes and that says something."""
+
+
+ON_TOP = {"mocap", "sleep"}
+"""Attributes that only bodies in the world may have."""
+
+
+PLAN = plan_of(root={"disconnected": "separate"})
+
+
+def robot_of(tree: etree._Element) -> Robot:
+    """The robot of an MJCF; ValueError where MuJoCo does not take it."""
+    spec = mujoco.MjSpec.from_string(etree.tostring(tree).decode())
+    model = spec.compile()
+    body = codec.dump(taken(model, spec, Meshes(model), "base.xml"))
+    root = {"document": "base.xml", "microversion": "m", "element": "", "configuration": ""}
+    digest = sha256(body).hexdigest()
+    bundle = Bundle("mjcf", "", root, digest, (), {"model": digest}, {digest: body})
+    return build_robot(bundle, PLAN)
+
+
+def values_of(element: str, attribute: str) -> list[Values]:
+    """Attributes to set, in the order in which they are tried."""
+    given = ELSEWHERE.get((element, attribute), SAID.get(attribute))
+    if given is None:
+        return [{attribute: value} for value in ANY]
+    return [{attribute: given} if isinstance(given, str) else given]
+
+
+def changed(where: Where, values: Values) -> etree._Element:
+    """The model with one element that says more."""
+    tree = etree.fromstring(BASE)
+    path = "/".join({"body": "worldbody/body/body"}.get(step, step) for step in where)
+    path = "worldbody/body/freejoint" if path.endswith("freejoint") else path
+    path = (
+        f"worldbody/body[{2 if 'sleep' in values else 1}]"
+        if where == ("body",) and values.keys() & ON_TOP
+        else path
+    )
+    node = tree.find(path)
+    assert node is not None, where
+    for name, value in values.items():
+        if name == "BODY":
+            node.getparent().remove(node.getparent().find("inertial"))
+        elif name.startswith("../"):
+            node.getparent().set(name[3:], value)
+        elif value is None:
+            node.attrib.pop(name, None)
+        else:
+            node.set(name, value)
+    return tree
+
+
+def without_findings(robot: Robot) -> bytes:
+    return encode_robot(replace(robot, diagnostics=()))
+
+
+def is_named(robot: Robot, where: Where, attribute: str) -> bool:
+    """Whether a diagnostic has the names of the element and of the attribute beside each other."""
+    told = [one.message for one in robot.diagnostics if one.code.endswith("MJCF-LEFT")]
+    phrases = [re.findall(r"\w+", phrase) for message in told for phrase in re.split("[;:]", message)]
+    elements = {where[-1].removeprefix("free"), *(["equality"] if "equality" in where else [])}
+    return any(attribute in words and elements & set(words) for words in phrases)
+
+
+def lost(where: Where, attributes: list[str], base: Robot) -> list[str]:
+    """The attributes that are neither carried over nor named."""
+    silent = []
+    for attribute in attributes:
+        took = False
+        for values in values_of(where[-1], attribute):
+            try:
+                robot = robot_of(changed(where, values))
+            except ValueError:
+                continue
+            took = True
+            news = is_named(robot, where, attribute) and not is_named(base, where, attribute)
+            if news or without_findings(robot) != without_findings(base):
+                break
+        else:
+            silent.append(f"{attribute} {'is silent' if took else 'takes none of the values'}")
+    return silent
+
+
+def walked() -> list[tuple[Where, list[str]]]:
+    """The elements that are looked at attribute by attribute."""
+    whole = (*LEFT_WHOLE, *COMPILED)
+    beneath = [(where, names) for where, names in schema() if not any(where[: len(w)] == w for w in whole)]
+    return [
+        (where, left)
+        for where, names in beneath
+        if where and (left := [name for name in names if not {name, f"{where[-1]} {name}"} & WITHOUT_MEANING])
+    ]
+
+
+@pytest.fixture(scope="module")
+def base() -> Robot:
+    return robot_of(etree.fromstring(BASE))
+
+
+@pytest.mark.parametrize(("where", "attributes"), walked(), ids=["/".join(where) for where, _ in walked()])
+def test_each_attribute_is_carried_over_or_named(where: Where, attributes: list[str], base: Robot) -> None:
+    assert lost(where, attributes, base) == []
+
+
+WHOLE = {
+    "actuator": '<actuator><motor name="x" joint="j"/></actuator>',
+    "sensor": '<sensor><gyro name="x" site="tip"/></sensor>',
+    "tendon": '<tendon><fixed name="x"><joint joint="j" coef="1"/></fixed></tendon>',
+    "keyframe": '<keyframe><key name="x"/></keyframe>',
+    "custom numeric": '<custom><numeric name="x" data="1"/></custom>',
+    "custom text": '<custom><text name="x" data="1"/></custom>',
+    "custom tuple": '<custom><tuple name="x"><element objtype="body" objname="arm"/></tuple></custom>',
+    "contact pair": '<contact><pair name="x" geom1="ball" geom2="floor"/></contact>',
+    "contact exclude": '<contact><exclude name="x" body1="arm" body2="foot"/></contact>',
+    "texture": '<asset><texture name="x" type="2d" builtin="flat" width="4" height="4"/></asset>',
+    "height field": '<asset><hfield name="x" nrow="2" ncol="2" size="1 1 1 1"/></asset>',
+    "camera": '<worldbody><camera name="x"/></worldbody>',
+    "light": '<worldbody><light name="x"/></worldbody>',
+    "geom of the world": '<worldbody><geom name="x" type="plane" size="1 1 1"/></worldbody>',
+    "flex": """<worldbody><flexcomp name="x" type="grid" dim="2" count="3 3 1" spacing="1 1 1" mass="1"
+        radius=".01"/></worldbody>""",
+    "equality": """<tendon><fixed name="t1"><joint joint="j" coef="1"/></fixed></tendon>
+        <equality><tendon name="x" tendon1="t1"/></equality>""",
+}
+"""What is left out as a whole, called x, by the words of the diagnostic."""
+
+
+@pytest.mark.parametrize("words", WHOLE)
+def test_elements_that_are_left_out_as_a_whole_are_named(words: str) -> None:
+    floor = '<worldbody><geom name="floor" type="plane" size="1 1 1"/></worldbody>'
+    text = BASE.replace('<geom size=".1 .1 .1"/>', '<geom name="ball" size=".1 .1 .1"/>')
+    robot = robot_of(etree.fromstring(text.replace("</mujoco>", f"{floor}{WHOLE[words]}</mujoco>")))
+    told = " ".join(one.message for one in robot.diagnostics if one.code.endswith("MJCF-LEFT"))
+    assert re.search(rf"\d × {words} \([^)]*\bx\b", told)
+
+
+def test_what_is_silent_is_found(base: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(unsupported, "of_elements", lambda *_: ())
+    assert lost(("body", "joint"), ["margin", "damping"], base) == ["margin is silent"]
+
+
+def test_the_walk_sees_the_schema() -> None:
+    known = dict(schema())
+    assert len(known) > 120
+    assert {"margin", "solreflimit", "actuatorgravcomp"} <= set(known["body", "joint"])
+    assert "fluidshape" in known["body", "geom"]
+    assert "contact" in known["option", "flag"]
+    assert len(walked()) > 15
+
+
+def test_defaults_are_nobodys_loss(base: Robot) -> None:
+    """Values that say what MuJoCo says anyway, typed or nearly so."""
+    text = BASE.replace("<option>", '<option timestep="0.002" gravity="0 0 -9.80665" density="0">')
+    text = text.replace('name="j"', 'name="j" margin="0" solreflimit="0.02 1" stiffness="0"')
+    text = text.replace('name="g"', 'name="g" friction="1 0.005 0.0001" condim="3" solmix="1.0000001"')
+    told, usual = ([d.message for d in one.diagnostics] for one in (robot_of(etree.fromstring(text)), base))
+    assert told == usual

@@ -1,0 +1,114 @@
+"""YAML files are judged before anything is made of them: aliases, nesting, size, and interpolations."""
+
+import itertools
+import json
+import os
+
+import pytest
+import yaml
+
+from pipeline.config import hydra_files, plain, yaml_file
+from pipeline.config.compose import compose_plan
+from pipeline.errors import ConfigError
+from pipeline.verbs.bundle import _configured
+from tests.support.users import write
+
+HEAD = "# @package _global_\ndefaults:\n  - override /source: sample\n"
+LETTERS = "abcdefghij"
+
+
+def laughing(each: str) -> str:
+    """Ten lines, each of which names the one before ten times."""
+    pairs = itertools.pairwise(LETTERS)
+    lines = [f"  {one}: &{one} [{', '.join([each.format(before)] * 10)}]" for before, one in pairs]
+    return "\n".join(["vars:", "  a: &a [1, 1]", *lines, ""])
+
+
+def told(folder, text):
+    with pytest.raises(ConfigError) as caught:
+        compose_plan(["robot=bad"], cwd=write(folder, bad=HEAD + text))
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (laughing("*{}"), ["line 9", "more than 20000 values", "aliases"]),
+        ("vars: &a [*a]\n", ["line 4, column 11", "*a repeats itself without end"]),
+        ("vars: &a {b: {c: *a}}\n", ["*a repeats itself without end"]),
+        ("vars: " + "[" * 5000 + "]" * 5000 + "\n", ["line 4, column 38", "deeper than 32 levels"]),
+        ("vars: " + "{a: " * 5000 + "1" + "}" * 5000 + "\n", ["deeper than 32 levels"]),
+        (
+            "vars:\n  a: &a " + "[" * 20 + "]" * 20 + "\n  b: " + "[" * 20 + "*a" + "]" * 20 + "\n",
+            ["line 6", "deeper than 32 levels"],
+        ),
+        ("vars: [" + "1, " * 20_000 + "1]\n", ["more than 20000 values"]),
+        ("vars: '" + "x" * (5 << 20) + "'\n", ["at most 4194304 are read"]),
+    ],
+    ids=["laughs", "itself", "below itself", "lists", "mappings", "deep by an alias", "many", "large"],
+)
+def test_a_robot_that_comes_to_too_much_is_told_by_its_place(tmp_path, text, said):
+    message = told(tmp_path, text)
+    for words in ["E-YAML", "bad.yaml", *said]:
+        assert words in message
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (laughing('"${{vars.{}}}"'), "it comes to more than 300 values"),
+        (
+            laughing("${{vars.{}}}").replace("[1, 1]", "lol").translate(str.maketrans("[]", "''")),
+            "vars.j: cannot be resolved: its interpolations come to more than makes sense",
+        ),
+        (
+            "vars:\n  a: '" + "x" * 500_000 + "'\n  b: '" + "${vars.a}" * 2000 + "'\n",
+            "vars.b: cannot be resolved: its interpolations come to more than makes sense",
+        ),
+    ],
+    ids=["lists", "texts", "long"],
+)
+def test_interpolations_that_come_to_too_much_are_told(tmp_path, monkeypatch, text, said):
+    monkeypatch.setattr(plain, "MOST_VALUES", 300)
+    monkeypatch.setattr(hydra_files, "MOST_RESOLVED", 50)
+    assert said in told(tmp_path, text)
+
+
+def test_what_is_nested_too_deeply_on_the_command_line_is_told(tmp_path):
+    for value in ("[" * 400 + "]" * 400, "{a:" * 400 + "1" + "}" * 400):
+        with pytest.raises(ConfigError, match="nested too deeply"):
+            compose_plan(["robot=sample", f"joints={value}"], cwd=tmp_path)
+
+
+def test_aliases_and_merges_that_make_sense_are_read(tmp_path):
+    text = HEAD + "joints:\n  '*': &all {damping: 1}\n  '*finger': {<<: *all, effort: 2}\n"
+    plan = compose_plan(["robot=good"], cwd=write(tmp_path, good=text)).plan
+    assert plan.joints["*finger"].damping == 1
+
+
+def test_what_is_no_yaml_is_its_readers_to_tell(tmp_path):
+    file = tmp_path / "x.yaml"
+    for text in ("a: [1\n", "a: *nobody\n", "\t: :\n", "&a a: &a b\n"):
+        yaml_file.judge(text, file)
+    file.write_text("a: [1\n")
+    with pytest.raises(yaml.YAMLError):
+        yaml_file.read(file)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes")
+def test_a_pipe_is_no_robot(tmp_path):
+    folder = write(tmp_path, good=HEAD)
+    os.mkfifo(folder / "robot" / "bad.yaml")
+    with pytest.raises(ConfigError, match="robot=bad"):
+        compose_plan(["robot=bad"], cwd=folder)
+    (folder / "robot" / "bad.yaml").unlink()
+    (folder / "robot" / "bad.yaml").symlink_to("/dev/zero")
+    with pytest.raises(ConfigError, match="robot=bad"):
+        compose_plan(["robot=bad"], cwd=folder)
+
+
+def test_the_configuration_that_a_build_left_is_judged_too(tmp_path):
+    (tmp_path / "config.yaml").write_text(laughing("*{}") + "cache: {dir: /x}\n")
+    assert _configured(tmp_path) is None
+    (tmp_path / "config.yaml").write_text(json.dumps({"cache": {"dir": "/x"}}))
+    assert _configured(tmp_path) == "/x"

@@ -1,0 +1,177 @@
+"""The command: options, exit status, error border."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from pipeline.cli import HELP, VERBS, run
+from pipeline.config.presets import GROUPS, Presets
+from pipeline.options import Command, UsageError, parse
+from pipeline.report import Report
+from stages.robot.errors import AssemblyError, ConfigError
+from tests.support.places import PROJECT
+
+HEAVY = (
+    "hydra",
+    "omegaconf",
+    "pydantic",
+    "numpy",
+    "trimesh",
+    "scipy",
+    "mujoco",
+    "lxml",
+    "networkx",
+    "rich",
+    "yaml",
+)
+
+
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(PROJECT)}
+
+
+def command(*arguments, cwd=PROJECT, **environ):
+    """Runs `python -m pipeline` in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-m", "pipeline", *arguments],
+        cwd=cwd,
+        env={**ENVIRONMENT, **environ},
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+
+
+@pytest.fixture
+def empty(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("option", ["--help", "-h", "--version"])
+def test_help_and_version_import_nothing_heavy(option):
+    code = (
+        "import sys; from pipeline.cli import main; status = main(sys.argv[1:]); "
+        f"print(sorted(set({HEAVY!r}) & set(sys.modules)), status)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, option],
+        cwd=PROJECT, env=ENVIRONMENT, capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert done.stdout.splitlines()[-1] == "[] 0"
+
+
+def test_help_names_every_group_and_option(tmp_path):
+    presets = Presets(cwd=tmp_path)
+    words = set(re.findall(r"[a-z]+", HELP))
+    missing = [
+        (group, option) for group in GROUPS for option in presets.options(group) if option not in words
+    ]
+    assert missing == []
+    assert set(GROUPS) <= words
+
+
+def test_help_names_every_verb():
+    assert [verb for verb in VERBS if f"\n  linkwright {verb} " not in HELP] == []
+
+
+def test_help_names_only_keys_that_are_there():
+    from pipeline.config.plan import Plan
+    from pipeline.config.schema import leaves
+
+    keys = HELP.partition("keys (key=value")[2].partition("environment:")[0]
+    named = re.findall(
+        r"[a-z]+(?:\.[a-z_]+)+(?:\.\{[a-z,]+\})?", keys.replace(".<glob>", "").replace("stages/", "")
+    )
+    known = set(leaves(Plan)) | {f"joints.{name}" for name in ("limits", "effort", "velocity", "damping")}
+    plain = [key for key in named if "{" not in key and key != "keys.py"]
+    assert [key for key in plain if key not in known] == []
+    assert "cache.mode" in plain
+
+
+def test_the_command_line_is_taken_apart():
+    arguments = ["-m", "a=1", "--config-dir", "x", "--config-dir=y", "~b", "c=-1"]
+    assert parse(arguments) == Command(("a=1", "~b", "c=-1"), ("x", "y"), multirun=True)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [(["--nope", "job"], "there is no option --nope"), (["--config-dir"], "--config-dir needs a folder")],
+)
+def test_an_option_that_is_not_there_is_told(arguments, told, capsys):
+    with pytest.raises(UsageError):
+        parse(arguments)
+    assert run(arguments) == 2
+    assert capsys.readouterr().err.startswith(f"error: {told}\n  → ")
+
+
+@pytest.mark.parametrize("status", [0, 3])
+def test_the_exit_status_is_the_reports(empty, status):
+    assert run(["source=sample"], lambda plan: Report("built", plan.name, "x", plan.until, status)) == status
+
+
+@pytest.mark.parametrize(
+    ("error", "status", "told"),
+    [
+        (
+            ConfigError("is wrong", "source.url", "change it"),
+            2,
+            "error: source.url: is wrong\n  → change it\n",
+        ),
+        (AssemblyError("has no mates"), 1, "error: has no mates\n"),
+        (KeyboardInterrupt(), 130, "error: interrupted\n"),
+        (PermissionError(13, "Permission denied", "outputs"), 1, "error: outputs: Permission denied\n"),
+        (
+            ZeroDivisionError("by zero"),
+            1,
+            "error: a fault of linkwright itself: ZeroDivisionError: by zero\n"
+            "  → LINKWRIGHT_TRACEBACK=1 shows where; so does build.log in the <output>.failed folder\n",
+        ),
+    ],
+)
+def test_an_error_is_one_message_and_an_exit_status(empty, capsys, error, status, told):
+    def failing(plan):
+        raise error
+
+    assert run(["source=sample"], failing) == status
+    assert capsys.readouterr().err == told
+
+
+def test_a_traceback_is_shown_when_asked_for(empty, capsys, monkeypatch):
+    monkeypatch.setenv("LINKWRIGHT_TRACEBACK", "1")
+
+    def failing(plan):
+        raise ZeroDivisionError
+
+    run(["source=sample"], failing)
+    assert "Traceback (most recent call last)" in capsys.readouterr().err
+
+
+def test_a_wrong_configuration_ends_the_command_with_2_and_leaves_nothing(tmp_path):
+    done = command("source=sample", "mesh.tolerence=1", "name=../x", cwd=tmp_path)
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert done.stderr.startswith("error: the configuration has 2 problems\n")
+    assert "Traceback" not in done.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("name", ["conf", "stages"])
+def test_a_package_of_the_same_name_is_told_with_both_places(tmp_path, name):
+    other = tmp_path / name
+    other.mkdir()
+    (other / "__init__.py").touch()
+    code = "import sys; from pipeline import cli; sys.path.insert(0, sys.argv[1]); sys.exit(cli.run([]))"
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path)],
+        cwd=PROJECT, env=ENVIRONMENT, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr == (
+        f"error: the package `{name}` is another one than linkwright's\n"
+        f"  found: {other}\n  expected: {PROJECT / name}\n"
+        "  → run from another folder, or take the other one out of PYTHONPATH or this environment\n"
+    )

@@ -1,0 +1,159 @@
+"""What the tab key offers."""
+
+import shutil
+import subprocess
+import sys
+
+import pytest
+
+from pipeline.cli import run
+from pipeline.completion import KEYS, candidates, install, query, split
+from tests.config.regenerate import completion_text
+from tests.support.users import MY_ARM, write
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "experiment").mkdir()
+    (tmp_path / "experiment" / "wide.yaml").touch()
+    (tmp_path / "there").mkdir()
+    write(tmp_path / "there", other=MY_ARM)
+    return write(tmp_path, my_arm=MY_ARM, **{"legs/left": MY_ARM})
+
+
+def test_the_list_of_keys_is_that_of_the_schema():
+    assert KEYS.read_text(encoding="utf-8") == completion_text(), "python -m tests.config.regenerate"
+
+
+@pytest.mark.parametrize(
+    ("line", "offered"),
+    [
+        ("cac", ["cache", "cache."]),
+        ("robot=bare cac", ["cache."]),
+        ("so", ["source.", "source="]),
+        ("source.off", ["source.offline="]),
+        ("source.tess", ["source.tessellation."]),
+        ("source.tessellation.a", ["source.tessellation.angle="]),
+        ("source.offline=", ["source.offline=false", "source.offline=true"]),
+        ("joints.elbow.da", ["joints.elbow.damping="]),
+        ("frames.add.tool.", ["frames.add.tool.link=", "frames.add.tool.rpy=", "frames.add.tool.xyz="]),
+        ("+joints.elbow.da", ["+joints.elbow.damping="]),
+        ("robot=m", ["robot=my_arm"]),
+        ("robot=", ["robot=bare", "robot=legs/left", "robot=my_arm", "robot=sample"]),
+        ("robot=robot/m", ["robot=robot/my_arm.yaml"]),
+        ("--config-dir there robot=o", ["robot=other"]),
+        ("--config-dir=there robot=o", ["robot=other"]),
+        ("--config-dir th", ["there/"]),
+        ("root=f", ["root=fixed", "root=free"]),
+        ("-m root=auto,f", ["root=auto,fixed", "root=auto,free"]),
+        ("experi", ["experiment="]),
+        ("experiment=", ["experiment=wide"]),
+        ("+experiment=w", ["+experiment=wide"]),
+        ("~gro", ["~ground="]),
+        ("validate.level=s", ["validate.level=standard", "validate.level=strict"]),
+        ("source.path=the", ["source.path=there/"]),
+        ("source.path=there/", ["source.path=there/robot/"]),
+        ("source.path=nowhere/", []),
+        ("hydra/l", ["hydra/launcher="]),
+        ("-m hydra/launcher=w", ["hydra/launcher=workstation"]),
+        ("--cf", ["--cfg"]),
+        ("--cfg j", ["job"]),
+        ("-c ", ["all", "hydra", "job"]),
+        ("--info def", ["defaults", "defaults-tree"]),
+        ("--install-completion z", ["zsh"]),
+        ("--package ", []),
+        ("nothing.like.it", []),
+        ("nothing=", []),
+    ],
+)  # fmt: skip
+def test_what_may_follow_a_line(here, line, offered):
+    words = split(f"linkwright {line}")
+    assert candidates(words[-1], words[1:-1], here) == offered
+
+
+def test_a_first_word_may_be_a_verb_and_an_empty_one_anything(here):
+    offered = candidates("", [], here)
+    assert {"bundle", "cache", "robot=", "joints.", "until="} <= set(offered)
+    assert "bundle" not in candidates("", ["robot=bare"], here)
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [("a", ["a"]), ("a ", ["a", ""]), ("a  b", ["a", "b"]), ("a 'b c' d", ["a", "'b c'", "d"]), ("", [""])],
+)
+def test_a_line_is_split_at_spaces_outside_quotes(line, words):
+    assert split(line) == words
+
+
+@pytest.mark.parametrize(
+    ("shell", "environ", "printed"),
+    [
+        ("bash", {"COMP_LINE": "linkwright root=fr"}, ["free "]),
+        ("bash", {"COMP_LINE": "linkwright root=fr", "COMP_WORDBREAKS": " "}, ["root=free "]),
+        ("bash", {"COMP_LINE": "linkwright -m root=fr"}, ["free"]),
+        ("bash", {"COMP_LINE": "linkwright root=free", "COMP_POINT": "14"}, ["root."]),
+        ("bash", {"COMP_LINE": "linkwright root.bas"}, ["root.base="]),
+        ("zsh", {"COMP_LINE": "linkwright root=fr"}, ["root=free"]),
+        ("fish", {"COMP_LINE": "linkwright root=fr"}, ["root=free"]),
+        ("fish", {"COMP_LINE": "linkwright"}, []),
+        ("fish", {}, []),
+    ],
+)
+def test_each_shell_gets_what_it_puts_into_the_line(here, shell, environ, printed):
+    found = query(shell, environ)
+    assert found[: len(printed)] == printed
+    assert bool(found) == bool(printed)
+
+
+def test_it_imports_nothing_heavy(here):
+    code = (
+        "import sys; from pipeline.cli import main; main(['-sc', 'query=bash']); "
+        "print(sorted({'hydra', 'yaml', 'pydantic', 'numpy', 'rich'} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        env={"COMP_LINE": "linkwright robot=my", "PYTHONPATH": str(KEYS.parents[1])},
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    assert done.stdout.splitlines() == ["my_arm ", "[]"]
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_hydras_own_way_prints_a_script_that_the_shell_can_read(shell, capsys):
+    for verb in ("install", "uninstall"):
+        assert run(["-sc", f"{verb}={shell}"]) == 0
+        script = capsys.readouterr().out
+        assert "linkwright" in script
+        if shutil.which(shell):
+            subprocess.run([shell, "-n"], input=script, text=True, check=True)
+    assert run(["--shell-completion", "install=cmd"]) == 2
+    assert "there is no completion" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("shell", "script", "start"),
+    [
+        ("bash", ".local/share/linkwright/completion.bash", ".bashrc"),
+        ("zsh", ".local/share/linkwright/completion.zsh", ".zshrc"),
+        ("fish", ".config/fish/completions/linkwright.fish", None),
+    ],
+)
+def test_installing_twice_is_installing_once_and_keeps_what_was_there(tmp_path, shell, script, start):
+    if start:
+        (tmp_path / start).write_text("mine")
+    environ = {"HOME": str(tmp_path), "SHELL": f"/bin/{shell}"}
+    assert [install("", environ), install(shell, environ)][0] == install("", environ)
+    assert (tmp_path / script).is_file()
+    if start:
+        lines = (tmp_path / start).read_text().splitlines()
+        assert lines[0] == "mine"
+        assert len(lines) == 2
+
+
+def test_another_shell_is_told(capsys, monkeypatch):
+    monkeypatch.setenv("SHELL", "/bin/tcsh")
+    assert run(["--install-completion"]) == 2
+    assert capsys.readouterr().err.startswith(
+        "error: there is no completion for tcsh\n  → linkwright --install"
+    )

@@ -1,0 +1,50 @@
+"""Imports beside the network: begun by the first calls that later stages wait for, and by no others."""
+
+import sys
+
+import pytest
+
+from pipeline.early_imports import Ahead
+from pipeline.stage import STAGES
+from tests.fake_onshape.sample import sample_document
+from tests.fake_onshape.server import OnshapeServer
+from tests.support.command import environment, linkwright
+from tests.support.places import PROJECT
+
+
+def test_modules_are_imported_once_and_what_is_wrong_with_one_stops_no_other(tmp_path, monkeypatch) -> None:
+    for name, text in {"ahead_one": "raise ValueError", "ahead_two": "runs = 0"}.items():
+        (tmp_path / f"{name}.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    ahead = Ahead(["ahead_one", "ahead_missing", "ahead_two"])
+    assert "ahead_two" not in sys.modules
+    ahead.wait()
+    for _ in range(2):
+        ahead.start()
+        ahead.wait()
+    assert sys.modules.pop("ahead_two").runs == 0
+
+
+@pytest.mark.parametrize("stage", STAGES, ids=lambda stage: stage.name)
+def test_what_is_imported_ahead_is_what_the_stage_imports_when_it_runs(stage) -> None:
+    package = PROJECT / "stages" / stage.name
+    for module in stage.modules:
+        words = module.split(".")
+        if words[0] == "stages":
+            assert words[1] == stage.name
+            assert package.joinpath(*words[2:]).with_suffix(".py").is_file()
+        else:
+            assert words[0] in stage.libraries
+
+
+def test_only_a_build_that_must_read_replies_imports_what_reads_them(tmp_path) -> None:
+    """The second build asks whether the workspace changed, and imports nothing for the answer."""
+    with OnshapeServer(sample_document()) as server:
+        source = ["source=onshape", f"source.url='{server.document_url()}'", "name=arm", "until=graph"]
+        environ = environment(tmp_path, **server.environ)
+        assert linkwright(tmp_path, *source, environ=environ).returncode == 0
+        profiled = linkwright(tmp_path, *source, environ=environ | {"PYTHONPROFILEIMPORTTIME": "1"})
+    assert profiled.returncode == 0
+    imported = {line.rpartition("|")[2].strip() for line in profiled.stderr.splitlines() if "|" in line}
+    assert "stages.fetch.onshape.freshness" in imported
+    assert not {"networkx", "scipy", "mujoco", "trimesh"} & imported

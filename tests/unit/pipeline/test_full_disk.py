@@ -1,0 +1,235 @@
+"""A full disk: one clear message wherever it is met, and before a call is paid where it can be known."""
+
+import contextlib
+import errno
+import json
+import os
+import subprocess
+
+import pytest
+
+from pipeline import disk_space
+from pipeline.build import build
+from pipeline.caching import actions
+from pipeline.caching.store import Store
+from pipeline.cli import run
+from pipeline.config.plan import Plan
+from pipeline.errors import CacheError, LinkwrightError, OutputError
+from pipeline.output.folder import FAILED, Output
+from pipeline.report import Report
+from stages.fetch.onshape.api.ledger import Ledger
+from tests.fake_onshape.server import OnshapeServer
+from tests.support.command import environment, linkwright
+from tests.support.faulty import desk
+
+FULL = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the disk quota is used up"}
+OURS = b'{"linkwright-report": 1}'
+
+
+def plan(here, source, **more):
+    data = {"name": "desk", "source": source, "output": str(here / "out" / "desk"), "until": "fetch"}
+    return Plan.parse({**data, "cache": {"dir": str(here / "cache")}, **more})
+
+
+@contextlib.contextmanager
+def disk(place, kilobytes):
+    """A disk of that size at `place`, or a skipped test where none can be made."""
+    place.mkdir(exist_ok=True)
+    options = ["-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", str(place)]
+    if os.geteuid() != 0 or subprocess.run(["mount", *options], capture_output=True, check=False).returncode:
+        pytest.skip("only root may mount a small disk")
+    try:
+        yield
+    finally:
+        subprocess.run(["umount", "-l", str(place)], check=True)
+
+
+def refuse(monkeypatch, number, where, name="posix_fallocate"):
+    """Lets the system say that there is no room, for a file that is in `where`."""
+    real = getattr(os, name)
+
+    def refusing(handle, *arguments):
+        if str(where) in os.readlink(f"/proc/self/fd/{handle}"):  # noqa: PTH115
+            raise OSError(number, os.strerror(number))
+        return real(handle, *arguments)
+
+    monkeypatch.setattr(os, name, refusing)
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/fd"), reason="needs /proc")  # noqa: PTH110
+@pytest.mark.parametrize("number", list(FULL))
+@pytest.mark.parametrize("call", ["posix_fallocate", "fsync"])
+@pytest.mark.parametrize(("full", "kind"), [("out", OutputError), ("cache", CacheError)])
+def test_no_call_is_spent_where_there_is_no_room_for_its_reply(
+    tmp_path, monkeypatch, number, call, full, kind
+):
+    refuse(monkeypatch, number, tmp_path / full, call)
+    with OnshapeServer(desk()) as server:
+        asked = plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
+        with pytest.raises(kind, match=FULL[number]) as caught:
+            build(asked, environ=server.environ)
+        assert server.calls == []
+    assert "make room there" in caught.value.hint
+    assert str(tmp_path / full) in caught.value.where
+
+
+@pytest.mark.parametrize("full", ["out", "cache"])
+def test_no_call_is_spent_on_a_disk_that_is_really_full(tmp_path, full):
+    with disk(tmp_path / full, 600), OnshapeServer(desk()) as server:
+        asked = plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
+        with pytest.raises(LinkwrightError, match="the disk is full"):
+            build(asked, environ=server.environ)
+        assert server.calls == []
+        report = json.loads((tmp_path / "out" / "desk.failed" / "report.json").read_bytes())
+        assert "the disk is full" in report["error"]["message"]
+
+
+def test_the_room_that_is_asked_for_is_that_of_the_last_build_in_both_places_at_once(tmp_path, monkeypatch):
+    held, most = [], []
+    taken = disk_space.taken
+
+    @contextlib.contextmanager
+    def counted(folder, size):
+        with taken(folder, size):
+            held.append(size)
+            most.append(list(held))
+            yield
+            held.pop()
+
+    monkeypatch.setattr(disk_space, "taken", counted)
+    with OnshapeServer(desk()) as server:
+        asked = plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
+        build(asked, environ=server.environ)
+        assert most[-1] == [disk_space.LEAST] * 2
+        Output(asked.folder).publish({"report.json": OURS, "assets/a": b"x" * 2_000_000})
+        build(asked, environ=server.environ)
+        assert most[-1] == [2_000_000 + len(OURS)] * 2
+        told = len(most)
+        build(plan(tmp_path, {"kind": "onshape", "url": server.document_url(), "offline": True}), environ={})
+        build(plan(tmp_path, {"kind": "sample"}, output=str(tmp_path / "sample")), environ={})
+        assert len(most) == told, "no call, no probe"
+    assert not [path for path in tmp_path.rglob("*") if path.name.startswith("room-")]
+
+
+@pytest.mark.parametrize("lacks", [None, errno.EINVAL, errno.ENOTSUP])
+def test_room_is_found_by_writing_where_the_system_cannot_reserve_it(tmp_path, monkeypatch, lacks):
+    def refuse(*_):
+        raise OSError(lacks, os.strerror(lacks))
+
+    if lacks is None:
+        monkeypatch.delattr(os, "posix_fallocate")
+    else:
+        monkeypatch.setattr(os, "posix_fallocate", refuse)
+        monkeypatch.setattr(os, "fsync", refuse)
+    with disk_space.taken(tmp_path, 2_500_000):
+        pass
+    assert list(tmp_path.iterdir()) == []
+    small = disk_space.taken(tmp_path / "small", 1_000_000)
+    with disk(tmp_path / "small", 600), pytest.raises(OSError, match="No space"), small:
+        pass
+
+
+def test_a_store_and_an_output_on_a_full_disk_say_so_and_lose_nothing(tmp_path):
+    place = tmp_path / "small"
+    with disk(place, 600):
+        store, output = Store(place / "cache"), Output(place / "arm")
+        output.publish({"report.json": OURS, "a": b"1"})
+        digest = store.put(b"kept")
+        for act in (
+            lambda: output.publish({"report.json": OURS, "a": os.urandom(900_000)}),
+            lambda: output.publish({"report.json": OURS, "a": os.urandom(900_000)}, FAILED),
+            lambda: store.put(os.urandom(900_000)),
+            lambda: store.scratch({"a": os.urandom(900_000)}).__enter__(),
+        ):
+            with pytest.raises((OutputError, CacheError), match="the disk is full"):
+                act()
+        assert (output.target / "a").read_bytes() == b"1"
+        assert store.get(digest) == b"kept"
+        assert sorted(path.name for path in place.iterdir()) == [".linkwright", "arm", "cache"]
+        assert [path for path in (place / "cache" / "tmp").rglob("*") if path.is_file()] == []
+
+
+def test_a_temporary_folder_that_cannot_be_made_is_named(tmp_path, monkeypatch):
+    def refuse(*_, **__):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(actions.tempfile, "TemporaryDirectory", refuse)
+    with pytest.raises(CacheError, match="no temporary folder can be made: the disk is full") as caught:
+        build(plan(tmp_path, {"kind": "sample"}, cache={"mode": "bypass"}), environ={})
+    assert "TMPDIR" in caught.value.hint
+
+
+def test_a_ledger_that_cannot_be_written_is_told_once_and_loses_no_reply(tmp_path, monkeypatch):
+    def refuse(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    told = []
+
+    class Ears:
+        def __getattr__(self, name):
+            return lambda *words: told.append(" ".join(map(str, words)))
+
+    monkeypatch.setattr("stages.fetch.onshape.api.ledger._append", refuse)
+    with OnshapeServer(desk()) as server:
+        asked = plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
+        assert build(asked, Ears(), server.environ).exit_status == 0
+        assert server.count > 1
+    assert len([line for line in told if "calls go uncounted" in line and "No space left" in line]) == 1
+
+
+@pytest.mark.parametrize("room_for", [0, 5])
+def test_a_line_of_the_ledger_that_was_cut_short_is_not_counted_and_told(tmp_path, monkeypatch, room_for):
+    ledger = Ledger(tmp_path, "0123456789abcdef", 2026)
+    assert ledger.note("elements", 200) == ""
+    write = os.write
+    with monkeypatch.context() as patched:
+        patched.setattr(os, "write", lambda handle, line: write(handle, line[:room_for]))
+        assert "No space left" in ledger.note("elements", 200)
+    assert ledger.note("elements", 200) == ""
+    assert ledger.counted() == 2
+
+
+@pytest.mark.parametrize("kilobytes", [4, 12, 40])
+def test_a_sweep_on_a_full_disk_says_so_and_shows_how_its_jobs_ended(
+    tmp_path, monkeypatch, capsys, kilobytes
+):
+    monkeypatch.chdir(tmp_path)
+
+    def filling(plan):
+        with contextlib.suppress(OSError), open("small/filling", "wb") as file:
+            file.write(b"x" * 100_000)
+        return Report("built", plan.name, str(plan.folder), plan.until, 0)
+
+    with disk(tmp_path / "small", kilobytes):
+        status = run(["-m", "source=sample", "root=auto,free", "output=small/sweep"], filling)
+        out, err = capsys.readouterr()
+    assert status == 1
+    assert err.count("error:") == 1
+    assert "small/sweep: the output folder cannot be written: the disk is full" in err
+    assert "Traceback" not in err
+    if "job 1 ended" in err:
+        assert "2 of 2 jobs built and valid" in out
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("arguments", [["cache.mode=use"], ["cache.mode=bypass"], ["-m", "root=auto,free"]])
+def test_the_command_on_disks_of_all_sizes_ends_well_or_with_one_message(tmp_path, arguments):
+    with disk(tmp_path / "small", 100_000):
+        here = tmp_path / "small"
+        environ = environment(here, TMPDIR=str(here))
+        assert linkwright(here, *arguments, environ=environ).returncode == 0
+        used = int(subprocess.check_output(["du", "-sk", str(here)], text=True).split()[0])
+    statuses = []
+    for kilobytes in [4, 24, *range(60, used, used // 5), 100_000]:
+        with disk(tmp_path / "small", kilobytes):
+            done = linkwright(here, *arguments, environ=environ)
+            statuses.append(done.returncode)
+            assert done.returncode in (0, 1), done.stderr
+            assert "Traceback" not in done.stderr
+            if done.returncode:
+                assert "disk is full" in done.stderr + done.stdout, (kilobytes, done.stderr)
+                assert done.stderr.count("error:") <= 1
+            subprocess.run(["mount", "-o", "remount,size=100000k", str(here)], check=True)
+            assert linkwright(here, *arguments, environ=environ).returncode == 0
+    assert statuses[0] == 1
+    assert statuses[-1] == 0

@@ -1,0 +1,174 @@
+"""What each stage's result depends on, and how files become values only where they must."""
+
+import ast
+import json
+
+import pytest
+
+from pipeline.caching.actions import Cache
+from pipeline.caching.store import Store
+from pipeline.config.plan import HOW, Plan
+from pipeline.context import FILES, NOTES, Bench, count, notes
+from pipeline.stage import STAGES, installed, libraries, stages_until
+from stages.fetch.keys import SOURCES
+from stages.robot.errors import Diagnostic
+from tests.support.places import PROJECT
+
+KEYS_OF_SOURCES = {name for keys in SOURCES.values() for name in keys.model_fields}
+URL = f"https://cad.onshape.com/documents/{'d' * 24}/m/{'a' * 24}/e/{'e' * 24}"
+BY_NAME = {stage.name: stage for stage in STAGES}
+
+
+def plan(**more):
+    return Plan.parse({"name": "arm", "source": {"kind": "sample"}, **more})
+
+
+def bench(tmp_path, the_plan, **outputs):
+    made = Bench(the_plan, Cache(Store(tmp_path / "cache")), {})
+    for stage, files in outputs.items():
+        made.files[stage] = made.cache.keep(files)
+    return made
+
+
+@pytest.fixture
+def full(tmp_path):
+    return bench(
+        tmp_path,
+        plan(),
+        fetch={"manifest.json": b"{}", "replies/1": b"1", NOTES: b"f"},
+        graph={"robot.json": b"robot", NOTES: b"g"},
+        mesh={"geometry.json": b"geometry", "assets/a.stl": b"solid", NOTES: b"m"},
+        export={FILES + "arm.urdf": b"<robot/>", NOTES: b"e"},
+    )
+
+
+def test_there_are_five_stages_in_order():
+    assert [stage.name for stage in STAGES] == ["fetch", "graph", "mesh", "export", "validate"]
+    assert [stage.name for stage in stages_until("mesh")] == ["fetch", "graph", "mesh"]
+
+
+@pytest.mark.parametrize("stage", STAGES, ids=lambda stage: stage.name)
+def test_each_stage_has_a_version_and_its_libraries_are_installed(stage):
+    assert isinstance(stage.version, int)
+    assert "absent" not in [installed(library) for library in stage.libraries]
+    assert "linkwright" in libraries(stage)
+
+
+def imports(folder):
+    trees = [ast.parse(path.read_text()) for path in folder.rglob("*.py")]
+    nodes = [node for tree in trees for node in ast.walk(tree)]
+    names = [alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names]
+    names += [node.module for node in nodes if isinstance(node, ast.ImportFrom) and node.module]
+    return {name.split(".")[0] for name in names}
+
+
+@pytest.mark.parametrize("stage", STAGES[1:], ids=lambda stage: stage.name)
+def test_the_version_of_every_library_that_a_stage_computes_with_is_in_its_key(stage):
+    numeric = {"numpy", "scipy", "trimesh", "networkx", "mujoco"}
+    assert imports(PROJECT / "stages" / stage.name) & numeric <= set(stage.libraries)
+
+
+def test_a_library_that_is_not_installed_is_absent():
+    assert installed("no-such-distribution-as-this") == "absent"
+
+
+@pytest.mark.parametrize(
+    ("change", "touched"),
+    [
+        ({"joints": {"*": {"damping": 1.0}}}, {"graph"}),
+        ({"root": {"base": "free"}}, {"graph"}),
+        ({"name": "leg"}, {"graph"}),
+        ({"ground": {"kind": "none"}}, {"export"}),
+        ({"export": {"urdf": {}, "mjcf": None}}, {"export"}),
+        ({"validate": {"level": "quick"}}, {"validate"}),
+        ({"output": "elsewhere", "until": "graph", "cache": {"mode": "refresh"}}, set()),
+    ],
+    ids=lambda value: str(value),
+)
+def test_a_key_of_the_configuration_touches_its_own_stage_only(full, tmp_path, change, touched):
+    other = bench(tmp_path, plan(**change))
+    changed = {s.name for s in STAGES[1:] if s.config(full) != s.config(other)}
+    assert changed == touched
+
+
+@pytest.mark.parametrize(
+    ("stage", "path", "touched"),
+    [
+        ("fetch", "manifest.json", {"graph"}),
+        ("graph", "robot.json", {"mesh", "export", "validate"}),
+        ("mesh", "assets/a.stl", {"export"}),
+        ("export", FILES + "arm.urdf", {"validate"}),
+        ("graph", NOTES, set()),
+        ("export", NOTES, set()),
+    ],
+)
+def test_a_file_touches_the_stages_that_read_it(full, stage, path, touched):
+    before = {s.name: dict(s.inputs(full)) for s in STAGES[1:]}
+    full.files[stage] = full.cache.keep({**full.files[stage], path: b"other"})
+    assert {s.name for s in STAGES[1:] if dict(s.inputs(full)) != before[s.name]} == touched
+
+
+def test_a_workspace_is_asked_again_and_a_version_is_not(tmp_path):
+    ids = {"d": "a" * 24, "w": "b" * 24, "e": "c" * 24}
+    address = "https://cad.onshape.com/documents/{d}/{kind}/{w}/e/{e}"
+    configs = {
+        kind: BY_NAME["fetch"].config(
+            bench(tmp_path, plan(source={"kind": "onshape", "url": address.format(kind=kind, **ids)}))
+        )
+        for kind in "wvm"
+    }
+    assert configs["w"] is None
+    assert configs["v"] is not None
+    assert configs["m"] not in (None, configs["v"])
+
+
+def test_notes_hold_what_the_report_tells():
+    found = json.loads(notes("2 links", (Diagnostic("W-X", "odd", "a/b", "fix"),), {"links": 2}, calls=3))
+    assert found == {
+        "summary": "2 links",
+        "diagnostics": [{"code": "W-X", "message": "odd", "where": "a/b", "hint": "fix"}],
+        "figures": {"links": 2},
+        "calls": 3,
+    }
+
+
+def test_a_count_agrees_with_its_noun():
+    assert [count(0, "link"), count(1, "link"), count(2, "mesh", "meshes")] == [
+        "0 links",
+        "1 link",
+        "2 meshes",
+    ]
+
+
+VALUES = {
+    "cache": {"mode": "refresh"},
+    "output": "elsewhere",
+    "overwrite": True,
+    "source.max_calls": 7,
+    "source.max_wait": 7,
+    "source.offline": True,
+    "source.refresh": True,
+    "source.stale": True,
+    "source.trust": True,
+}
+
+
+@pytest.mark.parametrize("key", [key for key in HOW if key.partition(".")[2] in ("", *KEYS_OF_SOURCES)])
+def test_how_a_build_is_run_is_no_part_of_a_cache_key(key, tmp_path):
+    _, _, name = key.partition(".")
+    sources = [{"kind": "sample"}]
+    if name:
+        (tmp_path / "arm.urdf").write_text('<robot name="arm"><link name="a"/></robot>')
+        every = [
+            {"kind": "onshape", "url": URL},
+            {"kind": "urdf", "path": str(tmp_path / "arm.urdf")},
+        ]
+        sources = [one for one in every if name in SOURCES[one["kind"]].model_fields]
+    assert sources
+    for source in sources:
+        more = {} if name else {key: VALUES[key]}
+        other = {**source, name: VALUES[key]} if name else source
+        first, second = plan(source=source), plan(source=other, **more)
+        assert first != second
+        keys = [[stage.config(bench(tmp_path, one)) for stage in STAGES] for one in (first, second)]
+        assert keys[0] == keys[1]

@@ -1,0 +1,175 @@
+"""All that is printed, by whomever: no control character gets through, and no key."""
+
+import io
+import json
+import logging
+import sys
+import traceback
+from dataclasses import replace
+
+import pytest
+import yaml
+
+from pipeline.build import as_yaml
+from pipeline.cli import run
+from pipeline.progress import Lines, Log, Terminal
+from pipeline.report import Report, StageReport, show
+from pipeline.report_html import page
+from pipeline.secrets import Secrets
+from pipeline.sweep.run import Job, Task
+from pipeline.terminal import clean, clean_streams
+from stages.robot.check import Check
+from stages.robot.errors import AssemblyError, Diagnostic
+from tests.support.building import plan_of
+
+NASTY = "\x1b[2J\x1b]0;title\x07\r\nerror: forged \x9b31m\u202e\u2066\u2028\u200bé 中"
+SHOWN = r"\u001b[2J\u001b]0;title\u0007\u000d"
+KEY = "acc355-key"
+BAD = [*map(chr, range(0x20)), *map(chr, range(0x7F, 0xA0)), *"\u202e\u2066\u2028\u200b"]
+BAD = [letter for letter in BAD if letter not in "\n\x1b\r"]  # the three that rich itself draws with
+
+REPORT = Report(
+    status="invalid",
+    name="arm",
+    folder=f"outputs/{NASTY}",
+    until="graph",
+    exit_status=3,
+    stages=(StageReport("fetch", False, 0.1, NASTY),),
+    diagnostics=(Diagnostic("W-LIMIT", NASTY, NASTY, NASTY),),
+    checks=(Check(NASTY, False, NASTY, 1.0, 2.0),),
+    outline=(NASTY.replace("\n", ""),),
+    error={"type": NASTY, "message": NASTY, "where": NASTY, "hint": NASTY, "problems": []},
+)
+
+
+class Screen(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.fixture(autouse=True)
+def _with_a_key_in_an_empty_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("ONSHAPE_ACCESS_KEY", KEY)
+
+
+def bad(text):
+    return [letter for letter in BAD if letter in text]
+
+
+def test_print_logging_and_tracebacks_are_clean(capsys):
+    with clean_streams(), clean_streams():
+        print(f"{NASTY} {KEY}")
+        handler = logging.StreamHandler()
+        handler.emit(logging.LogRecord("x", 30, "x", 1, f"{NASTY} {KEY}", None, None))
+        try:
+            raise ValueError(f"{NASTY} {KEY}")
+        except ValueError:
+            traceback.print_exc()
+    out, err = capsys.readouterr()
+    for text in (out, err):
+        assert SHOWN in text
+        assert "\x1b" not in text
+        assert "\r" not in text
+        assert bad(text) == []
+        assert KEY not in text
+    assert out.count("***") == 1
+
+
+def test_outside_of_the_command_the_streams_are_as_they_were(capsys):
+    before = sys.stdout
+    with clean_streams():
+        assert sys.stdout is not before
+    assert sys.stdout is before
+    print("\x1b[0m")
+    assert capsys.readouterr().out == "\x1b[0m\n"
+
+
+def test_the_command_cleans_what_it_says(capsys):
+    assert run(["robot=\x1b[2Jnobody\x9b", f"ground={KEY}"]) == 2
+    err = capsys.readouterr().err
+    assert bad(err) == []
+    assert "\x1b" not in err
+    assert KEY not in err
+    assert "nobody" in err
+
+
+@pytest.mark.parametrize("make", [Lines, Terminal])
+def test_progress_cannot_be_forged(make):
+    screen = Screen()
+    progress = make(screen)
+    progress.tell("fetch", f"{NASTY} {KEY}")
+    progress.start("graph")
+    progress.tell("graph", NASTY)
+    progress.done(StageReport("graph", False, 0.1, NASTY))
+    progress.close()
+    text = screen.getvalue()
+    assert SHOWN in text
+    assert bad(text) == []
+    assert "\x1b]0" not in text
+    assert "\x1b[2J" not in text
+    assert "\nerror: forged" not in text
+    assert KEY not in text
+
+
+@pytest.mark.parametrize("stream", [io.StringIO, Screen])
+def test_the_closing_table_cannot_be_forged(stream):
+    screen = stream()
+    show(REPORT, screen)
+    text = screen.getvalue()
+    assert SHOWN in text
+    assert bad(text) == []
+    assert "\x1b]0" not in text
+    assert "\x1b[2J" not in text
+    assert "W-LIMIT" in text
+    # The hint alone may have several lines: it is YAML to paste.
+    assert text.count("\nerror: forged") == 1
+
+
+def test_log_report_page_and_configuration_hold_no_control_character():
+    log = Log({})
+    log.tell("fetch", NASTY)
+    log.line(NASTY)
+    files = [
+        log.content(),
+        REPORT.to_json(),
+        page(REPORT, {}, {}, Secrets({})),
+        as_yaml({"name": NASTY}),
+    ]
+    for text in (data.decode() for data in files):
+        assert bad(text) == []
+        assert "\x1b" not in text
+        assert "\r" not in text
+    assert len(log.content().splitlines()) == 2
+    assert json.loads(REPORT.to_json())["folder"] == REPORT.folder
+    assert yaml.safe_load(as_yaml({"name": NASTY})) == {"name": NASTY}
+    assert as_yaml({"name": "é 中"}) == "name: é 中\n".encode()
+
+
+def test_an_error_is_as_many_lines_as_it_has_parts():
+    error = AssemblyError(NASTY, NASTY, "mend it", [Diagnostic("E-MASS", NASTY, NASTY, "and this")])
+    assert len(str(error).splitlines()) == 4
+
+
+def test_a_job_of_a_sweep_is_clean_in_any_process(capsys):
+    def fail(_):
+        raise AssemblyError(f"{NASTY} {KEY}")
+
+    Task([Job(0, NASTY, plan_of(output="arm"))], fail)(0)
+    err = capsys.readouterr().err
+    assert len(err.splitlines()) == 2
+    assert bad(err) == []
+    assert "\x1b" not in err
+    assert KEY not in err
+
+
+def test_the_cleaned_stream_is_the_stream_otherwise():
+    screen = Screen()
+    assert clean(clean(screen)).raw is screen
+    assert clean(screen).isatty()
+    assert clean(screen).write("\x07") == 1
+
+
+def test_a_report_that_is_clean_stays_as_it_is():
+    plain = replace(REPORT, name="Größe 👩‍🔧")
+    assert "Größe 👩‍🔧".encode() in plain.to_json()

@@ -1,0 +1,224 @@
+"""`linkwright bundle`: packs what a build read, and builds the same robot from it."""
+
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.build import build
+from pipeline.cli import run
+from pipeline.config.plan import Plan
+from tests.fake_onshape import solids
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.sample import sample_document
+from tests.fake_onshape.server import Fault, OnshapeServer
+from tests.support.command import robot_files
+from tests.support.places import PROJECT
+
+USER = "zaphod-beeblebrox"
+
+
+def make(output: str, source: dict, environ: dict | None = None, until: str = "export", **keys) -> Path:
+    """Builds into a folder below the working one; the folder."""
+    tree = {"name": "arm", "source": source, "output": output, "until": until, **keys}
+    build(Plan.parse(tree), environ=dict(os.environ) if environ is None else environ)
+    return Path(output)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """An empty working folder with a cache of its own."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("LINKWRIGHT_CACHE", str(tmp_path / "cache"))
+    return tmp_path
+
+
+@pytest.fixture(scope="module")
+def live(tmp_path_factory):
+    """A folder with a build over HTTP in `outputs/arm` and its cache in `cache`."""
+    here = tmp_path_factory.mktemp("live")
+    with OnshapeServer(sample_document(), keys=("acc-distinct", "sec-distinct")) as server:
+        source = {"kind": "onshape", "url": server.document_url()}
+        environ = {**server.environ, "LINKWRIGHT_CACHE": str(here / "cache"), "USER": USER}
+        make(str(here / "outputs" / "arm"), source, environ)
+    return here
+
+
+@pytest.fixture
+def built(live, here):
+    """A copy of it in the working folder."""
+    shutil.copytree(live, here, dirs_exist_ok=True)
+    return here
+
+
+def test_a_bundle_builds_the_same_bytes_where_there_is_neither_cache_nor_network(
+    built, tmp_path_factory, monkeypatch, capsys
+):
+    assert run(["bundle", "arm", "arm.zip"]) == 0
+    assert "arm.zip: 9 replies" in capsys.readouterr().out
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    shutil.move("arm.zip", elsewhere)
+    monkeypatch.chdir(elsewhere)
+    monkeypatch.setenv("LINKWRIGHT_CACHE", str(elsewhere / "cache"))
+    again = make("again", {"kind": "bundle", "path": "arm.zip"})
+    assert robot_files(again) == robot_files(built / "outputs" / "arm")
+    reports = [
+        json.loads((place / "report.json").read_text()) for place in (again, built / "outputs" / "arm")
+    ]
+    assert reports[0]["bundle"] == reports[1]["bundle"]
+    assert reports[0]["calls"]["made"] == 0
+
+
+def desk():
+    """A fixed top with a sliding leg of a linked document; its part studio has more than is used."""
+    document = Document("Desk")
+    wood = document.studio("Wood")
+    desk = document.assembly("Desk")
+    top = desk.add(wood.part("Top", solids.box(1, 0.5, 0.02), density=700), fixed=True)
+    for number in range(40):
+        wood.part(f"Offcut {number}", solids.cylinder(0.02, 0.1 + 0.001 * number), density=700)
+    leg = desk.add(document.library("Legs").studio("Legs").part("Leg", solids.box(0.1, 0.1, 1), density=700))
+    desk.slider("Lift", (leg, np.eye(4)), (top, np.eye(4)), value=0.1, limits=(0, 0.5))
+    return document
+
+
+@pytest.mark.parametrize(
+    ("how", "asked"),
+    [
+        ("a workspace", "partId="),
+        ("a version", "/v/"),
+        ("limits by features", "/features"),
+        ("triangles by glTF", "/gltf"),
+    ],
+)
+def test_whatever_a_build_had_to_ask_for_its_bundle_has(here, how, asked):
+    with OnshapeServer(desk(), newest=16 if how == "limits by features" else 17) as server:
+        if how == "triangles by glTF":
+            server.fault = lambda method, target, number: (
+                Fault(406, b'{"message": "Not acceptable"}') if "/tessellatedfaces" in target else None
+            )
+        source = {"kind": "onshape", "url": server.document_url("v" if how == "a version" else "w")}
+        make("outputs/arm", source, {**os.environ, **server.environ})
+        assert any(asked in target for _, target, _ in server.calls)
+    assert run(["bundle", "arm", "arm.zip"]) == 0
+    again = make("again", {"kind": "bundle", "path": "arm.zip"}, cache={"dir": "another"})
+    assert robot_files(again) == robot_files(Path("outputs/arm"))
+    reports = [json.loads(Path(place, "report.json").read_text()) for place in ("again", "outputs/arm")]
+    assert reports[0]["bundle"] == reports[1]["bundle"]
+
+
+def test_the_same_build_gives_the_same_zip_wherever_and_from_whatever_it_was_made(built, tmp_path_factory):
+    assert run(["bundle", "arm", "one.zip"]) == 0
+    assert run(["bundle", str(built / "outputs" / "arm"), "two.zip"]) == 0
+    make("replayed", {"kind": "bundle", "path": "one.zip"}, cache={"dir": "other-cache"})
+    assert run(["bundle", "replayed", "three.zip"]) == 0
+    assert Path("one.zip").read_bytes() == Path("two.zip").read_bytes() == Path("three.zip").read_bytes()
+
+
+def test_nothing_of_the_key_the_user_the_host_or_the_place_is_inside(built):
+    assert run(["bundle", "arm", "arm.zip"]) == 0
+    told = [b"acc-distinct", b"sec-distinct", USER.encode(), b"127.0.0.1", str(built).encode()]
+    told += [socket.gethostname().encode(), os.path.expanduser("~").encode()]  # noqa: PTH111
+    with zipfile.ZipFile("arm.zip") as archive:
+        contents = [archive.read(info) + info.filename.encode() + info.extra for info in archive.infolist()]
+        assert all(info.date_time == (1980, 1, 1, 0, 0, 0) for info in archive.infolist())
+        assert archive.comment == b""
+    assert [secret for secret in told if any(secret in content for content in contents)] == []
+
+
+def test_a_build_that_failed_after_fetch_can_be_bundled_too(here):
+    with pytest.raises(Exception, match="nothing-like-it"):
+        make("bad", {"kind": "sample"}, root={"select": "nothing-like-it"})
+    assert run(["bundle", "bad.failed", "bad.zip"]) == 0
+    make("good", {"kind": "bundle", "path": "bad.zip"}, until="graph")
+
+
+@pytest.mark.parametrize("lost", ["all", "a reply", "harmed"])
+def test_what_the_cache_no_longer_has_is_told_with_how_to_get_it(built, capsys, lost):
+    if lost == "all":
+        shutil.rmtree("cache")
+    else:
+        reply = next(path for path in Path("cache/cas").rglob("*") if path.is_file() and _is_reply(path))
+        reply.chmod(0o644)
+        reply.write_bytes(b"{") if lost == "harmed" else reply.unlink()
+    assert run(["bundle", "arm", "arm.zip"]) == 1
+    told = capsys.readouterr().err
+    assert f"{built / 'cache'}: the cache does not have all that outputs/arm was built from" in told
+    assert "cache.dir=FOLDER" in told
+    assert not Path("arm.zip").exists()
+
+
+def _is_reply(path: Path) -> bool:
+    return b'"rootAssembly"' in path.read_bytes()
+
+
+def test_a_cache_that_is_named_is_the_one_that_is_looked_in(built, capsys):
+    assert run(["bundle", "arm", "arm.zip", "cache.dir=nowhere"]) == 1
+    assert "nowhere: the cache does not have" in capsys.readouterr().err
+    shutil.move("cache", "elsewhere")
+    assert run(["bundle", "arm", "arm.zip", "cache.dir=elsewhere"]) == 0
+
+
+def test_an_older_bundle_is_replaced_and_nothing_else_is(built, capsys):
+    Path("arm.txt").write_text("mine")
+    assert run(["bundle", "arm", "arm.txt"]) == 2
+    assert "is there already, and is no zip file" in capsys.readouterr().err
+    assert Path("arm.txt").read_text() == "mine"
+    assert run(["bundle", "arm", "arm.zip"]) == 0
+    first = Path("arm.zip").read_bytes()
+    assert run(["bundle", "arm", "arm.zip"]) == 0
+    assert Path("arm.zip").read_bytes() == first
+    assert not [path for path in Path().iterdir() if path.name.startswith(".arm.zip")]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ([], "0 were given"),
+        (["arm"], "1 were given"),
+        (["arm", "a.zip", "b.zip"], "3 were given"),
+        (["--fast", "arm", "a.zip"], "there is no option --fast"),
+        (["arm", "a.zip", "cache.dir="], "a folder is expected"),
+        (["leg", "a.zip"], "no build is in outputs/leg or leg"),
+        (["arm", "no/such/a.zip"], "there is no folder no/such"),
+    ],
+)
+def test_wrong_usage_is_told_and_ends_with_2(built, capsys, arguments, told):
+    assert run(["bundle", *arguments]) == 2
+    assert told in capsys.readouterr().err
+    assert not list(Path().glob("*.zip"))
+
+
+def test_a_build_that_stands_beside_under_another_name_is_named(here, capsys):
+    make("outputs/arm", {"kind": "sample"}, until="fetch")
+    assert run(["bundle", "arm", "arm.zip"]) == 2
+    assert "there is outputs/arm.fetch: name it" in capsys.readouterr().err
+    assert run(["bundle", "arm.fetch", "arm.zip"]) == 0
+
+
+def test_a_build_that_read_nothing_is_told(here, capsys):
+    Path("broken.zip").write_text("no zip")
+    with pytest.raises(Exception, match="no zip file"):
+        make("bad", {"kind": "bundle", "path": "broken.zip"})
+    assert run(["bundle", "bad.failed", "bad.zip"]) == 1
+    assert "ended before everything was fetched" in capsys.readouterr().err
+
+
+def test_its_help_imports_nothing_heavy():
+    code = (
+        "import sys; from pipeline.cli import main; status = main(['bundle', '--help']); "
+        "heavy = 'hydra omegaconf pydantic numpy scipy mujoco httpx yaml rich'.split(); "
+        "print(sorted(set(heavy) & set(sys.modules)), status)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.startswith("linkwright bundle: ")
+    assert done.stdout.splitlines()[-1] == "[] 0"

@@ -1,0 +1,89 @@
+"""What travels between stages comes back bit for bit."""
+
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
+
+import numpy as np
+from typing_extensions import TypeAliasType
+
+from stages.robot import codec
+from stages.robot.geometry import Geometry, Shape
+from stages.robot.kinematics import link_poses, saved_configuration
+from stages.robot.model import Limits, Primitive, frozen
+from tests.support import robots
+from tests.support.robots import joint, loop, robot_with, some_value
+
+
+def test_a_robot_with_every_type_of_joint_comes_back() -> None:
+    rng = np.random.default_rng(3)
+    joints = [
+        joint(
+            kind,
+            "base",
+            kind,
+            [some_value(what, rng) for _, what, _ in robots.CHAINS[kind]],
+            place=robots.pose(rng),
+            limits={f"{kind}_joint": Limits(upper=0.5)},
+        )
+        for kind in robots.EVERY
+    ]
+    joints[0] = replace(joints[0], mate=None)
+    loops = [
+        loop(kind, "planar", "ball", robots.pose(rng), robots.pose(rng), name=kind) for kind in robots.LOOPS
+    ]
+    shape = Primitive("box", (0.1, 0.2, 0.3), frozen(robots.pose(rng)), (1.0, 0.5, 0.0, 1.0))
+    given = {"planar": robots.solid(2.0)}
+    robot = robot_with(
+        joints, loops=loops, given=given, shapes={"ball": (shape,)}, world_from_root=robots.pose(rng)
+    )
+    data = codec.encode_robot(robot)
+    again = codec.decode_robot(data)
+    assert codec.encode_robot(again) == data
+    assert saved_configuration(again) == saved_configuration(robot)
+    assert {type(dof.saved) for dof in again.dofs} == {float, tuple}
+    assert again.joints[0].mate is None
+    assert again.joints[1].mate == robot.joints[1].mate
+    q = saved_configuration(robot)
+    found, expected = link_poses(again, q), link_poses(robot, q)
+    assert all((found[name] == expected[name]).all() for name in expected)
+    assert again.link("ball").shapes[0].size == shape.size
+    assert again.link("planar").given is not None
+    assert not again.world_from_root.flags.writeable
+
+
+def test_primitives_come_back_with_the_geometry() -> None:
+    primitive = Primitive("sphere", (0.1,), frozen(np.eye(4)))
+    mesh = Shape("base", "visual", "base.stl", (1.0, 0.0, 0.0, 1.0), 8, 12, 1.0, 2.0)
+    made_up = Shape("base", "collision", None, None, 0, 0, 1.0, 2.0, primitive)
+    geometry = Geometry((mesh, made_up), {"base.stl": b"solid"})
+    files = codec.encode_geometry(geometry)
+    again = codec.decode_geometry(files)
+    assert codec.encode_geometry(again) == files
+    assert again.shapes[0] == mesh
+    assert again.shapes[1].primitive is not None
+    assert again.shapes[1].primitive.kind == "sphere"
+
+
+Scalar = TypeVar("Scalar", bound=np.generic)
+# As numpy writes its own NDArray from 2.5 on, which is for Python 3.12 and newer.
+Numbers = TypeAliasType("Numbers", np.ndarray[Any, np.dtype[Scalar]], type_params=(Scalar,))
+Named = TypeAliasType("Named", Numbers[np.float64])
+Pair = TypeAliasType("Pair", tuple[Numbers[np.float64], ...])
+
+
+@dataclass(frozen=True)
+class Aliased:
+    plain: Numbers[np.float64]
+    named: Named
+    maybe: Named | None
+    several: Pair
+    one_or_several: str | Pair
+
+
+def test_types_behind_an_alias_come_back_as_what_they_stand_for() -> None:
+    array = np.array([0.1, 0.2])
+    again = codec.load(Aliased, codec.dump(Aliased(array, array, array, (array,), (array, array))))
+    arrays = [again.plain, again.named, again.maybe, *again.several, *again.one_or_several]
+    assert [type(one) for one in arrays] == [np.ndarray] * 6
+    assert all((one == array).all() for one in arrays)
+    assert codec.load(Aliased, codec.dump(Aliased(array, array, None, (), "word"))).one_or_several == "word"

@@ -1,0 +1,177 @@
+"""What runs in a guest cannot harm us: bounds, a clean environment, and nothing left behind."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from stages.robot import guest
+from stages.robot.errors import ConfigError, SourceError
+from stages.robot.guest import Bounds, Ended
+from tests.support.places import PROJECT
+
+ENOUGH = Bounds(seconds=60, memory=1 << 30, reply=1000)
+ENDLESS = """
+import os, subprocess, sys
+inner = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(1000)"])
+open(request.decode(), "w").write(f"{os.getpid()} {inner.pid}")
+while True: pass
+"""
+
+
+@pytest.fixture
+def asked(tmp_path, monkeypatch):
+    """Has a guest run the lines of a function that gets `request` and returns the answer."""
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def ask(lines: str, request: bytes = b"", bounds: Bounds = ENOUGH, **environ: str) -> bytes:
+        body = "\n".join(f"    {line}" for line in lines.splitlines())
+        (tmp_path / "visitor.py").write_text(f"def answer(request):\n{body}\n")
+        return guest.ask("visitor", request, bounds, environ)
+
+    return ask
+
+
+def gone(place: Path) -> bool:
+    """Whether the processes whose numbers are in a file have ended, in time."""
+    until = time.monotonic() + 30
+    return all(_ended(int(pid), until) for pid in place.read_text().split())
+
+
+def _ended(pid: int, until: float) -> bool:
+    while time.monotonic() < until:
+        try:
+            os.kill(pid, 0)
+            state = Path(f"/proc/{pid}/stat")
+            if state.exists() and state.read_text().rpartition(")")[2].split()[0] == "Z":
+                return True
+        except (ProcessLookupError, FileNotFoundError):
+            return True
+        time.sleep(0.01)
+    return False
+
+
+def test_it_answers_what_it_is_asked_and_prints_where_it_likes(asked):
+    assert asked("print('noise', flush=True)\nreturn request[::-1]", b"abc\n\0") == b"\0\ncba"
+
+
+def test_it_sees_the_given_variables_no_terminal_and_no_module_of_the_working_folder(
+    asked, tmp_path, monkeypatch
+):
+    (tmp_path / "work").mkdir()
+    (tmp_path / "work" / "colorsys.py").write_text("raise SystemExit(9)")
+    (tmp_path / "work" / "usercustomize.py").write_text("raise SystemExit(9)")
+    monkeypatch.chdir(tmp_path / "work")
+    monkeypatch.setenv("ONSHAPE_SECRET_KEY", "very-secret")
+    monkeypatch.setenv("LD_LIBRARY_PATH", "/nowhere")
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path / "work"))
+    told = asked(
+        "import colorsys, json, os, sys\n"
+        "alone = os.getpid() == os.getsid(0) == os.getpgid(0)\n"
+        "return json.dumps([sorted(os.environ), alone, sys.stdin.read(), sys.flags.isolated]).encode()",
+        ROS_PACKAGE_PATH="/opt/ros",
+    )
+    assert told == b'[["ROS_PACKAGE_PATH"], true, "", 1]'
+
+
+@pytest.mark.parametrize("kind", [SourceError, ConfigError])
+def test_its_errors_come_back_as_ours(asked, kind):
+    lines = f"from stages.robot.errors import {kind.__name__} as E\nraise E('no', 'there', 'do')"
+    with pytest.raises(kind) as caught:
+        asked(lines)
+    assert (caught.value.message, caught.value.where, caught.value.hint) == ("no", "there", "do")
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ("import os\nos.abort()", "crashed (SIGABRT)"),
+        ("import ctypes\nctypes.string_at(0)", "crashed (SIGSEGV)"),
+        ("import os\nos._exit(3)", "ended with status 3"),
+        ("return None + 1", "failed (TypeError: unsupported operand"),
+        ("import sys\nsys.exit('enough')", "failed (enough)"),
+        ("import os\nos.close(3)\nos._exit(0)", "ended with status 0"),
+        ("return bytes(1001)", "made more than 0.001 MB"),
+        ("import os\nwhile True: os.write(3, bytes(1 << 16))", "made more than 0.001 MB"),
+        ("import os\nos.write(3, b'R' + bytes(8) + b'more')\nos._exit(0)", "ended with status 0"),
+        ("import os\nos.write(3, b'E' + bytes(7) + b'\\x02{}')\nos._exit(0)", "told an error that is none"),
+    ],
+)
+def test_however_it_ends_it_is_told_in_words(asked, lines, said):
+    with pytest.raises(Ended) as caught:
+        asked(lines)
+    assert said in str(caught.value)
+
+
+def test_one_that_takes_too_long_ends_with_all_that_it_started(asked, tmp_path):
+    place = tmp_path / "pids"
+    with pytest.raises(Ended, match="took longer than 2 s"):
+        asked(ENDLESS, str(place).encode(), Bounds(seconds=2, memory=1 << 30, reply=10))
+    assert gone(place)
+
+
+def test_one_that_needs_too_much_memory_ends(asked):
+    lines = "import time\nheld = b'x' * (400 << 20)\ntime.sleep(1000)"
+    with pytest.raises(Ended, match=r"needed more than 0\.22 GB of memory"):
+        asked(lines, bounds=Bounds(seconds=60, memory=210 << 20, reply=10))
+
+
+def test_an_interrupt_ends_it_with_all_that_it_started(asked, tmp_path, monkeypatch):
+    place = tmp_path / "pids"
+
+    def interrupted(process: int) -> int:
+        if place.exists() and len(place.read_text().split()) == 2:
+            raise KeyboardInterrupt
+        return 0
+
+    monkeypatch.setattr(guest, "resident", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        asked(ENDLESS, str(place).encode())
+    assert gone(place)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere it ends when its time is up")
+def test_it_ends_with_us_however_we_end(tmp_path):
+    place = tmp_path / "pid"
+    lines = f"import os\nopen({str(place)!r}, 'w').write(str(os.getpid()))\nwhile True: pass"
+    (tmp_path / "visitor.py").write_text("def answer(request):\n    " + lines.replace("\n", "\n    "))
+    code = f"import sys\nsys.path[:0] = [{str(tmp_path)!r}]\nfrom stages.robot.guest import *\n"
+    code += "ask('visitor', b'', Bounds(60, 1 << 30, 10), {})"
+    with subprocess.Popen([sys.executable, "-c", code], cwd=PROJECT) as host:
+        until = time.monotonic() + 30
+        while not (place.exists() and place.read_text()) and time.monotonic() < until:
+            time.sleep(0.01)
+        host.send_signal(signal.SIGKILL)
+    assert gone(place)
+
+
+def test_it_finds_us_where_we_are_not_installed(tmp_path):
+    """Neither by an installation nor by the working folder: as where PYTHONPATH names a copy."""
+    (tmp_path / "visitor.py").write_text(
+        "import stages\ndef answer(request): return stages.__file__.encode()"
+    )
+    code = (
+        "from stages.robot.guest import *\nprint(ask('visitor', b'', Bounds(60, 1 << 30, 1000), {}).decode())"
+    )
+    environ = {"PYTHONPATH": os.pathsep.join([str(PROJECT), str(tmp_path)])}
+    (tmp_path / "stages").mkdir()
+    done = subprocess.run(
+        [sys.executable, "-S", "-c", code],
+        env=environ,
+        cwd=tmp_path / "stages",
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.stdout.strip() == str(PROJECT / "stages" / "__init__.py"), done.stderr
+
+
+def test_memory_is_known_without_proc_too(monkeypatch):
+    known = guest.resident(os.getpid())
+    monkeypatch.setattr(guest, "_STATM", "/nowhere/{}")
+    assert guest.resident(os.getpid()) == pytest.approx(known, rel=0.2)
+    assert guest.resident(2**22 + 1) == 0
