@@ -3,12 +3,12 @@
 from typing import Literal
 
 from stages.graph.keys import GraphKeys
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 
 _CAD_ALONE = ("depth", "hidden", "mirror", "conventions")
 
 
-def tell_unused(keys: GraphKeys, source: Literal["URDF", "MJCF"], notes: Notes) -> None:
+def tell_unused(keys: GraphKeys, source: Literal["URDF", "MJCF"], log: Diagnostics) -> None:
     """E-SOURCE-KEY for each key that such a file has nothing for."""
     default = GraphKeys()
     given = [name for name in _CAD_ALONE if getattr(keys, name) != getattr(default, name)]
@@ -17,4 +17,4 @@ def tell_unused(keys: GraphKeys, source: Literal["URDF", "MJCF"], notes: Notes) 
     for name in given:
         text = f"this is about assemblies in CAD, and {'a' if source == 'URDF' else 'an'} {source} is none"
         hint = "leave it out" if name != "mass.parts" else "its links have masses: mass: {links: {...}}"
-        notes.tell("E-SOURCE-KEY", text, name, hint)
+        log.report("E-SOURCE-KEY", text, name, hint)

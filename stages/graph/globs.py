@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase, translate
 from typing import TypeVar
 
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Joint, Loop, Robot
 from stages.robot.names import RESERVED
 
@@ -51,7 +51,7 @@ def entries_of(
     wanted: Mapping[str, Entry],
     where: str,
     kind: str,
-    notes: Notes,
+    log: Diagnostics,
 ) -> Iterator[tuple[int, ...]]:
     """For each thing, given by its names, which entries of `wanted` match one of them, in their order.
 
@@ -71,7 +71,7 @@ def entries_of(
         if index not in used and glob != "*":
             known = listed(min(names, key=lambda n: (len(n), n)) for names in things)
             hint = f"{kind}s are: {known or 'none'}"
-            notes.tell("E-GLOB", f"no {kind} matches {glob!r}", where, hint)
+            log.report("E-GLOB", f"no {kind} matches {glob!r}", where, hint)
     return iter(found)
 
 

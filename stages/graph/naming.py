@@ -4,7 +4,7 @@ from collections.abc import Hashable, Iterable
 from typing import TypeVar
 
 from stages.graph.mechanism import WORLD_LINK
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.names import free
 
 Key = TypeVar("Key", bound=Hashable)
@@ -57,9 +57,9 @@ class Namer:
         """Whether nothing of this kind has the name."""
         return name not in self._taken.get(kind, ())
 
-    def tell(self, notes: Notes) -> None:
+    def tell(self, log: Diagnostics) -> None:
         """W-NAME for each name that changed."""
         for kind, old, new in self._changed:
             why = "it is reserved" if old in RESERVED.get(kind, ()) else "it holds what cannot be seen"
             text = f"the {kind} {old!r} is called {new!r}: {why}"
-            notes.tell("W-NAME", text, new, "give it another name in the file; robot.json has both")
+            log.report("W-NAME", text, new, "give it another name in the file; robot.json has both")

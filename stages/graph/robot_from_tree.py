@@ -16,7 +16,7 @@ from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Body, Coupling, Mechanism
 from stages.graph.root import base_of
 from stages.graph.tree import Edge, Tree, ways_up
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.inertia import merged, moved
 from stages.robot.model import (
     Array,
@@ -38,7 +38,7 @@ POSE_TOLERANCE = 1e-6
 """How far [m, rad] the saved pose may be from what a mate allows before we say so."""
 
 
-def place(mechanism: Mechanism, tree: Tree, keys: GraphKeys, notes: Notes) -> Robot:
+def place(mechanism: Mechanism, tree: Tree, keys: GraphKeys, log: Diagnostics) -> Robot:
     """The robot that grows along the tree, at the mechanism's saved pose."""
     world_from_link: dict[int, Array] = {tree.root: tree.world_from_root}
     taken = {dof.name for c in mechanism.couplings for dof in c.dofs} | {c.name for c in mechanism.couplings}
@@ -50,10 +50,10 @@ def place(mechanism: Mechanism, tree: Tree, keys: GraphKeys, notes: Notes) -> Ro
             joints.append(_stand_in(edge, mechanism, world_from_link, taken))
         else:
             joints.append(_joint(edge, edge.coupling, mechanism, world_from_link))
-            _check_pose(edge.coupling, notes)
-            _check_afloat(joints[-1], mechanism.bodies[tree.root].name, notes)
+            _check_pose(edge.coupling, log)
+            _check_afloat(joints[-1], mechanism.bodies[tree.root].name, log)
     for coupling in tree.cut:
-        _check_pose(coupling, notes)
+        _check_pose(coupling, log)
     parents = {edge.child: edge.parent for edge in tree.edges}
     order = {body: number for number, body in enumerate(tree.order)}
     return Robot(
@@ -65,8 +65,8 @@ def place(mechanism: Mechanism, tree: Tree, keys: GraphKeys, notes: Notes) -> Ro
             for one in tree.cut
         ),
         relations=(),
-        frames=_frames(mechanism, world_from_link, keys.frames.include, notes),
-        base=base_of(mechanism, tree.root, keys.root, notes),
+        frames=_frames(mechanism, world_from_link, keys.frames.include, log),
+        base=base_of(mechanism, tree.root, keys.root, log),
         world_from_root=frozen(tree.world_from_root),
         mobility=Mobility(0, 0, 0, ()),
         provenance=mechanism.provenance,
@@ -112,18 +112,18 @@ def _stand_in(
     )
 
 
-def _check_afloat(joint: Joint, root: str, notes: Notes) -> None:
+def _check_afloat(joint: Joint, root: str, log: Diagnostics) -> None:
     """What floats is free of all that moves: its pose is measured in the root."""
     if joint.type == "free" and joint.parent != root:
         text = f"it floats from the link {joint.parent!r}, and only from the root {root!r} can anything float"
         hint = f"hang it on the root, or choose the root: root.select={joint.parent}"
-        notes.tell("E-FLOATING", text, joint.name, hint)
+        log.report("E-FLOATING", text, joint.name, hint)
 
 
-def _check_pose(coupling: Coupling, notes: Notes) -> None:
+def _check_pose(coupling: Coupling, log: Diagnostics) -> None:
     if coupling.residual > POSE_TOLERANCE:
         what = f"the saved pose breaks this {coupling.ref.type} mate by {coupling.residual:.2g} (m or rad)"
-        notes.tell("W-MATE-POSE", what, coupling.title, "solve the assembly in Onshape: a mate is in error")
+        log.report("W-MATE-POSE", what, coupling.title, "solve the assembly in Onshape: a mate is in error")
 
 
 def _link(body: Body, world_from_link: Array) -> Link:
@@ -172,13 +172,13 @@ def _lever(origin: Array, others: list[Array]) -> float:
 
 
 def _frames(
-    mechanism: Mechanism, world_from_link: Mapping[int, Array], include: tuple[str, ...], notes: Notes
+    mechanism: Mechanism, world_from_link: Mapping[int, Array], include: tuple[str, ...], log: Diagnostics
 ) -> tuple[Frame, ...]:
     """The mate connectors that `frames.include` chooses, on their links; E-GLOB for what chooses none."""
     for glob in include:
         if glob != "*" and not any(fits(marker.name, glob) for marker in mechanism.markers):
             there = listed(marker.name for marker in mechanism.markers) or "none"
-            notes.tell("E-GLOB", f"no frame matches {glob!r}", "frames.include", f"frames are: {there}")
+            log.report("E-GLOB", f"no frame matches {glob!r}", "frames.include", f"frames are: {there}")
     frames = [
         Frame(
             marker.name,

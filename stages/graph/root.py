@@ -5,7 +5,7 @@ import networkx as nx
 from stages.graph.globs import matching, with_plain
 from stages.graph.keys import RootKeys
 from stages.graph.mechanism import WORLD_LINK, Marker, Mechanism
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import NoRoot
 from stages.robot.model import Array, Base
 
@@ -76,19 +76,19 @@ def heaviest(mechanism: Mechanism, among: "list[int] | range") -> int:
     return min(among, key=lambda number: (-mass[number], mechanism.bodies[number].name))
 
 
-def base_of(mechanism: Mechanism, root: int, keys: RootKeys, notes: Notes) -> Base:
+def base_of(mechanism: Mechanism, root: int, keys: RootKeys, log: Diagnostics) -> Base:
     """Whether the world holds the root, and why."""
     body = mechanism.bodies[root]
     if body.name == WORLD_LINK and keys.base == "free":
         what = "the root is the assembly's origin, which other links move against: it cannot float"
-        notes.tell("E-BASE", what, "root.base", "leave it at auto, or mate to a part instead of the origin")
+        log.report("E-BASE", what, "root.base", "leave it at auto, or mate to a part instead of the origin")
     elif keys.base != "auto":
         return Base(keys.base == "fixed", f"root.base is {keys.base}", body.afloat or "")
     if body.held:
         return Base(True, body.held)
     other = next((one for one in mechanism.bodies if one.held), None)
     if other is not None:
-        notes.tell(
+        log.report(
             "W-BASE",
             f"the root floats, though CAD fixes {other.name!r} ({other.held})",
             body.name,

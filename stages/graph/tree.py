@@ -11,7 +11,7 @@ from stages.graph.globs import fits, listed
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Coupling, Mechanism
 from stages.graph.root import choose_root, heaviest
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic, Disconnected
 from stages.robot.model import Array, JointType
 
@@ -47,7 +47,7 @@ class Tree:
     cut: tuple[Coupling, ...]
 
 
-def spanning_tree(mechanism: Mechanism, keys: GraphKeys, notes: Notes) -> Tree:
+def spanning_tree(mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Tree:
     """The tree that keeps what a user drives: relations, then limited mates, sliders before turns.
 
     Kruskal over a total order of the couplings, so neither the root nor the order of features decides
@@ -58,32 +58,32 @@ def spanning_tree(mechanism: Mechanism, keys: GraphKeys, notes: Notes) -> Tree:
     kept: nx.MultiGraph = nx.MultiGraph()
     kept.add_nodes_from(range(len(mechanism.bodies)))
     cut = []
-    for coupling in _ranked(mechanism, keys.loops.cut, notes):
+    for coupling in _ranked(mechanism, keys.loops.cut, log):
         first, second = coupling.bodies
         if forest[first] == forest[second]:
             cut.append(coupling)
         else:
             forest.union(first, second)
             kept.add_edge(first, second, coupling=coupling)
-    _tell_uncut(mechanism, keys.loops.cut, cut, notes)
+    _tell_uncut(mechanism, keys.loops.cut, cut, log)
     order, edges = _walk(kept, root)
     loose = _loose(mechanism, kept, set(order))
     if loose and keys.root.disconnected == "error":
-        raise _disconnected(mechanism, root, loose, notes)
+        raise _disconnected(mechanism, root, loose, log)
     for island in loose:
-        _settle(mechanism, kept, root, island, keys, order, edges, notes)
+        _settle(mechanism, kept, root, island, keys, order, edges, log)
     there = set(order)
     cut = [coupling for coupling in cut if there.issuperset(coupling.bodies)]
     return Tree(root, world_from_root, tuple(order), tuple(edges), tuple(cut))
 
 
-def _ranked(mechanism: Mechanism, cut: Collection[str], notes: Notes) -> list[Coupling]:
+def _ranked(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> list[Coupling]:
     """The couplings, those that shall be in the tree first."""
     related = {name for bond in mechanism.bonds for name in bond.couplings}
     for glob in cut:
         if not any(_named(coupling, glob) for coupling in mechanism.couplings):
             there = listed(coupling.name for coupling in mechanism.couplings) or "none"
-            notes.tell("E-GLOB", f"no mate matches {glob!r}", "loops.cut", f"mates that move are: {there}")
+            log.report("E-GLOB", f"no mate matches {glob!r}", "loops.cut", f"mates that move are: {there}")
 
     def rank(coupling: Coupling) -> tuple[object, ...]:
         return (
@@ -104,14 +104,14 @@ def _named(coupling: Coupling, glob: str) -> bool:
 
 
 def _tell_uncut(
-    mechanism: Mechanism, wanted: Collection[str], cut: Collection[Coupling], notes: Notes
+    mechanism: Mechanism, wanted: Collection[str], cut: Collection[Coupling], log: Diagnostics
 ) -> None:
     """What the user wanted cut and is not: it closes no loop, or others of its loop are cut."""
     for glob in wanted:
         names = [coupling.title for coupling in mechanism.couplings if _named(coupling, glob)]
         if glob != "*" and names and not any(_named(coupling, glob) for coupling in cut):
             what = f"{', '.join(sorted(names))} closes no loop, so it stays in the tree"
-            notes.tell("W-LOOP-CUT", what, "loops.cut", "leave it out")
+            log.report("W-LOOP-CUT", what, "loops.cut", "leave it out")
 
 
 def _walk(kept: nx.MultiGraph, root: int) -> tuple[list[int], list[Edge]]:
@@ -166,9 +166,9 @@ def _loose(mechanism: Mechanism, kept: nx.MultiGraph, reached: set[int]) -> list
     return sorted(islands, key=lambda island: min(mechanism.bodies[body].name for body in island))
 
 
-def _disconnected(mechanism: Mechanism, root: int, loose: list[list[int]], notes: Notes) -> Disconnected:
+def _disconnected(mechanism: Mechanism, root: int, loose: list[list[int]], log: Diagnostics) -> Disconnected:
     bodies = mechanism.bodies
-    problems = [one for one in notes.found if one.code in LEFT_OUT]
+    problems = [one for one in log.found if one.code in LEFT_OUT]
     for island in loose:
         parts = sorted(part.name for body in island for part in bodies[body].parts)
         names = ", ".join(sorted(bodies[body].name for body in island))
@@ -196,7 +196,7 @@ def _settle(
     keys: GraphKeys,
     order: list[int],
     edges: list[Edge],
-    notes: Notes,
+    log: Diagnostics,
 ) -> None:
     """Does with what hangs on nothing as `root.disconnected` says, and tells it."""
     bodies = mechanism.bodies
@@ -204,13 +204,13 @@ def _settle(
     where = f"root.disconnected: {keys.root.disconnected}"
     hint = "mate it in Onshape to what it belongs to, or suppress it" if mechanism.posed else _JOIN
     if keys.root.disconnected == "drop":
-        notes.tell("I-LOOSE", f"{names}: left out, as it hangs on nothing", where, hint)
+        log.report("I-LOOSE", f"{names}: left out, as it hangs on nothing", where, hint)
         return
     welded = keys.root.disconnected == "weld"
     afloat = [body for body in island if bodies[body].afloat is not None]
     head = heaviest(mechanism, [body for body in island if bodies[body].held] or afloat or island)
     done = "fixed to the root" if welded else "floats on its own"
-    notes.tell("I-LOOSE", f"{names}: {done}, as it hangs on nothing", where, hint)
+    log.report("I-LOOSE", f"{names}: {done}, as it hangs on nothing", where, hint)
     below, grown = _walk(kept, head)
     order += below
     edges += [Edge(root, head, None, "fixed" if welded else "free"), *grown]

@@ -1,4 +1,4 @@
-"""What the stage finds on its way: findings, and the problems that stop it, all told at once."""
+"""The sink of diagnostics: what a stage finds on its way, and the errors that stop it, reported together."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -7,23 +7,24 @@ from stages.robot.errors import AssemblyError, Diagnostic
 
 
 @dataclass(slots=True)
-class Notes:
+class Diagnostics:
     """`found` goes to the report with the robot; `problems` (codes E-) end the build."""
 
     found: list[Diagnostic] = field(default_factory=list)
     problems: list[Diagnostic] = field(default_factory=list)
 
-    def tell(self, code: str, message: str, where: str = "", hint: str = "") -> None:
-        """Takes down one finding; a code that starts with E- is a problem."""
+    def report(self, code: str, message: str, where: str = "", hint: str = "") -> None:
+        """Adds one diagnostic; a code that starts with E- is a problem."""
         self.add([Diagnostic(code, message, where, hint)])
 
     def add(self, diagnostics: Iterable[Diagnostic]) -> None:
-        """Takes down findings that were made elsewhere."""
+        """Adds diagnostics that were made elsewhere."""
         for one in diagnostics:
             (self.problems if one.level == "error" else self.found).append(one)
 
-    def settle(self) -> None:
+    def raise_errors(self) -> None:
         """AssemblyError with every problem so far, if there is any."""
         if self.problems:
-            msg = f"the assembly cannot be built: {len(self.problems)} problem(s)"
+            count = len(self.problems)
+            msg = f"the assembly cannot be built: {count} problem{'s' if count > 1 else ''}"
             raise AssemblyError(msg, problems=sorted(self.problems, key=lambda p: (p.code, p.where)))

@@ -12,7 +12,7 @@ from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Body, Bond, Mechanism
 from stages.graph.passes.relation_dofs import bonded
 from stages.graph.tree import spanning_tree
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic, Disconnected
 from stages.robot.model import Provenance
 from tests.support.places import PROJECT
@@ -20,7 +20,7 @@ from tests.support.robots import joint, robot_with
 
 CODE = re.compile(r"""["']([EWI]-[A-Z][A-Z0-9-]*)["']""")
 ROW = re.compile(r"^\| `([EWI]-[A-Z0-9-]+)` \| (.+?) \| (.+?) \| (.+?) \|$")
-MAKERS = ("tell", "Diagnostic")
+MAKERS = ("tell", "report", "Diagnostic")
 
 
 def spoken() -> dict[str, set[str]]:
@@ -103,12 +103,12 @@ def test_every_error_and_warning_of_a_stage_has_a_place_and_a_hint() -> None:
 def test_what_lacks_a_place_or_a_hint_is_found() -> None:
     source = [
         'RIGID = "W-A"',
-        "notes.tell(RIGID, m, w)",
+        "log.report(RIGID, m, w)",
         'Diagnostic("E-B", m, "", h)',
         'Diagnostic("E-C", m, w, hint="")',
     ]
     assert incomplete("\n".join(source)) == [(2, "W-A"), (3, "E-B"), (4, "E-C")]
-    assert incomplete('notes.tell("I-D", m)\nnotes.tell("E-E", m, w, h)\n') == []
+    assert incomplete('log.report("I-D", m)\nlog.report("E-E", m, w, h)\n') == []
 
 
 def test_the_table_is_in_order_and_the_readme_leads_to_it() -> None:
@@ -119,10 +119,10 @@ def test_the_table_is_in_order_and_the_readme_leads_to_it() -> None:
 
 @pytest.mark.parametrize(("kind", "place"), [("GEAR", "in Onshape"), ("MIMIC", "in the file")])
 def test_a_relation_is_mended_where_it_was_said(kind: str, place: str) -> None:
-    notes = Notes()
+    log = Diagnostics()
     robot = robot_with([joint("revolute", "base", "arm", [0.0], name="r1")])
-    bonded(robot, [Bond("Bond", kind, ("r1", "gone"), 1.0, 0.0, False)], notes)
-    (only,) = notes.found
+    bonded(robot, [Bond("Bond", kind, ("r1", "gone"), 1.0, 0.0, False)], log)
+    (only,) = log.found
     assert only.code == "W-RELATION"
     assert [where for where in ("in Onshape", "in the file") if where in only.hint] == [place]
 
@@ -132,11 +132,11 @@ def loose(posed: bool) -> list[Diagnostic]:
     bodies = tuple(Body(name, (name,), (), frozenset({name}), "", np.eye(4)) for name in ("a", "b"))
     drawn = Mechanism(bodies, (), (), (), Provenance("", "", "", ""), root=0, posed=posed)
     with pytest.raises(Disconnected) as caught:
-        spanning_tree(drawn, GraphKeys(), Notes())
-    notes = Notes()
+        spanning_tree(drawn, GraphKeys(), Diagnostics())
+    log = Diagnostics()
     for how in ("weld", "drop", "separate"):
-        spanning_tree(drawn, GraphKeys.model_validate({"root": {"disconnected": how}}), notes)
-    return [*caught.value.problems, *notes.found]
+        spanning_tree(drawn, GraphKeys.model_validate({"root": {"disconnected": how}}), log)
+    return [*caught.value.problems, *log.found]
 
 
 def test_what_hangs_on_nothing_is_mended_where_it_was_drawn() -> None:

@@ -7,7 +7,7 @@ from stages.formats.mjcf import Mjcf
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.mjcf.equalities import Closing
 from stages.graph.naming import Key, Namer
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 
 WORLD_NUMBER = 0
 """The body that is the world."""
@@ -28,7 +28,11 @@ class Names:
 
 
 def names_of(
-    mjcf: Mjcf, found: Sequence[Closing], joining: Collection[Closing], hidden: Collection[str], notes: Notes
+    mjcf: Mjcf,
+    found: Sequence[Closing],
+    joining: Collection[Closing],
+    hidden: Collection[str],
+    log: Diagnostics,
 ) -> Names:
     """The file's own names wherever they can stay; each that changes is told (W-NAME).
 
@@ -43,7 +47,7 @@ def names_of(
     said = {("loop", index): one.closure.name for index, one in enumerate(found)}
     said |= {("relation", index): one.name for index, one in enumerate(mjcf.relations)}
     ties = _kept(namer, "equality", said)
-    namer.tell(notes)
+    namer.tell(log)
     # What has no name gets one once all are known that have.
     links |= {number: namer.make("link", f"body_{number}") for number, _ in bodies if number not in links}
     for index, wanted in enumerate(_joint_names(mjcf, links)):

@@ -17,7 +17,7 @@ from stages.graph.mjcf.naming import Names, names_of
 from stages.graph.passes.relations import said_values
 from stages.robot import codec
 from stages.robot.bundle import Bundle
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import ProtocolError
 from stages.robot.inertia import ZERO, moved
 from stages.robot.kinematics import chain
@@ -46,19 +46,19 @@ class _Pose:
     world_from_start: Mapping[int, Array]
 
 
-def read_mjcf(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechanism, GraphKeys]:
+def read_mjcf(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
     """Reads what MuJoCo made of an MJCF. ProtocolError where the bundle does not hold that."""
     mjcf = _decoded(bundle)
-    notes.add(mjcf.diagnostics)
-    tell_unused(keys, "MJCF", notes)
+    log.add(mjcf.diagnostics)
+    tell_unused(keys, "MJCF", log)
     found = closings(mjcf.closures)
     joined = joining(mjcf, found)
     for one in joined:
         text = "the equality ties bodies that float apart without it: it becomes a joint between them"
-        notes.tell(
+        log.report(
             "W-MJCF-TREE", text, one.closure.name or mjcf.name, "give one of them a joint to the other"
         )
-    names = names_of(mjcf, found, joined, own_sites(found) | {WORLD_LINK}, notes)
+    names = names_of(mjcf, found, joined, own_sites(found) | {WORLD_LINK}, log)
     chains, saved = _chains(mjcf, names)
     pose = _posed(mjcf, chains, saved)
     there = bodies_of(mjcf, found, keys.root.base == "free")
@@ -76,7 +76,7 @@ def read_mjcf(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechanism,
         bodies=tuple(_body(mjcf, number, names, pose, numbers) for number in there),
         couplings=(*_tree(mjcf, names, chains, pose, numbers), *closing),
         bonds=tuple(_bonds(mjcf, names)),
-        markers=tuple(_markers(mjcf, names, pose, numbers, notes)),
+        markers=tuple(_markers(mjcf, names, pose, numbers, log)),
         provenance=Provenance(**bundle.root),
         root=numbers[root_of(mjcf, there)],
         posed=False,
@@ -247,7 +247,7 @@ def _bonds(mjcf: Mjcf, names: Names) -> Iterator[Bond]:
 
 
 def _markers(
-    mjcf: Mjcf, names: Names, pose: _Pose, numbers: Mapping[int, int], notes: Notes
+    mjcf: Mjcf, names: Names, pose: _Pose, numbers: Mapping[int, int], log: Diagnostics
 ) -> Iterator[Marker]:
     """Sites, as frames of their links."""
     lost = []
@@ -260,4 +260,4 @@ def _markers(
         yield Marker(name, site.name, numbers[number], frame, site.name)
     if lost:
         text = f"sites of the world are left out, as no link is there: {', '.join(sorted(lost))}"
-        notes.tell("W-FRAME", text, mjcf.name, "put them on a body")
+        log.report("W-FRAME", text, mjcf.name, "put them on a body")

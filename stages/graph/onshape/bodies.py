@@ -15,7 +15,7 @@ import numpy as np
 from stages.graph.keys import GraphKeys
 from stages.graph.onshape.assembly import Assembly, Mate, Path
 from stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 
 WORLD: Path = ()
 """The assembly origin, as a node beside the occurrences."""
@@ -39,7 +39,7 @@ class Bodies:
 
 
 def find_bodies(
-    assembly: Assembly, keys: GraphKeys, notes: Notes, welds: Sequence[tuple[Path, Path]] = ()
+    assembly: Assembly, keys: GraphKeys, log: Diagnostics, welds: Sequence[tuple[Path, Path]] = ()
 ) -> Bodies:
     """Merges what is rigid, sub-assembly frames included, and what `welds` holds together besides.
 
@@ -47,14 +47,14 @@ def find_bodies(
     that is fixed inside it or fastened to its origin. What hangs on a frame that no part carries is a
     problem. Mates that move nothing are told, unless it is for `welds` alone.
     """
-    merger = _Merger(assembly, rigid_subassemblies(assembly, keys.depth, notes))
+    merger = _Merger(assembly, rigid_subassemblies(assembly, keys.depth, log))
     merger.merge_drawn()
     idle = {mate.key for mate in assembly.mates if merger.idles(mate)}
     merger.merge(welds)
-    _tell_uncarried(merger, notes)
+    _tell_uncarried(merger, log)
     bodies = merger.bodies()
-    _tell_idle(merger, [mate for mate in assembly.mates if mate.key in idle], notes)
-    _tell_mirrored(assembly, bodies.moving, notes)
+    _tell_idle(merger, [mate for mate in assembly.mates if mate.key in idle], log)
+    _tell_mirrored(assembly, bodies.moving, log)
     return bodies
 
 
@@ -162,7 +162,7 @@ class _Merger:
         )
 
 
-def _tell_uncarried(merger: _Merger, notes: Notes) -> None:
+def _tell_uncarried(merger: _Merger, log: Diagnostics) -> None:
     """Whatever holds a sub-assembly whose frame none of its own parts carries."""
     assembly, rigid = merger.assembly, merger.rigid
     bodied = {rigid[part.path] for part in assembly.parts} | {rigid[WORLD]}
@@ -175,7 +175,7 @@ def _tell_uncarried(merger: _Merger, notes: Notes) -> None:
         occurrence = assembly.occurrences[path]
         if occurrence.fixed:
             what, hint = f"the sub-assembly is fixed, but its {why}", "fix its base part instead"
-            notes.tell(
+            log.report(
                 "E-FIXED-SUBASSEMBLY", what, occurrence.title, f"{hint}, {_way_out(occurrence.names[-1])}"
             )
     holders = [(mate.title, [entity.path for entity in mate.entities]) for mate in assembly.mates]
@@ -189,7 +189,7 @@ def _tell_uncarried(merger: _Merger, notes: Notes) -> None:
                 occurrence = assembly.occurrences[path]
                 what = f"this holds {occurrence.title} as a whole, whose {frames[path]}"
                 hint = f"mate to a part inside it, {_way_out(occurrence.names[-1])}"
-                notes.tell("E-MATE-SUBASSEMBLY", what, title, hint)
+                log.report("E-MATE-SUBASSEMBLY", what, title, hint)
 
 
 def _way_out(name: str) -> str:
@@ -205,14 +205,14 @@ def _told_parts(merger: _Merger, path: Path) -> str:
     return "; ".join(names[:SHOWN] + ["..."] * (len(names) > SHOWN))
 
 
-def _tell_idle(merger: _Merger, mates: Sequence[Mate], notes: Notes) -> None:
+def _tell_idle(merger: _Merger, mates: Sequence[Mate], log: Diagnostics) -> None:
     """Mates that move nothing: those of rigid sub-assemblies are counted for the outermost."""
     frozen: Counter[Path] = Counter()
     for mate in mates:
         path = mate.ref.owner
         if path not in merger.stiff:
             what = "both sides of this mate are in one link (fastened, fixed or rigid), so it moves nothing"
-            notes.tell("W-MATE-RIGID", what, mate.title, "suppress the mate that holds them, or this one")
+            log.report("W-MATE-RIGID", what, mate.title, "suppress the mate that holds them, or this one")
             continue
         while path[:-1] in merger.stiff:
             path = path[:-1]
@@ -221,13 +221,13 @@ def _tell_idle(merger: _Merger, mates: Sequence[Mate], notes: Notes) -> None:
         welded = path in merger.assembly.stiff
         what = f"the sub-assembly is rigid: {count} joint(s) inside it do not move"
         hint = "mirror: joints lets it move" if welded else "depth.flexible takes it apart all the same"
-        notes.tell("I-RIGID", what, merger.assembly.occurrences[path].title, hint)
+        log.report("I-RIGID", what, merger.assembly.occurrences[path].title, hint)
 
 
-def _tell_mirrored(assembly: Assembly, moving: Sequence[Mate], notes: Notes) -> None:
+def _tell_mirrored(assembly: Assembly, moving: Sequence[Mate], log: Diagnostics) -> None:
     """Mates between a mirrored and another instance: y of the mirrored frame is turned round."""
     for mate in moving:
         hands = {np.linalg.det(assembly.world_from(entity)[:3, :3]) > 0 for entity in mate.entities}
         if len(hands) == 2:
             what = "only one side of this mate is mirrored: where its value is zero is our choice"
-            notes.tell("W-MIRROR", what, mate.title, "check its zero and its limits")
+            log.report("W-MIRROR", what, mate.title, "check its zero and its limits")

@@ -3,13 +3,13 @@
 from dataclasses import replace
 
 from stages.graph.onshape.assembly import Assembly, Path, check_parts, leave_out_empty
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 
 TOLD = 10
 """So many hidden instances are told by name."""
 
 
-def without_hidden(assembly: Assembly, notes: Notes) -> Assembly:
+def without_hidden(assembly: Assembly, log: Diagnostics) -> Assembly:
     """The assembly without its hidden instances, all below them, and the features that name one.
 
     AssemblyError where no part is left.
@@ -37,7 +37,7 @@ def without_hidden(assembly: Assembly, notes: Notes) -> Assembly:
     titles = [o.title for o in hidden if stays(o.path[:-1])]
     more = [f"{len(titles) - TOLD} more"] if len(titles) > TOLD else []
     mates = len(assembly.mates) - len(left.mates)
-    notes.tell(
+    log.report(
         "I-HIDDEN",
         f"{len(titles)} hidden instance(s) left out, and {mates} mate(s) on them (hidden: drop): "
         + ", ".join(titles[:TOLD] + more),

@@ -29,7 +29,7 @@ from stages.graph.onshape.onshape_to_robot_names import (
     turned_round,
     words,
 )
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.keys import Keys
 from stages.robot.model import frozen
 from stages.robot.names import legal, legal_or_unnamed
@@ -38,33 +38,33 @@ from stages.robot.poses import inverse
 AnyKeys = TypeVar("AnyKeys", bound=Keys)
 
 
-def translated(assembly: Assembly, keys: GraphKeys, notes: Notes) -> tuple[Assembly, GraphKeys]:
+def translated(assembly: Assembly, keys: GraphKeys, log: Diagnostics) -> tuple[Assembly, GraphKeys]:
     """The assembly with names that are nothing more than names, and the keys that go with it.
 
     To be called once limits are known, before anything is copied or merged. The root is the first
     instance, unless `root` chooses another, and is fixed where one of its occurrences is; links are
     called after their first instance; q counts from the saved pose.
     """
-    meant = _by_meaning(assembly, notes)
+    meant = _by_meaning(assembly, log)
     links = _links(assembly, meant)
-    markers = _markers(assembly, meant, notes)
+    markers = _markers(assembly, meant, log)
     assembly = _without(assembly, {marker.instance for marker in markers})
     names = _link_names(assembly, links, meant[DOF])
     first = links[_instances(assembly)[0]]
     if keys.root.select == "auto" and keys.root.frame is None:
         keys = _with(keys, root=_with(keys.root, select=escaped(names[first])))
-        assembly = _held_at_the_root(assembly, links, first, notes)
+        assembly = _held_at_the_root(assembly, links, first, log)
     if keys.depth.max is None:
         keys = _with(keys, depth=_with(keys.depth, max=0))
     closings = [escaped(mate.title) for mate in meant[CLOSING]]
     keys = _with(keys, zero="saved", loops=_with(keys.loops, cut=(*keys.loops.cut, *closings)))
-    notes.tell(
+    log.report(
         "I-PEER",
         f"names mean what they do in onshape-to-robot: the root is {keys.root.select}, q = 0 is the saved "
         f"pose (zero: saved), sub-assemblies are rigid (depth.max: {keys.depth.max})",
         "conventions",
     )
-    joints = [one for mate in meant[DOF] for one in joint(mate, assembly, notes)]
+    joints = [one for mate in meant[DOF] for one in joint(mate, assembly, log)]
     closed = [
         replace(mate, ref=replace(mate.ref, type=apart(mate)))
         for mate in meant[CLOSING]
@@ -96,7 +96,7 @@ class _Marker:
     instance: Path
 
 
-def _by_meaning(assembly: Assembly, notes: Notes) -> dict[str, list[Mate]]:
+def _by_meaning(assembly: Assembly, log: Diagnostics) -> dict[str, list[Mate]]:
     """The root assembly's mates by what their names say; what does not count is told."""
     meant: dict[str, list[Mate]] = {DOF: [], CLOSING: [], FRAME: [], FIX: []}
     origin, idle, inside = [], [], []
@@ -128,7 +128,7 @@ def _by_meaning(assembly: Assembly, notes: Notes) -> dict[str, list[Mate]]:
         ),
     ):
         if titles:
-            notes.tell("W-PEER-MATE", f"{what}: {listed(titles)}", titles[0], hint)
+            log.report("W-PEER-MATE", f"{what}: {listed(titles)}", titles[0], hint)
     return meant
 
 
@@ -164,7 +164,7 @@ def _sides(mate: Mate) -> tuple[Path, Path]:
     return first, second
 
 
-def _markers(assembly: Assembly, meant: Mapping[str, Sequence[Mate]], notes: Notes) -> list[_Marker]:
+def _markers(assembly: Assembly, meant: Mapping[str, Sequence[Mate]], log: Diagnostics) -> list[_Marker]:
     """What `frame_` mates mark: the frame of an instance that nothing else holds, on the one it is on."""
     held = {_instances(assembly)[0]}
     held.update(side for kind in (DOF, FIX) for mate in meant[kind] for side in _sides(mate))
@@ -175,7 +175,7 @@ def _markers(assembly: Assembly, meant: Mapping[str, Sequence[Mate]], notes: Not
         if len(loose) != 1:
             what = "a frame_ mate joins a link and a part that only shows the frame: "
             what += "both sides are parts of links" if not loose else "neither side is held by anything"
-            notes.tell("E-PEER-FRAME", what, mate.title, "free the marker of other mates, or rename this one")
+            log.report("E-PEER-FRAME", what, mate.title, "free the marker of other mates, or rename this one")
             continue
         marker = loose[0]
         (carrier,) = (entity for entity in mate.entities if entity is not marker)
@@ -188,7 +188,7 @@ def _markers(assembly: Assembly, meant: Mapping[str, Sequence[Mate]], notes: Not
     if made:
         titles = listed(assembly.occurrences[one.instance].title for one in made)
         what = f"instances that only show frames are left out: {titles}"
-        notes.tell("I-PEER-MARKER", what, "conventions", "name a connector frame_NAME to keep the part")
+        log.report("I-PEER-MARKER", what, "conventions", "name a connector frame_NAME to keep the part")
     return made
 
 
@@ -271,7 +271,9 @@ def _connectors(assembly: Assembly) -> Iterator[Connector]:
             yield replace(one, name=one.name[len(FRAME) :])
 
 
-def _held_at_the_root(assembly: Assembly, links: Mapping[Path, Path], root: Path, notes: Notes) -> Assembly:
+def _held_at_the_root(
+    assembly: Assembly, links: Mapping[Path, Path], root: Path, log: Diagnostics
+) -> Assembly:
     """The assembly with no other link fixed than the root."""
     held = {
         path: replace(one, fixed=False)
@@ -281,5 +283,5 @@ def _held_at_the_root(assembly: Assembly, links: Mapping[Path, Path], root: Path
     if held:
         titles = listed(one.title for one in held.values())
         what = f"fixed in CAD, but not in the root link, so nothing holds them there: {titles}"
-        notes.tell("W-PEER-FIXED", what, "conventions", "choose the root yourself (root.select) or fix it")
+        log.report("W-PEER-FIXED", what, "conventions", "choose the root yourself (root.select) or fix it")
     return replace(assembly, occurrences=assembly.occurrences | held)

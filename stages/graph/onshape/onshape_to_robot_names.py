@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from stages.graph.onshape.assembly import Assembly, Mate, MateRelation, Path
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import frozen
 from stages.robot.names import legal
 from stages.robot.poses import inverse
@@ -42,12 +42,12 @@ def apart(mate: Mate) -> str:
     return "FIXED" if mate.ref.type == "FASTENED" else mate.ref.type
 
 
-def joint(mate: Mate, assembly: Assembly, notes: Notes) -> Iterator[Mate]:
+def joint(mate: Mate, assembly: Assembly, log: Diagnostics) -> Iterator[Mate]:
     """A `dof_` mate under its own name, turned round where it is inverted."""
     own, inverted = words(mate)
     name = "_".join(own)
     if not legal(name):
-        notes.tell("E-PEER-NAME", "the joint has no name after dof_", mate.title, "call it dof_NAME")
+        log.report("E-PEER-NAME", "the joint has no name after dof_", mate.title, "call it dof_NAME")
         return
     limits = dict(mate.limits or {})
     first, second = mate.entities
@@ -59,7 +59,7 @@ def joint(mate: Mate, assembly: Assembly, notes: Notes) -> Iterator[Mate]:
         second = replace(second, occurrence_from_frame=frozen(second.occurrence_from_frame @ along))
         limits = {side: end for side, end in limits.items() if "Axial" in side}
         what = "a CYLINDRICAL dof_ mate is a revolute joint, as in onshape-to-robot: it does not slide"
-        notes.tell("W-PEER-SLIDE", what, mate.title, "say conventions: linkwright for both")
+        log.report("W-PEER-SLIDE", what, mate.title, "say conventions: linkwright for both")
     kind = "REVOLUTE" if mate.ref.type == "CYLINDRICAL" else apart(mate)
     if kind == "REVOLUTE" and ENDLESS.intersection(own):
         limits = {}

@@ -17,7 +17,7 @@ from stages.graph.dofs import TYPES
 from stages.graph.onshape.assembly import Assembly, Entity, Mate, Path
 from stages.graph.onshape.mate_coordinates import Tie, carried, coordinates, ties
 from stages.graph.onshape.mate_twists import ALIKE, View, columns, common, extent, span, view, within
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Array, Limits, frozen
 from stages.robot.poses import inverse
 
@@ -58,14 +58,14 @@ class Composed:
 @dataclass(slots=True)
 class _Work:
     assembly: Assembly
-    notes: Notes
+    log: Diagnostics
     mates: list[Mate]
     welds: list[tuple[Path, Path]]
     absorbed: dict[MateKey, Absorbed]
 
 
 def composed(
-    mates: Sequence[Mate], assembly: Assembly, body_of: Mapping[Path, int], notes: Notes
+    mates: Sequence[Mate], assembly: Assembly, body_of: Mapping[Path, int], log: Diagnostics
 ) -> Composed:
     """What mates between different bodies mean together, two bodies at a time.
 
@@ -73,7 +73,7 @@ def composed(
     result does not depend on the order of `mates`, nor on which entity of a mate is the first. Where
     there are welds only they are told: with them merged the bodies are others, and this is asked again.
     """
-    work = _Work(assembly, Notes(), [], [], {})
+    work = _Work(assembly, Diagnostics(), [], [], {})
     pairs: dict[tuple[int, int], list[Mate]] = {}
     for mate in sorted(mates, key=lambda mate: (mate.title, mate.ref.key)):
         bodies = sorted({body_of[entity.path] for entity in mate.entities if entity.path in body_of})
@@ -86,7 +86,7 @@ def composed(
         views = [view(mate, assembly, body_of) for mate in group] if known and len(group) > 1 else []
         if not views or any(one.residual > MET for one in views) or not _join(views, work):
             work.mates.extend(group)
-    notes.add(one for one in work.notes.found if not work.welds or one.code == RIGID)
+    log.add(one for one in work.log.found if not work.welds or one.code == RIGID)
     return Composed(tuple(work.mates), tuple(work.welds), work.absorbed)
 
 
@@ -132,7 +132,7 @@ def _slot_allows(slot: View, shared: Array, centre: Array, size: float) -> bool:
 def _weld(views: Sequence[View], work: _Work) -> None:
     first, second = views[0].mate.entities
     work.welds.append((first.path, second.path))
-    work.notes.tell(
+    work.log.report(
         RIGID,
         f"{_listed(views)} join the same two bodies, and together they hold them rigidly",
         views[0].mate.title,
@@ -227,11 +227,11 @@ def _absorb(into: View, others: Sequence[View], views: Sequence[View], size: flo
                 continue
             lost = _take(limits, into, there, tie, dof.limits, here[number], dof.kind == "turn")
             if lost:
-                _tell_lost(one, into, dof.name, lost, work.notes)
+                _tell_lost(one, into, dof.name, lost, work.log)
         work.absorbed[one.mate.ref.key] = Absorbed(into.mate.ref.key, moved)
     work.mates.append(_limited(into, limits))
     word = TYPES[into.mate.ref.type][0]
-    work.notes.tell(
+    work.log.report(
         "I-COMPOSED",
         f"{_listed(views)} join the same two bodies: together they are one {word} joint",
         into.mate.title,
@@ -291,9 +291,9 @@ def _limited(into: View, limits: Sequence[Limits]) -> Mate:
     return replace(into.mate, limits=drawn) if drawn else into.mate
 
 
-def _tell_lost(one: View, into: View, suffix: str, why: str, notes: Notes) -> None:
+def _tell_lost(one: View, into: View, suffix: str, why: str, log: Diagnostics) -> None:
     what = suffix.strip("_") or TYPES[one.mate.ref.type][0]
-    notes.tell(
+    log.report(
         "W-LIMIT-LOST",
         f"{into.mate.title} stands for this mate too, and cannot keep the limits of its {what}: {why}",
         one.mate.title,

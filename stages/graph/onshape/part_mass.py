@@ -19,7 +19,7 @@ from stages.graph.onshape.assembly import Assembly, Occurrence, Path
 from stages.graph.onshape.mass_estimate import Shape, shapes_of
 from stages.graph.onshape.reply_fields import number, numbers, shape_of
 from stages.robot.bundle import Bundle, StudioKey
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.inertia import ZERO
 from stages.robot.model import Inertial, frozen
 
@@ -78,25 +78,25 @@ class Kind:
         return (self.weight[0].mass or None) if self.weight else None
 
 
-def weighed(assembly: Assembly, bundle: Bundle, keys: MassKeys, notes: Notes) -> dict[Path, Weight]:
+def weighed(assembly: Assembly, bundle: Bundle, keys: MassKeys, log: Diagnostics) -> dict[Path, Weight]:
     """What every part occurrence weighs; problems are told once for each kind of part.
 
     E-BODY-TYPE, E-GLOB, E-MASS; W-BODY-TYPE for a sheet that weighs nothing, W-MASS-ESTIMATED,
     W-MASS-IGNORED, W-DENSITY. A part with a problem weighs nothing here.
     """
-    kinds = _kinds(assembly, read_masses(bundle), keys.parts, notes)
+    kinds = _kinds(assembly, read_masses(bundle), keys.parts, log)
     # Triangles are read only for what CAD knows too little of.
     unknown = [kind for kind in kinds if not (kind.weight and kind.weight[0].mass > 0)]
     volumes = {kind.key: None if kind.type == SHEET else kind.volume for kind in unknown}
     shapes = shapes_of(bundle, volumes.items())
     kinds = [replace(kind, shape=shapes.get(kind.key)) for kind in kinds]
-    supposed = _supposed(kinds, keys, notes)
+    supposed = _supposed(kinds, keys, log)
     weights: dict[Path, Weight] = {}
     for kind in kinds:
         mass = supposed.get(kind.key, 0.0) if kind.mass is None else kind.mass
-        weight = _inertial(kind, mass, notes), kind.volume
+        weight = _inertial(kind, mass, log), kind.volume
         if kind.mass is not None:
-            _check_density(kind, notes)
+            _check_density(kind, log)
         weights.update((occurrence.path, weight) for occurrence in kind.occurrences)
     return weights
 
@@ -107,13 +107,13 @@ def scaled(inertial: Inertial, mass: float) -> Inertial:
 
 
 def _kinds(
-    assembly: Assembly, masses: Mapping[PartKey, Weight], wanted: Mapping[str, PartMassKeys], notes: Notes
+    assembly: Assembly, masses: Mapping[PartKey, Weight], wanted: Mapping[str, PartMassKeys], log: Diagnostics
 ) -> list[Kind]:
     """The kinds of parts, sorted by title; those that no robot can have are told and left out."""
     parts = assembly.parts
     names = [{part.title, part.names[-1], unnumbered(part.names[-1])} for part in parts]
     groups: dict[tuple[PartKey, tuple[int, ...]], list[Occurrence]] = {}
-    for part, entries in zip(parts, entries_of(names, wanted, "mass.parts", "part", notes), strict=True):
+    for part, entries in zip(parts, entries_of(names, wanted, "mass.parts", "part", log), strict=True):
         groups.setdefault((part_key(part.record), entries), []).append(part)
     asked = list(wanted.values())
     kinds = [
@@ -128,7 +128,7 @@ def _kinds(
     ]
     for kind in kinds:
         if kind.type not in KNOWN:
-            notes.tell("E-BODY-TYPE", f"a {kind.type} body is not supported", kind.title, "suppress it")
+            log.report("E-BODY-TYPE", f"a {kind.type} body is not supported", kind.title, "suppress it")
     return sorted(kinds, key=lambda kind: kind.title)
 
 
@@ -143,7 +143,7 @@ def _together(entries: Sequence[PartMassKeys]) -> PartMassKeys:
     return PartMassKeys.model_validate(values)
 
 
-def _supposed(kinds: Sequence[Kind], keys: MassKeys, notes: Notes) -> dict[PartKey, float]:
+def _supposed(kinds: Sequence[Kind], keys: MassKeys, log: Diagnostics) -> dict[PartKey, float]:
     """Masses [kg] of the kinds that have none, by `mass.missing`; tells what becomes of them all."""
     missing = [kind for kind in kinds if kind.mass is None and kind.type in KNOWN]
     sheets = [kind for kind in missing if kind.type == SHEET and not kind.asked.density]
@@ -151,20 +151,20 @@ def _supposed(kinds: Sequence[Kind], keys: MassKeys, notes: Notes) -> dict[PartK
     for kind in sheets:
         text = "a sheet without mass: it is seen, but neither weighs nor collides"
         hint = "thicken it, or give it a mass override, in Onshape, or a mass in mass.parts"
-        notes.tell("W-BODY-TYPE", text, kind.title, hint)
+        log.report("W-BODY-TYPE", text, kind.title, hint)
     if keys.missing == "ignore":
-        _tell_ignored(missing, notes)
+        _tell_ignored(missing, log)
         return {}
     small = _small(kinds, missing) if keys.missing == "auto" else missing
     estimated = [kind for kind in small if kind.volume > 0 and keys.missing != "error"]
-    _tell_missing([kind for kind in missing if kind not in estimated], kinds, keys, notes)
+    _tell_missing([kind for kind in missing if kind not in estimated], kinds, keys, log)
     masses = {kind.key: keys.density * kind.volume for kind in estimated}
     if estimated:
         total = sum(masses[kind.key] * len(kind.occurrences) for kind in estimated)
         count = sum(len(kind.occurrences) for kind in estimated)
         text = f"{count} part(s) without mass are taken for solids of {keys.density:g} kg/m³: {total:.3g} kg"
         hint = "give them a material in Onshape, or a mass in mass.parts"
-        notes.tell("W-MASS-ESTIMATED", text, listed(kind.called for kind in estimated), hint)
+        log.report("W-MASS-ESTIMATED", text, listed(kind.called for kind in estimated), hint)
     return masses
 
 
@@ -176,15 +176,15 @@ def _small(kinds: Sequence[Kind], missing: Sequence[Kind]) -> list[Kind]:
     return small if together < SMALL_TOGETHER * total else []
 
 
-def _tell_ignored(missing: Sequence[Kind], notes: Notes) -> None:
+def _tell_ignored(missing: Sequence[Kind], log: Diagnostics) -> None:
     if missing:
         count = sum(len(kind.occurrences) for kind in missing)
         hint = "give them a material in Onshape, or a mass in mass.parts"
         where = listed(kind.called for kind in missing)
-        notes.tell("W-MASS-IGNORED", f"{count} part(s) without mass weigh nothing", where, hint)
+        log.report("W-MASS-IGNORED", f"{count} part(s) without mass weigh nothing", where, hint)
 
 
-def _tell_missing(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKeys, notes: Notes) -> None:
+def _tell_missing(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKeys, log: Diagnostics) -> None:
     """E-MASS for each; the last one has the lines of YAML that settle all of them."""
     for kind in missing:
         text = "the part has no mass" if kind.weight else "the mass reply does not know this part"
@@ -195,7 +195,7 @@ def _tell_missing(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKeys
             hint = "give mass, com and inertia in mass.parts"
         if kind is missing[-1]:
             hint += _settling(missing, kinds, keys)
-        notes.tell("E-MASS", text, kind.title, hint)
+        log.report("E-MASS", text, kind.title, hint)
 
 
 def _settling(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKeys) -> str:
@@ -217,12 +217,12 @@ def _settling(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKeys) ->
     return f"; or settle all of them in YAML: {all_at_once}  or each [kg]: mass: {{parts: {{{parts}}}}}"
 
 
-def _inertial(kind: Kind, mass: float, notes: Notes) -> Inertial:
+def _inertial(kind: Kind, mass: float, log: Diagnostics) -> Inertial:
     """The kind's inertial with this mass [kg]: the user's values, else CAD's, else its shape's."""
     if mass < 0:
         text = f"its mass is {mass:.4g} kg"
         hint = "mend its material or its mass override in Onshape, or give its mass in mass.parts"
-        notes.tell("E-MASS", text, kind.title, hint)
+        log.report("E-MASS", text, kind.title, hint)
     if mass <= 0:
         return ZERO
     base = kind.weight[0] if kind.weight and kind.weight[0].mass > 0 else None
@@ -231,7 +231,7 @@ def _inertial(kind: Kind, mass: float, notes: Notes) -> Inertial:
     com, inertia = kind.asked.com, kind.asked.inertia
     if base is None and (com is None or inertia is None):
         text = "it has a mass, but no triangles that tell how that is spread"
-        notes.tell("E-MASS", text, kind.title, "give com and inertia too, in mass.parts")
+        log.report("E-MASS", text, kind.title, "give com and inertia too, in mass.parts")
         return ZERO
     spread = scaled(base, mass) if base is not None else ZERO
     return Inertial(
@@ -241,14 +241,14 @@ def _inertial(kind: Kind, mass: float, notes: Notes) -> Inertial:
     )
 
 
-def _check_density(kind: Kind, notes: Notes) -> None:
+def _check_density(kind: Kind, log: Diagnostics) -> None:
     low, high = DENSITIES
     mass, volume = kind.mass, kind.volume
     if not mass or not volume or low <= mass / volume <= high:
         return
     text = f"{mass:.4g} kg in {volume:.4g} m³ are {mass / volume:.4g} kg/m³: no solid has that density"
     hint = "mend its material or its mass override in Onshape, or its mass in mass.parts"
-    notes.tell("W-DENSITY", text, kind.title, hint)
+    log.report("W-DENSITY", text, kind.title, hint)
 
 
 def part_key(record: Mapping[str, str]) -> PartKey:

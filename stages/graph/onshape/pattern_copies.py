@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 from stages.graph.onshape.assembly import Assembly, Occurrence, Path, Pattern
 from stages.graph.onshape.pattern_supports import Hanging, Support
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 
 
 @dataclass(slots=True)
@@ -28,16 +28,16 @@ class Series:
 
 
 def series_of(
-    assembly: Assembly, patterns: Iterable[Pattern], rigid: Collection[Path], notes: Notes
+    assembly: Assembly, patterns: Iterable[Pattern], rigid: Collection[Path], log: Diagnostics
 ) -> dict[Path, list[Series]]:
-    """Seed → its patterns; what of them cannot be copied is reported in `notes`.
+    """Seed → its patterns; what of them cannot be copied is reported in `log`.
 
     `rigid`: the sub-assemblies inside which nothing moves.
     """
     hanging = Hanging(assembly)
     found: dict[Path, list[Series]] = {}
     for pattern in patterns:
-        seeds, alike, gone = _copies(assembly, pattern, notes)
+        seeds, alike, gone = _copies(assembly, pattern, log)
         support = hanging.support(seeds, pattern.owner, rigid) if alike else Support(pattern.owner)
         levels = dict.fromkeys((pattern.owner, support.level))
         free = alike - _held_by_their_own(alike, seeds, levels, hanging)
@@ -53,12 +53,12 @@ def series_of(
                 "FASTENED in the sub-assembly says what carries the seed; or pattern what it carries, too; "
                 "or make the sub-assembly rigid (depth.rigid)"
             )
-            notes.tell("W-PATTERN-LEVEL", message, pattern.title, hint)
+            log.report("W-PATTERN-LEVEL", message, pattern.title, hint)
     return found
 
 
 def _copies(
-    assembly: Assembly, pattern: Pattern, notes: Notes
+    assembly: Assembly, pattern: Pattern, log: Diagnostics
 ) -> tuple[list[Path], frozenset[Path], frozenset[Path]]:
     """The seeds that are there, the copies that are made of the same, and those that are not or are gone."""
     occurrences = assembly.occurrences
@@ -73,7 +73,7 @@ def _copies(
         elif alive:
             titles = ", ".join(occurrences[copy].title for copy in alive)
             message = f"the seed of {titles} is suppressed or gone: it has no joints to copy"
-            notes.tell("W-PATTERN", message, pattern.title, "mate the copies themselves")
+            log.report("W-PATTERN", message, pattern.title, "mate the copies themselves")
         for copy in alive if seed in occurrences else ():
             if _source(occurrences[copy]) == _source(occurrences[seed]):
                 alike.add(copy)
@@ -83,7 +83,7 @@ def _copies(
                 f"{occurrences[copy].title} is made of another part than its seed: "
                 "where the seed's mates would hold it is not known"
             )
-            notes.tell("W-PATTERN", message, pattern.title, "mate it itself")
+            log.report("W-PATTERN", message, pattern.title, "mate it itself")
     return seeds, frozenset(alike), frozenset(gone)
 
 

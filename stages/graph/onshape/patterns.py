@@ -19,7 +19,7 @@ from stages.graph.onshape.assembly import Assembly, Entity, Mate, MateGroup, Pat
 from stages.graph.onshape.pattern_copies import Series, series_of
 from stages.graph.onshape.pattern_supports import Feature, node_of
 from stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Array, frozen
 from stages.robot.poses import inverse
 
@@ -38,7 +38,7 @@ class _Image:
     inside: bool
 
 
-def with_copies(assembly: Assembly, mirror: str, depth: DepthKeys, notes: Notes) -> Assembly:
+def with_copies(assembly: Assembly, mirror: str, depth: DepthKeys, log: Diagnostics) -> Assembly:
     """The assembly with the mates and groups of all copies; a copied feature's `ref.copy` tells it.
 
     `mirror`: "joints", or "weld" for copies that are fastened where the first of their seeds' mates would
@@ -49,16 +49,16 @@ def with_copies(assembly: Assembly, mirror: str, depth: DepthKeys, notes: Notes)
     """
     patterns = sorted(assembly.patterns, key=lambda pattern: len(pattern.owner))
     for _, level in groupby(patterns, key=lambda pattern: len(pattern.owner)):
-        assembly = _with_copies_of(list(level), assembly, mirror, depth, notes)
+        assembly = _with_copies_of(list(level), assembly, mirror, depth, log)
     return assembly
 
 
 def _with_copies_of(
-    patterns: Sequence[Pattern], assembly: Assembly, mirror: str, depth: DepthKeys, notes: Notes
+    patterns: Sequence[Pattern], assembly: Assembly, mirror: str, depth: DepthKeys, log: Diagnostics
 ) -> Assembly:
     # What is wrong with the globs of `depth` is reported where the bodies are found.
-    rigid = rigid_subassemblies(assembly, depth, Notes())
-    copier = _Copier(assembly, series_of(assembly, patterns, rigid, notes), notes)
+    rigid = rigid_subassemblies(assembly, depth, Diagnostics())
+    copier = _Copier(assembly, series_of(assembly, patterns, rigid, log), log)
     drawn = [copy for mate in assembly.mates for copy in copier.mates(mate)]
     grouped = [copy for group in assembly.groups for copy in copier.groups(group)]
     mates, groups = [mate for mate, _ in drawn], [group for group, _ in grouped]
@@ -74,8 +74,8 @@ def _with_copies_of(
 
 
 class _Copier:
-    def __init__(self, assembly: Assembly, by_seed: Mapping[Path, list[Series]], notes: Notes) -> None:
-        self.assembly, self.notes, self.by_seed = assembly, notes, by_seed
+    def __init__(self, assembly: Assembly, by_seed: Mapping[Path, list[Series]], log: Diagnostics) -> None:
+        self.assembly, self.log, self.by_seed = assembly, log, by_seed
         self.series = list({id(one): one for found in by_seed.values() for one in found}.values())
         self.repeated: set[tuple[Path, str]] = set()
 
@@ -157,7 +157,7 @@ class _Copier:
             moved[index] = copy + places[index][len(seed) :]
             if moved[index] not in self.assembly.occurrences:
                 message = f"{self.assembly.occurrences[copy].title} lacks what this holds on its seed"
-                self.notes.tell("W-PATTERN", message, feature.title, "mate the copy itself")
+                self.log.report("W-PATTERN", message, feature.title, "mate the copy itself")
                 return None
         fresh = frozenset(copy for _, copy in movers)
         inside = len(copies) == len(places)
@@ -206,7 +206,7 @@ class _Copier:
             )
             if inside or any(mate in self.repeated for mate in relation.mates):
                 message = "it relates joints that a pattern or mirror repeats: the copies' are not related"
-                self.notes.tell("W-PATTERN-RELATION", message, relation.title, "mate and relate the copies")
+                self.log.report("W-PATTERN-RELATION", message, relation.title, "mate and relate the copies")
 
     def tell(self, weld: bool) -> None:
         """One finding for each pattern that has copied joints, and one for joints that it has not."""
@@ -217,7 +217,7 @@ class _Copier:
                     f"{listed(sorted(series.carried))}"
                 )
                 hint = "mate the copies themselves to what they carry"
-                self.notes.tell("I-PATTERN-CARRIED", message, series.pattern.title, hint)
+                self.log.report("I-PATTERN-CARRIED", message, series.pattern.title, hint)
             count, copies = series.joints, len(series.served)
             if not count:
                 continue
@@ -226,7 +226,7 @@ class _Copier:
                 if weld
                 else f"{count} joint(s) copied for {copies} instance(s): independent of those of the seed"
             )
-            self.notes.tell("I-PATTERN", message, series.pattern.title)
+            self.log.report("I-PATTERN", message, series.pattern.title)
 
 
 def _holding(mates: Iterable[tuple[Mate, _Image]], groups: Iterable[_Image]) -> list[Mate]:

@@ -19,7 +19,7 @@ from stages.graph.onshape.parallel_mates import Absorbed, MateKey, composed
 from stages.graph.onshape.part_mass import SHEET, part_key, weighed
 from stages.graph.onshape.patterns import with_copies
 from stages.robot.bundle import Bundle
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import AssemblyError
 from stages.robot.kinematics import chain
 from stages.robot.model import Inertial, MeshRef, Part, Provenance, frozen
@@ -29,31 +29,31 @@ from stages.robot.poses import inverse
 Weights = Mapping[Path, tuple[Inertial, float]]
 
 
-def read_drawing(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechanism, GraphKeys]:
+def read_drawing(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
     """Reads an assembly definition and what belongs to it; AssemblyError for what cannot be read at all.
 
     The keys come back with what the document's own conventions imply.
     """
     assembly = read_assembly(bundle.body(bundle.definition))
-    notes.add(assembly.diagnostics)
+    log.add(assembly.diagnostics)
     if keys.hidden == "drop":
-        assembly = without_hidden(assembly, notes)
+        assembly = without_hidden(assembly, log)
     remarks = resolve_limits(assembly, bundle)
     if keys.conventions == "onshape_to_robot":
-        assembly, keys = translated(assembly, keys, notes)
-    assembly = with_copies(assembly, keys.mirror, keys.depth, notes)
+        assembly, keys = translated(assembly, keys, log)
+    assembly = with_copies(assembly, keys.mirror, keys.depth, log)
     _require_mates(assembly, keys)
-    weights = weighed(assembly, bundle, keys.mass, notes)
-    bodies, absorbed = _settled_bodies(assembly, keys, notes)
+    weights = weighed(assembly, bundle, keys.mass, log)
+    bodies, absorbed = _settled_bodies(assembly, keys, log)
     names = name_everything(assembly, bodies, {path: volume for path, (_, volume) in weights.items()})
-    _tell_names(assembly, bodies, names, notes)
+    _tell_names(assembly, bodies, names, log)
     said = _said_of(assembly, remarks, absorbed)
     couplings = tuple(_coupling(mate, assembly, bodies, names, said) for mate in bodies.moving)
     mechanism = Mechanism(
         bodies=tuple(_bodies(assembly, bodies, names, weights, bundle)),
         couplings=couplings,
         bonds=tuple(_bonds(assembly, couplings, absorbed)),
-        markers=tuple(_markers(assembly, bodies, names, notes)),
+        markers=tuple(_markers(assembly, bodies, names, log)),
         provenance=Provenance(**bundle.root),
     )
     return mechanism, keys
@@ -72,20 +72,20 @@ def _require_mates(assembly: Assembly, keys: GraphKeys) -> None:
 
 
 def _settled_bodies(
-    assembly: Assembly, keys: GraphKeys, notes: Notes
+    assembly: Assembly, keys: GraphKeys, log: Diagnostics
 ) -> tuple[Bodies, Mapping[MateKey, Absorbed]]:
     """The bodies, once no two of them are held rigidly together by several mates; and the mates whose
     place others have taken."""
     welds: list[tuple[Path, Path]] = []
     while True:
-        found, told = Notes(), Notes()
+        found, told = Diagnostics(), Diagnostics()
         bodies = find_bodies(assembly, keys, found, welds)
         result = composed(bodies.moving, assembly, bodies.of, told)
         if not result.welds:
-            notes.add([*found.problems, *found.found, *told.problems, *told.found])
+            log.add([*found.problems, *found.found, *told.problems, *told.found])
             return replace(bodies, moving=list(result.mates)), result.absorbed
         welds += result.welds
-        notes.add([*told.problems, *told.found])
+        log.add([*told.problems, *told.found])
 
 
 def _bodies(
@@ -190,7 +190,7 @@ def _bonds(
         )
 
 
-def _markers(assembly: Assembly, bodies: Bodies, names: Names, notes: Notes) -> Iterator[Marker]:
+def _markers(assembly: Assembly, bodies: Bodies, names: Names, log: Diagnostics) -> Iterator[Marker]:
     """Mate connectors that the designer placed, on their bodies."""
     for connector in assembly.connectors:
         if is_link_name(connector):
@@ -198,18 +198,18 @@ def _markers(assembly: Assembly, bodies: Bodies, names: Names, notes: Notes) -> 
         body = bodies.of.get(connector.entity.path)
         if body is None:
             what = "the connector is on no part (origin or sub-assembly): left out"
-            notes.tell("W-FRAME", what, connector.title, "put it on a part")
+            log.report("W-FRAME", what, connector.title, "put it on a part")
             continue
         frame = assembly.world_from(connector.entity)
         if np.linalg.det(frame[:3, :3]) < 0:
             what = "the connector is on a mirrored part, so it is left-handed: its y axis is turned round"
-            notes.tell("W-FRAME", what, connector.title, "put a connector of its own on the mirrored part")
+            log.report("W-FRAME", what, connector.title, "put a connector of its own on the mirrored part")
             frame = frame @ np.diag([1.0, -1.0, 1.0, 1.0])
         name = names.frames[connector.owner, connector.feature]
         yield Marker(name, connector.title, body, frozen(frame), connector.name)
 
 
-def _tell_names(assembly: Assembly, bodies: Bodies, names: Names, notes: Notes) -> None:
+def _tell_names(assembly: Assembly, bodies: Bodies, names: Names, log: Diagnostics) -> None:
     """Names of which nothing could be kept, and `link_` connectors that name nothing."""
     typed = [
         (name, assembly.occurrences[path].names[-1])
@@ -220,7 +220,7 @@ def _tell_names(assembly: Assembly, bodies: Bodies, names: Names, notes: Notes) 
     for name, text in sorted(typed):
         if "unnamed" in name and not legal(text):
             message = f"{text!r} has no letter that a robot file may hold: called {name!r}"
-            notes.tell("W-NAME", message, name, "give it a name with letters or digits")
+            log.report("W-NAME", message, name, "give it a name with letters or digits")
     named: dict[int, str] = {}
     for connector in sorted(assembly.connectors, key=lambda c: (c.names, c.name, c.feature)):
         if not is_link_name(connector):
@@ -228,10 +228,10 @@ def _tell_names(assembly: Assembly, bodies: Bodies, names: Names, notes: Notes) 
         body = bodies.of.get(connector.entity.path)
         if body is None:
             message = "the connector names no link: it is on no part"
-            notes.tell("W-NAME", message, connector.title, "put it on a part of the link")
+            log.report("W-NAME", message, connector.title, "put it on a part of the link")
         elif not bodies.members[body]:
             message = f"the connector names no link: the assembly's origin is called {WORLD_LINK!r}"
-            notes.tell("W-NAME", message, connector.title, "put it on a part of the link")
+            log.report("W-NAME", message, connector.title, "put it on a part of the link")
         elif named.setdefault(body, connector.title) != connector.title:
             message = f"the link has its name from {named[body]} already"
-            notes.tell("W-NAME", message, connector.title, "remove one of the two connectors")
+            log.report("W-NAME", message, connector.title, "remove one of the two connectors")

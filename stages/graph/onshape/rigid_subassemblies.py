@@ -6,11 +6,11 @@ from fnmatch import fnmatchcase
 from stages.graph.globs import listed, unnumbered
 from stages.graph.keys import DepthKeys
 from stages.graph.onshape.assembly import Assembly, Occurrence, Path
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.names import legal
 
 
-def rigid_subassemblies(assembly: Assembly, depth: DepthKeys, notes: Notes) -> frozenset[Path]:
+def rigid_subassemblies(assembly: Assembly, depth: DepthKeys, log: Diagnostics) -> frozenset[Path]:
     """The sub-assembly occurrences inside which nothing moves.
 
     Rigid is what lies deeper than `max` levels, what a glob of `rigid` names, what a mirror welds and
@@ -20,7 +20,7 @@ def rigid_subassemblies(assembly: Assembly, depth: DepthKeys, notes: Notes) -> f
     """
     subs = sorted((o for o in assembly.occurrences.values() if not o.is_part), key=lambda o: o.path)
     rigid, flexible = (
-        _named(subs, globs, where, notes)
+        _named(subs, globs, where, log)
         for where, globs in (("depth.rigid", depth.rigid), ("depth.flexible", depth.flexible))
     )
     found: set[Path] = set()
@@ -33,13 +33,13 @@ def rigid_subassemblies(assembly: Assembly, depth: DepthKeys, notes: Notes) -> f
     return frozenset(found)
 
 
-def _named(subs: Sequence[Occurrence], globs: Sequence[str], where: str, notes: Notes) -> set[Path]:
+def _named(subs: Sequence[Occurrence], globs: Sequence[str], where: str, log: Diagnostics) -> set[Path]:
     found: set[Path] = set()
     for glob in globs:
         fits = {sub.path for sub in subs if any(fnmatchcase(text, glob) for text in _texts(sub, glob))}
         if not fits and glob != "*":
             there = f"sub-assemblies are: {listed(sub.title for sub in subs)}" if subs else "there is none"
-            notes.tell("E-GLOB", f"no sub-assembly matches {glob!r}", where, there)
+            log.report("E-GLOB", f"no sub-assembly matches {glob!r}", where, there)
         found |= fits
     return found
 

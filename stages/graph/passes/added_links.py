@@ -10,7 +10,7 @@ from stages.graph.added_keys import AddedFrameKeys, AddedJointKeys, AddedLinkKey
 from stages.graph.globs import listed, names_in, unusable
 from stages.graph.mass_keys import tensor
 from stages.graph.mechanism import WORLD_LINK
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.inertia import ZERO, primitive_inertial
 from stages.robot.model import (
     Array,
@@ -39,7 +39,7 @@ TYPES: Mapping[str, JointType] = {
 Wanted = TypeVar("Wanted")
 
 
-def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], notes: Notes) -> Robot:
+def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], log: Diagnostics) -> Robot:
     """The robot with more links: the new ones last, in the order of their names as their parents allow.
 
     One above the root becomes the root: it stands where the old root did not, and the base with it.
@@ -57,7 +57,7 @@ def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], notes: N
         joint = keys.joint.name or free(f"{name}_joint", taken | avoid)
         reasons = [unusable(name, taken), unusable(joint, {*taken, name})]
         for reason in filter(None, reasons):
-            notes.tell("E-NAME", reason, f"links.{name}", "links, joints and frames share their names")
+            log.report("E-NAME", reason, f"links.{name}", "links, joints and frames share their names")
         return robot if any(reasons) else _with_link(robot, name, joint, keys)
 
     def lost(robot: Robot, name: str, keys: AddedLinkKeys) -> None:
@@ -67,12 +67,12 @@ def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], notes: N
             text, hint = "nothing goes above the assembly's origin, which is the root", "give it a parent"
         else:
             text, hint = f"{keys.child!r} is not the root", f"the root is {robot.root.name!r}"
-        notes.tell("E-LINK", text, f"links.{name}", hint)
+        log.report("E-LINK", text, f"links.{name}", hint)
 
     return _one_by_one(robot, wanted, known, add, lost)
 
 
-def with_added_frames(robot: Robot, wanted: Mapping[str, AddedFrameKeys], notes: Notes) -> Robot:
+def with_added_frames(robot: Robot, wanted: Mapping[str, AddedFrameKeys], log: Diagnostics) -> Robot:
     """The robot with more frames, all sorted by name; one may be given relative to another.
 
     E-FRAME for a link or frame that is none, E-NAME for a name that is not free.
@@ -85,7 +85,7 @@ def with_added_frames(robot: Robot, wanted: Mapping[str, AddedFrameKeys], notes:
         reason = unusable(name, names_in(robot))
         if reason:
             hint = "links, joints and frames share their names"
-            notes.tell("E-NAME", reason, f"frames.add.{name}", hint)
+            log.report("E-NAME", reason, f"frames.add.{name}", hint)
             return robot
         link, link_from_parent = _place(robot, keys.link) or (keys.link, np.eye(4))
         frame = Frame(name, link, frozen(link_from_parent @ _pose(keys)), "")
@@ -93,7 +93,7 @@ def with_added_frames(robot: Robot, wanted: Mapping[str, AddedFrameKeys], notes:
 
     def lost(robot: Robot, name: str, keys: AddedFrameKeys) -> None:
         text = f"there is no link or frame {keys.link!r} to fix it to"
-        notes.tell("E-FRAME", text, f"frames.add.{name}", _places(robot))
+        log.report("E-FRAME", text, f"frames.add.{name}", _places(robot))
 
     return _one_by_one(robot, wanted, known, add, lost)
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from stages.graph.added_keys import AddedLinkKeys
 from stages.graph.globs import as_key, fits, listed
 from stages.graph.keys import JointKeys
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Dof, DofKind, Dynamics, Joint, Limits, Loop, Robot, Value
 
 LOCKED_PLAY = 1e-6
@@ -29,7 +29,7 @@ def with_each_dof(robot: Robot, change: Callable[[Dof], Dof]) -> Robot:
     return replace(robot, joints=joints, loops=loops)
 
 
-def with_properties(robot: Robot, wanted: Mapping[str, JointKeys], notes: Notes) -> Robot:
+def with_properties(robot: Robot, wanted: Mapping[str, JointKeys], log: Diagnostics) -> Robot:
     """The robot with what `joints:` says about its dofs: later entries win, field by field.
 
     Globs match names of dofs, those of loops too. One that matches none is told (E-GLOB), and limits
@@ -37,36 +37,36 @@ def with_properties(robot: Robot, wanted: Mapping[str, JointKeys], notes: Notes)
     """
     dofs = (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
     for glob, keys in wanted.items():
-        _check_glob(glob, keys, [dof for dof in dofs if fits(dof.name, glob)], robot, notes)
-        _tell_idle(glob, keys, robot.loops, notes)
+        _check_glob(glob, keys, [dof for dof in dofs if fits(dof.name, glob)], robot, log)
+        _tell_idle(glob, keys, robot.loops, log)
     return with_each_dof(robot, lambda dof: unwrapped(_with(dof, wanted)))
 
 
-def _check_glob(glob: str, keys: JointKeys, matched: Sequence[Dof], robot: Robot, notes: Notes) -> None:
+def _check_glob(glob: str, keys: JointKeys, matched: Sequence[Dof], robot: Robot, log: Diagnostics) -> None:
     if not matched and glob != "*":
         every: list[Joint | Loop] = [*robot.joints, *robot.loops]
         names = ", ".join(dof.name for one in every if fits(one.name, glob) for dof in one.dofs)
         if names:
             text = f"{glob!r} is no dof: it has several of them (or stands for joints that have)"
-            notes.tell("E-GLOB", text, "joints", f"say which: {names}")
+            log.report("E-GLOB", text, "joints", f"say which: {names}")
             return
         known = listed(dof.name for one in every for dof in one.dofs)
-        notes.tell("E-GLOB", f"no joint matches {glob!r}", "joints", f"joints are: {known or 'none'}")
+        log.report("E-GLOB", f"no joint matches {glob!r}", "joints", f"joints are: {known or 'none'}")
     if keys.limits is None:
         return
     kinds = {dof.kind for dof in matched}
     if len(kinds) > 1:
         named = ", ".join(f"{dof.name} ({dof.kind})" for dof in matched)
         text = f"{glob!r} would give one range to dofs of several kinds: {named}"
-        notes.tell("E-JOINT", text, "joints", "give limits to each kind under its own glob")
+        log.report("E-JOINT", text, "joints", "give limits to each kind under its own glob")
     elif "free" in kinds:
-        notes.tell("E-JOINT", f"{glob!r}: free motion takes no limits", "joints", "leave limits out")
+        log.report("E-JOINT", f"{glob!r}: free motion takes no limits", "joints", "leave limits out")
     elif "ball" in kinds and keys.limits[0] is not None:
         text = f"{glob!r}: a ball has no lower limit, only a cone [rad] that its z axis stays in"
-        notes.tell("E-JOINT", text, "joints", "limits: [null, cone]")
+        log.report("E-JOINT", text, "joints", "limits: [null, cone]")
 
 
-def _tell_idle(glob: str, keys: JointKeys, loops: Sequence[Loop], notes: Notes) -> None:
+def _tell_idle(glob: str, keys: JointKeys, loops: Sequence[Loop], log: Diagnostics) -> None:
     """What is said of a dof that no simulation has; "*" means those that it has."""
     given = [key for key in Dynamics.__slots__ if getattr(keys, key) is not None]
     idle = [dof.name for one in loops if one.type in POINTWISE for dof in one.dofs]
@@ -74,7 +74,7 @@ def _tell_idle(glob: str, keys: JointKeys, loops: Sequence[Loop], notes: Notes) 
     if glob != "*" and given and idle:
         text = f"the mate closes a loop by its point, where {', '.join(given)} of {glob!r} act on nothing"
         hint = "let another mate close the loop (loops.cut), or leave it out"
-        notes.tell("W-LOOP-DYNAMICS", text, ", ".join(idle), hint)
+        log.report("W-LOOP-DYNAMICS", text, ", ".join(idle), hint)
 
 
 def _with(dof: Dof, wanted: Mapping[str, JointKeys]) -> Dof:
@@ -112,7 +112,7 @@ def ends(limits: Limits) -> tuple[float, float]:
 def check_limits(
     robot: Robot,
     unknown: Mapping[str, str],
-    notes: Notes,
+    log: Diagnostics,
     wanted: Mapping[str, JointKeys] | None = None,
     added: Mapping[str, AddedLinkKeys] | None = None,
     posed: bool = True,
@@ -125,9 +125,9 @@ def check_limits(
     """
     settled = [glob for glob, keys in (wanted or {}).items() if keys.limits is not None]
     settled += [joint.name for joint in robot.joints if joint.mate is None and _settles(joint, added or {})]
-    _tell_missing(robot, unknown, settled, notes, posed)
+    _tell_missing(robot, unknown, settled, log, posed)
     idle = {dof.name for loop in robot.loops if loop.type in POINTWISE for dof in loop.dofs}
-    return with_each_dof(robot, lambda dof: dof if dof.name in idle else _checked(dof, notes, posed))
+    return with_each_dof(robot, lambda dof: dof if dof.name in idle else _checked(dof, log, posed))
 
 
 def _settles(joint: Joint, added: Mapping[str, AddedLinkKeys]) -> bool:
@@ -136,21 +136,21 @@ def _settles(joint: Joint, added: Mapping[str, AddedLinkKeys]) -> bool:
     return keys is not None and (keys.joint.type == "continuous" or keys.joint.limits is not None)
 
 
-def tell_loops(robot: Robot, unknown: Mapping[str, str], notes: Notes) -> None:
+def tell_loops(robot: Robot, unknown: Mapping[str, str], log: Diagnostics) -> None:
     """Tells what becomes of the limits of mates that close loops; that one has none is as it should be."""
     for loop in robot.loops:
         for dof in loop.dofs:
             if dof.name in unknown:
                 text = f"its limits in CAD are not known: {unknown[dof.name]}"
-                notes.tell("W-LIMIT", text, dof.name, "leave the mate that closes a loop without limits")
+                log.report("W-LIMIT", text, dof.name, "leave the mate that closes a loop without limits")
             if loop.type in POINTWISE and dof.limits != Limits():
                 text = "this mate closes a loop, where its limits are not enforced"
                 hint = "leave one mate of the loop without limits: it will be the one that closes it"
-                notes.tell("W-LOOP-LIMIT", text, dof.name, hint)
+                log.report("W-LOOP-LIMIT", text, dof.name, hint)
 
 
 def _tell_missing(
-    robot: Robot, unknown: Mapping[str, str], settled: Sequence[str], notes: Notes, posed: bool
+    robot: Robot, unknown: Mapping[str, str], settled: Sequence[str], log: Diagnostics, posed: bool
 ) -> None:
     """Every dof of the tree whose limits are not known or not there; one block of YAML for them all.
 
@@ -172,7 +172,7 @@ def _tell_missing(
         hint += f"joints: {{{as_key(dof.name)}: {{limits: [low, high]}}}}  # {UNITS[dof.kind]}"
         if len(lacking) > 1 and dof is lacking[-1][1]:
             hint += f"\nall at once, null being open:\n{_block([dof for _, dof, _ in lacking])}"
-        notes.tell("W-LIMIT", text, dof.name, hint)
+        log.report("W-LIMIT", text, dof.name, hint)
 
 
 def _endless(joint: Joint) -> bool:
@@ -194,25 +194,25 @@ def _block(dofs: Sequence[Dof]) -> str:
     return "\n".join(["joints:", *lines])
 
 
-def _checked(dof: Dof, notes: Notes, posed: bool) -> Dof:
+def _checked(dof: Dof, log: Diagnostics, posed: bool) -> Dof:
     low, high = ends(dof.limits)
     settle = f"joints: {{{as_key(dof.name)}: {{limits: [low, high]}}}}  # {UNITS[dof.kind]}"
     if dof.kind == "ball" and dof.limits.upper is not None and not 0 < high <= math.pi:
         text = f"its cone of {high:.6g} rad is none: it must lie above 0 and not beyond π"
-        notes.tell("E-LIMIT", text, dof.name, settle.replace("low, high", "null, cone"))
+        log.report("E-LIMIT", text, dof.name, settle.replace("low, high", "null, cone"))
         return dof
     if low > high:
         text = f"the lower limit {low:.6g} is above the upper {high:.6g}"
-        notes.tell("E-LIMIT", text, dof.name, f"mend the {'mate' if posed else 'file'}, or {settle}")
+        log.report("E-LIMIT", text, dof.name, f"mend the {'mate' if posed else 'file'}, or {settle}")
         return dof
     value = measured(dof.saved)
     if posed and value is not None and not low - BEYOND <= value <= high + BEYOND:
         text = f"the saved pose has it at {value:.6g}, outside its limits [{low:.6g}, {high:.6g}]"
-        notes.tell("W-SAVED-POSE", text, dof.name, "move it back in Onshape, or mend the limits")
+        log.report("W-SAVED-POSE", text, dof.name, "move it back in Onshape, or mend the limits")
     if low == high:
         text = f"the joint is locked at {low:.6g}: it keeps a play of {LOCKED_PLAY:g} {UNITS[dof.kind]}"
         hint = "FASTEN the mate to make one link of it" if posed else "make it a fixed joint"
-        notes.tell("W-LIMIT-LOCKED", f"{text} either way", dof.name, hint)
+        log.report("W-LIMIT-LOCKED", f"{text} either way", dof.name, hint)
         return replace(dof, limits=Limits(low - LOCKED_PLAY, high + LOCKED_PLAY))
     return dof
 

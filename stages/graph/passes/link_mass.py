@@ -9,7 +9,7 @@ from stages.graph.globs import as_key, entries_of, listed
 from stages.graph.mass_keys import LinkMassKeys, tensor
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.onshape.part_mass import scaled
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.inertia import ZERO, is_physical, large_enough, principal
 from stages.robot.model import Inertial, Link, Robot, frozen
 
@@ -21,7 +21,7 @@ _MEND_FILE = (
 )
 
 
-def with_given_masses(robot: Robot, wanted: Mapping[str, LinkMassKeys], notes: Notes) -> Robot:
+def with_given_masses(robot: Robot, wanted: Mapping[str, LinkMassKeys], log: Diagnostics) -> Robot:
     """The robot with what `mass.links` says about its links: later entries win, value by value.
 
     E-GLOB for a glob that matches no link; E-MASS where too little is said of a link without mass.
@@ -29,24 +29,22 @@ def with_given_masses(robot: Robot, wanted: Mapping[str, LinkMassKeys], notes: N
     names = [{link.name} for link in robot.links]
     asked = list(wanted.values())
     links = []
-    for link, entries in zip(
-        robot.links, entries_of(names, wanted, "mass.links", "link", notes), strict=True
-    ):
+    for link, entries in zip(robot.links, entries_of(names, wanted, "mass.links", "link", log), strict=True):
         values: dict[str, object] = {}
         for index in entries:
             values.update({name: value for name, value in asked[index] if value is not None})
-        links.append(_given(link, LinkMassKeys.model_validate(values), notes) if values else link)
+        links.append(_given(link, LinkMassKeys.model_validate(values), log) if values else link)
     return replace(robot, links=tuple(links))
 
 
-def _given(link: Link, asked: LinkMassKeys, notes: Notes) -> Link:
+def _given(link: Link, asked: LinkMassKeys, log: Diagnostics) -> Link:
     if link.name == WORLD_LINK:
         return link
     mass = link.inertial.mass if asked.mass is None else asked.mass
     lacks = [name for name in ("mass", "com", "inertia") if getattr(asked, name) is None]
     if link.inertial.mass == 0 and lacks:
         text = f"the link has no mass of its own: {' and '.join(lacks)} must be given too"
-        notes.tell("E-MASS", text, link.name, f"mass: {{links: {{{as_key(link.name)}: {{mass: ...}}}}}}")
+        log.report("E-MASS", text, link.name, f"mass: {{links: {{{as_key(link.name)}: {{mass: ...}}}}}}")
         return link
     sum_of_parts = scaled(link.inertial, mass) if link.inertial.mass > 0 else ZERO
     given = Inertial(
@@ -57,21 +55,21 @@ def _given(link: Link, asked: LinkMassKeys, notes: Notes) -> Link:
     return replace(link, inertial=given, given=given)
 
 
-def check_links(robot: Robot, notes: Notes, drawn: bool = True) -> None:
+def check_links(robot: Robot, log: Diagnostics, drawn: bool = True) -> None:
     """E-MASS for what moves without mass, E-INERTIA for an inertia that no solid can have.
 
     What hangs together by fixed joints moves as one, so a link in it may be without mass; where parts
     are known to lack theirs, that is told of no link. W-INERTIA: a part whose own inertia is impossible,
     in a link whose inertia is not. `drawn`: whether CAD is where it can be mended, and not a file.
     """
-    lacking = any(one.code == "E-MASS" for one in notes.problems)
+    lacking = any(one.code == "E-MASS" for one in log.problems)
     for link in () if lacking else _moving_without_mass(robot):
         text = "the link moves, but has no mass"
         hint = f"mass: {{links: {{{as_key(link.name)}: {{mass: ...}}}}}}"
         if link.parts and drawn:
             text = "the link has no mass: it is nothing but sheets, or what weighs nothing"
             hint = "fasten it to a solid part, or thicken it, in Onshape"
-        notes.tell("E-MASS", text, link.name, hint)
+        log.report("E-MASS", text, link.name, hint)
     # Parts of a kind share one inertial, which is looked at once.
     inertials = {id(part.inertial): part.inertial for link in robot.links for part in link.parts}
     impossible = {key for key, one in inertials.items() if one.mass > 0 and not is_physical(one)}
@@ -84,16 +82,16 @@ def check_links(robot: Robot, notes: Notes, drawn: bool = True) -> None:
             text = f"{text}: its principal moments are {moments} kg m²"
             where = listed(part.name for part in culprits) or link.name
             hint = f"{_MEND}{'parts' if culprits else 'links'}" if drawn else _MEND_FILE
-            notes.tell("E-INERTIA", text, where, hint)
+            log.report("E-INERTIA", text, where, hint)
             continue
         for part in culprits if link.given is None else ():
             if id(part.inertial) not in told:
                 told.add(id(part.inertial))
                 text = f"no solid can have the part's inertia; that of its link {link.name!r} is possible"
-                notes.tell("W-INERTIA", text, part.name, f"{_MEND}parts")
+                log.report("W-INERTIA", text, part.name, f"{_MEND}parts")
 
 
-def with_least_inertias(robot: Robot, notes: Notes) -> Robot:
+def with_least_inertias(robot: Robot, log: Diagnostics) -> Robot:
     """The robot with the least mass and inertia that MuJoCo takes on links that have less (W-INERTIA-LEAST):
     those of a robot that is a few millimetres long."""
     links = []
@@ -103,7 +101,7 @@ def with_least_inertias(robot: Robot, notes: Notes) -> Robot:
         if found is not own:
             was, now = (_weight(one) for one in (own, found))
             text = f"less than MuJoCo takes of a body that moves ({was}): it gets the least ({now})"
-            notes.tell("W-INERTIA-LEAST", text, link.name, _LARGER)
+            log.report("W-INERTIA-LEAST", text, link.name, _LARGER)
             link = replace(link, inertial=found, given=found)
         links.append(link)
     return replace(robot, links=tuple(links))

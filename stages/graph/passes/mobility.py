@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stages.graph.tree import ways_up
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Array, Dof, Loop, Mobility, Robot
 from stages.robot.poses import motion
@@ -67,7 +67,7 @@ class Share:
     power: int
 
 
-def with_mobility(robot: Robot, notes: Notes) -> Robot:
+def with_mobility(robot: Robot, log: Diagnostics) -> Robot:
     """The robot with its mobility; tells loops that lock what they join (W-RIGID-LOOP).
 
     A loop's redundant conditions are those that follow from the relations and from the loops before it
@@ -84,7 +84,7 @@ def with_mobility(robot: Robot, notes: Notes) -> Robot:
         rank += whole
         for ring, added in zip(rings, _added(blocks, 0, whole), strict=True):
             redundant[ring.loop.name] = _conditions(ring.loop) - added
-        _tell_rigid(rings, moving, columns, notes)
+        _tell_rigid(rings, moving, columns, log)
     found = tuple((name, count) for name, count in sorted(redundant.items()) if count)
     return replace(robot, mobility=Mobility(coordinates, coordinates - taken, coordinates - rank, found))
 
@@ -258,11 +258,11 @@ def _added(blocks: Sequence[Array], before: int, whole: int, above: Sequence[Arr
 
 
 def _tell_rigid(
-    rings: Sequence[_Ring], moving: NDArray[np.bool_], columns: Mapping[Coordinate, int], notes: Notes
+    rings: Sequence[_Ring], moving: NDArray[np.bool_], columns: Mapping[Coordinate, int], log: Diagnostics
 ) -> None:
     for ring in rings:
         if ring.way and not any(moving[columns[one]] for one in ring.way):
             names = dict.fromkeys(one.dof for one in ring.way)
             text = f"the loop leaves no motion to {', '.join(names)}"
             hint = "take away a mate or a relation of the loop, or FASTEN what is meant to be rigid"
-            notes.tell("W-RIGID-LOOP", text, ring.loop.name, hint)
+            log.report("W-RIGID-LOOP", text, ring.loop.name, hint)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from stages.graph.globs import as_key, entries_of
 from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import Bond
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import DofKind, Joint, Robot
 from stages.robot.names import free, legal
 
@@ -52,13 +52,13 @@ def named(robot: Robot, bonds: Sequence[Bond]) -> list[Bond]:
     return found
 
 
-def settled(bonds: Sequence[Bond], wanted: Mapping[str, RelationKeys], notes: Notes) -> list[Bond]:
+def settled(bonds: Sequence[Bond], wanted: Mapping[str, RelationKeys], log: Diagnostics) -> list[Bond]:
     """The bonds as `relations:` has them: dropped, inverted, with another offset. Later entries win, field
     by field; a glob fits names, titles, and their last pieces. E-GLOB for one that fits nothing."""
     things = [{bond.name, bond.title, bond.title.rsplit("/", 1)[-1]} for bond in bonds]
     entries = list(wanted.values())
     found = []
-    for bond, fits in zip(bonds, entries_of(things, wanted, "relations", "relation", notes), strict=True):
+    for bond, fits in zip(bonds, entries_of(things, wanted, "relations", "relation", log), strict=True):
         told: dict[str, bool | float] = {}
         for index in fits:
             told |= entries[index].model_dump(exclude_none=True)
@@ -77,7 +77,7 @@ def settled(bonds: Sequence[Bond], wanted: Mapping[str, RelationKeys], notes: No
     return found
 
 
-def bonded(robot: Robot, bonds: Sequence[Bond], notes: Notes) -> tuple[Bonded, ...]:
+def bonded(robot: Robot, bonds: Sequence[Bond], log: Diagnostics) -> tuple[Bonded, ...]:
     """The bonds that join two dofs of the tree; the others are told (W-RELATION), and those that
     contradict themselves (E-RELATION)."""
     found = []
@@ -90,14 +90,14 @@ def bonded(robot: Robot, bonds: Sequence[Bond], notes: Notes) -> tuple[Bonded, .
             # Only a robot's own file says a relation in full.
             hint = "mend it in the file" if bond.type == "MIMIC" else "mend it, or its mates, in Onshape"
             hint += f", or leave it out: relations: {{{as_key(bond.name)}: {{drop: true}}}}"
-            notes.tell("W-RELATION", f"{why}: its joints move independently", bond.title, hint)
+            log.report("W-RELATION", f"{why}: its joints move independently", bond.title, hint)
             continue
         if one is None:
             text = f"a SCREW is of one CYLINDRICAL mate: {' and '.join(map(repr, bond.couplings))} is none"
-            notes.tell("E-RELATION", text, bond.title, "make the mate CYLINDRICAL")
+            log.report("E-RELATION", text, bond.title, "make the mate CYLINDRICAL")
         elif one.driver == one.follower:
             text = f"the joint {one.driver!r} is related to itself"
-            notes.tell("E-RELATION", text, bond.title, "choose two that are different")
+            log.report("E-RELATION", text, bond.title, "choose two that are different")
         else:
             found.append(one)
     return tuple(found)

@@ -18,7 +18,7 @@ from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import Bond
 from stages.graph.passes.joint_limits import ends, unwrapped, with_each_dof
 from stages.graph.passes.relation_dofs import Bonded, bonded, named, settled
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Dof, DofKind, Link, Relation, Robot, Value, frozen
 
@@ -42,7 +42,7 @@ class Step:
 
 
 def with_relations(
-    robot: Robot, bonds: Sequence[Bond], notes: Notes, wanted: Mapping[str, RelationKeys] | None = None
+    robot: Robot, bonds: Sequence[Bond], log: Diagnostics, wanted: Mapping[str, RelationKeys] | None = None
 ) -> Robot:
     """The robot with its bonds as relations, sorted by follower, each to the dof that drives its tree;
     saved turns are the ones that the relations give.
@@ -53,13 +53,13 @@ def with_relations(
     are related twice are an error (E-RELATION).
     """
     dofs = {dof.name: dof for dof in robot.dofs}
-    found = bonded(robot, settled(named(robot, bonds), wanted or {}, notes), notes)
+    found = bonded(robot, settled(named(robot, bonds), wanted or {}, log), log)
     saved = {dof.name: dof.saved for dof in robot.dofs if isinstance(dof.saved, float)}
     relations: list[Relation] = []
-    for tree in _trees(found, notes):
-        relations += _flattened(_measured_all(tree, dofs, saved, notes), _driver(tree), _said(tree))
+    for tree in _trees(found, log):
+        relations += _flattened(_measured_all(tree, dofs, saved, log), _driver(tree), _said(tree))
     relations.sort(key=lambda relation: relation.follower)
-    _tell_limits(relations, dofs, notes)
+    _tell_limits(relations, dofs, log)
     moved = with_each_dof(robot, lambda dof: replace(dof, saved=saved.get(dof.name, dof.saved)))
     return replace(_posed(moved, dofs), relations=tuple(relations))
 
@@ -90,7 +90,7 @@ def said_values(bonds: Iterable[Bond], saved: Mapping[str, Value]) -> dict[str, 
     ordered = sorted(bonds, key=lambda bond: (bond.title, bond.couplings))
     found = [Bonded(b.title, b.couplings[0], b.couplings[1], b.ratio, b.offset, said=True) for b in ordered]
     values = {name: value for name, value in saved.items() if isinstance(value, float)}
-    for tree in _trees([one for one in found if one.driver != one.follower], Notes()):
+    for tree in _trees([one for one in found if one.driver != one.follower], Diagnostics()):
         steps = [Step(one.title, one.driver, one.follower, one.factor, one.offset or 0.0) for one in tree]
         for step in _walk(steps, _driver(tree)):
             _told(step, values)
@@ -102,7 +102,7 @@ def negligible(offset: float, factor: float) -> bool:
     return abs(offset) <= ZERO_OFFSET * max(1.0, abs(factor))
 
 
-def _trees(found: Sequence[Bonded], notes: Notes) -> list[list[Bonded]]:
+def _trees(found: Sequence[Bonded], log: Diagnostics) -> list[list[Bonded]]:
     """What hangs together; a bond between dofs that do already says too much."""
     forest = nx.utils.UnionFind()
     kept = []
@@ -110,7 +110,7 @@ def _trees(found: Sequence[Bonded], notes: Notes) -> list[list[Bonded]]:
         if forest[one.driver] == forest[one.follower]:
             text = f"the joints {one.driver!r} and {one.follower!r} are related already"
             hint = f"remove the one that says too much, or relations: {{{as_key(one.name)}: {{drop: true}}}}"
-            notes.tell("E-RELATION", text, one.title, hint)
+            log.report("E-RELATION", text, one.title, hint)
             continue
         forest.union(one.driver, one.follower)
         kept.append(one)
@@ -127,7 +127,7 @@ def _driver(tree: Sequence[Bonded]) -> str:
 
 
 def _measured_all(
-    tree: Sequence[Bonded], dofs: Mapping[str, Dof], saved: dict[str, float], notes: Notes
+    tree: Sequence[Bonded], dofs: Mapping[str, Dof], saved: dict[str, float], log: Diagnostics
 ) -> list[Step]:
     """The tree's steps with their offsets as the saved pose has them; `saved` is put in order.
 
@@ -141,7 +141,7 @@ def _measured_all(
         return [_told(step, saved) for step in _walk(steps, driver)]
     related = [driver, *(name for one in tree for name in (one.driver, one.follower))]
     start = next((name for name in related if dofs[name].kind == "slide"), driver)
-    return [_measured(step, drawn[step.name], dofs, saved, notes) for step in _walk(steps, start)]
+    return [_measured(step, drawn[step.name], dofs, saved, log) for step in _walk(steps, start)]
 
 
 def _walk(steps: Sequence[Step], start: str) -> Iterator[Step]:
@@ -174,7 +174,7 @@ def _told(step: Step, saved: dict[str, float]) -> Step:
 
 
 def _measured(
-    step: Step, drawn: Bonded, dofs: Mapping[str, Dof], saved: dict[str, float], notes: Notes
+    step: Step, drawn: Bonded, dofs: Mapping[str, Dof], saved: dict[str, float], log: Diagnostics
 ) -> Step:
     """The step as the saved pose has it, its child's saved turn the one that it gives; with an offset of
     the user's, as they have it, and the child where it then is."""
@@ -190,26 +190,26 @@ def _measured(
         if isinstance(within, float) and within != value:
             found, value = replace(found, offset=found.offset + within - value), within
         fits = negligible(_rest(child, -step.factor * parent, kind), step.factor)
-        _tell_offset(found, drawn, fits and not drawn.sure, notes)
+        _tell_offset(found, drawn, fits and not drawn.sure, log)
     if kind == "turn":
         child += math.tau * round((value - child) / math.tau)
     if drawn.offset is not None and not negligible(value - child, step.factor):
         moves = f"{step.child!r} moves from its saved {child:.6g} to {value:.6g}"
         text = f"the saved pose does not have its offset of {drawn.offset:.6g}: {moves}"
-        notes.tell("I-RELATION-MOVED", text, drawn.title)
+        log.report("I-RELATION-MOVED", text, drawn.title)
         child = value
     saved[step.child] = child
     return found
 
 
-def _tell_offset(found: Step, drawn: Bonded, opposite: bool, notes: Notes) -> None:
+def _tell_offset(found: Step, drawn: Bonded, opposite: bool, log: Diagnostics) -> None:
     """That the saved pose has an offset; `opposite`: it would have none in the other direction."""
     offset = (found if found.child == drawn.follower else found.turned_round()).offset
     name = as_key(drawn.name)
     keep = f"relations: {{{name}: {{offset: {offset:.12g}}}}}"
     text = f"the saved pose has an offset of {offset:.6g} in this relation"
     if opposite:
-        notes.tell(
+        log.report(
             "W-RELATION-SIGN",
             f"{text} as it is drawn, which is kept; in the opposite direction it would have none",
             drawn.title,
@@ -217,7 +217,7 @@ def _tell_offset(found: Step, drawn: Bonded, opposite: bool, notes: Notes) -> No
         )
         return
     hint = f"if none is meant, move the two in Onshape to where it has none; if it is, {keep}"
-    notes.tell("W-RELATION-OFFSET", f"{text}, which is kept", drawn.title, hint)
+    log.report("W-RELATION-OFFSET", f"{text}, which is kept", drawn.title, hint)
 
 
 def _rest(child: float, given: float, kind: DofKind) -> float:
@@ -238,7 +238,7 @@ def _flattened(steps: Sequence[Step], driver: str, exact: bool) -> list[Relation
     return relations
 
 
-def _tell_limits(relations: Iterable[Relation], dofs: Mapping[str, Dof], notes: Notes) -> None:
+def _tell_limits(relations: Iterable[Relation], dofs: Mapping[str, Dof], log: Diagnostics) -> None:
     """A follower whose limits hold no value that its driver gives it."""
     for one in relations:
         image = sorted(one.multiplier * end + one.offset for end in ends(dofs[one.driver].limits))
@@ -248,4 +248,4 @@ def _tell_limits(relations: Iterable[Relation], dofs: Mapping[str, Dof], notes: 
                 f"its driver {one.driver!r} takes it through [{image[0]:.6g}, {image[1]:.6g}], "
                 f"all outside its own limits [{low:.6g}, {high:.6g}]"
             )
-            notes.tell("W-RELATION-LIMIT", text, one.follower, "mend the limits of one of the two")
+            log.report("W-RELATION-LIMIT", text, one.follower, "mend the limits of one of the two")

@@ -7,10 +7,10 @@ from dataclasses import replace
 from stages.graph.globs import listed, matching, unusable, with_plain
 from stages.graph.keys import NamesKeys
 from stages.graph.mechanism import WORLD_LINK, Coupling, Mechanism
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 
 
-def renamed(mechanism: Mechanism, wanted: NamesKeys, notes: Notes) -> Mechanism:
+def renamed(mechanism: Mechanism, wanted: NamesKeys, log: Diagnostics) -> Mechanism:
     """The mechanism with the names that `wanted` gives; no other name changes.
 
     An entry means the one body or coupling that has this name; else the one that is called so in CAD
@@ -20,13 +20,13 @@ def renamed(mechanism: Mechanism, wanted: NamesKeys, notes: Notes) -> Mechanism:
         [body.name for body in mechanism.bodies],
         [with_plain(body.titles) for body in mechanism.bodies],
         (wanted.links, "names.links", "link"),
-        notes,
+        log,
     )
     joints = _new_names(
         [coupling.name for coupling in mechanism.couplings],
         [{coupling.ref.name, coupling.title} for coupling in mechanism.couplings],
         (wanted.joints, "names.joints", "joint"),
-        notes,
+        log,
     )
     bodies = tuple(replace(body, name=links.get(i, body.name)) for i, body in enumerate(mechanism.bodies))
     couplings = tuple(_called(one, joints.get(i, one.name)) for i, one in enumerate(mechanism.couplings))
@@ -38,7 +38,7 @@ def renamed(mechanism: Mechanism, wanted: NamesKeys, notes: Notes) -> Mechanism:
         for bond in mechanism.bonds
     )
     made = replace(mechanism, bodies=bodies, couplings=couplings, bonds=bonds)
-    _check_free(made, {*links.values(), *joints.values()}, notes)
+    _check_free(made, {*links.values(), *joints.values()}, log)
     return made
 
 
@@ -46,7 +46,7 @@ def _new_names(
     names: Sequence[str],
     titles: Sequence[Collection[str]],
     asked: tuple[Mapping[str, str], str, str],
-    notes: Notes,
+    log: Diagnostics,
 ) -> dict[int, str]:
     """New names by the number of the thing; what an entry lacks is told."""
     wanted, where, kind = asked
@@ -57,13 +57,13 @@ def _new_names(
         if len(hits) != 1:
             fits = f"{len(hits)} {kind}s match" if hits else f"no {kind} matches"
             hint = f"name one of: {listed(names[i] for i in hits or range(len(names)))}"
-            notes.tell("E-RENAME", f"{fits} {glob!r}", where, hint)
+            log.report("E-RENAME", f"{fits} {glob!r}", where, hint)
         elif names[hits[0]] == WORLD_LINK:
             text = f"the assembly's origin is always called {WORLD_LINK!r}"
-            notes.tell("E-RENAME", text, where, f"leave {glob!r} out")
+            log.report("E-RENAME", text, where, f"leave {glob!r} out")
         elif hits[0] in found:
             text = f"{glob!r} means {names[hits[0]]!r}, which is called {found[hits[0]]!r} already"
-            notes.tell("E-RENAME", text, where, "leave one of the two out")
+            log.report("E-RENAME", text, where, "leave one of the two out")
         else:
             found[hits[0]] = new
     return found
@@ -80,7 +80,7 @@ def _called(coupling: Coupling, name: str) -> Coupling:
     return replace(coupling, name=name, dofs=tuple(dofs))
 
 
-def _check_free(mechanism: Mechanism, new: Collection[str], notes: Notes) -> None:
+def _check_free(mechanism: Mechanism, new: Collection[str], log: Diagnostics) -> None:
     """E-NAME for each new name that is none, or that something else has too."""
     counts = Counter(body.name for body in mechanism.bodies)
     counts.update(marker.name for marker in mechanism.markers)
@@ -94,7 +94,7 @@ def _check_free(mechanism: Mechanism, new: Collection[str], notes: Notes) -> Non
         reason = unusable(name, taken)
         if reason:
             hint = "links, joints and frames share their names: choose another, or rename that too"
-            notes.tell("E-NAME", reason, "names", hint if taken else "choose another")
+            log.report("E-NAME", reason, "names", hint if taken else "choose another")
 
 
 def _names_of(coupling: Coupling) -> set[str]:

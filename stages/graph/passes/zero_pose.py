@@ -6,12 +6,12 @@ from dataclasses import replace
 import numpy as np
 
 from stages.graph.passes.relations import negligible
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Array, Dof, Limits, Relation, Robot, Value, frozen
 from stages.robot.poses import at_rest, motion
 
 
-def zeroed(robot: Robot, notes: Notes) -> Robot:
+def zeroed(robot: Robot, log: Diagnostics) -> Robot:
     """The same robot with q = 0 at the saved pose: limits and offsets of relations are shifted.
 
     M(s + q) = M(s) M(q) for turns and slides, and for a ball with the product of quaternions: each
@@ -22,7 +22,7 @@ def zeroed(robot: Robot, notes: Notes) -> Robot:
         if _keeps_its_zero(dof):
             text = "a ball with a cone keeps q = 0 where its mate's frames coincide"
             hint = "the cone is about the mate's own axis: take the limit off to count from the saved pose"
-            notes.tell("W-ZERO", text, dof.name, hint)
+            log.report("W-ZERO", text, dof.name, hint)
     joints, loops = [], []
     for joint in robot.joints:
         start, dofs = _moved_up(joint.parent_from_joint, joint.dofs)

@@ -9,7 +9,7 @@ from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, UrdfShape
 from stages.graph.globs import listed
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.urdf.structure import tops
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.inertia import LEAST_MOMENT, NEXT_TO_NOTHING, SPECK, merged, moved
 from stages.robot.model import Array, Inertial, frozen
 
@@ -23,7 +23,7 @@ class UrdfFrame:
     link_from_frame: Array
 
 
-def without_dummies(urdf: Urdf, notes: Notes) -> tuple[Urdf, tuple[UrdfFrame, ...]]:
+def without_dummies(urdf: Urdf, log: Diagnostics) -> tuple[Urdf, tuple[UrdfFrame, ...]]:
     """The file with each dummy on a fixed joint merged into its parent, as a frame (I-URDF-FRAME).
 
     A dummy has no mass, or has some but next to no extent: a point that its parent carries. Its shapes
@@ -47,7 +47,7 @@ def without_dummies(urdf: Urdf, notes: Notes) -> tuple[Urdf, tuple[UrdfFrame, ..
     if dummies:
         text = f"{len(dummies)} link(s) without a body of their own became frames of what they are fixed to"
         hint = f"they are: {listed(dummies)}; the URDF that is written has them as links again"
-        notes.tell("I-URDF-FRAME", text, urdf.name, hint)
+        log.report("I-URDF-FRAME", text, urdf.name, hint)
     frames = tuple(UrdfFrame(name, *places[name]) for name in sorted(dummies))
     return replace(urdf, links=tuple(kept), joints=tuple(moved_joints)), frames
 
@@ -113,7 +113,7 @@ def _moved(joint: UrdfJoint, places: Mapping[str, tuple[str, Array]]) -> UrdfJoi
     return replace(joint, parent=parent, parent_from_joint=frozen(pose @ joint.parent_from_joint))
 
 
-def with_carriers(urdf: Urdf, mend: bool, notes: Notes) -> Urdf:
+def with_carriers(urdf: Urdf, mend: bool, log: Diagnostics) -> Urdf:
     """The file with next to no mass (I-URDF-MASSLESS) on links that move without any, but carry others
     that have some: such a link stands between two joints, as one of a ball's does.
 
@@ -137,11 +137,11 @@ def with_carriers(urdf: Urdf, mend: bool, notes: Notes) -> Urdf:
     hint = "give them their mass: mass: {links: {...}}"
     if carriers:
         text = f"links without mass stand between joints, and get {NEXT_TO_NOTHING:g} kg: {listed(carriers)}"
-        notes.tell("I-URDF-MASSLESS", text, urdf.name, hint)
+        log.report("I-URDF-MASSLESS", text, urdf.name, hint)
     idle = set(above) - heavy - carriers if mend else set()
     if idle:
         text = f"links move without mass, and get {NEXT_TO_NOTHING:g} kg, which any force throws about"
-        notes.tell("W-URDF-MASSLESS", f"{text}: {listed(idle)}", urdf.name, hint)
+        log.report("W-URDF-MASSLESS", f"{text}: {listed(idle)}", urdf.name, hint)
     carriers |= idle
     links = (replace(link, inertial=SPECK) if link.name in carriers else link for link in urdf.links)
     return replace(urdf, links=tuple(links))

@@ -7,7 +7,7 @@ from typing import Literal
 from stages.formats.urdf.model import Urdf, UrdfLink, UrdfShape
 from stages.graph.urdf.solid_inertia import solid_of
 from stages.robot.bundle import Bundle
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.inertia import FLATTEST_WRITTEN, NEXT_TO_NOTHING, is_physical, no_thinner, principal, spread
 from stages.robot.model import Array, Inertial, frozen
 
@@ -19,7 +19,7 @@ FLATTEST = 1e-6
 Solid = Callable[[Iterable[UrdfShape]], Inertial | None]
 
 
-def mended(urdf: Urdf, policy: Policy, bundle: Bundle, notes: Notes) -> Urdf:
+def mended(urdf: Urdf, policy: Policy, bundle: Bundle, log: Diagnostics) -> Urdf:
     """The file with inertias that a solid can have, where `policy` says so; each change is told
     (W-INERTIA). What is refused is left as it is, for the check of all links, but for a mass below zero
     and an inertia without mass (E-INERTIA).
@@ -28,16 +28,16 @@ def mended(urdf: Urdf, policy: Policy, bundle: Bundle, notes: Notes) -> Urdf:
     def solid(shapes: Iterable[UrdfShape]) -> Inertial | None:
         return solid_of(shapes, bundle)
 
-    links = (replace(link, inertial=_mended(link, policy, solid, notes)) for link in urdf.links)
+    links = (replace(link, inertial=_mended(link, policy, solid, log)) for link in urdf.links)
     return replace(urdf, links=tuple(links))
 
 
-def _mended(link: UrdfLink, policy: Policy, solid: Solid, notes: Notes) -> Inertial | None:
+def _mended(link: UrdfLink, policy: Policy, solid: Solid, log: Diagnostics) -> Inertial | None:
     own = link.inertial
     if own is None or (own.mass == 0 and not own.inertia.any()):
         return None
     if own.mass <= 0:
-        _tell_without_mass(link, own, policy, notes)
+        _tell_without_mass(link, own, policy, log)
         return None
     if is_physical(own):
         return _off_the_edge(own)
@@ -52,19 +52,19 @@ def _mended(link: UrdfLink, policy: Policy, solid: Solid, notes: Notes) -> Inert
         how = "the nearest one that a solid can have"
         how = how if policy == "project" else f"{how}, since the link has no shape that holds a volume"
     text = f"{why_not(own)}; it became {how}: {_moments(found.inertia)} kg m²"
-    notes.tell("W-INERTIA", text, link.name, "mend it in the file, or give mass: {links: {...}}")
+    log.report("W-INERTIA", text, link.name, "mend it in the file, or give mass: {links: {...}}")
     return found
 
 
-def _tell_without_mass(link: UrdfLink, own: Inertial, policy: Policy, notes: Notes) -> None:
+def _tell_without_mass(link: UrdfLink, own: Inertial, policy: Policy, log: Diagnostics) -> None:
     what = f"its mass is {own.mass:g} kg"
     if own.mass == 0:
         what = f"it has an inertia ({_moments(own.inertia)} kg m²), but no mass"
     if policy == "refuse":
         hint = "mend it in the file, or take it for nothing: source.bad_inertia=project"
-        notes.tell("E-INERTIA", what, link.name, hint)
+        log.report("E-INERTIA", what, link.name, hint)
     else:
-        notes.tell("W-INERTIA", f"{what}: taken for a link without mass", link.name, "mend it in the file")
+        log.report("W-INERTIA", f"{what}: taken for a link without mass", link.name, "mend it in the file")
 
 
 def nearest(inertia: Array) -> Array:

@@ -8,7 +8,7 @@ from stages.graph.mechanism import WORLD_LINK
 from stages.graph.naming import Namer
 from stages.graph.urdf.dummy_links import has_world
 from stages.graph.urdf.structure import SCALAR
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 
 _PLANAR = ("_x", "_y", "_turn")
 """What the names of a planar joint's dofs end in."""
@@ -26,7 +26,7 @@ class Names:
     relations: dict[str, str]
 
 
-def names_of(urdf: Urdf, frames: Iterable[str], notes: Notes) -> Names:
+def names_of(urdf: Urdf, frames: Iterable[str], log: Diagnostics) -> Names:
     """The file's own names wherever they can stay; each that changes is told (W-NAME)."""
     namer = Namer()
     world = {WORLD_LINK: WORLD_LINK} if has_world(urdf) else {}
@@ -37,7 +37,7 @@ def names_of(urdf: Urdf, frames: Iterable[str], notes: Notes) -> Names:
     dofs = {joint.name: _dofs(joint, joints[joint.name], namer) for joint in ordered}
     followers = [joint.name for joint in ordered if joint.mimic is not None and joint.type in SCALAR]
     relations = {name: namer.make("equality", f"{joints[name]}_mimic") for name in followers}
-    namer.tell(notes)
+    namer.tell(log)
     return Names(world | links, kept, joints, dofs, relations)
 
 

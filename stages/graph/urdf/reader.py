@@ -17,7 +17,7 @@ from stages.graph.urdf.inertias import Policy, mended
 from stages.graph.urdf.naming import Names, names_of
 from stages.graph.urdf.structure import SCALAR, check_structure, tops
 from stages.robot.bundle import Bundle
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.inertia import ZERO, moved
 from stages.robot.kinematics import chain
 from stages.robot.model import (
@@ -46,30 +46,30 @@ TYPES: Mapping[str, JointType] = {
 }
 
 
-def read_urdf(bundle: Bundle, keys: GraphKeys, notes: Notes) -> tuple[Mechanism, GraphKeys]:
+def read_urdf(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
     """Reads a URDF and the meshes that it names; AssemblyError tells all problems at once.
 
     What is no body becomes a frame, and what cannot weigh as it says is mended as the source's
     `bad_inertia` says. The joints stand at zero, followers where their mimic has them then.
     """
     urdf = parse(bundle.body(bundle.definition), bundle.root["document"])
-    notes.add(urdf.diagnostics)
-    check_structure(urdf, keys.root.disconnected != "error", notes)
-    tell_unused(keys, "URDF", notes)
-    notes.settle()
-    urdf, frames = without_dummies(urdf, notes)
+    log.add(urdf.diagnostics)
+    check_structure(urdf, keys.root.disconnected != "error", log)
+    tell_unused(keys, "URDF", log)
+    log.raise_errors()
+    urdf, frames = without_dummies(urdf, log)
     policy = cast(Policy, bundle.options.get("bad_inertia", "refuse"))
-    urdf = mended(urdf, policy, bundle, notes)
-    urdf = with_carriers(urdf, policy != "refuse", notes)
+    urdf = mended(urdf, policy, bundle, log)
+    urdf = with_carriers(urdf, policy != "refuse", log)
     root = _root(urdf)
-    names = names_of(urdf, [frame.name for frame in frames], notes)
-    dofs = _saved({joint.name: tuple(_dofs(joint, names, notes)) for joint in urdf.joints}, urdf)
+    names = names_of(urdf, [frame.name for frame in frames], log)
+    dofs = _saved({joint.name: tuple(_dofs(joint, names, log)) for joint in urdf.joints}, urdf)
     world_from_link = _poses(urdf, dofs)
     numbers = {link.name: number for number, link in enumerate(urdf.links)}
     mechanism = Mechanism(
-        bodies=tuple(_body(link, world_from_link[link.name], names, bundle, notes) for link in urdf.links),
+        bodies=tuple(_body(link, world_from_link[link.name], names, bundle, log) for link in urdf.links),
         couplings=tuple(_coupling(joint, dofs, names, numbers, world_from_link) for joint in urdf.joints),
-        bonds=tuple(_bonds(urdf, names, notes)),
+        bonds=tuple(_bonds(urdf, names, log)),
         markers=tuple(_marker(frame, names, numbers, world_from_link) for frame in frames),
         provenance=Provenance(**bundle.root),
         root=numbers[root],
@@ -88,12 +88,12 @@ def _root(urdf: Urdf) -> str:
     return min(count, key=lambda name: (-count[name], name))
 
 
-def _dofs(joint: UrdfJoint, names: Names, notes: Notes) -> Iterator[Dof]:
+def _dofs(joint: UrdfJoint, names: Names, log: Diagnostics) -> Iterator[Dof]:
     named = names.dofs[joint.name]
     zero = frozen(np.zeros(3))
     if joint.type in SCALAR:
         kind: DofKind = "slide" if joint.type == "prismatic" else "turn"
-        yield _dof(named[0], kind, joint.axis, _limits(joint, notes), _dynamics(joint, notes))
+        yield _dof(named[0], kind, joint.axis, _limits(joint, log), _dynamics(joint, log))
     elif joint.type == "floating":
         yield _dof(named[0], "free", zero, Limits(), Dynamics())
     elif joint.type == "planar":
@@ -118,25 +118,25 @@ def _across(normal: Array) -> tuple[Array, Array]:
     return first, np.array([b, sign + y * y * a, -y])
 
 
-def _limits(joint: UrdfJoint, notes: Notes) -> Limits:
+def _limits(joint: UrdfJoint, log: Diagnostics) -> Limits:
     """As the file has them. A range of nothing at zero is what leaving it out means, and is none."""
     if joint.type == "continuous" or joint.limits is None:
         return Limits()
     if (joint.limits.lower, joint.limits.upper) == (0.0, 0.0):
         text = "its range is left out, or [0, 0], which would hold it still: taken for a joint without limits"
         hint = "give it in the file or in joints:, or make the joint fixed or continuous"
-        notes.tell("W-URDF-RANGE", text, joint.name, hint)
+        log.report("W-URDF-RANGE", text, joint.name, hint)
         return Limits()
     return joint.limits
 
 
-def _dynamics(joint: UrdfJoint, notes: Notes) -> Dynamics:
+def _dynamics(joint: UrdfJoint, log: Diagnostics) -> Dynamics:
     """A bound of effort or velocity that is not above zero is told, and is none."""
     bounds = {"effort": joint.effort, "velocity": joint.velocity}
     for name, value in bounds.items():
         if value is not None and value <= 0:
             text = f"its bound of {name} is {value:g}, under which it could not move: taken for none"
-            notes.tell("W-URDF-BOUND", text, joint.name, "give it in the file or in joints:")
+            log.report("W-URDF-BOUND", text, joint.name, "give it in the file or in joints:")
             bounds[name] = None
     return Dynamics(joint.damping, joint.friction, joint.armature, **bounds)
 
@@ -177,7 +177,7 @@ def _poses(urdf: Urdf, dofs: Mapping[str, Sequence[Dof]]) -> dict[str, Array]:
     return poses
 
 
-def _body(link: UrdfLink, world_from_link: Array, names: Names, bundle: Bundle, notes: Notes) -> Body:
+def _body(link: UrdfLink, world_from_link: Array, names: Names, bundle: Bundle, log: Diagnostics) -> Body:
     name = names.links[link.name]
     weightless = weighs_nothing(link.inertial)
     shapes = (*((one, True) for one in link.visuals), *((one, False) for one in link.collisions))
@@ -192,7 +192,7 @@ def _body(link: UrdfLink, world_from_link: Array, names: Names, bundle: Bundle, 
         shapes=tuple(
             _primitive(shape, seen, world_from_link)
             for shape, seen in shapes
-            if shape.kind != "mesh" and _has_size(shape, link, notes)
+            if shape.kind != "mesh" and _has_size(shape, link, log)
         ),
     )
 
@@ -222,11 +222,11 @@ def _parts(link: UrdfLink, world_from_link: Array, bundle: Bundle) -> Iterator[P
             )
 
 
-def _has_size(shape: UrdfShape, link: UrdfLink, notes: Notes) -> bool:
+def _has_size(shape: UrdfShape, link: UrdfLink, log: Diagnostics) -> bool:
     if min(shape.size) > 0:
         return True
     text = f"its {shape.kind} of {' x '.join(f'{length:g}' for length in shape.size)} m is nothing: left out"
-    notes.tell("W-URDF-SHAPE", text, link.name, "give it a size, or take it out")
+    log.report("W-URDF-SHAPE", text, link.name, "give it a size, or take it out")
     return False
 
 
@@ -258,13 +258,13 @@ def _coupling(
     )
 
 
-def _bonds(urdf: Urdf, names: Names, notes: Notes) -> Iterator[Bond]:
+def _bonds(urdf: Urdf, names: Names, log: Diagnostics) -> Iterator[Bond]:
     for joint in urdf.joints:
         if joint.mimic is None:
             continue
         if joint.type not in SCALAR:
             text = f"it is {joint.type}, so its <mimic> means nothing: left out"
-            notes.tell("W-URDF-MIMIC", text, joint.name, "take it out")
+            log.report("W-URDF-MIMIC", text, joint.name, "take it out")
             continue
         yield Bond(
             title=names.relations[joint.name],

@@ -7,21 +7,21 @@ import networkx as nx
 
 from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfMimic
 from stages.graph.globs import listed
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 
 SCALAR = ("revolute", "continuous", "prismatic")
 """Types of joints that have one number for their value."""
 
 
-def check_structure(urdf: Urdf, disconnected: bool, notes: Notes) -> None:
+def check_structure(urdf: Urdf, disconnected: bool, log: Diagnostics) -> None:
     """E-URDF-* for each thing that keeps the file from being a tree, by joint or link.
 
     `disconnected`: whether several roots are allowed, since the user says what becomes of them.
     """
     links = {link.name for link in urdf.links}
     there = f"links are: {listed(links)}"
-    sound = [joint for joint in urdf.joints if _ends_are_there(joint, links, there, notes)]
-    _check_parents(sound, notes)
+    sound = [joint for joint in urdf.joints if _ends_are_there(joint, links, there, log)]
+    _check_parents(sound, log)
     graph: nx.DiGraph[str] = nx.DiGraph()
     graph.add_nodes_from(links)
     graph.add_edges_from((joint.parent, joint.child) for joint in sound)
@@ -33,23 +33,23 @@ def check_structure(urdf: Urdf, disconnected: bool, notes: Notes) -> None:
             within[group_of[joint.parent]].append(joint.name)
     for group, names in zip(groups, within, strict=True):
         text = f"the links {listed(group)} hang on each other in a circle"
-        notes.tell("E-URDF-CYCLE", text, listed(names), "a URDF is a tree: take one of the joints out")
+        log.report("E-URDF-CYCLE", text, listed(names), "a URDF is a tree: take one of the joints out")
     roots = sorted(name for name in links if graph.in_degree(name) == 0)
     if len(roots) > 1 and not disconnected:
         text = f"{len(roots)} links have no parent: {listed(roots)}"
         hint = "join them, or say what becomes of them: root.disconnected=weld, drop or separate"
-        notes.tell("E-URDF-ROOTS", text, urdf.name, hint)
-    _check_mimics(urdf, notes)
+        log.report("E-URDF-ROOTS", text, urdf.name, hint)
+    _check_mimics(urdf, log)
 
 
-def _ends_are_there(joint: UrdfJoint, links: set[str], there: str, notes: Notes) -> bool:
+def _ends_are_there(joint: UrdfJoint, links: set[str], there: str, log: Diagnostics) -> bool:
     missing = [f"{side} {name!r}" for side, name in _ends(joint) if name not in links]
     if missing:
         text = f"there is no link for its {' and '.join(missing)}"
-        notes.tell("E-URDF-LINK", text, joint.name, there)
+        log.report("E-URDF-LINK", text, joint.name, there)
     elif joint.parent == joint.child:
         text = f"it joins the link {joint.parent!r} to itself"
-        notes.tell("E-URDF-SELF", text, joint.name, "a joint has two different links")
+        log.report("E-URDF-SELF", text, joint.name, "a joint has two different links")
         return False
     return not missing
 
@@ -58,7 +58,7 @@ def _ends(joint: UrdfJoint) -> Iterable[tuple[str, str]]:
     return ("parent", joint.parent), ("child", joint.child)
 
 
-def _check_parents(joints: Iterable[UrdfJoint], notes: Notes) -> None:
+def _check_parents(joints: Iterable[UrdfJoint], log: Diagnostics) -> None:
     above: dict[str, list[UrdfJoint]] = {}
     for joint in joints:
         above.setdefault(joint.child, []).append(joint)
@@ -66,10 +66,10 @@ def _check_parents(joints: Iterable[UrdfJoint], notes: Notes) -> None:
         if len(several) > 1:
             text = f"the link hangs on {len(several)} joints: {', '.join(sorted(j.name for j in several))}"
             hint = "a link of a URDF has one parent: a loop must be closed in the MJCF, by an equality"
-            notes.tell("E-URDF-PARENTS", text, child, hint)
+            log.report("E-URDF-PARENTS", text, child, hint)
 
 
-def _check_mimics(urdf: Urdf, notes: Notes) -> None:
+def _check_mimics(urdf: Urdf, log: Diagnostics) -> None:
     """E-URDF-MIMIC for a joint that cannot follow what it says it follows."""
     counts = Counter(joint.name for joint in urdf.joints)
     joints = {joint.name: joint for joint in urdf.joints if counts[joint.name] == 1}
@@ -79,7 +79,7 @@ def _check_mimics(urdf: Urdf, notes: Notes) -> None:
         if joint.mimic is not None and joint.type in SCALAR:
             why = _unfollowed(joint, joint.mimic, joints, circles)
             if why:
-                notes.tell("E-URDF-MIMIC", why, joint.name, hint)
+                log.report("E-URDF-MIMIC", why, joint.name, hint)
 
 
 def _unfollowed(

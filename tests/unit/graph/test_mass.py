@@ -14,7 +14,7 @@ from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.mass_estimate import shape_of
 from stages.graph.onshape.part_mass import weighed
 from stages.graph.passes.link_mass import check_links, with_given_masses
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import ConfigError
 from stages.robot.inertia import ZERO
 from stages.robot.model import Inertial, frozen
@@ -48,16 +48,16 @@ def add(kit: Kit, name: str, size=SIZE, count: int = 1, **more) -> None:
 
 
 def weights(kit: Kit, bundle=None, **mass):
-    """(what each part weighs by title, notes)."""
+    """(what each part weighs by title, log)."""
     bundle = bundle or bundle_of(kit.document)
     assembly = read_assembly(bundle.body(bundle.definition))
-    notes = Notes()
-    found = weighed(assembly, bundle, plan_of(mass=mass).mass, notes)
-    return {assembly.occurrences[path].title: weight for path, weight in found.items()}, notes
+    log = Diagnostics()
+    found = weighed(assembly, bundle, plan_of(mass=mass).mass, log)
+    return {assembly.occurrences[path].title: weight for path, weight in found.items()}, log
 
 
-def told(notes: Notes) -> list[tuple[str, str]]:
-    return [(one.code, one.where) for one in (*notes.problems, *notes.found)]
+def told(log: Diagnostics) -> list[tuple[str, str]]:
+    return [(one.code, one.where) for one in (*log.problems, *log.found)]
 
 
 def box_inertia(mass: float, x: float, y: float, z: float) -> np.ndarray:
@@ -82,25 +82,25 @@ def without_triangles(bundle):
 
 def test_masses_of_cad_are_taken_as_they_are(kit):
     add(kit, "Bar", density=2000)
-    found, notes = weights(kit)
+    found, log = weights(kit)
     inertial, volume = found["Bar <1>"]
     assert inertial.mass == pytest.approx(2000 * VOLUME, rel=1e-12)
     assert volume == pytest.approx(VOLUME, rel=1e-12)
     np.testing.assert_allclose(inertial.inertia, box_inertia(inertial.mass, *SIZE), rtol=1e-9, atol=1e-15)
-    assert told(notes) == []
+    assert told(log) == []
 
 
 def test_a_density_settles_what_has_none_with_the_inertia_of_its_solid(kit):
     add(kit, "Bar", count=2)
-    found, notes = weights(kit, missing="density", density=500)
+    found, log = weights(kit, missing="density", density=500)
     for title in ("Bar <1>", "Bar <2>"):
         inertial, _ = found[title]
         assert inertial.mass == pytest.approx(500 * VOLUME, rel=1e-12)
         np.testing.assert_allclose(inertial.com, [0, 0, 0], atol=1e-12)
         expected = box_inertia(inertial.mass, *SIZE)
         np.testing.assert_allclose(inertial.inertia, expected, rtol=1e-9, atol=1e-15)
-    assert told(notes) == [("W-MASS-ESTIMATED", "Bar <1> (and 1 more of its kind)")]
-    assert f"{2 * 500 * VOLUME:.3g} kg" in notes.found[0].message
+    assert told(log) == [("W-MASS-ESTIMATED", "Bar <1> (and 1 more of its kind)")]
+    assert f"{2 * 500 * VOLUME:.3g} kg" in log.found[0].message
 
 
 def test_the_mass_of_an_estimate_is_that_of_cads_volume_not_of_its_coarse_triangles(kit):
@@ -114,8 +114,8 @@ def test_the_mass_of_an_estimate_is_that_of_cads_volume_not_of_its_coarse_triang
 def test_auto_estimates_what_is_small_and_refuses_what_is_not(kit):
     add(kit, "Screw", (0.01, 0.01, 0.01), count=5)
     add(kit, "Bar")
-    found, notes = weights(kit)
-    assert told(notes) == [
+    found, log = weights(kit)
+    assert told(log) == [
         ("E-MASS", "Bar <1>"),
         ("W-MASS-ESTIMATED", "Screw <1> (and 4 more of its kind)"),
     ]
@@ -131,9 +131,9 @@ def test_auto_refuses_small_ones_that_are_much_together(kit):
 def test_error_refuses_all_and_ignore_none(kit):
     add(kit, "Screw", (0.01, 0.01, 0.01))
     assert told(weights(kit, missing="error")[1]) == [("E-MASS", "Screw <1>")]
-    found, notes = weights(kit, missing="ignore")
+    found, log = weights(kit, missing="ignore")
     assert found["Screw <1>"][0].mass == 0
-    assert told(notes) == [("W-MASS-IGNORED", "Screw <1>")]
+    assert told(log) == [("W-MASS-IGNORED", "Screw <1>")]
 
 
 def test_what_is_to_be_pasted_settles_every_missing_mass(kit):
@@ -142,14 +142,14 @@ def test_what_is_to_be_pasted_settles_every_missing_mass(kit):
     nested = kit.document.assembly("Sub")
     nested.add(kit.studio.part("Base", solids.box(*SIZE)))
     kit.root.add(nested)
-    _, notes = weights(kit)
-    assert [code for code, _ in told(notes)] == ["E-MASS"] * 3
-    hints = [one.hint for one in notes.problems if "YAML" in one.hint]
+    _, log = weights(kit)
+    assert [code for code, _ in told(log)] == ["E-MASS"] * 3
+    hints = [one.hint for one in log.problems if "YAML" in one.hint]
     assert len(hints) == 1
     first, each = hints[0].split("in YAML: ")[1].split("  or each [kg]: ")
     for text in (first, each):
-        found, notes = weights(kit, **yaml.safe_load(text)["mass"])
-        assert notes.problems == []
+        found, log = weights(kit, **yaml.safe_load(text)["mass"])
+        assert log.problems == []
         assert found["Bar [x] <2>"][0].mass == pytest.approx(1200 * VOLUME, rel=1e-2)
         assert found["Sub <1>/Base <1>"][0].mass == pytest.approx(1200 * VOLUME, rel=1e-2)
         assert found["Base <1>"][0].mass == pytest.approx(1.0)
@@ -158,8 +158,8 @@ def test_what_is_to_be_pasted_settles_every_missing_mass(kit):
 @pytest.mark.parametrize("glob", ["Bar", "Ba*", "Bar <?>", "*", "Bar <2>"])
 def test_a_mass_of_the_users_scales_the_inertia(kit, glob):
     add(kit, "Bar", density=1000, count=2)
-    found, notes = weights(kit, parts={glob: {"mass": 0.3}})
-    assert notes.problems == []
+    found, log = weights(kit, parts={glob: {"mass": 0.3}})
+    assert log.problems == []
     inertial = found["Bar <2>"][0]
     assert inertial.mass == 0.3
     np.testing.assert_allclose(inertial.inertia, box_inertia(0.3, *SIZE), rtol=1e-9, atol=1e-15)
@@ -168,10 +168,10 @@ def test_a_mass_of_the_users_scales_the_inertia(kit, glob):
 
 def test_a_mass_of_the_users_settles_a_part_without_material(kit):
     add(kit, "Bar")
-    found, notes = weights(kit, parts={"Bar": {"mass": 0.3}})
+    found, log = weights(kit, parts={"Bar": {"mass": 0.3}})
     expected = box_inertia(0.3, *SIZE)
     np.testing.assert_allclose(found["Bar <1>"][0].inertia, expected, rtol=1e-9, atol=1e-15)
-    assert told(notes) == []
+    assert told(log) == []
 
 
 def test_later_entries_win_value_by_value_and_mass_and_density_are_one_value(kit):
@@ -194,14 +194,14 @@ def test_an_inertia_of_the_users_is_taken_about_the_centre_that_is_there(kit):
 
 def test_a_mass_of_zero_weighs_nothing(kit):
     add(kit, "Label", density=1000)
-    found, notes = weights(kit, parts={"Label": {"mass": 0}})
+    found, log = weights(kit, parts={"Label": {"mass": 0}})
     assert found["Label <1>"][0].mass == 0
-    assert told(notes) == []
+    assert told(log) == []
 
 
 def test_a_glob_without_a_match_lists_the_parts(kit):
-    _, notes = weights(kit, parts={"Nut": {"mass": 1}, "*": {}})
-    (problem,) = notes.problems
+    _, log = weights(kit, parts={"Nut": {"mass": 1}, "*": {}})
+    (problem,) = log.problems
     assert (problem.code, problem.where) == ("E-GLOB", "mass.parts")
     assert "'Nut'" in problem.message
     assert problem.hint == "parts are: Base"
@@ -211,34 +211,34 @@ def test_a_part_that_no_reply_knows_is_weighed_by_its_triangles(kit):
     add(kit, "Bar")
     bundle = with_the_base_alone(bundle_of(kit.document))
     assert "does not know" in weights(kit, bundle)[1].problems[0].message
-    found, notes = weights(kit, bundle, missing="density", density=900)
+    found, log = weights(kit, bundle, missing="density", density=900)
     assert found["Bar <1>"][0].mass == pytest.approx(900 * VOLUME, rel=1e-9)
     assert found["Bar <1>"][1] == pytest.approx(VOLUME, rel=1e-9)
-    found, notes = weights(kit, bundle, parts={"Bar": {"mass": 0.2}})
+    found, log = weights(kit, bundle, parts={"Bar": {"mass": 0.2}})
     expected = box_inertia(0.2, *SIZE)
     np.testing.assert_allclose(found["Bar <1>"][0].inertia, expected, rtol=1e-9, atol=1e-15)
-    assert notes.problems == []
+    assert log.problems == []
 
 
 def test_without_triangles_com_and_inertia_are_asked_for(kit):
     add(kit, "Bar")
     bundle = without_triangles(bundle_of(kit.document))
-    _, notes = weights(kit, bundle, parts={"Bar": {"mass": 0.2}})
-    assert [(p.code, p.where) for p in notes.problems] == [("E-MASS", "Bar <1>")]
-    assert "com and inertia" in notes.problems[0].hint
+    _, log = weights(kit, bundle, parts={"Bar": {"mass": 0.2}})
+    assert [(p.code, p.where) for p in log.problems] == [("E-MASS", "Bar <1>")]
+    assert "com and inertia" in log.problems[0].hint
     given = {"mass": 0.2, "com": [0, 0, 0.01], "inertia": [1e-4, 1e-4, 1e-4]}
-    found, notes = weights(kit, bundle, parts={"Bar": given})
-    assert notes.problems == []
+    found, log = weights(kit, bundle, parts={"Bar": given})
+    assert log.problems == []
     assert found["Bar <1>"][0].com[2] == 0.01
 
 
 def test_a_sheet_weighs_nothing_but_what_the_user_says(kit):
     kit.root.add(kit.studio.sheet("Sticker", solids.box(*SIZE)))
-    found, notes = weights(kit)
+    found, log = weights(kit)
     assert found["Sticker <1>"][0].mass == 0
-    assert told(notes) == [("W-BODY-TYPE", "Sticker <1>")]
-    found, notes = weights(kit, parts={"Sticker": {"mass": 0.01}})
-    assert told(notes) == []
+    assert told(log) == [("W-BODY-TYPE", "Sticker <1>")]
+    found, log = weights(kit, parts={"Sticker": {"mass": 0.01}})
+    assert told(log) == []
     x, y, z = SIZE
     # A box's walls: each pair of plates by its textbook moments about x.
     areas = np.array([2 * y * z, 2 * x * z, 2 * x * y]) / (2 * (y * z + x * z + x * y))
@@ -252,11 +252,11 @@ def test_a_sheet_weighs_nothing_but_what_the_user_says(kit):
 
 def test_a_density_that_no_solid_has_is_told_once_for_a_kind(kit):
     add(kit, "Bar", density=1000, count=3)
-    _, notes = weights(kit, parts={"Bar": {"mass": 42}})
-    assert told(notes) == [("W-DENSITY", "Bar <1>")]
-    assert "7e+05 kg/m³" in notes.found[0].message
-    _, notes = weights(kit, parts={"Bar": {"mass": 1e-5}})
-    assert told(notes) == [("W-DENSITY", "Bar <1>")]
+    _, log = weights(kit, parts={"Bar": {"mass": 42}})
+    assert told(log) == [("W-DENSITY", "Bar <1>")]
+    assert "7e+05 kg/m³" in log.found[0].message
+    _, log = weights(kit, parts={"Bar": {"mass": 1e-5}})
+    assert told(log) == [("W-DENSITY", "Bar <1>")]
 
 
 def body(solid_points, triangles) -> Body:
@@ -318,8 +318,8 @@ def test_mass_properties_that_cannot_be_are_refused(entry, message):
 
 
 def given(robot, **links):
-    notes = Notes()
-    return with_given_masses(robot, plan_of(mass={"links": links}).mass.links, notes), notes
+    log = Diagnostics()
+    return with_given_masses(robot, plan_of(mass={"links": links}).mass.links, log), log
 
 
 def arm(**more):
@@ -329,9 +329,9 @@ def arm(**more):
 def test_a_links_mass_scales_the_sum_of_its_parts():
     robot = arm()
     before = robot.link("arm").inertial
-    made, notes = given(robot, **{"a*": {"mass": 2 * before.mass}})
+    made, log = given(robot, **{"a*": {"mass": 2 * before.mass}})
     link = made.link("arm")
-    assert told(notes) == []
+    assert told(log) == []
     assert link.inertial is link.given
     np.testing.assert_array_equal(link.inertial.com, before.com)
     np.testing.assert_allclose(link.inertial.inertia, 2 * before.inertia, rtol=1e-15)
@@ -349,18 +349,18 @@ def test_a_links_com_and_inertia_are_taken_as_given():
 
 def test_a_link_without_mass_must_be_given_all():
     robot = arm(inertials={"arm": ZERO})
-    _, notes = given(robot, arm={"mass": 1})
-    assert told(notes) == [("E-MASS", "arm")]
-    assert "com and inertia must be given" in notes.problems[0].message
-    made, notes = given(robot, arm={"mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1]})
-    assert told(notes) == []
-    check_links(made, notes)
-    assert told(notes) == []
+    _, log = given(robot, arm={"mass": 1})
+    assert told(log) == [("E-MASS", "arm")]
+    assert "com and inertia must be given" in log.problems[0].message
+    made, log = given(robot, arm={"mass": 1, "com": [0, 0, 0], "inertia": [1, 1, 1]})
+    assert told(log) == []
+    check_links(made, log)
+    assert told(log) == []
 
 
 def test_a_glob_on_links_without_a_match_lists_the_links():
-    _, notes = given(arm(), leg={"mass": 1})
-    assert [(p.code, p.hint) for p in notes.problems] == [("E-GLOB", "links are: arm, base")]
+    _, log = given(arm(), leg={"mass": 1})
+    assert [(p.code, p.hint) for p in log.problems] == [("E-GLOB", "links are: arm, base")]
 
 
 @pytest.mark.parametrize(
@@ -377,9 +377,9 @@ def test_a_glob_on_links_without_a_match_lists_the_links():
 def test_only_what_moves_as_a_whole_needs_mass(massless, fixed, lacking):
     joints = [joint("revolute", "base", "arm"), joint("fixed", "arm", "tip")]
     robot = robot_with(joints, fixed=fixed, inertials=dict.fromkeys(massless, ZERO))
-    notes = Notes()
-    check_links(robot, notes)
-    assert told(notes) == [("E-MASS", name) for name in lacking]
+    log = Diagnostics()
+    check_links(robot, log)
+    assert told(log) == [("E-MASS", name) for name in lacking]
 
 
 NEEDLE = np.diag([1e-3, 1e-6, 1e-6])
@@ -387,9 +387,9 @@ NEEDLE = np.diag([1e-3, 1e-6, 1e-6])
 
 def test_an_inertia_that_no_solid_can_have_names_the_part():
     needle = Inertial(1.0, frozen([0, 0, 0]), frozen(NEEDLE))
-    notes = Notes()
-    check_links(arm(inertials={"arm": needle}), notes)
-    assert told(notes) == [("E-INERTIA", "arm")]
+    log = Diagnostics()
+    check_links(arm(inertials={"arm": needle}), log)
+    assert told(log) == [("E-INERTIA", "arm")]
 
 
 def test_an_impossible_part_in_a_possible_link_is_told_once_for_its_kind():
@@ -402,13 +402,13 @@ def test_an_impossible_part_in_a_possible_link_is_told_once_for_its_kind():
         for n in (1, 2)
     )
     robot = replace(robot, links=(robot.links[0], replace(link, parts=(part, *others))))
-    notes = Notes()
-    check_links(robot, notes)
-    assert told(notes) == [("W-INERTIA", "wire <1>")]
+    log = Diagnostics()
+    check_links(robot, log)
+    assert told(log) == [("W-INERTIA", "wire <1>")]
     settled, _ = given(robot, arm={"mass": 1})
-    notes = Notes()
-    check_links(settled, notes)
-    assert told(notes) == []
+    log = Diagnostics()
+    check_links(settled, log)
+    assert told(log) == []
 
 
 def test_an_estimate_is_in_the_parts_own_frame():

@@ -12,7 +12,7 @@ from stages.graph.mechanism import Body, Bond, Coupling, Marker, Mechanism
 from stages.graph.robot_from_tree import place
 from stages.graph.root import choose_root
 from stages.graph.tree import Tree, spanning_tree
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Disconnected, NoRoot
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Inertial, MateRef, Part, Provenance, frozen
@@ -59,8 +59,8 @@ def keys(**root: object) -> GraphKeys:
     return GraphKeys.model_validate({"root": root, "loops": {"cut": cut}})
 
 
-def tree_of(drawn: Mechanism, notes: Notes | None = None, **root: object) -> Tree:
-    return spanning_tree(drawn, keys(**root), notes or Notes())
+def tree_of(drawn: Mechanism, log: Diagnostics | None = None, **root: object) -> Tree:
+    return spanning_tree(drawn, keys(**root), log or Diagnostics())
 
 
 CHAIN = mechanism(
@@ -111,10 +111,10 @@ def test_what_moves_against_the_origin_makes_it_the_root() -> None:
     assert tree_of(drawn).root == 0
     with pytest.raises(NoRoot, match="'a' cannot be the root: Rail"):
         tree_of(drawn, select="a")
-    notes = Notes()
-    robot = place(drawn, tree_of(drawn, base="free"), keys(base="free"), notes)
+    log = Diagnostics()
+    robot = place(drawn, tree_of(drawn, base="free"), keys(base="free"), log)
     assert robot.base.fixed
-    assert [problem.code for problem in notes.problems] == ["E-BASE"]
+    assert [problem.code for problem in log.problems] == ["E-BASE"]
 
 
 def ring(*kinds: str, **limits: dict) -> Mechanism:
@@ -151,10 +151,10 @@ def test_limited_and_related_mates_stay_in_the_tree() -> None:
 def test_the_user_says_where_loops_are_cut() -> None:
     drawn = ring("REVOLUTE", "SLIDER", "REVOLUTE")
     assert [coupling.name for coupling in tree_of(drawn, cut=("M1",)).cut] == ["m1"]
-    notes = Notes()
-    tree_of(CHAIN, notes, cut=("ab", "m7"))
-    assert [found.code for found in notes.found] == ["W-LOOP-CUT"]
-    assert [(one.code, one.where) for one in notes.problems] == [("E-GLOB", "loops.cut")]
+    log = Diagnostics()
+    tree_of(CHAIN, log, cut=("ab", "m7"))
+    assert [found.code for found in log.found] == ["W-LOOP-CUT"]
+    assert [(one.code, one.where) for one in log.problems] == [("E-GLOB", "loops.cut")]
 
 
 def test_neither_order_nor_root_decides_what_is_cut() -> None:
@@ -189,13 +189,13 @@ def test_what_hangs_on_nothing_is_an_error_that_lists_it_with_the_ways_out() -> 
 
 @pytest.mark.parametrize(("how", "kind"), [("weld", "fixed"), ("separate", "free")])
 def test_it_may_be_welded_or_float_on_its_own(how: str, kind: str) -> None:
-    notes = Notes()
-    tree = tree_of(TORN, notes, disconnected=how)
-    robot = place(TORN, tree, keys(disconnected=how), notes)
+    log = Diagnostics()
+    tree = tree_of(TORN, log, disconnected=how)
+    robot = place(TORN, tree, keys(disconnected=how), log)
     assert [link.name for link in robot.links] == ["a", "b", "c", "d", "e"]
     stand_ins = {joint.child: (joint.name, joint.parent) for joint in robot.joints if joint.type == kind}
     assert stand_ins == {"c": (f"c_{kind}", "a"), "e": (f"e_{kind}", "a")}
-    assert [found.code for found in notes.found] == ["I-LOOSE"] * 2
+    assert [found.code for found in log.found] == ["I-LOOSE"] * 2
     poses = link_poses(robot, saved_configuration(robot))
     for link in robot.links:
         for part in link.parts:
@@ -203,15 +203,15 @@ def test_it_may_be_welded_or_float_on_its_own(how: str, kind: str) -> None:
 
 
 def test_it_may_be_left_out() -> None:
-    notes = Notes()
-    robot = place(TORN, tree_of(TORN, notes, disconnected="drop"), keys(disconnected="drop"), notes)
+    log = Diagnostics()
+    robot = place(TORN, tree_of(TORN, log, disconnected="drop"), keys(disconnected="drop"), log)
     assert [link.name for link in robot.links] == ["a", "b"]
-    assert len(notes.found) == 2
+    assert len(log.found) == 2
 
 
 def test_a_root_of_its_own_frame_keeps_the_parts_where_they_are() -> None:
     drawn = replace(CHAIN, markers=(Marker("tip", "Tip", 2, pose(7), "Tip"),))
-    robot = place(drawn, tree_of(drawn, frame="tip"), keys(frame="tip"), Notes())
+    robot = place(drawn, tree_of(drawn, frame="tip"), keys(frame="tip"), Diagnostics())
     poses = link_poses(robot, saved_configuration(robot))
     for link in robot.links:
         for part in link.parts:

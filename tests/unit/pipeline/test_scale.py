@@ -166,12 +166,12 @@ def test_twenty_thousand_links_are_nothing_special(make: Callable[[int], Bundle]
 def test_a_loop_within_a_loop_would_be_seen() -> None:
     """The measure itself, on a stage's function that looks at each pair of names."""
     from stages.graph.globs import entries_of
-    from stages.robot.diagnostics import Notes
+    from stages.robot.diagnostics import Diagnostics
 
     def every_pair(count: int) -> Counter[Line]:
         names = [{f"n{number}"} for number in range(count)]
         wanted = {f"n{number}": None for number in range(count)}
-        return lines_run(lambda: list(entries_of(names, wanted, "here", "name", Notes())))
+        return lines_run(lambda: list(entries_of(names, wanted, "here", "name", Diagnostics())))
 
     before, after = every_pair(10), every_pair(40)
     assert max(after[line] / before[line] for line in after if after[line] > FEW) > MOST

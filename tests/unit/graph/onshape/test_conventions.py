@@ -13,7 +13,7 @@ from stages.graph.keys import GraphKeys
 from stages.graph.onshape.assembly import Assembly
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.onshape_to_robot import translated
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Limits, Robot
 from tests.fake_onshape.document import ORIGIN, Document
@@ -78,16 +78,16 @@ def kit() -> Kit:
     return Kit()
 
 
-def read(kit: Kit, **keys: object) -> tuple[Assembly, GraphKeys, Notes]:
+def read(kit: Kit, **keys: object) -> tuple[Assembly, GraphKeys, Diagnostics]:
     """What a document is in our own terms."""
-    notes = Notes()
+    log = Diagnostics()
     assembly = read_assembly(bundle_of(kit.document).body(bundle_of(kit.document).definition))
-    assembly, made = translated(assembly, GraphKeys.model_validate(keys), notes)
-    return assembly, made, notes
+    assembly, made = translated(assembly, GraphKeys.model_validate(keys), log)
+    return assembly, made, log
 
 
-def codes(notes: Notes) -> list[str]:
-    found = [note.code for note in (*notes.problems, *notes.found)]
+def codes(log: Diagnostics) -> list[str]:
+    found = [note.code for note in (*log.problems, *log.found)]
     found.remove("I-PEER")
     return found
 
@@ -106,11 +106,11 @@ def test_a_prefix_makes_a_joint_of_any_type_and_fastened_parts_stay_apart(kit: K
     kit.root.fasten("dof_mount", (two, HERE), (base, TOP))
     kit.root.planar("dof_table", (three, HERE), (base, TOP))
     kit.root.fasten("Fastened 1", (four, HERE), (base, TOP))
-    assembly, _, notes = read(kit)
+    assembly, _, log = read(kit)
     assert names(assembly) == [
         ("Fastened 1", "FASTENED"), ("hip_roll", "REVOLUTE"), ("mount", "FIXED"), ("table", "PLANAR"),
     ]  # fmt: skip
-    assert codes(notes) == []
+    assert codes(log) == []
 
 
 def test_a_weld_may_be_of_any_type(kit: Kit) -> None:
@@ -140,12 +140,12 @@ def test_a_cylindrical_joint_only_turns_about_where_its_first_side_is_and_that_i
     base, arm = (kit.place(name) for name in ("Base", "Arm"))
     limits = ((-1, 1), (-2, 2))
     kit.root.cylindrical("dof_a", (arm, SIDE), (base, TOP), value=(0.2, 0.3), limits=limits)
-    assembly, _, notes = read(kit)
+    assembly, _, log = read(kit)
     (mate,) = assembly.mates
     first, second = (assembly.world_from(entity) for entity in mate.entities)
     assert (mate.ref.type, mate.limits) == ("REVOLUTE", {"limitAxialZMin": -2, "limitAxialZMax": 2})
     assert np.allclose(first[:3, 3], second[:3, 3])
-    assert codes(notes) == ["W-PEER-SLIDE"]
+    assert codes(log) == ["W-PEER-SLIDE"]
 
 
 def test_a_joint_without_a_name_is_refused(kit: Kit) -> None:
@@ -159,9 +159,9 @@ def test_mates_that_the_tool_passes_over_are_passed_over_and_told(kit: Kit) -> N
     kit.root.revolute("dof_a", (arm, HERE), (base, TOP))
     kit.root.revolute("Hinge", (arm, HERE), (base, TOP), redundant=True)
     kit.root.fasten("Fastened", (base, HERE), (ORIGIN, HERE))
-    assembly, _, notes = read(kit)
+    assembly, _, log = read(kit)
     assert names(assembly) == [("a", "REVOLUTE")]
-    assert codes(notes) == ["W-PEER-MATE", "W-PEER-MATE"]
+    assert codes(log) == ["W-PEER-MATE", "W-PEER-MATE"]
 
 
 def test_what_closes_a_loop_is_cut_and_keeps_its_links_apart(kit: Kit) -> None:
@@ -177,12 +177,12 @@ def test_a_marker_is_a_frame_and_no_part_whichever_side_it_is(kit: Kit) -> None:
     base, arm, pin = (kit.place(name) for name in ("Base", "Arm", "Pin"))
     kit.root.revolute("dof_a", (arm, HERE), (base, TOP))
     kit.root.fasten("frame_tip", (arm, TOP), (pin, SIDE))
-    assembly, _, notes = read(kit)
+    assembly, _, log = read(kit)
     assert len(assembly.parts) == 2
     (marker,) = (one for one in assembly.connectors if one.name == "tip")
     assert marker.entity.path == arm.path
     assert np.allclose(assembly.world_from(marker.entity), kit.document.truth.poses()[pin.path])
-    assert codes(notes) == ["I-PEER-MARKER"]
+    assert codes(log) == ["I-PEER-MARKER"]
 
 
 def test_a_marker_that_is_part_of_a_link_is_refused(kit: Kit) -> None:
@@ -227,10 +227,10 @@ def test_the_first_instance_that_is_there_is_the_root_and_only_what_is_fixed_in_
     kit.place("Ghost", suppressed=True)
     base, arm = (kit.place(name, fixed=name == "Arm") for name in ("Base", "Arm"))
     kit.root.revolute("dof_a", (arm, HERE), (base, TOP))
-    assembly, keys, notes = read(kit)
+    assembly, keys, log = read(kit)
     assert keys.root.select == "base"
     assert not any(occurrence.fixed for occurrence in assembly.occurrences.values())
-    assert codes(notes) == ["W-PEER-FIXED"]
+    assert codes(log) == ["W-PEER-FIXED"]
 
 
 def test_keys_that_the_user_set_stay(kit: Kit) -> None:

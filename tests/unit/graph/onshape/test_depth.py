@@ -9,7 +9,7 @@ from stages.graph.onshape.assembly import Assembly
 from stages.graph.onshape.bodies import Bodies, find_bodies
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.hidden import without_hidden
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import AssemblyError
 from tests.fake_onshape.definition import definition
 from tests.fake_onshape.document import ORIGIN
@@ -25,14 +25,14 @@ def read(kit: Kit, edit=None) -> Assembly:
     return read_assembly(orjson.dumps(data))
 
 
-def found(kit: Kit, edit=None, welds=(), **depth) -> tuple[Bodies, Notes]:
-    notes = Notes()
+def found(kit: Kit, edit=None, welds=(), **depth) -> tuple[Bodies, Diagnostics]:
+    log = Diagnostics()
     assembly = read(kit, edit)
-    return find_bodies(assembly, GraphKeys(depth=DepthKeys(**depth)), notes, welds), notes
+    return find_bodies(assembly, GraphKeys(depth=DepthKeys(**depth)), log, welds), log
 
 
-def told(notes: Notes) -> list[tuple[str, str]]:
-    return [(one.code, one.where) for one in (*notes.problems, *notes.found)]
+def told(log: Diagnostics) -> list[tuple[str, str]]:
+    return [(one.code, one.where) for one in (*log.problems, *log.found)]
 
 
 @pytest.fixture
@@ -88,16 +88,16 @@ def moving(bodies: Bodies) -> set[str]:
     ids=str,
 )
 def test_depth_says_what_moves_inside(nested: Kit, depth, stay) -> None:
-    bodies, notes = found(nested, **depth)
+    bodies, log = found(nested, **depth)
     assert moving(bodies) == {*stay, *ELBOWS}
     assert len(bodies.members) == 1 + len({*stay, *ELBOWS})
-    assert not notes.problems
-    assert {one.code for one in notes.found} <= {"I-RIGID"}
+    assert not log.problems
+    assert {one.code for one in log.found} <= {"I-RIGID"}
 
 
 def test_joints_that_rigid_sub_assemblies_freeze_are_counted_for_the_outermost(nested: Kit) -> None:
-    _, notes = found(nested, max=1)
-    counted = [(one.where, one.message.split(": ")[1]) for one in notes.found]
+    _, log = found(nested, max=1)
+    counted = [(one.where, one.message.split(": ")[1]) for one in log.found]
     assert counted == [(f"Fore arm <{n}>/Gripper <1>", "2 joint(s) inside it do not move") for n in (1, 2)]
 
 
@@ -114,10 +114,10 @@ def test_a_relation_goes_with_the_joints_that_a_rigid_sub_assembly_freezes(kit: 
 
 
 def test_globs_that_fit_no_sub_assembly_list_them(nested: Kit) -> None:
-    _, notes = found(nested, rigid=["Fore*", "leg"], flexible=["Base"])
-    assert told(notes)[:2] == [("E-GLOB", "depth.rigid"), ("E-GLOB", "depth.flexible")]
-    assert "Fore arm <1>/Gripper <1>/Finger <1>" in notes.problems[0].hint
-    assert "'leg'" in notes.problems[0].message
+    _, log = found(nested, rigid=["Fore*", "leg"], flexible=["Base"])
+    assert told(log)[:2] == [("E-GLOB", "depth.rigid"), ("E-GLOB", "depth.flexible")]
+    assert "Fore arm <1>/Gripper <1>/Finger <1>" in log.problems[0].hint
+    assert "'leg'" in log.problems[0].message
 
 
 def test_a_star_fits_even_where_there_is_no_sub_assembly(kit: Kit) -> None:
@@ -138,14 +138,14 @@ def test_a_rigid_sub_assembly_can_be_held_as_a_whole(kit: Kit) -> None:
     made, _, _ = motor(kit)
     base, servo = kit.place("Base", fixed=True), kit.root.add(made)
     kit.root.revolute("Joint", (servo, TOP), (base, SIDE))
-    _, notes = found(kit)
-    (problem,) = notes.problems
+    _, log = found(kit)
+    (problem,) = log.problems
     assert (problem.code, problem.where) == ("E-MATE-SUBASSEMBLY", "Joint")
     assert "(Case <1>; Horn <1>)" in problem.message
     assert 'depth.rigid: ["Motor <1>"]' in problem.hint
-    bodies, notes = found(kit, rigid=["Motor <1>"])
+    bodies, log = found(kit, rigid=["Motor <1>"])
     assert moving(bodies) == {"Joint"}
-    assert told(notes) == [("I-RIGID", "Motor <1>")]
+    assert told(log) == [("I-RIGID", "Motor <1>")]
 
 
 def test_a_part_that_is_fixed_inside_carries_its_sub_assemblys_frame(kit: Kit) -> None:
@@ -153,8 +153,8 @@ def test_a_part_that_is_fixed_inside_carries_its_sub_assemblys_frame(kit: Kit) -
     base, servo = kit.place("Base"), kit.root.add(made)
     kit.root.fix(servo / case)
     kit.root.revolute("Joint", (base, SIDE), (servo, TOP))
-    bodies, notes = found(kit)
-    assert told(notes) == []
+    bodies, log = found(kit)
+    assert told(log) == []
     assert moving(bodies) == {"Joint", "Motor <1>/Spin"}
     assert bodies.members[bodies.world] == ((servo / case).path,)
     assert bodies.of[servo.path] == bodies.world
@@ -169,8 +169,8 @@ def test_a_sub_assembly_is_held_by_its_frame_where_its_parts_are_mated_to_its_or
         made.revolute(f"Turn {number}", (arm, TOP), (ORIGIN, np.eye(4)), closing=not number)
     base, wheel = kit.place("Base", fixed=True), kit.root.add(made)
     kit.root.fasten("Mount", (wheel, np.eye(4)), (base, TOP))
-    bodies, notes = found(kit)
-    assert told(notes) == []
+    bodies, log = found(kit)
+    assert told(log) == []
     assert moving(bodies) == {"Carousel <1>/Turn 0", "Carousel <1>/Turn 1"}
     assert bodies.of[wheel.path] == bodies.of[base.path] == bodies.world
     assert len(bodies.members) == 3
@@ -181,8 +181,8 @@ def test_a_mate_to_the_origin_makes_it_a_body_of_its_own(kit: Kit, kind: str) ->
     base, arm = kit.place("Base"), kit.place("Arm")
     getattr(kit.root, kind)("Ground", (base, TOP), (ORIGIN, np.eye(4)))
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE))
-    bodies, notes = found(kit)
-    assert told(notes) == []
+    bodies, log = found(kit)
+    assert told(log) == []
     assert bodies.members == [(), *sorted([(base.path,), (arm.path,)])]
     assert bodies.members[bodies.world] == ()
     assert bodies.of[()] == bodies.world
@@ -213,18 +213,18 @@ def test_welds_from_outside_join_bodies_and_their_mates_are_not_told_again(kit: 
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE))
     kit.root.revolute("Other", (arm, SIDE), (base, TOP), closing=True)
-    bodies, notes = found(kit, welds=[(arm.path, base.path)])
+    bodies, log = found(kit, welds=[(arm.path, base.path)])
     assert bodies.members == [tuple(sorted([base.path, arm.path]))]
     assert bodies.moving == []
-    assert told(notes) == []
+    assert told(log) == []
 
 
 def test_a_mate_inside_one_body_is_told(kit: Kit) -> None:
     base, plate = kit.place("Base", fixed=True), kit.place("Plate")
     kit.root.fasten("Bolt", (plate, TOP), (base, TOP))
     kit.root.revolute("Stuck", (plate, SIDE), (base, SIDE), closing=True)
-    bodies, notes = found(kit)
-    assert told(notes) == [("W-MATE-RIGID", "Stuck")]
+    bodies, log = found(kit)
+    assert told(log) == [("W-MATE-RIGID", "Stuck")]
     assert bodies.moving == []
 
 
@@ -254,8 +254,8 @@ def test_a_screw_names_one_mate_and_a_rack_has_a_length(kit: Kit) -> None:
     assert (len(relations["Rack"].mates), relations["Rack"].length) == (2, 0.05)
 
 
-def hidden(kit: Kit, *names: str) -> tuple[Assembly, Notes]:
-    notes = Notes()
+def hidden(kit: Kit, *names: str) -> tuple[Assembly, Diagnostics]:
+    log = Diagnostics()
 
     def hide(data) -> None:
         ids = {i["id"] for i in data["rootAssembly"]["instances"] if i["name"] in names}
@@ -266,21 +266,21 @@ def hidden(kit: Kit, *names: str) -> tuple[Assembly, Notes]:
         for sub in data["subAssemblies"]:
             sub["features"].append(relation)
 
-    return without_hidden(read(kit, hide), notes), notes
+    return without_hidden(read(kit, hide), log), log
 
 
 def test_hidden_instances_go_with_all_below_and_all_that_names_them(nested: Kit) -> None:
     arm = nested.root.instances[1]
     bolt = nested.place("Bolt")
     nested.root.group("Glue", [(nested.root.add(nested.bar("Plate")), np.eye(4)), (bolt, TOP)])
-    assembly, notes = hidden(nested, "Fore arm <1>", "Bolt <1>")
+    assembly, log = hidden(nested, "Fore arm <1>", "Bolt <1>")
     assert all(path[0] not in (arm.id, bolt.path[0]) for path in assembly.occurrences)
     assert {mate.title for mate in assembly.mates} == {t for t in BOTH if t.startswith("Fore arm <2>")} | {
         "Elbow 2"
     }
     assert [len(group.members) for group in assembly.groups] == [1]
     assert {relation.owner[0] for relation in assembly.relations} == {nested.root.instances[2].id}
-    (one,) = notes.found
+    (one,) = log.found
     assert one.code == "I-HIDDEN"
     assert "2 hidden instance(s)" in one.message
     assert "4 mate(s)" in one.message
@@ -293,11 +293,11 @@ def test_a_sub_assembly_whose_parts_are_all_hidden_goes_as_well(kit: Kit) -> Non
     kit.place("Lid", made, hidden=True)
     base, cover = kit.place("Base", fixed=True), kit.root.add(made)
     kit.root.revolute("Hinge", (cover, TOP), (base, SIDE))
-    notes = Notes()
-    assembly = without_hidden(read(kit), notes)
+    log = Diagnostics()
+    assembly = without_hidden(read(kit), log)
     assert set(assembly.occurrences) == {base.path}
     assert not assembly.mates
-    assert "Cover <1>/Lid <1>" in notes.found[0].message
+    assert "Cover <1>/Lid <1>" in log.found[0].message
 
 
 def test_an_assembly_that_is_all_hidden_has_no_parts(kit: Kit) -> None:
@@ -307,8 +307,8 @@ def test_an_assembly_that_is_all_hidden_has_no_parts(kit: Kit) -> None:
 
 
 def test_nothing_is_told_where_nothing_is_hidden(nested: Kit) -> None:
-    assembly, notes = hidden(nested)
-    assert not told(notes)
+    assembly, log = hidden(nested)
+    assert not told(log)
     assert len(assembly.mates) == 8
 
 
@@ -316,10 +316,10 @@ def test_hidden_instances_are_told_by_name_up_to_ten(kit: Kit) -> None:
     kit.place("Base", fixed=True)
     for number in range(14):
         kit.place(f"Bolt {number:02}", hidden=True)
-    notes = Notes()
-    without_hidden(read(kit), notes)
-    assert notes.found[0].message.endswith("4 more")
-    assert notes.found[0].message.count("Bolt") == 10
+    log = Diagnostics()
+    without_hidden(read(kit), log)
+    assert log.found[0].message.endswith("4 more")
+    assert log.found[0].message.count("Bolt") == 10
 
 
 def test_large_assemblies_are_merged_in_time_linear_in_their_size() -> None:
@@ -349,6 +349,6 @@ def test_large_assemblies_are_merged_in_time_linear_in_their_size() -> None:
 
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(nx.utils.UnionFind, "__getitem__", counted)
-            find_bodies(assembly, GraphKeys(), Notes())
+            find_bodies(assembly, GraphKeys(), Diagnostics())
         counts.append(calls)
     assert counts[1] < 2.1 * counts[0]

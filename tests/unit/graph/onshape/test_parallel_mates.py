@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from stages.graph.dofs import TYPES, dofs_of, right_handed, value_in
 from stages.graph.onshape.assembly import Assembly, Entity, Mate, Occurrence
 from stages.graph.onshape.parallel_mates import Absorbed, Composed, composed
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, MateRef, frozen
 from stages.robot.poses import from_parts, inverse, rotation_from_quat, turn
@@ -75,10 +75,10 @@ class Pair:
         return self.mates[-1]
 
     def composed(self) -> tuple[Composed, list[str]]:
-        notes = Notes()
-        made = composed(self.mates, self.assembly, BODY_OF, notes)
-        assert not notes.problems
-        return made, sorted(note.code for note in notes.found)
+        log = Diagnostics()
+        made = composed(self.mates, self.assembly, BODY_OF, log)
+        assert not log.problems
+        return made, sorted(note.code for note in log.found)
 
     def only(self) -> Mate:
         made, _ = self.composed()
@@ -526,7 +526,7 @@ def test_three_slides_together_hold_rigidly_though_each_two_of_them_slide() -> N
     made, codes = pair.composed()
     assert (made.mates, codes) == ((), ["W-MATES-RIGID"])
     for pick in combinations(pair.mates, 2):
-        assert composed(pick, pair.assembly, BODY_OF, Notes()).mates[0].ref.type == "SLIDER"
+        assert composed(pick, pair.assembly, BODY_OF, Diagnostics()).mates[0].ref.type == "SLIDER"
 
 
 @pytest.mark.parametrize("recipe", [recipe for recipe in RECIPES if two(recipe, 0)[1]])

@@ -14,7 +14,7 @@ from stages.graph.onshape.assembly import Assembly, Mate
 from stages.graph.onshape.bodies import Bodies, find_bodies
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.patterns import with_copies
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import chain
 from stages.robot.poses import inverse
 from tests.fake_onshape.definition import definition
@@ -26,22 +26,22 @@ from tests.support.kit import SIDE, TOP, Kit
 PLANE = turn((0, 1, 0), 1.1, (0.3, 0.1, 0))
 
 
-def drawn(kit: Kit, mirror: str = "joints", edit=None, depth=None, **options) -> tuple[Assembly, Notes]:
+def drawn(kit: Kit, mirror: str = "joints", edit=None, depth=None, **options) -> tuple[Assembly, Diagnostics]:
     """The assembly with its copies, and what was told."""
     data = definition(kit.document, **options)
     if edit:
         edit(data["rootAssembly"])
-    notes = Notes()
-    assembly = with_copies(read_assembly(orjson.dumps(data)), mirror, depth or DepthKeys(), notes)
-    return assembly, notes
+    log = Diagnostics()
+    assembly = with_copies(read_assembly(orjson.dumps(data)), mirror, depth or DepthKeys(), log)
+    return assembly, log
 
 
-def bodies_of(assembly: Assembly, notes: Notes, **keys) -> Bodies:
-    return find_bodies(assembly, GraphKeys(**keys), notes)
+def bodies_of(assembly: Assembly, log: Diagnostics, **keys) -> Bodies:
+    return find_bodies(assembly, GraphKeys(**keys), log)
 
 
-def codes(notes: Notes) -> list[str]:
-    return [told.code for told in (*notes.problems, *notes.found)]
+def codes(log: Diagnostics) -> list[str]:
+    return [told.code for told in (*log.problems, *log.found)]
 
 
 def copies(assembly: Assembly) -> list[Mate]:
@@ -85,7 +85,7 @@ def test_a_copys_joint_moves_it_as_its_seeds_moves_the_seed_moved_or_mirrored(ki
         (copy,) = kit.root.mirror("Image", [arm], PLANE)
     else:
         ((copy,),) = kit.root.pattern("Row", [arm], [turn((0, 0, 1), 1.0, (0.5, 0, 0))])
-    assembly, notes = drawn(kit)
+    assembly, log = drawn(kit)
     (mate,) = copies(assembly)
     poses = kit.document.truth.poses
     motion = poses()[copy.path] @ inverse(poses()[arm.path])
@@ -96,8 +96,8 @@ def test_a_copys_joint_moves_it_as_its_seeds_moves_the_seed_moved_or_mirrored(ki
     (joint,) = (joint for joint in kit.document.truth.joints if joint.copies)
     truth = expected(kit, copy.path, {joint.name: q if len(q) > 1 else q[0]})
     assert np.abs(displacement(assembly, mate, *q) - truth).max() < 1e-12
-    assert codes(notes) == ["I-PATTERN"]
-    assert not [told for told in codes(notes) if told == "W-MIRROR"]
+    assert codes(log) == ["I-PATTERN"]
+    assert not [told for told in codes(log) if told == "W-MIRROR"]
 
 
 def test_a_mirrored_ball_is_the_mirror_image_at_the_mirrored_turn(kit: Kit) -> None:
@@ -119,14 +119,14 @@ def test_a_mirrored_ball_is_the_mirror_image_at_the_mirrored_turn(kit: Kit) -> N
 def test_copies_are_numbered_as_their_instances_and_keep_the_limits(kit: Kit) -> None:
     _, arm = draw(kit, "revolute", 0.2, limits=(-0.5, 0.7))
     (made,) = kit.root.pattern("Row", [arm], [frame((0.1 * n, 0, 0)) for n in (1, 2, 3)])
-    assembly, notes = drawn(kit)
+    assembly, log = drawn(kit)
     found = {mate.ref.copy: mate for mate in copies(assembly)}
     assert [found[copy.last.id].ref.name for copy in made] == [f"Joint <{n}>" for n in (2, 3, 4)]
     assert len({mate.key for mate in assembly.mates}) == 4
     assert all(mate.limits == assembly.mates[0].limits for mate in assembly.mates)
-    (told,) = notes.found
+    (told,) = log.found
     assert told.message.startswith("3 joint(s) copied for 3 instance(s)")
-    bodies = bodies_of(assembly, notes)
+    bodies = bodies_of(assembly, log)
     assert len(bodies.members) == 5
     assert len(bodies.moving) == 4
 
@@ -136,7 +136,7 @@ def test_a_mate_between_two_seeds_joins_their_copies(kit: Kit) -> None:
     hand = kit.place("Hand")
     kit.root.slider("Grip", (hand, TOP), (arm, SIDE), value=0.02)
     (arms, hands) = kit.root.pattern("Row", [arm, hand], [frame((0.2, 0, 0)), frame((0.4, 0, 0))])
-    assembly, notes = drawn(kit)
+    assembly, log = drawn(kit)
     joined = {
         frozenset(entity.path for entity in mate.entities)
         for mate in copies(assembly)
@@ -144,7 +144,7 @@ def test_a_mate_between_two_seeds_joins_their_copies(kit: Kit) -> None:
     }
     assert joined == {frozenset({a.path, h.path}) for a, h in zip(arms, hands, strict=True)}
     assert len(copies(assembly)) == 4
-    assert [told.message[:35] for told in notes.found] == ["4 joint(s) copied for 4 instance(s)"]
+    assert [told.message[:35] for told in log.found] == ["4 joint(s) copied for 4 instance(s)"]
     for mate in copies(assembly):
         values = {"REVOLUTE": 0.4, "SLIDER": 0.02}
         off = displacement(assembly, mate, values[mate.ref.type])
@@ -156,14 +156,14 @@ def test_a_copy_of_a_copy_has_its_joints_too(kit: Kit) -> None:
     _, arm = draw(kit, "revolute", 0.4)
     ((second,),) = kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
     (third,) = kit.root.mirror("Image", [second], PLANE)
-    assembly, notes = drawn(kit)
+    assembly, log = drawn(kit)
     assert {mate.ref.copy for mate in copies(assembly)} == {second.last.id, third.last.id}
     (mate,) = (mate for mate in copies(assembly) if mate.ref.copy == third.last.id)
     (joint,) = (joint for joint in kit.document.truth.joints if len(joint.copies) == 2)
     assert (
         np.abs(displacement(assembly, mate, 1.2) - expected(kit, third.path, {joint.name: 1.2})).max() < 1e-12
     )
-    assert codes(notes) == ["I-PATTERN", "I-PATTERN"]
+    assert codes(log) == ["I-PATTERN", "I-PATTERN"]
 
 
 def wheeled(kit: Kit):
@@ -185,8 +185,8 @@ def test_a_mirrored_sub_assembly_moves_inside_by_its_own_mates_and_hangs_by_its_
     one = kit.root.add(corner)
     kit.root.revolute("Steer", (one if whole else one / hub, SIDE), (base, TOP), value=0.5)
     (image,) = kit.root.mirror("Image", [one], PLANE)
-    assembly, notes = drawn(kit)
-    bodies = bodies_of(assembly, notes)
+    assembly, log = drawn(kit)
+    bodies = bodies_of(assembly, log)
     assert len(bodies.members) == 5
     mates = {(mate.ref.owner, mate.ref.name): mate for mate in bodies.moving}
     assert set(mates) == {
@@ -198,7 +198,7 @@ def test_a_mirrored_sub_assembly_moves_inside_by_its_own_mates_and_hangs_by_its_
     (steer,) = (j for j in kit.document.truth.joints if j.copies)
     turned = displacement(assembly, mates[(), "Steer <2>"], -0.8)
     assert np.abs(turned - expected(kit, (image / wheel).path, {steer.name: -0.8})).max() < 1e-12
-    assert codes(notes) == ["I-PATTERN"]
+    assert codes(log) == ["I-PATTERN"]
 
 
 def test_patterns_inside_a_sub_assembly_act_in_each_of_its_places(kit: Kit) -> None:
@@ -210,11 +210,11 @@ def test_patterns_inside_a_sub_assembly_act_in_each_of_its_places(kit: Kit) -> N
     for number, offset in enumerate((0.0, 1.0)):
         one = kit.root.add(cart)
         kit.root.slider(f"Rail {number}", (one / frame_part, TOP), (base, frame((0, offset, 0))))
-    assembly, notes = drawn(kit)
+    assembly, log = drawn(kit)
     assert len(copies(assembly)) == 2
     for mate in copies(assembly):
         assert np.abs(displacement(assembly, mate, 0.3) - np.eye(4)).max() < 1e-12
-    assert len(bodies_of(assembly, notes).moving) == 6
+    assert len(bodies_of(assembly, log).moving) == 6
 
 
 def test_copies_join_the_groups_of_their_seeds_each_at_its_own(kit: Kit) -> None:
@@ -224,8 +224,8 @@ def test_copies_join_the_groups_of_their_seeds_each_at_its_own(kit: Kit) -> None
     kit.root.group("Grip", [(arm, np.eye(4)), (nut, TOP)])
     ((second_bolt,),) = kit.root.pattern("Bolts", [bolt], [frame((0.1, 0, 0))])
     ((second_arm,), (second_nut,)) = kit.root.pattern("Arms", [arm, nut], [frame((0.2, 0, 0))])
-    assembly, notes = drawn(kit)
-    found = {frozenset(paths) for paths in bodies_of(assembly, notes).members}
+    assembly, log = drawn(kit)
+    found = {frozenset(paths) for paths in bodies_of(assembly, log).members}
     assert found == {
         frozenset({base.path, bolt.path, second_bolt.path}),
         frozenset({arm.path, nut.path}),
@@ -260,19 +260,19 @@ def test_mirror_weld_fastens_the_copies_where_they_are_and_makes_them_rigid_insi
     one = kit.root.add(corner)
     kit.root.revolute("Steer", (one / hub, SIDE), (base, TOP), value=0.5)
     (image,) = kit.root.mirror("Image", [one], PLANE)
-    assembly, notes = drawn(kit, mirror="weld")
+    assembly, log = drawn(kit, mirror="weld")
     (weld,) = copies(assembly)
     first, second = (assembly.world_from(entity) for entity in weld.entities)
     assert weld.ref.type == "FASTENED"
     assert np.abs(first - second).max() < 1e-12
-    bodies = bodies_of(assembly, notes)
+    bodies = bodies_of(assembly, log)
     held = {base.path, (image / hub).path, (image / wheel).path}
     assert {frozenset(paths) for paths in bodies.members} == {
         frozenset(held), frozenset({(one / hub).path}), frozenset({(one / wheel).path}),
     }  # fmt: skip
     assert sorted(mate.ref.name for mate in bodies.moving) == ["Spin", "Steer"]
-    assert codes(notes) == ["I-PATTERN", "I-RIGID"]
-    assert "mirror: joints" in notes.found[1].hint
+    assert codes(log) == ["I-PATTERN", "I-RIGID"]
+    assert "mirror: joints" in log.found[1].hint
 
 
 def test_mirror_weld_does_not_freeze_what_lies_between_two_mates_of_a_copy(kit: Kit) -> None:
@@ -281,12 +281,12 @@ def test_mirror_weld_does_not_freeze_what_lies_between_two_mates_of_a_copy(kit: 
     kit.root.revolute("Foot", (rod, TOP), (base, TOP), value=0.1)
     kit.root.revolute("Head", (rod, SIDE), (arm, SIDE), closing=True)
     (image,) = kit.root.mirror("Image", [rod], PLANE)
-    assembly, notes = drawn(kit, mirror="weld")
+    assembly, log = drawn(kit, mirror="weld")
     assert [mate.title for mate in copies(assembly)] == ["Foot <2>"]
-    bodies = bodies_of(assembly, notes)
+    bodies = bodies_of(assembly, log)
     assert {mate.title for mate in bodies.moving} == {"Joint", "Foot", "Head"}
     assert bodies.of[image.path] == bodies.of[base.path]
-    assert codes(notes) == ["I-PATTERN"]
+    assert codes(log) == ["I-PATTERN"]
 
 
 def test_relations_of_seeds_are_not_copied_and_that_is_told(kit: Kit) -> None:
@@ -298,8 +298,8 @@ def test_relations_of_seeds_are_not_copied_and_that_is_told(kit: Kit) -> None:
     kit.root.gear("Gear", joint, driven)
     kit.root.gear("Far gear", driven, free)
     kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
-    assembly, notes = drawn(kit)
-    told = [(found.code, found.where) for found in notes.found]
+    assembly, log = drawn(kit)
+    told = [(found.code, found.where) for found in log.found]
     assert told == [("W-PATTERN-RELATION", "Gear"), ("I-PATTERN", "Row")]
     assert len(assembly.relations) == 2
 
@@ -316,14 +316,14 @@ def _without(ident: str):
 def test_a_suppressed_copy_is_absent_and_a_suppressed_seed_is_told(kit: Kit) -> None:
     _, arm = draw(kit, "revolute", 0.4)
     ((second, third),) = kit.root.pattern("Row", [arm], [frame((0.2, 0, 0)), frame((0.4, 0, 0))])
-    assembly, notes = drawn(kit, edit=_without(second.last.id))
+    assembly, log = drawn(kit, edit=_without(second.last.id))
     assert [mate.ref.copy for mate in copies(assembly)] == [third.last.id]
     assert copies(assembly)[0].ref.name == "Joint <3>"
-    assert codes(notes) == ["I-PATTERN"]
-    assembly, notes = drawn(kit, edit=_without(arm.last.id))
+    assert codes(log) == ["I-PATTERN"]
+    assembly, log = drawn(kit, edit=_without(arm.last.id))
     assert not copies(assembly)
-    assert codes(notes) == ["W-PATTERN"]
-    assert "Arm <2>, Arm <3>" in notes.found[0].message
+    assert codes(log) == ["W-PATTERN"]
+    assert "Arm <2>, Arm <3>" in log.found[0].message
 
 
 def test_a_mate_of_two_seeds_waits_for_both_copies(kit: Kit) -> None:
@@ -355,9 +355,9 @@ def _loosely(root: dict) -> None:
 def test_a_copy_that_is_listed_twice_counts_once_and_missing_keys_do_not_matter(kit: Kit) -> None:
     _, arm = draw(kit, "revolute", 0.4)
     kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
-    assembly, notes = drawn(kit, edit=_loosely)
+    assembly, log = drawn(kit, edit=_loosely)
     assert [mate.ref.name for mate in copies(assembly)] == ["Joint <2>"]
-    assert codes(notes) == ["I-PATTERN"]
+    assert codes(log) == ["I-PATTERN"]
 
 
 def test_a_mirror_that_made_another_part_is_told(kit: Kit) -> None:
@@ -367,17 +367,17 @@ def test_a_mirror_that_made_another_part_is_told(kit: Kit) -> None:
     def derived(root: dict) -> None:
         next(i for i in root["instances"] if i["id"] == image.last.id)["partId"] = "Other"
 
-    assembly, notes = drawn(kit, edit=derived)
+    assembly, log = drawn(kit, edit=derived)
     assert not copies(assembly)
-    assert [(told.code, told.where) for told in notes.found] == [("W-PATTERN", "Image")]
+    assert [(told.code, told.where) for told in log.found] == [("W-PATTERN", "Image")]
 
 
 def test_a_mate_with_one_mirrored_side_is_told(kit: Kit) -> None:
     _, arm = draw(kit, "revolute", 0.4)
     (image,) = kit.root.mirror("Image", [arm], PLANE)
-    assembly, notes = drawn(kit, edit=_mated(image.path))
-    bodies_of(assembly, notes)
-    assert [(told.code, told.where) for told in notes.found] == [("W-MIRROR", "Own")]
+    assembly, log = drawn(kit, edit=_mated(image.path))
+    bodies_of(assembly, log)
+    assert [(told.code, told.where) for told in log.found] == [("W-MIRROR", "Own")]
 
 
 def _capped(cap: tuple[str, ...], arm: tuple[str, ...], kind: str):
@@ -404,8 +404,8 @@ def test_a_copy_does_not_hold_what_hangs_on_its_seed(kit: Kit, kind: str, mirror
     base, arm = draw(kit, "revolute", 0.4)
     cap = kit.place("Cap")
     ((second,),) = kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
-    assembly, notes = drawn(kit, mirror, edit=_capped(cap.path, arm.path, kind))
-    bodies = bodies_of(assembly, notes)
+    assembly, log = drawn(kit, mirror, edit=_capped(cap.path, arm.path, kind))
+    bodies = bodies_of(assembly, log)
     (copy,) = copies(assembly)
     assert {entity.path for entity in copy.entities} == {base.path, second.path}
     assert (bodies.of[cap.path] == bodies.of[arm.path]) == (kind != "SLIDER")
@@ -445,11 +445,11 @@ def test_the_order_of_a_reply_changes_nothing(kit: Kit) -> None:
     def told(mates: Iterable[Mate]) -> list[object]:
         return sorted((m.key, m.title, [e.path for e in m.entities]) for m in mates)
 
-    plain, notes = drawn(kit)
+    plain, log = drawn(kit)
     for seed in range(3):
         shuffled, again = drawn(kit, shuffle=seed)
         assert told(shuffled.mates) == told(plain.mates)
-        assert codes(again) == codes(notes)
+        assert codes(again) == codes(log)
 
 
 def test_depth_keeps_a_mirrored_copy_moving_where_it_is_named_flexible(kit: Kit) -> None:
@@ -458,8 +458,8 @@ def test_depth_keeps_a_mirrored_copy_moving_where_it_is_named_flexible(kit: Kit)
     one = kit.root.add(corner)
     kit.root.revolute("Steer", (one / hub, SIDE), (base, TOP), value=math.pi / 6)
     kit.root.mirror("Image", [one], PLANE)
-    assembly, notes = drawn(kit, mirror="weld")
-    bodies = bodies_of(assembly, notes, depth=DepthKeys(flexible=("Corner <2>",)))
+    assembly, log = drawn(kit, mirror="weld")
+    bodies = bodies_of(assembly, log, depth=DepthKeys(flexible=("Corner <2>",)))
     assert sorted(mate.title for mate in bodies.moving) == ["Corner <1>/Spin", "Corner <2>/Spin", "Steer"]
 
 
@@ -483,8 +483,8 @@ def test_what_places_a_seed_from_above_places_its_copies_in_each_use(kit: Kit, k
         kit.root.slider(f"Rail {number}", (one / frame_part, TOP), (base, frame((0, number, 0))))
         getattr(kit.root, kind)(f"Step {number}", (one / foot, TOP), (base, frame((0.1, number, 0))))
     (image,) = kit.root.mirror("Image", [one], PLANE)
-    assembly, notes = drawn(kit, mirror)
-    bodies = bodies_of(assembly, notes)
+    assembly, log = drawn(kit, mirror)
+    bodies = bodies_of(assembly, log)
     feet = [path for path in assembly.occurrences if path[-1] == second.last.id]
     assert len(feet) == 3
     joint = kind == "revolute" and mirror == "joints"
@@ -494,7 +494,7 @@ def test_what_places_a_seed_from_above_places_its_copies_in_each_use(kit: Kit, k
         assert len(moving) == joint
         for mate in moving:
             assert np.abs(displacement(assembly, mate, 0.0) - np.eye(4)).max() < 1e-12
-    assert not notes.problems
+    assert not log.problems
     if joint:
         assert {mate.ref.copy for mate in copies(assembly) if mate.title.startswith("Step 2")} == {
             f"{one.last.id}/{second.last.id}", image.last.id, f"{image.last.id}/{second.last.id}",
@@ -506,9 +506,9 @@ def test_copies_in_a_rigid_sub_assembly_need_nothing_from_above(kit: Kit) -> Non
     base = kit.place("Base", fixed=True)
     one = kit.root.add(sub)
     kit.root.revolute("Step", (one / foot, TOP), (base, TOP))
-    assembly, notes = drawn(kit, depth=DepthKeys(rigid=("Module",)))
+    assembly, log = drawn(kit, depth=DepthKeys(rigid=("Module",)))
     assert not copies(assembly)
-    bodies = bodies_of(assembly, notes, depth=DepthKeys(rigid=("Module",)))
+    bodies = bodies_of(assembly, log, depth=DepthKeys(rigid=("Module",)))
     assert len({bodies.of[(one / part).path] for part in (frame_part, foot, second)}) == 1
     assert [mate.title for mate in bodies.moving] == ["Step"]
 
@@ -521,10 +521,10 @@ def test_what_holds_a_seed_inside_its_sub_assembly_goes_before_what_does_from_ab
     base = kit.place("Base", fixed=True)
     one = kit.root.add(sub)
     kit.root.revolute("Step", (one / foot, TOP), (base, TOP))
-    assembly, notes = drawn(kit)
+    assembly, log = drawn(kit)
     (copy,) = copies(assembly)
     assert {entity.path for entity in copy.entities} == {(one / frame_part).path, (one / second).path}
-    told = [found for found in notes.found if found.code == "W-PATTERN-LEVEL"]
+    told = [found for found in log.found if found.code == "W-PATTERN-LEVEL"]
     assert len(told) == asked
     for found in told:
         assert "Module <1>/Inside" in found.message
@@ -553,11 +553,11 @@ def test_a_fastened_seed_that_carries_a_joint_of_a_loop_leaves_the_loop_moving(k
     kit.root.revolute("Swing", (rocker, np.eye(4)), (carrier, np.eye(4)), value=0.5)
     kit.root.revolute("Close", (coupler, far), (rocker, far), closing=True)
     copied = kit.root.pattern("Row", seeds, [frame((0, 0.3, 0))])
-    assembly, notes = drawn(kit)
-    bodies = bodies_of(assembly, notes)
+    assembly, log = drawn(kit)
+    bodies = bodies_of(assembly, log)
     assert {bodies.of[copy.path] for (copy,) in copied} == {bodies.of[base.path]}
     assert sorted(mate.title for mate in bodies.moving) == ["Close", "Drive", "Pin", "Swing"]
-    (told,) = (found for found in notes.found if found.code == "I-PATTERN-CARRIED")
+    (told,) = (found for found in log.found if found.code == "I-PATTERN-CARRIED")
     assert (told.where, "Swing" in told.message) == ("Row", True)
 
 
@@ -578,19 +578,19 @@ def test_a_copy_that_only_carries_something_is_still_held_as_its_seed(kit: Kit) 
     base, arm = draw(kit, "revolute", 0.4)
     ((second,),) = kit.root.pattern("Row", [arm], [frame((0.2, 0, 0))])
     cap = kit.place("Cap")
-    assembly, notes = drawn(kit, edit=_capped(cap.path, second.path, "SLIDER"))
+    assembly, log = drawn(kit, edit=_capped(cap.path, second.path, "SLIDER"))
     (copy,) = copies(assembly)
     assert {entity.path for entity in copy.entities} == {base.path, second.path}
-    assert len(bodies_of(assembly, notes).moving) == 3
+    assert len(bodies_of(assembly, log).moving) == 3
 
 
 @settings(max_examples=25)
 @given(documents(everything=True))
 def test_any_assembly_has_the_bodies_and_the_mates_that_its_author_knows_of(document: Document) -> None:
-    notes = Notes()
+    log = Diagnostics()
     data = orjson.dumps(definition(document))
-    assembly = with_copies(read_assembly(data), "joints", DepthKeys(), notes)
-    bodies = find_bodies(assembly, GraphKeys(), notes)
+    assembly = with_copies(read_assembly(data), "joints", DepthKeys(), log)
+    bodies = find_bodies(assembly, GraphKeys(), log)
     truth = document.truth
     assert {frozenset(paths) for paths in bodies.members if paths} == {
         b.parts for b in truth.bodies if b.parts
@@ -598,4 +598,4 @@ def test_any_assembly_has_the_bodies_and_the_mates_that_its_author_knows_of(docu
     drawn = [e for e in (*truth.joints, *truth.closings, *truth.redundant) if e.type != "FASTENED"]
     keys = {(edge.owner, edge.feature, edge.onto[0] if edge.onto else "") for edge in drawn}
     assert {mate.key for mate in bodies.moving} == keys
-    assert not notes.problems
+    assert not log.problems

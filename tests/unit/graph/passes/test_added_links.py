@@ -7,7 +7,7 @@ import pytest
 
 from stages.graph.passes.added_links import with_added_frames, with_added_links
 from stages.graph.passes.link_mass import check_links
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import ConfigError
 from stages.robot.inertia import primitive_inertial
 from stages.robot.kinematics import link_poses
@@ -27,17 +27,17 @@ def arm(**more):
 
 
 def added(robot, **links):
-    notes = Notes()
-    return with_added_links(robot, plan_of(links=links).links, notes), notes
+    log = Diagnostics()
+    return with_added_links(robot, plan_of(links=links).links, log), log
 
 
 def framed(robot, **frames):
-    notes = Notes()
-    return with_added_frames(robot, plan_of(frames={"add": frames}).frames.add, notes), notes
+    log = Diagnostics()
+    return with_added_frames(robot, plan_of(frames={"add": frames}).frames.add, log), log
 
 
-def problems(notes):
-    return [(one.code, one.where) for one in notes.problems]
+def problems(log):
+    return [(one.code, one.where) for one in log.problems]
 
 
 PLACE = {"xyz": [0.1, 0.2, 0.3], "rpy": [0.3, -0.2, 1.1]}
@@ -46,7 +46,7 @@ OFFSET = from_parts(rotation_from_rpy((0.3, -0.2, 1.1)), np.array([0.1, 0.2, 0.3
 
 def test_a_payload_hangs_on_its_parent_and_weighs_what_its_geometry_does():
     sphere = {"sphere": {"radius": 0.03}}
-    robot, notes = added(arm(), payload={"parent": "arm", **PLACE, "mass": 0.2, "geometry": sphere})
+    robot, log = added(arm(), payload={"parent": "arm", **PLACE, "mass": 0.2, "geometry": sphere})
     link, hung = robot.links[-1], robot.joints[-1]
     assert (link.name, link.parts, link.path) == ("payload", (), ())
     assert (hung.name, hung.type, hung.parent, hung.child, hung.dofs, hung.mate) == (
@@ -56,8 +56,8 @@ def test_a_payload_hangs_on_its_parent_and_weighs_what_its_geometry_does():
     assert link.given is link.inertial
     np.testing.assert_allclose(link.inertial.inertia, 2 / 5 * 0.2 * 0.03**2 * np.eye(3), rtol=1e-12)
     assert [(shape.kind, shape.size) for shape in link.shapes] == [("sphere", (0.03,))]
-    check_links(robot, notes)
-    assert problems(notes) == []
+    check_links(robot, log)
+    assert problems(log) == []
 
 
 @pytest.mark.parametrize(
@@ -85,9 +85,9 @@ def test_an_inertia_of_the_users_goes_before_that_of_the_geometry():
 def test_a_link_may_hang_on_a_frame_and_on_another_added_link_whatever_their_order():
     first = {"parent": "spot", **PLACE}
     second = {"parent": "zwei", "xyz": [0, 0, 1]}
-    robot, notes = added(arm(), eins=second, zwei=first)
+    robot, log = added(arm(), eins=second, zwei=first)
     other, _ = added(arm(), zwei=first, eins=second)
-    assert problems(notes) == []
+    assert problems(log) == []
     assert [link.name for link in robot.links] == ["base", "arm", "zwei", "eins"]
     assert [link.name for link in other.links] == [link.name for link in robot.links]
     poses = link_poses(robot, {"arm_joint": 0.7})
@@ -105,7 +105,7 @@ def test_a_link_may_hang_on_a_frame_and_on_another_added_link_whatever_their_ord
 )
 def test_an_added_joint_moves_its_link_about_its_axis(asked, kind, limits):
     keys = {"parent": "arm", "mass": 1, "inertia": [1, 1, 1], "joint": asked, **PLACE}
-    robot, notes = added(arm(), wheel=keys)
+    robot, log = added(arm(), wheel=keys)
     (dof,) = robot.joints[-1].dofs
     assert (dof.name, dof.kind, dof.saved) == ("wheel_joint", kind, 0.0)
     assert (dof.limits.lower, dof.limits.upper) == limits
@@ -117,19 +117,19 @@ def test_an_added_joint_moves_its_link_about_its_axis(asked, kind, limits):
     else:
         assert math.acos((np.trace(local[:3, :3]) - 1) / 2) == pytest.approx(0.5)
         np.testing.assert_allclose(local[:3, :3] @ dof.axis, dof.axis, atol=1e-14)
-    assert problems(notes) == []
+    assert problems(log) == []
 
 
 def test_what_moves_without_mass_is_told():
-    robot, notes = added(arm(), wheel={"parent": "arm", "joint": "revolute"})
-    check_links(robot, notes)
-    assert problems(notes) == [("E-MASS", "wheel")]
+    robot, log = added(arm(), wheel={"parent": "arm", "joint": "revolute"})
+    check_links(robot, log)
+    assert problems(log) == [("E-MASS", "wheel")]
 
 
 def test_a_link_above_the_root_leaves_everything_where_it_is():
     before = arm(world_from_root=STAND)
-    robot, notes = added(before, base_footprint={"child": "base", **PLACE})
-    assert problems(notes) == []
+    robot, log = added(before, base_footprint={"child": "base", **PLACE})
+    assert problems(log) == []
     assert [link.name for link in robot.links] == ["base_footprint", "base", "arm"]
     assert [one.child for one in robot.joints] == ["base", "arm"]
     assert robot.base is before.base
@@ -145,8 +145,8 @@ def test_what_floats_does_so_from_the_new_root():
     before = arm(world_from_root=STAND)
     crate = joint("free", "base", "crate", [there], place=OFFSET)
     before = robot_with([*before.joints, crate], world_from_root=STAND)
-    robot, notes = added(before, foot={"child": "base", **PLACE}, ground={"child": "foot", **PLACE})
-    assert problems(notes) == []
+    robot, log = added(before, foot={"child": "base", **PLACE}, ground={"child": "foot", **PLACE})
+    assert problems(log) == []
     assert robot.joints[-1].parent == robot.root.name == "ground"
     q = {"crate_joint": there, "arm_joint": 0.4}
     old, new = link_poses(before, q), link_poses(robot, q)
@@ -155,8 +155,8 @@ def test_what_floats_does_so_from_the_new_root():
 
 
 def test_two_links_above_each_other():
-    robot, notes = added(arm(), a={"child": "base"}, b={"child": "a"})
-    assert problems(notes) == []
+    robot, log = added(arm(), a={"child": "base"}, b={"child": "a"})
+    assert problems(log) == []
     assert robot.root.name == "b"
 
 
@@ -180,20 +180,20 @@ def test_two_links_above_each_other():
     ],
 )
 def test_a_link_that_cannot_be_is_told(links, where, text):
-    _, notes = added(arm(), **links)
-    assert where in [one.where for one in notes.problems]
-    assert text in " ".join(one.message for one in notes.problems)
+    _, log = added(arm(), **links)
+    assert where in [one.where for one in log.problems]
+    assert text in " ".join(one.message for one in log.problems)
 
 
 def test_nothing_goes_above_the_assemblys_origin():
     robot = robot_with([joint("revolute", "world", "arm")], root="world")
-    _, notes = added(robot, foot={"child": "world"})
-    assert problems(notes) == [("E-LINK", "links.foot")]
+    _, log = added(robot, foot={"child": "world"})
+    assert problems(log) == [("E-LINK", "links.foot")]
 
 
 def test_a_joint_that_is_not_named_takes_a_name_that_is_free():
-    robot, notes = added(arm(), load={"parent": "arm"}, load_joint={"parent": "arm"})
-    assert problems(notes) == []
+    robot, log = added(arm(), load={"parent": "arm"}, load_joint={"parent": "arm"})
+    assert problems(log) == []
     assert [one.name for one in robot.joints[1:]] == ["load_joint_2", "load_joint_joint"]
 
 
@@ -220,8 +220,8 @@ def test_keys_that_contradict_each_other_are_refused(keys, message):
 
 
 def test_an_added_frame_is_where_it_is_said_to_be():
-    robot, notes = framed(arm(), tool={"link": "spot", **PLACE}, eye={"link": "tool"}, foot={"link": "base"})
-    assert problems(notes) == []
+    robot, log = framed(arm(), tool={"link": "spot", **PLACE}, eye={"link": "tool"}, foot={"link": "base"})
+    assert problems(log) == []
     assert [frame.name for frame in robot.frames] == ["eye", "foot", "spot", "tool"]
     frames = {frame.name: frame for frame in robot.frames}
     for name in ("eye", "tool"):

@@ -9,7 +9,7 @@ import yaml
 from stages.graph.keys import GraphKeys
 from stages.graph.passes.added_links import with_added_links
 from stages.graph.passes.joint_limits import LOCKED_PLAY, check_limits, tell_loops, with_properties
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Limits, Relation, Robot
 from tests.support.robots import CARRIED, LOOPS, at, joint, loop, robot_with
 
@@ -18,18 +18,18 @@ def wanted(**joints):
     return GraphKeys(joints=joints).joints
 
 
-def given(robot: Robot, keys) -> tuple[Robot, Notes]:
-    notes = Notes()
-    return with_properties(robot, keys, notes), notes
+def given(robot: Robot, keys) -> tuple[Robot, Diagnostics]:
+    log = Diagnostics()
+    return with_properties(robot, keys, log), log
 
 
-def checked(robot: Robot, unknown=None, keys=None) -> tuple[Robot, Notes]:
-    notes = Notes()
-    return check_limits(robot, unknown or {}, notes, keys), notes
+def checked(robot: Robot, unknown=None, keys=None) -> tuple[Robot, Diagnostics]:
+    log = Diagnostics()
+    return check_limits(robot, unknown or {}, log, keys), log
 
 
-def told(notes: Notes) -> list[tuple[str, str]]:
-    return [(one.code, one.where) for one in (*notes.problems, *notes.found)]
+def told(log: Diagnostics) -> list[tuple[str, str]]:
+    return [(one.code, one.where) for one in (*log.problems, *log.found)]
 
 
 @pytest.fixture
@@ -46,8 +46,8 @@ def arm() -> Robot:
 
 def test_later_entries_win_field_by_field(arm: Robot) -> None:
     keys = wanted(**{"*": {"damping": 0.1, "effort": 5}, "*_turn": {"effort": 7, "limits": [-1, None]}})
-    robot, notes = given(arm, keys)
-    assert not told(notes)
+    robot, log = given(arm, keys)
+    assert not told(log)
     dofs = {dof.name: dof for dof in (*robot.dofs, *robot.loops[0].dofs)}
     assert {dof.dynamics.damping for dof in dofs.values()} == {0.1}
     turned = {name for name, dof in dofs.items() if dof.limits == Limits(-1, None)}
@@ -56,39 +56,39 @@ def test_later_entries_win_field_by_field(arm: Robot) -> None:
 
 
 def test_a_glob_without_a_match_lists_the_dofs(arm: Robot) -> None:
-    _, notes = given(arm, wanted(**{"knee*": {"damping": 1}, "*": {"damping": 2}}))
-    (only,) = notes.problems
+    _, log = given(arm, wanted(**{"knee*": {"damping": 1}, "*": {"damping": 2}}))
+    (only,) = log.problems
     assert (only.code, only.message) == ("E-GLOB", "no joint matches 'knee*'")
     assert only.hint == "joints are: left_hip, lift_slide, lift_turn, slot_slide, slot_turn, wrist"
 
 
 def test_a_joint_of_several_dofs_says_which(arm: Robot) -> None:
-    _, notes = given(arm, wanted(lift={"damping": 1}))
-    (only,) = notes.problems
+    _, log = given(arm, wanted(lift={"damping": 1}))
+    (only,) = log.problems
     assert only.code == "E-GLOB"
     assert only.hint == "say which: lift_turn, lift_slide"
 
 
 def test_one_range_is_not_for_turns_and_slides_alike(arm: Robot) -> None:
-    _, notes = given(arm, wanted(**{"lift*": {"limits": [0, 1]}}))
-    (only,) = notes.problems
+    _, log = given(arm, wanted(**{"lift*": {"limits": [0, 1]}}))
+    (only,) = log.problems
     assert only.code == "E-JOINT"
     assert "lift_turn (turn), lift_slide (slide)" in only.message
 
 
 def test_a_ball_takes_a_cone_and_no_lower_limit(arm: Robot) -> None:
-    robot, notes = given(arm, wanted(wrist={"limits": [None, 0.5], "damping": 0.2}))
-    assert not told(notes)
+    robot, log = given(arm, wanted(wrist={"limits": [None, 0.5], "damping": 0.2}))
+    assert not told(log)
     wrist = robot.dofs[-1]
     assert (wrist.limits, wrist.dynamics.damping) == (Limits(None, 0.5), 0.2)
-    _, notes = given(arm, wanted(wrist={"limits": [-0.5, 0.5]}))
-    assert [one.hint for one in notes.problems] == ["limits: [null, cone]"]
+    _, log = given(arm, wanted(wrist={"limits": [-0.5, 0.5]}))
+    assert [one.hint for one in log.problems] == ["limits: [null, cone]"]
 
 
 def test_free_motion_takes_no_limits() -> None:
     robot = robot_with([joint("free", "base", "ball", name="ball")])
-    _, notes = given(robot, wanted(ball={"limits": [0, 1]}))
-    assert told(notes) == [("E-JOINT", "joints")]
+    _, log = given(robot, wanted(ball={"limits": [0, 1]}))
+    assert told(log) == [("E-JOINT", "joints")]
 
 
 @pytest.mark.parametrize(
@@ -114,35 +114,35 @@ def test_dynamics_that_act_on_nothing_are_told_unless_meant_for_all() -> None:
         [joint("revolute", "base", "arm", name="elbow")],
         loops=[loop("revolute", "arm", "base", at(0), at(0), name="close")],
     )
-    _, notes = given(robot, wanted(**{"c*": {"damping": 1}}))
-    assert told(notes) == [("W-LOOP-DYNAMICS", "close")]
+    _, log = given(robot, wanted(**{"c*": {"damping": 1}}))
+    assert told(log) == [("W-LOOP-DYNAMICS", "close")]
     assert not told(given(robot, wanted(**{"*": {"damping": 1}}))[1])
 
 
 def test_missing_limits_are_told_with_one_block_that_settles_them(arm: Robot) -> None:
-    _, notes = checked(arm, {"left_hip": "the list of features is not there"})
-    assert told(notes) == [("W-LIMIT", "left_hip"), ("W-LIMIT", "lift_turn"), ("W-LIMIT", "lift_slide")]
-    assert [one.message for one in notes.found] == [
+    _, log = checked(arm, {"left_hip": "the list of features is not there"})
+    assert told(log) == [("W-LIMIT", "left_hip"), ("W-LIMIT", "lift_turn"), ("W-LIMIT", "lift_slide")]
+    assert [one.message for one in log.found] == [
         "its limits in CAD are not known: the list of features is not there",
         "the joint has no limits: it turns freely",
         "the joint has no limits",
     ]
-    assert notes.found[0].hint.endswith("joints: {left_hip: {limits: [low, high]}}  # rad")
-    block = notes.found[-1].hint.partition("\n")[2].partition("\n")[2]
+    assert log.found[0].hint.endswith("joints: {left_hip: {limits: [low, high]}}  # rad")
+    block = log.found[-1].hint.partition("\n")[2].partition("\n")[2]
     said = yaml.safe_load(block)
     assert list(said["joints"]) == ["left_hip", "lift_turn", "lift_slide"]
     settled = wanted(**said["joints"])
-    robot, notes = given(arm, settled)
+    robot, log = given(arm, settled)
     robot, more = checked(robot, {"left_hip": "the list of features is not there"}, settled)
-    assert not told(notes)
+    assert not told(log)
     assert not told(more)
     assert {dof.limits for dof in robot.dofs} == {Limits()}
 
 
 def test_what_follows_another_is_bounded_by_its_driver(arm: Robot) -> None:
     follows = Relation("gear", follower="left_hip", driver="lift_turn", multiplier=2.0, offset=0.0)
-    _, notes = checked(replace(arm, relations=(follows,)))
-    assert told(notes) == [("W-LIMIT", "lift_turn"), ("W-LIMIT", "lift_slide")]
+    _, log = checked(replace(arm, relations=(follows,)))
+    assert told(log) == [("W-LIMIT", "lift_turn"), ("W-LIMIT", "lift_slide")]
 
 
 def test_a_joint_that_cad_does_not_have_is_not_mended_there() -> None:
@@ -157,10 +157,10 @@ def test_an_added_joint_that_is_to_be_open_is_not_told() -> None:
         "lid": "revolute",
     }
     links = GraphKeys(links={name: {"parent": "base", "joint": one} for name, one in asked.items()}).links
-    notes = Notes()
-    robot = with_added_links(robot_with(), links, notes)
-    check_limits(robot, {}, notes, {}, links)
-    assert told(notes) == [("W-LIMIT", "lid_joint")]
+    log = Diagnostics()
+    robot = with_added_links(robot_with(), links, log)
+    check_limits(robot, {}, log, {}, links)
+    assert told(log) == [("W-LIMIT", "lid_joint")]
 
 
 def limited(kind, value, low, high, name="elbow") -> Robot:
@@ -168,15 +168,15 @@ def limited(kind, value, low, high, name="elbow") -> Robot:
 
 
 def test_limits_upside_down_are_refused_by_name() -> None:
-    _, notes = checked(limited("revolute", 0.0, 1.0, -1.0))
-    assert told(notes) == [("E-LIMIT", "elbow")]
+    _, log = checked(limited("revolute", 0.0, 1.0, -1.0))
+    assert told(log) == [("E-LIMIT", "elbow")]
 
 
 @pytest.mark.parametrize(("kind", "unit"), [("revolute", "rad"), ("prismatic", "m")])
 def test_equal_limits_lock_with_a_little_play(kind, unit) -> None:
-    robot, notes = checked(limited(kind, 0.5, 0.5, 0.5))
-    assert told(notes) == [("W-LIMIT-LOCKED", "elbow")]
-    assert f" {unit} either way" in notes.found[0].message
+    robot, log = checked(limited(kind, 0.5, 0.5, 0.5))
+    assert told(log) == [("W-LIMIT-LOCKED", "elbow")]
+    assert f" {unit} either way" in log.found[0].message
     assert robot.dofs[0].limits == Limits(0.5 - LOCKED_PLAY, 0.5 + LOCKED_PLAY)
 
 
@@ -192,9 +192,9 @@ def test_a_saved_pose_outside_its_limits_is_told() -> None:
 
 @pytest.mark.parametrize("cone", [0.0, -1.0, 3.2])
 def test_a_cone_that_is_none_is_refused(cone) -> None:
-    _, notes = checked(limited("ball", (1.0, 0.0, 0.0, 0.0), None, cone))
-    assert told(notes) == [("E-LIMIT", "elbow")]
-    assert "{limits: [null, cone]}" in notes.problems[0].hint
+    _, log = checked(limited("ball", (1.0, 0.0, 0.0, 0.0), None, cone))
+    assert told(log) == [("E-LIMIT", "elbow")]
+    assert "{limits: [null, cone]}" in log.problems[0].hint
 
 
 @pytest.mark.parametrize("kind", LOOPS)
@@ -204,12 +204,12 @@ def test_a_loops_limits_are_told_where_no_simulation_has_them(kind) -> None:
     closing = loop(kind, "arm", "base", at(0), at(0), name="close", limits=limits)
     for one, idle in ((bare, False), (closing, kind not in CARRIED)):
         robot = robot_with([joint("revolute", "base", "arm", name="elbow")], loops=[one])
-        notes = Notes()
-        tell_loops(robot, {}, notes)
-        assert told(notes) == [("W-LOOP-LIMIT", dof.name) for dof in one.dofs if idle]
-    notes = Notes()
-    tell_loops(robot_with(robot.joints, loops=[bare]), {dof.name: "it is stale" for dof in bare.dofs}, notes)
-    assert told(notes) == [("W-LIMIT", dof.name) for dof in bare.dofs]
+        log = Diagnostics()
+        tell_loops(robot, {}, log)
+        assert told(log) == [("W-LOOP-LIMIT", dof.name) for dof in one.dofs if idle]
+    log = Diagnostics()
+    tell_loops(robot_with(robot.joints, loops=[bare]), {dof.name: "it is stale" for dof in bare.dofs}, log)
+    assert told(log) == [("W-LIMIT", dof.name) for dof in bare.dofs]
 
 
 def test_limits_of_carried_loops_are_judged_like_a_joints() -> None:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stages.graph.passes.mobility import with_mobility
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import chain, link_poses, saved_configuration
 from stages.robot.model import Relation, Robot
 from stages.robot.poses import from_parts, inverse, motion, rotation_from_quat, turn
@@ -38,14 +38,14 @@ def along(axis, point) -> np.ndarray:
     return from_parts(np.column_stack([x, np.cross(z, x), z]), np.array(point, dtype=float))
 
 
-def counts(robot: Robot) -> tuple[tuple, Notes]:
-    notes = Notes()
-    found = with_mobility(robot, notes).mobility
-    return (found.coordinates, found.gruebler, found.dof, dict(found.redundant)), notes
+def counts(robot: Robot) -> tuple[tuple, Diagnostics]:
+    log = Diagnostics()
+    found = with_mobility(robot, log).mobility
+    return (found.coordinates, found.gruebler, found.dof, dict(found.redundant)), log
 
 
-def told(notes: Notes) -> list[str]:
-    return [one.code for one in notes.found]
+def told(log: Diagnostics) -> list[str]:
+    return [one.code for one in log.found]
 
 
 def polygon(*points, size: float = 1.0) -> Robot:
@@ -65,11 +65,11 @@ def test_planar_linkages_of_parallel_pins(size: float) -> None:
 
 
 def test_a_triangle_of_pins_is_rigid_and_says_so() -> None:
-    found, notes = counts(polygon((0, 0), (0.1, 0.3), (0.6, 0)))
+    found, log = counts(polygon((0, 0), (0.1, 0.3), (0.6, 0)))
     assert found == (2, -3, 0, {"loop_0": 3})
-    assert told(notes) == ["W-RIGID-LOOP"]
-    assert notes.found[0].where == "loop_0"
-    assert notes.found[0].message.endswith("bar_0_joint, bar_1_joint")
+    assert told(log) == ["W-RIGID-LOOP"]
+    assert log.found[0].where == "loop_0"
+    assert log.found[0].message.endswith("bar_0_joint, bar_1_joint")
 
 
 def test_a_parallelogram_that_lies_flat_counts_the_motion_of_its_fork() -> None:
@@ -120,9 +120,9 @@ def test_an_rssr_has_its_input_and_the_spin_of_its_rod() -> None:
         ],
         [("ball", "rod", "rocker", at(0.5, 0.3, 0.2))],
     )
-    found, notes = counts(robot)
+    found, log = counts(robot)
     assert found == (5, 2, 2, {})
-    assert not told(notes)
+    assert not told(log)
 
 
 def test_a_stewart_platform_has_six() -> None:
@@ -148,9 +148,9 @@ def test_gears_take_one_each_and_lock_what_they_contradict() -> None:
     pins = [("revolute", "base", f"bar_{n}", at(n, 0, 0)) for n in range(3)]
     assert counts(drawn(pins, relations=[gear]))[0] == (3, 2, 2, {})
     robot = polygon((0, 0), (0.1, 0.3), (0.5, 0.4), (0.6, 0))
-    found, notes = counts(drawn_with(robot, [gear]))
+    found, log = counts(drawn_with(robot, [gear]))
     assert found == (3, -3, 0, {"loop_0": 3})
-    assert told(notes) == ["W-RIGID-LOOP"]
+    assert told(log) == ["W-RIGID-LOOP"]
 
 
 @pytest.mark.parametrize(("sign", "dof"), [(1, 1), (-1, 0)])
@@ -186,9 +186,9 @@ def test_two_linkages_that_a_steep_gear_ties_move_as_one() -> None:
         links = ["base", *(f"{side}{number}" for number in range(3))]
         joints += [("revolute", links[n], links[n + 1], pin) for n, pin in enumerate(pins[:-1])]
         loops.append(("revolute", links[-1], "base", pins[-1]))
-    found, notes = counts(drawn(joints, loops, [Relation("gear", "b0_joint", "a0_joint", 1e8, 0.0)]))
+    found, log = counts(drawn(joints, loops, [Relation("gear", "b0_joint", "a0_joint", 1e8, 0.0)]))
     assert found == (6, -5, 1, {"loop_0": 3, "loop_1": 3})
-    assert not told(notes)
+    assert not told(log)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
@@ -228,16 +228,16 @@ def test_redundancy_is_told_of_the_later_loop_by_name() -> None:
     four = polygon((0, 0), (0.1, 0.3), (0.5, 0.4), (0.6, 0))
     (one,) = four.loops
     for loops in ([one, replace(one, name="again")], [replace(one, name="again"), one]):
-        found, notes = counts(robot_with(four.joints, loops=loops))
+        found, log = counts(robot_with(four.joints, loops=loops))
         assert found == (3, -7, 1, {"again": 3, "loop_0": 5})
-        assert told(notes) == []
+        assert told(log) == []
 
 
 def test_a_loop_between_links_that_do_not_move_is_redundant_alone() -> None:
     robot = drawn([("fixed", "base", "arm", at(1, 0, 0))], [("revolute", "arm", "base", at(0, 0, 0))])
-    found, notes = counts(robot)
+    found, log = counts(robot)
     assert found == (0, -5, 0, {"loop_0": 5})
-    assert told(notes) == []
+    assert told(log) == []
 
 
 def extended_nullity(robot: Robot) -> int:

@@ -7,7 +7,7 @@ import pytest
 from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import Bond
 from stages.graph.passes.relations import with_relations
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Limits, Robot
 from tests.support.robots import at, joint, loop, robot_with
@@ -36,15 +36,15 @@ def robot_of(**saved) -> Robot:
     return robot_with(joints)
 
 
-def related(robot: Robot, *bonds: Bond, **wanted) -> tuple[Robot, Notes]:
+def related(robot: Robot, *bonds: Bond, **wanted) -> tuple[Robot, Diagnostics]:
     """The robot with its bonds, and what is told; `wanted`: what `relations:` says, by glob."""
-    notes = Notes()
+    log = Diagnostics()
     keys = {glob: RelationKeys.model_validate(said) for glob, said in wanted.items()}
-    return with_relations(robot, bonds, notes, keys), notes
+    return with_relations(robot, bonds, log, keys), log
 
 
-def told(notes: Notes) -> list[str]:
-    return [one.code for one in (*notes.problems, *notes.found)]
+def told(log: Diagnostics) -> list[str]:
+    return [one.code for one in (*log.problems, *log.found)]
 
 
 def rules(robot: Robot) -> list[tuple]:
@@ -72,10 +72,10 @@ def rules(robot: Robot) -> list[tuple]:
 def test_each_relation_joins_its_dofs_by_its_factor(kind, names, factor, driver, follower, reverse) -> None:
     zeros = {"r": [0.0], "p": [0.0], "c": [0.0] * 2, "s": [0.0] * 2, "q": [0.0] * 3, "l": [0.0] * 4}
     robot = robot_of(**{name: zeros[name[0]] for name in ("r1", "r2", "p1", "p2", "c1", "s1", "q1", "l1")})
-    found, notes = related(robot, bond(kind, *names, ratio=1.5, reverse=reverse))
+    found, log = related(robot, bond(kind, *names, ratio=1.5, reverse=reverse))
     want = factor if reverse else -factor
     assert rules(found) == [(follower, driver, pytest.approx(want), 0.0)]
-    assert not told(notes)
+    assert not told(log)
 
 
 @pytest.mark.parametrize(
@@ -100,9 +100,9 @@ def test_each_relation_joins_its_dofs_by_its_factor(kind, names, factor, driver,
 def test_what_a_relation_cannot_mean_is_told_by_name(one: Bond, why: str) -> None:
     robot = robot_of(r1=[0.0], r2=[0.0], p1=[0.0], c1=[0.0] * 2, c2=[0.0] * 2, q1=[0.0] * 3, b1=None)
     closing = loop("revolute", "link_r1", "link_r2", at(0), at(0), name="close")
-    found, notes = related(robot_with(robot.joints, loops=[closing]), one)
+    found, log = related(robot_with(robot.joints, loops=[closing]), one)
     assert not found.relations
-    (only,) = notes.found
+    (only,) = log.found
     assert (only.code, only.where) == ("W-RELATION", "Bond")
     assert why in only.message
     assert only.message.endswith("its joints move independently")
@@ -117,20 +117,20 @@ def test_what_a_relation_cannot_mean_is_told_by_name(one: Bond, why: str) -> Non
     ],
 )
 def test_a_relation_that_contradicts_itself_is_refused(one: Bond, why: str) -> None:
-    _, notes = related(robot_of(r1=[0.0], s1=[0.0] * 2), one)
-    assert [(p.code, p.message) for p in notes.problems] == [("E-RELATION", why)]
+    _, log = related(robot_of(r1=[0.0], s1=[0.0] * 2), one)
+    assert [(p.code, p.message) for p in log.problems] == [("E-RELATION", why)]
 
 
 def test_an_offset_is_kept_and_told_and_never_traded_for_the_opposite_sign() -> None:
-    found, notes = related(robot_of(r1=[0.2], r2=[0.5]), bond("GEAR", "r1", "r2"))
+    found, log = related(robot_of(r1=[0.2], r2=[0.5]), bond("GEAR", "r1", "r2"))
     assert rules(found) == [("r2", "r1", -1.0, pytest.approx(0.7))]
-    assert told(notes) == ["W-RELATION-OFFSET"]
-    assert "an offset of 0.7 " in notes.found[0].message
-    found, notes = related(robot_of(r1=[0.2], r2=[0.3]), bond("GEAR", "r1", "r2", ratio=1.5))
+    assert told(log) == ["W-RELATION-OFFSET"]
+    assert "an offset of 0.7 " in log.found[0].message
+    found, log = related(robot_of(r1=[0.2], r2=[0.3]), bond("GEAR", "r1", "r2", ratio=1.5))
     assert rules(found) == [("r2", "r1", -1.5, pytest.approx(0.6))]
-    assert told(notes) == ["W-RELATION-SIGN"]
-    assert "an offset of 0.6 in this relation as it is drawn" in notes.found[0].message
-    assert notes.found[0].hint == (
+    assert told(log) == ["W-RELATION-SIGN"]
+    assert "an offset of 0.6 in this relation as it is drawn" in log.found[0].message
+    assert log.found[0].hint == (
         "if it goes the other way, relations: {bond: {invert: true}}; "
         "if not, relations: {bond: {offset: 0.6}}"
     )
@@ -153,9 +153,9 @@ def test_an_offset_is_kept_and_told_and_never_traded_for_the_opposite_sign() -> 
     ],
 )
 def test_the_user_has_the_last_word_on_a_relation(saved, keys, rule, codes) -> None:
-    found, notes = related(robot_of(r1=[0.2], r2=[saved]), bond("GEAR", "r1", "r2", ratio=1.5), bond=keys)
+    found, log = related(robot_of(r1=[0.2], r2=[saved]), bond("GEAR", "r1", "r2", ratio=1.5), bond=keys)
     assert rules(found) == ([("r2", "r1", *map(pytest.approx, rule))] if rule else [])
-    assert told(notes) == codes
+    assert told(log) == codes
     for one in found.relations:
         values = {dof.name: dof.saved for dof in found.dofs}
         assert values["r2"] == pytest.approx(one.multiplier * values["r1"] + one.offset)
@@ -170,8 +170,8 @@ def test_a_relation_is_meant_by_its_name_its_title_or_a_glob_and_later_entries_w
     ]
 
     def signs(**wanted) -> dict[str, float]:
-        found, notes = related(robot, *bonds, **wanted)
-        assert not told(notes)
+        found, log = related(robot, *bonds, **wanted)
+        assert not told(log)
         return {one.name: one.multiplier for one in found.relations}
 
     drawn = {"gear_1": -1.0, "gear_1_2": -1.0, "gear_9": 1.0}
@@ -185,12 +185,12 @@ def test_a_relation_is_meant_by_its_name_its_title_or_a_glob_and_later_entries_w
 
 def test_a_glob_without_a_relation_is_an_error_that_lists_them() -> None:
     robot = robot_of(r1=[0.0], r2=[0.0])
-    _, notes = related(robot, bond("GEAR", "r1", "r2", title="Box/Gear 1"), **{"Gaer*": {"drop": True}})
-    (problem,) = notes.problems
+    _, log = related(robot, bond("GEAR", "r1", "r2", title="Box/Gear 1"), **{"Gaer*": {"drop": True}})
+    (problem,) = log.problems
     assert (problem.code, problem.where) == ("E-GLOB", "relations")
     assert (problem.message, problem.hint) == ("no relation matches 'Gaer*'", "relations are: Gear 1")
-    _, notes = related(robot, gear={"drop": True})
-    assert notes.problems[0].hint == "relations are: none"
+    _, log = related(robot, gear={"drop": True})
+    assert log.problems[0].hint == "relations are: none"
     assert not told(related(robot, **{"*": {"drop": True}})[1])
 
 
@@ -201,9 +201,9 @@ def test_what_is_dropped_is_not_told_of(kind: str, names: str) -> None:
     robot, right = robot_of(r1=[0.0], r2=[0.0]), bond("GEAR", "r1", "r2", title="Right")
     wrong = bond(kind, *names.split())
     assert told(related(robot, right, wrong)[1])
-    found, notes = related(robot, right, wrong, bond={"drop": True})
+    found, log = related(robot, right, wrong, bond={"drop": True})
     assert rules(found) == [("r2", "r1", -1.0, 0.0)]
-    assert not told(notes)
+    assert not told(log)
 
 
 def test_dropping_a_relation_changes_no_name() -> None:
@@ -220,10 +220,10 @@ def test_an_offset_of_a_turn_is_the_least_that_its_limits_allow() -> None:
         joint("revolute", "base", "link_r1", [2.4], name="r1"),
         joint("revolute", "base", "link_r2", [1.2], name="r2", limits=limits),
     ]
-    found, notes = related(robot_with(joints), bond("GEAR", "r1", "r2"))
+    found, log = related(robot_with(joints), bond("GEAR", "r1", "r2"))
     assert rules(found) == [("r2", "r1", -1.0, pytest.approx(3.6))]
     assert found.dofs[1].saved == pytest.approx(1.2)
-    assert told(notes) == ["W-RELATION-OFFSET"]
+    assert told(log) == ["W-RELATION-OFFSET"]
 
 
 def test_a_part_goes_where_an_offset_of_the_users_puts_it() -> None:
@@ -238,20 +238,20 @@ def test_a_part_goes_where_an_offset_of_the_users_puts_it() -> None:
 
 
 def test_a_follower_is_saved_at_the_turn_that_its_driver_gives() -> None:
-    found, notes = related(robot_of(r1=[2.5], r2=[-5.0 + math.tau]), bond("GEAR", "r1", "r2", ratio=2.0))
+    found, log = related(robot_of(r1=[2.5], r2=[-5.0 + math.tau]), bond("GEAR", "r1", "r2", ratio=2.0))
     assert rules(found) == [("r2", "r1", -2.0, 0.0)]
     assert found.dofs[1].saved == pytest.approx(-5.0)
-    assert not told(notes)
+    assert not told(log)
 
 
 def test_a_screw_far_out_has_turned_often() -> None:
     """23 mm at 5 mm a turn: the pose shows the turn only up to whole ones, the slide shows which."""
     angle = -23 / 5 * math.tau
     robot = robot_of(c1=[0.023, math.remainder(angle, math.tau)], r1=[0.1])
-    found, notes = related(robot, bond("SCREW", "c1", length=0.005))
+    found, log = related(robot, bond("SCREW", "c1", length=0.005))
     assert rules(found) == [("c1_slide", "c1_turn", pytest.approx(-0.005 / math.tau), 0.0)]
     assert {d.name: d.saved for d in found.dofs}["c1_turn"] == pytest.approx(angle)
-    assert not told(notes)
+    assert not told(log)
 
 
 def test_a_motor_that_turns_a_screw_by_a_gear_has_turned_as_the_slide_tells() -> None:
@@ -259,9 +259,9 @@ def test_a_motor_that_turns_a_screw_by_a_gear_has_turned_as_the_slide_tells() ->
     motor = -angle / 3 * 2
     robot = robot_of(c1=[0.023, math.remainder(angle, math.tau)], r1=[math.remainder(motor, math.tau)])
     bonds = bond("GEAR", "r1", "c1", ratio=1.5, title="A"), bond("SCREW", "c1", length=0.005, title="B")
-    found, notes = related(robot, *bonds)
+    found, log = related(robot, *bonds)
     saved = {dof.name: dof.saved for dof in found.dofs}
-    assert not told(notes)
+    assert not told(log)
     assert [(one.name, one.follower, one.driver) for one in found.relations] == [
         ("b", "c1_slide", "r1"),
         ("a", "c1_turn", "r1"),
@@ -274,21 +274,21 @@ def test_a_motor_that_turns_a_screw_by_a_gear_has_turned_as_the_slide_tells() ->
 def test_a_chain_is_flattened_with_its_offsets() -> None:
     robot = robot_of(r1=[0.1], r2=[0.4], r3=[-1.0])
     bonds = bond("GEAR", "r1", "r2", ratio=2, title="A"), bond("GEAR", "r2", "r3", ratio=3, title="B")
-    found, notes = related(robot, *bonds)
+    found, log = related(robot, *bonds)
     assert rules(found) == [
         ("r2", "r1", -2.0, pytest.approx(0.6)),
         ("r3", "r1", 6.0, pytest.approx(-1.6)),
     ]
-    assert told(notes) == ["W-RELATION-OFFSET"] * 2
+    assert told(log) == ["W-RELATION-OFFSET"] * 2
 
 
 def test_what_two_would_drive_drives_the_second_whatever_their_order() -> None:
     robot = robot_of(r0=[0.4], r1=[-0.2], r2=[0.1])
     bonds = [bond("GEAR", "r0", "r1", ratio=0.5, title="A"), bond("GEAR", "r2", "r1", ratio=2, title="B")]
     for order in (bonds, bonds[::-1]):
-        found, notes = related(robot, *order)
+        found, log = related(robot, *order)
         assert rules(found) == [("r1", "r0", -0.5, 0.0), ("r2", "r0", 0.25, 0.0)]
-        assert not told(notes)
+        assert not told(log)
 
 
 def test_a_chain_that_is_drawn_from_its_end_is_driven_from_its_start() -> None:
@@ -300,8 +300,8 @@ def test_a_chain_that_is_drawn_from_its_end_is_driven_from_its_start() -> None:
 def test_a_bond_that_is_turned_round_keeps_its_offset() -> None:
     robot = robot_of(r0=[0.3], r1=[0.1], r2=[0.9 / 7])
     bonds = [bond("GEAR", "r0", "r1", ratio=3, title="A"), bond("GEAR", "r2", "r1", ratio=7, title="B")]
-    found, notes = related(robot, *bonds)
-    assert [one.message.split(" of ")[1].split()[0] for one in notes.found] == ["1", "1"]
+    found, log = related(robot, *bonds)
+    assert [one.message.split(" of ")[1].split()[0] for one in log.found] == ["1", "1"]
     assert rules(found) == [("r1", "r0", -3.0, pytest.approx(1.0)), ("r2", "r0", pytest.approx(3 / 7), 0.0)]
 
 
@@ -309,8 +309,8 @@ def test_trees_are_turned_to_one_driver_where_turning_one_bond_is_not_enough() -
     robot = robot_of(r1=[0.0], r2=[0.0], r3=[0.0], r4=[0.0])
     pairs = [("r1", "r2"), ("r3", "r4"), ("r2", "r4")]
     bonds = [bond("GEAR", *pair, title=f"G{n}", ratio=2) for n, pair in enumerate(pairs)]
-    found, notes = related(robot, *bonds)
-    assert not told(notes)
+    found, log = related(robot, *bonds)
+    assert not told(log)
     assert rules(found) == [("r2", "r1", -2, 0), ("r3", "r1", -2, 0), ("r4", "r1", 4, 0)]
     assert [one.name for one in found.relations] == ["g0", "g1", "g2"]
 
@@ -318,8 +318,8 @@ def test_trees_are_turned_to_one_driver_where_turning_one_bond_is_not_enough() -
 @pytest.mark.parametrize("pairs", [["r1 r2", "r2 r1"], ["r1 r2", "r1 r2"], ["r1 r2", "r2 r3", "r3 r1"]])
 def test_dofs_that_are_related_twice_are_refused(pairs: list[str]) -> None:
     bonds = [bond("GEAR", *pair.split(), title=f"G{n}") for n, pair in enumerate(pairs)]
-    _, notes = related(robot_of(r1=[0.0], r2=[0.0], r3=[0.0]), *bonds)
-    assert [(p.code, p.where) for p in notes.problems] == [("E-RELATION", f"G{len(pairs) - 1}")]
+    _, log = related(robot_of(r1=[0.0], r2=[0.0], r3=[0.0]), *bonds)
+    assert [(p.code, p.where) for p in log.problems] == [("E-RELATION", f"G{len(pairs) - 1}")]
 
 
 def test_names_are_free_and_do_not_depend_on_the_order() -> None:
@@ -338,9 +338,9 @@ def test_limits_that_exclude_what_the_driver_gives_are_told() -> None:
         [limited("r1", 0.5, 1.0), limited("r2", 0.0, 3.0), limited("r3", None, -0.9), limited("r4", None, -2)]
     )
     bonds = [bond("GEAR", "r1", name, title=name) for name in ("r2", "r3", "r4")]
-    _, notes = related(robot, *bonds)
-    assert [(one.code, one.where) for one in notes.found] == [
+    _, log = related(robot, *bonds)
+    assert [(one.code, one.where) for one in log.found] == [
         ("W-RELATION-LIMIT", "r2"),
         ("W-RELATION-LIMIT", "r4"),
     ]
-    assert "[-1, -0.5]" in notes.found[0].message
+    assert "[-1, -0.5]" in log.found[0].message

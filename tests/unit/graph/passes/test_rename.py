@@ -7,7 +7,7 @@ from stages.graph.dofs import dofs_of
 from stages.graph.keys import NamesKeys
 from stages.graph.mechanism import Body, Bond, Coupling, Marker, Mechanism
 from stages.graph.passes.rename import renamed
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import MateRef, Provenance
 
 POSE = np.eye(4)
@@ -43,8 +43,8 @@ MECHANISM = Mechanism(
 
 
 def called(links=None, joints=None):
-    notes = Notes()
-    return renamed(MECHANISM, NamesKeys(links=links or {}, joints=joints or {}), notes), notes
+    log = Diagnostics()
+    return renamed(MECHANISM, NamesKeys(links=links or {}, joints=joints or {}), log), log
 
 
 def links(mechanism):
@@ -53,28 +53,28 @@ def links(mechanism):
 
 @pytest.mark.parametrize("entry", ["base", "Base plate", "Base plate <1>", "Base*", "Arm <1>/*"])
 def test_a_link_is_found_by_its_name_its_titles_or_a_glob(entry):
-    made, notes = called({entry: "trunk"})
-    assert notes.problems == []
+    made, log = called({entry: "trunk"})
+    assert log.problems == []
     assert links(made) == ["trunk", "upper_arm_v2", "foot", "foot_2", "world"]
     assert [one.name for one in made.couplings] == [one.name for one in MECHANISM.couplings]
 
 
 def test_the_name_that_a_link_has_goes_before_globs_and_titles():
-    made, notes = called({"foot": "left_foot"})
-    assert notes.problems == []
+    made, log = called({"foot": "left_foot"})
+    assert log.problems == []
     assert links(made)[2:4] == ["left_foot", "foot_2"]
 
 
 def test_names_may_be_swapped():
-    made, notes = called({"foot": "foot_2", "foot_2": "foot"})
-    assert notes.problems == []
+    made, log = called({"foot": "foot_2", "foot_2": "foot"})
+    assert log.problems == []
     assert links(made)[2:4] == ["foot_2", "foot"]
 
 
 @pytest.mark.parametrize("entry", ["piston", "Leg <1>/Piston"])
 def test_a_joint_takes_its_dofs_and_bonds_with_it(entry):
-    made, notes = called(joints={entry: "drive"})
-    assert notes.problems == []
+    made, log = called(joints={entry: "drive"})
+    assert log.problems == []
     assert [one.name for one in made.couplings] == ["revolute_3", "drive", "leg_2_piston"]
     assert [dof.name for dof in made.couplings[1].dofs] == ["drive_slide", "drive_turn"]
     assert made.bonds[0].couplings == ("drive", "")
@@ -104,13 +104,13 @@ def test_the_dof_of_a_hinge_is_called_as_the_hinge():
     ],
 )
 def test_a_name_that_cannot_be_given_is_told(asked, told):
-    _, notes = called(**asked)
-    (problem,) = notes.problems
+    _, log = called(**asked)
+    (problem,) = log.problems
     assert (problem.code, problem.where) == told[:2]
     assert told[2] in problem.message
     assert problem.hint or "world" in problem.message
 
 
 def test_several_hits_are_listed():
-    _, notes = called({"*Foot*": "x"})
-    assert notes.problems[0].hint == "name one of: foot, foot_2"
+    _, log = called({"*Foot*": "x"})
+    assert log.problems[0].hint == "name one of: foot, foot_2"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from stages.graph.passes.zero_pose import zeroed
-from stages.robot.diagnostics import Notes
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import chain, link_poses, rest_configuration, saved_configuration
 from stages.robot.model import Limits, Relation, Robot
 from stages.robot.poses import at_rest, from_parts, rotation_from_quat
@@ -54,7 +54,7 @@ def every_joint(seed: int) -> Robot:
 @pytest.mark.parametrize("seed", range(3))
 def test_every_link_is_where_it_was_at_values_counted_from_the_saved_pose(seed: int) -> None:
     robot = every_joint(seed)
-    moved = zeroed(robot, Notes())
+    moved = zeroed(robot, Diagnostics())
     q = some_values(robot, np.random.default_rng(seed + 100))
     saved = saved_configuration(robot)
     both = {name: after(saved[name], q[name]) for name in q}
@@ -71,7 +71,7 @@ def test_every_link_is_where_it_was_at_values_counted_from_the_saved_pose(seed: 
 def test_loops_close_at_values_counted_from_the_saved_pose() -> None:
     rng = np.random.default_rng(7)
     robot = every_joint(3)
-    for before, now in zip(robot.loops, zeroed(robot, Notes()).loops, strict=True):
+    for before, now in zip(robot.loops, zeroed(robot, Diagnostics()).loops, strict=True):
         q = {dof.name: some_value(dof.kind, rng) for dof in before.dofs}
         both = {dof.name: after(dof.saved, q[dof.name]) for dof in before.dofs}
         found = now.b_from_frame @ chain(now.dofs, q)
@@ -91,7 +91,7 @@ def test_limits_and_relations_say_the_same_of_the_shifted_values() -> None:
             Relation("b", "three_joint", "one_joint", -2.0, 0.7),
         ],
     )
-    moved = zeroed(robot, Notes())
+    moved = zeroed(robot, Diagnostics())
     one, two, three = moved.dofs
     assert (one.limits, two.limits, three.limits) == (
         Limits(-1.5, None),
@@ -111,10 +111,10 @@ def test_a_ball_with_a_cone_keeps_its_zero_and_says_so() -> None:
     turned = (0.8, 0.6, 0.0, 0.0)
     limits = {"one_joint": Limits(None, 2.0)}
     robot = robot_with([joint("ball", "base", "one", [turned], limits=limits)])
-    notes = Notes()
-    (dof,) = zeroed(robot, notes).dofs
+    log = Diagnostics()
+    (dof,) = zeroed(robot, log).dofs
     assert (dof.saved, dof.limits) == (turned, limits["one_joint"])
-    assert [(one.code, one.where) for one in notes.found] == [("W-ZERO", "one_joint")]
-    notes = Notes()
-    zeroed(robot_with([joint("ball", "base", "one", limits=limits)]), notes)
-    assert not notes.found
+    assert [(one.code, one.where) for one in log.found] == [("W-ZERO", "one_joint")]
+    log = Diagnostics()
+    zeroed(robot_with([joint("ball", "base", "one", limits=limits)]), log)
+    assert not log.found
