@@ -14,7 +14,7 @@ from pipeline.caching import actions, bundles
 from pipeline.caching.actions import Action, Cache, Files
 from pipeline.config.choices import name_of
 from pipeline.config.plan import Plan
-from pipeline.context import NOTES, Bench
+from pipeline.context import NOTES, BuildContext
 from pipeline.disk_space import LEAST
 from pipeline.early_imports import Ahead
 from pipeline.errors import (
@@ -29,7 +29,7 @@ from pipeline.errors import (
 from pipeline.output.folder import FAILED, Output
 from pipeline.preflight import beforehand, destination, foreseen, suffix_of
 from pipeline.products import digests, products
-from pipeline.progress import Both, Log, Progress, Quiet
+from pipeline.progress import Log, Progress, Quiet, Tee
 from pipeline.report import Report, StageReport, Status
 from pipeline.stage import STAGES, Stage, libraries, stages_until
 from stages.fetch import remarks
@@ -62,11 +62,11 @@ def build(
     stages = stages_until(plan.until, stages)
     suffix = suffix_of(plan)
     log = Log(environ)
-    told = Both(log, progress or Quiet())
-    run = Run(plan, f"{plan.folder}{suffix}", log, told)
+    shown = Tee(log, progress or Quiet())
+    run = Run(plan, f"{plan.folder}{suffix}", log, shown)
     wrong = beforehand(plan, environ, stages)
     try:
-        output = destination(plan, environ, lambda line: told.tell("output", line))
+        output = destination(plan, environ, lambda line: shown.detail("output", line))
     except ConfigError as error:
         if not wrong:
             raise
@@ -80,16 +80,16 @@ def build(
         with actions.opened(plan.cache.mode, plan.cache.dir, environ) as store:
             # Beside the cache that lasts, also where this build does not use it.
             ledger = actions.folder(plan.cache.dir, environ) / LEDGER
-            bench = Bench(plan, store, environ, ledger=ledger, began=began)
+            context = BuildContext(plan, store, environ, ledger=ledger, began=began)
             ahead = Ahead(module for stage in stages for module in stage.modules)
-            bench.ahead = ahead.start
-            bench.room = functools.partial(require_room, store, output, suffix)
+            context.import_ahead = ahead.start
+            context.require_room = functools.partial(require_room, store, output, suffix)
             for stage in stages:
-                run.stage(stage, bench)
+                run.stage(stage, context)
                 ahead.wait()
-            files = products(bench)
+            files = products(context)
             log.secrets.check(files)
-            done = run.finished(bench, files)
+            done = run.finished(context, files)
             output.publish({**files, **run.documents(done, files)}, suffix, done.outputs)
     except Exception as error:
         # What was built and cannot be put into its place is kept there.
@@ -109,13 +109,13 @@ def require_room(store: Cache, output: Output, suffix: str) -> None:
         pass
 
 
-def perform(stage: Stage, bench: Bench) -> tuple[Files, bool]:
+def perform(stage: Stage, context: BuildContext) -> tuple[Files, bool]:
     """The stage's files, and whether they came from the cache."""
-    config = stage.config(bench)
+    config = stage.config(context)
     if config is None:
-        return bench.cache.keep(stage.run(bench)), False
-    action = Action(stage.name, stage.version, config, stage.inputs(bench), libraries(stage))
-    return bench.cache.run(action, lambda: stage.run(bench), anew=stage.anew(bench))
+        return context.cache.keep(stage.run(context)), False
+    action = Action(stage.name, stage.version, config, stage.inputs(context), libraries(stage))
+    return context.cache.run(action, lambda: stage.run(context), force=stage.force(context))
 
 
 @dataclass(slots=True)
@@ -145,18 +145,18 @@ class Run:
         """Whether somebody named the robot; else its name is made of its source."""
         return self.plan.name != name_of({"url": self.source.get("url")})
 
-    def stage(self, stage: Stage, bench: Bench) -> None:
+    def stage(self, stage: Stage, context: BuildContext) -> None:
         """Performs one stage, timed, and takes down what it found."""
-        bench.tell = bench.cache.tell = lambda line: self.progress.tell(stage.name, line)
-        bench.passing = lambda line: self.progress.passing(stage.name, line)
-        self.calls = bench.calls
+        context.detail = context.cache.on_wait = lambda line: self.progress.detail(stage.name, line)
+        context.transient = lambda line: self.progress.transient(stage.name, line)
+        self.calls = context.calls
         self.progress.start(stage.name)
         start = time.perf_counter()
-        files, cached = perform(stage, bench)
+        files, cached = perform(stage, context)
         seconds = time.perf_counter() - start
-        bench.files[stage.name] = files
+        context.files[stage.name] = files
         if stage.name == "fetch":
-            self.bundle = {"manifest": bundles.remember(bench.cache, files)}
+            self.bundle = {"manifest": bundles.remember(context.cache, files)}
         if stage.name == "graph":
             self.shown = {name: files[name].decode() for name in VIEWS if name in files}
         found = json.loads(files[NOTES])
@@ -164,7 +164,7 @@ class Run:
         self.source |= found.get("source", {})
         self.stale = self.stale or found.get("stale", False)
         if cached:
-            bench.calls["saved"] += found.get("calls", 0)
+            context.calls["saved"] += found.get("calls", 0)
         self.note(codec.decode_diagnostics(found["diagnostics"]))
         done = StageReport(stage.name, cached, round(seconds, 4), found["summary"])
         self.stages.append(done)
@@ -177,11 +177,11 @@ class Run:
                 self.diagnostics.append(diagnostic)
                 self.log.line(f"{diagnostic.code} {diagnostic.where}: {diagnostic.message}")
 
-    def finished(self, bench: Bench, files: Mapping[str, bytes]) -> Report:
+    def finished(self, context: BuildContext, files: Mapping[str, bytes]) -> Report:
         """The report of a build whose stages all ran and that hands out `files`."""
         checks: tuple[Check, ...] = ()
-        if "validate" in bench.files:
-            checks = codec.decode_checks(bench.files["validate"]["checks.json"])
+        if "validate" in context.files:
+            checks = codec.decode_checks(context.files["validate"]["checks.json"])
             checks += self.strict_checks()
         for check in checks:
             self.log.line(f"{'passed' if check.passed else 'FAILED'} {check.name}: {check.detail}")
@@ -192,7 +192,7 @@ class Run:
             status=status,
             exit_status=0 if status == "built" else 3,
             checks=checks,
-            outputs=digests(bench, files),
+            outputs=digests(context, files),
         )
 
     def strict_checks(self) -> tuple[Check, ...]:
@@ -271,7 +271,7 @@ def leave_failure(output: Output, run: Run, error: Exception, files: Mapping[str
         place = output.publish({**files, **run.documents(failed, files)}, FAILED)
     except LinkwrightError as second:
         # The first error is the one to raise.
-        run.progress.tell("output", f"no report is left of this failure: {second}")
+        run.progress.detail("output", f"no report is left of this failure: {second}")
     else:
         for line in report.epitaph(failed, place):
             error.add_note(line)

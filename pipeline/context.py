@@ -1,4 +1,4 @@
-"""What a stage works with and leaves behind: files first, values only where they are needed."""
+"""What a stage reads and writes: files first, values decoded only where they are needed."""
 
 import functools
 import json
@@ -19,16 +19,16 @@ if TYPE_CHECKING:
 NOTES = "notes.json"
 ROBOT = "robot.json"
 FILES = "files/"
-"""Below this lie the files that the export stage hands to the user."""
+"""The folder of the files that the export stage writes for the user."""
 
 
-class Bench:
-    """What a stage works with: the plan, the earlier stages' files, and the cache for its parts.
+class BuildContext:
+    """What a stage works with: the plan, the files of earlier stages, and the cache.
 
-    `calls` counts the API calls of this build (as `Report.calls`); a stage tells what it does through
-    `tell`, and through `passing` what the next line replaces. `ledger` is the folder that takes down all
-    calls of all builds, None where nothing does; `began`: when the sweep started that this build is a job
-    of [s since the epoch].
+    `calls` counts the API calls of this build (as `Report.calls`). `detail` shows and logs a line about
+    what the stage does; `transient` shows one that the next line replaces. `ledger`: the folder that
+    records the calls of all builds, None where nothing records them; `began`: when the sweep started
+    whose job this build is [s since the epoch].
     """
 
     def __init__(
@@ -36,22 +36,22 @@ class Bench:
         plan: Plan,
         cache: Cache,
         environ: Mapping[str, str],
-        tell: Callable[[str], None] = lambda _: None,
+        detail: Callable[[str], None] = lambda _: None,
         ledger: Path | None = None,
         began: float | None = None,
     ) -> None:
         self.plan = plan
         self.cache = cache
         self.environ = environ
-        self.tell = tell
-        self.passing: Callable[[str], None] = lambda _: None
+        self.detail = detail
+        self.transient: Callable[[str], None] = lambda _: None
         self.files: dict[str, Files] = {}
         self.ledger = ledger
         self.began = began
-        self.ahead: Callable[[], None] = lambda: None
-        """Called by a stage that waits for others and has seen that the later stages will run."""
-        self.room: Callable[[], None] = lambda: None
-        """Called by a stage before it spends calls: raises where there is no room for what they give."""
+        self.import_ahead: Callable[[], None] = lambda: None
+        """Called by a stage that waits for the network when it knows that the later stages will run."""
+        self.require_room: Callable[[], None] = lambda: None
+        """Called by a stage before it spends API calls: raises where a disk has no room for the replies."""
         self.calls: dict[str, Any] = {"made": 0, "saved": 0}
 
     def digests(self, stage: str) -> dict[str, str]:
@@ -70,7 +70,7 @@ class Bench:
 
     @property
     def geometry(self) -> "Geometry":
-        """Decoded each time that it is asked for: it is large, and one stage reads it."""
+        """The meshes, decoded at each access: they are large, and only one stage reads them."""
         return codec.decode_geometry(self.files["mesh"])
 
 

@@ -3,35 +3,35 @@
 from collections.abc import Mapping
 
 from pipeline.caching.store import sha256
-from pipeline.context import FILES, ROBOT, Bench
+from pipeline.context import FILES, ROBOT, BuildContext
 from pipeline.stage import STAGES, libraries
 from stages.graph.view.views import PICTURE
 
 
-def products(bench: Bench) -> dict[str, bytes]:
+def products(context: BuildContext) -> dict[str, bytes]:
     """What the build hands to the user: the exported files, or before those the robot alone; and its
     picture."""
     files: dict[str, bytes] = {}
-    if "export" in bench.files:
-        files = dict(bench.files["export"].below(FILES))
-    elif "graph" in bench.files:
-        files = {"robot.json": described(bench)}
-    if "graph" in bench.files and PICTURE in bench.files["graph"]:
-        files[PICTURE] = bench.files["graph"][PICTURE]
+    if "export" in context.files:
+        files = dict(context.files["export"].below(FILES))
+    elif "graph" in context.files:
+        files = {"robot.json": described(context)}
+    if "graph" in context.files and PICTURE in context.files["graph"]:
+        files[PICTURE] = context.files["graph"][PICTURE]
     return files
 
 
-def digests(bench: Bench, files: Mapping[str, bytes]) -> dict[str, str]:
+def digests(context: BuildContext, files: Mapping[str, bytes]) -> dict[str, str]:
     """The SHA-256 of each product; most are known, since the cache has the files by them."""
     known: dict[str, str] = {}
-    if "export" in bench.files:
-        known = bench.files["export"].below(FILES).digests
+    if "export" in context.files:
+        known = context.files["export"].below(FILES).digests
     if PICTURE in files:
-        known[PICTURE] = bench.files["graph"].digests[PICTURE]
+        known[PICTURE] = context.files["graph"].digests[PICTURE]
     return {path: known.get(path) or sha256(data) for path, data in sorted(files.items())}
 
 
-def described(bench: Bench) -> bytes:
+def described(context: BuildContext) -> bytes:
     """The robot alone as the export stage writes it; kept, so that it costs no import again."""
     from stages.export import VERSION
 
@@ -39,8 +39,8 @@ def described(bench: Bench) -> bytes:
         from stages.export.robot_json import describe
         from stages.export.start_pose import starting_point
 
-        return describe(bench.robot, starting_point(bench.robot))
+        return describe(context.robot, starting_point(context.robot))
 
     export = next(stage for stage in STAGES if stage.name == "export")
-    memo = bench.cache.memo("export", VERSION, libraries(export))
-    return memo("description", {"robot": bench.files["graph"].digests[ROBOT]}, make)
+    memo = context.cache.memo("export", VERSION, libraries(export))
+    return memo("description", {"robot": context.files["graph"].digests[ROBOT]}, make)

@@ -1,4 +1,4 @@
-"""What a build tells while it runs: to the terminal, and to `build.log`."""
+"""The progress of a build: on the terminal, and in `build.log`."""
 
 import time
 from collections.abc import Mapping
@@ -11,16 +11,17 @@ from stages.robot.printable import printable
 
 
 class Progress(Protocol):
-    """Hears of each stage in turn. `close` is always called at the end, also after an error.
+    """Shows each stage in turn. `close` is always called at the end, also after an error.
 
-    What is `passing` adds to the line that was told last, until the next comes.
+    `detail` shows a line about the stage that runs; `transient` adds to the last such line, until the
+    next one.
     """
 
     def start(self, stage: str) -> None: ...
 
-    def tell(self, stage: str, line: str) -> None: ...
+    def detail(self, stage: str, line: str) -> None: ...
 
-    def passing(self, stage: str, line: str) -> None: ...
+    def transient(self, stage: str, line: str) -> None: ...
 
     def done(self, stage: StageReport) -> None: ...
 
@@ -34,15 +35,15 @@ def sentence(stage: StageReport) -> str:
 
 
 class Quiet:
-    """Tells nothing: for sweeps and for use as a library."""
+    """Shows nothing: for sweeps and for use as a library."""
 
     def start(self, stage: str) -> None:
         pass
 
-    def tell(self, stage: str, line: str) -> None:
+    def detail(self, stage: str, line: str) -> None:
         pass
 
-    def passing(self, stage: str, line: str) -> None:
+    def transient(self, stage: str, line: str) -> None:
         pass
 
     def done(self, stage: StageReport) -> None:
@@ -53,12 +54,12 @@ class Quiet:
 
 
 class Lines(Quiet):
-    """One plain line for a stage that ended and for what it told on the way."""
+    """One plain line for each stage that ended, and for each detail on the way."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = clean(stream)
 
-    def tell(self, stage: str, line: str) -> None:
+    def detail(self, stage: str, line: str) -> None:
         print(f"{stage:<8}     {printable(line)}", file=self._stream, flush=True)
 
     def done(self, stage: StageReport) -> None:
@@ -74,24 +75,24 @@ class Terminal(Quiet):
         self._clean = clean(stream).clean
         self._console = Console(file=clean(stream).raw, highlight=False)
         self._status: Any = None
-        self._said = ""
+        self._last = ""
 
     def start(self, stage: str) -> None:
         self.close()
-        self._said = stage
+        self._last = stage
         self._status = self._console.status(stage)
         self._status.start()
 
-    def tell(self, stage: str, line: str) -> None:
-        self._said = self._clean(f"{stage}: {printable(line)}")
+    def detail(self, stage: str, line: str) -> None:
+        self._last = self._clean(f"{stage}: {printable(line)}")
         if self._status is None:
-            self._console.print(self._said, markup=False)
+            self._console.print(self._last, markup=False)
         else:
-            self._update(self._said)
+            self._update(self._last)
 
-    def passing(self, stage: str, line: str) -> None:
+    def transient(self, stage: str, line: str) -> None:
         if self._status is not None:
-            self._update(f"{self._said} ({self._clean(printable(line))})")
+            self._update(f"{self._last} ({self._clean(printable(line))})")
 
     def _update(self, text: str) -> None:
         from rich.markup import escape
@@ -124,7 +125,7 @@ class Log(Quiet):
     def line(self, text: str) -> None:
         self._lines.append(f"{time.perf_counter() - self._start:9.3f}  {printable(text)}")
 
-    def tell(self, stage: str, line: str) -> None:
+    def detail(self, stage: str, line: str) -> None:
         self.line(f"{stage}: {line}")
 
     def done(self, stage: StageReport) -> None:
@@ -135,8 +136,8 @@ class Log(Quiet):
         return (self.secrets.blanked("\n".join(self._lines)) + "\n").encode()
 
 
-class Both(Quiet):
-    """Tells the terminal and the log."""
+class Tee(Quiet):
+    """Passes everything on to several displays."""
 
     def __init__(self, *to: Progress) -> None:
         self._to = to
@@ -145,13 +146,13 @@ class Both(Quiet):
         for one in self._to:
             one.start(stage)
 
-    def tell(self, stage: str, line: str) -> None:
+    def detail(self, stage: str, line: str) -> None:
         for one in self._to:
-            one.tell(stage, line)
+            one.detail(stage, line)
 
-    def passing(self, stage: str, line: str) -> None:
+    def transient(self, stage: str, line: str) -> None:
         for one in self._to:
-            one.passing(stage, line)
+            one.transient(stage, line)
 
     def done(self, stage: StageReport) -> None:
         for one in self._to:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from pipeline.caching import bundles
 from pipeline.config.plan import Plan, section
-from pipeline.context import FILES, NOTES, ROBOT, Bench, count, notes
+from pipeline.context import FILES, NOTES, ROBOT, BuildContext, count, notes
 from stages.robot import codec
 from stages.robot.errors import ConfigError
 
@@ -53,20 +53,20 @@ class Stage(Protocol):
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         """ConfigError for what is wrong before the first stage runs."""
 
-    def config(self, bench: Bench) -> Any:
-        """The stage's part of the plan, as plain data; None where the result must be made anew."""
+    def config(self, context: BuildContext) -> Any:
+        """The stage's part of the plan, as plain data; None where the result must not come from the cache."""
 
-    def anew(self, bench: Bench) -> bool:
+    def force(self, context: BuildContext) -> bool:
         """Whether the stage runs even where its result is in the cache, and replaces it."""
 
-    def inputs(self, bench: Bench) -> Mapping[str, str]:
+    def inputs(self, context: BuildContext) -> Mapping[str, str]:
         """The digests of the files that the stage reads."""
 
-    def run(self, bench: Bench) -> dict[str, bytes]:
+    def run(self, context: BuildContext) -> dict[str, bytes]:
         """The stage's files, by relative path."""
 
 
-class Common:
+class StageBase:
     """What most stages have in common."""
 
     name: str
@@ -81,11 +81,11 @@ class Common:
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         pass
 
-    def anew(self, bench: Bench) -> bool:
+    def force(self, context: BuildContext) -> bool:
         return False
 
 
-class Fetch(Common):
+class FetchStage(StageBase):
     name = "fetch"
     modules = ("stages.fetch.onshape.triangles.faces",)
 
@@ -97,56 +97,56 @@ class Fetch(Common):
             msg = "variables cannot be set without a cache: it remembers what to put back"
             raise ConfigError(msg, "source.variables", "leave out cache.mode=bypass")
 
-    def config(self, bench: Bench) -> Any:
+    def config(self, context: BuildContext) -> Any:
         from stages.fetch import pinned
 
-        identity = pinned(bench.plan, bench.environ)
+        identity = pinned(context.plan, context.environ)
         return None if identity is None else {"pinned": identity}
 
-    def anew(self, bench: Bench) -> bool:
+    def force(self, context: BuildContext) -> bool:
         from stages.fetch import anew
 
-        return anew(bench.plan)
+        return anew(context.plan)
 
-    def inputs(self, bench: Bench) -> Mapping[str, str]:
+    def inputs(self, context: BuildContext) -> Mapping[str, str]:
         return {}
 
-    def run(self, bench: Bench) -> dict[str, bytes]:
+    def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.fetch import fetch, spends
         from stages.fetch.onshape.call_budget import Calls
 
-        if spends(bench.plan):
-            bench.room()
+        if spends(context.plan):
+            context.require_room()
         calls = Calls()
         try:
             fetched = fetch(
-                bench.plan,
-                bench.cache.replies(),
-                bench.environ,
-                bench.tell,
-                bench.ledger,
+                context.plan,
+                context.cache.replies(),
+                context.environ,
+                context.detail,
+                context.ledger,
                 calls,
-                began=bench.began,
-                while_waiting=bench.ahead,
-                passing=bench.passing,
+                began=context.began,
+                while_waiting=context.import_ahead,
+                passing=context.transient,
             )
         finally:
             # Also what a fetch spent that failed.
-            bench.calls |= {"made": calls.made, "saved": calls.saved}
+            context.calls |= {"made": calls.made, "saved": calls.saved}
             if calls.made:
-                bench.calls |= {
+                context.calls |= {
                     "counted_this_year": calls.year,
                     "remaining": dict(calls.remaining),
                     "served": dict(calls.served),
                     "waited": round(calls.waited, 1),
                 }
         bundle = fetched.bundle
-        bench.cache.check(bundles.named(bundle))
+        context.cache.check(bundles.named(bundle))
         size = sum(len(body) for body in bundle.blobs.values())
         return {
             **codec.encode_bundle(bundle),
             NOTES: notes(
-                f"{_held(bundle)}, {size / 1e6:.2f} MB",
+                f"{_contents(bundle)}, {size / 1e6:.2f} MB",
                 fetched.diagnostics,
                 source={**bundle.root, **({"title": fetched.title} if fetched.title else {})},
                 calls=fetched.calls + fetched.saved,
@@ -155,7 +155,7 @@ class Fetch(Common):
         }
 
 
-def _held(bundle: "Bundle") -> str:
+def _contents(bundle: "Bundle") -> str:
     """What a bundle holds, in words."""
     if bundle.kind == "onshape":
         replies = count(len(bundle.blobs), "reply", "replies")
@@ -163,25 +163,25 @@ def _held(bundle: "Bundle") -> str:
     return f"{bundle.root['document']} and {count(len(bundle.requests) - 1, 'mesh', 'meshes')}"
 
 
-class Graph(Common):
+class GraphStage(StageBase):
     name = "graph"
     libraries = ("numpy", "scipy", "networkx", "lxml")
     modules = ("stages.graph.build", "stages.graph.view.views")
 
-    def config(self, bench: Bench) -> Any:
+    def config(self, context: BuildContext) -> Any:
         from stages.graph.keys import GraphKeys
 
-        return section(bench.plan, GraphKeys)
+        return section(context.plan, GraphKeys)
 
-    def inputs(self, bench: Bench) -> Mapping[str, str]:
+    def inputs(self, context: BuildContext) -> Mapping[str, str]:
         # The manifest names every reply by its digest.
-        return {"manifest": bench.files["fetch"].digests["manifest.json"]}
+        return {"manifest": context.files["fetch"].digests["manifest.json"]}
 
-    def run(self, bench: Bench) -> dict[str, bytes]:
+    def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.graph import build_robot
         from stages.graph.view.views import views
 
-        robot = build_robot(bench.bundle, bench.plan)
+        robot = build_robot(context.bundle, context.plan)
         figures = {
             "links": len(robot.links),
             "joints": len(robot.joints),
@@ -202,26 +202,26 @@ class Graph(Common):
         }
 
 
-class Mesh(Common):
+class MeshStage(StageBase):
     name = "mesh"
     libraries = ("numpy", "scipy")
     modules = ("stages.mesh.geometry", "scipy.spatial", "scipy.sparse.csgraph")
 
-    def config(self, bench: Bench) -> Any:
+    def config(self, context: BuildContext) -> Any:
         from stages.mesh.keys import MeshKeys
 
-        return section(bench.plan, MeshKeys)
+        return section(context.plan, MeshKeys)
 
-    def inputs(self, bench: Bench) -> Mapping[str, str]:
+    def inputs(self, context: BuildContext) -> Mapping[str, str]:
         # The robot names each tessellation by its digest. It is taken whole: what a robot changes
         # without touching a part costs a run of this stage, but each part's work is in the memo.
-        return bench.digests("graph")
+        return context.digests("graph")
 
-    def run(self, bench: Bench) -> dict[str, bytes]:
+    def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.mesh import make_geometry
 
-        memo = bench.cache.memo(self.name, self.version, libraries(self))
-        geometry = make_geometry(bench.robot, bench.bundle, bench.plan, memo)
+        memo = context.cache.memo(self.name, self.version, libraries(self))
+        geometry = make_geometry(context.robot, context.bundle, context.plan, memo)
         triangles = sum(shape.faces for shape in geometry.shapes)
         figures = {"meshes": len(geometry.files), "triangles": triangles}
         summary = f"{count(len(geometry.files), 'mesh', 'meshes')}, {count(triangles, 'triangle')}"
@@ -231,23 +231,23 @@ class Mesh(Common):
         }
 
 
-class Export(Common):
+class ExportStage(StageBase):
     name = "export"
     libraries = ("numpy", "lxml")
     modules = ("stages.export.mjcf.model", "stages.export.mjcf.scene", "stages.export.urdf.model")
 
-    def config(self, bench: Bench) -> Any:
+    def config(self, context: BuildContext) -> Any:
         from stages.export.keys import ExportKeys
 
-        return section(bench.plan, ExportKeys)
+        return section(context.plan, ExportKeys)
 
-    def inputs(self, bench: Bench) -> Mapping[str, str]:
-        return {**bench.digests("graph"), **bench.digests("mesh")}
+    def inputs(self, context: BuildContext) -> Mapping[str, str]:
+        return {**context.digests("graph"), **context.digests("mesh")}
 
-    def run(self, bench: Bench) -> dict[str, bytes]:
+    def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.export import export
 
-        exported = export(bench.robot, bench.geometry, bench.plan)
+        exported = export(context.robot, context.geometry, context.plan)
         size = sum(len(data) for data in exported.files.values())
         return {
             **{FILES + path: data for path, data in exported.files.items()},
@@ -255,24 +255,24 @@ class Export(Common):
         }
 
 
-class Validate(Common):
+class ValidateStage(StageBase):
     name = "validate"
     libraries = ("numpy", "mujoco")
     modules = ("stages.validate.checks.parts", "stages.validate.engines.mujoco_engine")
 
-    def config(self, bench: Bench) -> Any:
+    def config(self, context: BuildContext) -> Any:
         from stages.validate.keys import ValidateKeys
 
-        return section(bench.plan, ValidateKeys)
+        return section(context.plan, ValidateKeys)
 
-    def inputs(self, bench: Bench) -> Mapping[str, str]:
-        return {**bench.digests("graph"), **bench.digests("export")}
+    def inputs(self, context: BuildContext) -> Mapping[str, str]:
+        return {**context.digests("graph"), **context.digests("export")}
 
-    def run(self, bench: Bench) -> dict[str, bytes]:
+    def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.validate import validate
 
-        with bench.cache.store.scratch(bench.files["export"].below(FILES)) as folder:
-            checks = validate(folder, bench.robot, bench.plan)
+        with context.cache.store.scratch(context.files["export"].below(FILES)) as folder:
+            checks = validate(folder, context.robot, context.plan)
         passed = sum(check.passed for check in checks)
         return {
             "checks.json": codec.encode_checks(checks),
@@ -280,7 +280,7 @@ class Validate(Common):
         }
 
 
-STAGES: tuple[Stage, ...] = (Fetch(), Graph(), Mesh(), Export(), Validate())
+STAGES: tuple[Stage, ...] = (FetchStage(), GraphStage(), MeshStage(), ExportStage(), ValidateStage())
 
 
 def stages_until(name: str, stages: tuple[Stage, ...] = STAGES) -> tuple[Stage, ...]:

@@ -86,32 +86,35 @@ class Files(Mapping[str, bytes]):
 
 
 class Cache:
-    """The actions in a store. `refresh` makes everything anew once and overwrites its record.
+    """The actions in a store. `refresh` runs each action once more and overwrites its record.
 
-    `tell` hears where a build waits for another process; `check` sees all that is to be kept.
+    `on_wait` is called with a line of text while a build waits for another process; `check` judges all
+    files before they are stored.
     """
 
     def __init__(self, store: Store, mode: Mode = "use", check: Check = lambda _: None) -> None:
         self.store = store
         self.mode = mode
         self.check = check
-        self.tell: Callable[[str], None] = lambda _: None
+        self.on_wait: Callable[[str], None] = lambda _: None
         self._fresh: set[str] = set()
 
     def run(
-        self, action: Action, make: Callable[[], Mapping[str, bytes]], *, anew: bool = False
+        self, action: Action, make: Callable[[], Mapping[str, bytes]], *, force: bool = False
     ) -> tuple[Files, bool]:
         """The outputs of `action`, from the cache or from `make()`; and whether from the cache.
 
-        `anew` makes them again and overwrites the record. Of several processes that ask at once one
+        `force` makes them again and overwrites the record. Of several processes that ask at once one
         makes them and the others wait for it.
         """
         key = action.key
-        found = None if anew else self._lookup(key)
+        found = None if force else self._lookup(key)
         if found is not None:
             return found, True
-        with self.store.lock(key, lambda: self.tell(f"waiting for another build of the same {action.stage}")):
-            found = None if anew else self._lookup(key)
+        with self.store.lock(
+            key, lambda: self.on_wait(f"waiting for another build of the same {action.stage}")
+        ):
+            found = None if force else self._lookup(key)
             if found is not None:
                 return found, True
             start = time.perf_counter()

@@ -1,6 +1,6 @@
 """How Hydra reads the user's own files, and how far interpolations may grow what they say.
 
-Hydra takes any file, and OmegaConf resolves an interpolation anew wherever it is named: ten lines of
+Hydra takes any file, and OmegaConf resolves an interpolation again wherever it is named: ten lines of
 `${a}${a}...` come to as much as ten of aliases do.
 """
 

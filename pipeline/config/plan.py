@@ -44,7 +44,7 @@ class CacheKeys(Keys):
     """The cache of earlier results."""
 
     mode: Literal["use", "refresh", "bypass"] = "use"
-    """use; refresh: make everything anew and keep it; bypass: neither read nor keep."""
+    """use; refresh: make everything again and store it; bypass: neither read nor store."""
 
     dir: Text | None = None
     """The cache's folder; null: the platform's cache folder."""

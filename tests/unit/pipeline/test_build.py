@@ -44,18 +44,18 @@ class Fake:
         if self.wrong:
             raise self.wrong
 
-    def config(self, bench):
-        return {"name": bench.plan.name} if self.pinned else None
+    def config(self, context):
+        return {"name": context.plan.name} if self.pinned else None
 
-    def anew(self, bench):
+    def force(self, context):
         return False
 
-    def inputs(self, bench):
-        return {} if self.name == "fetch" else bench.digests(list(bench.files)[-1])
+    def inputs(self, context):
+        return {} if self.name == "fetch" else context.digests(list(context.files)[-1])
 
-    def run(self, bench):
+    def run(self, context):
         self.runs += 1
-        bench.tell(f"at work on {self.name}")
+        context.detail(f"at work on {self.name}")
         if self.error:
             raise self.error
         return {**self.files, NOTES: notes(f"made {self.name}", self.diagnostics, self.figures, **self.more)}
@@ -315,7 +315,7 @@ def test_progress_hears_every_stage_and_is_closed_also_after_an_error(make):
         def start(self, stage):
             self.heard.append(("start", stage))
 
-        def tell(self, stage, line):
+        def detail(self, stage, line):
             self.heard.append((stage, line))
 
         def done(self, stage):
@@ -341,13 +341,13 @@ def test_what_passes_while_a_stage_runs_is_heard_of_that_stage(make):
     heard = []
 
     class Watcher(Quiet):
-        def passing(self, stage, line):
+        def transient(self, stage, line):
             heard.append((stage, line))
 
     class Slow(Fake):
-        def run(self, bench):
-            bench.passing(f"some of {self.name} received")
-            return super().run(bench)
+        def run(self, context):
+            context.transient(f"some of {self.name} received")
+            return super().run(context)
 
     stages = fakes()
     make((Slow("fetch", stages[0].files), *stages[1:]), Watcher())

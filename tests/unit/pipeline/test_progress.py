@@ -2,7 +2,7 @@
 
 import io
 
-from pipeline.progress import Both, Lines, Log, Terminal, progress_for
+from pipeline.progress import Lines, Log, Tee, Terminal, progress_for
 from pipeline.report import StageReport
 
 DONE = StageReport("graph", True, 0.123, "2 links")
@@ -27,7 +27,7 @@ def test_a_terminal_gets_the_same_sentence():
     progress = progress_for(screen)
     assert isinstance(progress, Terminal)
     progress.start("graph")
-    progress.tell("graph", "[3 of 4] parts")
+    progress.detail("graph", "[3 of 4] parts")
     progress.done(DONE)
     progress.close()
     assert "0.12 s (cached)  2 links" in screen.getvalue()
@@ -35,9 +35,9 @@ def test_a_terminal_gets_the_same_sentence():
 
 def test_the_log_holds_what_the_terminal_was_told_without_secrets():
     stream, log = io.StringIO(), Log({"ONSHAPE_ACCESS_KEY": "acc355-key"})
-    both = Both(log, Lines(stream))
+    both = Tee(log, Lines(stream))
     both.start("fetch")
-    both.tell("fetch", "asked as acc355-key")
+    both.detail("fetch", "asked as acc355-key")
     both.done(DONE)
     both.close()
     lines = log.content().decode().splitlines()
@@ -55,16 +55,16 @@ def test_a_key_from_the_env_file_is_blanked_too(tmp_path, monkeypatch):
 
 def test_a_terminal_is_told_what_comes_before_the_first_stage():
     screen = Screen()
-    progress_for(screen).tell("output", "waiting for another build of [arm]")
+    progress_for(screen).detail("output", "waiting for another build of [arm]")
     assert "output: waiting for another build of [arm]" in screen.getvalue()
 
 
 def test_what_arrives_is_seen_on_a_terminal_and_kept_nowhere():
     stream, screen, log = io.StringIO(), Screen(), Log({})
-    both = Both(log, Lines(stream), progress_for(screen))
+    both = Tee(log, Lines(stream), progress_for(screen))
     both.start("fetch")
-    both.tell("fetch", "4 part studios: 8 calls, 0 kept")
-    both.passing("fetch", "12.5 MB received [of many]")
+    both.detail("fetch", "4 part studios: 8 calls, 0 kept")
+    both.transient("fetch", "12.5 MB received [of many]")
     both.done(DONE)
     both.close()
     assert "fetch: 4 part studios: 8 calls, 0 kept (12.5 MB received [of many])" in screen.getvalue()

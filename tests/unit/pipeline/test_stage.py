@@ -8,7 +8,7 @@ import pytest
 from pipeline.caching.actions import Cache
 from pipeline.caching.store import Store
 from pipeline.config.plan import HOW, Plan
-from pipeline.context import FILES, NOTES, Bench, count, notes
+from pipeline.context import FILES, NOTES, BuildContext, count, notes
 from pipeline.stage import STAGES, installed, libraries, stages_until
 from stages.fetch.keys import SOURCES
 from stages.robot.errors import Diagnostic
@@ -23,8 +23,8 @@ def plan(**more):
     return Plan.parse({"name": "arm", "source": {"kind": "sample"}, **more})
 
 
-def bench(tmp_path, the_plan, **outputs):
-    made = Bench(the_plan, Cache(Store(tmp_path / "cache")), {})
+def context(tmp_path, the_plan, **outputs):
+    made = BuildContext(the_plan, Cache(Store(tmp_path / "cache")), {})
     for stage, files in outputs.items():
         made.files[stage] = made.cache.keep(files)
     return made
@@ -32,7 +32,7 @@ def bench(tmp_path, the_plan, **outputs):
 
 @pytest.fixture
 def full(tmp_path):
-    return bench(
+    return context(
         tmp_path,
         plan(),
         fetch={"manifest.json": b"{}", "replies/1": b"1", NOTES: b"f"},
@@ -86,7 +86,7 @@ def test_a_library_that_is_not_installed_is_absent():
     ids=lambda value: str(value),
 )
 def test_a_key_of_the_configuration_touches_its_own_stage_only(full, tmp_path, change, touched):
-    other = bench(tmp_path, plan(**change))
+    other = context(tmp_path, plan(**change))
     changed = {s.name for s in STAGES[1:] if s.config(full) != s.config(other)}
     assert changed == touched
 
@@ -113,7 +113,7 @@ def test_a_workspace_is_asked_again_and_a_version_is_not(tmp_path):
     address = "https://cad.onshape.com/documents/{d}/{kind}/{w}/e/{e}"
     configs = {
         kind: BY_NAME["fetch"].config(
-            bench(tmp_path, plan(source={"kind": "onshape", "url": address.format(kind=kind, **ids)}))
+            context(tmp_path, plan(source={"kind": "onshape", "url": address.format(kind=kind, **ids)}))
         )
         for kind in "wvm"
     }
@@ -170,5 +170,5 @@ def test_how_a_build_is_run_is_no_part_of_a_cache_key(key, tmp_path):
         other = {**source, name: VALUES[key]} if name else source
         first, second = plan(source=source), plan(source=other, **more)
         assert first != second
-        keys = [[stage.config(bench(tmp_path, one)) for stage in STAGES] for one in (first, second)]
+        keys = [[stage.config(context(tmp_path, one)) for stage in STAGES] for one in (first, second)]
         assert keys[0] == keys[1]

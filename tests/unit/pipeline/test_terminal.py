@@ -98,9 +98,9 @@ def test_the_command_cleans_what_it_says(capsys):
 def test_progress_cannot_be_forged(make):
     screen = Screen()
     progress = make(screen)
-    progress.tell("fetch", f"{NASTY} {KEY}")
+    progress.detail("fetch", f"{NASTY} {KEY}")
     progress.start("graph")
-    progress.tell("graph", NASTY)
+    progress.detail("graph", NASTY)
     progress.done(StageReport("graph", False, 0.1, NASTY))
     progress.close()
     text = screen.getvalue()
@@ -128,7 +128,7 @@ def test_the_closing_table_cannot_be_forged(stream):
 
 def test_log_report_page_and_configuration_hold_no_control_character():
     log = Log({})
-    log.tell("fetch", NASTY)
+    log.detail("fetch", NASTY)
     log.line(NASTY)
     files = [
         log.content(),

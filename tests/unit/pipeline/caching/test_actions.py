@@ -206,9 +206,9 @@ def test_memo_keys_by_kind_key_and_library_and_may_run_inside_an_action(cache):
     assert len(asked) == 4
 
 
-def test_what_is_made_anew_replaces_the_record(cache):
+def test_a_forced_action_replaces_the_record(cache):
     cache.run(ACTION, Maker(a=b"one"))
-    files, cached = cache.run(ACTION, Maker(a=b"two"), anew=True)
+    files, cached = cache.run(ACTION, Maker(a=b"two"), force=True)
     assert (dict(files), cached) == ({"a": b"two"}, False)
     files, cached = again(cache).run(ACTION, Maker(a=b"three"))
     assert (dict(files), cached) == ({"a": b"two"}, True)

@@ -84,7 +84,7 @@ def test_a_build_that_waits_for_the_work_of_another_says_so_and_takes_its_own_tu
     cache = Cache(Store(tmp_path))
 
     def act(tell):
-        cache.tell = tell
+        cache.on_wait = tell
         made.append(cache.run(action, lambda: {"a": b"alpha"}))
 
     while_held(tmp_path / "locks" / f"{action.key}.lock", told, act)
