@@ -11,6 +11,7 @@ from pipeline.config.compose import compose_plan, session
 from pipeline.config.trust import listed
 from pipeline.report import Report
 from stages.robot.errors import ConfigError
+from tests.support.cases import mostly_slow
 from tests.support.hostile import CODE, MARK, ROBOTS
 from tests.support.hostile import write as hostile
 from tests.support.users import write
@@ -65,7 +66,7 @@ def test_a_hostile_robot_is_refused(tmp_path, capsys, name):
 SWEPT = ["a callback", "logging of jobs", "a variable for the job", "a launcher's class", "a sweep of Hydra"]
 
 
-@pytest.mark.parametrize("name", SWEPT)
+@pytest.mark.parametrize("name", mostly_slow(SWEPT, keep=3))
 @pytest.mark.parametrize("swept", [["robot=mine", "root=auto,free"], ["robot=mine,sample"]])
 def test_so_it_is_in_a_sweep_and_where_it_is_itself_swept_over(tmp_path, capsys, name, swept):
     hostile(tmp_path, name)

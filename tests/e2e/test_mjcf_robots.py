@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from tests.support.cases import mostly_slow
 from tests.support.command import linkwright, robot_files, tree
 from tests.support.mjcfs import body, model, written
 from tests.support.places import SHARED
@@ -16,7 +17,7 @@ REAL = pytest.mark.skipif(not SO101.exists(), reason="needs the real robots in .
 
 
 @REAL
-@pytest.mark.parametrize("name", ["scene.xml", "so101_old_calib.xml"])
+@pytest.mark.parametrize("name", mostly_slow(["scene.xml", "so101_old_calib.xml"], keep=1))
 def test_a_real_arm_passes_every_check_and_moves_as_it_did(tmp_path: Path, name: str) -> None:
     done = linkwright(tmp_path, "source=mjcf", f"source.path={SO101 / name}", "output=out")
     assert done.returncode == 0, done.stdout + done.stderr
@@ -96,22 +97,25 @@ def test_a_scene_is_called_as_the_folder_it_is_in(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("text", "status", "said"),
-    [
-        (None, 2, "does not exist"),
-        ("hello", 1, "no XML"),
-        (ARM.replace("<worldbody>", '<asset><mesh file="gone.stl"/></asset><worldbody>'), 1, "gone.stl"),
-        ('<mujoco><include file="arm.xml"/></mujoco>', 1, "already included"),
-        (model(body("a", pos="nan 0 0")), 1, "NaN"),
-        ("<mujoco>" + "<worldbody>" * 10_000, 1, "too deep"),
-        ('<mujoco model="' + "a" * 50_000_000 + '"/>', 1, "longer than 32 MB"),
-        (
-            ARM.replace("<mujoco", '<!DOCTYPE m [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]><mujoco').replace(
-                "made up", "&b;"
+    mostly_slow(
+        [
+            (None, 2, "does not exist"),
+            ("hello", 1, "no XML"),
+            (ARM.replace("<worldbody>", '<asset><mesh file="gone.stl"/></asset><worldbody>'), 1, "gone.stl"),
+            ('<mujoco><include file="arm.xml"/></mujoco>', 1, "already included"),
+            (model(body("a", pos="nan 0 0")), 1, "NaN"),
+            ("<mujoco>" + "<worldbody>" * 10_000, 1, "too deep"),
+            ('<mujoco model="' + "a" * 50_000_000 + '"/>', 1, "longer than 32 MB"),
+            (
+                ARM.replace(
+                    "<mujoco", '<!DOCTYPE m [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]><mujoco'
+                ).replace("made up", "&b;"),
+                0,
+                "",
             ),
-            0,
-            "",
-        ),
-    ],
+        ],
+        keep=3,
+    ),
     ids=["absent", "no XML", "no mesh", "circle", "nan", "deep", "long", "entities"],
 )
 def test_what_cannot_be_read_is_one_message_at_once(

@@ -112,7 +112,7 @@ def hurt(bundle: Bundle, digest: str, times: int) -> None:
 
 def test_a_definition_broken_anywhere_is_refused_or_understood(kit: Kit) -> None:
     bundle = rich(kit)
-    hurt(bundle, bundle.definition, 1000)
+    hurt(bundle, bundle.definition, 500)
 
 
 def test_mass_properties_broken_anywhere_are_refused_or_understood(kit: Kit) -> None:

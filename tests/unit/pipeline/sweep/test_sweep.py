@@ -14,6 +14,7 @@ from pipeline.cli import run
 from pipeline.report import Report
 from stages.robot.check import Check
 from stages.robot.errors import ConfigError, MeshError
+from tests.support.cases import mostly_slow
 from tests.support.places import PROJECT
 
 
@@ -249,8 +250,6 @@ def test_an_interrupt_of_many_processes_is_one_message(tmp_path):
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
-        # Where the tests run in the background the signal is ignored, which is inherited.
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )
     first = sweep.stderr.readline()
     os.killpg(sweep.pid, signal.SIGINT)
@@ -349,7 +348,7 @@ HOW = [
 ]
 
 
-@pytest.mark.parametrize("how", HOW)
+@pytest.mark.parametrize("how", mostly_slow(HOW, keep=4))
 @pytest.mark.parametrize("values", ["auto,free", "auto"])
 def test_how_a_job_is_run_does_not_move_its_folder(how, values, monkeypatch):
     monkeypatch.setenv("ONSHAPE_ACCESS_KEY", "key-of-a-test")

@@ -12,6 +12,7 @@ from stages.fetch.onshape.url import AssemblyUrl
 from stages.robot.errors import AuthError
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import ACCESS_KEY, SECRET_KEY, TOKEN, Fault, OnshapeServer
+from tests.support.cases import mostly_slow
 from tests.support.kept import QUICK, Kept, fetched, onshape
 
 TARGET = "/api/v16/partstudios/d/D/w/W/e/E/massproperties?configuration=a%3Db%2Bc"
@@ -41,12 +42,15 @@ def document():
 
 @pytest.mark.parametrize(
     "environ",
-    [
-        {"ONSHAPE_ACCESS_KEY": ACCESS_KEY, "ONSHAPE_SECRET_KEY": SECRET_KEY},
-        {"ONSHAPE_ACCESS_KEY": ACCESS_KEY, "ONSHAPE_SECRET_KEY": SECRET_KEY, "ONSHAPE_AUTH": "signature"},
-        {"ONSHAPE_ACCESS_TOKEN": TOKEN},
-        {"ONSHAPE_SECRET_BEARER": TOKEN},
-    ],
+    mostly_slow(
+        [
+            {"ONSHAPE_ACCESS_KEY": ACCESS_KEY, "ONSHAPE_SECRET_KEY": SECRET_KEY},
+            {"ONSHAPE_ACCESS_KEY": ACCESS_KEY, "ONSHAPE_SECRET_KEY": SECRET_KEY, "ONSHAPE_AUTH": "signature"},
+            {"ONSHAPE_ACCESS_TOKEN": TOKEN},
+            {"ONSHAPE_SECRET_BEARER": TOKEN},
+        ],
+        keep=1,
+    ),
 )
 def test_a_build_is_let_in_with_each_kind_of_key(document, environ):
     with OnshapeServer(document) as server:
