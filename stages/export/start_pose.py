@@ -91,6 +91,4 @@ def _rotation(dof: Dof, rotation: Array) -> Value:
 def _clipped(dof: Dof) -> Value:
     if isinstance(dof.saved, tuple):
         return dof.saved
-    low = -math.inf if dof.limits.lower is None else dof.limits.lower
-    high = math.inf if dof.limits.upper is None else dof.limits.upper
-    return min(max(dof.saved, low), high)
+    return dof.limits.clip(dof.saved)

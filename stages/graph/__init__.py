@@ -1,17 +1,26 @@
-"""The graph stage: an assembly as drawn becomes a robot."""
+"""The graph stage: an assembly as drawn, or a robot's own file, becomes a robot."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from stages.graph.keys import GraphKeys
+    from stages.graph.mechanism import Reader
     from stages.robot.bundle import Bundle
     from stages.robot.model import Robot
 
-VERSION = 10
+VERSION = 11
+
+READERS: Mapping[str, str] = {
+    "onshape": "stages.graph.onshape.reader",
+    "urdf": "stages.graph.urdf.reader",
+    "mjcf": "stages.graph.mjcf.reader",
+}
+"""Kind of bundle → the module whose `read_mechanism` is its reader."""
 
 
 def build_robot(bundle: "Bundle", keys: "GraphKeys") -> "Robot":
-    """The robot in a bundle. AssemblyError tells all problems at once; findings are on the robot."""
+    """The robot in a bundle, with its diagnostics. AssemblyError names all problems at once."""
     import gc
 
     from stages.graph.build import assemble
@@ -21,7 +30,20 @@ def build_robot(bundle: "Bundle", keys: "GraphKeys") -> "Robot":
     collects = gc.isenabled()
     gc.disable()
     try:
-        return assemble(bundle, keys)
+        return assemble(bundle, keys, reader_of(bundle.kind))
     finally:
         if collects:
             gc.enable()
+
+
+def reader_of(kind: str) -> "Reader":
+    """The reader of a kind of bundle; ProtocolError for a kind that has none."""
+    from importlib import import_module
+
+    from stages.robot.errors import ProtocolError
+
+    if kind not in READERS:
+        msg = f"unknown kind of bundle {kind!r}: expected one of {', '.join(READERS)}"
+        raise ProtocolError(msg, hint="make the bundle again")
+    reader: Reader = import_module(READERS[kind]).read_mechanism
+    return reader

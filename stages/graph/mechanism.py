@@ -5,7 +5,12 @@ pose that the source was saved in.
 """
 
 from dataclasses import dataclass
+from typing import Protocol
 
+from stages.graph.keys import GraphKeys
+from stages.robot.bundle import Bundle
+from stages.robot.diagnostics import Diagnostics
+from stages.robot.errors import Diagnostic
 from stages.robot.model import (
     Array,
     Dof,
@@ -113,6 +118,7 @@ class Mechanism:
 
     `root`: the body that the source itself hangs the others on, None where it says none. `posed`: whether
     someone left it in this pose; that of a file is where all its joints are at zero, and means nothing.
+    `unstated_base`: what to report where nothing fixes the root, of a source that cannot say so.
     """
 
     bodies: tuple[Body, ...]
@@ -124,3 +130,14 @@ class Mechanism:
     posed: bool = True
     transmissions: tuple[Transmission, ...] = ()
     controls: tuple[str, ...] = ()
+    unstated_base: Diagnostic | None = None
+
+
+class Reader(Protocol):
+    """Reads a bundle into a mechanism. One for each kind of source, as `stages.graph.READERS` lists them.
+
+    The keys come back with what the source's own conventions imply. AssemblyError for what cannot be read
+    at all; every other problem goes to the log.
+    """
+
+    def __call__(self, bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]: ...

@@ -1,5 +1,7 @@
 """Which body is the root, where its frame is, and whether the world holds it."""
 
+from dataclasses import replace
+
 import networkx as nx
 
 from stages.graph.globs import matching, with_plain
@@ -94,4 +96,6 @@ def base_of(mechanism: Mechanism, root: int, keys: RootKeys, log: Diagnostics) -
             body.name,
             f"choose that root (root.select={other.name}), or say root.base: fixed or free",
         )
+    if mechanism.unstated_base is not None:
+        log.add([replace(mechanism.unstated_base, where=body.name)])
     return Base(False, "nothing fixes the root link to the world", body.afloat or "")

@@ -8,16 +8,20 @@ the user chose. q = 0 is where the two mate frames coincide, and q is the pose o
 entity relative to its second.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-import numpy as np
-import numpy.typing as npt
-
+# Part of the model, each in a module of its own.
+from stages.robot.arrays import Array as Array
+from stages.robot.arrays import frozen as frozen
+from stages.robot.dofs import Configuration as Configuration
+from stages.robot.dofs import Dof as Dof
+from stages.robot.dofs import DofKind as DofKind
+from stages.robot.dofs import Dynamics as Dynamics
+from stages.robot.dofs import Limits as Limits
+from stages.robot.dofs import Value as Value
 from stages.robot.errors import Diagnostic
 
-Array = npt.NDArray[np.float64]
 JointType = Literal[
     "fixed",
     "revolute",
@@ -31,21 +35,6 @@ JointType = Literal[
     "compound",
 ]
 """A mate's types; `compound` is any other chain of dofs, such as three hinges that a file gives one body."""
-DofKind = Literal["turn", "slide", "ball", "free"]
-
-Value = float | tuple[float, ...]
-"""A dof's value: a turn [rad], a slide [m]; a ball's unit quaternion (w, x, y, z); of a free joint the
-position [m] and quaternion (x, y, z, w, qx, qy, qz)."""
-
-Configuration = Mapping[str, Value]
-"""Values by the names of dofs."""
-
-
-def frozen(values: object) -> Array:
-    """A read-only float64 array of `values`."""
-    array = np.array(values, dtype=np.float64)
-    array.setflags(write=False)
-    return array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -125,30 +114,6 @@ class Link:
 
 
 @dataclass(frozen=True, slots=True)
-class Limits:
-    """The dof's range [rad or m] in the mate's own value; None is open. A ball's `upper` is the half
-    angle [rad] of the cone that its z axis stays in."""
-
-    lower: float | None = None
-    upper: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Dynamics:
-    """What moves and resists a dof; None is unset.
-
-    damping [N m s/rad or N s/m], friction [N m or N], armature [kg m² or kg],
-    effort [N m or N], velocity [rad/s or m/s].
-    """
-
-    damping: float | None = None
-    friction: float | None = None
-    armature: float | None = None
-    effort: float | None = None
-    velocity: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
 class MateRef:
     """The CAD feature behind a joint: owning occurrence path, feature id, its name and mate type.
 
@@ -165,25 +130,6 @@ class MateRef:
     def key(self) -> tuple[tuple[str, ...], str, str]:
         """What tells it from every other."""
         return self.owner, self.feature, self.copy
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Dof:
-    """A coordinate of a joint: a turn about or a slide along `axis` (3,), a ball, or free motion.
-
-    `axis` is a unit vector in the dof's own frame, zero for a ball and for free motion. `origin`
-    (4, 4) is that frame in the one which the dof before it moves (previous_from_dof); the first has
-    the identity. The only dof of a joint has the joint's name. `saved`: the value in the pose that
-    CAD was left in.
-    """
-
-    name: str
-    kind: DofKind
-    axis: Array
-    origin: Array
-    limits: Limits
-    dynamics: Dynamics
-    saved: Value
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -46,7 +46,7 @@ class _Pose:
     world_from_start: Mapping[int, Array]
 
 
-def read_mjcf(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
+def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
     """Reads what MuJoCo made of an MJCF. ProtocolError where the bundle does not hold that."""
     mjcf = _decoded(bundle)
     log.add(mjcf.diagnostics)

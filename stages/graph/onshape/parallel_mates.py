@@ -248,37 +248,23 @@ def _take(
     turns: bool,
 ) -> str:
     """Narrows the limits that `tie` leads to by a mate's own; why not, where it does not."""
-    here = _unwrapped(here, own) if turns else here
+    here = own.unwrap(here, MET) if turns else here
     if tie is None or (tie.factor < 0 and into.dofs[tie.onto].kind == "ball"):
         return "the joint has no coordinate of its own for it"
     if not tie.factor:
-        low, high = _ends(own)
-        return "" if low - MET <= here <= high + MET else f"it stays at {here:.6g}, outside of them"
+        return "" if own.contains(here, MET) else f"it stays at {here:.6g}, outside of them"
     before = limits[tie.onto]
     at = float(there[tie.onto])
-    at = _unwrapped(at, before) if into.dofs[tie.onto].kind == "turn" else at
+    at = before.unwrap(at, MET) if into.dofs[tie.onto].kind == "turn" else at
     new = carried(own, here, tie, at)
     lower = [end for end in (before.lower, new.lower) if end is not None]
     upper = [end for end in (before.upper, new.upper) if end is not None]
     narrowed = Limits(max(lower, default=None), min(upper, default=None))
-    low, high = _ends(narrowed)
+    low, high = narrowed.interval
     if low > high:
         return "no value is within all limits"
     limits[tie.onto] = narrowed
     return ""
-
-
-def _ends(limits: Limits) -> tuple[float, float]:
-    low = -math.inf if limits.lower is None else limits.lower
-    return low, math.inf if limits.upper is None else limits.upper
-
-
-def _unwrapped(angle: float, limits: Limits) -> float:
-    """The angle [rad] by whole turns into the limits, where it fits; else as it is."""
-    low, high = _ends(limits)
-    turns = sorted(range(-3, 4), key=abs)
-    fits = (angle + math.tau * count for count in turns)
-    return next((one for one in fits if low - MET <= one <= high + MET), angle)
 
 
 def _limited(into: View, limits: Sequence[Limits]) -> Mate:

@@ -29,7 +29,7 @@ from stages.robot.poses import inverse
 Weights = Mapping[Path, tuple[Inertial, float]]
 
 
-def read_drawing(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
+def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
     """Reads an assembly definition and what belongs to it; AssemblyError for what cannot be read at all.
 
     The keys come back with what the document's own conventions imply.

@@ -16,7 +16,7 @@ import networkx as nx
 from stages.graph.globs import as_key
 from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import Bond
-from stages.graph.passes.joint_limits import ends, unwrapped, with_each_dof
+from stages.graph.passes.joint_limits import unwrapped, with_each_dof
 from stages.graph.passes.relation_dofs import Bonded, bonded, named, settled
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import link_poses, saved_configuration
@@ -241,8 +241,8 @@ def _flattened(steps: Sequence[Step], driver: str, exact: bool) -> list[Relation
 def _tell_limits(relations: Iterable[Relation], dofs: Mapping[str, Dof], log: Diagnostics) -> None:
     """A follower whose limits hold no value that its driver gives it."""
     for one in relations:
-        image = sorted(one.multiplier * end + one.offset for end in ends(dofs[one.driver].limits))
-        low, high = ends(dofs[one.follower].limits)
+        image = sorted(one.multiplier * end + one.offset for end in dofs[one.driver].limits.interval)
+        low, high = dofs[one.follower].limits.interval
         if image[0] > high or image[1] < low:
             text = (
                 f"its driver {one.driver!r} takes it through [{image[0]:.6g}, {image[1]:.6g}], "

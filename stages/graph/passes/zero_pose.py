@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -9,6 +10,11 @@ from stages.graph.passes.relations import negligible
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Array, Dof, Limits, Relation, Robot, Value, frozen
 from stages.robot.poses import at_rest, motion
+
+
+def with_zero(robot: Robot, zero: Literal["mate", "saved"], log: Diagnostics) -> Robot:
+    """The robot with q = 0 where the key `zero` has it."""
+    return zeroed(robot, log) if zero == "saved" else robot
 
 
 def zeroed(robot: Robot, log: Diagnostics) -> Robot:

@@ -18,6 +18,7 @@ from stages.graph.urdf.naming import Names, names_of
 from stages.graph.urdf.structure import SCALAR, check_structure, tops
 from stages.robot.bundle import Bundle
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.errors import Diagnostic
 from stages.robot.inertia import ZERO, moved
 from stages.robot.kinematics import chain
 from stages.robot.model import (
@@ -45,8 +46,14 @@ TYPES: Mapping[str, JointType] = {
     "floating": "free",
 }
 
+UNSTATED_BASE = Diagnostic(
+    "I-URDF-BASE",
+    "a URDF does not say whether its base stands still: it is taken as free",
+    hint="if it is fixed to the ground: root=fixed",
+)
 
-def read_urdf(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
+
+def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
     """Reads a URDF and the meshes that it names; AssemblyError tells all problems at once.
 
     What is no body becomes a frame, and what cannot weigh as it says is mended as the source's
@@ -76,6 +83,7 @@ def read_urdf(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechan
         posed=False,
         transmissions=urdf.transmissions,
         controls=urdf.controls,
+        unstated_base=UNSTATED_BASE,
     )
     return mechanism, keys
 

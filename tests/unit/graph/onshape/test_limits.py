@@ -139,9 +139,7 @@ def test_a_mate_that_the_list_lacks_is_told() -> None:
     def drop(body: dict) -> None:
         body["features"] = [one for one in body["features"] if one["name"] != "Turn"]
 
-    assert told(arm(drop)) == {
-        "turn": "its limits in CAD are not known: the list of features lacks this mate"
-    }
+    assert told(arm(drop)) == {"turn": "its limits in CAD are unknown: the list of features lacks this mate"}
 
 
 def test_without_a_list_every_joint_of_it_is_told() -> None:

@@ -8,7 +8,8 @@ import yaml
 
 from stages.graph.keys import GraphKeys
 from stages.graph.passes.added_links import with_added_links
-from stages.graph.passes.joint_limits import LOCKED_PLAY, check_limits, tell_loops, with_properties
+from stages.graph.passes.joint_limits import with_properties
+from stages.graph.passes.limit_checks import LOCKED_PLAY, check_limits, report_loop_limits
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Limits, Relation, Robot
 from tests.support.robots import CARRIED, LOOPS, at, joint, loop, robot_with
@@ -66,7 +67,7 @@ def test_a_joint_of_several_dofs_says_which(arm: Robot) -> None:
     _, log = given(arm, wanted(lift={"damping": 1}))
     (only,) = log.problems
     assert only.code == "E-GLOB"
-    assert only.hint == "say which: lift_turn, lift_slide"
+    assert only.hint == "name one of its dofs: lift_turn, lift_slide"
 
 
 def test_one_range_is_not_for_turns_and_slides_alike(arm: Robot) -> None:
@@ -123,7 +124,7 @@ def test_missing_limits_are_told_with_one_block_that_settles_them(arm: Robot) ->
     _, log = checked(arm, {"left_hip": "the list of features is not there"})
     assert told(log) == [("W-LIMIT", "left_hip"), ("W-LIMIT", "lift_turn"), ("W-LIMIT", "lift_slide")]
     assert [one.message for one in log.found] == [
-        "its limits in CAD are not known: the list of features is not there",
+        "its limits in CAD are unknown: the list of features is not there",
         "the joint has no limits: it turns freely",
         "the joint has no limits",
     ]
@@ -205,10 +206,12 @@ def test_a_loops_limits_are_told_where_no_simulation_has_them(kind) -> None:
     for one, idle in ((bare, False), (closing, kind not in CARRIED)):
         robot = robot_with([joint("revolute", "base", "arm", name="elbow")], loops=[one])
         log = Diagnostics()
-        tell_loops(robot, {}, log)
+        report_loop_limits(robot, {}, log)
         assert told(log) == [("W-LOOP-LIMIT", dof.name) for dof in one.dofs if idle]
     log = Diagnostics()
-    tell_loops(robot_with(robot.joints, loops=[bare]), {dof.name: "it is stale" for dof in bare.dofs}, log)
+    report_loop_limits(
+        robot_with(robot.joints, loops=[bare]), {dof.name: "it is stale" for dof in bare.dofs}, log
+    )
     assert told(log) == [("W-LIMIT", dof.name) for dof in bare.dofs]
 
 

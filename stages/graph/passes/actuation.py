@@ -1,0 +1,34 @@
+"""What drives the joints: transmissions and controls of the source, by the names that joints have now."""
+
+from dataclasses import replace
+
+from stages.formats.urdf.transmissions import with_joints
+from stages.graph.globs import listed
+from stages.graph.mechanism import Mechanism
+from stages.robot.diagnostics import Diagnostics
+from stages.robot.model import Robot, Transmission
+
+
+def with_actuation(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> Robot:
+    """The robot with the mechanism's transmissions and controls, as far as their joints are still there."""
+    controls = _controls(mechanism, robot, log)
+    return replace(robot, transmissions=_transmissions(mechanism, robot), controls=controls)
+
+
+def _transmissions(mechanism: Mechanism, robot: Robot) -> tuple[Transmission, ...]:
+    dofs = {joint.mate.name: joint.dofs[0].name for joint in robot.joints if joint.mate and joint.dofs}
+    return tuple(replace(one, joint=dofs[one.joint]) for one in mechanism.transmissions if one.joint in dofs)
+
+
+def _controls(mechanism: Mechanism, robot: Robot, log: Diagnostics) -> tuple[str, ...]:
+    """W-URDF-CONTROL for a joint that is gone, or that is several in a URDF."""
+    names = {joint.mate.name: joint.name for joint in robot.joints if joint.mate and len(joint.dofs) < 2}
+    found = []
+    for text in mechanism.controls:
+        changed, lost = with_joints(text, names)
+        found += [changed] if changed else []
+        if lost:
+            what = f"a <transmission> or <ros2_control> names {listed(lost)}, which the robot does not have"
+            hint = "name a joint that it has, or take it out"
+            log.report("W-URDF-CONTROL", f"{what}: left out", listed(lost), hint)
+    return tuple(found)

@@ -1,0 +1,87 @@
+"""A joint's coordinates: their kinds, values, limits and dynamics."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from stages.robot.arrays import Array
+
+DofKind = Literal["turn", "slide", "ball", "free"]
+
+Value = float | tuple[float, ...]
+"""A dof's value: a turn [rad], a slide [m]; a ball's unit quaternion (w, x, y, z); of a free joint the
+position [m] and quaternion (x, y, z, w, qx, qy, qz)."""
+
+Configuration = Mapping[str, Value]
+"""Values by the names of dofs."""
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """The dof's range [rad or m] in the mate's own value; None is open. A ball's `upper` is the half
+    angle [rad] of the cone that its z axis stays in."""
+
+    lower: float | None = None
+    upper: float | None = None
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Both ends; an open one is infinite."""
+        low = -math.inf if self.lower is None else self.lower
+        return low, math.inf if self.upper is None else self.upper
+
+    def contains(self, value: float, tolerance: float = 0.0) -> bool:
+        """Whether a value lies within the range, or no further outside than `tolerance`."""
+        low, high = self.interval
+        return low - tolerance <= value <= high + tolerance
+
+    def clip(self, value: float) -> float:
+        """The value of the range that is nearest to this one."""
+        low, high = self.interval
+        return min(max(value, low), high)
+
+    def unwrap(self, angle: float, tolerance: float = 0.0) -> float:
+        """The angle [rad] moved into the range by the fewest whole turns; unchanged where none fits."""
+        low, high = self.interval
+        turns = 0
+        if angle < low - tolerance:
+            turns = math.ceil((low - tolerance - angle) / math.tau)
+        elif angle > high + tolerance:
+            turns = -math.ceil((angle - high - tolerance) / math.tau)
+        moved = angle + turns * math.tau
+        return moved if self.contains(moved, tolerance) else angle
+
+
+@dataclass(frozen=True, slots=True)
+class Dynamics:
+    """What moves and resists a dof; None is unset.
+
+    damping [N m s/rad or N s/m], friction [N m or N], armature [kg m² or kg],
+    effort [N m or N], velocity [rad/s or m/s].
+    """
+
+    damping: float | None = None
+    friction: float | None = None
+    armature: float | None = None
+    effort: float | None = None
+    velocity: float | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Dof:
+    """A coordinate of a joint: a turn about or a slide along `axis` (3,), a ball, or free motion.
+
+    `axis` is a unit vector in the dof's own frame, zero for a ball and for free motion. `origin`
+    (4, 4) is that frame in the one which the dof before it moves (previous_from_dof); the first has
+    the identity. The only dof of a joint has the joint's name. `saved`: the value in the pose that
+    CAD was left in.
+    """
+
+    name: str
+    kind: DofKind
+    axis: Array
+    origin: Array
+    limits: Limits
+    dynamics: Dynamics
+    saved: Value
