@@ -57,7 +57,7 @@ def foreseen(plan: Plan) -> list[str]:
     if not suffix_of(plan):
         from stages import export
 
-        files += export.foreseen(plan, plan.name)
+        files += export.expected_paths(plan, plan.name)
     return files
 
 

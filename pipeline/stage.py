@@ -71,7 +71,10 @@ class StageBase:
 
     name: str
     libraries: tuple[str, ...] = ()
-    modules: tuple[str, ...] = ()
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        return ()
 
     @property
     def version(self) -> int:
@@ -234,7 +237,12 @@ class MeshStage(StageBase):
 class ExportStage(StageBase):
     name = "export"
     libraries = ("numpy", "lxml")
-    modules = ("stages.export.mjcf.model", "stages.export.mjcf.scene", "stages.export.urdf.model")
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        from stages.export import WRITERS
+
+        return tuple(module for writer in WRITERS for module in writer.modules)
 
     def config(self, context: BuildContext) -> Any:
         from stages.export.keys import ExportKeys

@@ -1,10 +1,12 @@
-"""What the export stage is told: formats, ground, scene."""
+"""Configuration of the export stage: formats, ground, scene."""
 
 from typing import Annotated, Any, ClassVar, Literal, Self
 
-from pydantic import model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, create_model, model_serializer, model_validator
 from pydantic_core import PydanticCustomError
 
+from stages.export import WRITERS
+from stages.export.writer import Writer
 from stages.robot.keys import Keys, Later, NonNegative, Number, Positive, Text, Triple, not_yet
 
 LATER_FORMATS = ("sdf", "usd", "ros")
@@ -18,7 +20,7 @@ class GroundKeys(Keys):
     """plane, or none."""
 
     size: tuple[Positive, Positive] = (4, 4)
-    """Length along x and y of the plane that is drawn [m]; it carries everywhere."""
+    """Length along x and y of the plane that is drawn [m]; contact is not limited to it."""
 
     xyz: Triple = (0, 0, 0)
     """Position in the world [m]."""
@@ -71,35 +73,40 @@ class SceneKeys(Keys):
     """MuJoCo's `<option>`."""
 
 
-class UrdfKeys(Keys):
-    """The URDF."""
+class _Formats(Keys):
+    """The formats that a build writes."""
 
-    meshes: Annotated[Literal["relative"], Later("package")] = "relative"
-    """How mesh files are named. relative: to the URDF's own folder."""
-
-    fixed_joints: Annotated[Literal["keep"], Later("merge")] = "keep"
-    """keep: frames are links on fixed joints."""
-
-
-class MjcfKeys(Keys):
-    """The MJCF and its scene."""
-
-
-class ExportSection(Keys):
-    """The formats; null leaves a format out."""
-
-    urdf: UrdfKeys | None = None
-    """`<name>.urdf`."""
-
-    mjcf: MjcfKeys | None = None
-    """`<name>.xml` and `scene.xml`."""
+    @property
+    def chosen(self) -> tuple[str, ...]:
+        """The names of the formats that are written, in the order of the table."""
+        return tuple(writer.name for writer in WRITERS if getattr(self, writer.name) is not None)
 
     @model_validator(mode="after")
     def _some_format(self) -> Self:
-        if self.urdf is None and self.mjcf is None:
-            text = "no format is chosen; allowed: urdf, mjcf, [urdf, mjcf]"
-            raise PydanticCustomError("no_format", text)
+        if not self.chosen:
+            names = ", ".join(writer.name for writer in WRITERS)
+            raise PydanticCustomError("no_format", f"no format is chosen; allowed: {names}, [{names}]")
         return self
+
+    @model_serializer(mode="wrap")
+    def _only_chosen(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        # A new format must change neither the configuration nor the cache key of builds without it.
+        return {name: value for name, value in handler(self).items() if name in self.chosen}
+
+
+def _section_of(writer: Writer) -> Any:
+    """The field of one format: its section, or null."""
+    files = " and ".join(f"`{path}`" for path in writer.paths("<name>"))
+    return (writer.keys() | None, Field(default=None, description=f"{files}."))
+
+
+_EveryFormat: Any = create_model(
+    "_EveryFormat", __base__=_Formats, **{writer.name: _section_of(writer) for writer in WRITERS}
+)
+
+
+class ExportSection(_EveryFormat):  # type: ignore[misc]
+    """The formats; null leaves a format out."""
 
 
 class ExportKeys(Keys):
@@ -126,5 +133,5 @@ class ExportKeys(Keys):
     attributes: dict[Text, Any] = not_yet(dict)
     """Name of an element → attributes that are set on it."""
 
-    export: ExportSection = ExportSection(urdf=UrdfKeys(), mjcf=MjcfKeys())
+    export: ExportSection = ExportSection.model_validate({"urdf": {}, "mjcf": {}})
     """The formats that are written."""

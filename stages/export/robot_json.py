@@ -1,4 +1,20 @@
-"""robot.json: the model, neutral, with the way back to CAD."""
+"""robot.json: the model in no simulator's format, with its origins in CAD.
+
+Poses are {xyz [m], quat (w, x, y, z)}; inertia is the 3x3 tensor about the centre of mass in the
+link's axes [kg m²]. A part that is `mirrored` has the quat of R·diag(1, 1, -1), R the orthogonal
+matrix of its left-handed pose. `root_pose` is the root link's in the assembly. `cad` identifies the
+thing in the document: null where CAD does not have it.
+
+Every joint has its `dofs`, from parent to child, each with an axis (null for a ball and for free
+motion) in its own frame, and the `origin` of that in the frame which the dof before it moves
+(null where they are the same). Values are numbers [rad or m], a ball's quaternion, or the seven
+numbers of free motion (x, y, z, quat). A ball's are its chain's, from parent to child; `mate_quat` is
+the saved value as the mate has it: the inverse where the joint runs backwards. A ball's q = 0 is its
+mate's zero in the URDF, but its pose at qpos0 in the MJCF, which has no `ref` for it: `zero` has both.
+`lowered` lists the joints that are several joints in the URDF, with links between them. `urdf` is the
+URDF link of a frame; of a loop, the links of its first and second frame. `transmissions` is there where
+the source names what drives the joints.
+"""
 
 import json
 from typing import Any
@@ -6,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from stages.export.mjcf.joints import free_joint_name
-from stages.export.urdf.lowering import lower, unset
+from stages.export.urdf.lowering import Lowered, lower, unset
 from stages.formats.numbers import number, numbers
 from stages.formats.urdf.names import urdf_names
 from stages.robot.codec import plain
@@ -14,12 +30,16 @@ from stages.robot.model import (
     Array,
     Configuration,
     Dof,
+    Frame,
     Joint,
     Link,
     Loop,
     MateRef,
+    Mobility,
     Part,
     Primitive,
+    Provenance,
+    Relation,
     Robot,
     Value,
 )
@@ -30,78 +50,27 @@ FORMAT = "linkwright-robot"
 
 
 def describe(robot: Robot, start: Configuration) -> bytes:
-    """Links, joints, loops, relations and frames; `start` is the MJCF's qpos0, by dof.
-
-    Poses are {xyz [m], quat (w, x, y, z)}; inertia is the 3x3 tensor about the centre of mass in the
-    link's axes [kg m²]. A part that is `mirrored` has the quat of R·diag(1, 1, -1), R the orthogonal
-    matrix of its left-handed pose. `root_pose` is the root link's in the assembly. `cad` is the way back
-    to the document: null for what CAD does not have.
-
-    Every joint has its `dofs`, from parent to child, each with an axis (null for a ball and for free
-    motion) in its own frame, and the `origin` of that in the frame which the dof before it moves
-    (null where they are the same). Values are numbers [rad or m], a ball's quaternion, or the seven
-    of free motion (x, y, z, quat). A ball's are its chain's, from parent to child; `mate_quat` is the
-    saved one as the mate has it: the inverse where the joint runs backwards. A ball's q = 0 is its mate's
-    zero in the URDF, but its pose at qpos0 in the MJCF, which has no `ref` for it: `zero` has both.
-    `lowered` has what stands for a joint in the URDF where that is several joints with links between
-    them; `urdf` is the link that a frame is there, of a loop the links of its first and second frame.
-    `transmissions` is there where the source tells what drives the joints.
-    """
+    """The file. `start`: the MJCF's qpos0, by dof."""
     names = urdf_names(robot)
     table = {
         "format": FORMAT,
         "version": 1,
         "name": robot.name,
-        "source": {
-            "document": robot.provenance.document,
-            "element": robot.provenance.element,
-            "microversion": robot.provenance.microversion,
-            "configuration": robot.provenance.configuration,
-        },
+        "source": _source(robot.provenance),
         "root": robot.root.name,
         "root_pose": _pose(robot.world_from_root),
-        "base": {
-            "fixed": robot.base.fixed,
-            "reason": robot.base.reason,
-            "joint": None if robot.base.fixed else free_joint_name(robot),
-        },
+        "base": _base(robot),
         "mass": _float(sum(link.inertial.mass for link in robot.links)),
-        "mobility": _mobility(robot),
+        "mobility": _mobility(robot.mobility),
         "links": [_link(link) for link in robot.links],
         "joints": [_joint(joint, start) for joint in robot.joints],
-        "relations": [
-            {
-                "name": relation.name,
-                "follower": relation.follower,
-                "driver": relation.driver,
-                "multiplier": _float(relation.multiplier),
-                "offset": _float(relation.offset),
-            }
-            for relation in robot.relations
-        ],
+        "relations": [_relation(relation) for relation in robot.relations],
         "loops": [_loop(loop, names.ends[loop.name]) for loop in robot.loops],
-        "frames": [
-            {
-                "name": frame.name,
-                "link": frame.link,
-                "urdf": names.frames[frame.name],
-                "pose": _pose(frame.link_from_frame),
-                "cad": {"name": frame.source} if frame.source else None,
-            }
-            for frame in robot.frames
-        ],
-        "lowered": [
-            {
-                "joint": item.joint.name,
-                "joints": [step.name for step in item.steps],
-                "links": list(item.between),
-            }
-            for item in lower(robot)
-            if item.between
-        ],
+        "frames": [_frame(frame, names.frames[frame.name]) for frame in robot.frames],
+        "lowered": [_lowered(item) for item in lower(robot) if item.between],
     }
     if robot.transmissions:
-        table["transmissions"] = [plain(one) for one in robot.transmissions]
+        table["transmissions"] = [plain(transmission) for transmission in robot.transmissions]
     return (printable_lines(json.dumps(table, indent=2, ensure_ascii=False)) + "\n").encode()
 
 
@@ -124,8 +93,21 @@ def _pose(pose: Array) -> dict[str, Any]:
     return {"xyz": _floats(pose[:3, 3]), "quat": _floats(quat_from_rotation(pose[:3, :3]))}
 
 
-def _mobility(robot: Robot) -> dict[str, Any]:
-    mobility = robot.mobility
+def _source(provenance: Provenance) -> dict[str, Any]:
+    return {
+        "document": provenance.document,
+        "element": provenance.element,
+        "microversion": provenance.microversion,
+        "configuration": provenance.configuration,
+    }
+
+
+def _base(robot: Robot) -> dict[str, Any]:
+    joint = None if robot.base.fixed else free_joint_name(robot)
+    return {"fixed": robot.base.fixed, "reason": robot.base.reason, "joint": joint}
+
+
+def _mobility(mobility: Mobility) -> dict[str, Any]:
     return {
         "coordinates": mobility.coordinates,
         "gruebler": mobility.gruebler,
@@ -236,4 +218,32 @@ def _loop(loop: Loop, ends: tuple[str, str]) -> dict[str, Any]:
         "dofs": [_dof(dof) for dof in loop.dofs],
         "residual": _float(loop.residual, 1.0),
         "cad": _mate(loop.mate),
+    }
+
+
+def _relation(relation: Relation) -> dict[str, Any]:
+    return {
+        "name": relation.name,
+        "follower": relation.follower,
+        "driver": relation.driver,
+        "multiplier": _float(relation.multiplier),
+        "offset": _float(relation.offset),
+    }
+
+
+def _frame(frame: Frame, urdf: str) -> dict[str, Any]:
+    return {
+        "name": frame.name,
+        "link": frame.link,
+        "urdf": urdf,
+        "pose": _pose(frame.link_from_frame),
+        "cad": {"name": frame.source} if frame.source else None,
+    }
+
+
+def _lowered(item: Lowered) -> dict[str, Any]:
+    return {
+        "joint": item.joint.name,
+        "joints": [joint.name for joint in item.joints],
+        "links": list(item.between),
     }

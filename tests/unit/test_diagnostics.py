@@ -93,8 +93,6 @@ def test_every_error_and_warning_of_a_stage_has_a_place_and_a_hint() -> None:
         # Of what a URDF says wrong, one table has the hints of those that have none of their own.
         known = HINTS if file.is_relative_to(PROJECT / "stages/formats/urdf") else {}
         found = incomplete(source, 3)
-        if file == PROJECT / "stages/export/urdf/model.py":  # in its own `tell` the place is the file itself
-            found = incomplete(source, 2)
         lacking += [(file.relative_to(PROJECT), *one) for one in found if one[1] not in known]
     assert lacking == []
     assert seen == {code for code, places in spoken().items() if places != {"pipeline"}}

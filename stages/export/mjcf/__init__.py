@@ -1,1 +1,36 @@
-"""MJCF: the robot, and the scene around it."""
+"""MJCF: the robot, and a scene around it, for MuJoCo."""
+
+from typing import TYPE_CHECKING
+
+from stages.export.writer import Exported, WriterInput
+
+if TYPE_CHECKING:
+    from stages.robot.keys import Keys
+
+
+class MjcfWriter:
+    """`<name>.xml`, the robot alone, and `scene.xml`, which includes it."""
+
+    name = "mjcf"
+    reads: tuple[str, ...] = ()
+    modules: tuple[str, ...] = ("stages.export.mjcf.model", "stages.export.mjcf.scene")
+
+    def keys(self) -> "type[Keys]":
+        from stages.export.mjcf.keys import MjcfKeys
+
+        return MjcfKeys
+
+    def paths(self, robot: str) -> tuple[str, ...]:
+        return (f"{robot}.xml", "scene.xml")
+
+    def write(self, given: WriterInput) -> Exported:
+        from stages.export.mjcf.model import write_mjcf
+        from stages.export.mjcf.scene import write_scene
+        from stages.export.mjcf.unsupported import unsupported
+
+        model, scene = self.paths(given.robot.name)
+        files = {
+            model: write_mjcf(given.robot, given.geometry, given.keys, given.start),
+            scene: write_scene(given.robot.name, given.keys.ground),
+        }
+        return Exported(files, tuple(unsupported(given.robot, given.start)))

@@ -5,12 +5,10 @@ given in the body's own frame at qpos0; `ref` makes a joint's number the dof's v
 ball's number counts from the pose at qpos0, a free joint's is the pose in the world.
 """
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from stages.formats.numbers import number, spaced
 from stages.formats.xml import Element, element
-from stages.robot.errors import Diagnostic
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Dof, Robot, Value
 from stages.robot.names import free
@@ -60,13 +58,6 @@ def _joint(body: Element, dof: Dof, body_from_dof: Array, start: Value) -> None:
     )
 
 
-def _turned(start: Value) -> str:
-    """How far a ball at qpos0 is turned from its mate's zero."""
-    assert isinstance(start, tuple)
-    angle = math.degrees(2.0 * math.atan2(math.hypot(*start[1:]), abs(start[0])))
-    return f"{angle:.4g} deg apart" if angle > 1e-9 else "the same"
-
-
 def _number(value: float | None) -> str | None:
     return None if value is None else number(value)
 
@@ -101,33 +92,3 @@ def free_joint_name(robot: Robot) -> str:
     """The name of the free joint of a floating base."""
     loops = {dof.name for loop in robot.loops for dof in loop.dofs}
     return free(robot.base.joint or f"{robot.root.name}_free", {dof.name for dof in robot.dofs} | loops)
-
-
-def unwritten(robot: Robot, start: Configuration) -> Iterator[Diagnostic]:
-    """What MJCF has no word for: bounds of ball joints, and a `ref` of theirs. `start`: qpos0, by dof."""
-    balls = [dof for dof in robot.dofs if dof.kind == "ball"]
-    cones = [dof.name for dof in balls if dof.limits.upper is not None]
-    if cones:
-        yield Diagnostic(
-            "W-BALL-CONE",
-            "MuJoCo's range of a ball joint bounds its twist too, which a cone does not: "
-            f"{', '.join(cones)} can swing freely there",
-            f"{robot.name}.xml",
-            "robot.json has the cone's half angle; keep to it in the controller",
-        )
-    efforts = [dof.name for dof in balls if dof.dynamics.effort is not None]
-    if efforts:
-        yield Diagnostic(
-            "W-BALL-EFFORT",
-            f"MuJoCo bounds the force of hinges and slides only: {', '.join(efforts)} has no bound there",
-            f"{robot.name}.xml",
-            "robot.json has the effort; keep to it in the controller",
-        )
-    if balls:
-        yield Diagnostic(
-            "I-BALL-ZERO",
-            "a ball's q = 0 is its pose at qpos0 in the MJCF, and its mate's zero in the URDF: "
-            + ", ".join(f"{dof.name} ({_turned(start[dof.name])})" for dof in balls),
-            f"{robot.name}.xml",
-            "robot.json has both, under zero of the dof",
-        )

@@ -5,17 +5,16 @@ Element and attribute rules are those of MuJoCo's XML reference. Every body has 
 """
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stages.export.keys import ExportKeys
-from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos, unwritten, write_joints
+from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos, write_joints
 from stages.export.mjcf.loops import STIFF, Closures
 from stages.export.mjcf.placement import placement, scene_pose
 from stages.export.start_pose import home, saved
 from stages.formats.numbers import number, rounded, spaced
 from stages.formats.xml import Element, element, to_bytes
-from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Colour, Geometry, Shape
 from stages.robot.inertia import principal_axes
 from stages.robot.kinematics import chain
@@ -23,19 +22,21 @@ from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Pri
 from stages.robot.names import free
 from stages.robot.poses import from_parts
 
+if TYPE_CHECKING:
+    from stages.export.keys import ExportKeys
+
 WORLD = "world"
 """The link that is the assembly's origin: MuJoCo's worldbody, with a site of that name in its place."""
 
 SOLREF = "0.005 1"
-"""Of relations: the time constant [s] and damping ratio that loops have too, unless told otherwise."""
+"""Of relations: time constant [s] and damping ratio; the same as the default of loops."""
 
 
 def write_mjcf(
     robot: Robot,
     geometry: Geometry,
-    keys: ExportKeys,
+    keys: "ExportKeys",
     start: Configuration,
-    diagnostics: list[Diagnostic],
 ) -> bytes:
     """The model, whose qpos0 is `start` (values of the tree's dofs and of the loops' own)."""
     root = element(None, "mujoco", model=robot.name)
@@ -51,7 +52,6 @@ def write_mjcf(
         body.set("childclass", top)
     _equalities(root, robot, start, closures)
     _keyframes(root, world, robot, start, scene_pose(keys))
-    diagnostics.extend(unwritten(robot, start))
     return to_bytes(root)
 
 

@@ -1,1 +1,32 @@
-"""URDF: the tree of links and joints."""
+"""URDF: the tree of links and joints, in one file."""
+
+from typing import TYPE_CHECKING
+
+from stages.export.writer import Exported, WriterInput
+
+if TYPE_CHECKING:
+    from stages.robot.keys import Keys
+
+
+class UrdfWriter:
+    """`<name>.urdf`."""
+
+    name = "urdf"
+    reads: tuple[str, ...] = ()
+    modules: tuple[str, ...] = ("stages.export.urdf.model",)
+
+    def keys(self) -> "type[Keys]":
+        from stages.export.urdf.keys import UrdfKeys
+
+        return UrdfKeys
+
+    def paths(self, robot: str) -> tuple[str, ...]:
+        return (f"{robot}.urdf",)
+
+    def write(self, given: WriterInput) -> Exported:
+        from stages.export.urdf.model import write_urdf
+        from stages.export.urdf.unsupported import unsupported
+
+        (path,) = self.paths(given.robot.name)
+        diagnostics = tuple(unsupported(given.robot))
+        return Exported({path: write_urdf(given.robot, given.geometry)}, diagnostics)

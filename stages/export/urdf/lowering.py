@@ -1,4 +1,5 @@
-"""Joints as URDF has them: of one degree of freedom each, over links of next to no mass."""
+"""Lowering: joints of several degrees of freedom as URDF joints of one each, with links of next to no mass
+between them."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,18 +10,18 @@ import numpy as np
 from stages.formats.urdf.names import UrdfNames, urdf_names
 from stages.robot.model import Array, Dof, Dynamics, Joint, Limits, Robot
 
-StepType = Literal["fixed", "continuous", "revolute", "prismatic", "floating"]
+UrdfJointType = Literal["fixed", "continuous", "revolute", "prismatic", "floating"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Step:
-    """One URDF joint; `parent_from_step` (4, 4) is its origin, `axis` (3,) None where it has none."""
+class LoweredJoint:
+    """One URDF joint. `parent_from_joint` (4, 4) is its origin; `axis` (3,) is None where it has none."""
 
     name: str
-    type: StepType
+    type: UrdfJointType
     parent: str
     child: str
-    parent_from_step: Array
+    parent_from_joint: Array
     axis: Array | None
     limits: Limits
     dynamics: Dynamics
@@ -28,22 +29,23 @@ class Step:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Lowered:
-    """A joint and what stands for it, from parent to child. `between`: the links that were made up."""
+    """A joint and the URDF joints that it becomes, from parent to child. `between`: the links added between
+    those."""
 
     joint: Joint
-    steps: tuple[Step, ...]
+    joints: tuple[LoweredJoint, ...]
 
     @property
     def between(self) -> tuple[str, ...]:
-        return tuple(step.child for step in self.steps[:-1])
+        return tuple(joint.child for joint in self.joints[:-1])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Move:
-    """A step without its place in the tree."""
+    """A URDF joint without its place in the tree."""
 
     name: str
-    type: StepType
+    type: UrdfJointType
     origin: Array
     axis: Array | None
     limits: Limits
@@ -51,7 +53,7 @@ class _Move:
 
 
 def lower(robot: Robot) -> tuple[Lowered, ...]:
-    """What URDF has for each joint, in the order of the joints.
+    """The URDF joints of each joint, in the order of the joints.
 
     A turn or a slide is a joint of the dof's name; a ball is three turns `<name>_x`, `_y`, `_z`, about
     x, then y, then z: R = Rx Ry Rz. Links between them are `<joint>_<n>`.
@@ -61,26 +63,28 @@ def lower(robot: Robot) -> tuple[Lowered, ...]:
 
 
 def unset(dof: Dof) -> list[str]:
-    """What URDF demands of a dof and nobody gave: among lower, upper, effort, velocity."""
+    """Which of lower, upper, effort and velocity URDF requires of a dof and are not set."""
     if dof.kind == "free":
         return []
     missing: list[str] = []
     if dof.kind != "ball":
         missing = [side for side in ("lower", "upper") if getattr(dof.limits, side) is None]
     if dof.kind == "turn" and len(missing) == 2:
-        missing = []  # continuous: URDF wants no range then
+        missing = []  # a continuous joint has no range
     return missing + [key for key in ("effort", "velocity") if getattr(dof.dynamics, key) is None]
 
 
 def _lowered(joint: Joint, names: UrdfNames) -> Lowered:
     places = [joint.parent, *names.between[joint.name], joint.child]
-    steps = []
+    joints = []
     before = joint.parent_from_joint
     for move, parent, child in zip(_moves(joint, names), places, places[1:], strict=False):
         origin = before @ move.origin
-        steps.append(Step(move.name, move.type, parent, child, origin, move.axis, move.limits, move.dynamics))
+        joints.append(
+            LoweredJoint(move.name, move.type, parent, child, origin, move.axis, move.limits, move.dynamics)
+        )
         before = np.eye(4)
-    return Lowered(joint, tuple(steps))
+    return Lowered(joint, tuple(joints))
 
 
 def _moves(joint: Joint, names: UrdfNames) -> Iterator[_Move]:
@@ -102,7 +106,7 @@ def _turns(dof: Dof, names: tuple[str, str, str]) -> Iterator[_Move]:
         origin = np.eye(4)
 
 
-def _type(dof: Dof) -> StepType:
+def _type(dof: Dof) -> UrdfJointType:
     if dof.kind == "free":
         return "floating"
     if dof.kind == "slide":

@@ -1,33 +1,31 @@
 """URDF: the tree of links and joints.
 
 Element rules are those of urdfdom's 1.0 format. A link's frame is its joint's; `rpy` is extrinsic
-xyz. What URDF cannot say (loops; joints of several degrees of freedom; cones; a joint without
-numbers) is told in one diagnostic each.
+xyz. `unsupported` reports what is lost.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from stages.export.urdf.lowering import Lowered, Step, lower, unset
+from stages.export.urdf.lowering import LoweredJoint, lower
 from stages.formats.numbers import number, numbers, spaced
 from stages.formats.urdf.names import UrdfNames, urdf_names
 from stages.formats.xml import Element, element, parse, to_bytes
-from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Colour, Geometry, Role, Shape
-from stages.robot.inertia import NEXT_TO_NOTHING, SPECK
+from stages.robot.inertia import SPECK
 from stages.robot.model import Array, Inertial, Limits, Primitive, Robot
 from stages.robot.poses import from_parts, rpy_from_rotation
 
 UNSET_EFFORT = 100.0
 UNSET_VELOCITY = 10.0
 UNSET_REACH = {"revolute": 2 * math.pi, "prismatic": 1.0}
-"""What stands in for a limit that nobody set [rad, m]: URDF demands a number."""
+"""Defaults of limits that are not set [rad, m]: URDF requires a number."""
 
 
-def write_urdf(robot: Robot, geometry: Geometry, diagnostics: list[Diagnostic]) -> bytes:
-    """The robot as URDF, meshes at paths relative to the file."""
+def write_urdf(robot: Robot, geometry: Geometry) -> bytes:
+    """The robot as URDF, with mesh paths relative to the file."""
     root = element(None, "robot", name=robot.name)
     # MuJoCo would strip the mesh paths, fuse a fixed root away and drop the visuals.
     mujoco = element(root, "mujoco")
@@ -38,14 +36,13 @@ def write_urdf(robot: Robot, geometry: Geometry, diagnostics: list[Diagnostic]) 
         node = _link(root, link.name, link.inertial, solid)
         _shapes(node, link.name, geometry, colours)
     lowered = lower(robot)
-    for joint in lowered:
-        for name in joint.between:
+    for item in lowered:
+        for name in item.between:
             _link(root, name, SPECK, False)
-    steps = [step for joint in lowered for step in joint.steps]
     relations = {relation.follower: relation for relation in robot.relations}
-    for step in steps:
-        node = _joint(root, step)
-        relation = relations.get(step.name)
+    for joint in (joint for item in lowered for joint in item.joints):
+        node = _joint(root, joint)
+        relation = relations.get(joint.name)
         if relation is not None:
             element(
                 node,
@@ -54,12 +51,9 @@ def write_urdf(robot: Robot, geometry: Geometry, diagnostics: list[Diagnostic]) 
                 multiplier=number(relation.multiplier),
                 offset=number(relation.offset) if relation.offset else None,
             )
-    names = urdf_names(robot)
-    _frames(root, robot, names)
+    _frames(root, robot, urdf_names(robot))
     for text in robot.controls:
         root.append(parse(text.encode()))
-    _tell(robot, lowered, diagnostics)
-    diagnostics += _renamed(robot, names)
     return to_bytes(root)
 
 
@@ -79,7 +73,7 @@ def _materials(root: Element, geometry: Geometry) -> dict[Colour, str]:
 
 def _link(root: Element, name: str, body: Inertial, shaped: bool) -> Element:
     node = element(root, "link", name=name)
-    # MuJoCo would weigh the shapes of a link that says nothing of its mass.
+    # MuJoCo would derive the mass of a link without an inertial from its shapes.
     if body.mass > 0 or shaped:
         inertial = element(node, "inertial")
         element(inertial, "origin", xyz=spaced(body.com), rpy="0 0 0")
@@ -126,16 +120,16 @@ def _primitive(primitive: Primitive) -> Iterator[tuple[Array, str, dict[str, str
             yield pose @ from_parts(np.eye(3), np.array([0.0, 0.0, end])), "sphere", radius
 
 
-def _joint(root: Element, step: Step) -> Element:
-    node = element(root, "joint", name=step.name, type=step.type)
-    _origin(node, step.parent_from_step)
-    element(node, "parent", link=step.parent)
-    element(node, "child", link=step.child)
-    if step.axis is None:
+def _joint(root: Element, joint: LoweredJoint) -> Element:
+    node = element(root, "joint", name=joint.name, type=joint.type)
+    _origin(node, joint.parent_from_joint)
+    element(node, "parent", link=joint.parent)
+    element(node, "child", link=joint.child)
+    if joint.axis is None:
         return node
-    limits, dynamics = step.limits, step.dynamics
-    element(node, "axis", xyz=spaced(step.axis))
-    low, high = (None, None) if step.type == "continuous" else map(number, _range(step.type, limits))
+    limits, dynamics = joint.limits, joint.dynamics
+    element(node, "axis", xyz=spaced(joint.axis))
+    low, high = (None, None) if joint.type == "continuous" else map(number, _range(joint.type, limits))
     element(
         node,
         "limit",
@@ -178,73 +172,3 @@ def _frames(root: Element, robot: Robot, names: UrdfNames) -> None:
         _origin(node, pose)
         element(node, "parent", link=parent)
         element(node, "child", link=name)
-
-
-def _renamed(robot: Robot, names: UrdfNames) -> list[Diagnostic]:
-    return [
-        Diagnostic(
-            "I-URDF-NAME",
-            f"the frame {frame!r} is the link {name!r} there: another link has its name",
-            f"{robot.name}.urdf",
-            "the MJCF has it as it is; robot.json has the URDF's name, under urdf",
-        )
-        for frame, name in names.frames.items()
-        if name != frame
-    ]
-
-
-def _tell(robot: Robot, lowered: Sequence[Lowered], diagnostics: list[Diagnostic]) -> None:
-    def tell(code: str, message: str, hint: str) -> None:
-        diagnostics.append(Diagnostic(code, message, f"{robot.name}.urdf", hint))
-
-    several = [
-        f"{item.joint.name} ({item.joint.type}: {', '.join(step.name for step in item.steps)})"
-        for item in lowered
-        if item.between
-    ]
-    if several:
-        tell(
-            "I-URDF-LOWERED",
-            "a URDF joint has one degree of freedom, so several stand for each of these, with links of "
-            f"{number(NEXT_TO_NOTHING)} kg between them: " + "; ".join(several),
-            "the MJCF needs none; robot.json lists them under lowered",
-        )
-    cones = [dof.name for dof in robot.dofs if dof.kind == "ball" and dof.limits.upper is not None]
-    if cones:
-        tell(
-            "W-BALL-CONE",
-            "URDF has no limit of a ball's tilt, so these tilt freely there: " + ", ".join(cones),
-            "robot.json has the half angle of the cone",
-        )
-    afloat = [joint.name for joint in robot.joints if joint.type == "free"]
-    if afloat:
-        tell(
-            "I-URDF-FREE",
-            "joints of type floating, which many readers of URDF leave out or hold fixed: "
-            + ", ".join(afloat),
-            "use the MJCF where these bodies must move: of a URDF, MuJoCo takes such a joint only under a "
-            "root link called world",
-        )
-    if robot.loops:
-        tell(
-            "I-URDF-LOOP",
-            "URDF has no loops: "
-            + ", ".join(loop.name for loop in robot.loops)
-            + " stay(s) open there, with a frame on either side (<name>_a, <name>_b)",
-            "the MJCF closes them; robot.json lists them under loops",
-        )
-    rotors = [dof.name for dof in robot.dofs if dof.dynamics.armature]
-    if rotors:
-        tell(
-            "I-URDF-ARMATURE",
-            f"URDF has no word for a rotor's inertia, so these joints have none there: {', '.join(rotors)}",
-            "the MJCF and robot.json have it (armature)",
-        )
-    lacking = {dof.name: unset(dof) for dof in robot.dofs if unset(dof)}
-    if lacking:
-        tell(
-            "I-URDF-UNSET",
-            "URDF demands numbers that nobody gave, and got stand-ins (effort 100, velocity 10, "
-            "±1 m, ±2π rad): " + "; ".join(f"{name}: {', '.join(keys)}" for name, keys in lacking.items()),
-            'set them: joints: {"*": {effort: ..., velocity: ...}}',
-        )

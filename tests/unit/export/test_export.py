@@ -2,19 +2,23 @@
 
 import math
 from pathlib import Path
+from types import SimpleNamespace
 
 import mujoco
 import numpy as np
 import pytest
 
+import stages.export
+from stages.export import WRITERS, Exported, WriterInput, export
 from stages.export.start_pose import starting_point
 from stages.formats.xml import parse
 from stages.robot.kinematics import saved_configuration
 from stages.validate.engines.ability import reads_mimic
 from tests.fake_onshape.frames import frame, turn
-from tests.support.building import plan_of, robot_of, write
+from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.engines import Mujoco, Pinocchio
 from tests.support.kit import SIDE, TOP, Kit
+from tests.support.places import PROJECT
 
 
 def two_links(kit: Kit, **more: object) -> None:
@@ -127,3 +131,37 @@ def test_one_format_alone_is_written_alone(kit: Kit, tmp_path: Path) -> None:
     assert sorted(exported.files) == ["robot.json", "robot.urdf"]
     exported = write(robot, tmp_path / "m", plan_of(export={"mjcf": {}}))
     assert sorted(exported.files) == ["robot.json", "robot.xml", "scene.xml"]
+
+
+def test_a_writer_has_a_folder_and_an_option_and_reads_only_writers_before_it() -> None:
+    before: list[str] = []
+    for writer in WRITERS:
+        assert (PROJECT / "stages/export" / writer.name / "__init__.py").is_file()
+        assert (PROJECT / "conf/export" / f"{writer.name}.yaml").is_file()
+        assert set(writer.reads) <= set(before)
+        before.append(writer.name)
+    assert len(before) == len(set(before))
+
+
+def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_chosen(
+    kit: Kit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def write(given: WriterInput) -> Exported:
+        return Exported({"seen.txt": " ".join(given.files).encode()})
+
+    reader = SimpleNamespace(name="reader", reads=("urdf",), write=write)
+    monkeypatch.setattr(stages.export, "WRITERS", (*WRITERS, reader))
+    two_links(kit)
+    robot = robot_of(kit.document)
+    for chosen in (("reader",), ("urdf", "reader")):
+        exported = export(robot, NO_MESHES, SimpleNamespace(export=SimpleNamespace(chosen=chosen)))
+        assert exported.files["seen.txt"] == b"robot.urdf"
+        assert ("robot.urdf" in exported.files) == ("urdf" in chosen)
+
+
+def test_every_file_that_is_written_is_expected(kit: Kit, tmp_path: Path) -> None:
+    two_links(kit)
+    plan = plan_of()
+    exported = write(robot_of(kit.document), tmp_path, plan)
+    expected = stages.export.expected_paths(plan, "robot")
+    assert sorted(exported.files) == sorted(path for path in expected if path != "assets/*")

@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from stages.export.urdf.lowering import lower
 from stages.export.urdf.model import write_urdf
+from stages.export.urdf.unsupported import unsupported
 from stages.formats.xml import parse
 from stages.mesh.primitives import shapes as primitive_shapes
 from stages.robot.geometry import Geometry
@@ -31,12 +32,11 @@ SEVERAL = {
 
 
 def urdf(robot: Robot, geometry: Geometry = NO_SHAPES) -> bytes:
-    return write_urdf(robot, geometry, [])
+    return write_urdf(robot, geometry)
 
 
 def told(robot: Robot) -> dict[str, str]:
-    found: list = []
-    write_urdf(robot, NO_SHAPES, found)
+    found = list(unsupported(robot))
     assert all(diagnostic.where == "robot.urdf" for diagnostic in found)
     return {diagnostic.code: diagnostic.message for diagnostic in found}
 
@@ -161,8 +161,8 @@ def test_what_is_several_joints_is_told_by_name_in_the_order_of_the_chain(kind, 
     assert f"arm_joint ({kind}: {names})" in message
     if kind != "ball":
         (item,) = lower(robot_with([joint(kind, "base", "arm", backwards=True)]))
-        assert [step.name for step in item.steps] == [f"arm_joint_{suffix}" for suffix in suffixes[::-1]]
-        assert [step.child for step in item.steps] == [*item.between, "arm"]
+        assert [part.name for part in item.joints] == [f"arm_joint_{suffix}" for suffix in suffixes[::-1]]
+        assert [part.child for part in item.joints] == [*item.between, "arm"]
 
 
 def test_names_that_are_made_up_take_no_other_ones() -> None:
@@ -174,7 +174,7 @@ def test_names_that_are_made_up_take_no_other_ones() -> None:
     ]
     robot = robot_with(rows, frames=[Frame("hip_2", "base", frozen(np.eye(4)), "Hip")])
     ball, _, rod, puck = lower(robot)
-    assert [step.name for step in ball.steps] == ["hip_x_2", "hip_y", "hip_z"]
+    assert [part.name for part in ball.joints] == ["hip_x_2", "hip_y", "hip_z"]
     assert ball.between == ("hip_1_2", "hip_2_2")
     assert rod.between == ("rod_1",)
     assert puck.between == ("hip_1_1", "hip_1_2_2")

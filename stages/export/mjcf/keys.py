@@ -1,0 +1,7 @@
+"""Configuration of the MJCF writer."""
+
+from stages.robot.keys import Keys
+
+
+class MjcfKeys(Keys):
+    """The MJCF and its scene."""

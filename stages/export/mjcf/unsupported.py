@@ -1,0 +1,46 @@
+"""What MJCF cannot express of a robot: the cone, effort and zero of ball joints."""
+
+import math
+from collections.abc import Iterator
+
+from stages.robot.errors import Diagnostic
+from stages.robot.model import Configuration, Robot, Value
+
+
+def unsupported(robot: Robot, start: Configuration) -> Iterator[Diagnostic]:
+    """One diagnostic for each kind of loss. `start`: qpos0, by dof."""
+    file = f"{robot.name}.xml"
+    balls = [dof for dof in robot.dofs if dof.kind == "ball"]
+    cones = [dof.name for dof in balls if dof.limits.upper is not None]
+    if cones:
+        yield Diagnostic(
+            "W-BALL-CONE",
+            "MuJoCo's range of a ball joint limits its twist too, which a cone does not, so the MJCF has "
+            f"no limit for: {', '.join(cones)}",
+            file,
+            "robot.json has the cone's half angle; keep to it in the controller",
+        )
+    efforts = [dof.name for dof in balls if dof.dynamics.effort is not None]
+    if efforts:
+        yield Diagnostic(
+            "W-BALL-EFFORT",
+            "MuJoCo limits the force of hinges and slides only, so the MJCF has no effort limit for: "
+            + ", ".join(efforts),
+            file,
+            "robot.json has the effort; keep to it in the controller",
+        )
+    if balls:
+        yield Diagnostic(
+            "I-BALL-ZERO",
+            "a ball joint's q = 0 is its pose at qpos0 in the MJCF, and its mate's zero in the URDF: "
+            + ", ".join(f"{dof.name} ({_angle_from_zero(start[dof.name])})" for dof in balls),
+            file,
+            "robot.json has both, under zero of the dof",
+        )
+
+
+def _angle_from_zero(start: Value) -> str:
+    """How far a ball joint at qpos0 is turned from its mate's zero."""
+    assert isinstance(start, tuple)
+    angle = math.degrees(2.0 * math.atan2(math.hypot(*start[1:]), abs(start[0])))
+    return f"{angle:.4g} deg apart" if angle > 1e-9 else "the same"

@@ -1,0 +1,112 @@
+"""What URDF cannot express of a robot: one diagnostic for each kind of loss."""
+
+from collections.abc import Callable, Iterator
+
+from stages.export.urdf.lowering import lower, unset
+from stages.formats.numbers import number
+from stages.formats.urdf.names import urdf_names
+from stages.robot.errors import Diagnostic
+from stages.robot.inertia import NEXT_TO_NOTHING
+from stages.robot.model import Robot
+
+
+def unsupported(robot: Robot) -> Iterator[Diagnostic]:
+    """A diagnostic for each kind of loss that this robot has, in the order of the table."""
+    for loss in LOSSES:
+        yield from loss(robot, f"{robot.name}.urdf")
+
+
+def _several_dofs(robot: Robot, file: str) -> Iterator[Diagnostic]:
+    several = [
+        f"{item.joint.name} ({item.joint.type}: {', '.join(part.name for part in item.joints)})"
+        for item in lower(robot)
+        if item.between
+    ]
+    if several:
+        yield Diagnostic(
+            "I-URDF-LOWERED",
+            "a URDF joint has one degree of freedom, so each of these is several joints, with links of "
+            f"{number(NEXT_TO_NOTHING)} kg between them: " + "; ".join(several),
+            file,
+            "the MJCF needs no such links; robot.json lists them under lowered",
+        )
+
+
+def _cones(robot: Robot, file: str) -> Iterator[Diagnostic]:
+    cones = [dof.name for dof in robot.dofs if dof.kind == "ball" and dof.limits.upper is not None]
+    if cones:
+        yield Diagnostic(
+            "W-BALL-CONE",
+            f"URDF cannot limit the tilt of a ball joint, so these tilt freely: {', '.join(cones)}",
+            file,
+            "robot.json has the half angle of the cone",
+        )
+
+
+def _floating(robot: Robot, file: str) -> Iterator[Diagnostic]:
+    floating = [joint.name for joint in robot.joints if joint.type == "free"]
+    if floating:
+        yield Diagnostic(
+            "I-URDF-FREE",
+            f"many URDF readers ignore joints of type floating, or fix them: {', '.join(floating)}",
+            file,
+            "use the MJCF where these links must move; of a URDF, MuJoCo accepts a floating joint only "
+            "below a root link named world",
+        )
+
+
+def _loops(robot: Robot, file: str) -> Iterator[Diagnostic]:
+    if robot.loops:
+        yield Diagnostic(
+            "I-URDF-LOOP",
+            "URDF has no loops, so these are open, with a frame on either side (<name>_a, <name>_b): "
+            + ", ".join(loop.name for loop in robot.loops),
+            file,
+            "the MJCF closes them; robot.json lists them under loops",
+        )
+
+
+def _armatures(robot: Robot, file: str) -> Iterator[Diagnostic]:
+    rotors = [dof.name for dof in robot.dofs if dof.dynamics.armature]
+    if rotors:
+        yield Diagnostic(
+            "I-URDF-ARMATURE",
+            f"URDF has no armature (rotor inertia), so it is left out of these joints: {', '.join(rotors)}",
+            file,
+            "use the MJCF, or armature in robot.json",
+        )
+
+
+def _unset(robot: Robot, file: str) -> Iterator[Diagnostic]:
+    missing = {dof.name: unset(dof) for dof in robot.dofs if unset(dof)}
+    if missing:
+        yield Diagnostic(
+            "I-URDF-UNSET",
+            "URDF requires limits, efforts and velocities that are not set, so defaults were written "
+            "(effort 100, velocity 10, ±1 m, ±2π rad): "
+            + "; ".join(f"{name}: {', '.join(keys)}" for name, keys in missing.items()),
+            file,
+            'set them: joints: {"*": {effort: ..., velocity: ...}}',
+        )
+
+
+def _frame_names(robot: Robot, file: str) -> Iterator[Diagnostic]:
+    for frame, name in urdf_names(robot).frames.items():
+        if name != frame:
+            yield Diagnostic(
+                "I-URDF-NAME",
+                f"the frame {frame!r} is named {name!r} in the URDF, since a link has its name",
+                file,
+                "the MJCF keeps the name; robot.json has the URDF's name, under urdf",
+            )
+
+
+LOSSES: tuple[Callable[[Robot, str], Iterator[Diagnostic]], ...] = (
+    _several_dofs,
+    _cones,
+    _floating,
+    _loops,
+    _armatures,
+    _unset,
+    _frame_names,
+)

@@ -1,0 +1,61 @@
+"""What every format of robot files has in common."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from stages.robot.errors import Diagnostic
+
+if TYPE_CHECKING:
+    from stages.export.keys import ExportKeys
+    from stages.robot.geometry import Geometry
+    from stages.robot.keys import Keys
+    from stages.robot.model import Configuration, Robot
+
+
+@dataclass(frozen=True, slots=True)
+class Exported:
+    """`files`: path below the output folder → bytes. `diagnostics`: what the format cannot express."""
+
+    files: Mapping[str, bytes]
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class WriterInput:
+    """What a writer works with.
+
+    `start`: the value of every dof in a fresh simulation (qpos0). `files`: the files of the writers
+    that this one names in `reads`, by path.
+    """
+
+    robot: "Robot"
+    geometry: "Geometry"
+    keys: "ExportKeys"
+    start: "Configuration"
+    files: Mapping[str, bytes]
+
+
+class Writer(Protocol):
+    """One format: a folder of this stage, chosen by `conf/export/<name>.yaml`."""
+
+    @property
+    def name(self) -> str:
+        """The format in the configuration (`export.<name>`), and the writer's folder."""
+
+    @property
+    def reads(self) -> tuple[str, ...]:
+        """The names of the writers whose files this one needs; they come before it in the table."""
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """The modules that it imports when it runs, as far as importing them takes time."""
+
+    def keys(self) -> "type[Keys]":
+        """The class of its section of the configuration."""
+
+    def paths(self, robot: str) -> tuple[str, ...]:
+        """The paths of its files for a robot of this name."""
+
+    def write(self, given: WriterInput) -> Exported:
+        """Its files, without the meshes, which all formats share."""
