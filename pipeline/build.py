@@ -32,7 +32,7 @@ from pipeline.products import digests, products
 from pipeline.progress import Log, Progress, Quiet, Tee
 from pipeline.report import Report, StageReport, Status
 from pipeline.stage import STAGES, Stage, libraries, stages_until
-from stages.fetch import remarks
+from stages.fetch import describe, remarks
 from stages.fetch.onshape.api.ledger import FOLDER as LEDGER
 from stages.graph.view.views import OUTLINE, VIEWS
 from stages.robot import codec
@@ -136,9 +136,7 @@ class Run:
     shown: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        self.source["kind"] = self.plan.source.kind
-        if self.plan.source.kind == "onshape":
-            self.source["url"] = self.plan.source.url
+        self.source |= describe(self.plan)
 
     @property
     def named(self) -> bool:

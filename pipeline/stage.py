@@ -18,7 +18,7 @@ from stages.robot import codec
 from stages.robot.errors import ConfigError
 
 if TYPE_CHECKING:
-    from stages.robot.bundle import Bundle
+    from stages.fetch.source import Calls
 
 
 @functools.cache
@@ -107,16 +107,16 @@ class FetchStage(StageBase):
         return None if identity is None else {"pinned": identity}
 
     def force(self, context: BuildContext) -> bool:
-        from stages.fetch import anew
+        from stages.fetch import force
 
-        return anew(context.plan)
+        return force(context.plan)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
         return {}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
-        from stages.fetch import fetch, spends
-        from stages.fetch.onshape.call_budget import Calls
+        from stages.fetch import fetch, spends, summary
+        from stages.fetch.source import Calls, FetchContext
 
         if spends(context.plan):
             context.require_room()
@@ -124,32 +124,27 @@ class FetchStage(StageBase):
         try:
             fetched = fetch(
                 context.plan,
-                context.cache.replies(),
-                context.environ,
-                context.detail,
-                context.ledger,
-                calls,
-                began=context.began,
-                while_waiting=context.import_ahead,
-                passing=context.transient,
+                FetchContext(
+                    context.cache.replies(),
+                    context.environ,
+                    progress=context.detail,
+                    transient=context.transient,
+                    ledger=context.ledger,
+                    calls=calls,
+                    began=context.began,
+                    while_waiting=context.import_ahead,
+                ),
             )
         finally:
             # Also what a fetch spent that failed.
-            context.calls |= {"made": calls.made, "saved": calls.saved}
-            if calls.made:
-                context.calls |= {
-                    "counted_this_year": calls.year,
-                    "remaining": dict(calls.remaining),
-                    "served": dict(calls.served),
-                    "waited": round(calls.waited, 1),
-                }
+            context.calls |= _spent(calls)
         bundle = fetched.bundle
         context.cache.check(bundles.named(bundle))
         size = sum(len(body) for body in bundle.blobs.values())
         return {
             **codec.encode_bundle(bundle),
             NOTES: notes(
-                f"{_contents(bundle)}, {size / 1e6:.2f} MB",
+                f"{summary(bundle)}, {size / 1e6:.2f} MB",
                 fetched.diagnostics,
                 source={**bundle.root, **({"title": fetched.title} if fetched.title else {})},
                 calls=fetched.calls + fetched.saved,
@@ -158,12 +153,17 @@ class FetchStage(StageBase):
         }
 
 
-def _contents(bundle: "Bundle") -> str:
-    """What a bundle holds, in words."""
-    if bundle.kind == "onshape":
-        replies = count(len(bundle.blobs), "reply", "replies")
-        return f"{replies} about {count(len(bundle.studios), 'part studio')}"
-    return f"{bundle.root['document']} and {count(len(bundle.requests) - 1, 'mesh', 'meshes')}"
+def _spent(calls: "Calls") -> dict[str, Any]:
+    """The calls of a fetch, as the report has them."""
+    spent: dict[str, Any] = {"made": calls.made, "saved": calls.saved}
+    if calls.made:
+        spent |= {
+            "counted_this_year": calls.year,
+            "remaining": dict(calls.remaining),
+            "served": dict(calls.served),
+            "waited": round(calls.waited, 1),
+        }
+    return spent
 
 
 class GraphStage(StageBase):

@@ -9,7 +9,8 @@ from pydantic_core import ErrorDetails
 
 from pipeline.config.schema import Place, annotation_at, field_at, is_section, key_of, leaves, names, options
 from stages.export.keys import LATER_FORMATS, ExportSection
-from stages.fetch.keys import ADDRESS, SOURCES
+from stages.fetch.keys import SOURCES
+from stages.fetch.source_keys import ADDRESS
 from stages.robot.errors import Diagnostic
 from stages.robot.keys import NOT_YET, Keys
 

@@ -13,6 +13,8 @@ from hashlib import sha256
 from pathlib import Path
 from typing import BinaryIO
 
+from stages.robot.errors import ConfigError
+
 NOT_REGULAR = "it is a device, a pipe or a socket, and only regular files are read"
 
 _PIECE = 1 << 20
@@ -45,6 +47,22 @@ def is_endless(path: Path) -> bool:
         return is_file(path) and not path.stat().st_size and not os.statvfs(path).f_blocks
     except (OSError, AttributeError):
         return False
+
+
+def require(path: str, key: str, wanted: str, example: str) -> None:
+    """ConfigError where there is no regular file at `path`, the value of `key`.
+
+    `wanted` is what a file of its kind is, "a URDF is a file"; `example` a path of one.
+    """
+    place = Path(path)
+    if is_file(place):
+        return
+    what = f"is a folder, and {wanted}" if place.is_dir() else "does not exist"
+    if is_special(place):
+        what = f"is no such file: {NOT_REGULAR}"
+    raise ConfigError(
+        f"{path} {what}", key, f"paths start from the working folder; give one such as {example}"
+    )
 
 
 def content(path: Path, most: int) -> bytes:

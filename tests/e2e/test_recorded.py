@@ -54,6 +54,7 @@ WAYS: Mapping[str, Mapping[str, Any]] = {
 def kbot(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict, Robot]:
     """The built folder, its report, and the robot that the graph stage made."""
     from stages.fetch import fetch
+    from stages.fetch.source import FetchContext
     from stages.graph import build_robot
 
     here = tmp_path_factory.mktemp("kbot")
@@ -68,7 +69,7 @@ def kbot(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict, Robot]:
     )
     report = build(plan)
     assert report.exit_status == 0
-    robot = build_robot(fetch(plan, {}, {}, lambda _: None).bundle, plan)
+    robot = build_robot(fetch(plan, FetchContext({}, {})).bundle, plan)
     return here / "out", json.loads((here / "out" / "report.json").read_text()), robot
 
 

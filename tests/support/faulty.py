@@ -12,7 +12,7 @@ from pipeline.caching.maintenance import verify
 from pipeline.caching.store import Store
 from stages import fetch as stage
 from stages.fetch.onshape.api.ledger import years
-from stages.fetch.onshape.call_budget import Calls
+from stages.fetch.source import Calls, FetchContext
 from stages.robot.errors import SourceError
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document
@@ -122,8 +122,8 @@ class Fetching:
         server.fault = trouble
         replies, ledger = Cache(Store(self.folder)).replies(), self.folder / "ledger"
         try:
-            tell = [].append
-            found = stage.fetch(self.keys, replies, server.environ, tell, ledger, calls, PATIENCE).bundle
+            context = FetchContext(replies, server.environ, ledger=ledger, calls=calls, patience=PATIENCE)
+            found = stage.fetch(self.keys, context).bundle
         except SourceError as error:
             found = error
         assert calls.made == server.count - billed

@@ -7,6 +7,7 @@ from threading import Lock, RLock
 from stages import fetch as stage
 from stages.fetch.keys import FetchKeys
 from stages.fetch.onshape.api.retries import Patience
+from stages.fetch.source import FetchContext
 
 QUICK = Patience(first_wait=0.001, longest_wait=0.004, jitter=0.001, connect=5, read=10, whole=20)
 """Asks again at once: tests have no time to wait."""
@@ -60,6 +61,6 @@ def onshape(url, **keys):
 
 def fetched(keys, kept=None, environ=None, lines=None, **more):
     """What the stage fetches, with replies in memory."""
-    tell = (lines if lines is not None else []).append
     more.setdefault("patience", QUICK)
-    return stage.fetch(keys, Kept() if kept is None else kept, environ or {}, tell, **more)
+    progress = (lines if lines is not None else []).append
+    return stage.fetch(keys, FetchContext(Kept() if kept is None else kept, environ or {}, progress, **more))

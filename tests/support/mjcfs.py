@@ -6,8 +6,8 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from stages.fetch.keys import MjcfKeys
 from stages.fetch.mjcf.gather import gather
+from stages.fetch.mjcf.keys import MjcfSourceKeys
 from stages.graph import build_robot
 from stages.robot.bundle import Bundle
 from stages.robot.model import Robot
@@ -34,7 +34,7 @@ def written(folder: Path, text: str, name: str = "model.xml") -> Path:
 
 
 def bundle_of(path: Path) -> Bundle:
-    return gather(MjcfKeys(path=str(path)))[0]
+    return gather(MjcfSourceKeys(path=str(path)))[0]
 
 
 def robot_of(path: Path, **keys) -> Robot:

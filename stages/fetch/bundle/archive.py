@@ -2,8 +2,8 @@
 
 A bundle comes from anyone, so it is read with distrust: nothing is unpacked to disk, only the
 names that a bundle has are accepted, sizes are bounded before anything is inflated, no entry is inflated
-beyond the size that was judged, a reply is no larger than one of its kind from a server
-(`stages.fetch.reply_sizes`), and every reply must have the digest that it is named by.
+beyond the size that was judged, a reply is no larger than its kind of source allows
+(`Source.largest_reply`), and every reply must have the digest that it is named by.
 
 `manifest.json` is an object:
 
@@ -31,12 +31,11 @@ import stat
 import struct
 import zipfile
 import zlib
-from collections.abc import Mapping
-from dataclasses import dataclass
 from hashlib import sha256
 from typing import Annotated, Literal, Self
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
@@ -45,11 +44,11 @@ from pydantic import (
     model_validator,
 )
 
-from stages.fetch import reply_sizes
-from stages.fetch.files import LARGEST
-from stages.formats import triangles
+from stages.fetch import ROOMS, source_class
+from stages.fetch.bundle.source import LARGEST
+from stages.fetch.recording import Recording
 from stages.robot.bundle import Bundle
-from stages.robot.errors import ProtocolError, SourceError
+from stages.robot.errors import SourceError
 
 FORMAT = 1
 _MANIFEST = "manifest.json"
@@ -79,18 +78,11 @@ _Version = Annotated[str, StringConstraints(strict=True, pattern=r"^(v\d+)?$")]
 _MaybeText = Annotated[str, StringConstraints(strict=True, min_length=0)]
 
 
-@dataclass(frozen=True, slots=True)
-class Recording:
-    """What a zip holds, checked: every digest of `requests` and `definition` is in `blobs`."""
-
-    kind: str
-    api: str
-    root: Mapping[str, str]
-    definition: str
-    requests: Mapping[str, str]
-    blobs: Mapping[str, bytes]
-    options: Mapping[str, str]
-    definition_api: str = ""
+def _recorded(kind: str) -> str:
+    if kind in ROOMS and source_class(kind).recorded:
+        return kind
+    msg = f"there are no bundles of the kind {kind!r}"
+    raise ValueError(msg)
 
 
 class _Root(BaseModel):
@@ -106,7 +98,7 @@ class _Manifest(BaseModel):
     model_config = ConfigDict(frozen=True, extra="ignore")
 
     format: Literal[1]
-    kind: Literal["onshape", "urdf", "mjcf"]
+    kind: Annotated[str, AfterValidator(_recorded)]
     api: _Version
     definition_api: _Version = ""
     root: _Root
@@ -136,10 +128,11 @@ def read(data: bytes, where: str) -> Recording:
     for name, body in blobs.items():
         if sha256(body).hexdigest() != name:
             raise _refused(f"its reply {name} does not have that digest: the file was changed", where)
+    largest = source_class(manifest.kind).largest_reply
     for request, name in sorted({_DEFINITION: manifest.definition, **manifest.requests}.items()):
         if name not in blobs:
             raise _refused(f"it lacks the reply {name} ({request})", where)
-        most = reply_sizes.DEFINITION if request == _DEFINITION else reply_sizes.largest(request)
+        most = largest(request)
         if len(blobs[name]) > most:
             why = f"its reply {name} ({request}) has {len(blobs[name])} bytes; at most {most} are read"
             raise _refused(why, where)
@@ -152,27 +145,6 @@ def read(data: bytes, where: str) -> Recording:
         blobs=blobs,
         options=dict(manifest.options),
         definition_api=manifest.definition_api,
-    )
-
-
-def whole(recording: Recording, where: str) -> Bundle:
-    """The bundle of a robot's own file as it was packed; SourceError where its meshes are none."""
-    meshes = {name for request, name in recording.requests.items() if request.startswith("mesh/")}
-    try:
-        for name in sorted(meshes):
-            triangles.check(recording.blobs[name])
-    except ProtocolError as error:
-        raise _refused(error.message, where) from None
-    wanted = {recording.definition, *recording.requests.values()}
-    return Bundle(
-        kind=recording.kind,
-        api=recording.api,
-        root=recording.root,
-        definition=recording.definition,
-        studios=(),
-        requests=recording.requests,
-        blobs={name: recording.blobs[name] for name in sorted(wanted)},
-        options=recording.options,
     )
 
 

@@ -20,7 +20,7 @@ from stages.robot.bundle import Bundle
 from stages.robot.errors import Diagnostic, ProtocolError, SourceError
 
 if TYPE_CHECKING:
-    from stages.fetch.keys import MjcfKeys
+    from stages.fetch.mjcf.keys import MjcfSourceKeys
 
 READER = 2
 """Grows with every change of what is made of the same files."""
@@ -46,7 +46,7 @@ _SMALLER = (
 
 
 def gather(
-    source: MjcfKeys, while_waiting: Callable[[], None] = lambda: None
+    source: MjcfSourceKeys, while_waiting: Callable[[], None] = lambda: None
 ) -> tuple[Bundle, tuple[Diagnostic, ...]]:
     """The bundle of an MJCF, and what MuJoCo warned of. `while_waiting` is called before MuJoCo begins.
 
@@ -78,7 +78,7 @@ def gather(
     return bundle, tuple(Diagnostic("W-MJCF", text, path.name, _LOOK) for text in warnings)
 
 
-def identity(source: MjcfKeys) -> dict[str, Any]:
+def identity(source: MjcfSourceKeys) -> dict[str, Any]:
     """What tells the source from every other, by content, as plain data."""
     from stages.fetch.mjcf.files import survey
 

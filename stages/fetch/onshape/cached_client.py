@@ -9,7 +9,7 @@ from typing import Any
 from stages.fetch.onshape.api.http_errors import Declined
 from stages.fetch.onshape.api.threads import run_all
 from stages.fetch.onshape.call_budget import allow, count
-from stages.fetch.onshape.reply_store import Replies
+from stages.fetch.onshape.reply_store import ReplyStore
 from stages.fetch.onshape.requests import API, api, describe, is_definition
 from stages.fetch.onshape.session import Promise, Server
 from stages.robot.errors import NotFound, Offline, ProtocolError
@@ -27,7 +27,7 @@ class Asking:
     """
 
     def __init__(
-        self, server: Server, replies: Replies, *, offline: bool, refresh: bool, max_calls: int
+        self, server: Server, replies: ReplyStore, *, offline: bool, refresh: bool, max_calls: int
     ) -> None:
         self._server = server
         self._replies = replies

@@ -4,31 +4,11 @@ Onshape counts calls by the year, so a build says what it is about to spend befo
 spends nothing where the user allows less.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from threading import Lock
 
 from stages.robot.errors import SourceError
-
-
-@dataclass(slots=True)
-class Calls:
-    """What a build spent: filled in while it fetches, so that it also tells of a fetch that failed.
-
-    `made`: calls that count against the quota; `saved`: replies that were kept already; `year`: all
-    calls of this key in this year, None where nothing counts them; `remaining`: calls that the
-    server said are left in its window, by kind of request; `served`: what it said of itself, its
-    `api` version, that of definitions (`definition_api`) and its `release`; `waited`: seconds waited
-    because it asked for that.
-    """
-
-    made: int = 0
-    saved: int = 0
-    year: int | None = None
-    remaining: Mapping[str, int] = field(default_factory=dict)
-    served: Mapping[str, str] = field(default_factory=dict)
-    waited: float = 0.0
 
 
 class Budget:

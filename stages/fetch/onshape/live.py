@@ -17,7 +17,7 @@ from stages.fetch.onshape.url import AssemblyUrl
 from stages.robot.errors import Diagnostic, NotFound, ProtocolError
 
 if TYPE_CHECKING:
-    from stages.fetch.keys import OnshapeKeys
+    from stages.fetch.onshape.keys import OnshapeSourceKeys
 
 _Bodies = dict[str, bytes]
 
@@ -31,7 +31,7 @@ class Network:
     """
 
     def __init__(
-        self, url: AssemblyUrl, keys: "OnshapeKeys", asking: Asking, tell: Callable[[str], None]
+        self, url: AssemblyUrl, keys: "OnshapeSourceKeys", asking: Asking, tell: Callable[[str], None]
     ) -> None:
         self._url = url
         self._keys = keys

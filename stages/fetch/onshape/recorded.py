@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from stages.fetch.bundle.archive import Recording
 from stages.fetch.onshape import definition, requests
 from stages.fetch.onshape.features import Owner
 from stages.fetch.onshape.gather import Answer, Needs, Reply, Told
 from stages.fetch.onshape.reply_checks import accepted, compacted
+from stages.fetch.recording import Recording
 from stages.robot.errors import ProtocolError, SourceError
 
 

@@ -1,11 +1,11 @@
-"""What fetch asks of the pipeline: a place that keeps replies for ever, and facts until they change."""
+"""Interface of the store that the pipeline provides: replies kept for ever, facts until they change."""
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
 from typing import Any, Protocol
 
 
-class Replies(Protocol):
+class ReplyStore(Protocol):
     """Kept replies by request. Only pinned, hence immutable, replies come here.
 
     Fetch calls it from one thread at a time, except for `alone`.

@@ -1,8 +1,7 @@
 """The server of one assembly: connected when the first call is due, its replies checked."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 
 from stages.fetch.onshape import definition, requests
 from stages.fetch.onshape.api import network_settings
@@ -11,9 +10,10 @@ from stages.fetch.onshape.api.credentials import find
 from stages.fetch.onshape.api.http_errors import Declined
 from stages.fetch.onshape.api.ledger import Ledger
 from stages.fetch.onshape.api.retries import Patience
-from stages.fetch.onshape.call_budget import Calls
+from stages.fetch.onshape.keys import OnshapeSourceKeys
 from stages.fetch.onshape.reply_checks import accepted
 from stages.fetch.onshape.url import AssemblyUrl
+from stages.fetch.source import Calls, FetchContext
 from stages.robot.errors import ProtocolError
 
 Promise = Callable[[bytes], None]
@@ -23,30 +23,16 @@ Promise = Callable[[bytes], None]
 class Server:
     """A context manager: the connections live as long as it.
 
-    `max_wait` [s] bounds the waits that the server may ask for; `ledger` is the folder where calls
-    are taken down, if any; `patience` is what else is borne with; `passing` hears how much has arrived.
+    `keys`: those of the source, of which `max_wait` and `max_calls` bound what the server is asked.
     """
 
     at_once = AT_ONCE
 
-    def __init__(
-        self,
-        url: AssemblyUrl,
-        environ: Mapping[str, str],
-        tell: Callable[[str], None],
-        max_wait: float,
-        ledger: Path | None,
-        patience: Patience | None = None,
-        max_calls: int | None = None,
-        passing: Callable[[str], None] = lambda _: None,
-    ) -> None:
+    def __init__(self, url: AssemblyUrl, keys: OnshapeSourceKeys, context: FetchContext) -> None:
         self._url = url
-        self._passing = passing
-        self._max_calls = max_calls
-        self._environ = environ
-        self._tell = tell
-        self._patience = replace(patience or Patience(), max_wait=max_wait)
-        self._folder = ledger
+        self._max_calls = keys.max_calls
+        self._context = context
+        self._patience = replace(context.patience or Patience(), max_wait=keys.max_wait)
         self._ledger: Ledger | None = None
         self._client: Client | None = None
 
@@ -74,17 +60,18 @@ class Server:
     def ready(self) -> Client:
         """The client, made when the first call is due: a build from kept replies needs no key."""
         if self._client is None:
-            credentials = find(self._environ)
-            network_settings.require(self._environ, proxies=not self._url.loopback)
-            self._ledger = Ledger(self._folder, credentials.who) if self._folder else None
+            context = self._context
+            credentials = find(context.environ)
+            network_settings.require(context.environ, proxies=not self._url.loopback)
+            self._ledger = Ledger(context.ledger, credentials.who) if context.ledger else None
             self._client = Client(
                 self._url,
                 credentials,
                 patience=self._patience,
                 ledger=self._ledger,
-                tell=self._tell,
+                progress=context.progress,
                 max_calls=self._max_calls,
-                passing=self._passing,
+                transient=context.transient,
             )
         return self._client
 

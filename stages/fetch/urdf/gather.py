@@ -19,7 +19,7 @@ from stages.robot.bundle import Bundle
 from stages.robot.errors import Diagnostic, SourceError
 
 if TYPE_CHECKING:
-    from stages.fetch.keys import UrdfKeys
+    from stages.fetch.urdf.keys import UrdfSourceKeys
 
 ROBOT = "robot.urdf"
 """The request that stands for the robot's text."""
@@ -30,7 +30,7 @@ _SKIP = (
 )
 
 
-def gather(source: UrdfKeys, environ: Mapping[str, str]) -> tuple[Bundle, tuple[Diagnostic, ...]]:
+def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[Bundle, tuple[Diagnostic, ...]]:
     """The bundle of a robot's file, and what is to be told of how its meshes were found.
 
     SourceError tells all that is wrong with the text and all meshes that are missing or damaged.

@@ -22,7 +22,7 @@ from stages.fetch.urdf.ros_packages import Packages
 from stages.robot.errors import SourceError
 
 if TYPE_CHECKING:
-    from stages.fetch.keys import UrdfKeys
+    from stages.fetch.urdf.keys import UrdfSourceKeys
 
 LARGEST_MESH = 1 << 29
 """Larger mesh files are not read [bytes]."""
@@ -65,7 +65,7 @@ class Survey:
         return self.files.shown(place.file), _content_digest(place.file)
 
 
-def survey(source: UrdfKeys, environ: Mapping[str, str]) -> Survey:
+def survey(source: UrdfSourceKeys, environ: Mapping[str, str]) -> Survey:
     """ConfigError where xacro is needed, and is not installed or the file not trusted; SourceError where
     the file is not readable as a URDF."""
     path = Path(source.path).absolute()
@@ -84,7 +84,7 @@ def survey(source: UrdfKeys, environ: Mapping[str, str]) -> Survey:
     return Survey(path.name, content.encode(), named, places)
 
 
-def identity(source: UrdfKeys, environ: Mapping[str, str]) -> dict[str, Any]:
+def identity(source: UrdfSourceKeys, environ: Mapping[str, str]) -> dict[str, Any]:
     """What identifies the source for ever, as plain data."""
     seen = survey(source, environ)
     return {

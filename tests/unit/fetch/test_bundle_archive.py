@@ -13,7 +13,7 @@ import pytest
 
 from stages.fetch.bundle import archive as module
 from stages.fetch.bundle.archive import pack, read
-from stages.fetch.files import content
+from stages.fetch.bundle.source import BundleSource
 from stages.robot.bundle import Bundle
 from stages.robot.errors import SourceError
 
@@ -116,7 +116,7 @@ def test_a_file_too_large_is_refused_before_it_is_read(tmp_path):
         file.truncate((1 << 30) + 1)
     source = SimpleNamespace(kind="bundle", path=str(tmp_path / "arm.zip"))
     with pytest.raises(SourceError, match="1073741825 bytes"):
-        content(source)
+        BundleSource(source).content()
 
 
 def test_however_a_bundle_is_harmed_it_is_refused_or_read_as_it_was():

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from stages.export.start_pose import starting_point
-from stages.fetch.bundle.archive import pack, read, whole
-from stages.fetch.keys import MjcfKeys
+from stages.fetch.bundle.archive import pack, read
 from stages.fetch.mjcf.gather import gather, identity
+from stages.fetch.mjcf.keys import MjcfSourceKeys
+from stages.fetch.mjcf.source import MjcfSource
 from stages.formats import triangles
 from stages.formats.mjcf import Mjcf
 from stages.graph import build_robot
@@ -508,7 +509,7 @@ def test_every_mate_read_back_is_itself(tmp_path, turned):
 def test_a_bundle_is_read_back_from_its_zip(tmp_path):
     path = written(tmp_path, model(body("base", HIP), DEFAULTS, compiler=""))
     bundle = bundle_of(path)
-    again = whole(read(pack(bundle), "zip"), "zip")
+    again = MjcfSource.replay(read(pack(bundle), "zip"), "zip")
     assert again == bundle
     assert str(tmp_path).encode() not in pack(bundle)
 
@@ -532,7 +533,7 @@ def test_a_bundle_that_holds_no_model_is_refused(tmp_path, change):
 
 
 def keys_of(path):
-    return MjcfKeys(path=str(path))
+    return MjcfSourceKeys(path=str(path))
 
 
 def test_the_identity_is_the_content_of_all_files(tmp_path):

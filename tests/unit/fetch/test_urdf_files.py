@@ -13,8 +13,9 @@ import trimesh
 from pipeline.config.plan import Plan
 from stages.fetch import pinned, preflight
 from stages.fetch.bundle import archive as packing
-from stages.fetch.keys import UrdfKeys
 from stages.fetch.urdf.gather import gather
+from stages.fetch.urdf.keys import UrdfSourceKeys
+from stages.fetch.urdf.source import UrdfSource
 from stages.formats import triangles
 from stages.robot.bundle import Bundle
 from stages.robot.errors import ConfigError, Diagnostic, SourceError
@@ -47,7 +48,7 @@ def urdf(*names: str, more: str = "", inside: str = "") -> bytes:
 def gathered(
     path: Path, environ: dict[str, str] | None = None, **keys: object
 ) -> tuple[Bundle, tuple[Diagnostic, ...]]:
-    return gather(UrdfKeys(path=str(path), **keys), environ or {})
+    return gather(UrdfSourceKeys(path=str(path), **keys), environ or {})
 
 
 def bodies(bundle: Bundle) -> dict[str, triangles.Body]:
@@ -104,7 +105,7 @@ def test_the_same_files_elsewhere_are_the_same_bundle_and_any_change_is_another(
         put(
             tmp_path / folder, **{"r.urdf": urdf("a.obj", "b.stl"), "a.obj": obj, "b.stl": mesh, "m.mtl": mtl}
         )
-        keys = UrdfKeys(path=str(tmp_path / folder / "r.urdf"))
+        keys = UrdfSourceKeys(path=str(tmp_path / folder / "r.urdf"))
         plan = Plan.model_validate({"name": "r", "source": keys})
         bundle, _ = gather(keys, {})
         identities.append(json.dumps(pinned(plan, {})))
@@ -126,7 +127,7 @@ def test_a_packed_bundle_is_read_back_as_it_was(tmp_path):
     put(tmp_path, **{"r.urdf": urdf("a.stl"), "a.stl": block()})
     bundle, _ = gathered(tmp_path / "r.urdf", bad_inertia="recompute")
     recording = packing.read(packing.pack(bundle), "x.zip")
-    assert packing.whole(recording, "x.zip") == bundle
+    assert UrdfSource.replay(recording, "x.zip") == bundle
 
 
 def test_a_packed_bundle_with_a_mesh_that_is_none_is_refused(tmp_path):
@@ -138,7 +139,7 @@ def test_a_packed_bundle_with_a_mesh_that_is_none_is_refused(tmp_path):
         "urdf", "", bundle.root, bundle.definition, (), requests, {**bundle.blobs, bad: b"no triangles"}
     )
     with pytest.raises(SourceError, match="compact form"):
-        packing.whole(packing.read(packing.pack(harmed), "x.zip"), "x.zip")
+        UrdfSource.replay(packing.read(packing.pack(harmed), "x.zip"), "x.zip")
 
 
 # Text.

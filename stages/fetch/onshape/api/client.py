@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 from types import TracebackType
 from urllib.parse import urlsplit
 
-from stages.fetch import reply_sizes
+from stages.fetch.onshape import reply_sizes
 from stages.fetch.onshape.api import redirects, retries, signing
 from stages.fetch.onshape.api.credentials import Credentials
 from stages.fetch.onshape.api.http_errors import (
@@ -51,7 +51,7 @@ _EVERY = 0.2
 class Client:
     """Asks one host. Safe to call from several threads; a context manager.
 
-    `ledger` takes down what is billed; `tell` gets a line wherever the user has to wait, and `passing`
+    `ledger` takes down what is billed; `progress` gets a line wherever the user has to wait, and `transient`
     how much has arrived while that is going on; `max_calls` bounds what is billed, whatever has to be
     asked again.
     """
@@ -63,9 +63,9 @@ class Client:
         *,
         patience: Patience = _PATIENCE,
         ledger: Ledger | None = None,
-        tell: Callable[[str], None] = lambda _: None,
+        progress: Callable[[str], None] = lambda _: None,
         max_calls: int | None = None,
-        passing: Callable[[str], None] = lambda _: None,
+        transient: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.host = urlsplit(url.origin).netloc
         self.met: dict[str, str] = {}
@@ -77,13 +77,13 @@ class Client:
         self._patience = patience
         self._ledger = ledger
         self._uncounted = False
-        self._tell_user = tell
+        self._progress = progress
         self._lock = threading.Lock()
         self._budget = Budget(max_calls)
         self._stopped = threading.Event()
         self._reason: SourceError | None = None
         self._windows = Windows(patience.max_wait, self._stopped)
-        self._passing = passing
+        self._transient = transient
         self._received, self._shown = 0, 0.0
         self._wire = Wire(patience, loopback=url.loopback, arrived=self._arrived)
 
@@ -314,11 +314,11 @@ class Client:
             if self._received < _LONG or now - self._shown < _EVERY:
                 return
             self._shown = now
-            self._passing(f"{self._received / 1e6:.1f} MB received")
+            self._transient(f"{self._received / 1e6:.1f} MB received")
 
     def _say(self, line: str) -> None:
         with self._lock:
-            self._tell_user(line)
+            self._progress(line)
 
     def _halt(self, reason: QuotaExhausted | RateLimited | Offline) -> None:
         with self._lock:

@@ -4,7 +4,7 @@ import json
 import time
 from collections.abc import Mapping
 
-from stages.fetch import reply_sizes
+from stages.fetch.onshape import reply_sizes
 from stages.fetch.onshape.api.connection_errors import Trouble
 from stages.fetch.onshape.api.rate_limits import date
 from stages.fetch.onshape.requests import configuration_asked, describe, is_definition, is_gltf, is_triangles

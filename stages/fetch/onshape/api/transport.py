@@ -13,7 +13,7 @@ from weakref import WeakSet
 
 import httpx
 
-from stages.fetch import reply_sizes
+from stages.fetch.onshape import reply_sizes
 from stages.fetch.onshape.api import connection_errors, decompression
 from stages.fetch.onshape.api.connection_errors import Trouble
 from stages.fetch.onshape.api.retries import Patience

@@ -122,13 +122,15 @@ from pathlib import Path
 from pipeline.caching.actions import Cache
 from pipeline.caching.store import Store
 from stages import fetch as stage
+from stages.fetch.source import FetchContext
 from tests.support.kept import QUICK, onshape
 
 print("ready", flush=True)
 folder = Path(sys.argv[2])
 replies = Cache(Store(folder)).replies()
 environ = {"ONSHAPE_ACCESS_KEY": sys.argv[3], "ONSHAPE_SECRET_KEY": sys.argv[4]}
-stage.fetch(onshape(sys.argv[1]), replies, environ, lambda _: None, folder / "ledger", None, QUICK)
+context = FetchContext(replies, environ, ledger=folder / "ledger", patience=QUICK)
+stage.fetch(onshape(sys.argv[1]), context)
 print("done", flush=True)
 """
 

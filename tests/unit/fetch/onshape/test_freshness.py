@@ -5,7 +5,7 @@ import json
 import pytest
 
 from stages import fetch as stage
-from stages.fetch.onshape.call_budget import Calls
+from stages.fetch.source import Calls
 from stages.robot.errors import ConfigError, Offline, ProtocolError, QuotaExhausted, SourceError
 from tests.fake_onshape import solids
 from tests.fake_onshape.document import Document

@@ -13,8 +13,8 @@ from pipeline.build import build
 from pipeline.config.plan import Plan
 from pipeline.preflight import before_a_sweep
 from stages import fetch as stage
-from stages.fetch.onshape.call_budget import Calls
 from stages.fetch.onshape.variables import expression
+from stages.fetch.source import Calls
 from stages.graph import build_robot
 from stages.robot.errors import (
     AuthError,

@@ -211,7 +211,7 @@ def hang_up(handler):
 def test_what_fails_unbilled_is_asked_three_times(first):
     numbers, lines = count(), []
     with serving(
-        lambda handler: (first if next(numbers) < 2 else reply(200, b"{}"))(handler), tell=lines.append
+        lambda handler: (first if next(numbers) < 2 else reply(200, b"{}"))(handler), progress=lines.append
     ) as client:
         assert client.get(MASS) == b"{}"
         assert client.calls == 1
@@ -266,7 +266,7 @@ def test_a_closed_window_is_waited_for():
         )
         bad(handler)
 
-    with serving(answer, tell=lines.append) as client:
+    with serving(answer, progress=lines.append) as client:
         assert client.get(MASS) == b"{}"
         assert (client.calls, len(lines), client.left) == (1, 3, {"massproperties": 7})
         assert client.waited > 0
@@ -357,7 +357,7 @@ def test_a_stop_ends_a_call_on_its_way_and_nothing_is_asked_again(begun):
             handler.wfile.flush()
         over.wait(20)
 
-    with serving(slow, patience=replace(QUICK, read=20.0, whole=20.0), tell=said.append) as client:
+    with serving(slow, patience=replace(QUICK, read=20.0, whole=20.0), progress=said.append) as client:
         threading.Timer(0.3, client.stop).start()
         start = monotonic()
         with pytest.raises(Offline, match="stopped"):
@@ -467,7 +467,7 @@ def test_long_replies_show_how_much_has_arrived_and_short_ones_do_not():
                 sleep(0.3)
 
     seen = []
-    with serving(halves, passing=seen.append) as client:
+    with serving(halves, transient=seen.append) as client:
         client.get("/short")
         assert seen == []
         client.get("/long")

@@ -10,8 +10,7 @@ import zlib
 import numpy as np
 import pytest
 
-from stages.fetch import reply_sizes
-from stages.fetch.onshape import requests
+from stages.fetch.onshape import reply_sizes, requests
 from stages.fetch.onshape.api.client import Client
 from stages.fetch.onshape.api.credentials import Credentials
 from stages.fetch.onshape.api.decompression import DamagedError, UnknownEncodingError, unpacked
@@ -57,8 +56,7 @@ class Fine:
         (requests.current_microversion("d", "w"), 1),
         (requests.elements("d", "m"), 16),
         (requests.tabs("d", "w"), 16),
-        ("mesh/abc", 1024),
-        ("model", 64),
+        ("the definition", 64),
         ("/something/new", 16),
     ],
 )

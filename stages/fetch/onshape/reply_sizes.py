@@ -17,11 +17,11 @@ DEFINITION = 64 * _MB
 """Up to 1.5 kB an instance: 44,000 instances in one assembly."""
 
 _BY_PATH: Sequence[tuple[str, int]] = (
-    # tessellated faces of a part studio; the meshes in a bundle of a robot's own file
-    (r"/tessellatedfaces$|^mesh/", TRIANGLES),
+    # tessellated faces of a part studio
+    (r"/tessellatedfaces$", TRIANGLES),
     # glTF of a part studio: half as large as its faces
     (r"/gltf$", 512 * _MB),
-    # the definition of an assembly; in a bundle of a robot's own file, its text or its model
+    # the definition of an assembly, in a bundle also without its request
     (r"^/assemblies/.*/e/[^/]+$|^[^/]", DEFINITION),
     # the features of one assembly: about 3 kB a mate, 11,000 mates
     (r"^/assemblies/.*/features$", 32 * _MB),

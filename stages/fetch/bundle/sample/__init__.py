@@ -1,0 +1,1 @@
+"""The robot that is shipped with the package."""

@@ -1,0 +1,53 @@
+"""The source `bundle`: the replies or files of an earlier fetch in one zip."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, ClassVar
+
+from stages.fetch import regular_files, source_class
+from stages.fetch.source import FetchContext, Fetched, FileSource
+from stages.robot.errors import SourceError
+
+LARGEST = 1 << 30
+"""Larger bundles are not read: neither as a file nor unpacked [bytes]."""
+
+
+class BundleSource(FileSource):
+    """A zip file that `linkwright bundle` made."""
+
+    wanted: ClassVar[str] = "a bundle is a zip file"
+    example: ClassVar[str] = "robots/arm.zip"
+
+    advice: ClassVar[str] = "check source.path and its permissions"
+    """What to do where the file cannot be read."""
+
+    def pinned(self, environ: Mapping[str, str]) -> dict[str, Any]:
+        return {"kind": "recording", "sha256": sha256(self.content()).hexdigest()}
+
+    def fetch(self, context: FetchContext) -> Fetched:
+        from stages.fetch.bundle.archive import read
+
+        recording = read(self.content(), self.label())
+        return Fetched(source_class(recording.kind).replay(recording, self.label()))
+
+    def content(self) -> bytes:
+        """The bytes of the zip; SourceError where it cannot be read."""
+        try:
+            return self.read()
+        except regular_files.TooLarge as error:
+            msg = f"not readable as a bundle: it has {error.size} bytes; at most {LARGEST} are read"
+            hint = "check that source.path names the right file"
+            raise SourceError(msg, self.label(), hint) from None
+        except OSError as error:
+            msg = f"it cannot be read: {error.strerror or type(error).__name__}"
+            raise SourceError(msg, self.label(), self.advice) from error
+
+    def read(self) -> bytes:
+        """The bytes of the zip, whatever the system raises."""
+        return regular_files.content(Path(self._keys.path), LARGEST)
+
+
+SOURCE = BundleSource

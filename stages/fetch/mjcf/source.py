@@ -1,0 +1,35 @@
+"""The source `mjcf`: an MJCF, MuJoCo's own format, as MuJoCo compiles it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from stages.fetch.robot_file import RobotFileSource
+from stages.fetch.source import FetchContext, Fetched
+
+if TYPE_CHECKING:
+    from stages.fetch.mjcf.keys import MjcfSourceKeys
+
+
+class MjcfSource(RobotFileSource):
+    """An MJCF file."""
+
+    wanted: ClassVar[str] = "an MJCF is a file"
+    example: ClassVar[str] = "robots/arm.xml"
+
+    _keys: MjcfSourceKeys
+
+    def pinned(self, environ: Mapping[str, str]) -> dict[str, Any]:
+        from stages.fetch.mjcf.gather import identity
+
+        return identity(self._keys)
+
+    def fetch(self, context: FetchContext) -> Fetched:
+        from stages.fetch.mjcf.gather import gather
+
+        bundle, found = gather(self._keys, context.while_waiting)
+        return Fetched(bundle, diagnostics=found)
+
+
+SOURCE = MjcfSource

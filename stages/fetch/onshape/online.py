@@ -1,0 +1,68 @@
+"""A fetch from the server: variables set first, and the last complete fetch where the quota is used up."""
+
+from stages.fetch.onshape.cached_client import Asking
+from stages.fetch.onshape.gather import gather
+from stages.fetch.onshape.keys import OnshapeSourceKeys
+from stages.fetch.onshape.live import Network
+from stages.fetch.onshape.session import Server
+from stages.fetch.onshape.url import AssemblyUrl
+from stages.fetch.onshape.variables import Variables
+from stages.fetch.source import FetchContext, Fetched
+from stages.robot.bundle import Bundle
+from stages.robot.errors import Diagnostic, QuotaExhausted, SourceError
+
+
+def fetch(url: AssemblyUrl, keys: OnshapeSourceKeys, context: FetchContext) -> Fetched:
+    """The bundle of the assembly at `url`; errors as `stages.fetch.fetch`."""
+    calls = context.calls
+    with Server(url, keys, context) as server:
+        asking = Asking(
+            server, context.replies, offline=keys.offline, refresh=keys.refresh, max_calls=keys.max_calls
+        )
+        asking.began, asking.while_waiting = context.began, context.while_waiting
+        used = asking
+        found: tuple[Diagnostic, ...] = ()
+        try:
+            url = _with_variables(url, keys, asking, server, context)
+            network = Network(url, keys, asking, context.progress)
+            try:
+                bundle = gather(network)
+            except QuotaExhausted as exhausted:
+                if url.pinned:
+                    raise
+                used = Asking(server, context.replies, offline=True, refresh=False, max_calls=keys.max_calls)
+                network = Network(url, keys, used, context.progress)
+                bundle = _fetched_last(network, exhausted)
+                found = (_quota(exhausted, accepted=keys.stale),)
+        finally:
+            server.account(calls)
+            calls.saved = used.saved
+    stale = bool(found) and not keys.stale
+    diagnostics = (*network.diagnostics, *found)
+    return Fetched(bundle, calls.made, calls.saved, diagnostics, network.title(), stale)
+
+
+def _with_variables(
+    url: AssemblyUrl, keys: OnshapeSourceKeys, asking: Asking, server: Server, context: FetchContext
+) -> AssemblyUrl:
+    """The address of the assembly with its variables set; what an earlier build left changed is restored."""
+    variables = Variables(url, asking, server, context.progress)
+    asking.settled = variables.settled
+    variables.mend()
+    return variables.applied(keys.variables) if keys.variables else url
+
+
+def _fetched_last(network: Network, exhausted: QuotaExhausted) -> Bundle:
+    """The bundle from kept replies alone; `exhausted` is raised where they are not complete."""
+    try:
+        return gather(network)
+    except SourceError:
+        raise exhausted from None
+
+
+def _quota(exhausted: QuotaExhausted, *, accepted: bool) -> Diagnostic:
+    msg = f"{exhausted.message}; this is the assembly as it was last fetched completely"
+    hint = "build again when the quota is renewed, or with another key"
+    if not accepted:
+        hint += "; source.stale=true takes a build from what was fetched last for a success"
+    return Diagnostic("W-QUOTA", msg, exhausted.where, hint)

@@ -1,0 +1,117 @@
+"""The source `onshape`: an assembly in an Onshape document."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from stages.fetch.onshape import reply_sizes
+from stages.fetch.onshape.url import AssemblyUrl, parse
+from stages.fetch.source import FetchContext, Fetched, Source
+from stages.robot.errors import ConfigError
+
+if TYPE_CHECKING:
+    from stages.fetch.onshape.keys import OnshapeSourceKeys
+    from stages.fetch.recording import Recording
+    from stages.robot.bundle import Bundle
+    from stages.robot.errors import Diagnostic
+
+
+class OnshapeSource(Source):
+    """An assembly, at a workspace, a version or a microversion."""
+
+    recorded: ClassVar[bool] = True
+
+    def __init__(self, keys: OnshapeSourceKeys) -> None:
+        self._keys = keys
+
+    @property
+    def _url(self) -> AssemblyUrl:
+        return parse(self._keys.url)
+
+    def label(self) -> str:
+        return self._keys.url
+
+    def preflight(self, environ: Mapping[str, str]) -> None:
+        """ConfigError for contradicting keys, and where a call will be made and there is no API key.
+
+        An address pinned to a version or microversion may need no call, so its key is asked for later;
+        nothing needs one offline.
+        """
+        keys, url = self._keys, self._url
+        if keys.offline and keys.refresh:
+            msg = "offline makes no call, and refresh makes all of them"
+            raise ConfigError(msg, "source.refresh", "set one of source.offline and source.refresh to false")
+        if keys.variables and (url.pinned or keys.offline):
+            why = "offline makes no call" if keys.offline else "a version or microversion never changes"
+            msg = f"variables cannot be set here: {why}"
+            hint = "give the address of a workspace (…/w/…), or set the variables in Onshape"
+            raise ConfigError(msg, "source.variables", hint)
+        if not url.pinned and not keys.offline:
+            from stages.fetch.onshape.api import network_settings
+            from stages.fetch.onshape.api.credentials import find
+
+            find(environ)
+            network_settings.require(environ, proxies=not url.loopback)
+
+    def pinned(self, environ: Mapping[str, str]) -> dict[str, Any] | None:
+        from stages.fetch.onshape.requests import API, definition
+
+        url, quality = self._url, self._keys.tessellation
+        if not url.pinned:
+            return None
+        return {
+            "kind": "onshape",
+            "api": API,
+            "request": definition(url.document, url.pin, url.element, url.configuration),
+            "configuration": sorted(self._keys.configuration.items()),
+            "tessellation": [quality.angle, quality.chord, quality.max_facet_width],
+        }
+
+    def fetch(self, context: FetchContext) -> Fetched:
+        from stages.fetch.onshape.online import fetch
+
+        return fetch(self._url, self._keys, context)
+
+    @property
+    def spends(self) -> bool:
+        return not self._keys.offline
+
+    @property
+    def writes(self) -> bool:
+        return bool(self._keys.variables)
+
+    @property
+    def force(self) -> bool:
+        return self._keys.refresh
+
+    def remarks(self) -> tuple[Diagnostic, ...]:
+        from stages.fetch.onshape.api import credentials
+
+        return credentials.remarks()
+
+    def describe(self) -> dict[str, str]:
+        return {"url": self._keys.url}
+
+    @staticmethod
+    def replay(recording: Recording, where: str) -> Bundle:
+        from stages.fetch.onshape.gather import gather
+        from stages.fetch.onshape.recorded import Recorded
+
+        return gather(Recorded(recording, where))
+
+    @staticmethod
+    def largest_reply(request: str) -> int:
+        return reply_sizes.largest(request)
+
+    @staticmethod
+    def summary(bundle: Bundle) -> str:
+        replies, studios = len(bundle.blobs), len(bundle.studios)
+        return f"{replies} repl{'y' if replies == 1 else 'ies'} about {_count(studios, 'part studio')}"
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+SOURCE = OnshapeSource

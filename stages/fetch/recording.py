@@ -1,0 +1,24 @@
+"""A recording: what a bundle's zip holds, before the room of its kind makes a bundle of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """What a zip holds, checked: every digest of `requests` and `definition` is in `blobs`.
+
+    `api` and `definition_api`: the versions of Onshape's API, "" where there is none; `options`: those
+    of a robot's own file.
+    """
+
+    kind: str
+    api: str
+    root: Mapping[str, str]
+    definition: str
+    requests: Mapping[str, str]
+    blobs: Mapping[str, bytes]
+    options: Mapping[str, str]
+    definition_api: str = ""

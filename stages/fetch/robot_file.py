@@ -1,0 +1,62 @@
+"""What sources have in common that are a robot's own file with its meshes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ClassVar
+
+from stages.fetch.source import FileSource
+
+if TYPE_CHECKING:
+    from stages.fetch.recording import Recording
+    from stages.robot.bundle import Bundle
+
+MESH = "mesh/"
+"""How the request begins that stands for a mesh in a bundle."""
+
+LARGEST_TEXT = 64 << 20
+"""The most that a robot's text or model may have in a bundle [bytes]."""
+
+LARGEST_TRIANGLES = 1 << 30
+"""The most that the triangles of one mesh may have in a bundle [bytes]."""
+
+
+class RobotFileSource(FileSource):
+    """A URDF or an MJCF."""
+
+    recorded: ClassVar[bool] = True
+
+    @staticmethod
+    def replay(recording: Recording, where: str) -> Bundle:
+        """The bundle of a robot's own file as it was packed; SourceError where a mesh is not readable."""
+        from stages.formats import triangles
+        from stages.robot.bundle import Bundle
+        from stages.robot.errors import ProtocolError, SourceError
+
+        meshes = {name for request, name in recording.requests.items() if request.startswith(MESH)}
+        try:
+            for name in sorted(meshes):
+                triangles.check(recording.blobs[name])
+        except ProtocolError as error:
+            msg = f"not readable as a bundle: {error.message}"
+            hint = "make the bundle again, or get it again from where it came"
+            raise SourceError(msg, where, hint) from None
+        wanted = {recording.definition, *recording.requests.values()}
+        return Bundle(
+            kind=recording.kind,
+            api=recording.api,
+            root=recording.root,
+            definition=recording.definition,
+            studios=(),
+            requests=recording.requests,
+            blobs={name: recording.blobs[name] for name in sorted(wanted)},
+            options=recording.options,
+        )
+
+    @staticmethod
+    def largest_reply(request: str) -> int:
+        return LARGEST_TRIANGLES if request.startswith(MESH) else LARGEST_TEXT
+
+    @staticmethod
+    def summary(bundle: Bundle) -> str:
+        meshes = sum(request.startswith(MESH) for request in bundle.requests)
+        return f"{bundle.root['document']} and {meshes} {'mesh' if meshes == 1 else 'meshes'}"

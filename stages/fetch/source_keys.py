@@ -1,0 +1,29 @@
+"""The base of every source's configuration, and what several of them use."""
+
+import math
+from typing import Annotated, Any
+
+from pydantic import AfterValidator
+from pydantic_core import PydanticCustomError
+
+from stages.robot.keys import Keys
+
+ADDRESS = "address"
+"""The error type of an invalid address; its context holds `message` and `hint`."""
+
+
+class SourceKeys(Keys):
+    """The configuration of one kind of source."""
+
+    kind: str
+    """The kind of the source."""
+
+
+def _setting(value: Any) -> bool | float | str:
+    if isinstance(value, bool | int | float | str) and (isinstance(value, str) or math.isfinite(value)):
+        return value
+    raise PydanticCustomError("setting", "must be text, a number, or true or false")
+
+
+Setting = Annotated[Any, AfterValidator(_setting)]
+"""A value whose meaning the document or file knows: text, a number, or true or false."""

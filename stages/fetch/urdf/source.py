@@ -1,0 +1,47 @@
+"""The source `urdf`: a URDF, or a xacro file that makes one, and the meshes that it names."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from stages.fetch.robot_file import RobotFileSource
+from stages.fetch.source import FetchContext, Fetched
+from stages.robot.errors import ConfigError
+
+if TYPE_CHECKING:
+    from stages.fetch.urdf.keys import UrdfSourceKeys
+
+
+class UrdfSource(RobotFileSource):
+    """A URDF or xacro file."""
+
+    wanted: ClassVar[str] = "a URDF is a file"
+    example: ClassVar[str] = "robots/arm.urdf"
+
+    _keys: UrdfSourceKeys
+
+    def preflight(self, environ: Mapping[str, str]) -> None:
+        from stages.fetch.urdf import expand
+
+        super().preflight(environ)
+        for name, folder in self._keys.packages.items():
+            if not Path(folder).is_dir():
+                hint = "name the folder that holds the package's own, such as meshes/"
+                raise ConfigError(f"{folder} is no folder", f"source.packages.{name}", hint)
+        expand.require(self._keys)
+
+    def pinned(self, environ: Mapping[str, str]) -> dict[str, Any]:
+        from stages.fetch.urdf.survey import identity
+
+        return identity(self._keys, environ)
+
+    def fetch(self, context: FetchContext) -> Fetched:
+        from stages.fetch.urdf.gather import gather
+
+        bundle, found = gather(self._keys, context.environ)
+        return Fetched(bundle, diagnostics=found)
+
+
+SOURCE = UrdfSource
