@@ -325,8 +325,8 @@ class TestRefresh:
         keys = onshape(server.document_url("v"), refresh=True)
         for _ in range(2):
             assert fetched(keys, kept, server.environ).calls == COLD
-        assert stage.anew(keys)
-        assert not stage.anew(onshape(server.document_url("v")))
+        assert stage.force(keys)
+        assert not stage.force(onshape(server.document_url("v")))
 
     def test_it_cannot_be_offline(self):
         keys = onshape(f"https://cad.onshape.com/documents/{'a' * 24}/w/{'b' * 24}/e/{'c' * 24}",
