@@ -62,7 +62,7 @@ class Node:
 def read(reply: bytes) -> list[Node]:
     """The nodes of a glTF file that have triangles; ProtocolError where it is malformed."""
     try:
-        return list(_File(reply).nodes())
+        return list(_GltfFile(reply).nodes())
     except (
         AttributeError,
         IndexError,
@@ -78,7 +78,7 @@ def read(reply: bytes) -> list[Node]:
         raise ProtocolError(msg, hint=_HINT) from None
 
 
-class _File:
+class _GltfFile:
     """A glTF 2 file, binary or as JSON with its buffers in it."""
 
     def __init__(self, data: bytes) -> None:

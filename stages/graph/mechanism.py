@@ -1,4 +1,4 @@
-"""A mechanism at its saved pose: bodies, and what couples them. It has no root and no direction yet.
+"""A mechanism at its saved pose: rigid bodies and the connections between them, without a root.
 
 Every reader makes one, and all frames in it are given in the world: the assembly's own frame, at the
 pose that the source was saved in.
@@ -24,25 +24,25 @@ from stages.robot.model import (
 )
 
 WORLD_LINK = "world"
-"""The link that the assembly's origin is, where something moves against it."""
+"""The link that stands for the assembly's origin, where something moves against that."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Body:
-    """What moves as one. Its parts have the world for their link's frame.
+class RigidBody:
+    """Parts that move as one. Their `link_from_part` is given in the world's frame.
 
-    `path`: the occurrence that names it. `titles`: all names that mean it, as typed in CAD. `held`:
-    why it is fixed to the world; "" if it is not. `world_from_body` (4, 4): its own frame, which it
-    keeps where it is the root. `given`: an inertial in the world's frame in place of the parts' sum.
-    `afloat`: what the source calls the joint by which the body floats in the world ("" for no name), None
-    where it does not say that it floats.
+    `path`: the occurrence that names it. `titles`: all names that mean it, as typed in CAD.
+    `fixed_reason`: why it is fixed to the world; "" if it is not. `world_from_body` (4, 4): its own frame,
+    which it keeps where it is the root. `given`: an inertial in the world's frame in place of the parts'
+    sum. `afloat`: the name in the source of the joint by which the body floats in the world ("" for no
+    name), None where the source has no such joint.
     """
 
     name: str
     path: tuple[str, ...]
     parts: tuple[Part, ...]
     titles: frozenset[str]
-    held: str
+    fixed_reason: str
     world_from_body: Array
     given: Inertial | None = None
     shapes: tuple[Primitive, ...] = ()
@@ -50,14 +50,14 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Coupling:
-    """What lets two bodies move against each other: a mate, or a joint of a URDF.
+class Connection:
+    """What lets two bodies move against each other: a mate, or a joint of a file.
 
     `bodies` and `world_from_frames` (4, 4 each, right-handed) are of its first and second entity; the
     chain `dofs` leads from the second to the first, and `residual` [m or rad] is what it does not
-    explain of the saved pose. `title` is its place in CAD. `unknown` says why its limits, which CAD
-    has, are not known; `doubts` which of them contradict themselves, `half_open` which are open where the
-    other side is not. `closes`: the source itself has it close a loop, so it is cut before any other.
+    explain of the saved pose. `title` is its place in CAD. `unknown`: why the limits that CAD has are
+    unknown; `doubts`: which limits contradict themselves; `half_open`: which are open on one side only.
+    `closes`: it closes a loop in the source itself, so it is cut before any other.
     """
 
     name: str
@@ -79,19 +79,19 @@ class Coupling:
 
 
 @dataclass(frozen=True, slots=True)
-class Bond:
-    """A relation as drawn: its type, the names of its couplings ("" for one that moves nothing).
+class RelationSpec:
+    """A relation as drawn: its type and the names of its connections ("" for one that moves nothing).
 
     `ratio` counts for GEAR and LINEAR, `length` [m a turn] for RACK_AND_PINION and SCREW. The second
-    coupling follows, in the opposite direction unless `reverse`. A MIMIC is said in full, of dofs instead of
-    couplings: the second is `ratio` · the first + `offset`, whatever moves and whatever the sign. Of the
-    others the offset is None, for that of the saved pose, unless the user gives one. `name`: the relation's
-    own, where its source or the robot gives it one. `sure`: the user has said which way it goes.
+    connection follows, in the opposite direction unless `reverse`. A MIMIC is complete, and names dofs
+    instead of connections: the second is `ratio` · the first + `offset`, whatever their kinds and sign. In
+    the other types an `offset` of None means that of the saved pose. `name`: the relation's own, where its
+    source or the robot gives it one. `sure`: the user has chosen the direction.
     """
 
     title: str
     type: str
-    couplings: tuple[str, ...]
+    connections: tuple[str, ...]
     ratio: float
     length: float
     reverse: bool
@@ -113,21 +113,21 @@ class Marker:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mechanism:
-    """Bodies and couplings by their numbers. Names are unique among bodies, among couplings and dofs, and
-    among markers; those of a drawing over all of them.
+    """Bodies and the connections between them, which refer to bodies by number. Names are unique among
+    bodies, among connections and dofs, and among markers; those of a CAD assembly over all of them.
 
-    `root`: the body that the source itself hangs the others on, None where it says none. `posed`: whether
-    someone left it in this pose; that of a file is where all its joints are at zero, and means nothing.
-    `unstated_base`: what to report where nothing fixes the root, of a source that cannot say so.
+    `root`: the body that is the root in the source itself, if any. `has_saved_pose`: whether someone left
+    the robot in this pose; a file has none: there all joints are at zero. `unstated_base`: what to report
+    where nothing fixes the root and the source has no way to say whether it is fixed.
     """
 
-    bodies: tuple[Body, ...]
-    couplings: tuple[Coupling, ...]
-    bonds: tuple[Bond, ...]
+    bodies: tuple[RigidBody, ...]
+    connections: tuple[Connection, ...]
+    relations: tuple[RelationSpec, ...]
     markers: tuple[Marker, ...]
     provenance: Provenance
     root: int | None = None
-    posed: bool = True
+    has_saved_pose: bool = True
     transmissions: tuple[Transmission, ...] = ()
     controls: tuple[str, ...] = ()
     unstated_base: Diagnostic | None = None

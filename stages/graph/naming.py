@@ -1,17 +1,36 @@
-"""Names that a source gives: each stays as it is where the target formats allow it; the others are mapped."""
+"""Names from a robot's own file: each stays where the target formats allow it; the others are mapped."""
 
-from collections.abc import Hashable, Iterable
-from typing import TypeVar
+from collections.abc import Hashable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Generic, TypeVar
 
 from stages.graph.mechanism import WORLD_LINK
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.names import free
 
 Key = TypeVar("Key", bound=Hashable)
+FrameKey = TypeVar("FrameKey", bound=Hashable)
 
 RESERVED = {"link": frozenset({WORLD_LINK}), "frame": frozenset({WORLD_LINK})}
 """By kind: names that mean something else in a target. To MuJoCo the body `world` is the world itself, and a
 frame is a link of a URDF."""
+
+
+@dataclass(frozen=True, slots=True)
+class FileNames(Generic[Key, FrameKey]):
+    """The robot's names, by what tells the things apart in the file: a name (URDF) or a number (MJCF).
+
+    `joints`: of what lets a link move, by joint (URDF) or by the body that moves (MJCF); `dofs`: of its
+    coordinates in order, by the same. `relations`: by the joint that follows, or by number. `loops`: of
+    equalities that close loops and of the one dof that each may have.
+    """
+
+    links: Mapping[Key, str]
+    frames: Mapping[FrameKey, str]
+    joints: Mapping[Key, str]
+    dofs: Mapping[Key, tuple[str, ...]]
+    relations: Mapping[Key, str]
+    loops: Mapping[Key, tuple[str, str]]
 
 
 class Namer:
@@ -24,7 +43,8 @@ class Namer:
         self._changed: list[tuple[str, str, str]] = []
 
     def keep(self, kind: str, given: Iterable[tuple[Key, str]]) -> dict[Key, str]:
-        """The robot's names by key, of things that the source calls so; each is unique there.
+        """The robot's names by key, of things with these names in the source, each unique there. What has
+        no name ("") gets none.
 
         A name changes only where it is reserved or holds what cannot be seen (a line's end, a control
         character), and gives way to those that stay.
@@ -33,6 +53,8 @@ class Namer:
         names: dict[Key, str] = {}
         changing = []
         for key, name in given:
+            if not name:
+                continue
             if name not in RESERVED.get(kind, ()) and name.isprintable():
                 names[key] = name
                 taken.add(name)
@@ -53,11 +75,15 @@ class Namer:
         self._taken.setdefault(kind, set()).add(name)
         return name
 
+    def fill(self, kind: str, names: Mapping[Key, str], wanted: Iterable[tuple[Key, str]]) -> dict[Key, str]:
+        """The names of all that is `wanted`: the one in `names`, else one made from the wanted one."""
+        return {key: names.get(key) or self.make(kind, name) for key, name in wanted}
+
     def is_free(self, kind: str, name: str) -> bool:
         """Whether nothing of this kind has the name."""
         return name not in self._taken.get(kind, ())
 
-    def tell(self, log: Diagnostics) -> None:
+    def report(self, log: Diagnostics) -> None:
         """W-NAME for each name that changed."""
         for kind, old, new in self._changed:
             why = "it is reserved" if old in RESERVED.get(kind, ()) else "it holds what cannot be seen"

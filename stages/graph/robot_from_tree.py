@@ -1,6 +1,6 @@
 """From a mechanism and its tree to a robot: frames, joints, loops and links.
 
-With W₀, W₁ the world frames of a coupling's first and second entity, its dofs lead from the second to
+With W₀, W₁ the world frames of a connection's first and second entity, its dofs lead from the second to
 the first. Where the first entity is the parent the chain runs backwards and every axis is negated, so
 that a value keeps its meaning. A child link's frame is its own entity's.
 """
@@ -13,7 +13,7 @@ import numpy as np
 from stages.graph.dofs import backwards
 from stages.graph.globs import fits, listed
 from stages.graph.keys import GraphKeys
-from stages.graph.mechanism import Body, Coupling, Mechanism
+from stages.graph.mechanism import Connection, Mechanism, RigidBody
 from stages.graph.root import base_of
 from stages.graph.tree import Edge, Tree, ways_up
 from stages.robot.diagnostics import Diagnostics
@@ -41,19 +41,21 @@ POSE_TOLERANCE = 1e-6
 def place(mechanism: Mechanism, tree: Tree, keys: GraphKeys, log: Diagnostics) -> Robot:
     """The robot that grows along the tree, at the mechanism's saved pose."""
     world_from_link: dict[int, Array] = {tree.root: tree.world_from_root}
-    taken = {dof.name for c in mechanism.couplings for dof in c.dofs} | {c.name for c in mechanism.couplings}
+    taken = {dof.name for c in mechanism.connections for dof in c.dofs} | {
+        c.name for c in mechanism.connections
+    }
     taken |= {body.name for body in mechanism.bodies}
     joints = []
     for edge in tree.edges:
-        if edge.coupling is None:
+        if edge.connection is None:
             world_from_link[edge.child] = mechanism.bodies[edge.child].world_from_body
             joints.append(_stand_in(edge, mechanism, world_from_link, taken))
         else:
-            joints.append(_joint(edge, edge.coupling, mechanism, world_from_link))
-            _check_pose(edge.coupling, log)
+            joints.append(_joint(edge, edge.connection, mechanism, world_from_link))
+            _check_pose(edge.connection, log)
             _check_afloat(joints[-1], mechanism.bodies[tree.root].name, log)
-    for coupling in tree.cut:
-        _check_pose(coupling, log)
+    for connection in tree.cut:
+        _check_pose(connection, log)
     parents = {edge.child: edge.parent for edge in tree.edges}
     order = {body: number for number, body in enumerate(tree.order)}
     return Robot(
@@ -73,20 +75,22 @@ def place(mechanism: Mechanism, tree: Tree, keys: GraphKeys, log: Diagnostics) -
     )
 
 
-def _joint(edge: Edge, coupling: Coupling, mechanism: Mechanism, world_from_link: dict[int, Array]) -> Joint:
-    first, second = coupling.world_from_frames
-    turned = coupling.bodies[0] != edge.child
+def _joint(
+    edge: Edge, connection: Connection, mechanism: Mechanism, world_from_link: dict[int, Array]
+) -> Joint:
+    first, second = connection.world_from_frames
+    turned = connection.bodies[0] != edge.child
     parent, child = (first, second) if turned else (second, first)
     world_from_link[edge.child] = child
     return Joint(
-        name=coupling.name,
-        type=coupling.type,
+        name=connection.name,
+        type=connection.type,
         parent=mechanism.bodies[edge.parent].name,
         child=mechanism.bodies[edge.child].name,
         parent_from_joint=frozen(inverse(world_from_link[edge.parent]) @ parent),
-        dofs=backwards(coupling.dofs) if turned else coupling.dofs,
+        dofs=backwards(connection.dofs) if turned else connection.dofs,
         backwards=turned,
-        mate=coupling.ref,
+        mate=connection.ref,
     )
 
 
@@ -120,13 +124,15 @@ def _check_afloat(joint: Joint, root: str, log: Diagnostics) -> None:
         log.report("E-FLOATING", text, joint.name, hint)
 
 
-def _check_pose(coupling: Coupling, log: Diagnostics) -> None:
-    if coupling.residual > POSE_TOLERANCE:
-        what = f"the saved pose breaks this {coupling.ref.type} mate by {coupling.residual:.2g} (m or rad)"
-        log.report("W-MATE-POSE", what, coupling.title, "solve the assembly in Onshape: a mate is in error")
+def _check_pose(connection: Connection, log: Diagnostics) -> None:
+    if connection.residual > POSE_TOLERANCE:
+        what = (
+            f"the saved pose breaks this {connection.ref.type} mate by {connection.residual:.2g} (m or rad)"
+        )
+        log.report("W-MATE-POSE", what, connection.title, "solve the assembly in Onshape: a mate is in error")
 
 
-def _link(body: Body, world_from_link: Array) -> Link:
+def _link(body: RigidBody, world_from_link: Array) -> Link:
     link_from_world = inverse(world_from_link)
     parts = tuple(
         replace(part, link_from_part=frozen(link_from_world @ part.link_from_part)) for part in body.parts
@@ -141,27 +147,27 @@ def _link(body: Body, world_from_link: Array) -> Link:
 
 
 def _loop(
-    coupling: Coupling,
+    connection: Connection,
     mechanism: Mechanism,
     ways: tuple[list[int], list[int]],
     world_from_link: Mapping[int, Array],
     solref: tuple[float, float],
 ) -> Loop:
     """`ways`: from the first and from the second entity's body up the tree to where they meet."""
-    a, b = coupling.bodies
-    first, second = coupling.world_from_frames
+    a, b = connection.bodies
+    first, second = connection.world_from_frames
     return Loop(
-        name=coupling.name,
-        type=coupling.type,
+        name=connection.name,
+        type=connection.type,
         link_a=mechanism.bodies[a].name,
         link_b=mechanism.bodies[b].name,
         a_from_frame=frozen(inverse(world_from_link[a]) @ first),
         b_from_frame=frozen(inverse(world_from_link[b]) @ second),
-        dofs=coupling.dofs,
+        dofs=connection.dofs,
         lever=_lever(first[:3, 3], [world_from_link[body][:3, 3] for way in ways for body in way]),
         solref=solref,
-        residual=coupling.residual,
-        mate=coupling.ref,
+        residual=connection.residual,
+        mate=connection.ref,
     )
 
 

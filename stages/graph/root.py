@@ -25,7 +25,7 @@ def choose_root(mechanism: Mechanism, keys: RootKeys) -> tuple[int, Array]:
     root = _selected(mechanism, keys.select, marker, origin)
     name = mechanism.bodies[root].name
     if origin is not None and root != origin:
-        movers = [c.title for c in mechanism.couplings if origin in c.bodies]
+        movers = [c.title for c in mechanism.connections if origin in c.bodies]
         msg = f"{name!r} cannot be the root: {', '.join(movers)} move(s) against the assembly's origin"
         raise NoRoot(msg, "root.select", "leave it at auto, or fasten the mates to a part that is fixed")
     if marker is not None and marker.body != root:
@@ -55,12 +55,12 @@ def _selected(mechanism: Mechanism, select: str, marker: Marker | None, origin: 
             return marker.body
         if mechanism.root is not None:
             return mechanism.root
-        held = [number for number, body in enumerate(bodies) if body.held]
+        held = [number for number, body in enumerate(bodies) if body.fixed_reason]
         return heaviest(mechanism, held or range(len(bodies)))
     if select == "central":
         graph = nx.Graph()
         graph.add_nodes_from(range(len(bodies)))
-        graph.add_edges_from(coupling.bodies for coupling in mechanism.couplings)
+        graph.add_edges_from(connection.bodies for connection in mechanism.connections)
         closeness = nx.closeness_centrality(graph)
         return min(range(len(bodies)), key=lambda number: (-closeness[number], bodies[number].name))
     hits = matching(select, [{body.name} for body in bodies])
@@ -86,13 +86,13 @@ def base_of(mechanism: Mechanism, root: int, keys: RootKeys, log: Diagnostics) -
         log.report("E-BASE", what, "root.base", "leave it at auto, or mate to a part instead of the origin")
     elif keys.base != "auto":
         return Base(keys.base == "fixed", f"root.base is {keys.base}", body.afloat or "")
-    if body.held:
-        return Base(True, body.held)
-    other = next((one for one in mechanism.bodies if one.held), None)
+    if body.fixed_reason:
+        return Base(True, body.fixed_reason)
+    other = next((one for one in mechanism.bodies if one.fixed_reason), None)
     if other is not None:
         log.report(
             "W-BASE",
-            f"the root floats, though CAD fixes {other.name!r} ({other.held})",
+            f"the root floats, though CAD fixes {other.name!r} ({other.fixed_reason})",
             body.name,
             f"choose that root (root.select={other.name}), or say root.base: fixed or free",
         )

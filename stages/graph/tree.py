@@ -1,4 +1,4 @@
-"""The kinematic tree: which couplings carry the tree, which close loops, and in which order it grows."""
+"""The kinematic tree: which connections carry the tree, which close loops, and in which order it grows."""
 
 import re
 from collections.abc import Collection, Iterator, Mapping
@@ -9,7 +9,7 @@ import networkx as nx
 
 from stages.graph.globs import fits, listed
 from stages.graph.keys import GraphKeys
-from stages.graph.mechanism import Coupling, Mechanism
+from stages.graph.mechanism import Connection, Mechanism
 from stages.graph.root import choose_root, heaviest
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic, Disconnected
@@ -18,7 +18,7 @@ from stages.robot.model import Array, JointType
 Node = TypeVar("Node", int, str)
 
 CUT_LAST: dict[JointType, int] = {"prismatic": 0, "revolute": 2, "ball": 3, "fixed": 4}
-"""Couplings go into the tree by this rank (others: 1); the last are the first to be cut."""
+"""Connections go into the tree by this rank (others: 1); the last are the first to be cut."""
 
 _JOIN = "give it a joint to the rest in the file, or take it out"
 
@@ -28,29 +28,29 @@ LEFT_OUT = ("W-MATE-BROKEN", "W-FEATURE", "W-PEER-MATE")
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """From a parent body to a child body: a coupling, or what stands in for one."""
+    """From a parent body to a child body: a connection, or what stands in for one."""
 
     parent: int
     child: int
-    coupling: Coupling | None
+    connection: Connection | None
     stand_in: Literal["fixed", "free"] = "fixed"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tree:
-    """`order`: bodies, root first, a parent before its children; `cut`: couplings that close loops."""
+    """`order`: bodies, root first, a parent before its children; `cut`: connections that close loops."""
 
     root: int
     world_from_root: Array
     order: tuple[int, ...]
     edges: tuple[Edge, ...]
-    cut: tuple[Coupling, ...]
+    cut: tuple[Connection, ...]
 
 
 def spanning_tree(mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Tree:
     """The tree that keeps what a user drives: relations, then limited mates, sliders before turns.
 
-    Kruskal over a total order of the couplings, so neither the root nor the order of features decides
+    Kruskal over a total order of the connections, so neither the root nor the order of features decides
     what is cut; mates that nobody limits or drives close the loops, unless `loops.cut` names others.
     """
     root, world_from_root = choose_root(mechanism, keys.root)
@@ -58,13 +58,13 @@ def spanning_tree(mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Tr
     kept: nx.MultiGraph = nx.MultiGraph()
     kept.add_nodes_from(range(len(mechanism.bodies)))
     cut = []
-    for coupling in _ranked(mechanism, keys.loops.cut, log):
-        first, second = coupling.bodies
+    for connection in _ranked(mechanism, keys.loops.cut, log):
+        first, second = connection.bodies
         if forest[first] == forest[second]:
-            cut.append(coupling)
+            cut.append(connection)
         else:
             forest.union(first, second)
-            kept.add_edge(first, second, coupling=coupling)
+            kept.add_edge(first, second, connection=connection)
     _tell_uncut(mechanism, keys.loops.cut, cut, log)
     order, edges = _walk(kept, root)
     loose = _loose(mechanism, kept, set(order))
@@ -73,43 +73,43 @@ def spanning_tree(mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Tr
     for island in loose:
         _settle(mechanism, kept, root, island, keys, order, edges, log)
     there = set(order)
-    cut = [coupling for coupling in cut if there.issuperset(coupling.bodies)]
+    cut = [connection for connection in cut if there.issuperset(connection.bodies)]
     return Tree(root, world_from_root, tuple(order), tuple(edges), tuple(cut))
 
 
-def _ranked(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> list[Coupling]:
-    """The couplings, those that shall be in the tree first."""
-    related = {name for bond in mechanism.bonds for name in bond.couplings}
+def _ranked(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> list[Connection]:
+    """The connections, those that shall be in the tree first."""
+    related = {name for spec in mechanism.relations for name in spec.connections}
     for glob in cut:
-        if not any(_named(coupling, glob) for coupling in mechanism.couplings):
-            there = listed(coupling.name for coupling in mechanism.couplings) or "none"
+        if not any(_named(connection, glob) for connection in mechanism.connections):
+            there = listed(connection.name for connection in mechanism.connections) or "none"
             log.report("E-GLOB", f"no mate matches {glob!r}", "loops.cut", f"mates that move are: {there}")
 
-    def rank(coupling: Coupling) -> tuple[object, ...]:
+    def rank(connection: Connection) -> tuple[object, ...]:
         return (
-            any(_named(coupling, glob) for glob in cut),
-            coupling.closes,
-            CUT_LAST.get(coupling.type, 1),
-            coupling.name not in related,
-            not coupling.limited,
-            natural(coupling.name),
-            coupling.name,
+            any(_named(connection, glob) for glob in cut),
+            connection.closes,
+            CUT_LAST.get(connection.type, 1),
+            connection.name not in related,
+            not connection.limited,
+            natural(connection.name),
+            connection.name,
         )
 
-    return sorted(mechanism.couplings, key=rank)
+    return sorted(mechanism.connections, key=rank)
 
 
-def _named(coupling: Coupling, glob: str) -> bool:
-    return any(fits(name, glob) for name in (coupling.name, coupling.ref.name, coupling.title))
+def _named(connection: Connection, glob: str) -> bool:
+    return any(fits(name, glob) for name in (connection.name, connection.ref.name, connection.title))
 
 
 def _tell_uncut(
-    mechanism: Mechanism, wanted: Collection[str], cut: Collection[Coupling], log: Diagnostics
+    mechanism: Mechanism, wanted: Collection[str], cut: Collection[Connection], log: Diagnostics
 ) -> None:
     """What the user wanted cut and is not: it closes no loop, or others of its loop are cut."""
     for glob in wanted:
-        names = [coupling.title for coupling in mechanism.couplings if _named(coupling, glob)]
-        if glob != "*" and names and not any(_named(coupling, glob) for coupling in cut):
+        names = [connection.title for connection in mechanism.connections if _named(connection, glob)]
+        if glob != "*" and names and not any(_named(connection, glob) for connection in cut):
             what = f"{', '.join(sorted(names))} closes no loop, so it stays in the tree"
             log.report("W-LOOP-CUT", what, "loops.cut", "leave it out")
 
@@ -133,8 +133,8 @@ def _walk(kept: nx.MultiGraph, root: int) -> tuple[list[int], list[Edge]]:
 
 
 def _branches(kept: nx.MultiGraph, body: int) -> Iterator[Edge]:
-    edges = [Edge(body, other, data["coupling"]) for _, other, data in kept.edges(body, data=True)]
-    return iter(sorted(edges, key=lambda edge: natural(edge.coupling.name if edge.coupling else "")))
+    edges = [Edge(body, other, data["connection"]) for _, other, data in kept.edges(body, data=True)]
+    return iter(sorted(edges, key=lambda edge: natural(edge.connection.name if edge.connection else "")))
 
 
 def ways_up(
@@ -175,7 +175,7 @@ def _disconnected(mechanism: Mechanism, root: int, loose: list[list[int]], log: 
         what = f"{len(parts)} part(s) hang on nothing that reaches the root: {names}"
         where = parts[0] if parts else names
         way_out = "mate it in Onshape (a FASTENED mate makes two parts one link), or suppress it"
-        if not mechanism.posed:
+        if not mechanism.has_saved_pose:
             what = f"{len(island)} link(s) hang on nothing that reaches the root"
             where, way_out = names, _JOIN
         problems.append(Diagnostic("E-LOOSE", what, where, way_out))
@@ -202,13 +202,13 @@ def _settle(
     bodies = mechanism.bodies
     names = ", ".join(sorted(bodies[body].name for body in island))
     where = f"root.disconnected: {keys.root.disconnected}"
-    hint = "mate it in Onshape to what it belongs to, or suppress it" if mechanism.posed else _JOIN
+    hint = "mate it in Onshape to what it belongs to, or suppress it" if mechanism.has_saved_pose else _JOIN
     if keys.root.disconnected == "drop":
         log.report("I-LOOSE", f"{names}: left out, as it hangs on nothing", where, hint)
         return
     welded = keys.root.disconnected == "weld"
     afloat = [body for body in island if bodies[body].afloat is not None]
-    head = heaviest(mechanism, [body for body in island if bodies[body].held] or afloat or island)
+    head = heaviest(mechanism, [body for body in island if bodies[body].fixed_reason] or afloat or island)
     done = "fixed to the root" if welded else "floats on its own"
     log.report("I-LOOSE", f"{names}: {done}, as it hangs on nothing", where, hint)
     below, grown = _walk(kept, head)

@@ -9,8 +9,8 @@ import pytest
 
 from stages.formats.urdf.elements import HINTS
 from stages.graph.keys import GraphKeys
-from stages.graph.mechanism import Body, Bond, Mechanism
-from stages.graph.passes.relation_dofs import bonded
+from stages.graph.mechanism import Mechanism, RelationSpec, RigidBody
+from stages.graph.passes.relation_dofs import dof_relations
 from stages.graph.tree import spanning_tree
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic, Disconnected
@@ -119,16 +119,16 @@ def test_the_table_is_in_order_and_the_readme_leads_to_it() -> None:
 def test_a_relation_is_mended_where_it_was_said(kind: str, place: str) -> None:
     log = Diagnostics()
     robot = robot_with([joint("revolute", "base", "arm", [0.0], name="r1")])
-    bonded(robot, [Bond("Bond", kind, ("r1", "gone"), 1.0, 0.0, False)], log)
+    dof_relations(robot, [RelationSpec("Gear", kind, ("r1", "gone"), 1.0, 0.0, False)], log)
     (only,) = log.found
     assert only.code == "W-RELATION"
     assert [where for where in ("in Onshape", "in the file") if where in only.hint] == [place]
 
 
-def loose(posed: bool) -> list[Diagnostic]:
+def loose(has_saved_pose: bool) -> list[Diagnostic]:
     """What is told of two links that nothing joins, however `root.disconnected` settles it."""
-    bodies = tuple(Body(name, (name,), (), frozenset({name}), "", np.eye(4)) for name in ("a", "b"))
-    drawn = Mechanism(bodies, (), (), (), Provenance("", "", "", ""), root=0, posed=posed)
+    bodies = tuple(RigidBody(name, (name,), (), frozenset({name}), "", np.eye(4)) for name in ("a", "b"))
+    drawn = Mechanism(bodies, (), (), (), Provenance("", "", "", ""), root=0, has_saved_pose=has_saved_pose)
     with pytest.raises(Disconnected) as caught:
         spanning_tree(drawn, GraphKeys(), Diagnostics())
     log = Diagnostics()
@@ -138,8 +138,8 @@ def loose(posed: bool) -> list[Diagnostic]:
 
 
 def test_what_hangs_on_nothing_is_mended_where_it_was_drawn() -> None:
-    for posed, place in ((True, "in Onshape"), (False, "in the file")):
-        found = loose(posed)
+    for has_saved_pose, place in ((True, "in Onshape"), (False, "in the file")):
+        found = loose(has_saved_pose)
         assert [one.code for one in found] == ["E-LOOSE", *["I-LOOSE"] * 3]
         assert all(place in one.hint for one in found)
     assert found[0].message == "1 link(s) hang on nothing that reaches the root"

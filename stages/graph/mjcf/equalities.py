@@ -7,7 +7,7 @@ import numpy as np
 
 from stages.formats.mjcf import MjcfClosure
 from stages.graph.dofs import residual
-from stages.graph.mechanism import Coupling
+from stages.graph.mechanism import Connection
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Dof, Dynamics, JointType, Limits, MateRef, Value, frozen
 from stages.robot.poses import inverse, quat_from_rotation
@@ -62,11 +62,11 @@ def own_sites(found: Sequence[Closing]) -> frozenset[str]:
     return frozenset(own)
 
 
-def couplings(
+def connections(
     found: Iterable[tuple[Closing, str, str]],
     numbers: Mapping[int, int],
     world_from_body: Mapping[int, Array],
-) -> Iterator[Coupling]:
+) -> Iterator[Connection]:
     """What the closures let move: a connect a ball, a weld nothing, a hinge's two connects a turn.
 
     `found`: each with its own name and that of its dof.
@@ -78,7 +78,7 @@ def couplings(
         relative = inverse(second) @ first
         kind, dofs = _moving(one, dof_name, relative)
         explained = chain(dofs, {dof.name: dof.saved for dof in dofs})
-        yield Coupling(
+        yield Connection(
             name=name,
             type=kind,
             bodies=(numbers[a], numbers[b]),

@@ -47,7 +47,7 @@ class Chain:
 
 
 @dataclass(frozen=True, slots=True)
-class Mate:
+class BodyJoint:
     """What a body's joints are together. `backwards`: they run as those of a mate whose second entity is
     the child. `name` is "" where the joints' own names do not tell."""
 
@@ -101,8 +101,8 @@ def _gathered(dofs: list[Dof]) -> Array:
     return start
 
 
-def mate_of(dofs: Sequence[Dof]) -> Mate:
-    """The mate that a body's dofs are by their kinds, axes and names; else what is no mate: compound."""
+def body_joint(dofs: Sequence[Dof]) -> BodyJoint:
+    """The mate that a body's dofs make, by their kinds, axes and names; else `compound`."""
     names = [dof.name for dof in dofs]
     for kind, freedoms in TYPES.values():
         if len(freedoms) < 2 or len(freedoms) != len(dofs):
@@ -111,8 +111,8 @@ def mate_of(dofs: Sequence[Dof]) -> Mate:
             row = freedoms[::-1] if backwards else freedoms
             stem = names[0].removesuffix(row[0].suffix)
             if stem and names == [stem + one.suffix for one in row] and _fits(dofs, row):
-                return Mate(stem, kind, backwards)
-    return Mate("", "compound", False)
+                return BodyJoint(stem, kind, backwards)
+    return BodyJoint("", "compound", False)
 
 
 def _fits(dofs: Sequence[Dof], freedoms: Sequence[Freedom]) -> bool:

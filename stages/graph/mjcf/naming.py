@@ -1,30 +1,18 @@
 """Names from an MJCF: bodies, joints, sites and equalities keep theirs; what has none gets one."""
 
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from stages.formats.mjcf import Mjcf
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.mjcf.equalities import Closing
-from stages.graph.naming import Key, Namer
+from stages.graph.naming import FileNames, Namer
 from stages.robot.diagnostics import Diagnostics
 
 WORLD_NUMBER = 0
 """The body that is the world."""
 
-
-@dataclass(frozen=True, slots=True)
-class Names:
-    """`links` by body, `dofs` by joint, `couplings` by the body below (of those with no or several
-    joints), `sites` by body and place in it, `relations` by number; `loops` and `loop_dofs` by closing."""
-
-    links: dict[int, str]
-    dofs: dict[int, str]
-    couplings: dict[int, str]
-    sites: dict[tuple[int, int], str]
-    relations: dict[int, str]
-    loops: dict[int, str]
-    loop_dofs: dict[int, str]
+MjcfFileNames = FileNames[int, tuple[int, int]]
+"""Joints and dofs by the body that they move, sites by body and place in it."""
 
 
 def names_of(
@@ -33,71 +21,90 @@ def names_of(
     joining: Collection[Closing],
     hidden: Collection[str],
     log: Diagnostics,
-) -> Names:
-    """The file's own names wherever they can stay; each that changes is told (W-NAME).
+) -> MjcfFileNames:
+    """The file's own names wherever they can stay; W-NAME for each that changes.
 
     `joining`: those of the closings `found` that become joints. `hidden`: sites that are no frames.
     """
     namer = Namer()
     bodies = list(enumerate(mjcf.bodies))[1:]
-    links = _kept(namer, "link", {number: body.name for number, body in bodies})
-    joints = [joint for _, body in bodies for joint in body.joints]
-    dofs = _kept(namer, "joint", {index: joint.name for index, joint in enumerate(joints)})
-    sites = _kept(namer, "frame", _sites(mjcf, hidden))
-    said = {("loop", index): one.closure.name for index, one in enumerate(found)}
-    said |= {("relation", index): one.name for index, one in enumerate(mjcf.relations)}
-    ties = _kept(namer, "equality", said)
-    namer.tell(log)
-    # What has no name gets one once all are known that have.
-    links |= {number: namer.make("link", f"body_{number}") for number, _ in bodies if number not in links}
-    for index, wanted in enumerate(_joint_names(mjcf, links)):
-        dofs[index] = dofs.get(index) or namer.make("joint", wanted)
-    relations = {
-        index: ties.get(("relation", index)) or namer.make("equality", f"{dofs[one.follower]}_relation")
-        for index, one in enumerate(mjcf.relations)
+    links = namer.keep("link", ((number, body.name) for number, body in bodies))
+    dofs = namer.keep("joint", _dofs(mjcf))
+    frames = namer.keep("frame", _sites(mjcf, hidden))
+    equalities = namer.keep("equality", _equalities(mjcf, found))
+    namer.report(log)
+    # What has no name gets one once all names in the file are known.
+    links = namer.fill("link", links, ((number, f"body_{number}") for number, _ in bodies))
+    dofs = namer.fill("joint", dofs, _wanted_dofs(mjcf, links))
+    joints = list(dofs.values())
+    relations = namer.fill("equality", equalities, _wanted_relations(mjcf, joints))
+    loops = _loops(namer, found, joining, equalities)
+    own = {
+        number: tuple(dofs[number, place] for place in range(len(body.joints)))
+        for number, body in enumerate(mjcf.bodies)
     }
-    loops, loop_dofs = {}, {}
-    for index, one in enumerate(found):
-        name = ties.get(("loop", index)) or namer.make("equality", "loop")
-        alone = namer.is_free("joint", name)
-        loop_dofs[index] = name if alone else namer.make("joint", f"{name}_loop")
-        loops[index] = loop_dofs[index] if one in joining else name
-        if alone:
-            namer.keep("joint", [(index, name)])
-    return Names(
-        {WORLD_NUMBER: WORLD_LINK} | links,
-        dofs,
-        {
-            number: namer.make("joint", f"{links[number]}_{'joints' if body.joints else 'fixed'}")
-            for number, body in bodies
-            if len(body.joints) != 1
-        },
-        sites,
-        relations,
-        loops,
-        loop_dofs,
+    return FileNames(
+        links={WORLD_NUMBER: WORLD_LINK} | links,
+        frames=frames,
+        joints={number: _joint_name(namer, links[number], own[number]) for number, _ in bodies},
+        dofs=own,
+        relations={index: name for (_, index), name in relations.items()},
+        loops=loops,
     )
 
 
-def _kept(namer: Namer, kind: str, names: Mapping[Key, str]) -> dict[Key, str]:
-    """The names of what has one."""
-    return namer.keep(kind, [(key, name) for key, name in names.items() if name])
+def _dofs(mjcf: Mjcf) -> Iterator[tuple[tuple[int, int], str]]:
+    for number, body in enumerate(mjcf.bodies):
+        for place, joint in enumerate(body.joints):
+            yield (number, place), joint.name
 
 
-def _sites(mjcf: Mjcf, hidden: Collection[str]) -> dict[tuple[int, int], str]:
-    return {
-        (number, index): site.name
-        for number, body in enumerate(mjcf.bodies)
-        for index, site in enumerate(body.sites)
-        if site.name not in hidden
-    }
+def _wanted_dofs(mjcf: Mjcf, links: Mapping[int, str]) -> Iterator[tuple[tuple[int, int], str]]:
+    """After its body, with a number where that has several."""
+    for (number, place), _ in _dofs(mjcf):
+        several = len(mjcf.bodies[number].joints) > 1
+        yield (number, place), f"{links[number]}_joint" + (f"_{place + 1}" if several else "")
 
 
-def _joint_names(mjcf: Mjcf, links: Mapping[int, str]) -> list[str]:
-    """What each joint is called if it has no name of its own: after its body, with a number where that has
-    several."""
-    return [
-        f"{links[number]}_joint" + (f"_{place}" if len(body.joints) > 1 else "")
-        for number, body in enumerate(mjcf.bodies)
-        for place in range(1, len(body.joints) + 1)
-    ]
+def _sites(mjcf: Mjcf, hidden: Collection[str]) -> Iterator[tuple[tuple[int, int], str]]:
+    for number, body in enumerate(mjcf.bodies):
+        for index, site in enumerate(body.sites):
+            if site.name not in hidden:
+                yield (number, index), site.name
+
+
+def _equalities(mjcf: Mjcf, found: Sequence[Closing]) -> Iterator[tuple[tuple[str, int], str]]:
+    for index, one in enumerate(found):
+        yield ("loop", index), one.closure.name
+    for index, relation in enumerate(mjcf.relations):
+        yield ("relation", index), relation.name
+
+
+def _wanted_relations(mjcf: Mjcf, joints: Sequence[str]) -> Iterator[tuple[tuple[str, int], str]]:
+    for index, one in enumerate(mjcf.relations):
+        yield ("relation", index), f"{joints[one.follower]}_relation"
+
+
+def _loops(
+    namer: Namer,
+    found: Sequence[Closing],
+    joining: Collection[Closing],
+    kept: Mapping[tuple[str, int], str],
+) -> dict[int, tuple[str, str]]:
+    """The names of each equality and of its dof: the same where no joint has it."""
+    names = {}
+    for index, one in enumerate(found):
+        name = kept.get(("loop", index)) or namer.make("equality", "loop")
+        alone = namer.is_free("joint", name)
+        dof_name = name if alone else namer.make("joint", f"{name}_loop")
+        names[index] = (dof_name if one in joining else name, dof_name)
+        if alone:
+            namer.keep("joint", [(index, name)])
+    return names
+
+
+def _joint_name(namer: Namer, link: str, dofs: Sequence[str]) -> str:
+    """What the joints of a body are called together: as the only one of them is."""
+    if len(dofs) == 1:
+        return dofs[0]
+    return namer.make("joint", f"{link}_{'joints' if dofs else 'fixed'}")

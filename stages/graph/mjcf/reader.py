@@ -9,11 +9,11 @@ from stages.formats.mjcf import Mjcf, MjcfBody, MjcfGeom
 from stages.graph.cad_only_keys import tell_unused
 from stages.graph.dofs import backwards
 from stages.graph.keys import GraphKeys
-from stages.graph.mechanism import WORLD_LINK, Body, Bond, Coupling, Marker, Mechanism
+from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, RelationSpec, RigidBody
 from stages.graph.mjcf.base import base_of, bodies_of, floats, joining, root_of
-from stages.graph.mjcf.equalities import closings, couplings, own_sites
-from stages.graph.mjcf.joints import SINGLE, Chain, chain_of, mate_of
-from stages.graph.mjcf.naming import Names, names_of
+from stages.graph.mjcf.equalities import closings, connections, own_sites
+from stages.graph.mjcf.joints import SINGLE, Chain, body_joint, chain_of
+from stages.graph.mjcf.naming import MjcfFileNames, names_of
 from stages.graph.passes.relations import said_values
 from stages.robot import codec
 from stages.robot.bundle import Bundle
@@ -67,19 +67,19 @@ def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[M
         base = base_of(mjcf)
         numbers |= {} if base is None else {0: numbers[base]}
     apart = (
-        (one, names.loops[index], names.loop_dofs[index])
+        (one, *names.loops[index])
         for index, one in enumerate(found)
         if len({numbers[body] for body in one.closure.bodies}) > 1
     )
-    closing = couplings(apart, numbers, pose.world_from_body)
+    closing = connections(apart, numbers, pose.world_from_body)
     mechanism = Mechanism(
         bodies=tuple(_body(mjcf, number, names, pose, numbers) for number in there),
-        couplings=(*_tree(mjcf, names, chains, pose, numbers), *closing),
-        bonds=tuple(_bonds(mjcf, names)),
+        connections=(*_tree(mjcf, names, chains, pose, numbers), *closing),
+        relations=tuple(_relations(mjcf, names)),
         markers=tuple(_markers(mjcf, names, pose, numbers, log)),
         provenance=Provenance(**bundle.root),
         root=numbers[root_of(mjcf, there)],
-        posed=False,
+        has_saved_pose=False,
     )
     return mechanism, keys
 
@@ -109,15 +109,11 @@ def _require_tree(mjcf: Mjcf) -> None:
         raise ValueError(msg)
 
 
-def _chains(mjcf: Mjcf, names: Names) -> tuple[dict[int, Chain], Configuration]:
+def _chains(mjcf: Mjcf, names: MjcfFileNames) -> tuple[dict[int, Chain], Configuration]:
     """Each body's dofs, saved at qpos0 and followers where their drivers have them; and those values."""
-    chains: dict[int, Chain] = {}
-    count = 0
-    for number, body in enumerate(mjcf.bodies):
-        chains[number] = chain_of(body, [names.dofs[count + i] for i in range(len(body.joints))])
-        count += len(body.joints)
+    chains = {number: chain_of(body, names.dofs[number]) for number, body in enumerate(mjcf.bodies)}
     saved = {dof.name: dof.saved for one in chains.values() for dof in one.dofs}
-    saved |= said_values(_bonds(mjcf, names), saved)
+    saved |= said_values(_relations(mjcf, names), saved)
     for number, one_chain in chains.items():
         dofs = tuple(replace(dof, saved=saved[dof.name]) for dof in one_chain.dofs)
         chains[number] = replace(one_chain, dofs=dofs)
@@ -136,7 +132,9 @@ def _posed(mjcf: Mjcf, chains: Mapping[int, Chain], saved: Mapping[str, Value]) 
     return _Pose(bodies, links, starts)
 
 
-def _body(mjcf: Mjcf, number: int, names: Names, pose: _Pose, numbers: Mapping[int, int]) -> Body:
+def _body(
+    mjcf: Mjcf, number: int, names: MjcfFileNames, pose: _Pose, numbers: Mapping[int, int]
+) -> RigidBody:
     body = mjcf.bodies[number]
     name = names.links[number]
     held = ""
@@ -145,12 +143,12 @@ def _body(mjcf: Mjcf, number: int, names: Names, pose: _Pose, numbers: Mapping[i
     elif 0 in numbers and numbers[0] == numbers[number]:
         held = HELD
     world_from_body = pose.world_from_body[number]
-    return Body(
+    return RigidBody(
         name=name,
         path=(body.name or name,) if number else (),
         parts=tuple(_parts(body, name, world_from_body)),
         titles=frozenset({name, body.name or name}),
-        held=held,
+        fixed_reason=held,
         world_from_body=pose.world_from_link[number],
         afloat=_free_joint(mjcf, number, names),
         given=None if body.inertial is None else moved(body.inertial, world_from_body),
@@ -158,14 +156,14 @@ def _body(mjcf: Mjcf, number: int, names: Names, pose: _Pose, numbers: Mapping[i
     )
 
 
-def _free_joint(mjcf: Mjcf, number: int, names: Names) -> str | None:
+def _free_joint(mjcf: Mjcf, number: int, names: MjcfFileNames) -> str | None:
     """The name of the joint by which a body floats, "" where that has none; None where it does not float."""
     body = mjcf.bodies[number]
     if not floats(body):
         return None
     if not body.joints[0].name:
         return ""
-    return names.dofs[sum(len(one.joints) for one in mjcf.bodies[:number])]
+    return names.dofs[number][0]
 
 
 def _parts(body: MjcfBody, name: str, world_from_body: Array) -> Iterator[Part]:
@@ -195,8 +193,8 @@ def _primitive(geom: MjcfGeom, world_from_body: Array) -> Primitive:
 
 
 def _tree(
-    mjcf: Mjcf, names: Names, chains: Mapping[int, Chain], pose: _Pose, numbers: Mapping[int, int]
-) -> Iterator[Coupling]:
+    mjcf: Mjcf, names: MjcfFileNames, chains: Mapping[int, Chain], pose: _Pose, numbers: Mapping[int, int]
+) -> Iterator[Connection]:
     """The joints between each body and its parent; what floats, or is the base, hangs on nothing."""
     for number, body in enumerate(mjcf.bodies[1:], start=1):
         parent = numbers.get(body.parent)
@@ -210,7 +208,7 @@ def _tree(
             frames, bodies, dofs = frames[::-1], bodies[::-1], backwards(dofs)
         told = "+".join(joint.type for joint in body.joints) or "fixed"
         title = ", ".join(joint.name or dof.name for joint, dof in zip(body.joints, chains[number].dofs))
-        yield Coupling(
+        yield Connection(
             name=name,
             type=kind,
             bodies=bodies,
@@ -222,23 +220,25 @@ def _tree(
         )
 
 
-def _meaning(number: int, body: MjcfBody, names: Names, own: Chain) -> tuple[str, JointType, bool]:
+def _meaning(number: int, body: MjcfBody, names: MjcfFileNames, own: Chain) -> tuple[str, JointType, bool]:
     """Name and type of a body's joints together, and whether they run from the first entity's side."""
+    name = names.joints[number]
     if not own.dofs:
-        return names.couplings[number], "fixed", False
+        return name, "fixed", False
     if len(own.dofs) == 1:
-        return own.dofs[0].name, SINGLE[body.joints[0].type], False
-    mate = mate_of(own.dofs)
-    return mate.name or names.couplings[number], mate.type, mate.backwards
+        return name, SINGLE[body.joints[0].type], False
+    together = body_joint(own.dofs)
+    return together.name or name, together.type, together.backwards
 
 
-def _bonds(mjcf: Mjcf, names: Names) -> Iterator[Bond]:
+def _relations(mjcf: Mjcf, names: MjcfFileNames) -> Iterator[RelationSpec]:
+    joints = [name for number in range(len(mjcf.bodies)) for name in names.dofs[number]]
     for index, one in enumerate(mjcf.relations):
-        yield Bond(
+        yield RelationSpec(
             title=names.relations[index],
             name=names.relations[index],
             type="MIMIC",
-            couplings=(names.dofs[one.driver], names.dofs[one.follower]),
+            connections=(joints[one.driver], joints[one.follower]),
             ratio=one.multiplier,
             length=0.0,
             reverse=False,
@@ -247,11 +247,11 @@ def _bonds(mjcf: Mjcf, names: Names) -> Iterator[Bond]:
 
 
 def _markers(
-    mjcf: Mjcf, names: Names, pose: _Pose, numbers: Mapping[int, int], log: Diagnostics
+    mjcf: Mjcf, names: MjcfFileNames, pose: _Pose, numbers: Mapping[int, int], log: Diagnostics
 ) -> Iterator[Marker]:
     """Sites, as frames of their links."""
     lost = []
-    for (number, index), name in sorted(names.sites.items()):
+    for (number, index), name in sorted(names.frames.items()):
         site = mjcf.bodies[number].sites[index]
         if number not in numbers:
             lost.append(site.name)

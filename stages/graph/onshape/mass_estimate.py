@@ -24,7 +24,7 @@ SAME_VOLUME = 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shape:
+class PartShape:
     """A part's shape with a mass of 1 kg, in the part's frame.
 
     A solid has closed triangles; a ball has the volume, at the middle of the box around them, where
@@ -37,7 +37,7 @@ class Shape:
     volume: float
 
 
-def shapes_of(bundle: Bundle, volumes: Iterable[tuple[Key, float | None]]) -> dict[Key, Shape]:
+def shapes_of(bundle: Bundle, volumes: Iterable[tuple[Key, float | None]]) -> dict[Key, PartShape]:
     """The shapes of parts, each with what `shape_of` takes as its volume; no triangles, no shape."""
     replies = {studio.key: studio.tessellation for studio in bundle.studios}
     wanted: dict[str, dict[Key, float | None]] = {}
@@ -55,7 +55,7 @@ def shapes_of(bundle: Bundle, volumes: Iterable[tuple[Key, float | None]]) -> di
     return found
 
 
-def shape_of(body: triangles.Body, volume: float | None) -> Shape | None:
+def shape_of(body: triangles.Body, volume: float | None) -> PartShape | None:
     """The shape of a body with CAD's `volume` [m³], 0 if that is not known, None if the body is a sheet.
 
     None where there are no triangles.
@@ -66,18 +66,18 @@ def shape_of(body: triangles.Body, volume: float | None) -> Shape | None:
     if not sizes.sum() > 0:
         return None
     if volume is None:
-        return Shape("shell", _shell(corners, sizes), 0.0)
+        return PartShape("shell", _shell(corners, sizes), 0.0)
     # The areas of a closed surface add up to nothing, however its triangles are joined.
     if np.linalg.norm(areas.sum(axis=0)) <= CLOSED * sizes.sum():
         solid = _solid(body, volume)
         if solid is not None:
             return solid
     if volume > 0:
-        return Shape("ball", _ball(body.points[body.triangles.ravel()], volume), volume)
-    return Shape("shell", _shell(corners, sizes), 0.0)
+        return PartShape("ball", _ball(body.points[body.triangles.ravel()], volume), volume)
+    return PartShape("shell", _shell(corners, sizes), 0.0)
 
 
-def _solid(body: triangles.Body, volume: float) -> Shape | None:
+def _solid(body: triangles.Body, volume: float) -> PartShape | None:
     try:
         whole = solid_inertia(body.points, body.triangles, 1.0)
     except ValueError:
@@ -85,7 +85,7 @@ def _solid(body: triangles.Body, volume: float) -> Shape | None:
     if volume > 0 and abs(whole.mass - volume) > SAME_VOLUME * volume:
         return None
     unit = Inertial(1.0, whole.com, frozen(whole.inertia / whole.mass))
-    return Shape("solid", unit, volume or whole.mass)
+    return PartShape("solid", unit, volume or whole.mass)
 
 
 def _ball(points: Array, volume: float) -> Inertial:

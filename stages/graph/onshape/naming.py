@@ -25,7 +25,7 @@ MAIN_SHARE = 0.9
 
 
 @dataclass(frozen=True, slots=True)
-class Names:
+class AssemblyNames:
     """Link names and naming occurrences by body, joint names by `MateRef.key`, frames by (owner, id)."""
 
     links: tuple[str, ...]
@@ -34,7 +34,7 @@ class Names:
     frames: Mapping[tuple[Path, str], str]
 
 
-def name_everything(assembly: Assembly, bodies: Bodies, volume: Mapping[Path, float]) -> Names:
+def name_everything(assembly: Assembly, bodies: Bodies, volume: Mapping[Path, float]) -> AssemblyNames:
     """Unique names over links, joints, their dofs and frames; links choose first, frames last.
 
     `volume` [m³] of each part. A body without parts is the assembly's origin.
@@ -63,7 +63,7 @@ def name_everything(assembly: Assembly, bodies: Bodies, volume: Mapping[Path, fl
         for c in assembly.connectors
         if not is_link_name(c)
     }
-    return Names(links, paths, joints, _feature_names(markers, taken, "_frame", lambda _, name: ()))
+    return AssemblyNames(links, paths, joints, _feature_names(markers, taken, "_frame", lambda _, name: ()))
 
 
 def is_link_name(connector: Connector) -> bool:

@@ -22,7 +22,7 @@ from stages.robot.model import Array, Limits, frozen
 from stages.robot.poses import inverse
 
 MET = 1e-6
-"""Mates that the saved pose misses by more [m or rad] are not composed: nothing follows from it."""
+"""Mates that the saved pose misses by more [m or rad] are not combined: nothing follows from it."""
 
 RIGID = "W-MATES-RIGID"
 
@@ -45,7 +45,7 @@ class Absorbed:
 
 
 @dataclass(frozen=True, slots=True)
-class Composed:
+class CombinedMates:
     """`mates`: at most one for each two bodies, where one can say it all. `welds`: occurrences that their
     mates hold rigidly against each other; those mates are gone. `absorbed`: by key, mates that are gone
     but still move."""
@@ -64,9 +64,9 @@ class _Work:
     absorbed: dict[MateKey, Absorbed]
 
 
-def composed(
+def combined(
     mates: Sequence[Mate], assembly: Assembly, body_of: Mapping[Path, int], log: Diagnostics
-) -> Composed:
+) -> CombinedMates:
     """What mates between different bodies mean together, two bodies at a time.
 
     `body_of`: occurrence path → body. Mates of one body, or of an unknown type, are passed on. The
@@ -87,7 +87,7 @@ def composed(
         if not views or any(one.residual > MET for one in views) or not _join(views, work):
             work.mates.extend(group)
     log.add(one for one in work.log.found if not work.welds or one.code == RIGID)
-    return Composed(tuple(work.mates), tuple(work.welds), work.absorbed)
+    return CombinedMates(tuple(work.mates), tuple(work.welds), work.absorbed)
 
 
 def _join(views: Sequence[View], work: _Work) -> bool:

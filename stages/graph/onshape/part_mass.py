@@ -16,7 +16,7 @@ import orjson
 from stages.graph.globs import entries_of, escaped, listed, unnumbered
 from stages.graph.mass_keys import MassKeys, PartMassKeys, tensor
 from stages.graph.onshape.assembly import Assembly, Occurrence, Path
-from stages.graph.onshape.mass_estimate import Shape, shapes_of
+from stages.graph.onshape.mass_estimate import PartShape, shapes_of
 from stages.graph.onshape.reply_fields import number, numbers, shape_of
 from stages.robot.bundle import Bundle, StudioKey
 from stages.robot.diagnostics import Diagnostics
@@ -50,7 +50,7 @@ class Kind:
     asked: PartMassKeys
     occurrences: tuple[Occurrence, ...]
     weight: Weight | None
-    shape: Shape | None = None
+    shape: PartShape | None = None
 
     @property
     def title(self) -> str:

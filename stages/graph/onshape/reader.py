@@ -7,15 +7,15 @@ import numpy as np
 
 from stages.graph.dofs import TYPES, dofs_of, residual, right_handed
 from stages.graph.keys import GraphKeys
-from stages.graph.mechanism import WORLD_LINK, Body, Bond, Coupling, Marker, Mechanism
+from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, RelationSpec, RigidBody
 from stages.graph.onshape.assembly import Assembly, Mate, Path
 from stages.graph.onshape.bodies import Bodies, find_bodies
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.hidden import without_hidden
 from stages.graph.onshape.limits import Remarks, resolve_limits
-from stages.graph.onshape.naming import Names, is_link_name, name_everything
+from stages.graph.onshape.naming import AssemblyNames, is_link_name, name_everything
 from stages.graph.onshape.onshape_to_robot import translated
-from stages.graph.onshape.parallel_mates import Absorbed, MateKey, composed
+from stages.graph.onshape.parallel_mates import Absorbed, MateKey, combined
 from stages.graph.onshape.part_mass import SHEET, part_key, weighed
 from stages.graph.onshape.patterns import with_copies
 from stages.robot.bundle import Bundle
@@ -48,11 +48,11 @@ def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[M
     names = name_everything(assembly, bodies, {path: volume for path, (_, volume) in weights.items()})
     _tell_names(assembly, bodies, names, log)
     said = _said_of(assembly, remarks, absorbed)
-    couplings = tuple(_coupling(mate, assembly, bodies, names, said) for mate in bodies.moving)
+    connections = tuple(_connection(mate, assembly, bodies, names, said) for mate in bodies.moving)
     mechanism = Mechanism(
         bodies=tuple(_bodies(assembly, bodies, names, weights, bundle)),
-        couplings=couplings,
-        bonds=tuple(_bonds(assembly, couplings, absorbed)),
+        connections=connections,
+        relations=tuple(_relations(assembly, connections, absorbed)),
         markers=tuple(_markers(assembly, bodies, names, log)),
         provenance=Provenance(**bundle.root),
     )
@@ -80,7 +80,7 @@ def _settled_bodies(
     while True:
         found, told = Diagnostics(), Diagnostics()
         bodies = find_bodies(assembly, keys, found, welds)
-        result = composed(bodies.moving, assembly, bodies.of, told)
+        result = combined(bodies.moving, assembly, bodies.of, told)
         if not result.welds:
             log.add([*found.problems, *found.found, *told.problems, *told.found])
             return replace(bodies, moving=list(result.mates)), result.absorbed
@@ -89,8 +89,8 @@ def _settled_bodies(
 
 
 def _bodies(
-    assembly: Assembly, bodies: Bodies, names: Names, weights: Weights, bundle: Bundle
-) -> Iterator[Body]:
+    assembly: Assembly, bodies: Bodies, names: AssemblyNames, weights: Weights, bundle: Bundle
+) -> Iterator[RigidBody]:
     tessellations = {studio.key: studio.tessellation for studio in bundle.studios}
     for number, members in enumerate(bodies.members):
         parts = []
@@ -115,26 +115,26 @@ def _bodies(
             )
             for name in occurrence.names:
                 titles |= {name, legal(name)}
-        yield Body(
+        yield RigidBody(
             name=names.links[number],
             path=names.paths[number],
             parts=tuple(parts),
             titles=frozenset(titles),
-            held=(bodies.fixed_by or "it is the assembly's origin") if number == bodies.world else "",
+            fixed_reason=(bodies.fixed_by or "it is the assembly's origin") if number == bodies.world else "",
             world_from_body=frozen(np.eye(4)),
         )
 
 
-def _coupling(
-    mate: Mate, assembly: Assembly, bodies: Bodies, names: Names, said: Mapping[MateKey, Remarks]
-) -> Coupling:
+def _connection(
+    mate: Mate, assembly: Assembly, bodies: Bodies, names: AssemblyNames, said: Mapping[MateKey, Remarks]
+) -> Connection:
     name = names.joints[mate.ref.key]
     first, second, mirrored = right_handed(*(assembly.world_from(entity) for entity in mate.entities))
     relative = inverse(second) @ first
     dofs = dofs_of(name, mate.ref.type, mate.limits or {}, relative, mirrored)
     explained = chain(dofs, {dof.name: dof.saved for dof in dofs})
     remarks = said.get(mate.key, Remarks())
-    return Coupling(
+    return Connection(
         name=name,
         type=TYPES[mate.ref.type][0],
         bodies=(bodies.of[mate.entities[0].path], bodies.of[mate.entities[1].path]),
@@ -166,12 +166,12 @@ def _said_of(
     return found
 
 
-def _bonds(
-    assembly: Assembly, couplings: tuple[Coupling, ...], absorbed: Mapping[MateKey, Absorbed]
-) -> Iterator[Bond]:
+def _relations(
+    assembly: Assembly, connections: tuple[Connection, ...], absorbed: Mapping[MateKey, Absorbed]
+) -> Iterator[RelationSpec]:
     """The relations; one on a mate that another stands for is on that one. Where both mates stand still,
     which is told of them, so does what they relate."""
-    drawn = {coupling.ref.key: coupling.name for coupling in couplings}
+    drawn = {connection.ref.key: connection.name for connection in connections}
     named = {key: (name, 1) for key, name in drawn.items()}
     named |= {key: (drawn[one.by] if one.sign else "", one.sign) for key, one in absorbed.items()}
     still = {mate.key for mate in assembly.mates} - named.keys()
@@ -180,17 +180,17 @@ def _bonds(
             continue
         ends = [named.get((*mate, ""), ("", 0)) for mate in relation.mates]
         against = sum(sign < 0 for _, sign in ends) % 2 == 1
-        yield Bond(
+        yield RelationSpec(
             title=relation.title,
             type=relation.type,
-            couplings=tuple(name for name, _ in ends),
+            connections=tuple(name for name, _ in ends),
             ratio=relation.ratio,
             length=relation.length,
             reverse=relation.reverse != against,
         )
 
 
-def _markers(assembly: Assembly, bodies: Bodies, names: Names, log: Diagnostics) -> Iterator[Marker]:
+def _markers(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log: Diagnostics) -> Iterator[Marker]:
     """Mate connectors that the designer placed, on their bodies."""
     for connector in assembly.connectors:
         if is_link_name(connector):
@@ -209,7 +209,7 @@ def _markers(assembly: Assembly, bodies: Bodies, names: Names, log: Diagnostics)
         yield Marker(name, connector.title, body, frozen(frame), connector.name)
 
 
-def _tell_names(assembly: Assembly, bodies: Bodies, names: Names, log: Diagnostics) -> None:
+def _tell_names(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log: Diagnostics) -> None:
     """Names of which nothing could be kept, and `link_` connectors that name nothing."""
     typed = [
         (name, assembly.occurrences[path].names[-1])

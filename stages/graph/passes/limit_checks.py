@@ -7,7 +7,7 @@ from dataclasses import replace
 from stages.graph.added_keys import AddedLinkKeys
 from stages.graph.globs import as_key, fits
 from stages.graph.keys import GraphKeys, JointKeys
-from stages.graph.mechanism import Coupling, Mechanism
+from stages.graph.mechanism import Connection, Mechanism
 from stages.graph.passes.joint_limits import BEYOND, POINTWISE, with_each_dof
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Dof, DofKind, Joint, Limits, Robot, Value
@@ -20,38 +20,40 @@ UNITS: Mapping[DofKind, str] = {"turn": "rad", "slide": "m", "ball": "rad", "fre
 
 def with_checked_limits(robot: Robot, mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Robot:
     """The robot with every limit checked; what is wrong, missing or doubtful with one is reported."""
-    unknown = _unknown(mechanism.couplings, keys.joints)
-    _report_doubts(mechanism.couplings, keys.joints, log)
-    robot = check_limits(robot, unknown, log, keys.joints, keys.links, mechanism.posed)
+    unknown = _unknown(mechanism.connections, keys.joints)
+    _report_doubts(mechanism.connections, keys.joints, log)
+    robot = check_limits(robot, unknown, log, keys.joints, keys.links, mechanism.has_saved_pose)
     report_loop_limits(robot, unknown, log)
     return robot
 
 
-def _unknown(couplings: Iterable[Coupling], wanted: Mapping[str, JointKeys]) -> dict[str, str]:
+def _unknown(connections: Iterable[Connection], wanted: Mapping[str, JointKeys]) -> dict[str, str]:
     """Why limits in CAD are unknown, by dof, of the dofs that have none in `joints:` either."""
     return {
-        name: coupling.unknown
-        for coupling in couplings
-        if coupling.unknown
-        for name in _without_limits(coupling, wanted)
+        name: connection.unknown
+        for connection in connections
+        if connection.unknown
+        for name in _without_limits(connection, wanted)
     }
 
 
-def _report_doubts(couplings: Iterable[Coupling], wanted: Mapping[str, JointKeys], log: Diagnostics) -> None:
+def _report_doubts(
+    connections: Iterable[Connection], wanted: Mapping[str, JointKeys], log: Diagnostics
+) -> None:
     """Limits in CAD that may be meant in another way, of mates whose limits are not all in `joints:`."""
-    for coupling in couplings:
-        for name in _without_limits(coupling, wanted)[:1]:
+    for connection in connections:
+        for name in _without_limits(connection, wanted)[:1]:
             entry = f"joints: {{{as_key(name)}: {{limits: [low, high]}}}}"
-            for text in coupling.doubts:
-                log.report("W-LIMIT-DOUBT", text, coupling.name, f"type it again on the mate, or {entry}")
-            for text in coupling.half_open:
-                log.report("I-LIMIT-OPEN", text, coupling.name, f"if a zero is meant, type it, or {entry}")
+            for text in connection.doubts:
+                log.report("W-LIMIT-DOUBT", text, connection.name, f"type it again on the mate, or {entry}")
+            for text in connection.half_open:
+                log.report("I-LIMIT-OPEN", text, connection.name, f"if a zero is meant, type it, or {entry}")
 
 
-def _without_limits(coupling: Coupling, wanted: Mapping[str, JointKeys]) -> list[str]:
+def _without_limits(connection: Connection, wanted: Mapping[str, JointKeys]) -> list[str]:
     """The dofs to which `joints:` gives no limits."""
     given = [glob for glob, keys in wanted.items() if keys.limits is not None]
-    return [dof.name for dof in coupling.dofs if not any(fits(dof.name, glob) for glob in given)]
+    return [dof.name for dof in connection.dofs if not any(fits(dof.name, glob) for glob in given)]
 
 
 def check_limits(

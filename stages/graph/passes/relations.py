@@ -15,9 +15,9 @@ import networkx as nx
 
 from stages.graph.globs import as_key
 from stages.graph.keys import RelationKeys
-from stages.graph.mechanism import Bond
+from stages.graph.mechanism import RelationSpec
 from stages.graph.passes.joint_limits import unwrapped, with_each_dof
-from stages.graph.passes.relation_dofs import Bonded, bonded, named, settled
+from stages.graph.passes.relation_dofs import DofRelation, dof_relations, named, settled
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Dof, DofKind, Link, Relation, Robot, Value, frozen
@@ -42,18 +42,21 @@ class Step:
 
 
 def with_relations(
-    robot: Robot, bonds: Sequence[Bond], log: Diagnostics, wanted: Mapping[str, RelationKeys] | None = None
+    robot: Robot,
+    specs: Sequence[RelationSpec],
+    log: Diagnostics,
+    wanted: Mapping[str, RelationKeys] | None = None,
 ) -> Robot:
-    """The robot with its bonds as relations, sorted by follower, each to the dof that drives its tree;
+    """The robot with its specs as relations, sorted by follower, each to the dof that drives its tree;
     saved turns are the ones that the relations give.
 
     `wanted`: what `relations:` says of them. Where an offset of the user's is not that of the saved pose,
     the pose is another, and its parts are where that has them. The driver is the first, by title, that
-    follows nothing; a bond that names dofs the wrong way round for that is solved for the other. Dofs that
+    follows nothing; a spec that names dofs the wrong way round for that is solved for the other. Dofs that
     are related twice are an error (E-RELATION).
     """
     dofs = {dof.name: dof for dof in robot.dofs}
-    found = bonded(robot, settled(named(robot, bonds), wanted or {}, log), log)
+    found = dof_relations(robot, settled(named(robot, specs), wanted or {}, log), log)
     saved = {dof.name: dof.saved for dof in robot.dofs if isinstance(dof.saved, float)}
     relations: list[Relation] = []
     for tree in _trees(found, log):
@@ -84,11 +87,14 @@ def _posed(robot: Robot, before: Mapping[str, Dof]) -> Robot:
     return replace(robot, links=tuple(links))
 
 
-def said_values(bonds: Iterable[Bond], saved: Mapping[str, Value]) -> dict[str, float]:
-    """The values that dofs have by bonds that say all (MIMIC), where what drives them is as `saved`: what
+def said_values(specs: Iterable[RelationSpec], saved: Mapping[str, Value]) -> dict[str, float]:
+    """The values that dofs have by specs that say all (MIMIC), where what drives them is as `saved`: what
     `with_relations` makes of them."""
-    ordered = sorted(bonds, key=lambda bond: (bond.title, bond.couplings))
-    found = [Bonded(b.title, b.couplings[0], b.couplings[1], b.ratio, b.offset, said=True) for b in ordered]
+    ordered = sorted(specs, key=lambda spec: (spec.title, spec.connections))
+    found = [
+        DofRelation(b.title, b.connections[0], b.connections[1], b.ratio, b.offset, said=True)
+        for b in ordered
+    ]
     values = {name: value for name, value in saved.items() if isinstance(value, float)}
     for tree in _trees([one for one in found if one.driver != one.follower], Diagnostics()):
         steps = [Step(one.title, one.driver, one.follower, one.factor, one.offset or 0.0) for one in tree]
@@ -102,8 +108,8 @@ def negligible(offset: float, factor: float) -> bool:
     return abs(offset) <= ZERO_OFFSET * max(1.0, abs(factor))
 
 
-def _trees(found: Sequence[Bonded], log: Diagnostics) -> list[list[Bonded]]:
-    """What hangs together; a bond between dofs that do already says too much."""
+def _trees(found: Sequence[DofRelation], log: Diagnostics) -> list[list[DofRelation]]:
+    """What hangs together; a spec between dofs that do already says too much."""
     forest = nx.utils.UnionFind()
     kept = []
     for one in found:
@@ -114,20 +120,20 @@ def _trees(found: Sequence[Bonded], log: Diagnostics) -> list[list[Bonded]]:
             continue
         forest.union(one.driver, one.follower)
         kept.append(one)
-    trees: dict[str, list[Bonded]] = {}
+    trees: dict[str, list[DofRelation]] = {}
     for one in kept:
         trees.setdefault(forest[one.driver], []).append(one)
     return list(trees.values())
 
 
-def _driver(tree: Sequence[Bonded]) -> str:
-    """The first dof that follows nothing: there is one, as the bonds are one fewer than the dofs."""
+def _driver(tree: Sequence[DofRelation]) -> str:
+    """The first dof that follows nothing: there is one, as the specs are one fewer than the dofs."""
     followers = {one.follower for one in tree}
     return next(one.driver for one in tree if one.driver not in followers)
 
 
 def _measured_all(
-    tree: Sequence[Bonded], dofs: Mapping[str, Dof], saved: dict[str, float], log: Diagnostics
+    tree: Sequence[DofRelation], dofs: Mapping[str, Dof], saved: dict[str, float], log: Diagnostics
 ) -> list[Step]:
     """The tree's steps with their offsets as the saved pose has them; `saved` is put in order.
 
@@ -162,7 +168,7 @@ def _walk(steps: Sequence[Step], start: str) -> Iterator[Step]:
             heappush(ready, number)
 
 
-def _said(tree: Sequence[Bonded]) -> bool:
+def _said(tree: Sequence[DofRelation]) -> bool:
     """Whether the source says it all, so that nothing is measured."""
     return all(one.said for one in tree)
 
@@ -174,7 +180,7 @@ def _told(step: Step, saved: dict[str, float]) -> Step:
 
 
 def _measured(
-    step: Step, drawn: Bonded, dofs: Mapping[str, Dof], saved: dict[str, float], log: Diagnostics
+    step: Step, drawn: DofRelation, dofs: Mapping[str, Dof], saved: dict[str, float], log: Diagnostics
 ) -> Step:
     """The step as the saved pose has it, its child's saved turn the one that it gives; with an offset of
     the user's, as they have it, and the child where it then is."""
@@ -202,7 +208,7 @@ def _measured(
     return found
 
 
-def _tell_offset(found: Step, drawn: Bonded, opposite: bool, log: Diagnostics) -> None:
+def _tell_offset(found: Step, drawn: DofRelation, opposite: bool, log: Diagnostics) -> None:
     """That the saved pose has an offset; `opposite`: it would have none in the other direction."""
     offset = (found if found.child == drawn.follower else found.turned_round()).offset
     name = as_key(drawn.name)

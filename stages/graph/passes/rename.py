@@ -6,14 +6,14 @@ from dataclasses import replace
 
 from stages.graph.globs import listed, matching, unusable, with_plain
 from stages.graph.keys import NamesKeys
-from stages.graph.mechanism import WORLD_LINK, Coupling, Mechanism
+from stages.graph.mechanism import WORLD_LINK, Connection, Mechanism
 from stages.robot.diagnostics import Diagnostics
 
 
 def renamed(mechanism: Mechanism, wanted: NamesKeys, log: Diagnostics) -> Mechanism:
     """The mechanism with the names that `wanted` gives; no other name changes.
 
-    An entry means the one body or coupling that has this name; else the one that is called so in CAD
+    An entry means the one body or connection that has this name; else the one that is called so in CAD
     or that the glob matches. E-RENAME for none or several, E-NAME for a name that is not free.
     """
     links = _new_names(
@@ -23,21 +23,21 @@ def renamed(mechanism: Mechanism, wanted: NamesKeys, log: Diagnostics) -> Mechan
         log,
     )
     joints = _new_names(
-        [coupling.name for coupling in mechanism.couplings],
-        [{coupling.ref.name, coupling.title} for coupling in mechanism.couplings],
+        [connection.name for connection in mechanism.connections],
+        [{connection.ref.name, connection.title} for connection in mechanism.connections],
         (wanted.joints, "names.joints", "joint"),
         log,
     )
     bodies = tuple(replace(body, name=links.get(i, body.name)) for i, body in enumerate(mechanism.bodies))
-    couplings = tuple(_called(one, joints.get(i, one.name)) for i, one in enumerate(mechanism.couplings))
-    called = {mechanism.couplings[i].name: name for i, name in joints.items()}
-    for old, new in zip(mechanism.couplings, couplings, strict=True):
+    connections = tuple(_called(one, joints.get(i, one.name)) for i, one in enumerate(mechanism.connections))
+    called = {mechanism.connections[i].name: name for i, name in joints.items()}
+    for old, new in zip(mechanism.connections, connections, strict=True):
         called |= {one.name: other.name for one, other in zip(old.dofs, new.dofs, strict=True)}
-    bonds = tuple(
-        replace(bond, couplings=tuple(called.get(name, name) for name in bond.couplings))
-        for bond in mechanism.bonds
+    specs = tuple(
+        replace(spec, connections=tuple(called.get(name, name) for name in spec.connections))
+        for spec in mechanism.relations
     )
-    made = replace(mechanism, bodies=bodies, couplings=couplings, bonds=bonds)
+    made = replace(mechanism, bodies=bodies, connections=connections, relations=specs)
     _check_free(made, {*links.values(), *joints.values()}, log)
     return made
 
@@ -69,26 +69,26 @@ def _new_names(
     return found
 
 
-def _called(coupling: Coupling, name: str) -> Coupling:
-    """The coupling by another name: so are its dofs, where they have it in front of theirs."""
+def _called(connection: Connection, name: str) -> Connection:
+    """The connection by another name: so are its dofs, where they have it in front of theirs."""
     dofs = (
-        replace(dof, name=name + dof.name.removeprefix(coupling.name))
-        if dof.name.startswith(coupling.name)
+        replace(dof, name=name + dof.name.removeprefix(connection.name))
+        if dof.name.startswith(connection.name)
         else dof
-        for dof in coupling.dofs
+        for dof in connection.dofs
     )
-    return replace(coupling, name=name, dofs=tuple(dofs))
+    return replace(connection, name=name, dofs=tuple(dofs))
 
 
 def _check_free(mechanism: Mechanism, new: Collection[str], log: Diagnostics) -> None:
     """E-NAME for each new name that is none, or that something else has too."""
     counts = Counter(body.name for body in mechanism.bodies)
     counts.update(marker.name for marker in mechanism.markers)
-    for coupling in mechanism.couplings:
-        # A coupling of one dof has that dof's name: the two are one thing.
-        counts.update(_names_of(coupling))
-    for coupling in mechanism.couplings:
-        new = {*new, *_names_of(coupling)} if coupling.name in new else new
+    for connection in mechanism.connections:
+        # A connection of one dof has that dof's name: the two are one thing.
+        counts.update(_names_of(connection))
+    for connection in mechanism.connections:
+        new = {*new, *_names_of(connection)} if connection.name in new else new
     for name in sorted(new):
         taken = [name] if counts[name] > 1 else []
         reason = unusable(name, taken)
@@ -97,5 +97,5 @@ def _check_free(mechanism: Mechanism, new: Collection[str], log: Diagnostics) ->
             log.report("E-NAME", reason, "names", hint if taken else "choose another")
 
 
-def _names_of(coupling: Coupling) -> set[str]:
-    return {coupling.name, *(dof.name for dof in coupling.dofs)}
+def _names_of(connection: Connection) -> set[str]:
+    return {connection.name, *(dof.name for dof in connection.dofs)}

@@ -1,33 +1,22 @@
 """Names from a URDF: links, joints and frames keep theirs."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 from stages.formats.urdf.model import Urdf, UrdfJoint
 from stages.graph.mechanism import WORLD_LINK
-from stages.graph.naming import Namer
+from stages.graph.naming import FileNames, Namer
 from stages.graph.urdf.dummy_links import has_world
 from stages.graph.urdf.structure import SCALAR
 from stages.robot.diagnostics import Diagnostics
+
+UrdfFileNames = FileNames[str, str]
 
 _PLANAR = ("_x", "_y", "_turn")
 """What the names of a planar joint's dofs end in."""
 
 
-@dataclass(frozen=True, slots=True)
-class Names:
-    """The robot's names by those in the file: of links, of frames, of joints, of each joint's dofs, and of
-    the relation by which a joint follows another."""
-
-    links: dict[str, str]
-    frames: dict[str, str]
-    joints: dict[str, str]
-    dofs: dict[str, tuple[str, ...]]
-    relations: dict[str, str]
-
-
-def names_of(urdf: Urdf, frames: Iterable[str], log: Diagnostics) -> Names:
-    """The file's own names wherever they can stay; each that changes is told (W-NAME)."""
+def names_of(urdf: Urdf, frames: Iterable[str], log: Diagnostics) -> UrdfFileNames:
+    """The file's own names wherever they can stay; W-NAME for each that changes."""
     namer = Namer()
     world = {WORLD_LINK: WORLD_LINK} if has_world(urdf) else {}
     links = namer.keep("link", _pairs(link.name for link in urdf.links if link.name not in world))
@@ -37,8 +26,8 @@ def names_of(urdf: Urdf, frames: Iterable[str], log: Diagnostics) -> Names:
     dofs = {joint.name: _dofs(joint, joints[joint.name], namer) for joint in ordered}
     followers = [joint.name for joint in ordered if joint.mimic is not None and joint.type in SCALAR]
     relations = {name: namer.make("equality", f"{joints[name]}_mimic") for name in followers}
-    namer.tell(log)
-    return Names(world | links, kept, joints, dofs, relations)
+    namer.report(log)
+    return FileNames(world | links, kept, joints, dofs, relations, {})
 
 
 def _pairs(names: Iterable[str]) -> list[tuple[str, str]]:

@@ -1,4 +1,4 @@
-"""From a URDF to a mechanism: its links are the bodies, its joints the couplings, all at zero."""
+"""From a URDF to a mechanism: its links are the bodies, its joints the connections, all at zero."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -11,10 +11,10 @@ from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, UrdfShape, mesh
 from stages.formats.urdf.parse import parse
 from stages.graph.cad_only_keys import tell_unused
 from stages.graph.keys import GraphKeys
-from stages.graph.mechanism import WORLD_LINK, Body, Bond, Coupling, Marker, Mechanism
+from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, RelationSpec, RigidBody
 from stages.graph.urdf.dummy_links import UrdfFrame, weighs_nothing, with_carriers, without_dummies
 from stages.graph.urdf.inertias import Policy, mended
-from stages.graph.urdf.naming import Names, names_of
+from stages.graph.urdf.naming import UrdfFileNames, names_of
 from stages.graph.urdf.structure import SCALAR, check_structure, tops
 from stages.robot.bundle import Bundle
 from stages.robot.diagnostics import Diagnostics
@@ -75,12 +75,12 @@ def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[M
     numbers = {link.name: number for number, link in enumerate(urdf.links)}
     mechanism = Mechanism(
         bodies=tuple(_body(link, world_from_link[link.name], names, bundle, log) for link in urdf.links),
-        couplings=tuple(_coupling(joint, dofs, names, numbers, world_from_link) for joint in urdf.joints),
-        bonds=tuple(_bonds(urdf, names, log)),
+        connections=tuple(_connection(joint, dofs, names, numbers, world_from_link) for joint in urdf.joints),
+        relations=tuple(_relations(urdf, names, log)),
         markers=tuple(_marker(frame, names, numbers, world_from_link) for frame in frames),
         provenance=Provenance(**bundle.root),
         root=numbers[root],
-        posed=False,
+        has_saved_pose=False,
         transmissions=urdf.transmissions,
         controls=urdf.controls,
         unstated_base=UNSTATED_BASE,
@@ -96,7 +96,7 @@ def _root(urdf: Urdf) -> str:
     return min(count, key=lambda name: (-count[name], name))
 
 
-def _dofs(joint: UrdfJoint, names: Names, log: Diagnostics) -> Iterator[Dof]:
+def _dofs(joint: UrdfJoint, names: UrdfFileNames, log: Diagnostics) -> Iterator[Dof]:
     named = names.dofs[joint.name]
     zero = frozen(np.zeros(3))
     if joint.type in SCALAR:
@@ -185,16 +185,18 @@ def _poses(urdf: Urdf, dofs: Mapping[str, Sequence[Dof]]) -> dict[str, Array]:
     return poses
 
 
-def _body(link: UrdfLink, world_from_link: Array, names: Names, bundle: Bundle, log: Diagnostics) -> Body:
+def _body(
+    link: UrdfLink, world_from_link: Array, names: UrdfFileNames, bundle: Bundle, log: Diagnostics
+) -> RigidBody:
     name = names.links[link.name]
     weightless = weighs_nothing(link.inertial)
     shapes = (*((one, True) for one in link.visuals), *((one, False) for one in link.collisions))
-    return Body(
+    return RigidBody(
         name=name,
         path=(link.name,),
         parts=tuple(_parts(link, world_from_link, bundle)),
         titles=frozenset({name, link.name}),
-        held="its root link is called world" if name == WORLD_LINK else "",
+        fixed_reason="its root link is called world" if name == WORLD_LINK else "",
         world_from_body=frozen(world_from_link),
         given=None if weightless or link.inertial is None else moved(link.inertial, world_from_link),
         shapes=tuple(
@@ -244,14 +246,14 @@ def _primitive(shape: UrdfShape, seen: bool, world_from_link: Array) -> Primitiv
     return Primitive(shape.kind, shape.size, pose, shape.colour, visual=seen, collision=not seen)
 
 
-def _coupling(
+def _connection(
     joint: UrdfJoint,
     dofs: Mapping[str, tuple[Dof, ...]],
-    names: Names,
+    names: UrdfFileNames,
     numbers: Mapping[str, int],
     world_from_link: Mapping[str, Array],
-) -> Coupling:
-    return Coupling(
+) -> Connection:
+    return Connection(
         name=names.joints[joint.name],
         type=TYPES[joint.type],
         bodies=(numbers[joint.child], numbers[joint.parent]),
@@ -266,7 +268,7 @@ def _coupling(
     )
 
 
-def _bonds(urdf: Urdf, names: Names, log: Diagnostics) -> Iterator[Bond]:
+def _relations(urdf: Urdf, names: UrdfFileNames, log: Diagnostics) -> Iterator[RelationSpec]:
     for joint in urdf.joints:
         if joint.mimic is None:
             continue
@@ -274,11 +276,11 @@ def _bonds(urdf: Urdf, names: Names, log: Diagnostics) -> Iterator[Bond]:
             text = f"it is {joint.type}, so its <mimic> means nothing: left out"
             log.report("W-URDF-MIMIC", text, joint.name, "take it out")
             continue
-        yield Bond(
+        yield RelationSpec(
             title=names.relations[joint.name],
             name=names.relations[joint.name],
             type="MIMIC",
-            couplings=(names.joints[joint.mimic.joint], names.joints[joint.name]),
+            connections=(names.joints[joint.mimic.joint], names.joints[joint.name]),
             ratio=joint.mimic.multiplier,
             length=0.0,
             reverse=False,
@@ -287,7 +289,7 @@ def _bonds(urdf: Urdf, names: Names, log: Diagnostics) -> Iterator[Bond]:
 
 
 def _marker(
-    frame: UrdfFrame, names: Names, numbers: Mapping[str, int], world_from_link: Mapping[str, Array]
+    frame: UrdfFrame, names: UrdfFileNames, numbers: Mapping[str, int], world_from_link: Mapping[str, Array]
 ) -> Marker:
     pose = frozen(world_from_link[frame.link] @ frame.link_from_frame)
     return Marker(names.frames[frame.name], frame.name, numbers[frame.link], pose, frame.name)

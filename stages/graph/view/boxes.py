@@ -17,7 +17,7 @@ Kind = Literal["name", "plain", "part", "frame", "loop"]
 
 
 @dataclass(frozen=True, slots=True)
-class Row:
+class BoxRow:
     """A line of a box. `full` is told where the mouse rests on it; `loop`: which one it marks."""
 
     kind: Kind
@@ -49,7 +49,7 @@ class Box:
 
     link: Link
     joint: Joint | None
-    rows: tuple[Row, ...]
+    rows: tuple[BoxRow, ...]
     lines: tuple[Line, ...]
     x: float = 0.0
     y: float = 0.0
@@ -76,7 +76,7 @@ class Box:
         name = 18 + text_width(fitted(self.joint.name, 11, ROOM, bold=True), 11, bold=True)
         return max(name, *(text_width(line.text, 10) for line in self.lines), 0.0)
 
-    def row_y(self, row: Row) -> float:
+    def row_y(self, row: BoxRow) -> float:
         return self.y - self.height / 2 + PAD + (self.rows.index(row) + 0.5) * ROW
 
     def line_y(self, line: Line) -> float:
@@ -109,31 +109,31 @@ def _lines(joint: Joint, follows: Mapping[str, str]) -> Iterator[Line]:
             yield Line(dof.name, f"= {follows[dof.name]}", True)
 
 
-def _end(loop: Loop, index: int) -> Row:
-    return Row("loop", fitted(loop.mate.name or loop.name, 10, ROOM), told(loop), index)
+def _end(loop: Loop, index: int) -> BoxRow:
+    return BoxRow("loop", fitted(loop.mate.name or loop.name, 10, ROOM), told(loop), index)
 
 
-def _rows(link: Link, robot: Robot) -> Iterator[Row]:
-    yield Row("name", fitted(link.name, SIZES["name"], ROOM, bold=True), link.name)
+def _rows(link: Link, robot: Robot) -> Iterator[BoxRow]:
+    yield BoxRow("name", fitted(link.name, SIZES["name"], ROOM, bold=True), link.name)
     if is_origin(robot, link):
-        yield Row("plain", "the assembly's origin")
+        yield BoxRow("plain", "the assembly's origin")
     else:
         given = " (given)" if link.given else ""
         counts = [counted(len(link.parts), "part")] if link.parts else []
         counts += [counted(len(link.shapes), "shape")] if link.shapes else []
-        yield Row("plain", ", ".join([kilograms(link.inertial.mass) + given, *counts]))
+        yield BoxRow("plain", ", ".join([kilograms(link.inertial.mass) + given, *counts]))
     if len(link.parts) > 1:
         yield from _few("part", part_names(link))
 
 
-def _few(kind: Kind, names: Sequence[str]) -> Iterator[Row]:
+def _few(kind: Kind, names: Sequence[str]) -> Iterator[BoxRow]:
     """A row for each name; of many only the first."""
     shown = names if len(names) <= SHOWN else names[: SHOWN - 1]
     for name in shown:
-        yield Row(kind, fitted(name, SIZES[kind], ROOM), name)
+        yield BoxRow(kind, fitted(name, SIZES[kind], ROOM), name)
     if len(shown) < len(names):
         rest = names[len(shown) :]
-        yield Row(kind, f"and {len(rest)} more", "\n".join(rest))
+        yield BoxRow(kind, f"and {len(rest)} more", "\n".join(rest))
 
 
 def told(loop: Loop) -> str:

@@ -8,7 +8,7 @@ import pytest
 
 from stages.graph.dofs import TYPES, dofs_of
 from stages.graph.keys import GraphKeys
-from stages.graph.mechanism import Body, Bond, Coupling, Marker, Mechanism
+from stages.graph.mechanism import Connection, Marker, Mechanism, RelationSpec, RigidBody
 from stages.graph.robot_from_tree import place
 from stages.graph.root import choose_root
 from stages.graph.tree import Tree, spanning_tree
@@ -21,11 +21,11 @@ from stages.robot.poses import from_parts, rotation_from_rpy
 IDENTITY = frozen(np.eye(4))
 
 
-def body(name: str, mass: float = 1.0, held: str = "", **more: object) -> Body:
+def body(name: str, mass: float = 1.0, held: str = "", **more: object) -> RigidBody:
     inertial = Inertial(mass, frozen(np.zeros(3)), frozen(np.eye(3) * mass))
     part = Part((name,), f"{name} <1>", "p", None, IDENTITY, IDENTITY, inertial, 1.0)
     parts = () if name == "world" else (part,)
-    return replace(Body(name, (name,), parts, frozenset({name, f"{name} <1>"}), held, IDENTITY), **more)
+    return replace(RigidBody(name, (name,), parts, frozenset({name, f"{name} <1>"}), held, IDENTITY), **more)
 
 
 def pose(seed: int) -> np.ndarray:
@@ -35,9 +35,9 @@ def pose(seed: int) -> np.ndarray:
 
 def mate(
     name: str, first: int, second: int, kind: str = "REVOLUTE", seed: int = 1, limits: dict | None = None
-) -> Coupling:
+) -> Connection:
     frame = pose(seed)
-    return Coupling(
+    return Connection(
         name=name,
         type=TYPES[kind][0],
         bodies=(first, second),
@@ -49,8 +49,8 @@ def mate(
     )
 
 
-def mechanism(bodies: list[Body], couplings: list[Coupling], **more: object) -> Mechanism:
-    made = Mechanism(tuple(bodies), tuple(couplings), (), (), Provenance("", "", "", ""))
+def mechanism(bodies: list[RigidBody], connections: list[Connection], **more: object) -> Mechanism:
+    made = Mechanism(tuple(bodies), tuple(connections), (), (), Provenance("", "", "", ""))
     return replace(made, **more)
 
 
@@ -71,12 +71,12 @@ CHAIN = mechanism(
 
 def test_auto_is_what_is_held_else_the_heaviest() -> None:
     assert tree_of(CHAIN).root == 1
-    held = replace(CHAIN, bodies=(*CHAIN.bodies[:3], body("d", held="d is fixed")))
+    held = replace(CHAIN, bodies=(*CHAIN.bodies[:3], body("d", fixed_reason="d is fixed")))
     assert tree_of(held).root == 3
 
 
 def test_central_is_the_nearest_to_all_others_and_ignores_what_is_held() -> None:
-    bodies = [body("a", held="fixed"), body("b"), body("c"), body("d", 9.0), body("e")]
+    bodies = [body("a", fixed_reason="fixed"), body("b"), body("c"), body("d", 9.0), body("e")]
     drawn = mechanism(bodies, [mate(f"m{i}", i, i + 1) for i in range(4)])
     assert tree_of(drawn, select="central").root == 2
 
@@ -107,7 +107,7 @@ def test_a_frame_gives_the_root_its_link_and_its_pose() -> None:
 
 
 def test_what_moves_against_the_origin_makes_it_the_root() -> None:
-    drawn = mechanism([body("world", held="origin"), body("a", 9.0)], [mate("rail", 1, 0, "SLIDER")])
+    drawn = mechanism([body("world", fixed_reason="origin"), body("a", 9.0)], [mate("rail", 1, 0, "SLIDER")])
     assert tree_of(drawn).root == 0
     with pytest.raises(NoRoot, match="'a' cannot be the root: Rail"):
         tree_of(drawn, select="a")
@@ -137,20 +137,20 @@ def ring(*kinds: str, **limits: dict) -> Mechanism:
     ],
 )
 def test_loops_of_any_size_are_cut_at_balls_and_hinges_first(kinds: tuple[str, ...], cut: str) -> None:
-    assert [coupling.name for coupling in tree_of(ring(*kinds)).cut] == [cut]
+    assert [connection.name for connection in tree_of(ring(*kinds)).cut] == [cut]
 
 
 def test_limited_and_related_mates_stay_in_the_tree() -> None:
     limits = {"limitAxialZMin": -1.0, "limitAxialZMax": 1.0}
     drawn = ring("REVOLUTE", "REVOLUTE", "REVOLUTE", m1=limits, m2=limits)
-    assert [coupling.name for coupling in tree_of(drawn).cut] == ["m0"]
-    bond = Bond("Gear", "GEAR", ("m0", "m1"), 1.0, 0.0, False)
-    assert [coupling.name for coupling in tree_of(replace(drawn, bonds=(bond,))).cut] == ["m2"]
+    assert [connection.name for connection in tree_of(drawn).cut] == ["m0"]
+    spec = RelationSpec("Gear", "GEAR", ("m0", "m1"), 1.0, 0.0, False)
+    assert [connection.name for connection in tree_of(replace(drawn, relations=(spec,))).cut] == ["m2"]
 
 
 def test_the_user_says_where_loops_are_cut() -> None:
     drawn = ring("REVOLUTE", "SLIDER", "REVOLUTE")
-    assert [coupling.name for coupling in tree_of(drawn, cut=("M1",)).cut] == ["m1"]
+    assert [connection.name for connection in tree_of(drawn, cut=("M1",)).cut] == ["m1"]
     log = Diagnostics()
     tree_of(CHAIN, log, cut=("ab", "m7"))
     assert [found.code for found in log.found] == ["W-LOOP-CUT"]
@@ -160,12 +160,12 @@ def test_the_user_says_where_loops_are_cut() -> None:
 def test_neither_order_nor_root_decides_what_is_cut() -> None:
     drawn = ring("REVOLUTE", "CYLINDRICAL", "REVOLUTE", "BALL", "REVOLUTE")
     extra = [mate("x", 0, 2), mate("y", 1, 3, "SLIDER"), mate("z", 4, 1)]
-    couplings = [*drawn.couplings, *extra]
-    expected = {coupling.name for coupling in tree_of(replace(drawn, couplings=tuple(couplings))).cut}
+    connections = [*drawn.connections, *extra]
+    expected = {connection.name for connection in tree_of(replace(drawn, connections=tuple(connections))).cut}
     for seed in range(10):
-        random.Random(seed).shuffle(couplings)
-        tree = tree_of(replace(drawn, couplings=tuple(couplings)), select=f"b{seed % 5}")
-        assert {coupling.name for coupling in tree.cut} == expected
+        random.Random(seed).shuffle(connections)
+        tree = tree_of(replace(drawn, connections=tuple(connections)), select=f"b{seed % 5}")
+        assert {connection.name for connection in tree.cut} == expected
         assert set(tree.order) == set(range(5))
         seen = {tree.root}
         for edge in tree.edges:

@@ -18,7 +18,7 @@ from stages.graph.onshape.expressions.quantity import (
     truth,
     unit,
 )
-from stages.graph.onshape.expressions.syntax import DEEPEST, Node, parse
+from stages.graph.onshape.expressions.syntax import DEEPEST, Expression, parse
 
 __all__ = ["ExpressionError", "Quantity", "Scope", "UnknownVariable", "Value", "evaluate", "measured"]
 
@@ -118,7 +118,7 @@ def measured(text: str, measure: Measure, lookup: Lookup) -> float:
     raise ExpressionError(msg)
 
 
-def _evaluated(node: Node, lookup: Lookup) -> Value:
+def _evaluated(node: Expression, lookup: Lookup) -> Value:
     match node.kind:
         case "number":
             return Quantity(float(node.name)).checked()
@@ -175,7 +175,7 @@ def _unary(sign: str, value: Value) -> Value:
     return -value if sign == "-" else value
 
 
-def _binary(sign: str, first: Node, second: Node, lookup: Lookup) -> Value:
+def _binary(sign: str, first: Expression, second: Expression, lookup: Lookup) -> Value:
     if sign in ("&&", "||"):
         left = truth(_evaluated(first, lookup))
         return left if left == (sign == "||") else truth(_evaluated(second, lookup))

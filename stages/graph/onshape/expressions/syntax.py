@@ -31,15 +31,15 @@ _CONSTANT = "PI"
 
 
 @dataclass(frozen=True, slots=True)
-class Node:
+class Expression:
     """`kind` says what `name` is; `below` are the operands."""
 
     kind: Literal["number", "variable", "name", "call", "unary", "binary", "choice"]
     name: str
-    below: tuple["Node", ...] = ()
+    below: tuple["Expression", ...] = ()
 
 
-def parse(text: str) -> Node:
+def parse(text: str) -> Expression:
     """The tree of a whole expression; ExpressionError where it is none."""
     return _Parser(text).whole()
 
@@ -52,7 +52,7 @@ class _Parser:
         self._at = 0
         self._depth = 0
 
-    def whole(self) -> Node:
+    def whole(self) -> Expression:
         node = self._expression(0)
         kind, token = self._peek()
         if kind:
@@ -60,7 +60,7 @@ class _Parser:
             raise ExpressionError(msg)
         return node
 
-    def _expression(self, least: int, *, exponent: bool = False) -> Node:
+    def _expression(self, least: int, *, exponent: bool = False) -> Expression:
         self._depth += 1
         if self._depth > DEEPEST:
             msg = f"it is nested more than {DEEPEST} deep"
@@ -70,38 +70,38 @@ class _Parser:
             kind, token = self._peek()
             if kind == "name" and token in UNITS and least <= _UNIT:
                 # A unit binds its own power first: 5 mm^2 is 5·(mm²).
-                left = Node("binary", "*", (left, self._expression(_UNIT + 1)))
+                left = Expression("binary", "*", (left, self._expression(_UNIT + 1)))
             elif kind == "sign" and token in _BINARY and _BINARY[token] >= least:
                 self._at += 1
                 power = _BINARY[token]
                 # `^` groups to the right and takes a sign: 2^-1, 2^3^2.
                 right = self._expression(_UNARY if token == "^" else power + 1, exponent=token == "^")
-                left = Node("binary", token, (left, right))
+                left = Expression("binary", token, (left, right))
             elif kind == "sign" and token == "?" and least <= _TERNARY:
                 self._at += 1
                 then = self._expression(_TERNARY)
                 self._expect(":")
-                left = Node("choice", "?", (left, then, self._expression(_TERNARY)))
+                left = Expression("choice", "?", (left, then, self._expression(_TERNARY)))
             else:
                 self._depth -= 1
                 return left
 
-    def _operand(self, *, exponent: bool) -> Node:
+    def _operand(self, *, exponent: bool) -> Expression:
         kind, token = self._peek()
         self._at += 1
         if kind == "number":
-            return Node("number", token) if exponent else self._literal(token)
+            return Expression("number", token) if exponent else self._literal(token)
         if token == _CONSTANT and not exponent:
-            return self._before_unit(Node("name", token))
+            return self._before_unit(Expression("name", token))
         if kind == "variable":
-            return Node("variable", token[1:])
+            return Expression("variable", token[1:])
         if kind == "name":
             if self._peek()[1] == "(":
                 self._at += 1
-                return Node("call", token, self._arguments())
-            return Node("name", token)
+                return Expression("call", token, self._arguments())
+            return Expression("name", token)
         if kind == "sign" and token in "-+!":
-            return Node("unary", token, (self._expression(_UNARY),))
+            return Expression("unary", token, (self._expression(_UNARY),))
         if token == "(":
             inner = self._expression(0)
             self._expect(")")
@@ -109,14 +109,14 @@ class _Parser:
         msg = f"{token!r} is not expected there" if kind else "it ends too early"
         raise ExpressionError(msg)
 
-    def _literal(self, number: str) -> Node:
+    def _literal(self, number: str) -> Expression:
         """A number as on paper: with a fraction, with what it is multiplied or divided by before a unit, or
         with values in smaller units after its own."""
         value = self._mixed(number)
         if self._peek()[1] not in UNITS or self._peek(1)[0] != "number":
             return self._before_unit(value)
         size = math.inf
-        total: Node | None = None
+        total: Expression | None = None
         while self._peek()[1] in UNITS:
             unit = self._peek()[1]
             if UNITS[unit][0] >= size:
@@ -124,8 +124,8 @@ class _Parser:
                 raise ExpressionError(msg)
             self._at += 1
             size = UNITS[unit][0]
-            part = Node("binary", "*", (value, Node("name", unit)))
-            total = part if total is None else Node("binary", "+", (total, part))
+            part = Expression("binary", "*", (value, Expression("name", unit)))
+            total = part if total is None else Expression("binary", "+", (total, part))
             kind, token = self._peek()
             if kind != "number":
                 return total
@@ -134,17 +134,17 @@ class _Parser:
         msg = "a number without its unit stands after one with a unit"
         raise ExpressionError(msg)
 
-    def _mixed(self, number: str) -> Node:
+    def _mixed(self, number: str) -> Expression:
         """A whole number with a fraction after it, `1 1/2`, is their sum; else the number itself."""
         above, slash, below = (self._peek(ahead) for ahead in range(3))
         whole = number.isdigit() and above[1].isdigit() and below[1].isdigit()
         if not (whole and slash[1] == "/"):
-            return Node("number", number)
+            return Expression("number", number)
         self._at += 3
-        fraction = Node("binary", "/", (Node("number", above[1]), Node("number", below[1])))
-        return Node("binary", "+", (Node("number", number), fraction))
+        fraction = Expression("binary", "/", (Expression("number", above[1]), Expression("number", below[1])))
+        return Expression("binary", "+", (Expression("number", number), fraction))
 
-    def _before_unit(self, value: Node) -> Node:
+    def _before_unit(self, value: Expression) -> Expression:
         """A number or constant with those that it is multiplied or divided by, where a unit comes next."""
         ahead = 0
         while self._peek(ahead)[1] in ("*", "/") and self._is_plain(self._peek(ahead + 1)):
@@ -155,13 +155,15 @@ class _Parser:
         for _ in range(0, ahead, 2):
             (_, sign), (kind, token) = self._peek(), self._peek(1)
             self._at += 2
-            value = Node("binary", sign, (value, Node("number" if kind == "number" else "name", token)))
+            value = Expression(
+                "binary", sign, (value, Expression("number" if kind == "number" else "name", token))
+            )
         return value
 
     def _is_plain(self, token: tuple[str, str]) -> bool:
         return token[0] == "number" or token[1] == _CONSTANT
 
-    def _arguments(self) -> tuple[Node, ...]:
+    def _arguments(self) -> tuple[Expression, ...]:
         if self._peek()[1] == ")":
             self._at += 1
             return ()

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from stages.graph.dofs import TYPES, dofs_of, right_handed, value_in
 from stages.graph.onshape.assembly import Assembly, Entity, Mate, Occurrence
-from stages.graph.onshape.parallel_mates import Absorbed, Composed, composed
+from stages.graph.onshape.parallel_mates import Absorbed, CombinedMates, combined
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, MateRef, frozen
@@ -74,14 +74,14 @@ class Pair:
         self.mates.append(Mate(ref, name, entities, {} if limits is None else limits))
         return self.mates[-1]
 
-    def composed(self) -> tuple[Composed, list[str]]:
+    def combined(self) -> tuple[CombinedMates, list[str]]:
         log = Diagnostics()
-        made = composed(self.mates, self.assembly, BODY_OF, log)
+        made = combined(self.mates, self.assembly, BODY_OF, log)
         assert not log.problems
         return made, sorted(note.code for note in log.found)
 
     def only(self) -> Mate:
-        made, _ = self.composed()
+        made, _ = self.combined()
         (mate,) = made.mates
         assert made.welds == ()
         return mate
@@ -222,7 +222,7 @@ RECIPES = [
 @given(seed=st.integers(0, 2**32 - 1))
 def test_two_mates_move_as_both_allow(recipe: str, seed: int) -> None:
     pair, kind = two(recipe, seed)
-    made, codes = pair.composed()
+    made, codes = pair.combined()
     if kind is None:
         assert (made.mates, codes) == ((), ["W-MATES-RIGID"])
         assert {frozenset(weld) for weld in made.welds} == {frozenset((ONE, OTHER))}
@@ -348,7 +348,7 @@ def test_limits_that_nothing_in_the_joint_follows_are_told() -> None:
     pair = Pair()
     pair.mate("a", "REVOLUTE", frame())
     pair.mate("b", "PLANAR", frame(Z, (1, 0, 0)), 0.3, 0.2, 0.4, limits={"limitXMax": 0.6})
-    made, codes = pair.composed()
+    made, codes = pair.combined()
     assert codes == ["I-COMPOSED", "W-LIMIT-LOST"]
     assert made.mates[0].limits == {}
 
@@ -358,14 +358,14 @@ def test_limits_of_what_stays_as_it_is_are_told_only_where_they_are_not_met(limi
     pair = Pair()
     pair.mate("a", "REVOLUTE", frame())
     pair.mate("b", "CYLINDRICAL", frame(), 0.3, 0.2, limits={"limitZMax": limit})
-    assert pair.composed()[1] == codes
+    assert pair.combined()[1] == codes
 
 
 def test_limits_that_exclude_each_other_are_told() -> None:
     pair = Pair()
     pair.mate("a", "REVOLUTE", frame(), limits={"limitAxialZMin": -2.0, "limitAxialZMax": -1.0})
     pair.mate("b", "REVOLUTE", frame(), limits={"limitAxialZMin": 1.0, "limitAxialZMax": 2.0})
-    assert pair.composed()[1] == ["I-COMPOSED", "W-LIMIT-LOST"]
+    assert pair.combined()[1] == ["I-COMPOSED", "W-LIMIT-LOST"]
 
 
 def test_of_two_balls_in_one_place_the_narrower_cone_holds() -> None:
@@ -386,14 +386,14 @@ def test_a_cone_about_other_axes_is_told_as_lost() -> None:
     pair = Pair()
     pair.mate("a", "BALL", frame(), (1, 0.1, 0, 0))
     pair.mate("b", "BALL", frame(X), (1, 0, 0.2, 0), limits={"limitEulerConeAngleMax": 0.4})
-    assert pair.composed()[1] == ["I-COMPOSED", "W-LIMIT-LOST"]
+    assert pair.combined()[1] == ["I-COMPOSED", "W-LIMIT-LOST"]
 
 
 def test_what_is_absorbed_says_which_coordinate_moves_it() -> None:
     pair = Pair()
     hinge = pair.mate("a", "REVOLUTE", frame(), 0.3)
     other = pair.mate("b", "CYLINDRICAL", frame(-Z), 0.1, 0.3)
-    made, _ = pair.composed()
+    made, _ = pair.combined()
     assert made.absorbed == {other.ref.key: Absorbed(hinge.ref.key, {"_turn": ("", -1.0)})}
     assert made.absorbed[other.ref.key].sign == -1
 
@@ -402,7 +402,7 @@ def test_a_mate_of_another_type_says_which_of_its_coordinates_it_took_from_where
     pair = Pair()
     planar = pair.mate("a", "PLANAR", frame(), 0.1, 0.2, 0.3)
     ball = pair.mate("b", "BALL", frame(X), (1, 2, 3, 4))
-    made, _ = pair.composed()
+    made, _ = pair.combined()
     assert made.absorbed == {
         planar.ref.key: Absorbed(planar.ref.key, {"_turn": ("", 1.0)}),
         ball.ref.key: Absorbed(planar.ref.key, {}),
@@ -429,7 +429,7 @@ def test_many_mates_are_one_whatever_their_order() -> None:
     expected = None
     for order in permutations(range(5)):
         pair.mates = [mates[index] for index in order]
-        made, codes = pair.composed()
+        made, codes = pair.combined()
         told = ([(m.ref, limits_of(m)) for m in made.mates], dict(made.absorbed), codes)
         expected = expected or told
         assert told == expected
@@ -449,7 +449,7 @@ def test_the_motion_does_not_depend_on_which_entity_is_the_first(recipe: str) ->
         ]
         if len(pair.mates) < 2 or kind is None:
             continue
-        made, _ = pair.composed()
+        made, _ = pair.combined()
         assert made.mates[0].ref.type == kind
         check_motion(pair, made.mates[0], sum(3 if f.kind == "ball" else 1 for f in TYPES[kind][1]))
 
@@ -467,7 +467,7 @@ def test_what_no_mate_describes_is_left_as_it_is(kinds, axes) -> None:
     pair = Pair()
     for name, kind, axis in zip("ab", kinds, axes, strict=True):
         pair.mate(name, kind, frame(axis, (0.1, 0.2, 0.3)), 0.2, 0.1, 0.3, 0.4)
-    made, codes = pair.composed()
+    made, codes = pair.combined()
     assert (list(made.mates), made.welds, made.absorbed, codes) == (pair.mates, (), {}, [])
 
 
@@ -487,14 +487,14 @@ def test_two_pins_in_slots_that_are_not_the_same_are_left_as_they_are(where, fir
     pair = Pair()
     pair.mate("a", "PIN_SLOT", frame(), 0.0, 0.0)
     pair.mate("b", "PIN_SLOT", where, 0.0, 0.0, first=first)
-    assert pair.composed()[0].mates == tuple(pair.mates)
+    assert pair.combined()[0].mates == tuple(pair.mates)
 
 
 def test_a_mate_that_the_saved_pose_does_not_meet_is_left_as_it_is() -> None:
     pair = Pair()
     pair.mate("a", "REVOLUTE", frame())
     pair.drawn("b", "REVOLUTE", shift(0, 0, 1e-4), frame())
-    assert pair.composed() == (Composed(tuple(pair.mates), (), {}), [])
+    assert pair.combined() == (CombinedMates(tuple(pair.mates), (), {}), [])
 
 
 def test_mates_of_unknown_type_of_one_body_and_of_other_bodies_are_passed_on() -> None:
@@ -505,7 +505,7 @@ def test_mates_of_unknown_type_of_one_body_and_of_other_bodies_are_passed_on() -
     inside = replace(unknown, title="c", entities=(unknown.entities[0], unknown.entities[0]))
     origin = replace(unknown, title="d", entities=(Entity((), frozen(np.eye(4))), unknown.entities[0]))
     pair.mates += [inside, origin]
-    assert set(pair.composed()[0].mates) == set(pair.mates)
+    assert set(pair.combined()[0].mates) == set(pair.mates)
 
 
 def test_mates_to_the_origin_are_composed_too() -> None:
@@ -523,10 +523,10 @@ def test_three_slides_together_hold_rigidly_though_each_two_of_them_slide() -> N
     pair = Pair()
     for name, axis in zip("abc", (X, Y, Z + 0.2 * X), strict=True):
         pair.mate(name, "PLANAR", frame(axis), 0.1, 0.2, 0.3)
-    made, codes = pair.composed()
+    made, codes = pair.combined()
     assert (made.mates, codes) == ((), ["W-MATES-RIGID"])
     for pick in combinations(pair.mates, 2):
-        assert composed(pick, pair.assembly, BODY_OF, Diagnostics()).mates[0].ref.type == "SLIDER"
+        assert combined(pick, pair.assembly, BODY_OF, Diagnostics()).mates[0].ref.type == "SLIDER"
 
 
 @pytest.mark.parametrize("recipe", [recipe for recipe in RECIPES if two(recipe, 0)[1]])

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from stages.graph.keys import RelationKeys
-from stages.graph.mechanism import Bond
+from stages.graph.mechanism import RelationSpec
 from stages.graph.passes.relations import with_relations
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import link_poses, saved_configuration
@@ -15,8 +15,8 @@ from tests.support.robots import at, joint, loop, robot_with
 L = 0.01
 
 
-def bond(kind: str, *couplings: str, ratio=1.0, length=L, reverse=False, title="Bond") -> Bond:
-    return Bond(title, kind, couplings, ratio, length, reverse)
+def spec(kind: str, *connections: str, ratio=1.0, length=L, reverse=False, title="Gear") -> RelationSpec:
+    return RelationSpec(title, kind, connections, ratio, length, reverse)
 
 
 def robot_of(**saved) -> Robot:
@@ -36,11 +36,11 @@ def robot_of(**saved) -> Robot:
     return robot_with(joints)
 
 
-def related(robot: Robot, *bonds: Bond, **wanted) -> tuple[Robot, Diagnostics]:
-    """The robot with its bonds, and what is told; `wanted`: what `relations:` says, by glob."""
+def related(robot: Robot, *specs: RelationSpec, **wanted) -> tuple[Robot, Diagnostics]:
+    """The robot with its specs, and what is told; `wanted`: what `relations:` says, by glob."""
     log = Diagnostics()
     keys = {glob: RelationKeys.model_validate(said) for glob, said in wanted.items()}
-    return with_relations(robot, bonds, log, keys), log
+    return with_relations(robot, specs, log, keys), log
 
 
 def told(log: Diagnostics) -> list[str]:
@@ -72,7 +72,7 @@ def rules(robot: Robot) -> list[tuple]:
 def test_each_relation_joins_its_dofs_by_its_factor(kind, names, factor, driver, follower, reverse) -> None:
     zeros = {"r": [0.0], "p": [0.0], "c": [0.0] * 2, "s": [0.0] * 2, "q": [0.0] * 3, "l": [0.0] * 4}
     robot = robot_of(**{name: zeros[name[0]] for name in ("r1", "r2", "p1", "p2", "c1", "s1", "q1", "l1")})
-    found, log = related(robot, bond(kind, *names, ratio=1.5, reverse=reverse))
+    found, log = related(robot, spec(kind, *names, ratio=1.5, reverse=reverse))
     want = factor if reverse else -factor
     assert rules(found) == [(follower, driver, pytest.approx(want), 0.0)]
     assert not told(log)
@@ -81,29 +81,29 @@ def test_each_relation_joins_its_dofs_by_its_factor(kind, names, factor, driver,
 @pytest.mark.parametrize(
     ("one", "why"),
     [
-        (bond("LINEAR", "q1", "p1"), "may mean more than one pair: q1_x and p1, q1_y and p1"),
-        (bond("RACK_AND_PINION", "c1", "c2"), "may mean more than one pair"),
-        (bond("GEAR", "r1", "p1"), "needs a turn and a turn, which 'r1' (revolute) and 'p1' (prismatic)"),
-        (bond("GEAR", "r1", "b1"), "needs a turn and a turn"),
-        (bond("RACK_AND_PINION", "r1", "r2"), "needs a turn and a slide or a slide and a turn"),
-        (bond("GEAR", "r1", "close"), "'close', which closes a loop"),
-        (bond("GEAR", "r1", ""), "a mate that moves nothing"),
-        (bond("GEAR", "r1", "r9"), "'r9', which is no joint"),
-        (bond("GEAR", "r1"), "is of 2 mate(s), and this one has 1"),
-        (bond("GEAR", "r1", "r2", ratio=0.0), "has the ratio 0"),
-        (bond("GEAR", "r1", "r2", ratio=-2.0), "has the ratio -2"),
-        (bond("RACK_AND_PINION", "r1", "p1", length=0.0), "has the length 0"),
-        (bond("SCREW", "c1", length=-1.0), "has the length -1"),
-        (bond("CAM", "r1", "r2"), "a CAM relation is not supported"),
+        (spec("LINEAR", "q1", "p1"), "may mean more than one pair: q1_x and p1, q1_y and p1"),
+        (spec("RACK_AND_PINION", "c1", "c2"), "may mean more than one pair"),
+        (spec("GEAR", "r1", "p1"), "needs a turn and a turn, which 'r1' (revolute) and 'p1' (prismatic)"),
+        (spec("GEAR", "r1", "b1"), "needs a turn and a turn"),
+        (spec("RACK_AND_PINION", "r1", "r2"), "needs a turn and a slide or a slide and a turn"),
+        (spec("GEAR", "r1", "close"), "'close', which closes a loop"),
+        (spec("GEAR", "r1", ""), "a mate that moves nothing"),
+        (spec("GEAR", "r1", "r9"), "'r9', which is no joint"),
+        (spec("GEAR", "r1"), "is of 2 mate(s), and this one has 1"),
+        (spec("GEAR", "r1", "r2", ratio=0.0), "has the ratio 0"),
+        (spec("GEAR", "r1", "r2", ratio=-2.0), "has the ratio -2"),
+        (spec("RACK_AND_PINION", "r1", "p1", length=0.0), "has the length 0"),
+        (spec("SCREW", "c1", length=-1.0), "has the length -1"),
+        (spec("CAM", "r1", "r2"), "a CAM relation is not supported"),
     ],
 )
-def test_what_a_relation_cannot_mean_is_told_by_name(one: Bond, why: str) -> None:
+def test_what_a_relation_cannot_mean_is_told_by_name(one: RelationSpec, why: str) -> None:
     robot = robot_of(r1=[0.0], r2=[0.0], p1=[0.0], c1=[0.0] * 2, c2=[0.0] * 2, q1=[0.0] * 3, b1=None)
     closing = loop("revolute", "link_r1", "link_r2", at(0), at(0), name="close")
     found, log = related(robot_with(robot.joints, loops=[closing]), one)
     assert not found.relations
     (only,) = log.found
-    assert (only.code, only.where) == ("W-RELATION", "Bond")
+    assert (only.code, only.where) == ("W-RELATION", "Gear")
     assert why in only.message
     assert only.message.endswith("its joints move independently")
 
@@ -111,28 +111,28 @@ def test_what_a_relation_cannot_mean_is_told_by_name(one: Bond, why: str) -> Non
 @pytest.mark.parametrize(
     ("one", "why"),
     [
-        (bond("GEAR", "r1", "r1"), "the joint 'r1' is related to itself"),
-        (bond("SCREW", "s1"), "a SCREW is of one CYLINDRICAL mate: 's1' is none"),
-        (bond("SCREW", "r1"), "a SCREW is of one CYLINDRICAL mate: 'r1' is none"),
+        (spec("GEAR", "r1", "r1"), "the joint 'r1' is related to itself"),
+        (spec("SCREW", "s1"), "a SCREW is of one CYLINDRICAL mate: 's1' is none"),
+        (spec("SCREW", "r1"), "a SCREW is of one CYLINDRICAL mate: 'r1' is none"),
     ],
 )
-def test_a_relation_that_contradicts_itself_is_refused(one: Bond, why: str) -> None:
+def test_a_relation_that_contradicts_itself_is_refused(one: RelationSpec, why: str) -> None:
     _, log = related(robot_of(r1=[0.0], s1=[0.0] * 2), one)
     assert [(p.code, p.message) for p in log.problems] == [("E-RELATION", why)]
 
 
 def test_an_offset_is_kept_and_told_and_never_traded_for_the_opposite_sign() -> None:
-    found, log = related(robot_of(r1=[0.2], r2=[0.5]), bond("GEAR", "r1", "r2"))
+    found, log = related(robot_of(r1=[0.2], r2=[0.5]), spec("GEAR", "r1", "r2"))
     assert rules(found) == [("r2", "r1", -1.0, pytest.approx(0.7))]
     assert told(log) == ["W-RELATION-OFFSET"]
     assert "an offset of 0.7 " in log.found[0].message
-    found, log = related(robot_of(r1=[0.2], r2=[0.3]), bond("GEAR", "r1", "r2", ratio=1.5))
+    found, log = related(robot_of(r1=[0.2], r2=[0.3]), spec("GEAR", "r1", "r2", ratio=1.5))
     assert rules(found) == [("r2", "r1", -1.5, pytest.approx(0.6))]
     assert told(log) == ["W-RELATION-SIGN"]
     assert "an offset of 0.6 in this relation as it is drawn" in log.found[0].message
     assert log.found[0].hint == (
-        "if it goes the other way, relations: {bond: {invert: true}}; "
-        "if not, relations: {bond: {offset: 0.6}}"
+        "if it goes the other way, relations: {gear: {invert: true}}; "
+        "if not, relations: {gear: {offset: 0.6}}"
     )
 
 
@@ -153,7 +153,7 @@ def test_an_offset_is_kept_and_told_and_never_traded_for_the_opposite_sign() -> 
     ],
 )
 def test_the_user_has_the_last_word_on_a_relation(saved, keys, rule, codes) -> None:
-    found, log = related(robot_of(r1=[0.2], r2=[saved]), bond("GEAR", "r1", "r2", ratio=1.5), bond=keys)
+    found, log = related(robot_of(r1=[0.2], r2=[saved]), spec("GEAR", "r1", "r2", ratio=1.5), gear=keys)
     assert rules(found) == ([("r2", "r1", *map(pytest.approx, rule))] if rule else [])
     assert told(log) == codes
     for one in found.relations:
@@ -163,14 +163,14 @@ def test_the_user_has_the_last_word_on_a_relation(saved, keys, rule, codes) -> N
 
 def test_a_relation_is_meant_by_its_name_its_title_or_a_glob_and_later_entries_win() -> None:
     robot = robot_of(r1=[0.0], r2=[0.0], r3=[0.0], r4=[0.0])
-    bonds = [
-        bond("GEAR", "r1", "r2", title="Box/Gear 1"),
-        bond("GEAR", "r1", "r3", title="Lid/Gear 1"),
-        bond("GEAR", "r1", "r4", title="Gear 9", reverse=True),
+    specs = [
+        spec("GEAR", "r1", "r2", title="Box/Gear 1"),
+        spec("GEAR", "r1", "r3", title="Lid/Gear 1"),
+        spec("GEAR", "r1", "r4", title="Gear 9", reverse=True),
     ]
 
     def signs(**wanted) -> dict[str, float]:
-        found, log = related(robot, *bonds, **wanted)
+        found, log = related(robot, *specs, **wanted)
         assert not told(log)
         return {one.name: one.multiplier for one in found.relations}
 
@@ -185,7 +185,7 @@ def test_a_relation_is_meant_by_its_name_its_title_or_a_glob_and_later_entries_w
 
 def test_a_glob_without_a_relation_is_an_error_that_lists_them() -> None:
     robot = robot_of(r1=[0.0], r2=[0.0])
-    _, log = related(robot, bond("GEAR", "r1", "r2", title="Box/Gear 1"), **{"Gaer*": {"drop": True}})
+    _, log = related(robot, spec("GEAR", "r1", "r2", title="Box/Gear 1"), **{"Gaer*": {"drop": True}})
     (problem,) = log.problems
     assert (problem.code, problem.where) == ("E-GLOB", "relations")
     assert (problem.message, problem.hint) == ("no relation matches 'Gaer*'", "relations are: Gear 1")
@@ -198,18 +198,18 @@ def test_a_glob_without_a_relation_is_an_error_that_lists_them() -> None:
     ("kind", "names"), [("CAM", "r1 r2"), ("SCREW", "r1"), ("GEAR", "r1 r1"), ("GEAR", "r2 r1")]
 )
 def test_what_is_dropped_is_not_told_of(kind: str, names: str) -> None:
-    robot, right = robot_of(r1=[0.0], r2=[0.0]), bond("GEAR", "r1", "r2", title="Right")
-    wrong = bond(kind, *names.split())
+    robot, right = robot_of(r1=[0.0], r2=[0.0]), spec("GEAR", "r1", "r2", title="Right")
+    wrong = spec(kind, *names.split())
     assert told(related(robot, right, wrong)[1])
-    found, log = related(robot, right, wrong, bond={"drop": True})
+    found, log = related(robot, right, wrong, gear={"drop": True})
     assert rules(found) == [("r2", "r1", -1.0, 0.0)]
     assert not told(log)
 
 
 def test_dropping_a_relation_changes_no_name() -> None:
     robot = robot_of(r1=[0.0], r2=[0.0], r3=[0.0])
-    bonds = [bond("GEAR", "r1", "r2", title="A/Gear"), bond("GEAR", "r1", "r3", title="B/Gear")]
-    found, _ = related(robot, *bonds, gear={"drop": True})
+    specs = [spec("GEAR", "r1", "r2", title="A/Gear"), spec("GEAR", "r1", "r3", title="B/Gear")]
+    found, _ = related(robot, *specs, gear={"drop": True})
     assert [one.name for one in found.relations] == ["gear_2"]
 
 
@@ -220,7 +220,7 @@ def test_an_offset_of_a_turn_is_the_least_that_its_limits_allow() -> None:
         joint("revolute", "base", "link_r1", [2.4], name="r1"),
         joint("revolute", "base", "link_r2", [1.2], name="r2", limits=limits),
     ]
-    found, log = related(robot_with(joints), bond("GEAR", "r1", "r2"))
+    found, log = related(robot_with(joints), spec("GEAR", "r1", "r2"))
     assert rules(found) == [("r2", "r1", -1.0, pytest.approx(3.6))]
     assert found.dofs[1].saved == pytest.approx(1.2)
     assert told(log) == ["W-RELATION-OFFSET"]
@@ -229,7 +229,7 @@ def test_an_offset_of_a_turn_is_the_least_that_its_limits_allow() -> None:
 def test_a_part_goes_where_an_offset_of_the_users_puts_it() -> None:
     """Parts count as drawn in the pose that the relations give: nothing else could be checked."""
     robot = robot_of(r1=[0.2], r2=[0.3])
-    found, _ = related(robot, bond("GEAR", "r1", "r2"), bond={"offset": 0.0})
+    found, _ = related(robot, spec("GEAR", "r1", "r2"), gear={"offset": 0.0})
     poses = link_poses(found, saved_configuration(found))
     for link in found.links:
         for part in link.parts:
@@ -238,7 +238,7 @@ def test_a_part_goes_where_an_offset_of_the_users_puts_it() -> None:
 
 
 def test_a_follower_is_saved_at_the_turn_that_its_driver_gives() -> None:
-    found, log = related(robot_of(r1=[2.5], r2=[-5.0 + math.tau]), bond("GEAR", "r1", "r2", ratio=2.0))
+    found, log = related(robot_of(r1=[2.5], r2=[-5.0 + math.tau]), spec("GEAR", "r1", "r2", ratio=2.0))
     assert rules(found) == [("r2", "r1", -2.0, 0.0)]
     assert found.dofs[1].saved == pytest.approx(-5.0)
     assert not told(log)
@@ -248,7 +248,7 @@ def test_a_screw_far_out_has_turned_often() -> None:
     """23 mm at 5 mm a turn: the pose shows the turn only up to whole ones, the slide shows which."""
     angle = -23 / 5 * math.tau
     robot = robot_of(c1=[0.023, math.remainder(angle, math.tau)], r1=[0.1])
-    found, log = related(robot, bond("SCREW", "c1", length=0.005))
+    found, log = related(robot, spec("SCREW", "c1", length=0.005))
     assert rules(found) == [("c1_slide", "c1_turn", pytest.approx(-0.005 / math.tau), 0.0)]
     assert {d.name: d.saved for d in found.dofs}["c1_turn"] == pytest.approx(angle)
     assert not told(log)
@@ -258,8 +258,8 @@ def test_a_motor_that_turns_a_screw_by_a_gear_has_turned_as_the_slide_tells() ->
     angle = -23 / 5 * math.tau
     motor = -angle / 3 * 2
     robot = robot_of(c1=[0.023, math.remainder(angle, math.tau)], r1=[math.remainder(motor, math.tau)])
-    bonds = bond("GEAR", "r1", "c1", ratio=1.5, title="A"), bond("SCREW", "c1", length=0.005, title="B")
-    found, log = related(robot, *bonds)
+    specs = spec("GEAR", "r1", "c1", ratio=1.5, title="A"), spec("SCREW", "c1", length=0.005, title="B")
+    found, log = related(robot, *specs)
     saved = {dof.name: dof.saved for dof in found.dofs}
     assert not told(log)
     assert [(one.name, one.follower, one.driver) for one in found.relations] == [
@@ -273,8 +273,8 @@ def test_a_motor_that_turns_a_screw_by_a_gear_has_turned_as_the_slide_tells() ->
 
 def test_a_chain_is_flattened_with_its_offsets() -> None:
     robot = robot_of(r1=[0.1], r2=[0.4], r3=[-1.0])
-    bonds = bond("GEAR", "r1", "r2", ratio=2, title="A"), bond("GEAR", "r2", "r3", ratio=3, title="B")
-    found, log = related(robot, *bonds)
+    specs = spec("GEAR", "r1", "r2", ratio=2, title="A"), spec("GEAR", "r2", "r3", ratio=3, title="B")
+    found, log = related(robot, *specs)
     assert rules(found) == [
         ("r2", "r1", -2.0, pytest.approx(0.6)),
         ("r3", "r1", 6.0, pytest.approx(-1.6)),
@@ -284,8 +284,8 @@ def test_a_chain_is_flattened_with_its_offsets() -> None:
 
 def test_what_two_would_drive_drives_the_second_whatever_their_order() -> None:
     robot = robot_of(r0=[0.4], r1=[-0.2], r2=[0.1])
-    bonds = [bond("GEAR", "r0", "r1", ratio=0.5, title="A"), bond("GEAR", "r2", "r1", ratio=2, title="B")]
-    for order in (bonds, bonds[::-1]):
+    specs = [spec("GEAR", "r0", "r1", ratio=0.5, title="A"), spec("GEAR", "r2", "r1", ratio=2, title="B")]
+    for order in (specs, specs[::-1]):
         found, log = related(robot, *order)
         assert rules(found) == [("r1", "r0", -0.5, 0.0), ("r2", "r0", 0.25, 0.0)]
         assert not told(log)
@@ -293,14 +293,14 @@ def test_what_two_would_drive_drives_the_second_whatever_their_order() -> None:
 
 def test_a_chain_that_is_drawn_from_its_end_is_driven_from_its_start() -> None:
     robot = robot_of(r1=[0.1], r2=[-0.2], r3=[0.6])
-    bonds = bond("GEAR", "r2", "r3", ratio=3, title="A"), bond("GEAR", "r1", "r2", ratio=2, title="B")
-    assert rules(related(robot, *bonds)[0]) == [("r2", "r1", -2.0, 0.0), ("r3", "r1", 6.0, 0.0)]
+    specs = spec("GEAR", "r2", "r3", ratio=3, title="A"), spec("GEAR", "r1", "r2", ratio=2, title="B")
+    assert rules(related(robot, *specs)[0]) == [("r2", "r1", -2.0, 0.0), ("r3", "r1", 6.0, 0.0)]
 
 
 def test_a_bond_that_is_turned_round_keeps_its_offset() -> None:
     robot = robot_of(r0=[0.3], r1=[0.1], r2=[0.9 / 7])
-    bonds = [bond("GEAR", "r0", "r1", ratio=3, title="A"), bond("GEAR", "r2", "r1", ratio=7, title="B")]
-    found, log = related(robot, *bonds)
+    specs = [spec("GEAR", "r0", "r1", ratio=3, title="A"), spec("GEAR", "r2", "r1", ratio=7, title="B")]
+    found, log = related(robot, *specs)
     assert [one.message.split(" of ")[1].split()[0] for one in log.found] == ["1", "1"]
     assert rules(found) == [("r1", "r0", -3.0, pytest.approx(1.0)), ("r2", "r0", pytest.approx(3 / 7), 0.0)]
 
@@ -308,8 +308,8 @@ def test_a_bond_that_is_turned_round_keeps_its_offset() -> None:
 def test_trees_are_turned_to_one_driver_where_turning_one_bond_is_not_enough() -> None:
     robot = robot_of(r1=[0.0], r2=[0.0], r3=[0.0], r4=[0.0])
     pairs = [("r1", "r2"), ("r3", "r4"), ("r2", "r4")]
-    bonds = [bond("GEAR", *pair, title=f"G{n}", ratio=2) for n, pair in enumerate(pairs)]
-    found, log = related(robot, *bonds)
+    specs = [spec("GEAR", *pair, title=f"G{n}", ratio=2) for n, pair in enumerate(pairs)]
+    found, log = related(robot, *specs)
     assert not told(log)
     assert rules(found) == [("r2", "r1", -2, 0), ("r3", "r1", -2, 0), ("r4", "r1", 4, 0)]
     assert [one.name for one in found.relations] == ["g0", "g1", "g2"]
@@ -317,15 +317,15 @@ def test_trees_are_turned_to_one_driver_where_turning_one_bond_is_not_enough() -
 
 @pytest.mark.parametrize("pairs", [["r1 r2", "r2 r1"], ["r1 r2", "r1 r2"], ["r1 r2", "r2 r3", "r3 r1"]])
 def test_dofs_that_are_related_twice_are_refused(pairs: list[str]) -> None:
-    bonds = [bond("GEAR", *pair.split(), title=f"G{n}") for n, pair in enumerate(pairs)]
-    _, log = related(robot_of(r1=[0.0], r2=[0.0], r3=[0.0]), *bonds)
+    specs = [spec("GEAR", *pair.split(), title=f"G{n}") for n, pair in enumerate(pairs)]
+    _, log = related(robot_of(r1=[0.0], r2=[0.0], r3=[0.0]), *specs)
     assert [(p.code, p.where) for p in log.problems] == [("E-RELATION", f"G{len(pairs) - 1}")]
 
 
 def test_names_are_free_and_do_not_depend_on_the_order() -> None:
     robot = robot_of(r1=[0.0], r2=[0.0], r3=[0.0])
-    bonds = [bond("GEAR", "r1", "r2", title="Box/R1"), bond("GEAR", "r1", "r3", title="Lid/!")]
-    for order in (bonds, bonds[::-1]):
+    specs = [spec("GEAR", "r1", "r2", title="Box/R1"), spec("GEAR", "r1", "r3", title="Lid/!")]
+    for order in (specs, specs[::-1]):
         found, _ = related(robot, *order)
         assert [one.name for one in found.relations] == ["r1_2", "relation"]
 
@@ -337,8 +337,8 @@ def test_limits_that_exclude_what_the_driver_gives_are_told() -> None:
     robot = robot_with(
         [limited("r1", 0.5, 1.0), limited("r2", 0.0, 3.0), limited("r3", None, -0.9), limited("r4", None, -2)]
     )
-    bonds = [bond("GEAR", "r1", name, title=name) for name in ("r2", "r3", "r4")]
-    _, log = related(robot, *bonds)
+    specs = [spec("GEAR", "r1", name, title=name) for name in ("r2", "r3", "r4")]
+    _, log = related(robot, *specs)
     assert [(one.code, one.where) for one in log.found] == [
         ("W-RELATION-LIMIT", "r2"),
         ("W-RELATION-LIMIT", "r4"),

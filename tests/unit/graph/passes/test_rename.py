@@ -5,7 +5,7 @@ import pytest
 
 from stages.graph.dofs import dofs_of
 from stages.graph.keys import NamesKeys
-from stages.graph.mechanism import Body, Bond, Coupling, Marker, Mechanism
+from stages.graph.mechanism import Connection, Marker, Mechanism, RelationSpec, RigidBody
 from stages.graph.passes.rename import renamed
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import MateRef, Provenance
@@ -13,14 +13,14 @@ from stages.robot.model import MateRef, Provenance
 POSE = np.eye(4)
 
 
-def body(name: str, *titles: str) -> Body:
-    return Body(name, (name,), (), frozenset(titles), "", POSE)
+def body(name: str, *titles: str) -> RigidBody:
+    return RigidBody(name, (name,), (), frozenset(titles), "", POSE)
 
 
-def coupling(name: str, mate_type: str, bodies: tuple[int, int], cad: str, title: str) -> Coupling:
+def connection(name: str, mate_type: str, bodies: tuple[int, int], cad: str, title: str) -> Connection:
     kind = {"REVOLUTE": "revolute", "CYLINDRICAL": "cylindrical"}[mate_type]
     dofs = dofs_of(name, mate_type, {}, POSE)
-    return Coupling(name, kind, bodies, (POSE, POSE), dofs, 0.0, MateRef((), name, cad, mate_type), title)
+    return Connection(name, kind, bodies, (POSE, POSE), dofs, 0.0, MateRef((), name, cad, mate_type), title)
 
 
 MECHANISM = Mechanism(
@@ -31,12 +31,12 @@ MECHANISM = Mechanism(
         body("foot_2", "Leg <2>/Foot <1>", "foot <1>"),
         body("world"),
     ),
-    couplings=(
-        coupling("revolute_3", "REVOLUTE", (0, 1), "Revolute 3", "Revolute 3"),
-        coupling("piston", "CYLINDRICAL", (1, 2), "Piston", "Leg <1>/Piston"),
-        coupling("leg_2_piston", "CYLINDRICAL", (1, 3), "Piston", "Leg <2>/Piston"),
+    connections=(
+        connection("revolute_3", "REVOLUTE", (0, 1), "Revolute 3", "Revolute 3"),
+        connection("piston", "CYLINDRICAL", (1, 2), "Piston", "Leg <1>/Piston"),
+        connection("leg_2_piston", "CYLINDRICAL", (1, 3), "Piston", "Leg <2>/Piston"),
     ),
-    bonds=(Bond("Screw", "SCREW", ("piston", ""), 1.0, 0.1, False),),
+    relations=(RelationSpec("Screw", "SCREW", ("piston", ""), 1.0, 0.1, False),),
     markers=(Marker("tip", "Tip", 1, POSE, "Tip"),),
     provenance=Provenance("d", "e", "m", ""),
 )
@@ -56,7 +56,7 @@ def test_a_link_is_found_by_its_name_its_titles_or_a_glob(entry):
     made, log = called({entry: "trunk"})
     assert log.problems == []
     assert links(made) == ["trunk", "upper_arm_v2", "foot", "foot_2", "world"]
-    assert [one.name for one in made.couplings] == [one.name for one in MECHANISM.couplings]
+    assert [one.name for one in made.connections] == [one.name for one in MECHANISM.connections]
 
 
 def test_the_name_that_a_link_has_goes_before_globs_and_titles():
@@ -75,15 +75,15 @@ def test_names_may_be_swapped():
 def test_a_joint_takes_its_dofs_and_bonds_with_it(entry):
     made, log = called(joints={entry: "drive"})
     assert log.problems == []
-    assert [one.name for one in made.couplings] == ["revolute_3", "drive", "leg_2_piston"]
-    assert [dof.name for dof in made.couplings[1].dofs] == ["drive_slide", "drive_turn"]
-    assert made.bonds[0].couplings == ("drive", "")
+    assert [one.name for one in made.connections] == ["revolute_3", "drive", "leg_2_piston"]
+    assert [dof.name for dof in made.connections[1].dofs] == ["drive_slide", "drive_turn"]
+    assert made.relations[0].connections == ("drive", "")
     assert links(made) == links(MECHANISM)
 
 
 def test_the_dof_of_a_hinge_is_called_as_the_hinge():
     made, _ = called(joints={"Revolute 3": "elbow"})
-    assert [dof.name for dof in made.couplings[0].dofs] == ["elbow"]
+    assert [dof.name for dof in made.connections[0].dofs] == ["elbow"]
 
 
 @pytest.mark.parametrize(
