@@ -82,8 +82,3 @@ def notes(
 ) -> bytes:
     found = {"summary": summary, "diagnostics": codec.plain(diagnostics), "figures": figures or {}, **more}
     return json.dumps(found, indent=1).encode()
-
-
-def count(number: int, one: str, many: str = "") -> str:
-    """A number with its noun: "1 link", "2 links"."""
-    return f"{number} {one if number == 1 else many or one + 's'}"

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from pipeline.caching import bundles
 from pipeline.config.plan import Plan, section
-from pipeline.context import FILES, NOTES, ROBOT, BuildContext, count, notes
+from pipeline.context import FILES, NOTES, ROBOT, BuildContext, notes
 from stages.robot import codec
 from stages.robot.errors import ConfigError
+from stages.robot.plural import count
 
 if TYPE_CHECKING:
     from stages.fetch.source import Calls
@@ -240,9 +241,9 @@ class ExportStage(StageBase):
 
     @property
     def modules(self) -> tuple[str, ...]:
-        from stages.export import WRITERS
+        from stages.export import WRITERS, writer_of
 
-        return tuple(module for writer in WRITERS for module in writer.modules)
+        return tuple(module for name in WRITERS for module in writer_of(name).modules)
 
     def config(self, context: BuildContext) -> Any:
         from stages.export.keys import ExportKeys
@@ -266,7 +267,13 @@ class ExportStage(StageBase):
 class ValidateStage(StageBase):
     name = "validate"
     libraries = ("numpy", "mujoco")
-    modules = ("stages.validate.checks.parts", "stages.validate.engines.mujoco_engine")
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        from stages.validate import CHECKS, ENGINES
+
+        checks = (f"stages.validate.checks.{name}" for name in CHECKS)
+        return (*(f"stages.validate.engines.{name}" for name in ENGINES), *checks)
 
     def config(self, context: BuildContext) -> Any:
         from stages.validate.keys import ValidateKeys

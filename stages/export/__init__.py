@@ -1,10 +1,9 @@
 """The export stage: a robot and its geometry become files, and the same input gives the same bytes."""
 
 from collections.abc import Collection
+from importlib import import_module
 from typing import TYPE_CHECKING
 
-from stages.export.mjcf import MjcfWriter
-from stages.export.urdf import UrdfWriter
 from stages.export.writer import Exported, Writer, WriterInput
 
 if TYPE_CHECKING:
@@ -15,18 +14,21 @@ if TYPE_CHECKING:
 VERSION = 6
 """Grows with every change of what this stage makes of the same input."""
 
-WRITERS: tuple[Writer, ...] = (
-    UrdfWriter(),
-    MjcfWriter(),
-)
-"""All formats, in the order in which they are written."""
+WRITERS = ("urdf", "mjcf")
+"""All formats, in the order in which they are written: folders of this stage, each with its `Writer`."""
+
+
+def writer_of(name: str) -> Writer:
+    """The writer of a format."""
+    found: Writer = import_module(f"stages.export.{name}.writer").WRITER
+    return found
 
 
 def expected_paths(keys: "ExportKeys", robot: str) -> list[str]:
     """The paths of the files of a robot of this name, before they are made. The names of the meshes are
     not known by then: a glob stands for them."""
-    chosen = [writer for writer in WRITERS if writer.name in keys.export.chosen]
-    return ["robot.json", "assets/*", *(path for writer in chosen for path in writer.paths(robot))]
+    paths = [path for name in keys.export.chosen for path in writer_of(name).paths(robot)]
+    return ["robot.json", "assets/*", *paths]
 
 
 def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported:
@@ -37,10 +39,11 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
 
     start = starting_point(robot)
     written: dict[str, Exported] = {}
-    for writer in _needed(keys.export.chosen):
-        files = {path: data for name in writer.reads for path, data in written[name].files.items()}
-        written[writer.name] = writer.write(WriterInput(robot, geometry, keys, start, files))
-    exported = [written[writer.name] for writer in WRITERS if writer.name in keys.export.chosen]
+    for name in _needed(keys.export.chosen):
+        writer = writer_of(name)
+        own = {path: data for other in writer.reads for path, data in written[other].files.items()}
+        written[name] = writer.write(WriterInput(robot, geometry, keys, start, own))
+    exported = [written[name] for name in keys.export.chosen]
     files = {f"assets/{name}": data for name, data in geometry.files.items()}
     files["robot.json"] = describe(robot, start)
     for one in exported:
@@ -49,12 +52,10 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     return Exported(dict(sorted(files.items())), diagnostics)
 
 
-def _needed(chosen: Collection[str]) -> list[Writer]:
-    """The writers of the chosen formats and of those that they read, in the order of the table."""
-    needed: list[Writer] = []
-    names = set(chosen)
-    for writer in reversed(WRITERS):
-        if writer.name in names:
-            needed.insert(0, writer)
-            names |= set(writer.reads)
-    return needed
+def _needed(chosen: Collection[str]) -> list[str]:
+    """The chosen formats and those that their writers read, in the order of the table."""
+    needed = set(chosen)
+    for name in reversed(WRITERS):
+        if name in needed:
+            needed |= set(writer_of(name).reads)
+    return [name for name in WRITERS if name in needed]

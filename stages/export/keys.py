@@ -1,12 +1,12 @@
 """Configuration of the export stage: formats, ground, scene."""
 
+from importlib import import_module
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, create_model, model_serializer, model_validator
 from pydantic_core import PydanticCustomError
 
-from stages.export import WRITERS
-from stages.export.writer import Writer
+from stages.export import WRITERS, writer_of
 from stages.robot.keys import Keys, Later, NonNegative, Number, Positive, Text, Triple, not_yet
 
 LATER_FORMATS = ("sdf", "usd", "ros")
@@ -79,12 +79,12 @@ class _Formats(Keys):
     @property
     def chosen(self) -> tuple[str, ...]:
         """The names of the formats that are written, in the order of the table."""
-        return tuple(writer.name for writer in WRITERS if getattr(self, writer.name) is not None)
+        return tuple(name for name in WRITERS if getattr(self, name) is not None)
 
     @model_validator(mode="after")
     def _some_format(self) -> Self:
         if not self.chosen:
-            names = ", ".join(writer.name for writer in WRITERS)
+            names = ", ".join(WRITERS)
             raise PydanticCustomError("no_format", f"no format is chosen; allowed: {names}, [{names}]")
         return self
 
@@ -94,14 +94,15 @@ class _Formats(Keys):
         return {name: value for name, value in handler(self).items() if name in self.chosen}
 
 
-def _section_of(writer: Writer) -> Any:
+def _section_of(name: str) -> Any:
     """The field of one format: its section, or null."""
-    files = " and ".join(f"`{path}`" for path in writer.paths("<name>"))
-    return (writer.keys() | None, Field(default=None, description=f"{files}."))
+    keys = import_module(f"stages.export.{name}.keys").KEYS
+    files = " and ".join(f"`{path}`" for path in writer_of(name).paths("<name>"))
+    return (keys | None, Field(default=None, description=f"{files}."))
 
 
 _EveryFormat: Any = create_model(
-    "_EveryFormat", __base__=_Formats, **{writer.name: _section_of(writer) for writer in WRITERS}
+    "_EveryFormat", __base__=_Formats, **{name: _section_of(name) for name in WRITERS}
 )
 
 

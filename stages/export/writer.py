@@ -9,7 +9,6 @@ from stages.robot.errors import Diagnostic
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
     from stages.robot.geometry import Geometry
-    from stages.robot.keys import Keys
     from stages.robot.model import Configuration, Robot
 
 
@@ -37,11 +36,11 @@ class WriterInput:
 
 
 class Writer(Protocol):
-    """One format: a folder of this stage, chosen by `conf/export/<name>.yaml`."""
+    """One format: `WRITER` of the module `writer` in the folder that has the format's name.
 
-    @property
-    def name(self) -> str:
-        """The format in the configuration (`export.<name>`), and the writer's folder."""
+    Beside it lies `keys`, whose `KEYS` is the format's section of the configuration (`export.<name>`), and
+    `conf/export/<name>.yaml` chooses it.
+    """
 
     @property
     def reads(self) -> tuple[str, ...]:
@@ -50,9 +49,6 @@ class Writer(Protocol):
     @property
     def modules(self) -> tuple[str, ...]:
         """The modules that it imports when it runs, as far as importing them takes time."""
-
-    def keys(self) -> "type[Keys]":
-        """The class of its section of the configuration."""
 
     def paths(self, robot: str) -> tuple[str, ...]:
         """The paths of its files for a robot of this name."""

@@ -1,4 +1,4 @@
-"""The validate stage: MuJoCo reads what was written, and it must be the robot that CAD drew."""
+"""The validate stage: an engine reads the files that were written, and checks compare them with the robot."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -8,25 +8,31 @@ if TYPE_CHECKING:
     from stages.robot.model import Robot
     from stages.validate.keys import ValidateKeys
 
-VERSION = 4
+VERSION = 5
+"""Grows with every change of what this stage makes of the same input."""
+
+ENGINES = ("mujoco_engine",)
+"""The engines: modules of `stages/validate/engines`, each an `Engine`."""
+
+CHECKS = (
+    "links_and_joints",
+    "closed_at_start",
+    "masses",
+    "poses",
+    "joints",
+    "motion",
+    "relations",
+    "loops",
+    "keyframes",
+)
+"""The checks of a compiled model, in the order of the report: modules of `stages/validate/checks`, each with
+a function `check` (a `CheckFunction`). Where the first finds that a link or joint is missing, the others,
+which look for each by its name, are left out."""
 
 
 def validate(folder: Path, robot: "Robot", keys: "ValidateKeys") -> "tuple[Check, ...]":
-    """Checks of every model file in `folder`; a check that fails does not stop the others."""
-    names = (f"{robot.name}.xml", "scene.xml", f"{robot.name}.urdf")
-    files = [folder / name for name in names if (folder / name).exists()]
-    return tuple(check for file in files for check in _checks_of(file, robot, keys.validate.level != "quick"))
+    """The checks of every model file in `folder`; with `validate=quick` only that each compiles. A check
+    that fails does not stop the others."""
+    from stages.validate.run import check_files
 
-
-def _checks_of(file: Path, robot: "Robot", thorough: bool) -> "list[Check]":
-    """The checks of one file; its model lives no longer, since a large one takes half a gigabyte."""
-    from stages.robot.mujoco_warnings import listening
-    from stages.validate.checks.parts import check_model
-    from stages.validate.engines.mujoco_engine import load, quiet
-
-    loaded = load(file)
-    if not thorough or loaded.model is None:
-        return [loaded.check]
-    with listening() as heard:
-        found = check_model(file, loaded.model, robot)
-    return [loaded.check, *found, quiet(f"{file.name}: runs", heard)]
+    return tuple(check_files(folder, robot, thorough=keys.validate.level != "quick"))

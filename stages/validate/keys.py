@@ -1,4 +1,4 @@
-"""What the validate stage is told: how hard to look."""
+"""Configuration of the validate stage: how much is checked."""
 
 import warnings
 from typing import Literal
@@ -10,11 +10,11 @@ class ValidateSection(Keys):
     """Which checks are made."""
 
     level: Literal["quick", "standard", "strict"] = "standard"
-    """quick: the files compile; standard: they are the robot; strict: warnings are errors."""
+    """quick: the files compile; standard: they agree with the robot; strict: warnings are errors too."""
 
 
 with warnings.catch_warnings():
-    # The section is called as it is in the tree; pydantic's own `validate` is long deprecated.
+    # The section has the key's name; pydantic's own method `validate` is deprecated.
     warnings.filterwarnings("ignore", message='Field name "validate"')
 
     class ValidateKeys(Keys):

@@ -5,3 +5,6 @@ from stages.robot.keys import Keys
 
 class MjcfKeys(Keys):
     """The MJCF and its scene."""
+
+
+KEYS = MjcfKeys

@@ -13,3 +13,6 @@ class UrdfKeys(Keys):
 
     fixed_joints: Annotated[Literal["keep"], Later("merge")] = "keep"
     """keep: frames are links on fixed joints."""
+
+
+KEYS = UrdfKeys

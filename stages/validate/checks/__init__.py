@@ -1,1 +1,1 @@
-"""What must hold of the files that were written."""
+"""What must hold of the files that were written: one module a check."""

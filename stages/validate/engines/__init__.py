@@ -1,1 +1,1 @@
-"""Physics engines as readers of model files."""
+"""Physics engines as readers of model files: one module an engine."""

@@ -1,6 +1,6 @@
-"""MuJoCo as a reader of model files: the compiled model, and every warning on the way."""
+"""MuJoCo as an `Engine`: the compiled model of an MJCF or URDF, and every warning on the way."""
 
-from dataclasses import dataclass
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any
 
@@ -9,54 +9,57 @@ import mujoco
 from stages.formats.xml import element, parse, to_bytes
 from stages.robot.check import Check
 from stages.robot.mujoco_warnings import listening
+from stages.validate.compiled import Loaded, without_warnings
 
 KEPT_MESHES = 20_000_000
-"""What MuJoCo may keep of the meshes of one model for the next [bytes]."""
+"""The size of MuJoCo's cache of processed meshes [bytes]."""
 
 
-@dataclass(frozen=True, slots=True)
-class Loaded:
-    """`model` is None where it did not compile; `check` says what MuJoCo said."""
+def files(robot: str) -> tuple[str, ...]:
+    """The names of the files that it reads, for a robot of this name."""
+    return f"{robot}.xml", "scene.xml", f"{robot}.urdf"
 
-    model: Any
-    check: Check
+
+def warnings() -> AbstractContextManager[list[str]]:
+    """Collects what MuJoCo warns of while models are used."""
+    return listening()
 
 
 def load(path: Path) -> Loaded:
     """Compiles one MJCF or URDF file from where it lies."""
-    with listening() as heard:
+    with listening() as found:
         try:
             model = _compiled(path)
         except (ValueError, RuntimeError, SyntaxError) as error:
             # MuJoCo's message may name the folder of this build, which is no fact of the robot.
-            said = str(error).replace(str(path.resolve().parent), "").strip()
-            return Loaded(None, Check(f"{path.name}: compiles", False, said))
-    return Loaded(model, quiet(f"{path.name}: compiles", heard))
+            message = str(error).replace(str(path.resolve().parent), "").strip()
+            return Loaded(None, Check(f"{path.name}: compiles", False, message))
+    return Loaded(model, without_warnings(f"{path.name}: compiles", found))
 
 
 def _compiled(path: Path) -> Any:
-    """The model of a file. MuJoCo takes a floating joint only at the top: what floats from a URDF's root
-    is read as floating from a world that holds the root, which is the same where the root stands still.
+    """The model of a file. MuJoCo accepts a floating joint only below the world, so a link `world` is put
+    above a URDF's root and the floating joints are moved to it: the same, since the root does not move.
 
-    By way of a spec, which is given up: MuJoCo's own loader holds on to the last file's meshes.
+    Compiled from a spec, which is given up: MuJoCo's own loader keeps the last file's meshes in memory.
     """
     root = parse(path.read_bytes()) if path.suffix == ".urdf" else None
-    afloat = [] if root is None else root.xpath("joint[@type='floating']/parent[@link != 'world']")
+    floating = [] if root is None else root.xpath("joint[@type='floating']/parent[@link != 'world']")
     _bound_cache()
-    if not afloat:
+    if not floating:
         return _spec(path.resolve()).compile()
     holder = element(root, "joint", name="world_fixed", type="fixed")
     element(holder, "parent", link="world")
-    element(holder, "child", link=afloat[0].get("link"))
+    element(holder, "child", link=floating[0].get("link"))
     element(root, "link", name="world")
-    for parent in afloat:
+    for parent in floating:
         parent.set("link", "world")
     meshes = {f"assets/{mesh.name}": mesh.read_bytes() for mesh in sorted((path.parent / "assets").glob("*"))}
     return mujoco.MjSpec.from_string(to_bytes(root).decode(), assets=meshes).compile()
 
 
 def _spec(path: Path) -> Any:
-    """What a file says. Of a URDF by its text, since MuJoCo 3.4.0 knows files by the ending .xml alone."""
+    """The spec of a file; a URDF's from its text, since MuJoCo 3.4.0 accepts only files that end in .xml."""
     if path.suffix != ".urdf":
         return mujoco.MjSpec.from_file(str(path))
     spec = mujoco.MjSpec.from_string(path.read_text(encoding="utf-8"))
@@ -65,16 +68,8 @@ def _spec(path: Path) -> Any:
 
 
 def _bound_cache() -> None:
-    """Lets MuJoCo keep what it makes of small meshes from one model to the next, not what takes much
-    memory: it keeps half a gigabyte by itself. Versions without this call keep it."""
+    """Limits MuJoCo's cache of processed meshes, which may take half a gigabyte by default. Versions without
+    this call keep the default."""
     bound = getattr(mujoco, "mj_setCacheCapacity", None)
     if bound is not None:
         bound(mujoco.mj_getCache(), KEPT_MESHES)
-
-
-def quiet(name: str, heard: list[str]) -> Check:
-    """Passes where MuJoCo had nothing to warn of."""
-    unique = sorted(set(heard))
-    return Check(
-        name, not unique, "; ".join(unique) or "without a warning from MuJoCo", float(len(unique)), 0.0
-    )

@@ -1,6 +1,7 @@
 """What the files say, read back by the engines that will use them."""
 
 import math
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,11 +10,11 @@ import numpy as np
 import pytest
 
 import stages.export
-from stages.export import WRITERS, Exported, WriterInput, export
+from stages.export import WRITERS, Exported, WriterInput, export, writer_of
 from stages.export.start_pose import starting_point
 from stages.formats.xml import parse
 from stages.robot.kinematics import saved_configuration
-from stages.validate.engines.ability import reads_mimic
+from stages.validate.mujoco_abilities import reads_mimic
 from tests.fake_onshape.frames import frame, turn
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.engines import Mujoco, Pinocchio
@@ -135,11 +136,11 @@ def test_one_format_alone_is_written_alone(kit: Kit, tmp_path: Path) -> None:
 
 def test_a_writer_has_a_folder_and_an_option_and_reads_only_writers_before_it() -> None:
     before: list[str] = []
-    for writer in WRITERS:
-        assert (PROJECT / "stages/export" / writer.name / "__init__.py").is_file()
-        assert (PROJECT / "conf/export" / f"{writer.name}.yaml").is_file()
-        assert set(writer.reads) <= set(before)
-        before.append(writer.name)
+    for name in WRITERS:
+        assert (PROJECT / "stages/export" / name / "keys.py").is_file()
+        assert (PROJECT / "conf/export" / f"{name}.yaml").is_file()
+        assert set(writer_of(name).reads) <= set(before)
+        before.append(name)
     assert len(before) == len(set(before))
 
 
@@ -149,8 +150,9 @@ def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_
     def write(given: WriterInput) -> Exported:
         return Exported({"seen.txt": " ".join(given.files).encode()})
 
-    reader = SimpleNamespace(name="reader", reads=("urdf",), write=write)
-    monkeypatch.setattr(stages.export, "WRITERS", (*WRITERS, reader))
+    reader = SimpleNamespace(reads=("urdf",), write=write)
+    monkeypatch.setattr(stages.export, "WRITERS", (*WRITERS, "reader"))
+    monkeypatch.setitem(sys.modules, "stages.export.reader.writer", SimpleNamespace(WRITER=reader))
     two_links(kit)
     robot = robot_of(kit.document)
     for chosen in (("reader",), ("urdf", "reader")):

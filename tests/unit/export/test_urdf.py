@@ -17,7 +17,7 @@ from stages.robot.geometry import Geometry
 from stages.robot.inertia import primitive_volume
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
-from stages.validate.engines.ability import reads_mimic
+from stages.validate.mujoco_abilities import reads_mimic
 from tests.support.pinocchio import pin
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
 

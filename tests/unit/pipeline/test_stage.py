@@ -8,10 +8,11 @@ import pytest
 from pipeline.caching.actions import Cache
 from pipeline.caching.store import Store
 from pipeline.config.plan import HOW, Plan
-from pipeline.context import FILES, NOTES, BuildContext, count, notes
+from pipeline.context import FILES, NOTES, BuildContext, notes
 from pipeline.stage import STAGES, installed, libraries, stages_until
 from stages.fetch.keys import SOURCES
 from stages.robot.errors import Diagnostic
+from stages.robot.plural import count
 from tests.support.places import PROJECT
 
 KEYS_OF_SOURCES = {name for keys in SOURCES.values() for name in keys.model_fields}

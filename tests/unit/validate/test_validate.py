@@ -14,13 +14,14 @@ from stages.robot.kinematics import chain, link_poses, saved_configuration
 from stages.robot.model import Frame, Limits, Relation, Robot
 from stages.robot.poses import inverse
 from stages.robot.poses import turn as turned
-from stages.validate import validate
-from stages.validate.engines import ability
-from stages.validate.engines.coordinates import turns_from_rotation
+from stages.validate import CHECKS, ENGINES, validate
+from stages.validate import mujoco_abilities as ability
+from stages.validate.coordinates import turns_from_rotation
 from tests.fake_onshape.frames import turn
 from tests.support import robots
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.kit import SIDE, TOP, Kit, four_bar
+from tests.support.places import PROJECT
 
 
 @pytest.fixture(scope="module")
@@ -134,7 +135,7 @@ def failed_of(robot: Robot, folder: Path) -> list[str]:
 def test_what_this_mujoco_can_do_is_found_out() -> None:
     version = tuple(int(part) for part in mujoco.__version__.split(".")[:2])
     assert ability.reads_mimic() == (version >= (3, 13))
-    assert [ability.axes_off(size) == 0 for size in (10.0, 1e-4, 1e-9)] == [version >= (3, 14)] * 3
+    assert [ability.axes_error(size) == 0 for size in (10.0, 1e-4, 1e-9)] == [version >= (3, 14)] * 3
 
 
 def test_relations_of_a_urdf_are_read_from_its_text_where_mujoco_reads_none(
@@ -144,7 +145,7 @@ def test_relations_of_a_urdf_are_read_from_its_text_where_mujoco_reads_none(
     shutil.copytree(folder, tmp_path / "old")
     file = tmp_path / "old" / "robot.urdf"
     text = file.read_text()
-    monkeypatch.setattr("stages.validate.checks.motion.reads_mimic", lambda: False)
+    monkeypatch.setattr("stages.validate.checks.relations.reads_mimic", lambda: False)
     assert failed_of(robot, tmp_path / "old") == []
     for fault in ("mimic dropped", "mimic turned round"):
         file.write_text(FAULTS[fault][1](text))
@@ -162,9 +163,9 @@ def test_an_inertia_of_a_urdf_is_judged_as_finely_as_mujoco_finds_axes(
         nearly = re.sub(change, lambda m: f"{m[1]}{float(m[2]) * (1 + 5e-7):.16g}", file.read_text(), count=1)
         file.write_text(nearly)
     exact = ["robot.xml: inertia", "scene.xml: inertia"]
-    if not ability.axes_off(1e-4):
+    if not ability.axes_error(1e-4):
         assert failed_of(robot, tmp_path / "off") == [*exact, "robot.urdf: inertia"]
-    monkeypatch.setattr("stages.validate.checks.parts.axes_off", lambda size: 1e-6)
+    monkeypatch.setattr("stages.validate.checks.masses.axes_error", lambda size: 1e-6)
     assert failed_of(robot, tmp_path / "off") == exact
 
 
@@ -176,7 +177,7 @@ def test_how_finely_mujoco_finds_axes_is_measured(monkeypatch: pytest.MonkeyPatc
         values[:] *= 1 + 1e-5
 
     monkeypatch.setattr(mujoco, "mju_eig3", coarse)
-    assert 1e-5 < ability._lost.__wrapped__(-4) < 1e-3
+    assert 1e-5 < ability._largest_error.__wrapped__(-4) < 1e-3
 
 
 def test_quick_only_compiles(good: tuple[Robot, Path]) -> None:
@@ -341,3 +342,25 @@ def test_a_fault_planted_in_any_kind_of_joint_or_loop_fails_a_check(
     (tmp_path / "bad" / file).write_text(after)
     failed = [check.name for check in validate(tmp_path / "bad", robot, plan_of()) if not check.passed]
     assert any(name.startswith(file) for name in failed)
+
+
+def test_every_check_and_engine_of_the_tables_is_a_module_of_its_own() -> None:
+    for kind, names in (("checks", CHECKS), ("engines", ENGINES)):
+        modules = {file.stem for file in (PROJECT / "stages/validate" / kind).glob("*.py")} - {"__init__"}
+        assert sorted(names) == sorted(modules)
+
+
+def test_a_model_without_one_of_the_joints_is_checked_no_further(
+    good: tuple[Robot, Path], tmp_path: Path
+) -> None:
+    robot, folder = good
+    shutil.copytree(folder, tmp_path / "bad")
+    file = tmp_path / "bad" / "robot.urdf"
+    file.write_text(FAULTS["a joint renamed"][1](file.read_text()))
+    checks = [check for check in validate(tmp_path / "bad", robot, plan_of()) if "urdf" in check.name]
+    assert [(check.name.split(": ")[1], check.passed) for check in checks] == [
+        ("compiles", True),
+        ("links and joints", False),
+        ("runs", True),
+    ]
+    assert checks[1].detail == "missing: rail"

@@ -14,6 +14,7 @@ import numpy as np
 from stages.formats.urdf.names import urdf_names
 from stages.robot.model import Array, Configuration, Dof, Robot, Value
 from stages.robot.poses import inverse, motion, quat_from_rotation
+from stages.validate.compiled import CompiledModel
 
 HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 BALL, FREE = mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_FREE
@@ -22,19 +23,30 @@ KINDS = {"turn": HINGE, "slide": SLIDE, "ball": BALL, "free": FREE}
 WIDTH = {HINGE: 1, SLIDE: 1, BALL: 3, FREE: 6}
 """Degrees of freedom by the type of joint."""
 
-HELD = ("fixed", "revolute", "ball")
-"""Loops that equalities alone hold; of the others the model has the dofs too, on a carrier."""
+BY_EQUALITY = ("fixed", "revolute", "ball")
+"""Types of loops that equalities alone close; of the others the model has the dofs too, on a carrier."""
+
+SAME = 1e-9
+"""Poses [m, rad] and joint values [rad, m] that two engines compute from the same numbers differ by less."""
 
 
 def joints_of(robot: Robot, urdf: bool) -> Iterator[tuple[str, Any, Dof]]:
     """(name, type, dof) of every joint that a model must have, but for a floating base."""
-    loops = () if urdf else tuple(d for loop in robot.loops if loop.type not in HELD for d in loop.dofs)
+    carried = [] if urdf else [loop for loop in robot.loops if loop.type not in BY_EQUALITY]
     turns = urdf_names(robot).turns
-    for dof in (*robot.dofs, *loops):
+    for dof in (*robot.dofs, *(dof for loop in carried for dof in loop.dofs)):
         if urdf and dof.kind == "ball":
             yield from ((name, HINGE, dof) for name in turns[dof.name])
         else:
             yield dof.name, KINDS[dof.kind], dof
+
+
+def missing_names(compiled: CompiledModel) -> list[str]:
+    """The links and joints that the model does not have by name, sorted."""
+    model, robot = compiled.model, compiled.robot
+    links = [link.name for link in robot.links if body_index(model, link.name) < 0]
+    joints = [name for name, *_ in joints_of(robot, compiled.urdf) if joint_index(model, name) < 0]
+    return sorted({*links, *joints})
 
 
 def joint_index(model: Any, name: str) -> int:
@@ -56,7 +68,7 @@ def set_values(model: Any, data: Any, robot: Robot, q: Configuration, urdf: bool
     turns = urdf_names(robot).turns
     numbers: dict[str, list[float]] = {}
     for joint in robot.joints:
-        # What a free joint's value is measured in is the root's pose at qpos0.
+        # A free joint's value is relative to the root's pose at qpos0.
         place = link_pose(model, data, robot, joint.parent) @ joint.parent_from_joint
         start = inverse(place) @ link_pose(model, data, robot, joint.child)
         for dof in joint.dofs:

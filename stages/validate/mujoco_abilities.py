@@ -1,4 +1,4 @@
-"""What the installed MuJoCo can do of what newer ones can, found out by asking it."""
+"""What the installed MuJoCo can do, measured: versions differ."""
 
 import functools
 import itertools
@@ -16,7 +16,7 @@ _PROBES = [
     for moments in ((1.0, 0.9, 0.6), (1.0, 0.99, 0.1), (1.0, 0.55, 0.5))
     for quat in itertools.product((0.3, 1.0), (-0.7, 0.2), (0.4, 0.9), (-0.1, 0.5))
 ]
-"""Tensors to be taken apart: principal moments and, not normalised, how they are turned."""
+"""Tensors to measure with: principal moments, and the quaternion (not normalised) of their axes."""
 
 _SOLID = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 _MIMIC = f"""<robot name="r"><link name="a"/><link name="b">{_SOLID}</link><link name="c">{_SOLID}</link>
@@ -24,23 +24,23 @@ _MIMIC = f"""<robot name="r"><link name="a"/><link name="b">{_SOLID}</link><link
 <joint name="q" type="continuous"><parent link="a"/><child link="c"/><mimic joint="p"/></joint></robot>"""
 
 
-def axes_off(size: float) -> float:
-    """How far a tensor whose largest entry is `size` [kg m²] is off once MuJoCo has found its principal
-    axes, relative to that entry; 0 where it finds them as exactly as numbers go.
+def axes_error(size: float) -> float:
+    """The error of a tensor whose largest entry is `size` [kg m²] once MuJoCo has found its principal axes,
+    relative to that entry; 0 where it is only rounding.
 
-    Up to 3.13 it stops at 1e-6 rad and at 1e-12 kg m². URDFs have whole tensors; our MJCFs have the axes.
+    Up to 3.13 MuJoCo stops at 1e-6 rad and at 1e-12 kg m². URDFs have whole tensors; our MJCFs have the axes.
     """
-    return _lost(math.floor(math.log10(size)))
+    return _largest_error(math.floor(math.log10(size)))
 
 
 @functools.cache
-def _lost(exponent: int) -> float:
-    worst = max(_off(moments * 10.0**exponent, quat) for moments, quat in _PROBES)
-    # The probes are some tensors; of thousands the worst lost four times as much.
+def _largest_error(exponent: int) -> float:
+    worst = max(_error(moments * 10.0**exponent, quat) for moments, quat in _PROBES)
+    # The probes are few; the worst of thousands of tensors had four times their error.
     return 16 * worst if worst > 1e-12 else 0.0
 
 
-def _off(moments: Array, quat: Array) -> float:
+def _error(moments: Array, quat: Array) -> float:
     turn = _rotation(quat / np.linalg.norm(quat))
     tensor = turn @ np.diag(moments) @ turn.T
     found, vectors, axes = np.empty(3), np.empty(9), np.empty(4)
@@ -57,7 +57,7 @@ def _rotation(quat: Array) -> Array:
 
 @functools.cache
 def reads_mimic() -> bool:
-    """Whether MuJoCo makes an equality of a URDF's <mimic>, as it does from 3.13 on."""
+    """Whether MuJoCo turns a URDF's <mimic> into an equality, as it does from 3.13 on."""
     return bool(mujoco.MjModel.from_xml_string(_MIMIC).neq)
 
 

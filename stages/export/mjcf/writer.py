@@ -1,0 +1,28 @@
+"""MJCF: the robot, and a scene around it, for MuJoCo."""
+
+from stages.export.writer import Exported, WriterInput
+
+
+class MjcfWriter:
+    """`<name>.xml`, the robot alone, and `scene.xml`, which includes it."""
+
+    reads: tuple[str, ...] = ()
+    modules: tuple[str, ...] = ("stages.export.mjcf.model", "stages.export.mjcf.scene")
+
+    def paths(self, robot: str) -> tuple[str, ...]:
+        return (f"{robot}.xml", "scene.xml")
+
+    def write(self, given: WriterInput) -> Exported:
+        from stages.export.mjcf.model import write_mjcf
+        from stages.export.mjcf.scene import write_scene
+        from stages.export.mjcf.unsupported import unsupported
+
+        model, scene = self.paths(given.robot.name)
+        files = {
+            model: write_mjcf(given.robot, given.geometry, given.keys, given.start),
+            scene: write_scene(given.robot.name, given.keys.ground),
+        }
+        return Exported(files, tuple(unsupported(given.robot, given.start)))
+
+
+WRITER = MjcfWriter()

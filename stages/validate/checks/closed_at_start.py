@@ -1,0 +1,21 @@
+"""A fresh simulation starts with its loops closed: at qpos0 every equality of an MJCF holds."""
+
+from collections.abc import Iterator
+
+import mujoco
+
+from stages.robot.check import Check
+from stages.robot.plural import count
+from stages.validate.compiled import CompiledModel
+from stages.validate.equalities import CLOSED, violation
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    if compiled.urdf or not compiled.model.neq:
+        return
+    data = mujoco.MjData(compiled.model)
+    mujoco.mj_forward(compiled.model, data)
+    robot = compiled.robot
+    parts = f"{count(len(robot.loops), 'loop')} and {count(len(robot.relations), 'relation')}"
+    detail = f"{parts} at qpos0, distance from closed [m, rad]"
+    yield compiled.within("closed at qpos0", violation(compiled.model, data), CLOSED, detail)

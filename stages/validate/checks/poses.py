@@ -1,0 +1,34 @@
+"""At the saved configuration every part is where CAD's occurrence has it."""
+
+from collections.abc import Iterator
+
+import mujoco
+import numpy as np
+
+from stages.robot.check import Check
+from stages.robot.poses import inverse
+from stages.validate.compiled import CompiledModel
+from stages.validate.coordinates import distance, every_saved, link_pose, root_pose, set_values
+
+LENGTH = 1e-6
+"""Poses [m, rad]: the error that CAD's own solver leaves is below this."""
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    """The scene may put the robot anywhere: the pose of its root counts as that of the root's frame in CAD.
+    A URDF has no scene: its root is at the origin."""
+    robot, model = compiled.robot, compiled.model
+    data = mujoco.MjData(model)
+    set_values(model, data, robot, every_saved(robot), compiled.urdf)
+    world_from_root = np.eye(4) if compiled.urdf else root_pose(model, data, robot)
+    world_from_cad = world_from_root @ inverse(robot.world_from_root)
+    worst, where = 0.0, ""
+    for link in robot.links:
+        world_from_link = link_pose(model, data, robot, link.name)
+        for part in link.parts:
+            found = world_from_link @ part.link_from_part
+            value = distance(found, world_from_cad @ part.world_from_part)
+            if not value < worst:
+                worst, where = value, part.name
+    detail = f"parts against CAD's occurrences at the saved pose [m, rad]; worst: {where}"
+    yield compiled.within("poses", worst, LENGTH, detail)

@@ -1,0 +1,65 @@
+"""A model file as an engine compiled it: what an engine returns, and what a check works with."""
+
+from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from stages.robot.check import Check
+from stages.robot.model import Robot
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """`model`: the compiled model; None where the file does not compile. `check`: whether it compiles
+    without a warning."""
+
+    model: Any
+    check: Check
+
+
+class Engine(Protocol):
+    """A physics engine as a reader of model files."""
+
+    def files(self, robot: str) -> tuple[str, ...]:
+        """The names of the files that it reads, for a robot of this name."""
+
+    def load(self, path: Path) -> Loaded:
+        """Compiles one file from where it lies."""
+
+    def warnings(self) -> AbstractContextManager[list[str]]:
+        """Collects what the engine warns of while models are used."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class CompiledModel:
+    """A compiled model, the file that it was compiled from, and the robot that it must agree with."""
+
+    path: Path
+    model: Any
+    robot: Robot
+
+    @property
+    def urdf(self) -> bool:
+        return self.path.suffix == ".urdf"
+
+    def result(
+        self, name: str, passed: bool, detail: str, value: float | None = None, limit: float | None = None
+    ) -> Check:
+        """The result of a check of this file."""
+        return Check(f"{self.path.name}: {name}", bool(passed), detail, value, limit)
+
+    def within(self, name: str, value: float, limit: float, detail: str) -> Check:
+        """The result of a check that passes where `value` is at most `limit`."""
+        return self.result(name, value <= limit, detail, value, limit)
+
+
+CheckFunction = Callable[[CompiledModel], Iterable[Check]]
+"""A check: its results, each with a name of its own; none where it does not apply to the file."""
+
+
+def without_warnings(name: str, warnings: Iterable[str]) -> Check:
+    """The result of a check that passes where the engine had no warnings."""
+    found = sorted(set(warnings))
+    return Check(name, not found, "; ".join(found) or "no warnings", float(len(found)), 0.0)

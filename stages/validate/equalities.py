@@ -1,0 +1,57 @@
+"""The equalities of a compiled model: how far they are from met, and the bodies that they connect."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from stages.robot.model import Array, Loop, Robot
+from stages.robot.poses import inverse
+from stages.validate.coordinates import BY_EQUALITY, body_index, joint_index, placed
+
+CLOSED = 1e-6
+"""Loops and relations [m, rad]: the error that CAD's own solver leaves is below this."""
+
+
+def violation(model: Any, data: Any) -> float:
+    """How far the equalities are from met at a pose [m, rad], a relation by the joint that it moves less."""
+    rows = np.flatnonzero(data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+    related = model.eq_type[data.efc_id[rows]] == mujoco.mjtEq.mjEQ_JOINT
+    factors = np.abs(model.eq_data[data.efc_id[rows], 1])
+    scale = np.where(related, np.maximum(1.0, factors), 1.0)
+    return float(np.abs(data.efc_pos[rows] / scale).max(initial=0.0))
+
+
+def carriers(model: Any, robot: Robot) -> dict[str, list[tuple[int, Array]]]:
+    """By link: (body, link_from_body) of the carriers that are welded to it."""
+    found: dict[str, list[tuple[int, Array]]] = {}
+    for loop in robot.loops:
+        index = equality_index(model, loop)
+        if loop.type in BY_EQUALITY or index < 0:
+            continue
+        carrier, _ = ends(model, loop)
+        bodies = {body_index(model, link): link for link in (loop.link_a, loop.link_b)}
+        order = sorted(sites(model, index), key=lambda site: int(model.site_bodyid[site]) == carrier)
+        link_site, carrier_site = (placed(model.site_quat[s], model.site_pos[s]) for s in order)
+        link = bodies.get(int(model.site_bodyid[order[0]]))
+        if link is not None:
+            found.setdefault(link, []).append((carrier, link_site @ inverse(carrier_site)))
+    return found
+
+
+def equality_index(model: Any, loop: Loop) -> int:
+    return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_EQUALITY, loop.name))
+
+
+def sites(model: Any, equality: int) -> tuple[int, int]:
+    return int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
+
+
+def ends(model: Any, loop: Loop) -> tuple[int, int]:
+    """The two bodies that an equality connects. For a loop with a carrier: the carrier, and the one of the
+    loop's links that is not its parent (-1 if neither is)."""
+    a, b = body_index(model, loop.link_a), body_index(model, loop.link_b)
+    if loop.type in BY_EQUALITY:
+        return a, b
+    carrier = int(model.jnt_bodyid[joint_index(model, loop.dofs[0].name)])
+    return carrier, {a: b, b: a}.get(int(model.body_parentid[carrier]), -1)
