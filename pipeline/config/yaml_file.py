@@ -46,7 +46,7 @@ def text(path: Path) -> str:
     but for text that is no YAML at all: that is its reader's to tell."""
     try:
         content = regular_files.content(path, LARGEST)
-    except regular_files.TooLarge as error:
+    except regular_files.FileTooLarge as error:
         why = f"it has {error.size} bytes, and at most {LARGEST} are read"
         raise RefusedError(why, _mark(path, 0, 0), "name the robot's own file") from None
     found = content.decode("utf-8")

@@ -20,7 +20,7 @@ NOT_REGULAR = "it is a device, a pipe or a socket, and only regular files are re
 _PIECE = 1 << 20
 
 
-class TooLarge(Exception):
+class FileTooLarge(Exception):
     """A file is larger than what is read; `size` [bytes]."""
 
     def __init__(self, size: int) -> None:
@@ -66,7 +66,7 @@ def require(path: str, key: str, wanted: str, example: str) -> None:
 
 
 def content(path: Path, most: int) -> bytes:
-    """What a file holds; OSError where it cannot be read or is none, TooLarge beyond `most` bytes."""
+    """What a file holds; OSError where it cannot be read or is none, FileTooLarge beyond `most` bytes."""
     with _opened(path, most) as (file, size):
         return file.read(size)
 
@@ -94,7 +94,7 @@ def _opened(path: Path, most: int) -> Iterator[tuple[BinaryIO, int]]:
             kind = errno.EISDIR if stat.S_ISDIR(found.st_mode) else errno.EINVAL
             raise OSError(kind, os.strerror(kind) if kind == errno.EISDIR else NOT_REGULAR)
         if found.st_size > most:
-            raise TooLarge(found.st_size)
+            raise FileTooLarge(found.st_size)
         yield file, found.st_size
 
 

@@ -134,6 +134,37 @@ def distinct(points: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.float64], 
     return ordered, index
 
 
+def merged(
+    name: str,
+    points: npt.NDArray[np.float64],
+    corners: npt.NDArray[np.int64],
+    colours: Sequence[Colour],
+    which: npt.NDArray[np.int64],
+) -> Body:
+    """A body out of loose triangles: points that are equal to the last bit become one.
+
+    `corners` (m, 3) index the points (n, 3), `which` (m,) the colours.
+    """
+    import numpy as np
+
+    used = np.zeros(len(points), dtype=bool)
+    used[corners] = True
+    if not used.all():
+        corners = (np.cumsum(used) - 1)[corners]
+        points = points[used]
+    points, index = distinct(points)
+    palette = tuple(sorted({colours[seen] for seen in np.unique(which)}))
+    rank = {colour: place for place, colour in enumerate(palette)}
+    ranks = np.array([rank.get(colour, 0) for colour in colours], dtype=np.uint16)
+    return Body(
+        id=name,
+        points=points,
+        triangles=index.astype(np.int32)[corners],
+        palette=palette,
+        colours=ranks[which],
+    )
+
+
 def _opened(data: bytes) -> tuple[list[dict[str, Any]], int]:
     """The header's bodies, and where the arrays begin, once they are known to be all there."""
     start = len(MAGIC) + _LENGTH.size

@@ -37,7 +37,7 @@ class BundleSource(FileSource):
         """The bytes of the zip; SourceError where it cannot be read."""
         try:
             return self.read()
-        except regular_files.TooLarge as error:
+        except regular_files.FileTooLarge as error:
             msg = f"not readable as a bundle: it has {error.size} bytes; at most {LARGEST} are read"
             hint = "check that source.path names the right file"
             raise SourceError(msg, self.label(), hint) from None

@@ -36,7 +36,7 @@ _FOLDER = re.compile(r"""\b(?:meshdir|texturedir|assetdir)\s*=\s*(?:"([^"]*)"|'(
 
 
 @dataclass(frozen=True, slots=True)
-class Files:
+class ModelFiles:
     """`digests`: SHA-256 of the model's own file and of all that it may read, by their paths from its
     folder; `texts`: those of them that may be XML, the model's own first."""
 
@@ -44,7 +44,7 @@ class Files:
     texts: tuple[Path, ...]
 
 
-def survey(path: Path) -> Files:
+def survey(path: Path) -> ModelFiles:
     """The files of a model. SourceError where its own cannot be read or is no MJCF, and where one that
     it names is no regular file, or is too large."""
     found: dict[Path, str] = {}
@@ -79,7 +79,7 @@ def survey(path: Path) -> Files:
         if size > LARGEST_MODEL:
             raise _refused(path.name, f"its files have more than {LARGEST_MODEL / 1e9:.3g} GB")
     digests = {PurePath(os.path.relpath(one, path.parent)).as_posix(): found[one] for one in sorted(found)}
-    return Files(digests, tuple(texts))
+    return ModelFiles(digests, tuple(texts))
 
 
 def _places(home: Path, beside: Path, folder: str, name: str) -> Iterator[Path]:
@@ -97,7 +97,7 @@ def _own_text(path: Path) -> str:
     """The model's text; SourceError where it is none."""
     try:
         text = _text(path)
-    except regular_files.TooLarge:
+    except regular_files.FileTooLarge:
         raise _refused(path.name, f"it is longer than {LARGEST_TEXT >> 20} MB") from None
     except OSError as error:
         msg = f"it cannot be read: {error.strerror or type(error).__name__}"
@@ -128,7 +128,7 @@ def _digest(path: Path, file: Path, name: str) -> tuple[str, int]:
     """The SHA-256 of a file that the model `path` calls `name`, and its size [bytes]."""
     try:
         return regular_files.digest(file, LARGEST_FILE), file.stat().st_size
-    except regular_files.TooLarge:
+    except regular_files.FileTooLarge:
         raise _refused(path.name, f"it names {name}, which has more than {LARGEST_FILE >> 20} MB") from None
     except OSError:
         return "", 0  # MuJoCo says what is wrong with it, if it wants it

@@ -38,7 +38,7 @@ def require(path: Path, texts: Iterable[Path]) -> None:
     for text in texts:
         try:
             root = xml.parse(regular_files.content(text, LARGEST_TEXT), large=True)
-        except (xml.Malformed, OSError, regular_files.TooLarge):
+        except (xml.Malformed, OSError, regular_files.FileTooLarge):
             continue  # MuJoCo's to judge
         for why in _beyond(root):
             msg = f"it asks for more than is read: {why}"

@@ -14,7 +14,7 @@ from stages.robot.errors import SourceError
 class Budget:
     """What one build may spend, whatever has to be asked again. Safe to use from several threads.
 
-    A call has its place before it is made, so that calls on their way at the same time cannot
+    A call takes its slot before it is made, so that calls on their way at the same time cannot
     overdraw it together.
     """
 
@@ -22,40 +22,40 @@ class Budget:
         self.made = 0
         """Calls that count against the quota so far."""
         self._limit = limit
-        self._held = 0
+        self._open = 0
         self._lock = Lock()
 
     @contextmanager
-    def place(self, *, needed: bool = False) -> Iterator["Place"]:
-        """A place for one call; SourceError where none is left, unless the call must be made (`needed`)."""
+    def slot(self, *, needed: bool = False) -> Iterator["CallSlot"]:
+        """A slot for one call; SourceError where none is left, unless the call must be made (`needed`)."""
         with self._lock:
             if self._limit is not None and not needed:
-                allow(self._held + 1, self.made, self._limit)
-            self._held += 1
-        place = Place(self)
+                allow(self._open + 1, self.made, self._limit)
+            self._open += 1
+        slot = CallSlot(self)
         try:
-            yield place
+            yield slot
         finally:
-            place.settle(0)
+            slot.charge(0)
 
-    def settle(self, calls: int) -> None:
-        """Gives up a place for what the call came to. Both at once: nobody may see it counted twice."""
+    def charge(self, calls: int) -> None:
+        """Gives up a slot for what the call came to. Both at once: nobody may see it counted twice."""
         with self._lock:
-            self._held -= 1
+            self._open -= 1
             self.made += calls
 
 
-class Place:
-    """One call's place in a budget, settled once."""
+class CallSlot:
+    """One call's slot in a budget, charged once."""
 
     def __init__(self, budget: Budget) -> None:
         self._budget: Budget | None = budget
 
-    def settle(self, calls: int) -> None:
-        """The call came to so many `calls`; what is said later changes nothing."""
+    def charge(self, calls: int) -> None:
+        """The call came to so many `calls`; a second charge changes nothing."""
         budget, self._budget = self._budget, None
         if budget is not None:
-            budget.settle(calls)
+            budget.charge(calls)
 
 
 def allow(more: int, made: int, limit: int) -> None:

@@ -35,7 +35,7 @@ class Needs:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class StudioReplies:
     """The replies about one part studio: one for its mass or one a part, and its triangles if any."""
 
     mass: tuple[Reply, ...]
@@ -43,7 +43,7 @@ class Answer:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class LimitReplies:
     """What one assembly says about the limits of its mates; None where it cannot be had."""
 
     features: Reply | None
@@ -65,11 +65,11 @@ class Answers(Protocol):
         """The configuration of the root assembly."""
         ...
 
-    def studios(self, needs: Sequence[Needs]) -> Sequence[Answer]:
+    def studios(self, needs: Sequence[Needs]) -> Sequence[StudioReplies]:
         """The answers about part studios, in the order of `needs`."""
         ...
 
-    def features(self, owners: Sequence[Owner], root: str) -> Sequence[Told]:
+    def features(self, owners: Sequence[Owner], root: str) -> Sequence[LimitReplies]:
         """What assemblies say about limits, in the order of `owners`; `root` is the root's document."""
         ...
 

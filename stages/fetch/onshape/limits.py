@@ -11,11 +11,11 @@ from dataclasses import replace
 from stages.fetch.onshape import documents, features, requests
 from stages.fetch.onshape.cached_client import Asking
 from stages.fetch.onshape.features import Owner
-from stages.fetch.onshape.gather import Reply, Told
+from stages.fetch.onshape.gather import LimitReplies, Reply
 from stages.fetch.onshape.url import AssemblyUrl
 
 
-def limits_of(owners: Sequence[Owner], root: str, url: AssemblyUrl, asking: Asking) -> list[Told]:
+def limits_of(owners: Sequence[Owner], root: str, url: AssemblyUrl, asking: Asking) -> list[LimitReplies]:
     """What each owner says; `root` is the id of the root assembly's document, `url` its address."""
     lists = [requests.features(owner.key, root) for owner in owners]
     bodies = asking.all(lists)
@@ -26,7 +26,7 @@ def limits_of(owners: Sequence[Owner], root: str, url: AssemblyUrl, asking: Aski
     ]
     variables = _variables(needy, root, url, asking)
     return [
-        Told(Reply(request, bodies[request]), variables.get(owner))
+        LimitReplies(Reply(request, bodies[request]), variables.get(owner))
         for owner, request in zip(owners, lists, strict=True)
     ]
 

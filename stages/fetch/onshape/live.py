@@ -10,7 +10,7 @@ from stages.fetch.onshape.call_budget import count
 from stages.fetch.onshape.configured import Configured
 from stages.fetch.onshape.features import Owner
 from stages.fetch.onshape.freshness import Workspace, tabs_to_ask, unchanged
-from stages.fetch.onshape.gather import Answer, Needs, Reply, Told
+from stages.fetch.onshape.gather import LimitReplies, Needs, Reply, StudioReplies
 from stages.fetch.onshape.limits import limits_of
 from stages.fetch.onshape.triangles.requests import NOTHING, Shapes
 from stages.fetch.onshape.url import AssemblyUrl
@@ -88,13 +88,13 @@ class Network:
             asking.remember(subject, {"name": name})
         return name
 
-    def features(self, owners: Sequence[Owner], root: str) -> Sequence[Told]:
+    def features(self, owners: Sequence[Owner], root: str) -> Sequence[LimitReplies]:
         if owners:
             self._tell(f"{count(len(owners), 'list')} of features for limits that the definition lacks")
             self._keep_lists(owners)
         return limits_of(owners, root, self._url, self._asking)
 
-    def studios(self, needs: Sequence[Needs]) -> Sequence[Answer]:
+    def studios(self, needs: Sequence[Needs]) -> Sequence[StudioReplies]:
         asking = self._asking
         known = [request for need in needs for request in self._requests(need)]
         kept = {request: body for request in known if (body := asking.kept(request)) is not None}

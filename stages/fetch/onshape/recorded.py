@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from stages.fetch.onshape import definition, requests
 from stages.fetch.onshape.features import Owner
-from stages.fetch.onshape.gather import Answer, Needs, Reply, Told
+from stages.fetch.onshape.gather import LimitReplies, Needs, Reply, StudioReplies
 from stages.fetch.onshape.reply_checks import accepted, compacted
 from stages.fetch.recording import Recording
 from stages.robot.errors import ProtocolError, SourceError
@@ -43,13 +43,15 @@ class Recorded:
         filed = [request for request, name in recording.requests.items() if name == recording.definition]
         return Reply(min(filed, default=pinned), body)
 
-    def studios(self, needs: Sequence[Needs]) -> Sequence[Answer]:
+    def studios(self, needs: Sequence[Needs]) -> Sequence[StudioReplies]:
         masses = [self._mass(need) for need in needs]
-        return [Answer(mass, self._triangles(need, mass)) for need, mass in zip(needs, masses, strict=True)]
+        return [
+            StudioReplies(mass, self._triangles(need, mass)) for need, mass in zip(needs, masses, strict=True)
+        ]
 
-    def features(self, owners: Sequence[Owner], root: str) -> Sequence[Told]:
+    def features(self, owners: Sequence[Owner], root: str) -> Sequence[LimitReplies]:
         asked = [(requests.features(o.key, root), requests.variables(o.key, root)) for o in owners]
-        return [Told(self._find(features), self._find(variables)) for features, variables in asked]
+        return [LimitReplies(self._find(features), self._find(variables)) for features, variables in asked]
 
     def _mass(self, need: Needs) -> tuple[Reply, ...]:
         """One reply for the whole studio, else one for each part used; SourceError where one lacks."""

@@ -41,6 +41,6 @@ def _content(folder: Path, name: str) -> bytes | None:
             place = (folder / spelt).resolve()
             if place.is_relative_to(folder.resolve()):
                 return regular_files.content(place, _LARGEST)
-        except (OSError, ValueError, regular_files.TooLarge):
+        except (OSError, ValueError, regular_files.FileTooLarge):
             continue
     return None

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 from stages.fetch import regular_files
 from stages.fetch.urdf.companions import companions
-from stages.fetch.urdf.mesh_file import Mesh, Unreadable, body, read
-from stages.fetch.urdf.resolve import Place
+from stages.fetch.urdf.mesh_file import LooseMesh, Unreadable, body, read
+from stages.fetch.urdf.resolve import MeshPlace
 from stages.fetch.urdf.survey import LARGEST_MESH, Survey, survey
 from stages.formats import triangles
 from stages.formats.urdf.model import Urdf, UrdfShape, mesh_key
@@ -73,7 +73,7 @@ class _Files:
     def __init__(self, seen: Survey, *, skip: bool) -> None:
         self._seen = seen
         self._skip = skip
-        self._read: dict[Path, Mesh | str] = {}
+        self._read: dict[Path, LooseMesh | str] = {}
         self._moved: dict[str, Path] = {}
         self.missing: list[Diagnostic] = []
 
@@ -95,13 +95,13 @@ class _Files:
         self.missing = list(lacking.values())
         return found
 
-    def _place(self, shape: UrdfShape) -> Place:
+    def _place(self, shape: UrdfShape) -> MeshPlace:
         place = self._seen.places.get(shape.filename) or self._seen.files.find(shape.filename)
         if place.searched and place.file is not None:
             self._moved[shape.filename] = place.file
         return place
 
-    def _mesh(self, place: Place) -> Mesh | str:
+    def _mesh(self, place: MeshPlace) -> LooseMesh | str:
         """The file's mesh, or why there is none."""
         if place.file is None:
             return place.why
@@ -146,11 +146,11 @@ def _moved(named: str, there: str, files: list[str]) -> str:
     return f"{shown}: not in {named}, taken from {there}"
 
 
-def _content(file: Path) -> Mesh | str:
+def _content(file: Path) -> LooseMesh | str:
     try:
         data = regular_files.content(file, LARGEST_MESH)
         return read(data, file.name, companions(file, data))
-    except regular_files.TooLarge:
+    except regular_files.FileTooLarge:
         return f"it is larger than {LARGEST_MESH} bytes"
     except OSError as error:
         return f"it cannot be read: {error.strerror or type(error).__name__}"

@@ -18,10 +18,9 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from stages.fetch.onshape.triangles.faces import merged
 from stages.fetch.urdf.dae import cleaned
 from stages.formats import gltf_claims
-from stages.formats.triangles import Body
+from stages.formats.triangles import Body, merged
 from stages.robot.geometry import NEUTRAL, Colour
 from stages.robot.install import install
 
@@ -39,7 +38,7 @@ class Unreadable(Exception):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Mesh:
+class LooseMesh:
     """Loose triangles: `points` (n, 3) float64 [m], `triangles` (m, 3) indices into them counter-clockwise
     seen from outside, `colours` and which of them each triangle has (m,)."""
 
@@ -49,7 +48,7 @@ class Mesh:
     which: npt.NDArray[np.int64]
 
 
-def read(data: bytes, name: str, companions: Mapping[str, bytes]) -> Mesh:
+def read(data: bytes, name: str, companions: Mapping[str, bytes]) -> LooseMesh:
     """The triangles in a mesh file. `name` ends as its format does; `companions`: the files that it
     names, as it names them. Unreadable where there are none."""
     kind = name.rpartition(".")[2].lower()
@@ -71,7 +70,7 @@ def read(data: bytes, name: str, companions: Mapping[str, bytes]) -> Mesh:
     return _joined([piece for piece in pieces if piece is not None], scale)
 
 
-def body(mesh: Mesh, key: str, scale: tuple[float, float, float], colour: Colour | None) -> Body:
+def body(mesh: LooseMesh, key: str, scale: tuple[float, float, float], colour: Colour | None) -> Body:
     """A mesh as one body: scaled, turned outside again where that mirrors it, maybe in one colour."""
     points = mesh.points * np.array(scale) + 0.0
     mirrored = scale[0] * scale[1] * scale[2] < 0
@@ -167,7 +166,7 @@ def _scene(data: bytes, kind: str, companions: Mapping[str, bytes]) -> Any:
     )
 
 
-def _placed(scene: Any, node: str) -> Mesh | None:
+def _placed(scene: Any, node: str) -> LooseMesh | None:
     """One node of a scene in the scene's frame; None where it has no triangles."""
     transform, name = scene.graph[node]
     shape = scene.geometry[name]
@@ -187,10 +186,10 @@ def _placed(scene: Any, node: str) -> Mesh | None:
         raise ValueError(msg)
     shades = _shades(shape)
     if shades is None:
-        return Mesh(points, corners, (NEUTRAL,), np.zeros(len(corners), dtype=np.int64))
+        return LooseMesh(points, corners, (NEUTRAL,), np.zeros(len(corners), dtype=np.int64))
     colours, which = np.unique(shades, axis=0, return_inverse=True)
     index = which.ravel() if len(shades) > 1 else np.zeros(len(corners), dtype=np.int64)
-    return Mesh(points, corners, tuple(_colour(one) for one in colours), index)
+    return LooseMesh(points, corners, tuple(_colour(one) for one in colours), index)
 
 
 def _shades(shape: Any) -> npt.NDArray[np.int64] | None:
@@ -229,13 +228,13 @@ def _unit(scene: Any, kind: str) -> float:
     return float(factor)
 
 
-def _joined(pieces: list[Mesh], scale: float) -> Mesh:
+def _joined(pieces: list[LooseMesh], scale: float) -> LooseMesh:
     if not pieces:
         msg = "it has no triangles"
         raise Unreadable(msg)
     first = np.cumsum([0, *(len(piece.points) for piece in pieces)])
     shade = np.cumsum([0, *(len(piece.colours) for piece in pieces)])
-    return Mesh(
+    return LooseMesh(
         points=np.concatenate([piece.points for piece in pieces]) * scale,
         triangles=np.concatenate([one.triangles + at for one, at in zip(pieces, first, strict=False)]),
         colours=tuple(colour for piece in pieces for colour in piece.colours),

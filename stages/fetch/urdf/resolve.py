@@ -22,7 +22,7 @@ _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class MeshPlace:
     """What a mesh's name means: a file, None where there is none.
 
     `searched`: it is not where the name says, but the only one of its name. `why` there is none.
@@ -33,7 +33,7 @@ class Place:
     why: str = ""
 
 
-class Places:
+class MeshPlaces:
     """Finds the files that a robot's file in `folder` names.
 
     `meshdir`: MuJoCo's, from the URDF's extension; "" for none.
@@ -44,16 +44,16 @@ class Places:
         self._packages = packages
         self._meshdir = meshdir
 
-    def find(self, name: str) -> Place:
+    def find(self, name: str) -> MeshPlace:
         scheme = _SCHEME.match(name)
         if scheme and scheme.group(1).lower() not in ("package", "model", "file"):
-            return Place(None, why=f"{scheme.group(1)}:// is not read: no mesh is fetched from a network")
+            return MeshPlace(None, why=f"{scheme.group(1)}:// is not read: no mesh is fetched from a network")
         for spelt in dict.fromkeys((name, unquote(name), name.replace("\\", "/"))):
             for candidate in self._meant(spelt):
                 if regular_files.is_file(candidate):
-                    return Place(candidate)
+                    return MeshPlace(candidate)
                 if regular_files.is_special(candidate):
-                    return Place(None, why=regular_files.NOT_REGULAR)
+                    return MeshPlace(None, why=regular_files.NOT_REGULAR)
         return self._search(name)
 
     def _meant(self, name: str) -> Iterator[Path]:
@@ -71,11 +71,11 @@ class Places:
             yield self._folder / self._meshdir / PurePosixPath(rest).name
             yield self._folder / self._meshdir / rest.lstrip("/")
 
-    def _search(self, name: str) -> Place:
+    def _search(self, name: str) -> MeshPlace:
         """A file that is not where it should be: below a folder above, else by its name."""
         steps = [step for step in re.sub(r"^\w+://", "", name).replace("\\", "/").split("/") if step]
         if not steps:
-            return Place(None, why="it names no file")
+            return MeshPlace(None, why="it names no file")
         if ".." not in steps:
             inner = [steps, steps[1:]] if _SCHEME.match(name) else [steps]
             for rest in ("/".join(one) for one in inner if one):
@@ -83,16 +83,16 @@ class Places:
                     (place for place in self._packages.near(rest) if regular_files.is_file(place)), None
                 )
                 if found is not None:
-                    return Place(found, searched=True)
+                    return MeshPlace(found, searched=True)
         alike = self._by_name.get(steps[-1].casefold(), [])
         if not alike:
-            return Place(None, why="there is no such file, and none of its name in the robot's folder")
+            return MeshPlace(None, why="there is no such file, and none of its name in the robot's folder")
         shared = [_shared_tail(steps, path.parts) for path in alike]
         best = [path for path, score in zip(alike, shared, strict=True) if score == max(shared)]
         if len(best) > 1:
             named = ", ".join(sorted(_relative(path, self._packages.root) for path in best)[:3])
-            return Place(None, why=f"there is no such file, and several of its name: {named}")
-        return Place(best[0], searched=True)
+            return MeshPlace(None, why=f"there is no such file, and several of its name: {named}")
+        return MeshPlace(best[0], searched=True)
 
     @functools.cached_property
     def _by_name(self) -> Mapping[str, list[Path]]:

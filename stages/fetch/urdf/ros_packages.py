@@ -93,7 +93,7 @@ def _called(place: Path) -> str:
     """The name in a folder's package.xml, "" without one."""
     try:
         found = _NAME.search(regular_files.content(place / "package.xml", _LARGEST))
-    except (OSError, regular_files.TooLarge):
+    except (OSError, regular_files.FileTooLarge):
         return ""
     return found.group(1).decode("utf-8", "replace") if found else ""
 

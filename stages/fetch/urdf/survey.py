@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 from stages.fetch import regular_files
 from stages.fetch.urdf import expand, plain, text
 from stages.fetch.urdf.companions import companions
-from stages.fetch.urdf.resolve import Place, Places
+from stages.fetch.urdf.resolve import MeshPlace, MeshPlaces
 from stages.fetch.urdf.ros_packages import Packages
 from stages.robot.errors import SourceError
 
@@ -40,8 +40,8 @@ class Survey:
 
     document: str
     text: bytes
-    places: Mapping[str, Place]
-    files: Places
+    places: Mapping[str, MeshPlace]
+    files: MeshPlaces
 
     def digests(self) -> list[list[str]]:
         """Of each mesh's name: where the file is, as messages tell it, and the SHA-256 of all it holds.
@@ -59,7 +59,7 @@ class Survey:
         told = json.dumps([sha256(self.text).hexdigest(), self.digests()])
         return sha256(told.encode()).hexdigest()
 
-    def _digest(self, place: Place) -> tuple[str, str]:
+    def _digest(self, place: MeshPlace) -> tuple[str, str]:
         if place.file is None:
             return "", place.why
         return self.files.shown(place.file), _content_digest(place.file)
@@ -76,7 +76,7 @@ def survey(source: UrdfSourceKeys, environ: Mapping[str, str]) -> Survey:
         content = text.uncommented(expand.expanded(source, content, environ, packages.find))
     else:
         plain.require(content, path.name)
-    places = Places(path.parent, packages, text.meshdir(content))
+    places = MeshPlaces(path.parent, packages, text.meshdir(content))
     found = {name: places.find(name) for name in text.meshes(content)}
     public = _public(found, places)
     content = text.without(text.renamed(content, public), _folders(path.parent, packages))
@@ -98,7 +98,7 @@ def identity(source: UrdfSourceKeys, environ: Mapping[str, str]) -> dict[str, An
     }
 
 
-def _public(found: Mapping[str, Place], places: Places) -> dict[str, str]:
+def _public(found: Mapping[str, MeshPlace], places: MeshPlaces) -> dict[str, str]:
     """Other names for those that tell where on this computer a file is."""
     names: dict[str, str] = {}
     folders: dict[str, int] = {}
@@ -143,7 +143,7 @@ def _content_digest(file: Path) -> str:
         if file.suffix.lower() not in _NAMING_FILES:
             return regular_files.digest(file, LARGEST_MESH)
         data = regular_files.content(file, LARGEST_MESH)
-    except regular_files.TooLarge:
+    except regular_files.FileTooLarge:
         return "too large"
     except OSError as error:
         return error.strerror or type(error).__name__

@@ -38,7 +38,7 @@ def read(path: Path, where: str) -> str:
     except OSError as error:
         msg = f"it cannot be read: {error.strerror or type(error).__name__}"
         raise SourceError(msg, where, "check source.path and its permissions") from error
-    except regular_files.TooLarge as error:
+    except regular_files.FileTooLarge as error:
         msg = f"it is not readable as a URDF: it has {error.size} bytes; at most {LARGEST} are read"
         raise SourceError(msg, where, "check that source.path names the right file") from None
     return uncommented(_decoded(data, where))

@@ -71,7 +71,7 @@ def test_a_file_is_read_as_long_as_the_system_says_it_is(tmp_path):
     path = tmp_path / "a"
     path.write_bytes(b"abc")
     assert regular_files.content(path, 3) == b"abc"
-    with pytest.raises(regular_files.TooLarge) as caught:
+    with pytest.raises(regular_files.FileTooLarge) as caught:
         regular_files.content(path, 2)
     assert caught.value.size == 3
     assert regular_files.digest(path, 3).startswith("ba7816bf")

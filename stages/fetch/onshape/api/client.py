@@ -10,42 +10,38 @@ import functools
 import json
 import tempfile
 import threading
-import time
 from collections.abc import Callable, Mapping
 from types import TracebackType
 from urllib.parse import urlsplit
 
 from stages.fetch.onshape import reply_sizes
-from stages.fetch.onshape.api import redirects, retries, signing
+from stages.fetch.onshape.api import redirects, retries
+from stages.fetch.onshape.api.call import ApiCall
 from stages.fetch.onshape.api.credentials import Credentials
+from stages.fetch.onshape.api.halt import Halt
 from stages.fetch.onshape.api.http_errors import (
-    cut_short,
-    offline,
+    no_reply,
     rate_limited,
     refusal,
     too_large,
-    unreached,
     web_page,
     wrongly_packed,
 )
 from stages.fetch.onshape.api.ledger import Ledger, billed, endpoint
 from stages.fetch.onshape.api.rate_limits import Windows, left, retry_after
+from stages.fetch.onshape.api.received import Received
 from stages.fetch.onshape.api.retries import Passing, Patience
-from stages.fetch.onshape.api.transport import AT_ONCE, Answer, Lost, Packed, TooLarge, Wire
-from stages.fetch.onshape.call_budget import Budget, Place
+from stages.fetch.onshape.api.transport import AT_ONCE, HttpReply, Lost, Packed, ReplyTooLarge, Wire
+from stages.fetch.onshape.call_budget import Budget, CallSlot
 from stages.fetch.onshape.requests import JSON, api, describe, is_definition
 from stages.fetch.onshape.url import AssemblyUrl
-from stages.robot.errors import Offline, ProtocolError, QuotaExhausted, RateLimited, SourceError
+from stages.robot.errors import Offline, ProtocolError, QuotaExhausted, SourceError
 
 __all__ = ["AT_ONCE", "JSON", "Client"]
 
 _PAGE = b"<"
 _MET = {"X-Api-Version": "api", "On-Version": "release"}
 _PATIENCE = Patience()
-_LONG = 1_000_000
-"""What arrives in no time need not be watched [bytes]."""
-_EVERY = 0.2
-"""How often it is shown how much has arrived [s]."""
 
 
 class Client:
@@ -80,12 +76,9 @@ class Client:
         self._progress = progress
         self._lock = threading.Lock()
         self._budget = Budget(max_calls)
-        self._stopped = threading.Event()
-        self._reason: SourceError | None = None
-        self._windows = Windows(patience.max_wait, self._stopped)
-        self._transient = transient
-        self._received, self._shown = 0, 0.0
-        self._wire = Wire(patience, loopback=url.loopback, arrived=self._arrived)
+        self._halt = Halt()
+        self._windows = Windows(patience.max_wait, self._halt.stopped)
+        self._wire = Wire(patience, loopback=url.loopback, arrived=Received(transient).add)
 
     def __enter__(self) -> "Client":
         return self
@@ -121,7 +114,7 @@ class Client:
         """
 
         def once() -> bytes:
-            answer = self._answer("GET", request, accept, None)
+            answer = self._answer(ApiCall("GET", request, accept))
             if answer.status != 200:
                 raise self._refusal(answer, request)
             if answer.body[:64].lstrip()[:1] == _PAGE:
@@ -141,7 +134,7 @@ class Client:
         """
 
         def once() -> bytes:
-            answer = self._answer("POST", request, JSON, body, restoring=restoring)
+            answer = self._answer(ApiCall("POST", request, JSON, body, restoring))
             if not 200 <= answer.status < 300:
                 raise self._refusal(answer, request, final=not restoring)
             return answer.body
@@ -150,7 +143,7 @@ class Client:
 
     def stop(self) -> None:
         """Lets no further call begin, and ends those on their way and all waits: they raise Offline."""
-        self._halt(Offline("the calls were stopped", self.host, "run the same command again"))
+        self._halt.stop(Offline("the calls were stopped", self.host, "run the same command again"))
         self._wire.hang_up()
 
     def _persist(self, once: Callable[[], bytes], *, restoring: bool = False) -> bytes:
@@ -161,105 +154,92 @@ class Client:
                 return once()
             except Passing:
                 if not restoring:
-                    self._may_go()
+                    self._halt.check()
                 raise
 
         return retries.persist(unless_stopped, self._patience)
 
-    def _answer(
-        self, method: str, request: str, accept: str, content: bytes | None, *, restoring: bool = False
-    ) -> Answer:
+    def _answer(self, call: ApiCall) -> HttpReply:
         """The reply, whatever its status, once the server's window is open."""
-        kind, seconds = endpoint(request), self._patience.first_wait
+        kind, seconds = endpoint(call.request), self._patience.first_wait
         for _ in range(self._patience.refusals):
-            self._windows.wait(kind, stoppable=not restoring)
-            answer = self._whole(method, request, accept, content, restoring)
+            self._windows.wait(kind, stoppable=not call.restoring)
+            answer = self._whole(call)
             if answer.status != 429:
                 return answer
-            if not restoring:
-                self._may_go()
+            if not call.restoring:
+                self._halt.check()
             # Never less than our own pause: a server that says 0 must not be asked in a rush.
             asked = retry_after(answer.headers)
             seconds = max(asked or 0.0, seconds)
             if not self._windows.close(kind, seconds):
                 break
-            self._say(f"{self.host} allows no more calls for {describe(request)}: waiting {seconds:.0f} s")
+            self._say(f"{self.host} allows no more calls for {call.what}: waiting {seconds:.0f} s")
             seconds = min(2 * seconds, self._patience.longest_wait) if asked is None else seconds
         error = rate_limited(
-            describe(request),
+            call.what,
             self._said(answer),
             self.host,
             asked=retry_after(answer.headers),
             waited=self._windows.waited,
             max_wait=self._patience.max_wait,
         )
-        self._halt(error)
+        self._halt.stop(error)
         raise error
 
-    def _whole(
-        self, method: str, request: str, accept: str, content: bytes | None, restoring: bool
-    ) -> Answer:
+    def _whole(self, call: ApiCall) -> HttpReply:
         """A whole reply, or the error for the lack of one."""
         try:
-            return self._follow(method, request, accept, content, restoring)
+            return self._follow(call)
         except Lost as lost:
-            what = describe(request)
-            if lost.trouble is not None and not lost.late:
-                error: SourceError = unreached(lost.trouble, self.host)
-                if lost.trouble.lasting:
-                    raise error from lost
-            elif lost.late or not lost.status:
-                error = offline(what, self.host, str(lost), late=lost.late)
-            else:
-                error = cut_short(what, self.host)
-            if method != "GET" and lost.begun and not restoring:
-                hint = "it may have been carried out all the same: look at the document in the browser"
-                raise type(error)(error.message, error.where, hint) from lost
-            raise Passing(error, "billed" if billed(lost.status) else "free", self._say) from lost
-        except TooLarge as error:
-            raise too_large(request, self.host) from error
+            raise self._retried(lost, call) from lost
+        except ReplyTooLarge as error:
+            raise too_large(call.request, self.host) from error
         except Packed as error:
-            raise wrongly_packed(describe(request), self.host, str(error)) from error
+            raise wrongly_packed(call.what, self.host, str(error)) from error
         except OSError as error:
-            msg = f"the reply with {describe(request)} cannot be written: {error.strerror or error}"
+            msg = f"the reply with {call.what} cannot be written: {error.strerror or error}"
             hint = "make room there, or name another folder in the environment variable TMPDIR"
             raise SourceError(msg, tempfile.gettempdir(), hint) from error
 
-    def _follow(
-        self, method: str, request: str, accept: str, content: bytes | None, restoring: bool
-    ) -> Answer:
+    def _retried(self, lost: Lost, call: ApiCall) -> Exception:
+        """The error for the lack of a whole reply; `Passing` where the call may be made again."""
+        error = no_reply(lost, call.what, self.host)
+        if lost.trouble is not None and lost.trouble.lasting and not lost.late:
+            return error
+        if call.method != "GET" and lost.begun and not call.restoring:
+            hint = "it may have been carried out all the same: look at the document in the browser"
+            return type(error)(error.message, error.where, hint)
+        return Passing(error, "billed" if billed(lost.status) else "free", self._say)
+
+    def _follow(self, call: ApiCall) -> HttpReply:
         """The reply where it is in the end. Every stop on the way is authenticated, and billed."""
-        what = describe(request)
-        document = request.partition("/d/")[2].partition("/")[0]
+        document = call.request.partition("/d/")[2].partition("/")[0]
         with self._lock:
             origin = self._origins.get(document, self._origin)
-        first = address = f"{origin}/api/{api(request)}{request}"
+        first = address = f"{origin}/api/{api(call.request)}{call.request}"
         for _ in range(1 + redirects.MOST):
-            if not restoring:
-                self._may_go()
+            if not call.restoring:
+                self._halt.check()
             # What is put back must go out whatever the budget.
-            with self._budget.place(needed=restoring) as place:
+            with self._budget.slot(needed=call.restoring) as slot:
                 answer = self._wire.send(
-                    method,
+                    call.method,
                     address,
-                    lambda target: {
-                        "Accept": accept,
-                        **({} if content is None else {"Content-Type": signing.CONTENT_TYPE}),
-                        **signing.headers(self._credentials, method, target),
-                    },
-                    content,
-                    functools.partial(self._note, request, place),
-                    reply_sizes.largest(request),
+                    functools.partial(call.headers, self._credentials),
+                    call.content,
+                    functools.partial(self._note, call.request, slot),
+                    reply_sizes.largest(call.request),
                 )
-            if not redirects.followed(method, answer.status):
+            if not redirects.followed(call.method, answer.status):
                 return answer
-            address = redirects.target(address, answer.headers.get("Location", ""), what)
+            address = redirects.target(address, answer.headers.get("Location", ""), call.what)
             region = redirects.moved(first, address)
             if region is not None:
                 # The other calls for this document go there directly: each stop costs a call.
                 with self._lock:
                     self._origins[document] = region
-        msg = f"the server points elsewhere for {what} more than {redirects.MOST} times"
+        msg = f"the server points elsewhere for {call.what} more than {redirects.MOST} times"
         raise ProtocolError(msg, self.host, "use the host that the browser shows for this document")
 
     def _check(self, body: bytes, check: Callable[[bytes], None]) -> None:
@@ -269,13 +249,13 @@ class Client:
             told = ProtocolError(error.message, self.host, error.hint)
             raise Passing(told, "billed", self._say) from error
 
-    def _refusal(self, answer: Answer, request: str, *, final: bool = False) -> Exception:
+    def _refusal(self, answer: HttpReply, request: str, *, final: bool = False) -> Exception:
         """The error for a refusal; `Passing` where it may pass by itself, unless it is `final`."""
         error = refusal(
             answer.status, answer.headers, self._said(answer), request, self.host, self._credentials.kind
         )
         if isinstance(error, QuotaExhausted):
-            self._halt(error)
+            self._halt.stop(error)
         if final or not (answer.status >= 500 or answer.status == 499):
             return error
         asked = retry_after(answer.headers)
@@ -283,15 +263,15 @@ class Client:
             return error
         return Passing(error, "free", self._say)
 
-    def _said(self, answer: Answer) -> str:
+    def _said(self, answer: HttpReply) -> str:
         """The body, free of secrets, also of those that JSON hides in escapes."""
         text = answer.body.decode("utf-8", "replace")
         with contextlib.suppress(ValueError, RecursionError):
             text = json.dumps(json.loads(text), ensure_ascii=False)
         return self._credentials.scrub(text)
 
-    def _note(self, request: str, place: Place, status: int, headers: Mapping[str, str]) -> None:
-        place.settle(billed(status))
+    def _note(self, request: str, slot: CallSlot, status: int, headers: Mapping[str, str]) -> None:
+        slot.charge(billed(status))
         kind = endpoint(request)
         apart = "definition_" if is_definition(request) else ""
         rest = left(headers)
@@ -306,26 +286,6 @@ class Client:
                 self._say(f"calls go uncounted: {why}")
             self._uncounted = True
 
-    def _arrived(self, size: int) -> None:
-        """Shows what has arrived of long replies, a few times a second."""
-        with self._lock:
-            self._received += size
-            now = time.monotonic()
-            if self._received < _LONG or now - self._shown < _EVERY:
-                return
-            self._shown = now
-            self._transient(f"{self._received / 1e6:.1f} MB received")
-
     def _say(self, line: str) -> None:
         with self._lock:
             self._progress(line)
-
-    def _halt(self, reason: QuotaExhausted | RateLimited | Offline) -> None:
-        with self._lock:
-            self._reason = self._reason or reason
-        self._stopped.set()
-
-    def _may_go(self) -> None:
-        """Raises what stopped all calls, if something did."""
-        if self._reason is not None:
-            raise type(self._reason)(self._reason.message, self._reason.where, self._reason.hint)

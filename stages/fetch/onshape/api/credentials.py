@@ -172,7 +172,13 @@ def _dotenv(path: Path) -> dict[str, str]:
     try:
         text = regular_files.content(path, _LARGEST_DOTENV).decode()
         values = dotenv_values(stream=io.StringIO(text), interpolate=False)
-    except (OSError, UnicodeDecodeError, regular_files.TooLarge) as error:
-        msg = f"the file .env cannot be read: {type(error).__name__}"
+    except (OSError, UnicodeDecodeError, regular_files.FileTooLarge) as error:
+        msg = f"the file .env cannot be read: {_reason(error)}"
         raise ConfigError(msg, DOTENV, f"write lines such as {ACCESS}=... in it, as UTF-8 text") from None
     return {name: value for name, value in values.items() if value and value.strip()}
+
+
+def _reason(error: Exception) -> str:
+    if isinstance(error, regular_files.FileTooLarge):
+        return f"it is larger than {_LARGEST_DOTENV} bytes"
+    return "it is not UTF-8 text" if isinstance(error, UnicodeDecodeError) else type(error).__name__

@@ -3,6 +3,7 @@
 import json
 import time
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from stages.fetch.onshape import reply_sizes
 from stages.fetch.onshape.api.connection_errors import Trouble
@@ -17,6 +18,9 @@ from stages.robot.errors import (
     RateLimited,
     SourceError,
 )
+
+if TYPE_CHECKING:
+    from stages.fetch.onshape.api.transport import Lost
 
 AGAIN = "run the same command again; what was fetched is kept and not paid for twice"
 
@@ -109,6 +113,15 @@ def offline(what: str, host: str, why: str, *, late: bool) -> Offline:
 def unreached(trouble: Trouble, host: str) -> Offline:
     """The error for a request that did not get to its server."""
     return Offline(trouble.message, host, trouble.hint)
+
+
+def no_reply(lost: "Lost", what: str, host: str) -> SourceError:
+    """The error for the lack of a whole reply."""
+    if lost.trouble is not None and not lost.late:
+        return unreached(lost.trouble, host)
+    if lost.late or not lost.status:
+        return offline(what, host, str(lost), late=lost.late)
+    return cut_short(what, host)
 
 
 def too_large(request: str, host: str) -> ProtocolError:

@@ -1,5 +1,6 @@
 """Asking again: which failures pass by themselves, how often to try, and how long to wait between."""
 
+import functools
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ Kind = Literal["free", "billed"]
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """How long a server is borne with. Times in seconds."""
+    """How often and how long failed calls are retried. Times in seconds."""
 
     max_wait: float = 120.0
     """Longest wait in all that the server may ask for (`Retry-After`)."""
@@ -50,13 +51,13 @@ class Patience:
 
 
 class Passing(Exception):
-    """A failure that may pass by itself. `error` is what to tell if it does not."""
+    """A failure that may pass by itself. `error` is the one to raise if it does not."""
 
-    def __init__(self, error: SourceError, kind: Kind, tell: Callable[[str], None]) -> None:
+    def __init__(self, error: SourceError, kind: Kind, progress: Callable[[str], None]) -> None:
         super().__init__(error.message)
         self.error = error
         self.kind: Kind = kind
-        self.tell = tell
+        self.progress = progress
 
 
 def persist(once: Callable[[], bytes], patience: Patience) -> bytes:
@@ -64,6 +65,7 @@ def persist(once: Callable[[], bytes], patience: Patience) -> bytes:
 
     Raises the last failure's own error, with the number of attempts; any other error at once.
     """
+    _install_hook()
     limits = {"free": patience.attempts, "billed": patience.billed}
     failures: Counter[Kind] = Counter()
 
@@ -88,12 +90,14 @@ def persist(once: Callable[[], bytes], patience: Patience) -> bytes:
         raise type(error)(message, error.where, error.hint) from last.__cause__
 
 
-def _tell(details: RetryDetails) -> None:
-    """Tells the user of a coming attempt."""
+@functools.cache
+def _install_hook() -> None:
+    """Replaces the library's own logging of retries, which would write past the display."""
+    set_on_retry_hooks([_announce])
+
+
+def _announce(details: RetryDetails) -> None:
+    """Reports a coming attempt."""
     if isinstance(details.caused_by, Passing):
         error = details.caused_by.error
-        details.caused_by.tell(f"{error.message}; asking again in {details.wait_for:.0f} s")
-
-
-# In place of the library's own logging, which would write past the display.
-set_on_retry_hooks([_tell])
+        details.caused_by.progress(f"{error.message}; asking again in {details.wait_for:.0f} s")

@@ -32,7 +32,7 @@ _BROKEN: Mapping[type[httpx.HTTPError], str] = {
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class HttpReply:
     """A reply. `headers` looks names up without regard to case; `body` is unpacked."""
 
     status: int
@@ -58,7 +58,7 @@ class Lost(Exception):
         self.trouble = trouble
 
 
-class TooLarge(Exception):
+class ReplyTooLarge(Exception):
     """A reply that unpacks to more than its kind may have."""
 
 
@@ -122,8 +122,8 @@ class Wire:
         content: bytes | None,
         met: Callable[[int, Mapping[str, str]], None],
         most: int,
-    ) -> Answer:
-        """The reply to one request; Lost, TooLarge or Packed where there is none that can be used.
+    ) -> HttpReply:
+        """The reply to one request; Lost, ReplyTooLarge or Packed where there is none that can be used.
 
         `headers` gets path and query as they are sent; `met` gets status and headers as soon as
         they are there, since that is when a call is billed; `most`: bytes that a reply may unpack to.
@@ -143,7 +143,7 @@ class Wire:
             try:
                 status = response.status_code
                 met(status, response.headers)
-                return Answer(status, response.headers, _body(response, until, most, self._arrived))
+                return HttpReply(status, response.headers, _body(response, until, most, self._arrived))
             finally:
                 response.close()
         except _UNMET as error:
@@ -195,7 +195,7 @@ def _body(response: httpx.Response, until: float, most: int, arrived: Callable[[
     promised = int(announced) if re.fullmatch("[0-9]{1,20}", announced) else None
     encoding = response.headers.get("Content-Encoding", "")
     if good and promised is not None and promised > most:
-        raise TooLarge
+        raise ReplyTooLarge
     with tempfile.SpooledTemporaryFile(_IN_MEMORY) as file:
         try:
             for piece in decompression.unpacked(_pieces(response, arrived), encoding):
@@ -203,7 +203,7 @@ def _body(response: httpx.Response, until: float, most: int, arrived: Callable[[
                 if time.monotonic() > until:
                     raise Lost("too slow", begun=True, status=status, late=True)
                 if good and max(file.tell(), response.num_bytes_downloaded) > most:
-                    raise TooLarge
+                    raise ReplyTooLarge
                 if not good and file.tell() > reply_sizes.REFUSAL:
                     break
         except (httpx.HTTPError, decompression.DamagedError, decompression.UnknownEncodingError) as error:

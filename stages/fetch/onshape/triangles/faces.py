@@ -109,35 +109,12 @@ def _whole(body: Body, constituents: frozenset[str], solid: Sequence[Body], room
         room.take(triangles=len(one.triangles), points=len(one.points))
     first = np.cumsum([0, *(len(part.points) for part in parts)])
     shade = np.cumsum([0, *(len(part.palette) for part in parts)])
-    return merged(
+    return triangles.merged(
         body.id,
         np.concatenate([part.points for part in parts]),
         np.concatenate([part.triangles + at for part, at in zip(parts, first, strict=False)]),
         [colour for part in parts for colour in part.palette],
         np.concatenate([part.colours + at for part, at in zip(parts, shade, strict=False)]),
-    )
-
-
-def merged(name: str, points: _Points, corners: _Indices, colours: Sequence[Colour], which: _Indices) -> Body:
-    """A body out of loose triangles: points that are equal to the last bit become one.
-
-    `corners` (m, 3) index the points (n, 3), `which` (m,) the colours.
-    """
-    used = np.zeros(len(points), dtype=bool)
-    used[corners] = True
-    if not used.all():
-        corners = (np.cumsum(used) - 1)[corners]
-        points = points[used]
-    points, index = triangles.distinct(points)
-    palette = tuple(sorted({colours[seen] for seen in np.unique(which)}))
-    rank = {colour: place for place, colour in enumerate(palette)}
-    ranks = np.array([rank.get(colour, 0) for colour in colours], dtype=np.uint16)
-    return Body(
-        id=name,
-        points=points,
-        triangles=index.astype(np.int32)[corners],
-        palette=palette,
-        colours=ranks[which],
     )
 
 
@@ -161,7 +138,7 @@ def _body(name: str, record: _Record, shared: _Points, room: Room) -> Body:
         for facets in json_stream.runs(face.get("facets")):
             soup.add(facets, len(colours))
         colours.append(colour_of(face.get("appearance"), record.get("appearance")))
-    return merged(name, *soup.joined(), colours, soup.faces())
+    return triangles.merged(name, *soup.joined(), colours, soup.faces())
 
 
 class _Soup:

@@ -12,8 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import orjson
 
-from stages.fetch.onshape.triangles.faces import merged
-from stages.fetch.onshape.triangles.matching import Shape, assigned
+from stages.fetch.onshape.triangles.matching import BodyFigures, assigned
 from stages.formats import gltf, triangles
 from stages.formats.gltf import Node
 from stages.robot.errors import ProtocolError
@@ -46,7 +45,7 @@ def compact(reply: bytes, mass: bytes) -> bytes:
     for name in sorted(found.meshes):
         node = nodes[found.meshes[name]]
         points = _turned(node.points, found.rotation)
-        bodies.append(merged(name, points, node.corners, node.colours, node.which))
+        bodies.append(triangles.merged(name, points, node.corners, node.colours, node.which))
     return triangles.encode(bodies)
 
 
@@ -56,7 +55,7 @@ def _turned(points: npt.NDArray[np.float64], rotation: npt.NDArray[np.float64]) 
     return np.stack([row[0] * x + row[1] * y + row[2] * z for row in rotation], axis=1)
 
 
-def _shape(node: Node) -> Shape:
+def _shape(node: Node) -> BodyFigures:
     """The figures of a node's mesh; those by volume are None where it encloses next to none."""
     middle = (node.points.min(axis=0) + node.points.max(axis=0)) / 2
     corners = (node.points - middle)[node.corners]
@@ -66,7 +65,7 @@ def _shape(node: Node) -> Shape:
     signed = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
     volume = float(signed.sum())
     if abs(volume) <= _SPECK * size**3:
-        return Shape(node.name, abs(volume), area, size, None, None)
+        return BodyFigures(node.name, abs(volume), area, size, None, None)
     total = a + b + c
     centre = signed @ total / (4 * volume)
     # Second moments of tetrahedra with one corner at the middle.
@@ -75,10 +74,10 @@ def _shape(node: Node) -> Shape:
     )
     second = second / (20 * volume) - np.outer(centre, centre)
     gyration = np.trace(second) * np.eye(3) - second
-    return Shape(node.name, abs(volume), area, size, middle + centre, gyration)
+    return BodyFigures(node.name, abs(volume), area, size, middle + centre, gyration)
 
 
-def _parts(mass: bytes) -> dict[str, Shape]:
+def _parts(mass: bytes) -> dict[str, BodyFigures]:
     """The figures that CAD gives, by part id; without a mass it gives no centroid and no inertia."""
     try:
         bodies: Mapping[str, Mapping[str, Any]] = orjson.loads(mass)["bodies"]
@@ -88,10 +87,10 @@ def _parts(mass: bytes) -> dict[str, Shape]:
         raise ProtocolError(msg, hint=_HINT) from None
 
 
-def _expected(name: str, record: Mapping[str, Any]) -> Shape:
+def _expected(name: str, record: Mapping[str, Any]) -> BodyFigures:
     volume, area, weight = (float(record[key][0]) for key in ("volume", "periphery", "mass"))
     if not record.get("hasMass") or weight <= 0:
-        return Shape(name, volume, area, 0.0, None, None)
+        return BodyFigures(name, volume, area, 0.0, None, None)
     centroid = np.array(record["centroid"][:3], dtype=np.float64)
     inertia = np.array(record["inertia"][:9], dtype=np.float64).reshape(3, 3)
-    return Shape(name, volume, area, 0.0, centroid, inertia / weight)
+    return BodyFigures(name, volume, area, 0.0, centroid, inertia / weight)

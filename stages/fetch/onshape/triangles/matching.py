@@ -27,7 +27,7 @@ _AXES = (
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Shape:
+class BodyFigures:
     """Figures of a body, of uniform density: `volume` [m³], `area` [m²], `size` across [m].
 
     `centroid` (3,) [m] and `gyration`, its inertia about that by mass (3, 3) [m²], or None where
@@ -54,7 +54,7 @@ class Assignment:
     certain: bool
 
 
-def assigned(meshes: Sequence[Shape], parts: Mapping[str, Shape]) -> Assignment:
+def assigned(meshes: Sequence[BodyFigures], parts: Mapping[str, BodyFigures]) -> Assignment:
     """The meshes of parts. A part has none where none fits, or where another would fit as well.
 
     ValueError where there are too many of both to try each with each.
@@ -75,7 +75,7 @@ def assigned(meshes: Sequence[Shape], parts: Mapping[str, Shape]) -> Assignment:
     return Assignment(pairing, rotation, all(other[0] - total > _CLEAR for other in others))
 
 
-def _costs(meshes: Sequence[Shape], parts: Sequence[Shape], rotation: _Array) -> _Array:
+def _costs(meshes: Sequence[BodyFigures], parts: Sequence[BodyFigures], rotation: _Array) -> _Array:
     """(meshes, parts): how badly each fits each, as a sum of relative differences."""
     costs = _apart([mesh.volume for mesh in meshes], [part.volume for part in parts])
     costs += _apart([mesh.area for mesh in meshes], [part.area for part in parts])

@@ -14,7 +14,7 @@ import orjson
 from stages.fetch.onshape import requests
 from stages.fetch.onshape.api.http_errors import Declined
 from stages.fetch.onshape.cached_client import Asking, Refused
-from stages.fetch.onshape.gather import Answer, Needs, Reply
+from stages.fetch.onshape.gather import Needs, Reply, StudioReplies
 from stages.fetch.onshape.reply_checks import compacted
 from stages.formats import triangles
 from stages.robot.errors import Diagnostic, NotFound, ProtocolError
@@ -76,11 +76,11 @@ class Shapes:
             found[request] = body
         return found
 
-    def answer(self, need: Needs, known: Mapping[str, bytes]) -> Answer:
+    def answer(self, need: Needs, known: Mapping[str, bytes]) -> StudioReplies:
         """The answer about a part studio whose replies are known."""
         mass, request = self.mass(need), self.request(need, known)
         body = compacted(request, known[request], known[mass])
-        return Answer((Reply(mass, known[mass]),), Reply(request, body))
+        return StudioReplies((Reply(mass, known[mass]),), Reply(request, body))
 
     def diagnostics(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
         """I-TESSELLATION for each part studio whose triangles are from its glTF."""

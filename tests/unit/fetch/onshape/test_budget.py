@@ -8,39 +8,39 @@ from stages.robot.errors import SourceError
 
 def test_calls_on_their_way_cannot_overdraw_together():
     budget = Budget(2)
-    with budget.place(), budget.place():
-        with pytest.raises(SourceError, match="may make 2"), budget.place():
+    with budget.slot(), budget.slot():
+        with pytest.raises(SourceError, match="may make 2"), budget.slot():
             pass
         assert budget.made == 0
 
 
 def test_what_came_to_nothing_gives_its_place_back():
     budget = Budget(1)
-    with pytest.raises(OSError), budget.place():
+    with pytest.raises(OSError), budget.slot():
         raise OSError
-    with budget.place() as place:
-        place.settle(0)
-    with budget.place() as place:
-        place.settle(1)
+    with budget.slot() as slot:
+        slot.charge(0)
+    with budget.slot() as slot:
+        slot.charge(1)
     assert budget.made == 1
-    with pytest.raises(SourceError, match="made 1 call and needs 1 more"), budget.place():
+    with pytest.raises(SourceError, match="made 1 call and needs 1 more"), budget.slot():
         pass
 
 
 def test_a_call_counts_once_from_when_it_is_billed():
     """While its body still arrives it holds no place beside the call that it came to."""
     budget = Budget(2)
-    with budget.place() as first:
-        first.settle(1)
-        with budget.place() as second:
-            second.settle(1)
-        first.settle(1)
+    with budget.slot() as first:
+        first.charge(1)
+        with budget.slot() as second:
+            second.charge(1)
+        first.charge(1)
     assert budget.made == 2
 
 
 def test_without_a_limit_calls_are_only_counted():
     budget = Budget(None)
     for _ in range(3):
-        with budget.place() as place:
-            place.settle(1)
+        with budget.slot() as slot:
+            slot.charge(1)
     assert budget.made == 3

@@ -319,7 +319,7 @@ def test_a_gltf_of_brackets_is_refused_before_it_is_parsed():
 
 def test_bodies_and_parts_beyond_counting_are_refused(monkeypatch):
     monkeypatch.setattr(matching, "_MOST_PAIRS", 5)
-    shape = matching.Shape("", 1.0, 1.0, 1.0, None, None)
+    shape = matching.BodyFigures("", 1.0, 1.0, 1.0, None, None)
     with pytest.raises(ValueError, match="3 bodies and 2 parts"):
         matching.assigned([shape] * 3, {"A": shape, "B": shape})
 

@@ -1,0 +1,28 @@
+"""One call of the API as it is to be made."""
+
+from dataclasses import dataclass
+
+from stages.fetch.onshape.api import signing
+from stages.fetch.onshape.api.credentials import Credentials
+from stages.fetch.onshape.requests import describe
+
+
+@dataclass(frozen=True, slots=True)
+class ApiCall:
+    """`restoring`: the call undoes a change, so it is made whatever has stopped the others."""
+
+    method: str
+    request: str
+    accept: str
+    content: bytes | None = None
+    restoring: bool = False
+
+    @property
+    def what(self) -> str:
+        """What is asked for, in words."""
+        return describe(self.request)
+
+    def headers(self, credentials: Credentials, target: str) -> dict[str, str]:
+        """The headers, signed for the address `target`."""
+        content = {} if self.content is None else {"Content-Type": signing.CONTENT_TYPE}
+        return {"Accept": self.accept, **content, **signing.headers(credentials, self.method, target)}

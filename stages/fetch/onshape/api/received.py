@@ -1,0 +1,30 @@
+"""How much of long replies has arrived, shown a few times a second."""
+
+import time
+from collections.abc import Callable
+from threading import Lock
+
+_LONG = 1_000_000
+"""What arrives in no time need not be shown [bytes]."""
+
+_INTERVAL = 0.2
+"""The least time between two lines [s]."""
+
+
+class Received:
+    """Counts what arrives, in any thread, and hands a line about it to `transient`."""
+
+    def __init__(self, transient: Callable[[str], None]) -> None:
+        self._transient = transient
+        self._lock = Lock()
+        self._size, self._shown = 0, 0.0
+
+    def add(self, size: int) -> None:
+        """Counts a piece of a reply [bytes]."""
+        with self._lock:
+            self._size += size
+            now = time.monotonic()
+            if self._size < _LONG or now - self._shown < _INTERVAL:
+                return
+            self._shown = now
+            self._transient(f"{self._size / 1e6:.1f} MB received")
