@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
@@ -13,7 +13,7 @@ from stages.export.keys import ExportKeys
 from stages.fetch.keys import FetchKeys
 from stages.graph.keys import GraphKeys
 from stages.mesh.keys import MeshKeys
-from stages.robot.keys import Flag, Keys, Text, not_yet
+from stages.robot.keys import Flag, Keys, Text, example, not_yet
 from stages.validate.keys import ValidateKeys
 
 SECTIONS: tuple[type[Keys], ...] = (FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys)
@@ -31,12 +31,12 @@ HOW = (
     "source.stale",
     "source.trust",
 )
-"""Keys, or sections, that say how a build is run and not what is built: no part of what identifies a job,
-nor of any cache key."""
+"""Keys and sections that say how a build runs, not what it builds: they identify no job of a sweep and are
+part of no cache key."""
 
 
 def says_how(key: str) -> bool:
-    """Whether a full key says how a build is run, and not what is built."""
+    """Whether a full key says how a build runs, not what it builds."""
     return any(key == one or key.startswith(f"{one}.") for one in HOW)
 
 
@@ -44,30 +44,31 @@ class CacheKeys(Keys):
     """The cache of earlier results."""
 
     mode: Literal["use", "refresh", "bypass"] = "use"
-    """use; refresh: make everything again and store it; bypass: neither read nor store."""
+    """use: read and store results; refresh: make everything again and store it; bypass: neither read nor
+    store."""
 
-    dir: Text | None = None
-    """The cache's folder; null: the platform's cache folder."""
+    dir: Annotated[Text | None, example("~/.cache/linkwright")] = None
+    """Folder of the cache; null: LINKWRIGHT_CACHE, else the platform's cache folder."""
 
 
 class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
-    """Everything that a build is told: the stages' sections and how to run them."""
+    """The whole configuration of a build: the sections of the stages, and how they run."""
 
     cache: CacheKeys = CacheKeys()
     """The cache of earlier results."""
 
-    vars: dict[Text, Any] = Field(default_factory=dict)
-    """Values of one's own, for interpolations: `${vars.reach}`."""
+    vars: Annotated[dict[Text, Any], example({"reach": 0.3})] = Field(default_factory=dict)
+    """Values of your own, for interpolations such as `${vars.reach}`."""
 
     plugins: tuple[Text, ...] = not_yet(())
     """Modules whose classes may be used as `_target_`."""
 
-    output: Text | None = None
-    """The output folder, `~` for the home folder; null: `outputs/<name>`."""
+    output: Annotated[Text | None, example("~/robots/my_arm")] = None
+    """The output folder; `~` is the home folder; null: `outputs/<name>`."""
 
     overwrite: Flag = False
-    """Whether what is in the way of the build (files of an earlier build that were changed, and what is
-    not linkwright's where it puts a file) moves to `<output>.replaced`; else it stops the build."""
+    """Whether files in the way of the build (files of an earlier build that were changed, and files of yours
+    at a path that the build writes) are moved to `<output>.replaced`; else they stop the build."""
 
     until: Literal["fetch", "graph", "mesh", "export", "validate"] = "validate"
     """The last stage that runs."""

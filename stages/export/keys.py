@@ -4,20 +4,30 @@ from importlib import import_module
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, create_model, model_serializer, model_validator
-from pydantic_core import PydanticCustomError
 
 from stages.export import WRITERS, writer_of
-from stages.robot.keys import Keys, Later, NonNegative, Number, Positive, Text, Triple, not_yet
+from stages.robot.keys import (
+    Keys,
+    Later,
+    NonNegative,
+    Number,
+    Positive,
+    Text,
+    Triple,
+    example,
+    invalid,
+    not_yet,
+)
 
 LATER_FORMATS = ("sdf", "usd", "ros")
-"""Formats that are decided but not there yet."""
+"""Formats that are decided but not supported yet."""
 
 
 class GroundKeys(Keys):
     """The ground of `scene.xml`."""
 
     kind: Literal["none", "plane"] = "plane"
-    """plane, or none."""
+    """Shape of the ground."""
 
     size: tuple[Positive, Positive] = (4, 4)
     """Length along x and y of the plane that is drawn [m]; contact is not limited to it."""
@@ -32,13 +42,13 @@ class GroundKeys(Keys):
     """MuJoCo's sliding [-], torsional [m] and rolling [m] friction."""
 
     material: Literal["checker"] = not_yet("checker")
-    """How it looks."""
+    """Texture of the ground."""
 
 
 class PoseKeys(Keys):
-    """Where the robot's root stands in the world."""
+    """Pose of the robot's root in the world."""
 
-    xyz: Triple = (0, 0, 0)
+    xyz: Annotated[Triple, example([0, 0, 0.2])] = (0, 0, 0)
     """Position [m]."""
 
     rpy: Triple = (0, 0, 0)
@@ -51,14 +61,14 @@ class OptionKeys(Keys):
     unknown_is_later: ClassVar[bool] = True
 
     timestep: Positive = 0.002
-    """Step of the simulation [s]."""
+    """Time step of the simulation [s]."""
 
 
 class SceneKeys(Keys):
     """The world around the robot."""
 
     pose: Annotated[PoseKeys, Later("touch")] = PoseKeys()
-    """Where the robot's root stands."""
+    """Pose of the robot's root in the world."""
 
     lights: dict[Text, Any] = not_yet(dict)
     """Lights, by name."""
@@ -85,7 +95,7 @@ class _Formats(Keys):
     def _some_format(self) -> Self:
         if not self.chosen:
             names = ", ".join(WRITERS)
-            raise PydanticCustomError("no_format", f"no format is chosen; allowed: {names}, [{names}]")
+            raise invalid(f"no format is chosen; allowed: {names}, [{names}]")
         return self
 
     @model_serializer(mode="wrap")
@@ -107,7 +117,7 @@ _EveryFormat: Any = create_model(
 
 
 class ExportSection(_EveryFormat):  # type: ignore[misc]
-    """The formats; null leaves a format out."""
+    """Formats to write; null leaves a format out."""
 
 
 class ExportKeys(Keys):
@@ -129,10 +139,10 @@ class ExportKeys(Keys):
     """Name → glob on joint names → value [rad or m]."""
 
     elements: dict[Text, Any] = not_yet(dict)
-    """XML of the user's own, by name."""
+    """XML elements of your own, by name."""
 
     attributes: dict[Text, Any] = not_yet(dict)
-    """Name of an element → attributes that are set on it."""
+    """Name of an element → attributes to set on it."""
 
     export: ExportSection = ExportSection.model_validate({"urdf": {}, "mjcf": {}})
-    """The formats that are written."""
+    """Formats to write; null leaves a format out."""

@@ -1,4 +1,4 @@
-"""Configuration of the fetch stage: where the robot comes from."""
+"""Configuration of the fetch stage: the source of the robot."""
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Annotated, Any, Union
@@ -32,4 +32,4 @@ class FetchKeys(Keys):
     """The fetch stage's part of the configuration."""
 
     source: AnySource
-    """Where the robot comes from."""
+    """Source of the robot."""

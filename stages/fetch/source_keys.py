@@ -4,9 +4,8 @@ import math
 from typing import Annotated, Any
 
 from pydantic import AfterValidator
-from pydantic_core import PydanticCustomError
 
-from stages.robot.keys import Keys
+from stages.robot.keys import Keys, invalid
 
 ADDRESS = "address"
 """The error type of an invalid address; its context holds `message` and `hint`."""
@@ -16,13 +15,13 @@ class SourceKeys(Keys):
     """The configuration of one kind of source."""
 
     kind: str
-    """The kind of the source."""
+    """Kind of the source; `source=KIND` chooses it."""
 
 
 def _setting(value: Any) -> bool | float | str:
     if isinstance(value, bool | int | float | str) and (isinstance(value, str) or math.isfinite(value)):
         return value
-    raise PydanticCustomError("setting", "must be text, a number, or true or false")
+    raise invalid("must be text, a number, or true or false")
 
 
 Setting = Annotated[Any, AfterValidator(_setting)]

@@ -1,13 +1,12 @@
-"""What the graph stage is told about links and frames that CAD does not have."""
+"""Configuration of the graph stage: links and frames that CAD does not have."""
 
 import math
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, model_validator
-from pydantic_core import PydanticCustomError
 
-from stages.graph.mass_keys import Inertia, refused
-from stages.robot.keys import Interval, Keys, Positive, Text, Triple
+from stages.graph.mass_keys import Inertia
+from stages.robot.keys import Interval, Keys, Positive, Text, Triple, example, invalid
 
 if TYPE_CHECKING:
     from stages.robot.model import PrimitiveKind
@@ -15,8 +14,7 @@ if TYPE_CHECKING:
 
 def _direction(axis: tuple[float, float, float]) -> tuple[float, float, float]:
     if math.hypot(*axis) < 1e-9:
-        text = "must point somewhere"
-        raise PydanticCustomError("direction", text)
+        raise invalid("must not be zero")
     return axis
 
 
@@ -27,55 +25,55 @@ Direction = Annotated[Triple, AfterValidator(_direction)]
 class AddedFrameKeys(Keys):
     """A frame that CAD does not have."""
 
-    link: Text
-    """The link or frame that it is fixed to."""
+    link: Annotated[Text, example("palm")]
+    """The link or frame to which it is fixed."""
 
-    xyz: Triple = (0, 0, 0)
-    """Where it is there [m]."""
+    xyz: Annotated[Triple, example([0, 0.03, 0.02])] = (0, 0, 0)
+    """Position in that link or frame [m]."""
 
-    rpy: Triple = (0, 0, 0)
-    """Roll, pitch, yaw there [rad]."""
+    rpy: Annotated[Triple, example([0, -1.57, 0])] = (0, 0, 0)
+    """Roll, pitch and yaw in that link or frame [rad]."""
 
 
 class SphereKeys(Keys):
-    """A ball about the origin."""
+    """A sphere about the link's origin."""
 
-    radius: Positive
+    radius: Annotated[Positive, example(0.03)]
     """Radius [m]."""
 
 
 class BoxKeys(Keys):
-    """A box about the origin."""
+    """A box about the link's origin."""
 
-    size: tuple[Positive, Positive, Positive]
+    size: Annotated[tuple[Positive, Positive, Positive], example([0.1, 0.1, 0.05])]
     """Lengths along x, y and z [m]."""
 
 
 class CylinderKeys(Keys):
-    """A cylinder about the origin, along z."""
+    """A cylinder about the link's origin, along z."""
 
-    radius: Positive
+    radius: Annotated[Positive, example(0.03)]
     """Radius [m]."""
 
-    length: Positive
+    length: Annotated[Positive, example(0.1)]
     """Length [m]."""
 
 
 class CapsuleKeys(Keys):
-    """A cylinder about the origin, along z, with a half ball beyond each end."""
+    """A cylinder with a hemisphere at each end, about the link's origin, along z."""
 
-    radius: Positive
+    radius: Annotated[Positive, example(0.03)]
     """Radius [m]."""
 
-    length: Positive
-    """Length [m] without the half balls."""
+    length: Annotated[Positive, example(0.1)]
+    """Length without the hemispheres [m]."""
 
 
 class GeometryKeys(Keys):
     """A shape: exactly one of these."""
 
     sphere: SphereKeys | None = None
-    """A ball about the link's origin."""
+    """A sphere about the link's origin."""
 
     box: BoxKeys | None = None
     """A box about the link's origin."""
@@ -84,12 +82,12 @@ class GeometryKeys(Keys):
     """A cylinder about the link's origin, along z."""
 
     capsule: CapsuleKeys | None = None
-    """A cylinder with a half ball beyond each end, about the link's origin, along z."""
+    """A cylinder with a hemisphere at each end, about the link's origin, along z."""
 
     @model_validator(mode="after")
     def _one(self) -> Self:
         if sum(getattr(self, name) is not None for name in type(self).model_fields) != 1:
-            raise refused("must be one of sphere, box, cylinder, capsule")
+            raise invalid("must be one of sphere, box, cylinder, capsule")
         return self
 
     def shape(self) -> "tuple[PrimitiveKind, tuple[float, ...]]":
@@ -105,24 +103,24 @@ class GeometryKeys(Keys):
 
 
 class AddedJointKeys(Keys):
-    """The joint by which an added link hangs on its parent. Its type alone stands for all of it."""
+    """The joint between an added link and its parent. A type alone may stand for all of it."""
 
     type: Literal["fixed", "revolute", "continuous", "prismatic"] = "fixed"
-    """How it moves."""
+    """Type of the joint."""
 
-    name: Text | None = None
-    """Its name; null: <link>_joint."""
+    name: Annotated[Text | None, example("payload_joint")] = None
+    """Name of the joint; null: <link>_joint."""
 
     axis: Direction = (0, 0, 1)
-    """What it turns about or slides along, in the link's frame."""
+    """Axis of rotation or translation, in the link's frame."""
 
-    limits: Interval | None = None
-    """[lower, upper] [rad or m]; a side that is null is open."""
+    limits: Annotated[Interval | None, example([-1.57, 1.57])] = None
+    """[lower, upper] [rad or m]; null leaves a side open."""
 
     @model_validator(mode="after")
     def _limited(self) -> Self:
         if self.limits is not None and self.type in ("fixed", "continuous"):
-            raise refused(f"must have no limits: it is {self.type}")
+            raise invalid(f"must have no limits: it is {self.type}")
         return self
 
 
@@ -131,43 +129,44 @@ def _type_alone(value: Any) -> Any:
 
 
 class AddedLinkKeys(Keys):
-    """A link that CAD does not have, at `xyz` and `rpy` in its parent or above the root."""
+    """A link that CAD does not have, at `xyz` and `rpy` in its parent, or above the root."""
 
-    parent: Text | None = None
-    """The link or frame that it hangs on."""
+    parent: Annotated[Text | None, example("tool")] = None
+    """The link or frame to which its joint connects it."""
 
-    child: Text | None = None
-    """Instead of a parent: the root link, which then hangs on this one."""
+    child: Annotated[Text | None, example("base_plate")] = None
+    """Instead of a parent: the root link, of which this link becomes the parent."""
 
-    xyz: Triple = (0, 0, 0)
-    """Where it is in its parent; with `child`, where the child is in it [m]."""
+    xyz: Annotated[Triple, example([0, 0, 0.05])] = (0, 0, 0)
+    """Position in the parent [m]; with `child`, the position of the child in this link."""
 
-    rpy: Triple = (0, 0, 0)
-    """Roll, pitch, yaw of the same [rad]."""
+    rpy: Annotated[Triple, example([0, 0, 1.57])] = (0, 0, 0)
+    """Roll, pitch and yaw in the parent [rad]; with `child`, those of the child in this link."""
 
-    mass: Positive | None = None
-    """Mass [kg]; null: none, it is a frame with a name."""
+    mass: Annotated[Positive | None, example(0.3)] = None
+    """Mass [kg]; null: no mass, the link is a named frame."""
 
-    com: Triple | None = None
-    """Centre of mass [m] in its own frame; null: its origin."""
+    com: Annotated[Triple | None, example([0, 0, 0.01])] = None
+    """Centre of mass in its own frame [m]; null: its origin."""
 
-    inertia: Inertia | None = None
-    """Inertia about the centre of mass [kg m²]; null: that of the geometry as an even solid."""
+    inertia: Annotated[Inertia | None, example([1e-4, 1e-4, 1e-4])] = None
+    """Inertia about the centre of mass [kg m²]: ixx, iyy, izz, or these and ixy, ixz, iyz; null: that of the
+    geometry as a solid of even density."""
 
     geometry: GeometryKeys | None = None
-    """What is seen of it and collides."""
+    """Visual and collision shape."""
 
     joint: Annotated[AddedJointKeys, BeforeValidator(_type_alone)] = AddedJointKeys()
-    """How it moves in its parent."""
+    """The joint between this link and its parent."""
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
         if (self.parent is None) == (self.child is None):
-            raise refused("must have a parent, or else a child")
+            raise invalid("must have a parent or a child, and not both")
         if self.child is not None and self.joint.type != "fixed":
-            raise refused("must have a fixed joint: it is the new root")
+            raise invalid("must have a fixed joint: it is the new root")
         if self.mass is None and (self.com is not None or self.inertia is not None):
-            raise refused("must have a mass, or neither com nor inertia")
+            raise invalid("must have a mass, or neither com nor inertia")
         if self.mass is not None and self.inertia is None and self.geometry is None:
-            raise refused("must have a geometry or an inertia, as it has a mass")
+            raise invalid("must have a geometry or an inertia, since it has a mass")
         return self

@@ -1,10 +1,9 @@
-"""What the graph stage is told: how an assembly becomes links and joints."""
+"""Configuration of the graph stage: how an assembly becomes links and joints."""
 
 import re
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Field, Strict
-from pydantic_core import PydanticCustomError
 
 from stages.graph.added_keys import AddedFrameKeys, AddedLinkKeys
 from stages.graph.mass_keys import MassKeys
@@ -16,6 +15,8 @@ from stages.robot.keys import (
     Number,
     Positive,
     Text,
+    example,
+    invalid,
 )
 
 NAME_PATTERN = "[A-Za-z0-9_-]+"
@@ -23,161 +24,175 @@ NAME_PATTERN = "[A-Za-z0-9_-]+"
 
 def _file_name(name: str) -> str:
     if not re.fullmatch(NAME_PATTERN, name):
-        text = "must be letters, digits, _ and - only: it names files (the key `output` moves the folder)"
-        raise PydanticCustomError("file_name", text)
+        raise invalid(
+            "must be letters, digits, _ and - only: it names files (the key `output` moves the folder)"
+        )
     if name.lower() == "scene":
-        text = "must be another word: <name>.xml would take the place of scene.xml, the world around it"
-        raise PydanticCustomError("file_name", text)
+        raise invalid(
+            "must be another word: <name>.xml would overwrite scene.xml, the world around the robot"
+        )
     return name
 
 
 def _of_one_form(solref: tuple[float, float]) -> tuple[float, float]:
     if not (min(solref) > 0 or max(solref) < 0):
-        text = "must be [time constant, damping ratio] above 0, or [-stiffness, -damping]"
-        raise PydanticCustomError("solref", text)
+        raise invalid("must be [time constant, damping ratio] above 0, or [-stiffness, -damping]")
     return solref
 
 
 class RootKeys(Keys):
-    """The link that the tree hangs on."""
+    """The root link of the kinematic tree."""
 
-    select: Text = "auto"
-    """auto (what is fixed in CAD, else the heaviest), central (the nearest to all others, whatever is
-    fixed), or the name of a link or an instance, or a glob."""
+    select: Annotated[Text, example("base*")] = "auto"
+    """The root. auto: the link that is fixed in CAD, else the heaviest; central: the link nearest to all
+    others; else the name of a link or an instance, or a glob."""
 
     base: Literal["auto", "fixed", "free"] = "auto"
-    """Whether the root is fixed to the world; auto: if CAD fixes one of its occurrences."""
+    """How the root stands in the world. fixed: fixed to it; free: with a floating joint; auto: fixed if CAD
+    fixes one of its parts."""
 
-    frame: Text | None = None
-    """The mate connector whose frame is the root's (its link is the root, if select is auto); null: the
-    assembly's origin."""
+    frame: Annotated[Text | None, example("base_frame")] = None
+    """The mate connector whose frame is that of the root; with `root.select: auto` its link is the root.
+    null: the assembly's origin."""
 
     disconnected: Literal["error", "weld", "drop", "separate"] = "error"
-    """What becomes of parts that hang on nothing. weld: fixed to the root where they are; drop: left out;
-    separate: they float on their own."""
+    """Parts that no mate connects to the root. error: refused; weld: fixed to the root where they are; drop:
+    left out; separate: each group floats on its own."""
 
 
 class DepthKeys(Keys):
-    """Which sub-assemblies may move inside; by default all of them, at any depth."""
+    """Sub-assemblies whose parts may move against each other; by default all of them, at any depth."""
 
-    max: Annotated[int, Strict(), Field(ge=0)] | None = None
-    """Levels of sub-assemblies that are taken apart; 0: each is rigid; null: no bound."""
+    max: Annotated[Annotated[int, Strict(), Field(ge=0)] | None, example(1)] = None
+    """Number of levels of sub-assemblies that are flexible; 0: each is rigid; null: no bound."""
 
-    rigid: tuple[Text, ...] = ()
-    """Globs of sub-assemblies that are rigid, with all in them; one with a slash fits whole titles."""
+    rigid: Annotated[tuple[Text, ...], example(["Servo*"])] = ()
+    """Globs of sub-assemblies that are rigid, with everything in them; a glob with a slash matches the whole
+    title."""
 
-    flexible: tuple[Text, ...] = ()
-    """Globs of sub-assemblies that are flexible all the same."""
+    flexible: Annotated[tuple[Text, ...], example(["Gripper*"])] = ()
+    """Globs of sub-assemblies that are flexible, whatever `depth.max` and `depth.rigid` say."""
 
 
 class NamesKeys(Keys):
-    """Names of the user's own: CAD name or glob → name."""
+    """Names of your own: CAD name or glob → name."""
 
-    links: dict[Text, Text] = Field(default_factory=dict)
-    """Names of links: each entry means exactly one."""
+    links: Annotated[dict[Text, Text], example({"Upper arm <1>": "upper_arm"})] = Field(default_factory=dict)
+    """CAD name or glob → name of the link; each entry must match exactly one link."""
 
-    joints: dict[Text, Text] = Field(default_factory=dict)
-    """Names of joints: each entry means exactly one."""
+    joints: Annotated[dict[Text, Text], example({"Elbow": "elbow_pitch"})] = Field(default_factory=dict)
+    """CAD name or glob → name of the joint; each entry must match exactly one joint."""
 
 
 class JointKeys(Keys):
-    """Properties of the dofs that a glob matches; what is left out or null stays as it is."""
+    """Properties of the degrees of freedom (dofs) that a glob matches; null: as in the source."""
 
-    limits: Interval | None = None
-    """[lower, upper] [rad or m] in the mate's own value; a side that is null is open. Of a ball
-    [null, cone]: the half angle that its z axis stays in."""
+    limits: Annotated[Interval | None, example([-1.57, 1.57])] = None
+    """[lower, upper] in the mate's own value [rad or m]; null leaves a side open. For a ball joint
+    [null, cone]: the largest angle between its two z axes."""
 
-    effort: Positive | None = None
+    effort: Annotated[Positive | None, example(12)] = None
     """Largest torque or force [N m or N]."""
 
-    velocity: Positive | None = None
+    velocity: Annotated[Positive | None, example(3)] = None
     """Largest speed [rad/s or m/s]."""
 
-    damping: NonNegative | None = None
-    """Viscous friction [N m s/rad or N s/m]."""
+    damping: Annotated[NonNegative | None, example(0.1)] = None
+    """Viscous damping [N m s/rad or N s/m]."""
 
-    friction: NonNegative | None = None
-    """Dry friction [N m or N]."""
+    friction: Annotated[NonNegative | None, example(0.05)] = None
+    """Dry (Coulomb) friction [N m or N]."""
 
-    armature: NonNegative | None = None
-    """The rotor's inertia as the joint feels it [kg m² or kg]."""
+    armature: Annotated[NonNegative | None, example(0.01)] = None
+    """Inertia of the rotor, reflected to the joint [kg m² or kg]."""
 
 
 class RelationKeys(Keys):
-    """What a relation means; what is left out or null stays as it is drawn."""
+    """Properties of the relations that a glob matches. What is left out or null stays as in CAD."""
 
-    invert: Flag | None = None
-    """Whether the follower moves in the direction opposite to the one that is drawn."""
+    invert: Annotated[Flag | None, example(True)] = None
+    """Whether the follower moves in the opposite direction."""
 
-    offset: Number | None = None
-    """Where the follower is when its driver is at 0 [rad or m, in the mates' own values]; null: as the
-    saved pose has it."""
+    offset: Annotated[Number | None, example(0.1)] = None
+    """Value of the follower where its driver is at 0, in the mates' own values [rad or m]; null: as in the
+    saved pose."""
 
-    drop: Flag | None = None
-    """Whether it is left out: its joints move independently."""
+    drop: Annotated[Flag | None, example(True)] = None
+    """Whether the relation is left out, so that its joints move independently."""
 
 
 class FramesKeys(Keys):
     """Named frames on links."""
 
-    include: tuple[Text, ...] = ("*",)
+    include: Annotated[tuple[Text, ...], example(["tool*"])] = ("*",)
     """Globs of mate connectors that become frames."""
 
-    add: dict[Text, AddedFrameKeys] = Field(default_factory=dict)
+    add: Annotated[dict[Text, AddedFrameKeys], example({"camera": {"link": "palm"}})] = Field(
+        default_factory=dict
+    )
     """Frames that CAD does not have, by name."""
 
 
 class LoopsKeys(Keys):
     """Closed kinematic loops."""
 
-    cut: tuple[Text, ...] = ()
-    """Names or globs of the mates at which loops are cut; the others are chosen."""
+    cut: Annotated[tuple[Text, ...], example(["Coupler*"])] = ()
+    """Names or globs of mates that close a loop instead of becoming a joint of the tree; for other loops
+    Linkwright chooses the mate."""
 
     solref: Annotated[tuple[Number, Number], AfterValidator(_of_one_form)] = (0.005, 1)
-    """MuJoCo's [time constant in s, damping ratio] of the constraint that closes a loop, or its
-    [-stiffness, -damping]."""
+    """MuJoCo's solref of the constraints that close loops: [time constant, damping ratio] in s and without
+    unit, or [-stiffness, -damping]."""
 
 
 class GraphKeys(Keys):
     """The graph stage's part of the configuration."""
 
-    name: Annotated[Text, AfterValidator(_file_name)] = "robot"
-    """Names the robot, its files and its folder."""
+    name: Annotated[Text, AfterValidator(_file_name), example("my_arm")] = "robot"
+    """Name of the robot, of its files, and of its output folder."""
 
     root: RootKeys = RootKeys()
-    """The link that the tree hangs on."""
+    """The root link of the kinematic tree."""
 
     depth: DepthKeys = DepthKeys()
-    """Which sub-assemblies may move inside."""
+    """Sub-assemblies whose parts may move against each other."""
 
     hidden: Literal["keep", "drop"] = "keep"
-    """What becomes of instances that are hidden in CAD; drop: as if they were suppressed."""
+    """Instances that are hidden in CAD. keep: built; drop: left out, as if they were suppressed."""
 
     zero: Literal["mate", "saved"] = "mate"
-    """Where q = 0. mate: where the mate's frames coincide; saved: in the pose that CAD was left in."""
+    """The pose in which all joint values are 0. mate: the frames of each mate coincide; saved: the pose in
+    which the document was saved."""
 
     mirror: Literal["joints", "weld"] = "joints"
-    """What becomes of mirrored and patterned instances: joints copies the seed's joints, weld none."""
+    """Mirrored and patterned instances. joints: with copies of the seed's joints; weld: rigid."""
 
     conventions: Literal["linkwright", "onshape_to_robot"] = "linkwright"
-    """Names in CAD that carry meaning. onshape_to_robot: those of that tool (dof_, closing_, frame_, fix_,
-    link_, _inv), and with them its zero (saved), its root (the first instance) and rigid sub-assemblies."""
+    """Names in CAD that have a meaning. onshape_to_robot: those of that tool (dof_, closing_, frame_, fix_,
+    link_, _inv), and also its zero pose (saved), its root (the first instance) and rigid sub-assemblies."""
 
     names: NamesKeys = NamesKeys()
-    """Names of the user's own."""
+    """Names of your own."""
 
-    joints: dict[Text, JointKeys] = Field(default_factory=dict)
-    """Glob on names of dofs → properties; later entries win, property by property. A joint of one dof
-    lends it its name; others have e.g. lift_slide and lift_turn."""
+    joints: Annotated[dict[Text, JointKeys], example({"*finger": {"damping": 0.1}})] = Field(
+        default_factory=dict
+    )
+    """Glob on names of dofs → properties; later entries win, property by property. The dof of a joint with
+    only one has the name of the joint; others are named as lift_slide and lift_turn."""
 
-    relations: dict[Text, RelationKeys] = Field(default_factory=dict)
-    """Glob on relations, by their names or as CAD calls them → what they mean; later entries win, property
-    by property."""
+    relations: Annotated[dict[Text, RelationKeys], example({"Gear*": {"invert": True}})] = Field(
+        default_factory=dict
+    )
+    """Glob on names of relations, in the robot or in CAD → properties; later entries win, property by
+    property."""
 
     mass: MassKeys = MassKeys()
-    """What is done about parts without mass."""
+    """Masses of parts and links."""
 
-    links: dict[Text, AddedLinkKeys] = Field(default_factory=dict)
+    links: Annotated[
+        dict[Text, AddedLinkKeys],
+        example({"payload": {"parent": "tool", "mass": 0.3, "geometry": {"sphere": {"radius": 0.03}}}}),
+    ] = Field(default_factory=dict)
     """Links that CAD does not have, by name."""
 
     frames: FramesKeys = FramesKeys()

@@ -1,11 +1,10 @@
-"""What the graph stage is told about masses."""
+"""Configuration of the graph stage: masses."""
 
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
-from pydantic_core import PydanticCustomError
 
-from stages.robot.keys import Keys, NonNegative, Number, Positive, Text, Triple
+from stages.robot.keys import Keys, NonNegative, Number, Positive, Text, Triple, example, invalid
 
 if TYPE_CHECKING:
     from stages.robot.model import Array
@@ -24,17 +23,10 @@ def _of_a_solid(values: tuple[float, ...]) -> tuple[float, ...]:
     from stages.robot.model import Inertial, frozen
 
     if len(values) not in (3, 6):
-        text = "must be [ixx, iyy, izz] or [ixx, iyy, izz, ixy, ixz, iyz]"
-        raise PydanticCustomError("inertia", text)
+        raise invalid("must be [ixx, iyy, izz] or [ixx, iyy, izz, ixy, ixz, iyz]")
     if not is_physical(Inertial(1.0, frozen([0.0, 0.0, 0.0]), tensor(values))):
-        text = "must be what a solid can have: positive moments, none above the sum of the other two"
-        raise PydanticCustomError("inertia", text)
+        raise invalid("must be what a solid can have: positive moments, none above the sum of the other two")
     return values
-
-
-def refused(text: str) -> PydanticCustomError:
-    """What to raise where values do not go together."""
-    return PydanticCustomError("together", "{text}", {"text": text})
 
 
 Inertia = Annotated[tuple[Number, ...], AfterValidator(_of_a_solid)]
@@ -42,53 +34,57 @@ Inertia = Annotated[tuple[Number, ...], AfterValidator(_of_a_solid)]
 
 
 class PartMassKeys(Keys):
-    """Mass properties of the parts that a glob matches; what is left out or null stays as it is."""
+    """Mass properties of the parts that a glob matches. What is left out or null stays as CAD has it."""
 
-    mass: NonNegative | None = None
-    """Mass [kg]; the inertia grows with it. 0: it weighs nothing."""
+    mass: Annotated[NonNegative | None, example(0.12)] = None
+    """Mass [kg]; the inertia is scaled with it. 0: the part has no mass and no inertia."""
 
-    density: Positive | None = None
-    """Density [kg/m³]: the mass is that times the volume."""
+    density: Annotated[Positive | None, example(1100)] = None
+    """Density [kg/m³], in place of the mass: the mass is the density times the volume."""
 
-    com: Triple | None = None
-    """Centre of mass [m] in the part's own frame."""
+    com: Annotated[Triple | None, example([0, 0, 0.01])] = None
+    """Centre of mass in the part's own frame [m]."""
 
-    inertia: Inertia | None = None
-    """Inertia about the centre of mass in the axes of the part's own frame [kg m²]."""
+    inertia: Annotated[Inertia | None, example([1e-4, 1e-4, 1e-4])] = None
+    """Inertia about the centre of mass in the axes of the part's own frame [kg m²]: ixx, iyy, izz, or these
+    and ixy, ixz, iyz."""
 
     @model_validator(mode="after")
     def _one_mass(self) -> Self:
         if self.mass is not None and self.density is not None:
-            raise refused("must have a mass or a density, not both")
+            raise invalid("must have a mass or a density, not both")
         return self
 
 
 class LinkMassKeys(Keys):
-    """Mass properties of the links that a glob matches; what is left out or null is the sum of parts."""
+    """Mass properties of the links that a glob matches. What is left out or null is the sum of the parts."""
 
-    mass: Positive | None = None
-    """Mass [kg]; the inertia grows with it."""
+    mass: Annotated[Positive | None, example(0.2)] = None
+    """Mass [kg]; the inertia is scaled with it."""
 
-    com: Triple | None = None
-    """Centre of mass [m] in the link's frame."""
+    com: Annotated[Triple | None, example([0, 0, 0.01])] = None
+    """Centre of mass in the link's frame [m]."""
 
-    inertia: Inertia | None = None
-    """Inertia about the centre of mass in the axes of the link's frame [kg m²]."""
+    inertia: Annotated[Inertia | None, example([1e-4, 1e-4, 1e-4])] = None
+    """Inertia about the centre of mass in the axes of the link's frame [kg m²]: ixx, iyy, izz, or these and
+    ixy, ixz, iyz."""
 
 
 class MassKeys(Keys):
-    """What is done about parts without mass."""
+    """Masses of parts and links."""
 
     missing: Literal["auto", "error", "density", "ignore"] = "auto"
-    """auto: parts that are small (below 1 % of the robot's volume each, and 10 % together) are
-    estimated, others are errors; error: all are; density: all are estimated; ignore: they weigh
-    nothing."""
+    """Parts without a mass. auto: small ones (each below 1 % of the robot's volume, together below 10 %) get
+    the mass of their volume times `mass.density`, others are an error; error: all are an error; density: all
+    get the mass of their volume; ignore: they have no mass."""
 
     density: Positive = 1200
-    """Density of estimated parts [kg/m³]."""
+    """Density for parts without a mass [kg/m³]."""
 
-    parts: dict[Text, PartMassKeys] = Field(default_factory=dict)
+    parts: Annotated[dict[Text, PartMassKeys], example({"Foot*": {"density": 1100}})] = Field(
+        default_factory=dict
+    )
     """Glob on names and titles of parts → mass properties; later entries win, value by value."""
 
-    links: dict[Text, LinkMassKeys] = Field(default_factory=dict)
-    """Glob on names of links → mass properties; later entries win, value by value."""
+    links: Annotated[dict[Text, LinkMassKeys], example({"palm": {"mass": 0.2}})] = Field(default_factory=dict)
+    """Glob on link names → mass properties; later entries win, value by value."""

@@ -1,4 +1,4 @@
-"""What the mesh stage is told: how parts become collision and visual geometry."""
+"""Configuration of the mesh stage: collision and visual geometry."""
 
 from typing import Annotated, Any, Literal
 
@@ -7,11 +7,11 @@ from pydantic import Field
 from stages.robot.keys import Count, Keys, Later, NonNegative, Positive, Text, not_yet
 
 LATER_COLLIDERS = ("visual", "primitives", "coacd", "raw", "ladder")
-"""Colliders that are decided but not there yet."""
+"""Colliders that are decided but not supported yet."""
 
 
 class VisualKeys(Keys):
-    """The meshes that are looked at."""
+    """Visual meshes."""
 
     merge: Literal["colour"] = not_yet("colour")
     """colour: one mesh per link and colour."""
@@ -21,10 +21,10 @@ class VisualKeys(Keys):
 
 
 class MeshSection(Keys):
-    """How meshes are made."""
+    """Meshes of the links."""
 
     collider: Annotated[Literal["hull"], Later(*LATER_COLLIDERS)] = "hull"
-    """What collides. hull: the convex hull of each link."""
+    """Collision geometry. hull: the convex hull of each link."""
 
     tolerance: Positive | None = not_yet(None)
     """Largest distance of the collider from the part [m]."""
@@ -42,27 +42,28 @@ class MeshSection(Keys):
     """Glob on link names → its own collider."""
 
     visual: VisualKeys = VisualKeys()
-    """The meshes that are looked at."""
+    """Visual meshes."""
 
 
 class ContactKeys(Keys):
-    """Which links may touch each other."""
+    """Contact between the links of the robot."""
 
     exclude: tuple[Any, ...] = not_yet(())
     """Pairs of links that never touch."""
 
     self_: Annotated[Literal["none"], Later("auto")] = Field(default="none", alias="self")
-    """none: no link of the robot touches another one; all of them touch the ground and other objects."""
+    """Contact of the robot with itself. none: its links do not touch each other; all of them touch the
+    ground and other objects."""
 
 
 class MeshKeys(Keys):
     """The mesh stage's part of the configuration."""
 
     mesh: MeshSection = MeshSection()
-    """How meshes are made."""
+    """Meshes of the links."""
 
     geoms: dict[Text, Any] = not_yet(dict)
     """Glob on link names → properties of its geoms."""
 
     contact: ContactKeys = ContactKeys()
-    """Which links may touch each other."""
+    """Contact between the links of the robot."""

@@ -1,8 +1,10 @@
 """The base of every section of the configuration.
 
-A section is a frozen pydantic model: the schema, the defaults, each field's documentation (under
-it, with its unit) and, as `identity()`, its part of a cache key. What the tree promises but no
-stage does yet is refused by name, never ignored: a whole key by `not_yet`, one option by `Later`.
+A section is a frozen pydantic model. It is the schema, the defaults, the documentation (under each
+field, with its unit in brackets), and through `identity()` its part of a cache key. Help, tab
+completion, the reference of keys and the JSON Schema are generated from the sections. A key or an option
+that is decided but has no function yet is refused by name, never ignored: a whole key by `not_yet`, one
+option by `Later`.
 """
 
 from typing import Annotated, Any, ClassVar
@@ -23,7 +25,7 @@ from pydantic import (
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 NOT_YET = "not_yet"
-"""The error type of what is in the tree but has no function yet."""
+"""The error type of a key that is decided but has no function yet."""
 
 Text = Annotated[str, StringConstraints(strict=True, min_length=1)]
 """Text, never made from a number: an id read as a number has already lost its digits."""
@@ -43,15 +45,25 @@ Triple = tuple[Number, Number, Number]
 
 
 def not_yet(default: Any = None, **more: Any) -> Any:
-    """A field whose function is not there yet: only its default is accepted."""
+    """A field that has no function yet: only its default is accepted."""
     extra: dict[str, Any] = {NOT_YET: True}
     if callable(default):
         return Field(default_factory=default, json_schema_extra=extra, **more)
     return Field(default=default, json_schema_extra=extra, **more)
 
 
+def example(value: Any) -> Any:
+    """Metadata of a field: a value for the reference of keys."""
+    return Field(examples=[value])
+
+
+def invalid(text: str) -> PydanticCustomError:
+    """The error to raise in a validator: what a value must be, or that two values exclude each other."""
+    return PydanticCustomError("invalid", "{text}", {"text": text})
+
+
 class Later:
-    """Metadata of a field: options that are decided but not there yet, refused by name."""
+    """Metadata of a field: options that are decided but not supported yet, refused by name."""
 
     def __init__(self, *options: str) -> None:
         self.options = options
@@ -68,7 +80,7 @@ class Later:
 def _ascending(pair: tuple[float | None, float | None]) -> tuple[float | None, float | None]:
     lower, upper = pair
     if lower is not None and upper is not None and not lower < upper:
-        raise PydanticCustomError("ascending", "must be [lower, upper] with lower < upper")
+        raise invalid("must be [lower, upper] with lower < upper")
     return pair
 
 
@@ -89,7 +101,7 @@ class Keys(BaseModel):
     )
 
     unknown_is_later: ClassVar[bool] = False
-    """An open mapping of which only the named keys are supported yet."""
+    """Whether an unknown key may be supported later: the section mirrors a longer list of another format."""
 
     @field_validator("*", mode="wrap")
     @classmethod
@@ -103,7 +115,7 @@ class Keys(BaseModel):
         try:
             valid = handler(value)
         except ValidationError:
-            # A wrong value of a key without function: telling its type would lead nowhere.
+            # A wrong value of a key without function: an error about its type would mislead.
             valid = PydanticCustomError
         if valid != field.get_default(call_default_factory=True):
             raise PydanticCustomError(NOT_YET, "not supported yet")

@@ -7,10 +7,11 @@ from stages.robot.keys import Keys
 
 
 class ValidateSection(Keys):
-    """Which checks are made."""
+    """Checks of the result."""
 
     level: Literal["quick", "standard", "strict"] = "standard"
-    """quick: the files compile; standard: they agree with the robot; strict: warnings are errors too."""
+    """Which checks run. quick: the files compile; standard: they also describe the same robot; strict: as
+    standard, and a warning counts as a failed check."""
 
 
 with warnings.catch_warnings():
@@ -21,4 +22,4 @@ with warnings.catch_warnings():
         """The validate stage's part of the configuration."""
 
         validate: ValidateSection = ValidateSection()  # type: ignore[assignment]
-        """Which checks are made."""
+        """Checks of the result."""

@@ -111,7 +111,7 @@ CHOOSE = f"choose one: {', '.join(f'source={kind}' for kind in KINDS)}"
         ({"kind": "onshap"}, ("E-VALUE", "source.kind", "'onshap' is not allowed", CHOOSE)),
         (
             {"kind": "onshape"},
-            ("E-MISSING", "source.url", "missing", "The assembly's address as the browser shows it."),
+            ("E-MISSING", "source.url", "missing", "Address of the assembly, as the browser shows it."),
         ),
     ],
 )

@@ -3,8 +3,8 @@
 from stages.robot.keys import Keys
 
 
-class MjcfKeys(Keys):
+class MjcfFormatKeys(Keys):
     """The MJCF and its scene."""
 
 
-KEYS = MjcfKeys
+KEYS = MjcfFormatKeys

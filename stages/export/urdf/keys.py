@@ -5,14 +5,14 @@ from typing import Annotated, Literal
 from stages.robot.keys import Keys, Later
 
 
-class UrdfKeys(Keys):
+class UrdfFormatKeys(Keys):
     """The URDF."""
 
     meshes: Annotated[Literal["relative"], Later("package")] = "relative"
-    """How mesh files are named. relative: to the URDF's own folder."""
+    """How the URDF names mesh files. relative: by paths relative to its own folder."""
 
     fixed_joints: Annotated[Literal["keep"], Later("merge")] = "keep"
-    """keep: frames are links on fixed joints."""
+    """Fixed joints. keep: each frame is a link on a fixed joint."""
 
 
-KEYS = UrdfKeys
+KEYS = UrdfFormatKeys

@@ -1,18 +1,18 @@
 """Configuration of the source `bundle`."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from stages.fetch.source_keys import SourceKeys
-from stages.robot.keys import Text
+from stages.robot.keys import Text, example
 
 
 class BundleSourceKeys(SourceKeys):
-    """A bundle: the replies of an earlier fetch in one zip."""
+    """A bundle: a zip file of all that an earlier build fetched."""
 
     kind: Literal["bundle"] = "bundle"
-    """Tells the sources apart."""
+    """Kind of the source; `source=KIND` chooses it."""
 
-    path: Text
+    path: Annotated[Text, example("arm.zip")]
     """The zip file, relative to the working directory."""
 
 

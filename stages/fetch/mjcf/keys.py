@@ -1,18 +1,18 @@
 """Configuration of the source `mjcf`."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from stages.fetch.source_keys import SourceKeys
-from stages.robot.keys import Text
+from stages.robot.keys import Text, example
 
 
 class MjcfSourceKeys(SourceKeys):
-    """An MJCF, MuJoCo's own format, as MuJoCo compiles it."""
+    """An MJCF (MuJoCo XML), as MuJoCo compiles it."""
 
     kind: Literal["mjcf"] = "mjcf"
-    """Tells the sources apart."""
+    """Kind of the source; `source=KIND` chooses it."""
 
-    path: Text
+    path: Annotated[Text, example("arm.xml")]
     """The file, relative to the working directory."""
 
 

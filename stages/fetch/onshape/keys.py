@@ -7,7 +7,7 @@ from pydantic_core import PydanticCustomError
 
 from stages.fetch.source_keys import ADDRESS, Setting, SourceKeys
 from stages.robot.errors import ConfigError
-from stages.robot.keys import Count, Flag, Keys, NonNegative, Positive, Text
+from stages.robot.keys import Count, Flag, Keys, NonNegative, Positive, Text, example, invalid
 
 
 def _address(url: str) -> str:
@@ -22,7 +22,7 @@ def _address(url: str) -> str:
 
 
 class TessellationKeys(Keys):
-    """How finely the server cuts curved faces into triangles."""
+    """How finely Onshape divides curved faces into triangles."""
 
     angle: Annotated[Positive, Field(le=3.2)] = 0.2
     """Largest angle between neighbouring facets [rad]."""
@@ -30,60 +30,64 @@ class TessellationKeys(Keys):
     chord: Positive = 0.0005
     """Largest distance between a facet and the true surface [m]."""
 
-    max_facet_width: Positive | None = None
-    """Largest width of a facet [m]; null sets no bound."""
+    max_facet_width: Annotated[Positive | None, example(0.005)] = None
+    """Largest width of a facet [m]; null: no bound."""
 
 
 class OnshapeSourceKeys(SourceKeys):
     """An assembly in an Onshape document."""
 
     kind: Literal["onshape"] = "onshape"
-    """Tells the sources apart."""
+    """Kind of the source; `source=KIND` chooses it."""
 
-    url: Annotated[Text, AfterValidator(_address)]
-    """The assembly's address as the browser shows it."""
+    url: Annotated[
+        Text, AfterValidator(_address), example("https://cad.onshape.com/documents/.../w/.../e/...")
+    ]
+    """Address of the assembly, as the browser shows it."""
 
-    configuration: dict[Text, Setting] = Field(default_factory=dict)
-    """The assembly's configuration, over what the address says: name or id of a parameter → an option by
-    label or id, true or false, text, or a quantity: "0.25 m", or a number in SI."""
+    configuration: Annotated[dict[Text, Setting], example({"leg_length": "0.25 m"})] = Field(
+        default_factory=dict
+    )
+    """Configuration of the assembly; overrides that of the address. Name or id of a parameter → an option by
+    label or id, true or false, text, or a quantity: text with a unit, or a number in SI units."""
 
-    variables: dict[Text, Setting] = Field(default_factory=dict)
-    """Variables of the document's variable studios, set for the build and put back: name → expression,
-    or a number in SI. Writes to the document, so it needs `allow_write` and a workspace."""
+    variables: Annotated[dict[Text, Setting], example({"reach": "0.3 m"})] = Field(default_factory=dict)
+    """Variables of the document's variable studios, set for the build and restored after it: name →
+    expression, or a number in SI units. Writes to the document: needs `source.allow_write`, and a
+    workspace."""
 
     allow_write: Annotated[Flag, Field(validate_default=True)] = False
-    """Whether `variables` may be written to the document."""
+    """Whether `source.variables` may be written to the document."""
 
     tessellation: TessellationKeys = TessellationKeys()
-    """How finely curved faces are cut into triangles."""
+    """How finely Onshape divides curved faces into triangles."""
 
     verify: Flag = True
-    """After an edit: one call for the assembly's mass, which must equal our sum; else what was kept is
-    fetched again."""
+    """After an edit: compare the assembly's mass (one call) with the sum of its cached parts, and fetch the
+    parts again where they differ."""
 
     offline: Flag = False
-    """Make no call: use what earlier builds have cached."""
+    """Make no API call: use the replies that earlier builds cached."""
 
     refresh: Flag = False
-    """Ask again, even for what is cached."""
+    """Fetch everything again, also what is cached."""
 
     max_calls: Count = 200
-    """Calls that one build may make; one that needs more ends before it makes them."""
+    """Largest number of API calls of one build; a build that needs more ends before it makes them."""
 
     max_wait: NonNegative = 120
-    """Longest wait in all that the server may ask for in one build [s]; where it asks for more the
-    build ends, with what was fetched kept."""
+    """Longest total wait for the server's rate limit in one build [s]; where the server asks for more, the
+    build ends and keeps what was fetched."""
 
     stale: Flag = False
-    """Where the yearly quota is used up: whether to build from what was fetched last counts as success.
-    Else the robot is built all the same, with exit status 3."""
+    """Whether a build from the last fetched state counts as success where the yearly quota of calls is used
+    up. Else the robot is built from it too, but the exit status is 3."""
 
     @field_validator("allow_write")
     @classmethod
-    def _said_before_written(cls, value: bool, info: ValidationInfo) -> bool:
+    def _allowed_before_written(cls, value: bool, info: ValidationInfo) -> bool:
         if info.data.get("variables") and not value:
-            text = "source.variables writes to the document: say true to allow it"
-            raise PydanticCustomError("allow_write", text)
+            raise invalid("source.variables writes to the document: set true to allow it")
         return value
 
 

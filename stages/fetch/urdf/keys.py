@@ -1,40 +1,42 @@
 """Configuration of the source `urdf`."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
 from stages.fetch.source_keys import Setting, SourceKeys
-from stages.robot.keys import Flag, Text
+from stages.robot.keys import Flag, Text, example
 
 
 class UrdfSourceKeys(SourceKeys):
-    """A URDF, or a xacro file that makes one, and the meshes that it names."""
+    """A URDF or a xacro file, and the meshes that it names."""
 
     kind: Literal["urdf"] = "urdf"
-    """Tells the sources apart."""
+    """Kind of the source; `source=KIND` chooses it."""
 
-    path: Text
-    """The file, relative to the working directory. One that ends in .xacro is expanded where `trust` says
-    so."""
+    path: Annotated[Text, example("arm.urdf")]
+    """The file, relative to the working directory. A file that ends in .xacro is expanded only with
+    `source.trust=true`."""
 
-    packages: dict[Text, Text] = Field(default_factory=dict)
-    """Folders of packages (`package://name/...`), before where ROS_PACKAGE_PATH, AMENT_PREFIX_PATH and the
-    folders around the file have them: name → folder, relative to the working directory."""
+    packages: Annotated[dict[Text, Text], example({"arm_description": "../arm"})] = Field(
+        default_factory=dict
+    )
+    """Folders of ROS packages (`package://name/...`): name → folder, relative to the working directory.
+    Other packages are found by ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and in folders around the file."""
 
-    args: dict[Text, Setting] = Field(default_factory=dict)
+    args: Annotated[dict[Text, Setting], example({"prefix": "left_"})] = Field(default_factory=dict)
     """Arguments of the xacro file: name → value."""
 
     trust: Flag = False
-    """Whether a xacro file may be expanded: it is a program, so only where you would run it. Counts on the
-    command line alone."""
+    """Whether a xacro file may be expanded. It is a program: allow it only for a file that you would run.
+    Counts only on the command line, or where LINKWRIGHT_TRUST names the robot's file."""
 
     missing_meshes: Literal["refuse", "skip"] = "refuse"
-    """Meshes that are not there or cannot be read: refuse the robot, or build it without them."""
+    """Meshes that do not exist or cannot be read. refuse: an error; skip: build the robot without them."""
 
     bad_inertia: Literal["refuse", "recompute", "project"] = "refuse"
-    """Inertias that no body can have: refuse the robot; recompute: from the link's mass and shapes, solid;
-    project: take the nearest that a body can have."""
+    """Inertias that no solid body can have. refuse: an error; recompute: from the link's mass and shapes, as
+    a solid of even density; project: the nearest inertia that a solid body can have."""
 
 
 KEYS = UrdfSourceKeys

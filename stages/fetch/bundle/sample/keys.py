@@ -6,10 +6,10 @@ from stages.fetch.source_keys import SourceKeys
 
 
 class SampleSourceKeys(SourceKeys):
-    """The robot that is shipped with the package."""
+    """The sample robot, which the package contains."""
 
     kind: Literal["sample"] = "sample"
-    """Tells the sources apart."""
+    """Kind of the source; `source=KIND` chooses it."""
 
 
 KEYS = SampleSourceKeys
