@@ -1,5 +1,6 @@
 """One build: five stages in order, each from the cache where nothing that it depends on changed."""
 
+import contextlib
 import functools
 import json
 import os
@@ -14,7 +15,7 @@ from pipeline.caching import actions, bundles
 from pipeline.caching.actions import Action, Cache, Files
 from pipeline.config.choices import name_of
 from pipeline.config.plan import Plan
-from pipeline.context import NOTES, BuildContext
+from pipeline.context import NOTES, ROBOT, BuildContext
 from pipeline.disk_space import LEAST
 from pipeline.early_imports import Ahead
 from pipeline.errors import (
@@ -41,6 +42,16 @@ from stages.robot.errors import Diagnostic
 from stages.robot.printable import printable_lines
 
 
+@dataclass(frozen=True, slots=True)
+class Built:
+    """A build in memory: its report, the robot's files by relative path, and the robot as the graph stage
+    encoded it (None where the build stopped before)."""
+
+    report: Report
+    files: Mapping[str, bytes]
+    robot: bytes | None
+
+
 def build(
     plan: Plan,
     progress: Progress | None = None,
@@ -58,22 +69,24 @@ def build(
     `began` [s since the epoch]: the start of the sweep that this is a job of; its jobs share what a
     workspace said since then, so that all build the same state of it.
     """
+    return build_files(plan, progress, environ, stages, began).report
+
+
+def build_files(
+    plan: Plan,
+    progress: Progress | None = None,
+    environ: Mapping[str, str] | None = None,
+    stages: tuple[Stage, ...] = STAGES,
+    began: float | None = None,
+    in_memory: bool = False,
+) -> Built:
+    """As `build`, with the files; `in_memory`: no output folder is written, and a failure leaves none."""
     environ = os.environ if environ is None else environ
     stages = stages_until(plan.until, stages)
     suffix = suffix_of(plan)
     log = Log(environ)
-    shown = Tee(log, progress or Quiet())
-    run = Run(plan, f"{plan.folder}{suffix}", log, shown)
-    wrong = beforehand(plan, environ, stages)
-    try:
-        output = destination(plan, environ, lambda line: shown.detail("output", line))
-    except ConfigError as error:
-        if not wrong:
-            raise
-        wrong += as_problems(error)
-    if wrong:
-        raise refusal(wrong)
-    output.prepare(suffix, foreseen(plan))
+    run = Run(plan, "" if in_memory else f"{plan.folder}{suffix}", log, Tee(log, progress or Quiet()))
+    output = prepared(run, environ, stages, in_memory)
     run.note(remarks(plan))
     files: dict[str, bytes] = {}
     try:
@@ -90,22 +103,46 @@ def build(
             files = products(context)
             log.secrets.check(files)
             done = run.finished(context, files)
-            output.publish({**files, **run.documents(done, files)}, suffix, done.outputs)
+            robot = context.files["graph"][ROBOT] if "graph" in context.files else None
+            if output:
+                output.publish({**files, **run.documents(done, files)}, suffix, done.outputs)
     except Exception as error:
         # What was built and cannot be put into its place is kept there.
         leave_failure(output, run, error, files if isinstance(error, InTheWay) else {})
         raise
     finally:
         run.progress.close()
-    output.remove(FAILED)
-    return done
+    if output:
+        output.remove(FAILED)
+    return Built(done, files, robot)
 
 
-def require_room(store: Cache, output: Output, suffix: str) -> None:
+def prepared(
+    run: "Run", environ: Mapping[str, str], stages: tuple[Stage, ...], in_memory: bool
+) -> Output | None:
+    """The output folder, ready to be written; None for a build in memory. ConfigError for everything that
+    is known to be wrong before the first stage."""
+    wrong = beforehand(run.plan, environ, stages)
+    output = None
+    try:
+        if not in_memory:
+            output = destination(run.plan, environ, lambda line: run.progress.detail("output", line))
+    except ConfigError as error:
+        if not wrong:
+            raise
+        wrong += as_problems(error)
+    if wrong:
+        raise refusal(wrong)
+    if output:
+        output.prepare(suffix_of(run.plan), foreseen(run.plan))
+    return output
+
+
+def require_room(store: Cache, output: Output | None, suffix: str) -> None:
     """CacheError or OutputError where a disk has no room for a build as large as the last one."""
-    size = max(LEAST, output.size(), output.size(suffix))
+    size = max(LEAST, output.size(), output.size(suffix)) if output else LEAST
     # Both at once, since they may lie on one disk.
-    with store.store.room(size), output.room(size):
+    with store.store.room(size), output.room(size) if output else contextlib.nullcontext():
         pass
 
 
@@ -256,17 +293,19 @@ def as_yaml(plan: Mapping[str, Any]) -> bytes:
     return text.encode()
 
 
-def leave_failure(output: Output, run: Run, error: Exception, files: Mapping[str, bytes]) -> None:
+def leave_failure(output: Output | None, run: Run, error: Exception, files: Mapping[str, bytes]) -> None:
     """Puts the report and the log of a failed build, and the `files` that it made, beside the last good
-    output."""
+    output; for a build in memory only the error says what it spent."""
     for line in str(error).splitlines():
         run.log.line(line)
     if not isinstance(error, LinkwrightError):
         for line in "".join(traceback.format_exception(error)).splitlines():
             run.log.line(line)
     failed = run.failed(error)
+    place = None
     try:
-        place = output.publish({**files, **run.documents(failed, files)}, FAILED)
+        if output:
+            place = output.publish({**files, **run.documents(failed, files)}, FAILED)
     except LinkwrightError as second:
         # The first error is the one to raise.
         run.progress.detail("output", f"no report is left of this failure: {second}")

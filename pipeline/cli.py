@@ -2,14 +2,13 @@
 
 import gc
 import importlib
-import importlib.util
 import os
 import sys
 from collections.abc import Callable, Iterable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pipeline import streams
+from pipeline.face.shadows import shadows
 from pipeline.options import Command, UsageError, parse
 
 if TYPE_CHECKING:
@@ -139,24 +138,6 @@ def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> 
         return 2
     except (Exception, KeyboardInterrupt) as error:
         return _told(error)
-
-
-def shadows() -> str:
-    """What to say where another package has the name of one of ours; nothing if none has."""
-    ours = Path(__file__).resolve().parent.parent
-    for name in ("conf", "pipeline", "stages"):
-        spec = importlib.util.find_spec(name)
-        places = [Path(place).resolve() for place in (spec.submodule_search_locations or ())] if spec else []
-        if spec and spec.origin and not places:
-            places = [Path(spec.origin).resolve()]
-        if ours / name not in places:
-            found = str(places[0]) if places else "nothing"
-            return (
-                f"the package `{name}` is another one than linkwright's\n"
-                f"  found: {found}\n  expected: {ours / name}\n"
-                "  → run from another folder, or take the other one out of PYTHONPATH or this environment"
-            )
-    return ""
 
 
 def _version() -> str:

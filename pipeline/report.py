@@ -41,7 +41,8 @@ class Report:
     `figures`: counts of links, joints, dofs, loops, parts, meshes and triangles, the mass [kg], and how
     the mechanism moves: `coordinates`, `gruebler` and `dof` (see `stages.robot.model.Mobility`).
     `outline`: the lines of the kinematic tree as text. `outputs`: SHA-256 of each file of the robot, by
-    path below `folder`. `error`: of a failed build, its class, message, place, hint and problems.
+    path below `folder` ("" for a build in memory). `error`: of a failed build, its class, message, place,
+    hint and problems.
     `title`: what the assembly is called, where a reply told it and nobody named the robot.
     """
 
@@ -126,7 +127,7 @@ def findings(report: Report) -> list[str]:
     if report.checks:
         lines.append(f"{passed} of {len(report.checks)} checks passed")
     lines += spent(report)
-    lines.append(printable(f"{report.heading}: {report.folder}"))
+    lines.append(printable(f"{report.heading}: {report.folder or 'in memory'}"))
     return lines
 
 
@@ -140,13 +141,14 @@ def spent(report: Report) -> list[str]:
     return [f"{made} API call{'' if made == 1 else 's'} made, {saved} saved by the cache{so_far}"]
 
 
-def epitaph(report: Report, folder: Path) -> list[str]:
-    """What comes after the error of a failed build: its calls, its source, and where its report is."""
+def epitaph(report: Report, folder: Path | None) -> list[str]:
+    """What comes after the error of a failed build: its calls, its source, and where its report is (None:
+    there is none)."""
     url = report.source.get("url")
     return [
         *spent(report),
         *([f"source: {url}"] if url else []),
-        f"report: {Path(os.path.relpath(folder)) / 'report.html'}",
+        *([f"report: {Path(os.path.relpath(folder)) / 'report.html'}"] if folder else []),
     ]
 
 

@@ -95,10 +95,26 @@ def session(
 ) -> Iterator["Composer"]:
     """Hydra, ready to compose from `conf`, `./robot/` of `cwd` and `config_dirs`."""
     presets = Presets(config_dirs, cwd)
-    with initialize_config_module("conf", job_name="linkwright", **HYDRA), guarded(), catch_warnings():
+    with (
+        _aside(),
+        initialize_config_module("conf", job_name="linkwright", **HYDRA),
+        guarded(),
+        catch_warnings(),
+    ):
         # Hydra's advice to authors of programs, about a file that has the name of a launcher, say.
         filterwarnings("ignore", message=r"\s*'hydra/launcher/", category=UserWarning)
         yield Composer(presets, judge, environ, cwd)
+
+
+@contextmanager
+def _aside() -> Iterator[None]:
+    """Puts away the Hydra of a program that calls us while it runs under one of its own."""
+    theirs = GlobalHydra.instance().hydra
+    GlobalHydra.instance().clear()
+    try:
+        yield
+    finally:
+        GlobalHydra.instance().hydra = theirs
 
 
 class Composer:

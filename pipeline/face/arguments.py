@@ -1,0 +1,114 @@
+"""From the arguments of `linkwright.build` to a plan, by the same way as from a command line."""
+
+import os
+import re
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from threading import RLock
+from typing import Any
+
+import yaml
+
+from pipeline.config.choices import name_of
+from pipeline.config.compose import compose_plan
+from pipeline.config.hydra_node import hydra_text
+from pipeline.config.plan import Plan
+from pipeline.config.trust import CODE
+from pipeline.errors import ConfigError, Diagnostic, refusal
+from pipeline.preflight import beforehand
+
+HEADER = "# @package _global_\n"
+
+TRUSTING = {"source.trust": "trust=True", "plugins": "plugins=[...]"}
+"""Key that only its caller can give → the argument of `build` that gives it."""
+
+_ALONE = RLock()
+"""Hydra composes for one thread at a time."""
+
+
+def plan_of(
+    what: Sequence[str | os.PathLike[str] | Mapping[str, Any]],
+    trust: bool,
+    plugins: Sequence[str],
+    output: str | os.PathLike[str] | None,
+    config_dirs: Sequence[str | os.PathLike[str]],
+) -> Plan:
+    """The plan that the arguments of `build` describe; ConfigError lists everything that is wrong."""
+    robots = [one for one in what if is_robot(one)]
+    if len(robots) > 1:
+        given = " and ".join("a mapping" if isinstance(one, Mapping) else str(one) for one in robots)
+        raise ConfigError(f"one robot is built at a time, got {given}", "", "call build once for each")
+    overrides = [str(one) for one in what if not is_robot(one)]
+    overrides += ["source.trust=true"] if trust else []
+    overrides += [f"plugins=[{','.join(map(hydra_text, plugins))}]"] if plugins else []
+    overrides += [f"output={hydra_text(os.fspath(output))}"] if output is not None else []
+    folders = [os.fspath(folder) for folder in config_dirs]
+    with _ALONE, robot_file(robots[0] if robots else None) as file:
+        chosen = [f"robot={file}"] if file else []
+        try:
+            return compose_plan([*chosen, *overrides], folders, judge=beforehand).plan
+        except ConfigError as error:
+            if not error.problems:
+                raise
+            raise refusal([_in_python(problem) for problem in error.problems]) from None
+
+
+def is_robot(one: object) -> bool:
+    """Whether an argument is a robot, as data or by the path of its file, and no override."""
+    if isinstance(one, str):
+        return "=" not in one and one.endswith((".yaml", ".yml"))
+    return isinstance(one, Mapping | os.PathLike)
+
+
+@contextmanager
+def robot_file(robot: Any) -> Iterator[str]:
+    """The path of a robot's file; "" for no robot. One that is data gets a file for the time inside, so
+    that it is read, and trusted, as any file."""
+    if not isinstance(robot, Mapping):
+        yield "" if robot is None else os.fspath(robot)
+        return
+    data = as_data(robot)
+    name = data.get("name") or name_of(data.get("source"))
+    stem = name if isinstance(name, str) and re.fullmatch(r"[A-Za-z0-9_-]+", name) else "robot"
+    with tempfile.TemporaryDirectory(prefix="linkwright-") as folder:
+        file = Path(folder) / "robot" / f"{stem}.yaml"
+        file.parent.mkdir()
+        text = yaml.dump(data, Dumper=_Quoting, sort_keys=False, allow_unicode=True)
+        file.write_text(HEADER + text, encoding="utf-8")
+        yield str(file)
+
+
+class _Quoting(yaml.SafeDumper):  # type: ignore[misc]
+    """Writes all texts in quotes: YAML's readers differ about what else `1e5` or `on` would be."""
+
+
+_Quoting.add_representer(
+    str, lambda dumper, text: dumper.represent_scalar("tag:yaml.org,2002:str", text, style='"')
+)
+
+
+def as_data(value: Any, key: str = "") -> Any:
+    """A robot's data as YAML can hold it; ConfigError where it is something else. numpy's arrays and numbers
+    become lists and numbers, and paths texts."""
+    if isinstance(value, Mapping):
+        return {str(name): as_data(one, f"{key}.{name}".lstrip(".")) for name, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [as_data(one, f"{key}[{index}]") for index, one in enumerate(value)]
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if hasattr(value, "tolist"):
+        return as_data(value.tolist(), key)
+    if value is None or type(value) in (str, int, float, bool):
+        return value
+    message = f"a robot is data: texts, numbers, lists and mappings; got {type(value).__name__}"
+    raise refusal([Diagnostic("E-VALUE", message, key)])
+
+
+def _in_python(problem: Diagnostic) -> Diagnostic:
+    """A problem with the way out that there is in Python."""
+    if problem.code != CODE or problem.where not in TRUSTING:
+        return problem
+    return replace(problem, hint=f"if you trust it: linkwright.build(..., {TRUSTING[problem.where]})")

@@ -1,0 +1,107 @@
+"""`linkwright.build`: a robot from its configuration, and what comes of it as values."""
+
+import base64
+import functools
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+from pipeline.errors import LinkwrightError
+from pipeline.report import Report
+from stages.graph.view.views import PICTURE
+
+if TYPE_CHECKING:
+    from pipeline.face.robot import Robot
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Build:
+    """What a build comes to.
+
+    `report`: status, calls, figures, diagnostics and checks. `files`: the robot's files in memory, relative
+    path → bytes: the same that an output folder gets, without the report and the log.
+    """
+
+    report: Report
+    files: Mapping[str, bytes]
+    encoded: bytes | None
+    """The robot as the graph stage encoded it; None where the build stopped before."""
+
+    @functools.cached_property
+    def robot(self) -> "Robot":
+        """The robot: links, joints, poses and mass matrix. LinkwrightError after `until=fetch`."""
+        if self.encoded is None:
+            raise LinkwrightError("there is no robot yet: the build ended before", "until", "until=graph")
+        from pipeline.face.robot import Robot
+        from stages.robot.codec import decode_robot
+
+        return Robot(decode_robot(self.encoded))
+
+    @property
+    def outline(self) -> str:
+        """The kinematic tree as text, a line for each link."""
+        return "\n".join(self.report.outline)
+
+    def __repr__(self) -> str:
+        return f"<linkwright.Build {self._heading()}>"
+
+    def _heading(self) -> str:
+        report = self.report
+        checks = f"{len(report.checks) - len(report.failed_checks)} of {len(report.checks)} checks passed"
+        parts = [report.status, *([checks] if report.checks else []), f"{len(self.files)} files"]
+        return f"{report.heading}: {', '.join(parts)}"
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: status, kinematic tree and picture."""
+        found = [f"<p>{escape(self._heading())}</p>"]
+        if self.report.outline:
+            found.append(f"<pre>{escape(self.outline)}</pre>")
+        if PICTURE in self.files:
+            # As an image: whatever the names in it are, nothing in it runs.
+            data = base64.b64encode(self.files[PICTURE]).decode()
+            name = escape(f"links and joints of {self.report.name}")
+            style = "background: white; max-width: 100%"
+            found.append(f'<img alt="{name}" src="data:image/svg+xml;base64,{data}" style="{style}">')
+        return "\n".join(found)
+
+
+def build(
+    *what: str | os.PathLike[str] | Mapping[str, Any],
+    output: str | os.PathLike[str] | None = None,
+    trust: bool = False,
+    plugins: Sequence[str] = (),
+    config_dirs: Sequence[str | os.PathLike[str]] = (),
+    progress: bool = False,
+) -> Build:
+    """Builds a robot, as the command `linkwright` does, and returns it.
+
+        linkwright.build("robot=my_arm", "root=free")        overrides, as on the command line
+        linkwright.build("robot/my_arm.yaml", "root=free")   the path of a robot's file, and overrides
+        linkwright.build({"source": {"kind": "urdf", "path": "arm.urdf"}})      a robot as data
+
+    A mapping holds what a robot's YAML holds. Relative paths are those of the working folder.
+
+    output: the folder that gets the files too; without it, and without the key `output`, the build writes
+        nothing but its cache.
+    trust: whether a xacro file, which is a program, may run. A robot's file or mapping cannot say so.
+    plugins: modules whose classes the robot may name; likewise.
+    config_dirs: folders that hold `robot/`, besides the working folder.
+    progress: whether the stages are shown on stderr while they run.
+
+    Raises ConfigError for what is wrong before the first stage, and another LinkwrightError for what goes
+    wrong later. A failed check raises nothing: see `report.status` and `report.failed_checks`.
+    """
+    from pipeline.build import build_files
+    from pipeline.face.arguments import plan_of
+
+    plan = plan_of(what, trust, plugins, output, config_dirs)
+    shown = None
+    if progress:
+        from pipeline.progress import progress_for
+
+        shown = progress_for(sys.stderr)
+    built = build_files(plan, shown, in_memory=plan.output is None)
+    return Build(built.report, built.files, built.robot)

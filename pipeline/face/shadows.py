@@ -1,0 +1,41 @@
+"""Whether our top-level packages are the ones that Python finds.
+
+The wheel ships this module twice: here, and as `linkwright/shadows.py`, where it answers even if another
+package is called `pipeline`.
+"""
+
+import importlib.util
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+PACKAGES = ("conf", "pipeline", "stages")
+
+
+def shadows(names: Iterable[str] = PACKAGES) -> str:
+    """The message about the first of `names` that is another package than ours; "" if all are ours."""
+    for name in names:
+        spec = importlib.util.find_spec(name)
+        places = [Path(place).resolve() for place in (spec.submodule_search_locations or ())] if spec else []
+        if spec and spec.origin and not places:
+            places = [Path(spec.origin).resolve()]
+        home = _home()
+        if home is None or home / name not in places:
+            found = str(places[0]) if places else "nothing"
+            expected = str(home / name) if home else "nowhere on Python's path: install linkwright again"
+            return (
+                f"the package `{name}` is another one than linkwright's\n"
+                f"  found: {found}\n  expected: {expected}\n"
+                "  → run from another folder, or take the other one out of PYTHONPATH or this environment"
+            )
+    return ""
+
+
+def _home() -> Path | None:
+    """The folder that holds our packages; None if there is none."""
+    # Installed from a wheel they lie beside `linkwright`; an editable install puts their folder on the path.
+    around = Path(__file__).resolve().parents[1:3]
+    for place in (*around, *map(Path, sys.path)):
+        if (place / "pipeline" / "face" / "shadows.py").is_file():
+            return place.resolve()
+    return None

@@ -1,0 +1,25 @@
+"""Builds robots from Python: `linkwright.build("robot=my_arm")`.
+
+The wheel ships this module as `linkwright/__init__.py`; what it offers is in `pipeline/face`. Importing it
+imports nothing else: each name is loaded when it is first used, once our packages are known to be ours.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pipeline.face import *  # noqa: F403
+else:
+
+    def __getattr__(name: str) -> Any:
+        from .shadows import shadows
+
+        message = shadows()
+        if message:
+            raise ImportError(message)
+        from pipeline import face
+
+        value = globals()[name] = getattr(face, name)
+        return value
+
+    def __dir__() -> list[str]:
+        return sorted({*globals(), *__getattr__("__all__")})

@@ -1,0 +1,32 @@
+"""The package `linkwright` as the wheel ships it, whatever is installed here."""
+
+import os
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+from tests.support.places import PROJECT
+
+WHEEL = tomllib.loads((PROJECT / "pyproject.toml").read_text())["tool"]["hatch"]["build"]["targets"]["wheel"]
+
+
+def shipped(folder: Path) -> Path:
+    """Puts the files of `linkwright` below `folder`, as the build backend does; the folder."""
+    for source, place in WHEEL["force-include"].items():
+        (folder / place).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(PROJECT / source, folder / place)
+    return folder
+
+
+def python(
+    package: Path, *arguments: str, cwd: Path, first: Path | None = None
+) -> subprocess.CompletedProcess[str]:
+    """Runs Python in `cwd` with the package below `package`; `first`: a folder ahead of all on its path."""
+    places = [*([first] if first else []), package, PROJECT]
+    environ = {"PYTHONPATH": os.pathsep.join(map(str, places)), "LINKWRIGHT_CACHE": str(package / "cache")}
+    return subprocess.run(
+        [sys.executable, *arguments],
+        cwd=cwd, env={**os.environ, **environ}, capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip

@@ -1,0 +1,80 @@
+"""`linkwright.build`: the files, the report and the robot; what is written, printed and shown."""
+
+from pathlib import Path
+
+import pytest
+
+from pipeline import face
+from pipeline.face.building import Build
+from pipeline.report import Report
+from tests.support.command import environment, linkwright, robot_files, tree
+
+
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory):
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch, cache):
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    monkeypatch.setenv("LINKWRIGHT_CACHE", str(cache))
+    return here
+
+
+def test_a_build_in_memory_has_the_files_of_the_command_and_writes_and_prints_nothing(folder, cache, capfd):
+    built = face.build("source=sample", "name=arm")
+    assert capfd.readouterr() == ("", "")
+    assert list(folder.iterdir()) == []
+    assert (built.report.status, built.report.folder) == ("built", "")
+    environ = environment(folder, LINKWRIGHT_CACHE=str(cache))
+    assert linkwright(folder, "source=sample", "name=arm", environ=environ).returncode == 0
+    assert dict(built.files) == robot_files(folder / "outputs" / "arm")
+    assert built.outline.startswith("arm: 11 links, 10 joints")
+    assert repr(built) == "<linkwright.Build arm: built, 42 of 42 checks passed, 52 files>"
+
+
+@pytest.mark.parametrize("how", ["argument", "key"])
+def test_an_output_folder_is_written_where_one_is_named(folder, how):
+    given = (["source=sample", "until=graph"], {"output": Path("out")})
+    if how == "key":
+        given = ([*given[0], "output=out"], {})
+    built = face.build(*given[0], **given[1])
+    assert robot_files(folder / "out.graph") == dict(built.files)
+    assert built.report.folder == "out.graph"
+
+
+def test_progress_is_shown_when_asked_for(capfd):
+    face.build("source=sample", "until=graph", progress=True)
+    shown = capfd.readouterr()
+    assert shown.out == ""
+    assert [line.split()[0] for line in shown.err.splitlines()] == ["fetch", "graph"]
+
+
+def test_a_build_that_fails_leaves_nothing(folder):
+    (folder / "arm.urdf").write_text("<robot name='arm'><link/></robot>")
+    before = tree(folder)
+    with pytest.raises(face.SourceError) as caught:
+        face.build("source=urdf", "source.path=arm.urdf")
+    assert tree(folder) == before
+    assert not any("report" in note for note in getattr(caught.value, "__notes__", ()))
+
+
+def test_a_build_that_ends_before_the_graph_has_no_robot():
+    built = face.build("source=sample", "until=fetch")
+    assert (dict(built.files), built.outline) == ({}, "")
+    with pytest.raises(face.LinkwrightError, match="there is no robot yet"):
+        _ = built.robot
+
+
+def test_a_notebook_shows_outline_and_picture_with_names_escaped():
+    report = Report("built", "<b>arm", "", "graph", 0, outline=("<script>alert(1)</script> & co",))
+    shown = Build(report, {"graph.svg": b"<svg onload='x'/>"}, None)._repr_html_()
+    assert "&lt;script&gt;alert(1)&lt;/script&gt; &amp; co" in shown
+    assert shown.count("<") == len(["<p>", "</p>", "<pre>", "</pre>", "<img>"])
+    assert 'src="data:image/svg+xml;base64,' in shown
+    assert (
+        Build(Report("built", "arm", "", "fetch", 0), {}, None)._repr_html_() == "<p>arm: built, 0 files</p>"
+    )
