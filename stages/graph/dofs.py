@@ -1,9 +1,4 @@
-"""What each type of mate lets move: its dofs, their values in a pose, and the chain run backwards.
-
-With W₀, W₁ the world frames of a mate's first and second entity, M = W₁⁻¹ W₀ is the pose of the first
-relative to the second: slides along the second's axes, then a turn about their common z. Limits have
-the names that the API gives them.
-"""
+"""The dofs of each type of joint, their values in a pose, and the chain of them run backwards."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -11,90 +6,37 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stages.robot.model import Array, Dof, DofKind, Dynamics, JointType, Limits, Value, frozen
+from stages.robot.model import Array, Dof, DofKind, JointType, Value, frozen
 from stages.robot.poses import at_rest, inverse, quat_from_rotation
 
 
 @dataclass(frozen=True, slots=True)
 class Freedom:
-    """One dof of a type of mate: what its name ends in, kind, axis, and its limits in the API's names."""
+    """One dof of a type of joint: what its name ends in, its kind and its axis."""
 
     suffix: str
     kind: DofKind
     axis: tuple[float, float, float]
-    limits: tuple[str, str]
 
 
-X = Freedom("_x", "slide", (1, 0, 0), ("limitXMin", "limitXMax"))
-Y = Freedom("_y", "slide", (0, 1, 0), ("limitYMin", "limitYMax"))
-Z = Freedom("_z", "slide", (0, 0, 1), ("limitZMin", "limitZMax"))
+X = Freedom("_x", "slide", (1, 0, 0))
+Y = Freedom("_y", "slide", (0, 1, 0))
+Z = Freedom("_z", "slide", (0, 0, 1))
 SLIDE = replace(Z, suffix="_slide")
-TURN = Freedom("_turn", "turn", (0, 0, 1), ("limitAxialZMin", "limitAxialZMax"))
-BALL = Freedom("", "ball", (0, 0, 0), ("", "limitEulerConeAngleMax"))
+TURN = Freedom("_turn", "turn", (0, 0, 1))
+BALL = Freedom("", "ball", (0, 0, 0))
 
-TYPES: Mapping[str, tuple[JointType, tuple[Freedom, ...]]] = {
-    "FASTENED": ("fixed", ()),
-    "FIXED": ("fixed", ()),
-    "REVOLUTE": ("revolute", (TURN,)),
-    "SLIDER": ("prismatic", (SLIDE,)),
-    "CYLINDRICAL": ("cylindrical", (SLIDE, TURN)),
-    "PIN_SLOT": ("pin_slot", (replace(X, suffix="_slide"), TURN)),
-    "PLANAR": ("planar", (X, Y, TURN)),
-    "PARALLEL": ("parallel", (X, Y, Z, TURN)),
-    "BALL": ("ball", (BALL,)),
+FREEDOMS: Mapping[JointType, tuple[Freedom, ...]] = {
+    "fixed": (),
+    "revolute": (TURN,),
+    "prismatic": (SLIDE,),
+    "cylindrical": (SLIDE, TURN),
+    "pin_slot": (replace(X, suffix="_slide"), TURN),
+    "planar": (X, Y, TURN),
+    "parallel": (X, Y, Z, TURN),
+    "ball": (BALL,),
 }
-"""Mate type → joint type and freedoms, from the second entity to the first. FIXED is drawn by nobody: it
-is a FASTENED mate that keeps its two links apart."""
-
-MIRRORED = np.diag([1.0, 1.0, -1.0, 1.0])
-
-
-def dof_names(name: str, mate_type: str) -> tuple[str, ...]:
-    """The names of the dofs of a mate called `name`: its own where it has but one."""
-    freedoms = TYPES[mate_type][1]
-    return (name,) if len(freedoms) == 1 else tuple(name + freedom.suffix for freedom in freedoms)
-
-
-def right_handed(first: Array, second: Array) -> tuple[Array, Array, bool]:
-    """The two frames (4, 4) of a mate as right-handed ones, and whether both were mirrored.
-
-    Under a reflection S a slide's axis becomes S·z and a turn's −S·z: with both frames' z turned
-    round the turns keep their axis, and a slide along z has the opposite one. Of a single left-handed
-    frame y is turned round, as x and z are what mates align.
-    """
-    hands = [np.linalg.det(frame[:3, :3]) > 0 for frame in (first, second)]
-    if not any(hands):
-        return first @ MIRRORED, second @ MIRRORED, True
-    flip = np.diag([1.0, -1.0, 1.0, 1.0])
-    return first if hands[0] else first @ flip, second if hands[1] else second @ flip, False
-
-
-def dofs_of(
-    name: str,
-    mate_type: str,
-    limits: Mapping[str, float],
-    relative: Array,
-    mirrored: bool = False,
-) -> tuple[Dof, ...]:
-    """The dofs of a mate whose first entity is at `relative` (4, 4) in its second, both right-handed."""
-    made = []
-    for dof_name, freedom in zip(dof_names(name, mate_type), TYPES[mate_type][1], strict=True):
-        axis = np.array(freedom.axis, dtype=float)
-        if mirrored and freedom.kind == "slide":
-            axis = MIRRORED[:3, :3] @ axis
-        low, high = freedom.limits
-        made.append(
-            Dof(
-                name=dof_name,
-                kind=freedom.kind,
-                axis=frozen(axis + 0.0),
-                origin=frozen(np.eye(4)),
-                limits=Limits(limits.get(low), limits.get(high)),
-                dynamics=Dynamics(),
-                saved=value_in(relative, freedom.kind, axis),
-            )
-        )
-    return tuple(made)
+"""Joint type → its dofs in order, from the second entity of a mate to the first."""
 
 
 def value_in(relative: Array, kind: DofKind, axis: Array) -> Value:

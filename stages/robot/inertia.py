@@ -47,6 +47,11 @@ def moved(inertial: Inertial, a_from_b: Array) -> Inertial:
     return Inertial(inertial.mass, frozen(com), frozen((inertia + inertia.T) / 2))
 
 
+def scaled(inertial: Inertial, mass: float) -> Inertial:
+    """The same shape with another mass [kg]; the given one must not be zero."""
+    return Inertial(mass, inertial.com, frozen(inertial.inertia * (mass / inertial.mass)))
+
+
 def merged(bodies: Sequence[Inertial]) -> Inertial:
     """One rigid body from several in the same frame, by the parallel axis theorem.
 

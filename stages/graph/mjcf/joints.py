@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stages.formats.mjcf import MjcfBody, MjcfJoint
-from stages.graph.dofs import TYPES, Freedom
+from stages.graph.dofs import FREEDOMS, Freedom
 from stages.robot.model import Array, Dof, DofKind, JointType, Value, frozen
 from stages.robot.poses import at_rest, from_parts, inverse, motion
 
@@ -104,7 +104,7 @@ def _gathered(dofs: list[Dof]) -> Array:
 def body_joint(dofs: Sequence[Dof]) -> BodyJoint:
     """The mate that a body's dofs make, by their kinds, axes and names; else `compound`."""
     names = [dof.name for dof in dofs]
-    for kind, freedoms in TYPES.values():
+    for kind, freedoms in FREEDOMS.items():
         if len(freedoms) < 2 or len(freedoms) != len(dofs):
             continue
         for backwards in (False, True):

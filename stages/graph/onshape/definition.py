@@ -6,7 +6,6 @@ from dataclasses import astuple
 import numpy as np
 import orjson
 
-from stages.graph.dofs import TYPES
 from stages.graph.onshape.assembly import (
     Assembly,
     Connector,
@@ -21,6 +20,7 @@ from stages.graph.onshape.assembly import (
     check_parts,
     leave_out_empty,
 )
+from stages.graph.onshape.mates import JOINT_TYPES
 from stages.graph.onshape.reply_fields import check_rigid, number, numbers, path_of, shape_of, text
 from stages.robot.bundle import StudioKey
 from stages.robot.errors import Diagnostic, ProtocolError
@@ -178,13 +178,13 @@ def _read_mate(assembly: Assembly, owner: Path, title: str, name: str, feature: 
         )
         return
     ref = MateRef(owner, feature["id"], name, text(data.get("mateType", "UNKNOWN")))
-    if ref.type not in TYPES:
+    if ref.type not in JOINT_TYPES:
         assembly.diagnostics.append(
             Diagnostic(
                 "E-MATE-TYPE",
                 f"a mate of the type {ref.type} is not known: whether it holds anything neither",
                 title,
-                f"suppress it, or use one of {', '.join(TYPES)}",
+                f"suppress it, or use one of {', '.join(JOINT_TYPES)}",
             )
         )
         return

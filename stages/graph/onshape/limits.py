@@ -16,9 +16,10 @@ from typing import Any
 import orjson
 
 from stages.formats.onshape_configuration import decoded, split
-from stages.graph.dofs import TYPES, Freedom
+from stages.graph.dofs import Freedom
 from stages.graph.onshape.assembly import Assembly, Mate, Path, Record
 from stages.graph.onshape.expressions.evaluate import ExpressionError, Scope, measured
+from stages.graph.onshape.mates import JOINT_TYPES, freedoms_of, limit_names
 from stages.graph.onshape.reply_fields import shape_of
 from stages.robot.bundle import Bundle, Features, StudioKey
 from stages.robot.model import DofKind
@@ -121,13 +122,13 @@ def _limits(mate: Mate, owner: _Owner) -> tuple[Record, Remarks]:
     parameters = owner.mates.get(mate.ref.feature)
     if parameters is None:
         return {}, Remarks("the list of features lacks this mate")
-    _, freedoms = TYPES.get(mate.ref.type, ("fixed", ()))
+    freedoms = freedoms_of(mate.ref.type) if mate.ref.type in JOINT_TYPES else ()
     found = _Found({}, {}, [], [], [])
     try:
         if not _configured(parameters["limitsEnabled"], owner).get("value"):
             return {}, Remarks()
         for freedom in freedoms:
-            for name in freedom.limits:
+            for name in limit_names(freedom):
                 if name and name in parameters:
                     _read_limit(name, freedom.kind, _configured(parameters[name], owner), owner.scope, found)
             _compare(freedom, found)
@@ -171,12 +172,12 @@ def _read_limit(name: str, kind: DofKind, parameter: Record, scope: Scope, found
 
 def _compare(freedom: Freedom, found: _Found) -> None:
     """Drops limits that are the wrong way round; says which side is open where only the other was typed."""
-    low, high = (found.limits.get(name) for name in freedom.limits)
+    low, high = (found.limits.get(name) for name in limit_names(freedom))
     if low is not None and high is not None and low > high:
         found.reasons.append(f"its lower limit {low:.6g} lies above the upper one, {high:.6g}")
-        for name in freedom.limits:
+        for name in limit_names(freedom):
             del found.limits[name]
-    for name, other in (freedom.limits, freedom.limits[::-1]):
+    for name, other in (limit_names(freedom), limit_names(freedom)[::-1]):
         if name in found.empty and other in found.limits:
             found.half.append(f"{name} is {found.empty[name]}, so nobody typed it: it is open on that side")
 

@@ -13,8 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.graph.dofs import dofs_of, residual, right_handed
+from stages.graph.dofs import residual
 from stages.graph.onshape.assembly import Assembly, Mate, Path
+from stages.graph.onshape.mates import dofs_of, right_handed
 from stages.robot.model import Array, Dof, Value
 from stages.robot.poses import inverse, motion
 

@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stages.graph.dofs import TYPES
 from stages.graph.onshape.assembly import Assembly, Entity, Mate, Path
 from stages.graph.onshape.mate_coordinates import Tie, carried, coordinates, ties
 from stages.graph.onshape.mate_twists import ALIKE, View, columns, common, extent, span, view, within
+from stages.graph.onshape.mates import JOINT_TYPES, freedoms_of, limit_names
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Array, Limits, frozen
 from stages.robot.poses import inverse
@@ -82,7 +82,7 @@ def combined(
         else:
             work.mates.append(mate)
     for _, group in sorted(pairs.items()):
-        known = all(mate.ref.type in TYPES and mate.ref.type != "FASTENED" for mate in group)
+        known = all(mate.ref.type in JOINT_TYPES and mate.ref.type != "FASTENED" for mate in group)
         views = [view(mate, assembly, body_of) for mate in group] if known and len(group) > 1 else []
         if not views or any(one.residual > MET for one in views) or not _join(views, work):
             work.mates.extend(group)
@@ -230,7 +230,7 @@ def _absorb(into: View, others: Sequence[View], views: Sequence[View], size: flo
                 _tell_lost(one, into, dof.name, lost, work.log)
         work.absorbed[one.mate.ref.key] = Absorbed(into.mate.ref.key, moved)
     work.mates.append(_limited(into, limits))
-    word = TYPES[into.mate.ref.type][0]
+    word = JOINT_TYPES[into.mate.ref.type]
     work.log.report(
         "I-COMPOSED",
         f"{_listed(views)} join the same two bodies: together they are one {word} joint",
@@ -270,15 +270,15 @@ def _take(
 def _limited(into: View, limits: Sequence[Limits]) -> Mate:
     """The mate with these limits of its dofs."""
     drawn = dict(into.mate.limits or {})
-    for freedom, dof_limits in zip(TYPES[into.mate.ref.type][1], limits, strict=True):
-        for name, end in zip(freedom.limits, (dof_limits.lower, dof_limits.upper), strict=True):
+    for freedom, dof_limits in zip(freedoms_of(into.mate.ref.type), limits, strict=True):
+        for name, end in zip(limit_names(freedom), (dof_limits.lower, dof_limits.upper), strict=True):
             if name and end is not None:
                 drawn[name] = end
     return replace(into.mate, limits=drawn) if drawn else into.mate
 
 
 def _tell_lost(one: View, into: View, suffix: str, why: str, log: Diagnostics) -> None:
-    what = suffix.strip("_") or TYPES[one.mate.ref.type][0]
+    what = suffix.strip("_") or JOINT_TYPES[one.mate.ref.type]
     log.report(
         "W-LIMIT-LOST",
         f"{into.mate.title} stands for this mate too, and cannot keep the limits of its {what}: {why}",

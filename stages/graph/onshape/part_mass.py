@@ -20,7 +20,7 @@ from stages.graph.onshape.mass_estimate import PartShape, shapes_of
 from stages.graph.onshape.reply_fields import number, numbers, shape_of
 from stages.robot.bundle import Bundle, StudioKey
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.inertia import ZERO
+from stages.robot.inertia import ZERO, scaled
 from stages.robot.model import Inertial, frozen
 
 PartKey = tuple[StudioKey, str]
@@ -99,11 +99,6 @@ def weighed(assembly: Assembly, bundle: Bundle, keys: MassKeys, log: Diagnostics
             _check_density(kind, log)
         weights.update((occurrence.path, weight) for occurrence in kind.occurrences)
     return weights
-
-
-def scaled(inertial: Inertial, mass: float) -> Inertial:
-    """The same shape with another mass [kg]; the given one must not be zero."""
-    return Inertial(mass, inertial.com, frozen(inertial.inertia * (mass / inertial.mass)))
 
 
 def _kinds(

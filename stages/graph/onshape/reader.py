@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.graph.dofs import TYPES, dofs_of, residual, right_handed
+from stages.graph.dofs import residual
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, RelationSpec, RigidBody
 from stages.graph.onshape.assembly import Assembly, Mate, Path
@@ -13,6 +13,7 @@ from stages.graph.onshape.bodies import Bodies, find_bodies
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.hidden import without_hidden
 from stages.graph.onshape.limits import Remarks, resolve_limits
+from stages.graph.onshape.mates import JOINT_TYPES, dofs_of, right_handed
 from stages.graph.onshape.naming import AssemblyNames, is_link_name, name_everything
 from stages.graph.onshape.onshape_to_robot import translated
 from stages.graph.onshape.parallel_mates import Absorbed, MateKey, combined
@@ -136,7 +137,7 @@ def _connection(
     remarks = said.get(mate.key, Remarks())
     return Connection(
         name=name,
-        type=TYPES[mate.ref.type][0],
+        type=JOINT_TYPES[mate.ref.type],
         bodies=(bodies.of[mate.entities[0].path], bodies.of[mate.entities[1].path]),
         world_from_frames=(frozen(first), frozen(second)),
         dofs=dofs,

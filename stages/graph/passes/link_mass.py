@@ -8,9 +8,8 @@ import networkx as nx
 from stages.graph.globs import as_key, entries_of, listed
 from stages.graph.mass_keys import LinkMassKeys, tensor
 from stages.graph.mechanism import WORLD_LINK
-from stages.graph.onshape.part_mass import scaled
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.inertia import ZERO, is_physical, large_enough, principal
+from stages.robot.inertia import ZERO, is_physical, large_enough, principal, scaled
 from stages.robot.model import Inertial, Link, Robot, frozen
 
 _MEND = "mend the material or the mass override in Onshape, or give inertia in mass."

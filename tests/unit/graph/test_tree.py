@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from stages.graph.dofs import TYPES, dofs_of
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Connection, Marker, Mechanism, RelationSpec, RigidBody
+from stages.graph.onshape.mates import JOINT_TYPES, dofs_of
 from stages.graph.robot_from_tree import place
 from stages.graph.root import choose_root
 from stages.graph.tree import Tree, spanning_tree
@@ -39,7 +39,7 @@ def mate(
     frame = pose(seed)
     return Connection(
         name=name,
-        type=TYPES[kind][0],
+        type=JOINT_TYPES[kind],
         bodies=(first, second),
         world_from_frames=(frame, frame),
         dofs=dofs_of(name, kind, limits or {}, np.eye(4)),

@@ -12,8 +12,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stages.graph.dofs import TYPES, dofs_of, right_handed, value_in
+from stages.graph.dofs import value_in
 from stages.graph.onshape.assembly import Assembly, Entity, Mate, Occurrence
+from stages.graph.onshape.mates import dofs_of, freedoms_of, right_handed
 from stages.graph.onshape.parallel_mates import Absorbed, CombinedMates, combined
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import chain
@@ -230,7 +231,7 @@ def test_two_mates_move_as_both_allow(recipe: str, seed: int) -> None:
         return
     (mate,) = made.mates
     assert (made.welds, codes, mate.ref.type) == ((), ["I-COMPOSED"], kind)
-    check_motion(pair, mate, sum(3 if f.kind == "ball" else 1 for f in TYPES[kind][1]))
+    check_motion(pair, mate, sum(3 if f.kind == "ball" else 1 for f in freedoms_of(kind)))
 
 
 def shift(*xyz: float) -> Array:
@@ -451,7 +452,7 @@ def test_the_motion_does_not_depend_on_which_entity_is_the_first(recipe: str) ->
             continue
         made, _ = pair.combined()
         assert made.mates[0].ref.type == kind
-        check_motion(pair, made.mates[0], sum(3 if f.kind == "ball" else 1 for f in TYPES[kind][1]))
+        check_motion(pair, made.mates[0], sum(3 if f.kind == "ball" else 1 for f in freedoms_of(kind)))
 
 
 @pytest.mark.parametrize(
@@ -541,7 +542,7 @@ def test_mirrored_mates_move_as_their_mirror_images(recipe: str) -> None:
     image.mates = pair.mates
     one, other = pair.only(), image.only()
     assert one.ref == other.ref
-    check_motion(image, other, sum(3 if f.kind == "ball" else 1 for f in TYPES[kind][1]))
+    check_motion(image, other, sum(3 if f.kind == "ball" else 1 for f in freedoms_of(kind)))
     if any(dof.kind == "ball" for dof in pair.dofs(one)[1]):
         return
     for _ in range(3):

@@ -8,11 +8,11 @@ import orjson
 import pytest
 from hypothesis import given, settings
 
-from stages.graph.dofs import dofs_of, right_handed
 from stages.graph.keys import DepthKeys, GraphKeys
 from stages.graph.onshape.assembly import Assembly, Mate
 from stages.graph.onshape.bodies import Bodies, find_bodies
 from stages.graph.onshape.definition import read_assembly
+from stages.graph.onshape.mates import dofs_of, right_handed
 from stages.graph.onshape.patterns import with_copies
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import chain

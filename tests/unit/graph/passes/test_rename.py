@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from stages.graph.dofs import dofs_of
 from stages.graph.keys import NamesKeys
 from stages.graph.mechanism import Connection, Marker, Mechanism, RelationSpec, RigidBody
+from stages.graph.onshape.mates import dofs_of
 from stages.graph.passes.rename import renamed
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import MateRef, Provenance
