@@ -14,7 +14,7 @@ from stages.graph.mjcf.base import base_of, bodies_of, floats, joining, root_of
 from stages.graph.mjcf.equalities import closings, connections, own_sites
 from stages.graph.mjcf.joints import SINGLE, Chain, body_joint, chain_of
 from stages.graph.mjcf.naming import MjcfFileNames, names_of
-from stages.graph.passes.relations import said_values
+from stages.graph.relation_steps import followed_values
 from stages.robot import codec
 from stages.robot.bundle import Bundle
 from stages.robot.diagnostics import Diagnostics
@@ -113,7 +113,7 @@ def _chains(mjcf: Mjcf, names: MjcfFileNames) -> tuple[dict[int, Chain], Configu
     """Each body's dofs, saved at qpos0 and followers where their drivers have them; and those values."""
     chains = {number: chain_of(body, names.dofs[number]) for number, body in enumerate(mjcf.bodies)}
     saved = {dof.name: dof.saved for one in chains.values() for dof in one.dofs}
-    saved |= said_values(_relations(mjcf, names), saved)
+    saved |= followed_values(_relations(mjcf, names), saved)
     for number, one_chain in chains.items():
         dofs = tuple(replace(dof, saved=saved[dof.name]) for dof in one_chain.dofs)
         chains[number] = replace(one_chain, dofs=dofs)

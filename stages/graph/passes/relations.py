@@ -2,43 +2,26 @@
 
 k is the ratio of a GEAR or LINEAR; from a turn to a slide, by RACK_AND_PINION or SCREW, it is L/2π for
 a length L a turn, and 2π/L the other way. The sign is measured on recorded gears and taken for the
-same in all four; it is always as drawn, or as the user says, whatever the saved pose, which gives only the
-offset. What is related hangs together as a tree, of which one dof drives all others.
+same in all four; it is always as drawn, or as the user chooses, whatever the saved pose, which gives only
+the offset. Related dofs make a tree, in which one dof drives all others.
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from heapq import heappop, heappush
-
-import networkx as nx
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 
 from stages.graph.globs import as_key
 from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import RelationSpec
 from stages.graph.passes.joint_limits import unwrapped, with_each_dof
-from stages.graph.passes.relation_dofs import DofRelation, dof_relations, named, settled
+from stages.graph.passes.relation_dofs import configured, dof_relations, named
+from stages.graph.relation_steps import DofRelation, Step, driver_of, steps_of, trees_of, walk
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import link_poses, saved_configuration
-from stages.robot.model import Dof, DofKind, Link, Relation, Robot, Value, frozen
+from stages.robot.model import Dof, DofKind, Link, Relation, Robot, frozen
 
 ZERO_OFFSET = 1e-6
 """An offset [rad or m] that the saved pose leaves below this is rounding."""
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """From a dof to the next in its tree: `child` = factor · `parent` + offset."""
-
-    name: str
-    parent: str
-    child: str
-    factor: float
-    offset: float = 0.0
-
-    def turned_round(self) -> "Step":
-        """The same, solved for the parent."""
-        return Step(self.name, self.child, self.parent, 1 / self.factor, 0.0 - self.offset / self.factor)
 
 
 def with_relations(
@@ -47,27 +30,26 @@ def with_relations(
     log: Diagnostics,
     wanted: Mapping[str, RelationKeys] | None = None,
 ) -> Robot:
-    """The robot with its specs as relations, sorted by follower, each to the dof that drives its tree;
-    saved turns are the ones that the relations give.
+    """The robot with its relations, sorted by follower, each to the dof that drives its tree; saved turns
+    are the ones that the relations give.
 
-    `wanted`: what `relations:` says of them. Where an offset of the user's is not that of the saved pose,
-    the pose is another, and its parts are where that has them. The driver is the first, by title, that
-    follows nothing; a spec that names dofs the wrong way round for that is solved for the other. Dofs that
-    are related twice are an error (E-RELATION).
+    `wanted`: the key `relations`. Where an offset of the user's is not that of the saved pose, the saved
+    pose changes, and the parts with it. The driver is the first dof, by title, that follows nothing; a
+    relation that leads towards it is solved for its other dof. E-RELATION for dofs related twice.
     """
     dofs = {dof.name: dof for dof in robot.dofs}
-    found = dof_relations(robot, settled(named(robot, specs), wanted or {}, log), log)
+    found = dof_relations(robot, configured(named(robot, specs), wanted or {}, log), log)
     saved = {dof.name: dof.saved for dof in robot.dofs if isinstance(dof.saved, float)}
     relations: list[Relation] = []
-    for tree in _trees(found, log):
-        relations += _flattened(_measured_all(tree, dofs, saved, log), _driver(tree), _said(tree))
+    for tree in trees_of(found, log):
+        relations += _flattened(_measured_all(tree, dofs, saved, log), driver_of(tree), _complete(tree))
     relations.sort(key=lambda relation: relation.follower)
-    _tell_limits(relations, dofs, log)
+    _report_limits(relations, dofs, log)
     moved = with_each_dof(robot, lambda dof: replace(dof, saved=saved.get(dof.name, dof.saved)))
-    return replace(_posed(moved, dofs), relations=tuple(relations))
+    return replace(_with_moved_parts(moved, dofs), relations=tuple(relations))
 
 
-def _posed(robot: Robot, before: Mapping[str, Dof]) -> Robot:
+def _with_moved_parts(robot: Robot, before: Mapping[str, Dof]) -> Robot:
     """The robot with its parts where its saved values have them, if those are others than `before`."""
 
     def changed(dof: Dof) -> bool:
@@ -87,103 +69,40 @@ def _posed(robot: Robot, before: Mapping[str, Dof]) -> Robot:
     return replace(robot, links=tuple(links))
 
 
-def said_values(specs: Iterable[RelationSpec], saved: Mapping[str, Value]) -> dict[str, float]:
-    """The values that dofs have by specs that say all (MIMIC), where what drives them is as `saved`: what
-    `with_relations` makes of them."""
-    ordered = sorted(specs, key=lambda spec: (spec.title, spec.connections))
-    found = [
-        DofRelation(b.title, b.connections[0], b.connections[1], b.ratio, b.offset, said=True)
-        for b in ordered
-    ]
-    values = {name: value for name, value in saved.items() if isinstance(value, float)}
-    for tree in _trees([one for one in found if one.driver != one.follower], Diagnostics()):
-        steps = [Step(one.title, one.driver, one.follower, one.factor, one.offset or 0.0) for one in tree]
-        for step in _walk(steps, _driver(tree)):
-            _told(step, values)
-    return values
-
-
 def negligible(offset: float, factor: float) -> bool:
     """Whether an offset [rad or m] of q₂ = factor · q₁ is rounding, of q₂ or of q₁."""
     return abs(offset) <= ZERO_OFFSET * max(1.0, abs(factor))
 
 
-def _trees(found: Sequence[DofRelation], log: Diagnostics) -> list[list[DofRelation]]:
-    """What hangs together; a spec between dofs that do already says too much."""
-    forest = nx.utils.UnionFind()
-    kept = []
-    for one in found:
-        if forest[one.driver] == forest[one.follower]:
-            text = f"the joints {one.driver!r} and {one.follower!r} are related already"
-            hint = f"remove the one that says too much, or relations: {{{as_key(one.name)}: {{drop: true}}}}"
-            log.report("E-RELATION", text, one.title, hint)
-            continue
-        forest.union(one.driver, one.follower)
-        kept.append(one)
-    trees: dict[str, list[DofRelation]] = {}
-    for one in kept:
-        trees.setdefault(forest[one.driver], []).append(one)
-    return list(trees.values())
-
-
-def _driver(tree: Sequence[DofRelation]) -> str:
-    """The first dof that follows nothing: there is one, as the specs are one fewer than the dofs."""
-    followers = {one.follower for one in tree}
-    return next(one.driver for one in tree if one.driver not in followers)
-
-
 def _measured_all(
     tree: Sequence[DofRelation], dofs: Mapping[str, Dof], saved: dict[str, float], log: Diagnostics
 ) -> list[Step]:
-    """The tree's steps with their offsets as the saved pose has them; `saved` is put in order.
+    """The tree's steps with the offsets of the saved pose; `saved` gets the values that belong to them.
 
-    A pose tells a slide exactly but a turn only up to whole ones: so the values are settled from a slide
+    A pose gives a slide exactly but a turn only up to whole ones: so the values are found from a slide
     outwards where there is one, else from the driver.
     """
-    driver = _driver(tree)
+    driver = driver_of(tree)
+    if _complete(tree):
+        steps = list(walk(steps_of(tree), driver))
+        for step in steps:
+            saved[step.child] = step.factor * saved[step.parent] + step.offset
+        return steps
     drawn = {one.name: one for one in tree}
-    steps = [Step(one.name, one.driver, one.follower, one.factor, one.offset or 0.0) for one in tree]
-    if _said(tree):
-        return [_told(step, saved) for step in _walk(steps, driver)]
     related = [driver, *(name for one in tree for name in (one.driver, one.follower))]
     start = next((name for name in related if dofs[name].kind == "slide"), driver)
-    return [_measured(step, drawn[step.name], dofs, saved, log) for step in _walk(steps, start)]
+    return [_measured(step, drawn[step.name], dofs, saved, log) for step in walk(steps_of(tree), start)]
 
 
-def _walk(steps: Sequence[Step], start: str) -> Iterator[Step]:
-    """Every step of a tree, turned to lead away from `start`, a parent's before its children's."""
-    at: dict[str, list[int]] = {}
-    for number, step in enumerate(steps):
-        at.setdefault(step.parent, []).append(number)
-        at.setdefault(step.child, []).append(number)
-    reached, ready = {start}, at[start]
-    while ready:
-        step = steps[heappop(ready)]
-        away = step if step.parent in reached else step.turned_round()
-        if away.child in reached:
-            continue  # the step that led here, seen from its other end
-        reached.add(away.child)
-        yield away
-        for number in at[away.child]:
-            heappush(ready, number)
-
-
-def _said(tree: Sequence[DofRelation]) -> bool:
-    """Whether the source says it all, so that nothing is measured."""
-    return all(one.said for one in tree)
-
-
-def _told(step: Step, saved: dict[str, float]) -> Step:
-    """The step as its source says it, its child's saved value the one that it gives."""
-    saved[step.child] = step.factor * saved[step.parent] + step.offset
-    return step
+def _complete(tree: Sequence[DofRelation]) -> bool:
+    """Whether the source gives every offset, so that nothing is measured."""
+    return all(one.complete for one in tree)
 
 
 def _measured(
     step: Step, drawn: DofRelation, dofs: Mapping[str, Dof], saved: dict[str, float], log: Diagnostics
 ) -> Step:
-    """The step as the saved pose has it, its child's saved turn the one that it gives; with an offset of
-    the user's, as they have it, and the child where it then is."""
+    """The step with the offset of the saved pose, or with the user's; `saved` gets the child's value."""
     parent, child, kind = saved[step.parent], saved[step.child], dofs[step.child].kind
     found = step
     if drawn.offset is None:
@@ -196,7 +115,7 @@ def _measured(
         if isinstance(within, float) and within != value:
             found, value = replace(found, offset=found.offset + within - value), within
         fits = negligible(_rest(child, -step.factor * parent, kind), step.factor)
-        _tell_offset(found, drawn, fits and not drawn.sure, log)
+        _report_offset(found, drawn, fits and not drawn.sure, log)
     if kind == "turn":
         child += math.tau * round((value - child) / math.tau)
     if drawn.offset is not None and not negligible(value - child, step.factor):
@@ -208,9 +127,9 @@ def _measured(
     return found
 
 
-def _tell_offset(found: Step, drawn: DofRelation, opposite: bool, log: Diagnostics) -> None:
-    """That the saved pose has an offset; `opposite`: it would have none in the other direction."""
-    offset = (found if found.child == drawn.follower else found.turned_round()).offset
+def _report_offset(found: Step, drawn: DofRelation, opposite: bool, log: Diagnostics) -> None:
+    """Reports an offset in the saved pose; `opposite`: there would be none in the other direction."""
+    offset = (found if found.child == drawn.follower else found.inverted()).offset
     name = as_key(drawn.name)
     keep = f"relations: {{{name}: {{offset: {offset:.12g}}}}}"
     text = f"the saved pose has an offset of {offset:.6g} in this relation"
@@ -227,16 +146,16 @@ def _tell_offset(found: Step, drawn: DofRelation, opposite: bool, log: Diagnosti
 
 
 def _rest(child: float, given: float, kind: DofKind) -> float:
-    """What is left of a saved value, whole turns taken off."""
+    """The rest of a saved value, without whole turns."""
     return math.remainder(child - given, math.tau) if kind == "turn" else child - given
 
 
 def _flattened(steps: Sequence[Step], driver: str, exact: bool) -> list[Relation]:
-    """Each dof of a tree as following its driver: the steps on the way, one put into the next. Unless
-    they are `exact`, what is left of an offset may be rounding."""
+    """Each dof of a tree as a follower of its driver: the steps on the way, composed. Unless they are
+    `exact`, a small offset is rounding."""
     whole = {driver: (1.0, 0.0)}
     relations = []
-    for step in _walk(steps, driver):
+    for step in walk(steps, driver):
         factor, offset = whole[step.parent]
         factor, offset = step.factor * factor, step.factor * offset + step.offset
         whole[step.child] = factor, 0.0 if not exact and negligible(offset, factor) else offset
@@ -244,8 +163,8 @@ def _flattened(steps: Sequence[Step], driver: str, exact: bool) -> list[Relation
     return relations
 
 
-def _tell_limits(relations: Iterable[Relation], dofs: Mapping[str, Dof], log: Diagnostics) -> None:
-    """A follower whose limits hold no value that its driver gives it."""
+def _report_limits(relations: Iterable[Relation], dofs: Mapping[str, Dof], log: Diagnostics) -> None:
+    """W-RELATION-LIMIT for a follower whose limits exclude all values that its driver gives it."""
     for one in relations:
         image = sorted(one.multiplier * end + one.offset for end in dofs[one.driver].limits.interval)
         low, high = dofs[one.follower].limits.interval
@@ -254,4 +173,4 @@ def _tell_limits(relations: Iterable[Relation], dofs: Mapping[str, Dof], log: Di
                 f"its driver {one.driver!r} takes it through [{image[0]:.6g}, {image[1]:.6g}], "
                 f"all outside its own limits [{low:.6g}, {high:.6g}]"
             )
-            log.report("W-RELATION-LIMIT", text, one.follower, "mend the limits of one of the two")
+            log.report("W-RELATION-LIMIT", text, one.follower, "correct the limits of one of the two")
