@@ -1,7 +1,7 @@
 """Mesh: a `Robot` and the triangles of its parts in, a `Geometry` out.
 
-Every link gets one visual mesh a colour and, as its collider, its convex hull, in its own frame; the
-primitives that the user gave it stay what they are.
+Every link gets one visual mesh a colour and the colliders that `mesh.collider` chooses, in its own frame.
+The primitives that the user gave it stay as they are.
 """
 
 from __future__ import annotations
@@ -15,13 +15,17 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 5
+VERSION = 6
 """Grows with every change of what this stage makes of the same input."""
+
+COLLIDERS = ("hull",)
+"""The values of `mesh.collider`: modules of `stages/mesh/colliders`, each with a function `make` (a
+`ColliderMaker`)."""
 
 Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]
 """memo(kind, key, make): the bytes that were made before for this kind and key, else `make()`.
 
-Who gives the memo adds this stage's version and those of numpy and scipy to the key.
+The caller adds this stage's version and those of numpy and scipy to the key.
 """
 
 
@@ -29,7 +33,7 @@ def make_geometry(robot: Robot, bundle: Bundle, keys: MeshKeys, memo: Memo) -> G
     """The shapes of all links and their files. Diagnostics: W-NO-MESH, W-FLAT,
     W-MESH-VOLUME, W-COM-OUTSIDE.
 
-    Each link is made through `memo`, by the content of its parts: a rename makes nothing anew.
+    Each link is made through `memo`, by the content of its parts: renaming one makes nothing again.
     """
     from stages.mesh.geometry import geometry
 

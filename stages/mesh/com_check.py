@@ -1,4 +1,4 @@
-"""Whether a link's centre of mass is where its matter is.
+"""Whether a link's centre of mass lies within its material.
 
 A solid's centre of mass lies inside its convex hull, and that of several inside the hull of them all.
 """
@@ -9,6 +9,7 @@ import numpy as np
 
 from stages.mesh import stl
 from stages.mesh.link_mesh import LinkMesh
+from stages.mesh.mesh_file import MeshFile
 from stages.mesh.primitives import around
 from stages.mesh.surface import Points
 from stages.mesh.tessellation import PartMesh
@@ -23,30 +24,35 @@ Library = Callable[[Sequence[Part]], Mapping[MeshRef, PartMesh]]
 
 
 def unbalanced(links: Sequence[Link], meshes: Mapping[str, LinkMesh], library: Library) -> list[Diagnostic]:
-    """W-COM-OUTSIDE for each link whose centre of mass is outside of all that it is made of.
+    """W-COM-OUTSIDE for each link whose centre of mass is outside the hull of everything it is made of.
 
-    The triangles of the parts are asked of the `library` only where the link's collider, which is in
-    `meshes` by the link's name, does not hold it already.
+    The `library` reads the triangles of the parts only where no collider of the link (`meshes`, by the
+    link's name) contains the centre of mass.
     """
     problems = []
     for link in links:
-        collider = meshes[link.name].collision
-        if link.inertial.mass == 0 or (collider and _within(stl.read(collider.data), link.inertial.com)):
+        if link.inertial.mass == 0 or _in_a_collider(meshes[link.name], link.inertial.com):
             continue
-        problem = _judged(link, library(link.parts))
+        problem = _check(link, library(link.parts))
         if problem is not None:
             problems.append(problem)
     return problems
 
 
-def _judged(link: Link, meshes: Mapping[MeshRef, PartMesh]) -> Diagnostic | None:
+def _in_a_collider(mesh: LinkMesh, point: Array) -> bool:
+    files = (one for one in mesh.colliders if isinstance(one, MeshFile))
+    return any(_within(stl.read(file.data), point) for file in files)
+
+
+def _check(link: Link, meshes: Mapping[MeshRef, PartMesh]) -> Diagnostic | None:
     pairs = [(part, meshes[part.mesh]) for part in link.parts if part.mesh and part.mesh in meshes]
-    unseen = any(part.inertial.mass > 0 for part in link.parts if not part.mesh or part.mesh not in meshes)
-    if unseen and link.given is not None:
-        return None  # what was given may well lie in what is not seen
+    without_mesh = [part for part in link.parts if not part.mesh or part.mesh not in meshes]
+    incomplete = any(part.inertial.mass > 0 for part in without_mesh)
+    if incomplete and link.given is not None:
+        return None  # the centre that the user gave may lie in a part without a mesh
     com = link.inertial.com
-    if unseen:
-        # The parts that are seen must hold their own common centre of mass.
+    if incomplete:
+        # The parts with a mesh must contain their own common centre of mass.
         known = merged([moved(part.inertial, part.link_from_part) for part, _ in pairs])
         if known.mass == 0:
             return None
@@ -58,24 +64,24 @@ def _judged(link: Link, meshes: Mapping[MeshRef, PartMesh]) -> Diagnostic | None
     cloud = np.concatenate(points)
     size = float(np.linalg.norm(np.ptp(cloud, axis=0)))
     distance = outside(cloud, com)
-    return None if distance <= _OF_SIZE * size else _told(link, pairs, distance)
+    return None if distance <= _OF_SIZE * size else _diagnostic(link, pairs, distance)
 
 
-def _told(link: Link, pairs: Sequence[tuple[Part, PartMesh]], distance: float) -> Diagnostic:
-    culprits = sorted(part.name for part, mesh in pairs if link.given is None and _astray(part, mesh))
+def _diagnostic(link: Link, pairs: Sequence[tuple[Part, PartMesh]], distance: float) -> Diagnostic:
+    wrong = sorted(part.name for part, mesh in pairs if link.given is None and _outside_itself(part, mesh))
     message = f"the centre of mass lies {distance:.3g} m or more outside the convex hull of the link"
-    hint = "look at the frame of the mass properties, and at bodies that are in the mass but not in the mesh"
+    hint = "check the frame of the mass properties, and bodies that have mass but no mesh"
     if link.given is not None or not link.parts:
         message += ", and the link's mass properties were given"
         hint = "give com in the link's frame, in metres"
-    elif culprits:
-        shown = ", ".join(culprits[:5]) + (f" and {len(culprits) - 5} more" if len(culprits) > 5 else "")
+    elif wrong:
+        shown = ", ".join(wrong[:5]) + (f" and {len(wrong) - 5} more" if len(wrong) > 5 else "")
         message += f"; it is outside their own shape for: {shown}"
         hint = "check their mass properties in Onshape (an override of the centre of mass?)"
     return Diagnostic("W-COM-OUTSIDE", message, link.name, hint)
 
 
-def _astray(part: Part, mesh: PartMesh) -> bool:
+def _outside_itself(part: Part, mesh: PartMesh) -> bool:
     """Whether the part's own centre of mass is outside its own mesh's hull."""
     if part.inertial.mass == 0:
         return False

@@ -1,4 +1,4 @@
-"""What the mesh stage has to say about what it found."""
+"""Diagnostics of the mesh stage about missing, flat and open meshes."""
 
 from collections.abc import Mapping, Sequence
 
@@ -9,7 +9,7 @@ from stages.robot.model import Link, MeshRef, Part
 _APART = 0.02
 
 Found = Mapping[str, Sequence[tuple[Part, Finding]]]
-"""For each link, in order, its parts and what was found of each."""
+"""Link → its parts, in order, and the finding of each."""
 
 
 def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Found) -> list[Diagnostic]:
@@ -28,7 +28,7 @@ def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Fo
     for link in links:
         problems += _missing(link, found[link.name])
         collides = any(part.collides and finding.found for part, finding in found[link.name])
-        if collides and meshes[link.name].collision is None:
+        if collides and not meshes[link.name].colliders:
             problems.append(
                 Diagnostic(
                     "W-FLAT",

@@ -1,13 +1,14 @@
 """The robot's geometry: each link's meshes made once, then named."""
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from importlib import import_module
+from typing import TYPE_CHECKING
 
 from stages.mesh import Memo, link_mesh, primitives, tessellation
 from stages.mesh.com_check import unbalanced
 from stages.mesh.diagnostics import diagnostics
-from stages.mesh.link_mesh import Finding, LinkMesh, Use
-from stages.mesh.mesh_file import Piece
+from stages.mesh.link_mesh import ColliderMaker, Finding, LinkMesh, Use
+from stages.mesh.mesh_file import MeshFile
 from stages.mesh.names import file_names
 from stages.mesh.tessellation import PartMesh
 from stages.robot.bundle import Bundle
@@ -21,18 +22,17 @@ if TYPE_CHECKING:
 def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: Memo) -> Geometry:
     """The shapes of all links. ProtocolError where triangles cannot be read."""
     library = _Library(robot.links, bundle)
-    config = {"collider": keys.mesh.collider}
     meshes: dict[str, LinkMesh] = {}
     found = {}
     for link in robot.links:
-        # Sorted by content: neither a name nor the order of instances makes the work anew.
+        # Sorted by content: neither a new name nor another order of instances makes the work again.
         uses = [
             (Use(part.mesh, part.link_from_part, part.collides, part.seen), part)
             for part in link.parts
             if part.mesh
         ]
         uses.sort(key=lambda pair: pair[0].key())
-        meshes[link.name] = mesh = _link_mesh([use for use, _ in uses], library, config, memo)
+        meshes[link.name] = mesh = _link_mesh([use for use, _ in uses], library, keys.mesh.collider, memo)
         lacking = [(part, Finding(False, None)) for part in link.parts if part.mesh is None]
         found[link.name] = [*zip((part for _, part in uses), mesh.findings, strict=True), *lacking]
     named, files = _named(meshes)
@@ -41,21 +41,20 @@ def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: Memo) -> Geom
     return Geometry(tuple(shapes), files, tuple(problems))
 
 
-def _link_mesh(uses: list[Use], library: "_Library", config: Mapping[str, Any], memo: Memo) -> LinkMesh:
+def _link_mesh(uses: list[Use], library: "_Library", collider: str, memo: Memo) -> LinkMesh:
     if not uses:
-        return LinkMesh((), None, ())
-    key = {**config, "parts": [use.key() for use in uses]}
-    return link_mesh.decode(
-        memo(
-            "mesh.link",
-            key,
-            lambda: link_mesh.encode(link_mesh.make(uses, library.meshes(use.mesh for use in uses))),
-        )
-    )
+        return LinkMesh((), (), ())
+
+    def make() -> bytes:
+        maker: ColliderMaker = import_module(f"stages.mesh.colliders.{collider}").make
+        return link_mesh.encode(link_mesh.make(uses, library.meshes(use.mesh for use in uses), maker))
+
+    key = {"collider": collider, "parts": [use.key() for use in uses]}
+    return link_mesh.decode(memo("mesh.link", key, make))
 
 
 class _Library:
-    """The part meshes of a bundle, each reply read once and only when a link must be made anew."""
+    """The part meshes of a bundle, each reply read once and only where a link must be made."""
 
     def __init__(self, links: Iterable[Link], bundle: Bundle) -> None:
         self._bundle = bundle
@@ -83,23 +82,31 @@ class _Library:
 
 
 def _named(meshes: Mapping[str, LinkMesh]) -> tuple[dict[str, list[Shape]], dict[str, bytes]]:
-    """The shapes of each link's meshes, and their files by name."""
+    """The shapes of each link's meshes and colliders, and their files by name."""
     names = file_names(
-        {link: (len(mesh.visuals), mesh.collision is not None) for link, mesh in meshes.items()}
+        {
+            link: (len(mesh.visuals), sum(isinstance(one, MeshFile) for one in mesh.colliders))
+            for link, mesh in meshes.items()
+        }
     )
     shapes: dict[str, list[Shape]] = {}
     files: dict[str, bytes] = {}
     for link, mesh in meshes.items():
-        visual_names, collision_name = names[link]
+        visual_names, collider_names = names[link]
         shapes[link] = []
-        if mesh.collision:
-            shapes[link].append(_shape(link, "collision", collision_name, mesh.collision))
-            files[collision_name] = mesh.collision.data
-        for name, piece in zip(visual_names, mesh.visuals, strict=True):
-            shapes[link].append(_shape(link, "visual", name, piece))
-            files[name] = piece.data
+        free = iter(collider_names)
+        for collider in mesh.colliders:
+            if isinstance(collider, MeshFile):
+                name = next(free)
+                shapes[link].append(_shape(link, "collision", name, collider))
+                files[name] = collider.data
+            else:
+                shapes[link].append(primitives.collider(link, collider))
+        for name, file in zip(visual_names, mesh.visuals, strict=True):
+            shapes[link].append(_shape(link, "visual", name, file))
+            files[name] = file.data
     return shapes, dict(sorted(files.items()))
 
 
-def _shape(link: str, role: Role, file: str, piece: Piece) -> Shape:
-    return Shape(link, role, file, piece.colour, piece.vertices, piece.faces, piece.area, piece.volume)
+def _shape(link: str, role: Role, name: str, file: MeshFile) -> Shape:
+    return Shape(link, role, name, file.colour, file.vertices, file.faces, file.area, file.volume)

@@ -1,13 +1,20 @@
 """Configuration of the mesh stage: collision and visual geometry."""
 
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
+from stages.mesh import COLLIDERS
 from stages.robot.keys import Count, Keys, Later, NonNegative, Positive, Text, not_yet
 
 LATER_COLLIDERS = ("visual", "primitives", "coacd", "raw", "ladder")
 """Colliders that are decided but not supported yet."""
+
+
+if TYPE_CHECKING:
+    ColliderName = str
+else:
+    ColliderName = Literal[COLLIDERS]
 
 
 class VisualKeys(Keys):
@@ -23,7 +30,7 @@ class VisualKeys(Keys):
 class MeshSection(Keys):
     """Meshes of the links."""
 
-    collider: Annotated[Literal["hull"], Later(*LATER_COLLIDERS)] = "hull"
+    collider: Annotated[ColliderName, Later(*LATER_COLLIDERS)] = "hull"
     """Collision geometry. hull: the convex hull of each link."""
 
     tolerance: Positive | None = not_yet(None)

@@ -1,7 +1,8 @@
-"""One link's meshes from the meshes of its parts, as a value that can be kept as bytes."""
+"""The meshes and colliders of one link, made from the meshes of its parts and stored as bytes."""
 
+import io
 import struct
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -9,18 +10,23 @@ import numpy as np
 import orjson
 
 from stages.mesh import mesh_file
-from stages.mesh.colliders.hull import convex_hull
-from stages.mesh.mesh_file import Piece
+from stages.mesh.mesh_file import MeshFile
 from stages.mesh.surface import Surface, compacted, moved
 from stages.mesh.tessellation import PartMesh
+from stages.robot import codec
 from stages.robot.geometry import Colour
-from stages.robot.model import Array, MeshRef
+from stages.robot.model import Array, MeshRef, Primitive
+
+Collider = MeshFile | Primitive
+
+ColliderMaker = Callable[[Sequence[Surface]], tuple[Collider, ...]]
+"""Makes the colliders of a link from the surfaces of its parts (at least one), all in the link's frame."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Use:
-    """A part's mesh in a link: which, `link_from_part` (4, 4), and whether it is more than seen, and seen
-    at all."""
+    """A part's mesh in a link: which one, `link_from_part` (4, 4), whether it takes part in contact, and
+    whether it is drawn."""
 
     mesh: MeshRef
     link_from_part: Array
@@ -40,7 +46,7 @@ class Use:
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """What was found of one use: whether there is a mesh, and its volume [m³], None where open."""
+    """Whether there is a mesh for one use, and its volume [m³]; None where the mesh is open."""
 
     found: bool
     volume: float | None
@@ -48,15 +54,16 @@ class Finding:
 
 @dataclass(frozen=True, slots=True)
 class LinkMesh:
-    """A link's pieces in its own frame, `visuals` sorted by colour, and a finding for each use."""
+    """A link's visual meshes, sorted by colour, its colliders, all in its own frame, and a finding for each
+    use."""
 
-    visuals: tuple[Piece, ...]
-    collision: Piece | None
+    visuals: tuple[MeshFile, ...]
+    colliders: tuple[Collider, ...]
     findings: tuple[Finding, ...]
 
 
-def make(uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh]) -> LinkMesh:
-    """The meshes of a link that uses parts so; the order of `uses` is that of the findings."""
+def make(uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh], maker: ColliderMaker) -> LinkMesh:
+    """The meshes of a link; the order of `uses` is that of the findings."""
     placed = [
         (moved(mesh.surface, use.link_from_part), mesh)
         for use in uses
@@ -64,14 +71,13 @@ def make(uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh]) -> LinkMesh:
     ]
     visuals = [part for colour, surface in _by_colour(placed) for part in mesh_file.visuals(surface, colour)]
     solid = [
-        moved(mesh.surface, use.link_from_part).vertices
+        moved(mesh.surface, use.link_from_part)
         for use in uses
         if use.collides and (mesh := meshes.get(use.mesh))
     ]
-    hull = convex_hull(np.concatenate(solid)) if solid else None
     return LinkMesh(
         visuals=tuple(visuals),
-        collision=mesh_file.collider(hull) if hull is not None else None,
+        colliders=maker(solid) if solid else (),
         findings=tuple(_finding(meshes.get(use.mesh)) for use in uses),
     )
 
@@ -107,28 +113,42 @@ def _by_colour(placed: Sequence[tuple[Surface, PartMesh]]) -> list[tuple[Colour,
 
 def encode(link: LinkMesh) -> bytes:
     """A link's meshes as bytes: the length of a JSON header, the header, the files."""
-    pieces = [*link.visuals, *([link.collision] if link.collision else [])]
     header = orjson.dumps(
         {
-            "pieces": [{**asdict(part), "data": len(part.data)} for part in pieces],
-            "collision": link.collision is not None,
+            "visuals": [_record(file) for file in link.visuals],
+            "colliders": [_record(collider) for collider in link.colliders],
             "findings": [asdict(finding) for finding in link.findings],
         }
     )
-    return struct.pack("<Q", len(header)) + header + b"".join(part.data for part in pieces)
+    files = [one.data for one in (*link.visuals, *link.colliders) if isinstance(one, MeshFile)]
+    return struct.pack("<Q", len(header)) + header + b"".join(files)
 
 
 def decode(data: bytes) -> LinkMesh:
     """The meshes that `encode` wrote."""
     (length,) = struct.unpack_from("<Q", data)
-    start = 8 + length
-    header = orjson.loads(data[8:start])
-    pieces = []
-    for record in header["pieces"]:
-        size = record["data"]
-        colour = tuple(record["colour"]) if record["colour"] else None
-        pieces.append(Piece(**{**record, "colour": colour, "data": data[start : start + size]}))
-        start += size
-    collision = pieces.pop() if header["collision"] else None
-    findings = tuple(Finding(**finding) for finding in header["findings"])
-    return LinkMesh(tuple(pieces), collision, findings)
+    header, files = orjson.loads(data[8 : 8 + length]), io.BytesIO(data[8 + length :])
+    return LinkMesh(
+        visuals=tuple(_mesh_file(record, files) for record in header["visuals"]),
+        colliders=tuple(_collider(record, files) for record in header["colliders"]),
+        findings=tuple(Finding(**finding) for finding in header["findings"]),
+    )
+
+
+def _record(collider: Collider) -> dict[str, Any]:
+    """The header's entry: of a mesh file its figures and its length, of a primitive all."""
+    if isinstance(collider, MeshFile):
+        return {**asdict(collider), "data": len(collider.data)}
+    return {"primitive": codec.plain(collider)}
+
+
+def _collider(record: dict[str, Any], files: io.BytesIO) -> Collider:
+    if "primitive" in record:
+        primitive: Primitive = codec.typed(Primitive, record["primitive"])
+        return primitive
+    return _mesh_file(record, files)
+
+
+def _mesh_file(record: dict[str, Any], files: io.BytesIO) -> MeshFile:
+    colour = tuple(record["colour"]) if record["colour"] else None
+    return MeshFile(**{**record, "colour": colour, "data": files.read(record["data"])})

@@ -1,4 +1,4 @@
-"""Pieces: surfaces as mesh files that every reader of them accepts."""
+"""Mesh files: surfaces in a form that every reader accepts."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,15 +10,15 @@ from stages.mesh.surface import Surface, compacted, rounded
 from stages.robot.geometry import Colour
 
 MOST_FACES = 200_000
-"""Triangles in one file at most: MuJoCo reads no more."""
+"""The largest number of triangles in one file: MuJoCo reads no more."""
 
 _SKIN = 1e-6
 _SPECK = 1e-14
 
 
 @dataclass(frozen=True, slots=True)
-class Piece:
-    """One mesh file of a link and the figures of what is in it (as `Shape` has them)."""
+class MeshFile:
+    """One mesh file of a link, with the figures that `Shape` has."""
 
     colour: Colour | None
     vertices: int
@@ -28,13 +28,13 @@ class Piece:
     data: bytes
 
 
-def collider(surface: Surface) -> Piece:
-    """The piece of a convex hull."""
-    return _piece(rounded(surface), None)
+def collider(surface: Surface) -> MeshFile:
+    """The mesh file of a convex hull."""
+    return _mesh_file(rounded(surface), None)
 
 
-def visuals(surface: Surface, colour: Colour) -> Iterator[Piece]:
-    """The pieces of a surface of one colour, each with at most `MOST_FACES` triangles.
+def visuals(surface: Surface, colour: Colour) -> Iterator[MeshFile]:
+    """The mesh files of a surface of one colour, each with at most `MOST_FACES` triangles.
 
     MuJoCo refuses meshes that span no volume, and a single coloured face is one: it gets a back,
     a thousandth of a millimetre behind. Specks too small even for that, below 1e-14 m³, are left out.
@@ -45,11 +45,11 @@ def visuals(surface: Surface, colour: Colour) -> Iterator[Piece]:
             solid = rounded(_backed(part))
             span = _span(solid)
         if len(solid.triangles) and span >= _SPECK:
-            yield _piece(solid, colour)
+            yield _mesh_file(solid, colour)
 
 
 def _portions(surface: Surface) -> Iterator[tuple[Surface, float]]:
-    """Surfaces of a size that is read, and the span [m³] of each."""
+    """Parts of the surface that are small enough for one file, and the span [m³] of each."""
     count = len(surface.triangles)
     if not count:
         return
@@ -96,8 +96,8 @@ def _backed(surface: Surface) -> Surface:
     return Surface(np.concatenate([surface.vertices, behind]), np.concatenate([surface.triangles, back]))
 
 
-def _piece(surface: Surface, colour: Colour | None) -> Piece:
-    return Piece(
+def _mesh_file(surface: Surface, colour: Colour | None) -> MeshFile:
+    return MeshFile(
         colour,
         vertices=len(surface.vertices),
         faces=len(surface.triangles),

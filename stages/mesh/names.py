@@ -8,37 +8,42 @@ _LONGEST = 200
 """Letters of a link's name in that of a file, which may have 255."""
 
 
-def file_names(pieces: Mapping[str, tuple[int, bool]]) -> dict[str, tuple[list[str], str]]:
-    """For each link, in order: the names of its visual files and of its collision file.
+def file_names(files: Mapping[str, tuple[int, int]]) -> dict[str, tuple[list[str], list[str]]]:
+    """For each link, in order: the names of its visual files and of its collision files.
 
-    `pieces`: for each link, how many visual files it has and whether it has a collider. A link's
-    files are `<link>.stl`, or `<link>_<k>.stl` with k from 1 for several, and `<link>_collision.stl`.
+    `files`: for each link, the numbers of its visual and collision files. They are named `<link>.stl`, or
+    `<link>_<k>.stl` with k from 1 for several, and `<link>_collision.stl`, or `<link>_collision_<k>.stl`.
     Where that is another link's file (links `arm` and `arm_1`), the underscore is doubled until it
     is not. Names that differ in case alone count as alike. Letters that not every file system has are
     left out of a link's name, and so is what makes it very long.
     """
-    stem_of = _stems(pieces)
+    stem_of = _stems(files)
     stems = {stem.casefold() for stem in stem_of.values()}
     taken: set[str] = set()
     names = {}
-    for link, (count, collides) in pieces.items():
+    for link, (visuals, colliders) in files.items():
         stem = stem_of[link]
-        width = len(str(count))
-        suffixes = [f"{k:0{width}d}" for k in range(1, count + 1)] if count > 1 else []
-        suffixes += ["collision"] if collides else []
+        suffixes = _numbered("", visuals) + _numbered("collision", colliders)
         gap = "_"
-        while any(_key(stem, gap, suffix) in stems | taken for suffix in suffixes):
+        while any(_key(stem, gap, suffix) in stems | taken for suffix in suffixes if suffix):
             gap += "_"
-        taken |= {_key(stem, gap, suffix) for suffix in suffixes}
-        several = [f"{stem}{gap}{suffix}.stl" for suffix in suffixes]
-        collision = several.pop() if collides else ""
-        names[link] = (several if count > 1 else [f"{stem}.stl"] * count, collision)
+        taken |= {_key(stem, gap, suffix) for suffix in suffixes if suffix}
+        own = [f"{stem}{gap}{suffix}.stl" if suffix else f"{stem}.stl" for suffix in suffixes]
+        names[link] = (own[:visuals], own[visuals:])
     return names
 
 
+def _numbered(word: str, count: int) -> list[str]:
+    """The endings of the names of so many files of one kind: the word, with numbers for several."""
+    if count < 2:
+        return [word] * count
+    width = len(str(count))
+    return [f"{word}_{k:0{width}d}".lstrip("_") for k in range(1, count + 1)]
+
+
 def _stems(links: Iterable[str]) -> dict[str, str]:
-    """What each link's files are called after: its name where that can name files, else the nearest to it
-    that no other link has."""
+    """The stem of each link's file names: its name where that can name files, else the nearest name that no
+    other link has."""
     stems: dict[str, str] = {}
     taken: set[str] = set()
     for link in sorted(links, key=lambda name: (_stem(name) != name, name)):

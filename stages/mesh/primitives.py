@@ -1,4 +1,4 @@
-"""Shapes that are no meshes: what a `Geometry` says of them, and points to hold them against."""
+"""Primitives (boxes, spheres, cylinders, capsules) as shapes of a `Geometry`, and points around them."""
 
 import math
 from collections.abc import Iterator
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from stages.mesh.surface import Points
-from stages.robot.geometry import NEUTRAL, Shape
+from stages.robot.geometry import NEUTRAL, Colour, Role, Shape
 from stages.robot.inertia import primitive_volume
 from stages.robot.model import Link, Primitive
 
@@ -15,14 +15,22 @@ _UPWARDS = 24
 
 
 def shapes(link: Link) -> Iterator[Shape]:
-    """The shapes of a link's primitives: for each the collider first, then what is seen."""
+    """The shapes of a link's primitives: for each the collider first, then the visual."""
     for primitive in link.shapes:
-        area, volume = _area(primitive), primitive_volume(primitive.kind, primitive.size)
         if primitive.collision:
-            yield Shape(link.name, "collision", None, None, 0, 0, area, volume, primitive)
+            yield collider(link.name, primitive)
         if primitive.visual:
-            colour = primitive.colour or NEUTRAL
-            yield Shape(link.name, "visual", None, colour, 0, 0, area, volume, primitive)
+            yield _shape(link.name, "visual", primitive, primitive.colour or NEUTRAL)
+
+
+def collider(link: str, primitive: Primitive) -> Shape:
+    """A primitive as a collider of a link."""
+    return _shape(link, "collision", primitive, None)
+
+
+def _shape(link: str, role: Role, primitive: Primitive, colour: Colour | None) -> Shape:
+    volume = primitive_volume(primitive.kind, primitive.size)
+    return Shape(link, role, None, colour, 0, 0, _area(primitive), volume, primitive)
 
 
 def _area(primitive: Primitive) -> float:
@@ -39,8 +47,8 @@ def _area(primitive: Primitive) -> float:
 
 
 def around(primitive: Primitive) -> Points:
-    """(n, 3): points in the link's frame whose convex hull holds the shape, and hardly more: a curved
-    one lies within polygons around it."""
+    """(n, 3): points in the link's frame whose convex hull contains the shape and hardly more: around
+    a curved shape they are the corners of polygons."""
     if primitive.kind == "box":
         corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
         local = corners * primitive.size / 2

@@ -40,8 +40,8 @@ class Shape:
 
 @dataclass(frozen=True, slots=True)
 class Geometry:
-    """Shapes in the order of the links; of a link the meshes, colliders first and then by file, then
-    its primitives in their own order. `files`: binary STL by name, metres."""
+    """Shapes in the order of the links; of a link its colliders, then its visual meshes, then the primitives
+    that the user gave it, in their own order. `files`: binary STL by name, metres."""
 
     shapes: tuple[Shape, ...]
     files: Mapping[str, bytes]

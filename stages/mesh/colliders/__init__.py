@@ -1,1 +1,1 @@
-"""Collision shapes of a link: one module for each way to make them."""
+"""The colliders of a link: one module for each way to make them."""

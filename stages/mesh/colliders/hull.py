@@ -1,12 +1,22 @@
-"""The convex hull of points, in canonical form."""
+"""The convex hull of the whole link."""
+
+from collections.abc import Sequence
 
 import numpy as np
 
 from stages.formats.triangles import distinct
+from stages.mesh import mesh_file
+from stages.mesh.link_mesh import Collider
 from stages.mesh.surface import Points, Surface, compacted, weld
 
 _THIN = 1e-6
 """A hull of less mean thickness [m], or a millionth of its size, has no inside to collide with."""
+
+
+def make(surfaces: Sequence[Surface]) -> tuple[Collider, ...]:
+    """One mesh; none where the surfaces lie in a plane."""
+    hull = convex_hull(np.concatenate([surface.vertices for surface in surfaces]))
+    return () if hull is None else (mesh_file.collider(hull),)
 
 
 def convex_hull(points: Points) -> Surface | None:

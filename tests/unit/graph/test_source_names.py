@@ -186,11 +186,11 @@ def test_a_key_means_the_name_as_it_stands() -> None:
 
 def test_mesh_files_have_names_that_every_file_system_takes() -> None:
     links = ["a/b", "a_b", "A_B", "..", "con.0", "世界", "x" * 300, "x" * 300 + "y"]
-    found = file_names(dict.fromkeys(links, (1, True)))
-    files = [file for visuals, collision in found.values() for file in (*visuals, collision)]
+    found = file_names(dict.fromkeys(links, (1, 1)))
+    files = [file for visuals, colliders in found.values() for file in (*visuals, *colliders)]
     assert all(re.fullmatch(r"[A-Za-z0-9_]{1,240}\.stl", file) for file in files)
     assert len({file.casefold() for file in files}) == 2 * len(links)
-    assert found["A_B"] == (["A_B.stl"], "A_B_collision.stl")
+    assert found["A_B"] == (["A_B.stl"], ["A_B_collision.stl"])
 
 
 def test_links_with_odd_names_have_their_meshes(tmp_path: Path) -> None:

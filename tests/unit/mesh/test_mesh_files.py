@@ -119,19 +119,20 @@ def test_no_file_has_more_faces_than_mujoco_reads(monkeypatch):
 
 
 def test_file_names_follow_the_link_and_number_only_several():
-    assert file_names({"base": (1, True), "arm": (2, True), "tip": (0, False), "leaf": (1, False)}) == {
-        "base": (["base.stl"], "base_collision.stl"),
-        "arm": (["arm_1.stl", "arm_2.stl"], "arm_collision.stl"),
-        "tip": ([], ""),
-        "leaf": (["leaf.stl"], ""),
+    assert file_names({"base": (1, 1), "arm": (2, 2), "tip": (0, 0), "leaf": (1, 0), "fin": (0, 1)}) == {
+        "base": (["base.stl"], ["base_collision.stl"]),
+        "arm": (["arm_1.stl", "arm_2.stl"], ["arm_collision_1.stl", "arm_collision_2.stl"]),
+        "tip": ([], []),
+        "leaf": (["leaf.stl"], []),
+        "fin": ([], ["fin_collision.stl"]),
     }
-    many, _ = file_names({"arm": (12, True)})["arm"]
+    many, _ = file_names({"arm": (12, 1)})["arm"]
     assert many == sorted(many)
 
 
 def test_file_names_of_links_that_look_like_files_never_meet():
-    links = {"arm": (2, True), "ARM_1": (2, True), "arm_1_1": (1, True), "arm_collision": (1, True)}
-    names = [name for several, one in file_names(links).values() for name in [*several, one]]
+    links = {"arm": (2, 1), "ARM_1": (2, 1), "arm_1_1": (1, 1), "arm_collision": (1, 1)}
+    names = [name for visuals, colliders in file_names(links).values() for name in [*visuals, *colliders]]
     assert len({name.casefold() for name in names}) == len(names) == 2 + 1 + 2 + 1 + 1 + 1 + 1 + 1
     assert names[:2] == ["arm__1.stl", "arm__2.stl"]
 
