@@ -37,13 +37,16 @@ def recall(cache: Cache, digest: str) -> "Bundle | None":
 
 def named(bundle: "Bundle") -> dict[str, bytes]:
     """What a bundle holds, by names that people know: the robot's own file, or the request of a reply."""
+    from stages.robot.bundle import FileBundle
+
     names = {digest: request for request, digest in bundle.requests.items()}
-    if bundle.kind != "onshape":
+    about = {"root": dict(bundle.root), "requests": dict(bundle.requests)}
+    if isinstance(bundle, FileBundle):
         names[bundle.definition] = bundle.root["document"]
-    about = {"root": dict(bundle.root), "requests": dict(bundle.requests), "options": dict(bundle.options)}
+        about["options"] = dict(bundle.options)
     bodies = {names.get(digest, digest): body for digest, body in bundle.blobs.items()}
     return {**bodies, _MANIFEST: json.dumps(about, ensure_ascii=False).encode()}
 
 
 def _action(digest: str) -> Action:
-    return Action("bundle", 1, inputs={_MANIFEST: digest})
+    return Action("bundle", 2, inputs={_MANIFEST: digest})

@@ -29,7 +29,7 @@ class RobotFileSource(FileSource):
     def replay(recording: Recording, where: str) -> Bundle:
         """The bundle of a robot's own file as it was packed; SourceError where a mesh is not readable."""
         from stages.formats import triangles
-        from stages.robot.bundle import Bundle
+        from stages.robot.bundle import FileBundle
         from stages.robot.errors import ProtocolError, SourceError
 
         meshes = {name for request, name in recording.requests.items() if request.startswith(MESH)}
@@ -41,12 +41,10 @@ class RobotFileSource(FileSource):
             hint = "make the bundle again, or get it again from where it came"
             raise SourceError(msg, where, hint) from None
         wanted = {recording.definition, *recording.requests.values()}
-        return Bundle(
+        return FileBundle(
             kind=recording.kind,
-            api=recording.api,
             root=recording.root,
             definition=recording.definition,
-            studios=(),
             requests=recording.requests,
             blobs={name: recording.blobs[name] for name in sorted(wanted)},
             options=recording.options,

@@ -56,26 +56,18 @@ class Features:
 
 @dataclass(frozen=True, slots=True)
 class Bundle:
-    """Raw replies, kept byte for byte.
+    """Raw replies or files, kept byte for byte: what all kinds of source have in common.
 
-    `root` names the assembly: `document`, `microversion`, `element`, `configuration`.
-    `definition` is the digest of the assembly definition; `requests` maps each request (the path
-    below `/api/<version>` with its query, pinned to a version or microversion) to the SHA-256 of
-    its body; `blobs` maps that digest to the body; `features` is empty where the definition gives all
-    limits. `api` is the version of the API that was asked, `definition_api` that of the definition, "" for
-    the same. `options`: what the source was told that concerns its reader (`bad_inertia`).
+    `root` names the robot: `document`, `microversion`, `element`, `configuration`. `definition` is the
+    digest of the assembly definition, or of a robot's own text or model; `requests` maps the name of each
+    reply or file to the SHA-256 of its body; `blobs` maps that digest to the body.
     """
 
     kind: str
-    api: str
     root: Mapping[str, str]
     definition: str
-    studios: tuple[Studio, ...]
     requests: Mapping[str, str]
     blobs: Mapping[str, bytes]
-    features: tuple[Features, ...] = ()
-    options: Mapping[str, str] = field(default_factory=dict)
-    definition_api: str = ""
 
     def body(self, digest: str) -> bytes:
         """The body with this digest; ProtocolError where the bundle lacks it."""
@@ -84,3 +76,27 @@ class Bundle:
             msg = f"the bundle lacks the reply with digest {digest}"
             raise ProtocolError(msg, hint="make the bundle again, or fetch with source.refresh=true")
         return body
+
+
+@dataclass(frozen=True, slots=True)
+class OnshapeBundle(Bundle):
+    """The replies about an Onshape assembly. `requests` are pinned to a version or microversion.
+
+    `api` is the version of the API that was asked, `definition_api` that of the definition, "" for the
+    same; `features` is empty where the definition gives all limits.
+    """
+
+    api: str
+    studios: tuple[Studio, ...]
+    features: tuple[Features, ...] = ()
+    definition_api: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class FileBundle(Bundle):
+    """A robot's own file and its meshes.
+
+    `options`: those of the source that concern its reader (`bad_inertia`).
+    """
+
+    options: Mapping[str, str] = field(default_factory=dict)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, get_args, get_or
 
 import orjson
 
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import Bundle, FileBundle, OnshapeBundle
 from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Geometry
@@ -139,7 +139,8 @@ def decode_geometry(files: Mapping[str, bytes]) -> Geometry:
 
 def encode_bundle(bundle: Bundle) -> dict[str, bytes]:
     """`manifest.json` and one file per reply."""
-    manifest = {field.name: getattr(bundle, field.name) for field in fields(bundle) if field.name != "blobs"}
+    names = [field.name for field in fields(bundle) if field.name != "blobs"]
+    manifest = {name: getattr(bundle, name) for name in names}
     return {
         "manifest.json": dump(manifest),
         **{REPLIES + digest: body for digest, body in bundle.blobs.items()},
@@ -149,9 +150,10 @@ def encode_bundle(bundle: Bundle) -> dict[str, bytes]:
 def decode_bundle(files: Mapping[str, bytes]) -> Bundle:
     """The bundle; `blobs` reads a file only when asked, where `files` does."""
     manifest = orjson.loads(files["manifest.json"])
-    known = hints(Bundle)
+    kind = OnshapeBundle if "studios" in manifest else FileBundle
+    known = hints(kind)
     values = {key: typed(known[key], item) for key, item in manifest.items()}
-    return Bundle(**values, blobs=Blobs(files))
+    return kind(**values, blobs=Blobs(files))
 
 
 class Blobs(Mapping[str, bytes]):

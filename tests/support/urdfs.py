@@ -16,7 +16,7 @@ from lxml import etree
 from pipeline.config.plan import Plan
 from stages.export import Exported
 from stages.graph import build_robot
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import Bundle, FileBundle
 from stages.robot.codec import decode_robot, encode_robot
 from stages.robot.model import Inertial, Robot
 from tests.support.building import plan_of, write
@@ -29,12 +29,10 @@ def urdf_bundle(text: bytes, policy: str = "refuse", meshes: Mapping[str, bytes]
     """The bundle of a URDF's text; `meshes`: triangles in the compact form by mesh key."""
     bodies = {"robot.urdf": text, **{f"mesh/{key}": data for key, data in (meshes or {}).items()}}
     requests = {request: sha256(data).hexdigest() for request, data in bodies.items()}
-    return Bundle(
+    return FileBundle(
         kind="urdf",
-        api="",
         root={"document": "robot.urdf", "microversion": "m", "element": "", "configuration": ""},
         definition=requests["robot.urdf"],
-        studios=(),
         requests=requests,
         blobs={requests[request]: data for request, data in bodies.items()},
         options={"bad_inertia": policy},

@@ -47,7 +47,7 @@ from pydantic import (
 from stages.fetch import ROOMS, source_class
 from stages.fetch.bundle.source import LARGEST
 from stages.fetch.recording import Recording
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import Bundle, FileBundle, OnshapeBundle
 from stages.robot.errors import SourceError
 
 FORMAT = 1
@@ -153,12 +153,10 @@ def pack(bundle: Bundle) -> bytes:
     manifest = {
         "format": FORMAT,
         "kind": bundle.kind,
-        "api": bundle.api,
-        **({"definition_api": bundle.definition_api} if bundle.definition_api else {}),
+        **_own_fields(bundle),
         "root": dict(bundle.root),
         "definition": bundle.definition,
         "requests": dict(bundle.requests),
-        **({"options": dict(bundle.options)} if bundle.options else {}),
     }
     text = json.dumps(manifest, indent=1, sort_keys=True, ensure_ascii=False)
     entries = {_MANIFEST: text.encode() + b"\n"}
@@ -172,6 +170,15 @@ def pack(bundle: Bundle) -> bytes:
             info.external_attr = 0o644 << 16
             archive.writestr(info, body)
     return out.getvalue()
+
+
+def _own_fields(bundle: Bundle) -> dict[str, object]:
+    """What the manifest of one kind of bundle has besides the rest; the `api` of a file is empty."""
+    if isinstance(bundle, OnshapeBundle):
+        later = {"definition_api": bundle.definition_api} if bundle.definition_api else {}
+        return {"api": bundle.api, **later}
+    options = bundle.options if isinstance(bundle, FileBundle) else {}
+    return {"api": "", **({"options": dict(options)} if options else {})}
 
 
 def _entries(data: bytes, where: str) -> dict[str, bytes]:

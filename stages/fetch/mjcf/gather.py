@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stages.robot import guest
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import FileBundle
 from stages.robot.errors import Diagnostic, ProtocolError, SourceError
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ _SMALLER = (
 
 def gather(
     source: MjcfSourceKeys, while_waiting: Callable[[], None] = lambda: None
-) -> tuple[Bundle, tuple[Diagnostic, ...]]:
+) -> tuple[FileBundle, tuple[Diagnostic, ...]]:
     """The bundle of an MJCF, and what MuJoCo warned of. `while_waiting` is called before MuJoCo begins.
 
     SourceError where it is no MJCF, a file is missing, MuJoCo refuses it, or does not get through it.
@@ -66,12 +66,10 @@ def gather(
         raise SourceError(msg, path.name, _SMALLER) from None
     definition = sha256(model).hexdigest()
     digests = {key: sha256(mesh).hexdigest() for key, mesh in meshes.items()}
-    bundle = Bundle(
+    bundle = FileBundle(
         kind="mjcf",
-        api="",
         root={"document": path.name, "microversion": _sum(files.digests), "element": "", "configuration": ""},
         definition=definition,
-        studios=(),
         requests={MODEL: definition, **{f"mesh/{key}": digests[key] for key in sorted(digests)}},
         blobs={definition: model, **{digests[key]: mesh for key, mesh in meshes.items()}},
     )

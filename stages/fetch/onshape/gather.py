@@ -10,7 +10,7 @@ from typing import Protocol
 
 from stages.fetch.onshape import definition, features
 from stages.fetch.onshape.features import Owner
-from stages.robot.bundle import Bundle, Features, Studio, StudioKey
+from stages.robot.bundle import Features, OnshapeBundle, Studio, StudioKey
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ class Answers(Protocol):
         ...
 
 
-def gather(answers: Answers) -> Bundle:
+def gather(answers: Answers) -> OnshapeBundle:
     """The bundle of the assembly that `answers` is about.
 
     AssemblyError where the assembly has no part; SourceError and its kinds where a reply cannot be
@@ -101,7 +101,7 @@ def gather(answers: Answers) -> Bundle:
         variables = digest(told.variables.body) if told.variables else None
         limits.append(Features(owner.key, digest(told.features.body), variables))
     definition_api, api = answers.versions()
-    return Bundle(
+    return OnshapeBundle(
         kind="onshape",
         api=api,
         definition_api=definition_api,

@@ -8,7 +8,7 @@ from stages.fetch.onshape.session import Server
 from stages.fetch.onshape.url import AssemblyUrl
 from stages.fetch.onshape.variables import Variables
 from stages.fetch.source import FetchContext, Fetched
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import OnshapeBundle
 from stages.robot.errors import Diagnostic, QuotaExhausted, SourceError
 
 
@@ -52,7 +52,7 @@ def _with_variables(
     return variables.applied(keys.variables) if keys.variables else url
 
 
-def _fetched_last(network: Network, exhausted: QuotaExhausted) -> Bundle:
+def _fetched_last(network: Network, exhausted: QuotaExhausted) -> OnshapeBundle:
     """The bundle from kept replies alone; `exhausted` is raised where they are not complete."""
     try:
         return gather(network)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from stages.fetch.onshape import reply_sizes
 from stages.fetch.onshape.url import AssemblyUrl, parse
 from stages.fetch.source import FetchContext, Fetched, Source
+from stages.robot.bundle import OnshapeBundle
 from stages.robot.errors import ConfigError
 
 if TYPE_CHECKING:
@@ -94,7 +95,7 @@ class OnshapeSource(Source):
         return {"url": self._keys.url}
 
     @staticmethod
-    def replay(recording: Recording, where: str) -> Bundle:
+    def replay(recording: Recording, where: str) -> OnshapeBundle:
         from stages.fetch.onshape.gather import gather
         from stages.fetch.onshape.recorded import Recorded
 
@@ -106,6 +107,7 @@ class OnshapeSource(Source):
 
     @staticmethod
     def summary(bundle: Bundle) -> str:
+        assert isinstance(bundle, OnshapeBundle)
         replies, studios = len(bundle.blobs), len(bundle.studios)
         return f"{replies} repl{'y' if replies == 1 else 'ies'} about {_count(studios, 'part studio')}"
 

@@ -15,7 +15,7 @@ from stages.fetch.urdf.survey import LARGEST_MESH, Survey, survey
 from stages.formats import triangles
 from stages.formats.urdf.model import Urdf, UrdfShape, mesh_key
 from stages.formats.urdf.parse import parse
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import FileBundle
 from stages.robot.errors import Diagnostic, SourceError
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ _SKIP = (
 )
 
 
-def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[Bundle, tuple[Diagnostic, ...]]:
+def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[FileBundle, tuple[Diagnostic, ...]]:
     """The bundle of a robot's file, and what is to be told of how its meshes were found.
 
     SourceError tells all that is wrong with the text and all meshes that are missing or damaged.
@@ -46,9 +46,8 @@ def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[Bundle, 
         raise SourceError(f"it has {count}", seen.document, hint, errors)
     bodies = {sha256(blob).hexdigest(): blob for blob in (seen.text, *blobs.values())}
     definition = sha256(seen.text).hexdigest()
-    bundle = Bundle(
+    bundle = FileBundle(
         kind="urdf",
-        api="",
         root={
             "document": seen.document,
             "microversion": seen.microversion(),
@@ -56,7 +55,6 @@ def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[Bundle, 
             "configuration": "",
         },
         definition=definition,
-        studios=(),
         requests={
             ROBOT: definition,
             **{f"mesh/{key}": sha256(blobs[key]).hexdigest() for key in sorted(blobs)},

@@ -21,7 +21,7 @@ from stages.graph.onshape.assembly import Assembly, Mate, Path, Record
 from stages.graph.onshape.expressions.evaluate import ExpressionError, Scope, measured
 from stages.graph.onshape.mates import JOINT_TYPES, freedoms_of, limit_names
 from stages.graph.onshape.reply_fields import shape_of
-from stages.robot.bundle import Bundle, Features, StudioKey
+from stages.robot.bundle import Features, OnshapeBundle, StudioKey
 from stages.robot.model import DofKind
 
 MateKey = tuple[Path, str]
@@ -50,7 +50,7 @@ class _Owner:
     scope: Scope
 
 
-def resolve_limits(assembly: Assembly, bundle: Bundle) -> dict[MateKey, Remarks]:
+def resolve_limits(assembly: Assembly, bundle: OnshapeBundle) -> dict[MateKey, Remarks]:
     """Gives every mate that moves its limits, in the shape of `mateLimits`: in place.
 
     Returns what there is to say of them, by (owner path, feature id).
@@ -83,7 +83,7 @@ def _key(mate: Mate) -> MateKey:
     return mate.ref.owner, mate.ref.feature
 
 
-def _read(bundle: Bundle, features: Features, settings: str) -> _Owner:
+def _read(bundle: OnshapeBundle, features: Features, settings: str) -> _Owner:
     configuration = {name: decoded(value) for name, value in split(settings).items()}
     expressions, values = dict(configuration), dict[str, str]()
     if features.variables is not None:

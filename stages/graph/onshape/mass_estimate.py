@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from stages.formats import triangles
-from stages.robot.bundle import Bundle, StudioKey
+from stages.robot.bundle import OnshapeBundle, StudioKey
 from stages.robot.inertia import solid_inertia
 from stages.robot.model import Array, Inertial, frozen
 
@@ -37,7 +37,7 @@ class PartShape:
     volume: float
 
 
-def shapes_of(bundle: Bundle, volumes: Iterable[tuple[Key, float | None]]) -> dict[Key, PartShape]:
+def shapes_of(bundle: OnshapeBundle, volumes: Iterable[tuple[Key, float | None]]) -> dict[Key, PartShape]:
     """The shapes of parts, each with what `shape_of` takes as its volume; no triangles, no shape."""
     replies = {studio.key: studio.tessellation for studio in bundle.studios}
     wanted: dict[str, dict[Key, float | None]] = {}

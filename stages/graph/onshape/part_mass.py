@@ -18,7 +18,7 @@ from stages.graph.mass_keys import MassKeys, PartMassKeys, tensor
 from stages.graph.onshape.assembly import Assembly, Occurrence, Path
 from stages.graph.onshape.mass_estimate import PartShape, shapes_of
 from stages.graph.onshape.reply_fields import number, numbers, shape_of
-from stages.robot.bundle import Bundle, StudioKey
+from stages.robot.bundle import OnshapeBundle, StudioKey
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.inertia import ZERO, scaled
 from stages.robot.model import Inertial, frozen
@@ -78,7 +78,9 @@ class Kind:
         return (self.weight[0].mass or None) if self.weight else None
 
 
-def weighed(assembly: Assembly, bundle: Bundle, keys: MassKeys, log: Diagnostics) -> dict[Path, Weight]:
+def weighed(
+    assembly: Assembly, bundle: OnshapeBundle, keys: MassKeys, log: Diagnostics
+) -> dict[Path, Weight]:
     """What every part occurrence weighs; problems are told once for each kind of part.
 
     E-BODY-TYPE, E-GLOB, E-MASS; W-BODY-TYPE for a sheet that weighs nothing, W-MASS-ESTIMATED,
@@ -251,7 +253,7 @@ def part_key(record: Mapping[str, str]) -> PartKey:
     return StudioKey.of(record), record["partId"]
 
 
-def read_masses(bundle: Bundle) -> dict[PartKey, Weight]:
+def read_masses(bundle: OnshapeBundle) -> dict[PartKey, Weight]:
     """The weight of every part in the bundle's replies.
 
     A part without material has mass 0 there, and its volume all the same.

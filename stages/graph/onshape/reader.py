@@ -19,7 +19,7 @@ from stages.graph.onshape.onshape_to_robot import translated
 from stages.graph.onshape.parallel_mates import Absorbed, MateKey, combined
 from stages.graph.onshape.part_mass import SHEET, part_key, weighed
 from stages.graph.onshape.patterns import with_copies
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import OnshapeBundle
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import AssemblyError
 from stages.robot.kinematics import chain
@@ -30,7 +30,7 @@ from stages.robot.poses import inverse
 Weights = Mapping[Path, tuple[Inertial, float]]
 
 
-def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
+def read_mechanism(bundle: OnshapeBundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
     """Reads an assembly definition and what belongs to it; AssemblyError for what cannot be read at all.
 
     The keys come back with what the document's own conventions imply.
@@ -90,7 +90,7 @@ def _settled_bodies(
 
 
 def _bodies(
-    assembly: Assembly, bodies: Bodies, names: AssemblyNames, weights: Weights, bundle: Bundle
+    assembly: Assembly, bodies: Bodies, names: AssemblyNames, weights: Weights, bundle: OnshapeBundle
 ) -> Iterator[RigidBody]:
     tessellations = {studio.key: studio.tessellation for studio in bundle.studios}
     for number, members in enumerate(bodies.members):

@@ -16,7 +16,7 @@ from stages.graph.urdf.dummy_links import UrdfFrame, weighs_nothing, with_carrie
 from stages.graph.urdf.inertias import Policy, mended
 from stages.graph.urdf.naming import UrdfFileNames, names_of
 from stages.graph.urdf.structure import SCALAR, check_structure, tops
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import Bundle, FileBundle
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic
 from stages.robot.inertia import ZERO, moved
@@ -53,7 +53,7 @@ UNSTATED_BASE = Diagnostic(
 )
 
 
-def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
+def read_mechanism(bundle: FileBundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
     """Reads a URDF and the meshes that it names; AssemblyError tells all problems at once.
 
     What is no body becomes a frame, and what cannot weigh as it says is mended as the source's

@@ -14,7 +14,7 @@ import pytest
 from stages.fetch.bundle import archive as module
 from stages.fetch.bundle.archive import pack, read
 from stages.fetch.bundle.source import BundleSource
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import OnshapeBundle
 from stages.robot.errors import SourceError
 
 BODIES = [b'{"a": 1}', b'{"b": 2}']
@@ -50,23 +50,23 @@ def refused(data, why):
 
 
 def test_what_is_packed_is_read_back_and_packs_to_the_same_bytes():
-    forwards = Bundle(
+    forwards = OnshapeBundle(
         "onshape",
-        "v16",
         ROOT,
         DIGESTS[0],
-        (),
         MANIFEST["requests"],
         dict(zip(DIGESTS, BODIES, strict=True)),
+        api="v16",
+        studios=(),
     )
-    backwards = Bundle(
+    backwards = OnshapeBundle(
         "onshape",
-        "v16",
         dict(reversed(ROOT.items())),
         DIGESTS[0],
-        (),
         dict(reversed(MANIFEST["requests"].items())),
         dict(reversed(list(zip(DIGESTS, BODIES, strict=True)))),
+        api="v16",
+        studios=(),
     )
     assert pack(forwards) == pack(backwards)
     found = read(pack(forwards), "x.zip")

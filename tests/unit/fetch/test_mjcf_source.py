@@ -18,7 +18,7 @@ from stages.graph import build_robot
 from stages.graph.dofs import conjugate
 from stages.mesh import make_geometry
 from stages.robot import codec
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import FileBundle
 from stages.robot.errors import AssemblyError, ProtocolError, SourceError
 from stages.robot.kinematics import chain, link_poses
 from stages.robot.model import Limits
@@ -527,7 +527,7 @@ def test_a_bundle_is_read_back_from_its_zip(tmp_path):
 def test_a_bundle_that_holds_no_model_is_refused(tmp_path, change):
     bundle = bundle_of(written(tmp_path, model(body("base", HIP), DEFAULTS, compiler="")))
     body_of_it = change(bundle.body(bundle.definition))
-    forged = Bundle("mjcf", "", bundle.root, "d", (), {}, {"d": body_of_it})
+    forged = FileBundle("mjcf", bundle.root, "d", {}, {"d": body_of_it})
     with pytest.raises((ProtocolError, AssemblyError)):
         build_robot(forged, plan_of())
 

@@ -17,7 +17,7 @@ from stages.fetch.urdf.gather import gather
 from stages.fetch.urdf.keys import UrdfSourceKeys
 from stages.fetch.urdf.source import UrdfSource
 from stages.formats import triangles
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import Bundle, FileBundle
 from stages.robot.errors import ConfigError, Diagnostic, SourceError
 from stages.robot.geometry import NEUTRAL
 
@@ -135,9 +135,8 @@ def test_a_packed_bundle_with_a_mesh_that_is_none_is_refused(tmp_path):
     bundle, _ = gathered(tmp_path / "r.urdf")
     bad = sha256(b"no triangles").hexdigest()
     requests = {**bundle.requests, "mesh/x": bad}
-    harmed = Bundle(
-        "urdf", "", bundle.root, bundle.definition, (), requests, {**bundle.blobs, bad: b"no triangles"}
-    )
+    blobs = {**bundle.blobs, bad: b"no triangles"}
+    harmed = FileBundle("urdf", bundle.root, bundle.definition, requests, blobs)
     with pytest.raises(SourceError, match="compact form"):
         UrdfSource.replay(packing.read(packing.pack(harmed), "x.zip"), "x.zip")
 

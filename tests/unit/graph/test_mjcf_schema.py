@@ -17,7 +17,7 @@ from stages.fetch.mjcf import unsupported
 from stages.fetch.mjcf.compiled import Meshes, taken
 from stages.graph import build_robot
 from stages.robot import codec
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import FileBundle
 from stages.robot.codec import encode_robot
 from stages.robot.model import Robot
 from tests.support.building import plan_of
@@ -196,7 +196,7 @@ def robot_of(tree: etree._Element) -> Robot:
     body = codec.dump(taken(model, spec, Meshes(model), "base.xml"))
     root = {"document": "base.xml", "microversion": "m", "element": "", "configuration": ""}
     digest = sha256(body).hexdigest()
-    bundle = Bundle("mjcf", "", root, digest, (), {"model": digest}, {digest: body})
+    bundle = FileBundle("mjcf", root, digest, {"model": digest}, {digest: body})
     return build_robot(bundle, PLAN)
 
 

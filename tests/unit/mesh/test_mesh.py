@@ -13,7 +13,7 @@ import trimesh
 
 from stages.fetch.onshape.triangles.faces import compact
 from stages.mesh import make_geometry
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import OnshapeBundle
 from stages.robot.geometry import NEUTRAL
 from stages.robot.inertia import merged, moved
 from stages.robot.model import (
@@ -75,7 +75,7 @@ _JSON = json.dumps(
 ).encode()
 REPLY = compact(_JSON)
 DIGEST = sha256(REPLY).hexdigest()
-BUNDLE = Bundle("onshape", "v16", {}, "", (), {}, {DIGEST: REPLY})
+BUNDLE = OnshapeBundle("onshape", {}, "", {}, {DIGEST: REPLY}, api="v16", studios=())
 
 
 def at(x=0.0, y=0.0, z=0.0, mirror=False):

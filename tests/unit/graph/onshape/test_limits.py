@@ -12,7 +12,7 @@ from stages.fetch.onshape.recorded import Recorded
 from stages.graph import build_robot
 from stages.graph.onshape.assembly import Assembly, Mate
 from stages.graph.onshape.limits import resolve_limits
-from stages.robot.bundle import Bundle, Features, StudioKey
+from stages.robot.bundle import Features, OnshapeBundle, StudioKey
 from stages.robot.model import MateRef, Robot
 from tests.fake_onshape.replies import Replies
 from tests.fake_onshape.settable import typed_arm
@@ -29,7 +29,7 @@ def features_request(record: dict) -> str:
     return f"{where}/features?configuration=default"
 
 
-def recorded(definition: bytes, replies: dict[str, bytes]) -> Bundle:
+def recorded(definition: bytes, replies: dict[str, bytes]) -> OnshapeBundle:
     return gather(Recorded(read(pack(definition, replies), "recording"), "recording"))
 
 
@@ -238,7 +238,7 @@ def resolved(kind: str, typed: dict[str, str], copies=("",), more=None) -> tuple
     ]
     parameters += [{"parameterId": "limitsEnabled", "value": True}, {"expression": "7 m"}]
     body = {"features": [{"featureId": "f", "parameters": parameters}]}
-    bundle = Bundle(
+    bundle = OnshapeBundle(
         kind="onshape",
         api="v17",
         root={},
