@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from pipeline import streams
-from pipeline.face.shadows import shadows
 from pipeline.options import Command, UsageError, parse
 
 if TYPE_CHECKING:
@@ -107,7 +106,7 @@ def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = Non
     """Runs a command line; the exit status. `build` stands in for a build without display."""
     if arguments[:1] in (["-sc"], ["--shell-completion"]):
         return _complete("".join(arguments[1:2]))
-    if {"-h", "--help", "--version"}.intersection(arguments) or shadows():
+    if {"-h", "--help", "--version"}.intersection(arguments):
         return _run(arguments, build)  # it prints nothing but our own words
     from pipeline.terminal import clean_streams
 
@@ -123,9 +122,6 @@ def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> 
         if command.show in ("help", "version"):
             print(HELP.rstrip() if command.show == "help" else f"linkwright {_version()}")
             return 0
-        shadowed = shadows()
-        if shadowed:
-            raise UsageError(shadowed)
         if command.show:
             for text in _shown(command):
                 print(text, end="")
@@ -150,14 +146,11 @@ def _version() -> str:
 
 
 def _verb(name: str, arguments: Sequence[str]) -> int:
-    """Runs a verb, or shows its help; the exit status. UsageError where our packages are shadowed."""
+    """Runs a verb, or shows its help; the exit status."""
     verb = importlib.import_module(VERBS[name])
     if "-h" in arguments or "--help" in arguments:
         print(verb.HELP.rstrip())
         return 0
-    shadowed = shadows()
-    if shadowed:
-        raise UsageError(shadowed)
     status: int = verb.run(arguments)
     return status
 

@@ -13,19 +13,16 @@ WHEEL = tomllib.loads((PROJECT / "pyproject.toml").read_text())["tool"]["hatch"]
 
 
 def shipped(folder: Path) -> Path:
-    """Puts the files of `linkwright` below `folder`, as the build backend does; the folder."""
+    """Puts the folder of `linkwright` below `folder`, as the build backend does; the folder."""
     for source, place in WHEEL["force-include"].items():
-        (folder / place).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(PROJECT / source, folder / place)
+        shutil.copytree(PROJECT / source, folder / place)
     return folder
 
 
-def python(
-    package: Path, *arguments: str, cwd: Path, first: Path | None = None
-) -> subprocess.CompletedProcess[str]:
-    """Runs Python in `cwd` with the package below `package`; `first`: a folder ahead of all on its path."""
-    places = [*([first] if first else []), package, PROJECT]
-    environ = {"PYTHONPATH": os.pathsep.join(map(str, places)), "LINKWRIGHT_CACHE": str(package / "cache")}
+def python(package: Path, *arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
+    """Runs Python in `cwd` with the package that is below `package`."""
+    places = os.pathsep.join([str(package), str(PROJECT)])
+    environ = {"PYTHONPATH": places, "LINKWRIGHT_CACHE": str(package / "cache")}
     return subprocess.run(
         [sys.executable, *arguments],
         cwd=cwd, env={**os.environ, **environ}, capture_output=True, text=True, timeout=120, check=False,

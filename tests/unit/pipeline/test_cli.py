@@ -157,21 +157,3 @@ def test_a_wrong_configuration_ends_the_command_with_2_and_leaves_nothing(tmp_pa
     assert done.stderr.startswith("error: the configuration has 2 problems\n")
     assert "Traceback" not in done.stderr
     assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("name", ["conf", "stages"])
-def test_a_package_of_the_same_name_is_told_with_both_places(tmp_path, name):
-    other = tmp_path / name
-    other.mkdir()
-    (other / "__init__.py").touch()
-    code = "import sys; from pipeline import cli; sys.path.insert(0, sys.argv[1]); sys.exit(cli.run([]))"
-    done = subprocess.run(
-        [sys.executable, "-c", code, str(tmp_path)],
-        cwd=PROJECT, env=ENVIRONMENT, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 2
-    assert done.stderr == (
-        f"error: the package `{name}` is another one than linkwright's\n"
-        f"  found: {other}\n  expected: {PROJECT / name}\n"
-        "  → run from another folder, or take the other one out of PYTHONPATH or this environment\n"
-    )

@@ -3,8 +3,8 @@
 import pytest
 
 from pipeline import errors, face
-from pipeline.face.shadows import PACKAGES
-from tests.support.face import WHEEL, python, shipped
+from pipeline.face.package.shadows import PACKAGES
+from tests.support.face import python, shipped
 from tests.support.places import PROJECT
 
 NAMES = """
@@ -58,9 +58,18 @@ def test_each_name_is_one_of_the_faces_own(package, tmp_path):
     assert done.stdout.splitlines() == ["True", "True True False"], done.stderr
 
 
-def test_it_is_typed():
-    assert (PROJECT / "pipeline" / "py.typed").is_file()
-    assert "linkwright/py.typed" in WHEEL["force-include"].values()
+def test_it_is_typed(package):
+    assert (package / "linkwright" / "py.typed").is_file()
+
+
+def test_the_product_imports_nothing_of_the_package():
+    """A wheel has it as `linkwright` only."""
+    importing = [
+        path.name
+        for path in PROJECT.joinpath("pipeline").rglob("*.py")
+        if path.parent.name != "package" and "face.package" in path.read_text()
+    ]
+    assert importing == []
 
 
 def test_it_runs_as_the_command(package, tmp_path):

@@ -1,7 +1,7 @@
 """Builds robots from Python: `linkwright.build("robot=my_arm")`.
 
-The wheel ships this module as `linkwright/__init__.py`; what it offers is in `pipeline/face`. Importing it
-imports nothing else: each name is loaded when it is first used, once our packages are known to be ours.
+The wheel ships this folder as `linkwright`; what the package offers is in `pipeline/face`. Importing it loads
+nothing else: each name is loaded when it is first used, once our packages are known to be ours.
 """
 
 from typing import TYPE_CHECKING, Any

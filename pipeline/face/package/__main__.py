@@ -1,7 +1,4 @@
-"""The command: `linkwright` and `python -m linkwright`.
-
-The wheel ships this module as `linkwright/__main__.py`.
-"""
+"""The command: `linkwright` and `python -m linkwright`."""
 
 import sys
 
@@ -10,8 +7,7 @@ from .shadows import shadows
 
 def main() -> int:
     """Runs the command line and returns the exit status."""
-    # The command itself looks at the other packages; it cannot look at the one that it is in.
-    message = shadows(["pipeline"])
+    message = shadows()
     if message:
         print(f"error: {message}", file=sys.stderr)
         return 2

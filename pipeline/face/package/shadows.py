@@ -1,8 +1,4 @@
-"""Whether our top-level packages are the ones that Python finds.
-
-The wheel ships this module twice: here, and as `linkwright/shadows.py`, where it answers even if another
-package is called `pipeline`.
-"""
+"""Whether our top-level packages are the ones that Python finds."""
 
 import importlib.util
 import sys
@@ -33,9 +29,9 @@ def shadows(names: Iterable[str] = PACKAGES) -> str:
 
 def _home() -> Path | None:
     """The folder that holds our packages; None if there is none."""
-    # Installed from a wheel they lie beside `linkwright`; an editable install puts their folder on the path.
-    around = Path(__file__).resolve().parents[1:3]
-    for place in (*around, *map(Path, sys.path)):
-        if (place / "pipeline" / "face" / "shadows.py").is_file():
+    # Installed from a wheel they lie beside this one; an editable install puts their folder on the path.
+    beside = Path(__file__).resolve().parents[1]
+    for place in (beside, *map(Path, sys.path)):
+        if (place / "pipeline" / "face" / "__init__.py").is_file():
             return place.resolve()
     return None
