@@ -1,24 +1,36 @@
 """Configuration of the source `onshape`."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, Field, ValidationInfo, field_validator
-from pydantic_core import PydanticCustomError
+from pydantic import Field, GetCoreSchemaHandler, GetPydanticSchema, ValidationInfo, field_validator
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
+from stages.fetch.onshape.url import AssemblyUrl, parse
 from stages.fetch.source_keys import ADDRESS, Setting, SourceKeys
 from stages.robot.errors import ConfigError
 from stages.robot.keys import Count, Flag, Keys, NonNegative, Positive, Text, example, invalid
 
 
-def _address(url: str) -> str:
-    from stages.fetch.onshape.url import parse
-
+def _parsed(text: str) -> AssemblyUrl:
     try:
-        parse(url)
+        return parse(text)
     except ConfigError as error:
         context = {"message": error.message, "hint": error.hint}
         raise PydanticCustomError(ADDRESS, "{message}", context) from None
-    return url
+
+
+def _from_text(_: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+    """Text in, the parsed address as the value, and the text as it was typed out again."""
+    as_typed = core_schema.plain_serializer_function_ser_schema(
+        lambda url: url.text, return_schema=core_schema.str_schema()
+    )
+    return core_schema.no_info_after_validator_function(
+        _parsed, handler.generate_schema(Text), serialization=as_typed
+    )
+
+
+Address = Annotated[AssemblyUrl, GetPydanticSchema(_from_text)]
+"""The address of an assembly: text in the configuration."""
 
 
 class TessellationKeys(Keys):
@@ -40,9 +52,7 @@ class OnshapeSourceKeys(SourceKeys):
     kind: Literal["onshape"] = "onshape"
     """Kind of the source; `source=KIND` chooses it."""
 
-    url: Annotated[
-        Text, AfterValidator(_address), example("https://cad.onshape.com/documents/.../w/.../e/...")
-    ]
+    url: Annotated[Address, example("https://cad.onshape.com/documents/.../w/.../e/...")]
     """Address of the assembly, as the browser shows it."""
 
     configuration: Annotated[dict[Text, Setting], example({"leg_length": "0.25 m"})] = Field(

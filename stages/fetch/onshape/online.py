@@ -12,10 +12,10 @@ from stages.robot.bundle import OnshapeBundle
 from stages.robot.errors import Diagnostic, QuotaExhausted, SourceError
 
 
-def fetch(url: AssemblyUrl, keys: OnshapeSourceKeys, context: FetchContext) -> Fetched:
-    """The bundle of the assembly at `url`; errors as `stages.fetch.fetch`."""
-    calls = context.calls
-    with Server(url, keys, context) as server:
+def fetch(keys: OnshapeSourceKeys, context: FetchContext) -> Fetched:
+    """The bundle of the assembly at `keys.url`; errors as `stages.fetch.fetch`."""
+    url, calls = keys.url, context.calls
+    with Server(keys, context) as server:
         asking = Asking(
             server, context.replies, offline=keys.offline, refresh=keys.refresh, max_calls=keys.max_calls
         )

@@ -12,7 +12,6 @@ from stages.fetch.onshape.api.ledger import Ledger
 from stages.fetch.onshape.api.retries import Patience
 from stages.fetch.onshape.keys import OnshapeSourceKeys
 from stages.fetch.onshape.reply_checks import accepted
-from stages.fetch.onshape.url import AssemblyUrl
 from stages.fetch.source import Calls, FetchContext
 from stages.robot.errors import ProtocolError
 
@@ -28,8 +27,8 @@ class Server:
 
     at_once = AT_ONCE
 
-    def __init__(self, url: AssemblyUrl, keys: OnshapeSourceKeys, context: FetchContext) -> None:
-        self._url = url
+    def __init__(self, keys: OnshapeSourceKeys, context: FetchContext) -> None:
+        self._url = keys.url
         self._max_calls = keys.max_calls
         self._context = context
         self._patience = replace(context.patience or Patience(), max_wait=keys.max_wait)

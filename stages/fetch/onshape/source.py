@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from stages.fetch.onshape import reply_sizes
-from stages.fetch.onshape.url import AssemblyUrl, parse
 from stages.fetch.source import FetchContext, Fetched, Source
 from stages.robot.bundle import OnshapeBundle
 from stages.robot.errors import ConfigError
@@ -26,12 +25,8 @@ class OnshapeSource(Source):
     def __init__(self, keys: OnshapeSourceKeys) -> None:
         self._keys = keys
 
-    @property
-    def _url(self) -> AssemblyUrl:
-        return parse(self._keys.url)
-
     def label(self) -> str:
-        return self._keys.url
+        return self._keys.url.text
 
     def preflight(self, environ: Mapping[str, str]) -> None:
         """ConfigError for contradicting keys, and where a call will be made and there is no API key.
@@ -39,7 +34,7 @@ class OnshapeSource(Source):
         An address pinned to a version or microversion may need no call, so its key is asked for later;
         nothing needs one offline.
         """
-        keys, url = self._keys, self._url
+        keys, url = self._keys, self._keys.url
         if keys.offline and keys.refresh:
             msg = "offline makes no call, and refresh makes all of them"
             raise ConfigError(msg, "source.refresh", "set one of source.offline and source.refresh to false")
@@ -58,7 +53,7 @@ class OnshapeSource(Source):
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any] | None:
         from stages.fetch.onshape.requests import API, definition
 
-        url, quality = self._url, self._keys.tessellation
+        url, quality = self._keys.url, self._keys.tessellation
         if not url.pinned:
             return None
         return {
@@ -72,7 +67,7 @@ class OnshapeSource(Source):
     def fetch(self, context: FetchContext) -> Fetched:
         from stages.fetch.onshape.online import fetch
 
-        return fetch(self._url, self._keys, context)
+        return fetch(self._keys, context)
 
     @property
     def spends(self) -> bool:
@@ -92,7 +87,7 @@ class OnshapeSource(Source):
         return credentials.remarks()
 
     def describe(self) -> dict[str, str]:
-        return {"url": self._keys.url}
+        return {"url": self._keys.url.text}
 
     @staticmethod
     def replay(recording: Recording, where: str) -> OnshapeBundle:

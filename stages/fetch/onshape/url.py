@@ -1,8 +1,7 @@
 """The address of an assembly, as the browser shows it."""
 
-import ipaddress
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from urllib.parse import SplitResult, unquote, urlsplit
 
 from stages.robot.errors import ConfigError
@@ -22,7 +21,8 @@ class AssemblyUrl:
     """Where an assembly is.
 
     `origin`: scheme and host, "https://cad.onshape.com"; `pin`: "w/<id>", "v/<id>" or "m/<id>";
-    `configuration`: Onshape's own text, decoded once, "default" where the address has none.
+    `configuration`: Onshape's own text, decoded once, "default" where the address has none; `text`: the
+    address as it was typed.
     """
 
     origin: str
@@ -30,6 +30,7 @@ class AssemblyUrl:
     pin: str
     element: str
     configuration: str
+    text: str = field(default="", compare=False)
 
     @property
     def pinned(self) -> bool:
@@ -60,6 +61,7 @@ def parse(text: str) -> AssemblyUrl:
         pin=f"{kind}/{version}",
         element=element,
         configuration=_configuration(parts.query),
+        text=text,
     )
 
 
@@ -92,6 +94,8 @@ def is_loopback(host: str) -> bool:
     """Whether a host name or address means this computer."""
     if host == "localhost":
         return True
+    import ipaddress  # not on the way of every build
+
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:

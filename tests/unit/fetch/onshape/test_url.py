@@ -1,7 +1,10 @@
 """Addresses: what a browser shows becomes an assembly, anything else an error that says why."""
 
+import pickle
+
 import pytest
 
+from stages.fetch.onshape.keys import OnshapeSourceKeys
 from stages.fetch.onshape.url import AssemblyUrl, parse
 from stages.robot.errors import ConfigError
 
@@ -83,3 +86,11 @@ def test_a_password_in_an_address_is_refused_and_not_repeated():
         parse(PLAIN.replace("https://", "https://key:hush@"))
     assert "hush" not in str(caught.value)
     assert "ONSHAPE_SECRET_KEY" in caught.value.hint
+
+
+def test_the_configuration_holds_the_parsed_address_and_writes_it_as_it_was_typed():
+    typed = f" https://cad.onshape.com/documents/{'A' * 24}/w/{'b' * 24}/e/{'c' * 24}?renderMode=0#view "
+    keys = OnshapeSourceKeys(url=typed)
+    assert keys.url == parse(typed)
+    assert keys.identity()["url"] == keys.model_dump()["url"] == typed
+    assert pickle.loads(pickle.dumps(keys)).url.text == typed
