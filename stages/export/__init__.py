@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 VERSION = 6
 """Grows with every change of what this stage makes of the same input."""
 
-WRITERS = ("urdf", "mjcf")
+WRITERS = (
+    "urdf",
+    "mjcf",
+)
 """All formats, in the order in which they are written: folders of this stage, each with its `Writer`."""
 
 

@@ -1,0 +1,219 @@
+"""A new source, format or check is one folder or file and one line in a table: each test adds one to a copy.
+
+Besides the code, a source and a format need one YAML in `conf` and its golden.
+"""
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.support.command import environment
+from tests.support.places import PROJECT
+
+GOLDENS = """
+import sys
+from pathlib import Path
+from tests.config.regenerate import GOLDEN, names, text
+assert sorted(names()) == sorted(file.stem for file in GOLDEN.iterdir())
+for name in sys.argv[1:]:
+    assert text(name, Path.cwd().parent) == (GOLDEN / f"{name}.yaml").read_text(encoding="utf-8"), name
+"""
+"""Checks that every file of `conf` has its golden, and compares the goldens that are named."""
+
+
+class Tree:
+    """A copy of the product and of its goldens, to which a test adds something."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        for name in ("conf", "pipeline", "stages", "tests/config"):
+            # With the compiled modules, which are valid in the copy: to compile them again takes a second.
+            shutil.copytree(PROJECT / name, folder / name)
+        shutil.copy(PROJECT / "tests/__init__.py", folder / "tests")
+        shutil.copy(PROJECT / "pyproject.toml", folder)
+
+    def add(self, path: str, text: str) -> None:
+        file = self.folder / path
+        file.parent.mkdir(parents=True, exist_ok=True)
+        assert not file.exists()
+        file.write_text(text, encoding="utf-8")
+
+    def add_line(self, path: str, before: str, line: str) -> None:
+        """Adds a line to a table, in front of the one that is the text `before`."""
+        file = self.folder / path
+        text = file.read_text(encoding="utf-8")
+        assert text.count(f"\n{before}\n") == 1
+        file.write_text(text.replace(f"\n{before}\n", f"\n{line}\n{before}\n"), encoding="utf-8")
+
+    def run(self, *arguments: str) -> str:
+        """The output of Python in the copy."""
+        line = [sys.executable, *arguments]
+        environ = environment(self.folder.parent)
+        done = subprocess.run(line, cwd=self.folder, env=environ, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout
+
+    def build(self, *overrides: str) -> Path:
+        """The folder of a build in which every check passed."""
+        output = self.folder.parent / "built"
+        self.run("-m", "pipeline", *overrides, f"output={output}")
+        return output
+
+    def check_goldens(self, toy: str) -> None:
+        """Every file of `conf` has its golden: the toy's is right, and others did not change."""
+        self.run("-c", GOLDENS, toy, "robot.sample", "export.urdf")
+
+
+@pytest.fixture
+def tree(tmp_path: Path) -> Tree:
+    return Tree(tmp_path / "tree")
+
+
+def test_a_source_is_a_folder_a_line_an_option_and_its_golden(tree: Tree) -> None:
+    tree.add("stages/fetch/toy/__init__.py", '"""A chain of links that no file describes."""\n')
+    tree.add(
+        "stages/fetch/toy/keys.py",
+        '''"""Configuration of the source `toy`."""
+
+from typing import Literal
+
+from stages.fetch.source_keys import SourceKeys
+from stages.robot.keys import Count
+
+
+class ToySourceKeys(SourceKeys):
+    """A chain of links."""
+
+    kind: Literal["toy"] = "toy"
+    """Kind of the source; `source=KIND` chooses it."""
+
+    count: Count = 2
+    """Number of links."""
+
+
+KEYS = ToySourceKeys
+''',
+    )
+    tree.add(
+        "stages/fetch/toy/source.py",
+        '''"""The source `toy`."""
+
+from hashlib import sha256
+
+from stages.fetch.source import FetchContext, Fetched, Source
+from stages.robot.bundle import Bundle
+
+LINK = """<link name="l{0}"><inertial><mass value="1"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
+JOINT = """<joint name="j{1}" type="continuous"><parent link="l{0}"/><child link="l{1}"/></joint>"""
+
+
+class ToySource(Source):
+    def __init__(self, keys):
+        self._count = keys.count
+
+    def label(self):
+        return "the toy"
+
+    def pinned(self, environ):
+        return {"count": self._count}
+
+    def fetch(self, context: FetchContext) -> Fetched:
+        links = [LINK.format(n) for n in range(self._count)]
+        joints = [JOINT.format(n - 1, n) for n in range(1, self._count)]
+        text = f"<robot name='toy'>{''.join(links + joints)}</robot>".encode()
+        digest = sha256(text).hexdigest()
+        root = {"document": "toy", "microversion": "", "element": "", "configuration": ""}
+        return Fetched(Bundle("urdf", "", root, digest, (), {"robot": digest}, {digest: text}))
+
+
+SOURCE = ToySource
+''',
+    )
+    tree.add_line(
+        "stages/fetch/__init__.py",
+        '    "sample": "stages.fetch.bundle.sample",',
+        '    "toy": "stages.fetch.toy",',
+    )
+    tree.add("conf/source/toy.yaml", "kind: toy\n")
+    tree.add("tests/config/golden/source.toy.yaml", "source:\n  kind: toy\n  count: 2\n")
+    tree.check_goldens("source.toy")
+    robot = json.loads((tree.build("source=toy", "source.count=3") / "robot.json").read_text())
+    assert [link["name"] for link in robot["links"]] == ["l0", "l1", "l2"]
+
+
+def test_a_format_is_a_folder_a_line_an_option_and_its_golden(tree: Tree) -> None:
+    tree.add("stages/export/toy/__init__.py", '"""A list of the links, and of the files of the URDF."""\n')
+    tree.add(
+        "stages/export/toy/keys.py",
+        '''"""Configuration of the toy writer."""
+
+from stages.robot.keys import Keys, Text
+
+
+class ToyKeys(Keys):
+    """The list."""
+
+    title: Text = "Links"
+    """The first line."""
+
+
+KEYS = ToyKeys
+''',
+    )
+    tree.add(
+        "stages/export/toy/writer.py",
+        '''"""The toy writer."""
+
+from stages.export.writer import Exported, WriterInput
+
+
+class ToyWriter:
+    reads = ("urdf",)
+    modules = ()
+
+    def paths(self, robot):
+        return (f"{robot}.txt",)
+
+    def write(self, given: WriterInput) -> Exported:
+        (path,) = self.paths(given.robot.name)
+        lines = [given.keys.export.toy.title, *(link.name for link in given.robot.links), *given.files]
+        return Exported({path: "\\n".join(lines).encode()})
+
+
+WRITER = ToyWriter()
+''',
+    )
+    tree.add_line("stages/export/__init__.py", '    "mjcf",', '    "toy",')
+    tree.add("conf/export/toy.yaml", "# @package export.toy\ntitle: Links\n")
+    tree.add("tests/config/golden/export.toy.yaml", "export:\n  toy:\n    title: Links\n")
+    tree.check_goldens("export.toy")
+    output = tree.build("source=sample", "export=[toy]", "export.toy.title=Parts")
+    lines = (output / "sample.txt").read_text().split("\n")
+    links = json.loads((output / "robot.json").read_text())["links"]
+    assert lines == ["Parts", *(link["name"] for link in links), "sample.urdf"]
+    assert not list(output.glob("*.urdf"))
+
+
+def test_a_check_is_a_file_and_a_line(tree: Tree) -> None:
+    tree.add(
+        "stages/validate/checks/toy.py",
+        '''"""The robot is light."""
+
+
+def check(compiled):
+    mass = float(compiled.model.body_mass.sum())
+    yield compiled.within("light", mass, 1000.0, "total mass [kg]")
+''',
+    )
+    tree.add_line("stages/validate/__init__.py", '    "keyframes",', '    "toy",')
+    report = json.loads((tree.build("source=sample") / "report.json").read_text())
+    light = [check for check in report["checks"] if check["name"].endswith(": light")]
+    assert [check["name"] for check in light] == [
+        f"{file}: light" for file in ("sample.xml", "scene.xml", "sample.urdf")
+    ]
+    assert all(check["passed"] and 0 < check["value"] < 10 for check in light)
