@@ -105,7 +105,7 @@ KEYS = ToySourceKeys
 from hashlib import sha256
 
 from stages.fetch.source import FetchContext, Fetched, Source
-from stages.robot.bundle import Bundle
+from stages.robot.bundle import FileBundle
 
 LINK = """<link name="l{0}"><inertial><mass value="1"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>"""
@@ -128,7 +128,7 @@ class ToySource(Source):
         text = f"<robot name='toy'>{''.join(links + joints)}</robot>".encode()
         digest = sha256(text).hexdigest()
         root = {"document": "toy", "microversion": "", "element": "", "configuration": ""}
-        return Fetched(Bundle("urdf", "", root, digest, (), {"robot": digest}, {digest: text}))
+        return Fetched(FileBundle("urdf", root, digest, {"robot": digest}, {digest: text}))
 
 
 SOURCE = ToySource
