@@ -11,9 +11,20 @@ from hypothesis import settings
 
 from tests.support.kit import Kit
 
+SURROUNDINGS = (
+    "ONSHAPE_", "LINKWRIGHT_TRUST", "LINKWRIGHT_TRACEBACK", "ROS_", "AMENT_", "SSL_CERT_", "HTTP_PROXY",
+    "HTTPS_PROXY", "ALL_PROXY", "NO_PROXY", "FORCE_COLOR", "NO_COLOR", "CLICOLOR", "COLORTERM", "HYDRA_",
+)  # fmt: skip
+"""What the user's own environment may say, and no test may depend on."""
+
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     # So it is for what a shell starts in the background, and what that starts: Ctrl-C would do nothing.
     signal.signal(signal.SIGINT, signal.default_int_handler)
+
+for name in [name for name in os.environ if name.upper().startswith(SURROUNDINGS)]:
+    del os.environ[name]
+# A terminal of one size, whatever the tests are started from.
+os.environ |= {"COLUMNS": "120", "LINES": "40", "TERM": "xterm-256color"}
 
 settings.register_profile("same", derandomize=True, deadline=None)
 settings.register_profile("explore", max_examples=2000, deadline=None)

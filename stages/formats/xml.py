@@ -121,3 +121,9 @@ _LIMITS = {
     "amplification": "its entities grow beyond any sense",
 }
 """The parser's words for its limits, which name switches of its own, and ours."""
+
+
+def tag(element: Element) -> str:
+    """An element's name, with its prefix where it has one."""
+    name = str(element.tag).rpartition("}")[2]
+    return f"{element.prefix}:{name}" if element.prefix else name

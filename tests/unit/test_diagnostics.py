@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 
-from stages.formats.urdf.elements import HINTS
+from stages.formats.urdf.diagnostics import HINTS
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Mechanism, RelationSpec, RigidBody
 from stages.graph.passes.relation_dofs import dof_relations

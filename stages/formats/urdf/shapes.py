@@ -6,15 +6,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import cast
 
-from stages.formats.urdf.elements import Told, child, number, numbers, pose, tag
+from stages.formats.urdf.diagnostics import FileDiagnostics
+from stages.formats.urdf.elements import child, number, numbers, pose
 from stages.formats.urdf.model import UrdfShape, UrdfShapeKind
-from stages.formats.xml import Element
+from stages.formats.xml import Element, tag
 from stages.robot.geometry import Colour
 
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """A material as one element says it: None and "" where it says nothing."""
+    """A material as one element has it: None and "" where that has none."""
 
     colour: Colour | None
     texture: str
@@ -26,9 +27,9 @@ _NOTHING = Material(None, "")
 class Materials:
     """A robot's materials. One that a visual defines is known by its name in the whole file, as in ROS."""
 
-    def __init__(self, robot: Element, told: Told) -> None:
-        self._told = told
-        self._said: dict[Element, Material] = {}
+    def __init__(self, robot: Element, log: FileDiagnostics) -> None:
+        self._log = log
+        self._own: dict[Element, Material] = {}
         self._named: dict[str, Material] = {}
         self._doubtful: set[str] = set()
         for element in robot.iter("{*}material"):
@@ -37,37 +38,37 @@ class Materials:
 
     def of(self, element: Element | None) -> Material:
         """The material that a visual's <material> means: its own, else the one that it names."""
-        own = _NOTHING if element is None else self._said[element]
+        own = _NOTHING if element is None else self._own[element]
         name = "" if element is None else element.get("name", "")
         if own != _NOTHING or not name:
             return own
         if name not in self._named:
-            self._told.tell("W-URDF-MATERIAL", element, f'there is no material "{name}"')
+            self._log.report("W-URDF-MATERIAL", element, f'there is no material "{name}"')
         if name in self._doubtful:
             self._doubtful.discard(name)
             msg = (
                 f'material "{name}" is defined several times; here, where it is only named, the first counts'
             )
-            self._told.tell("W-URDF-MATERIAL", element, msg)
+            self._log.report("W-URDF-MATERIAL", element, msg)
         return self._named.get(name, own)
 
     def _define(self, element: Element) -> None:
-        told = self._told
-        told.check(element, ("color", "texture"), ("name",))
-        colour, texture = child(element, "color", told), child(element, "texture", told)
+        log = self._log
+        log.check(element, ("color", "texture"), ("name",))
+        colour, texture = child(element, "color", log), child(element, "texture", log)
         material = Material(
             None if colour is None else self._colour(colour),
             "" if texture is None else texture.get("filename", "").strip(),
         )
-        self._said[element] = material
+        self._own[element] = material
         name = element.get("name", "")
         if name and material != _NOTHING and self._named.setdefault(name, material) != material:
             self._doubtful.add(name)
 
     def _colour(self, element: Element) -> Colour | None:
-        self._told.check(element, (), ("rgba",))
+        self._log.check(element, (), ("rgba",))
         text = (element.get("rgba") or "").replace(",", " ").split()
-        found = numbers(element, "rgba", 3 if len(text) == 3 else 4, self._told)
+        found = numbers(element, "rgba", 3 if len(text) == 3 else 4, self._log)
         if found is None:
             return None
         given = (*found, 1.0)[:4]
@@ -76,107 +77,106 @@ class Materials:
             msg = (
                 f'rgba="{" ".join(text)}" is not within 0 and 1, and is taken as ({r:g}, {g:g}, {b:g}, {a:g})'
             )
-            self._told.tell("W-URDF-COLOUR", element, msg)
+            self._log.report("W-URDF-COLOUR", element, msg)
         return r, g, b, a
 
 
-def visuals(link: Element, materials: Materials, told: Told) -> tuple[UrdfShape, ...]:
+def visuals(link: Element, materials: Materials, log: FileDiagnostics) -> tuple[UrdfShape, ...]:
     found = []
     for element in link:
         if tag(element) == "visual":
-            told.check(element, ("origin", "geometry", "material"), ("name",))
-            material = materials.of(child(element, "material", told))
+            log.check(element, ("origin", "geometry", "material"), ("name",))
+            material = materials.of(child(element, "material", log))
             found += [
-                replace(one, colour=material.colour, texture=material.texture)
-                for one in _shape(element, told)
+                replace(one, colour=material.colour, texture=material.texture) for one in _shape(element, log)
             ]
     return tuple(found)
 
 
-def collisions(link: Element, told: Told) -> tuple[UrdfShape, ...]:
+def collisions(link: Element, log: FileDiagnostics) -> tuple[UrdfShape, ...]:
     found = []
     for element in link:
         if tag(element) == "collision":
             # Some exporters give collisions a material, which has no meaning there.
-            told.check(element, ("origin", "geometry", "material"), ("name",))
-            found += _shape(element, told)
+            log.check(element, ("origin", "geometry", "material"), ("name",))
+            found += _shape(element, log)
     return tuple(found)
 
 
-def _shape(element: Element, told: Told) -> list[UrdfShape]:
-    """The shape of a visual or a collision; none where it is left out, which is told."""
-    geometry = child(element, "geometry", told)
-    place = pose(element, told)
+def _shape(element: Element, log: FileDiagnostics) -> list[UrdfShape]:
+    """The shape of a visual or a collision; none where it is left out (W-URDF-SHAPE)."""
+    geometry = child(element, "geometry", log)
+    place = pose(element, log)
     known = (
         [one for one in geometry if tag(one) in _SIZES or tag(one) == "mesh"] if geometry is not None else []
     )
     if geometry is not None:
-        told.check(geometry, (*_SIZES, "mesh"), ())
+        log.check(geometry, (*_SIZES, "mesh"), ())
     if not known:
-        told.tell("W-URDF-SHAPE", element, f"<{tag(element)}> has no shape that is known, and is left out")
+        log.report("W-URDF-SHAPE", element, f"<{tag(element)}> has no known shape: left out")
         return []
     if len(known) > 1:
-        told.tell("W-URDF-TWICE", known[1], "<geometry> has several shapes; the first counts")
+        log.report("W-URDF-TWICE", known[1], "<geometry> has several shapes; the first counts")
     shape = known[0]
     kind = cast(UrdfShapeKind, tag(shape))
     size: tuple[float, ...] | None
     if kind == "mesh":
         size = ()
-        filename, scale = _mesh(shape, told)
+        filename, scale = _mesh(shape, log)
         if not filename:
             return []
     else:
-        size, filename, scale = _SIZES[kind](shape, told), "", (1.0, 1.0, 1.0)
+        size, filename, scale = _SIZES[kind](shape, log), "", (1.0, 1.0, 1.0)
     if size is None:
         return []
     if 0.0 in size:
-        told.tell("W-URDF-SHAPE", shape, f"<{kind}> has no extent, and is left out")
+        log.report("W-URDF-SHAPE", shape, f"<{kind}> has no extent: left out")
         return []
     return [UrdfShape(kind, size, filename, scale, place, None, "", element.get("name", ""))]
 
 
-def _mesh(element: Element, told: Told) -> tuple[str, tuple[float, float, float]]:
-    told.check(element, (), ("filename", "scale"))
+def _mesh(element: Element, log: FileDiagnostics) -> tuple[str, tuple[float, float, float]]:
+    log.check(element, (), ("filename", "scale"))
     filename = element.get("filename", "").strip()
     if not filename:
-        told.tell("E-URDF-MESH", element, 'a <mesh> needs filename="…"')
+        log.report("E-URDF-MESH", element, 'a <mesh> needs filename="…"')
     several = len((element.get("scale") or "").replace(",", " ").split()) != 1
-    found = numbers(element, "scale", 3 if several else 1, told) or (1.0,)
+    found = numbers(element, "scale", 3 if several else 1, log) or (1.0,)
     x, y, z = found if len(found) == 3 else found * 3
     if 0.0 in (x, y, z):
-        told.tell("E-URDF-NUMBER", element, f'<mesh scale="{x:g} {y:g} {z:g}">: a mesh cannot be scaled by 0')
+        log.report("E-URDF-NUMBER", element, f'<mesh scale="{x:g} {y:g} {z:g}">: no scale may be 0')
         return "", (1.0, 1.0, 1.0)
     return filename, (x, y, z)
 
 
-def _box(element: Element, told: Told) -> tuple[float, ...] | None:
-    told.check(element, (), ("size",))
-    return _extents(element, told, numbers(element, "size", 3, told), "size")
+def _box(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
+    log.check(element, (), ("size",))
+    return _extents(element, log, numbers(element, "size", 3, log), "size")
 
 
-def _ball(element: Element, told: Told) -> tuple[float, ...] | None:
-    told.check(element, (), ("radius",))
-    return _extents(element, told, numbers(element, "radius", 1, told), "radius")
+def _ball(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
+    log.check(element, (), ("radius",))
+    return _extents(element, log, numbers(element, "radius", 1, log), "radius")
 
 
-def _round(element: Element, told: Told) -> tuple[float, ...] | None:
-    told.check(element, (), ("radius", "length"))
-    radius, length = number(element, "radius", told), number(element, "length", told)
+def _round(element: Element, log: FileDiagnostics) -> tuple[float, ...] | None:
+    log.check(element, (), ("radius", "length"))
+    radius, length = number(element, "radius", log), number(element, "length", log)
     both = None if radius is None or length is None else (radius, length)
-    return _extents(element, told, both, "radius and length")
+    return _extents(element, log, both, "radius and length")
 
 
 def _extents(
-    element: Element, told: Told, found: tuple[float, ...] | None, what: str
+    element: Element, log: FileDiagnostics, found: tuple[float, ...] | None, what: str
 ) -> tuple[float, ...] | None:
-    """A shape's size; None where it lacks or is negative, which is told."""
+    """A shape's size; None where it is missing or negative (E-URDF-SHAPE)."""
     if found is None or min(found) < 0:
-        told.tell("E-URDF-SHAPE", element, f"<{tag(element)}> needs a {what} that is not negative")
+        log.report("E-URDF-SHAPE", element, f"<{tag(element)}> needs a {what} that is not negative")
         return None
     return found
 
 
-_SIZES: Mapping[str, Callable[[Element, Told], tuple[float, ...] | None]] = {
+_SIZES: Mapping[str, Callable[[Element, FileDiagnostics], tuple[float, ...] | None]] = {
     "box": _box,
     "sphere": _ball,
     "cylinder": _round,

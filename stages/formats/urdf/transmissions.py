@@ -3,12 +3,13 @@
 from collections.abc import Mapping
 
 from stages.formats import xml
-from stages.formats.urdf.elements import Told, number, tag
+from stages.formats.urdf.diagnostics import FileDiagnostics
+from stages.formats.urdf.elements import number
 from stages.formats.urdf.model import Transmission
-from stages.formats.xml import Element
+from stages.formats.xml import Element, tag
 
 
-def transmissions(element: Element, told: Told) -> list[Transmission]:
+def transmissions(element: Element, log: FileDiagnostics) -> list[Transmission]:
     """A <transmission>: one for each of its joints.
 
     The older style has the type in an attribute and the reduction beside the joint, the newer both in
@@ -21,12 +22,12 @@ def transmissions(element: Element, told: Told) -> list[Transmission]:
     for index, joint in enumerate(one for one in element if tag(one) == "joint"):
         actuator = actuators[min(index, len(actuators) - 1)] if actuators else element
         interfaces = _interfaces(joint) or _interfaces(actuator)
-        reduction = _reduction((joint, actuator, element), told)
+        reduction = _reduction((joint, actuator, element), log)
         found.append(Transmission(name, joint.get("name", ""), kind, reduction, interfaces))
     return found
 
 
-def controlled(element: Element, told: Told) -> list[Transmission]:
+def controlled(element: Element, log: FileDiagnostics) -> list[Transmission]:
     """A <ros2_control>: its joints that take commands, and its transmissions."""
     hardware = next((one for one in element if tag(one) == "hardware"), None)
     plugin = "" if hardware is None else _text(hardware, "plugin")
@@ -38,20 +39,20 @@ def controlled(element: Element, told: Told) -> list[Transmission]:
                 name = element.get("name", "")
                 found.append(Transmission(name, one.get("name", ""), plugin, 1.0, tuple(commands)))
         elif tag(one) == "transmission":
-            found += transmissions(one, told)
+            found += transmissions(one, log)
     return found
 
 
-def rotors(element: Element, told: Told) -> dict[str, float]:
-    """The inertia of each joint's rotor as the joint feels it [kg m² or kg], where a <transmission> tells it
+def rotors(element: Element, log: FileDiagnostics) -> dict[str, float]:
+    """The inertia of each joint's rotor as the joint feels it [kg m² or kg], where a <transmission> has it
     as Drake does: that of the rotor times the square of the gear's ratio."""
     joints = [one.get("name", "") for one in element if tag(one) == "joint"]
     actuators = [one for one in element if tag(one) == "actuator"]
     found = {}
     for joint, actuator in zip(joints, actuators, strict=False):
-        said = {tag(one).removeprefix("drake:"): one for one in actuator}
-        inertia = number(said["rotor_inertia"], "value", told) if "rotor_inertia" in said else None
-        ratio = number(said["gear_ratio"], "value", told) if "gear_ratio" in said else None
+        parts = {tag(one).removeprefix("drake:"): one for one in actuator}
+        inertia = number(parts["rotor_inertia"], "value", log) if "rotor_inertia" in parts else None
+        ratio = number(parts["gear_ratio"], "value", log) if "gear_ratio" in parts else None
         if inertia is not None:
             found[joint] = inertia * (1.0 if ratio is None else ratio) ** 2
     return found
@@ -92,11 +93,11 @@ def _interfaces(element: Element) -> tuple[str, ...]:
     return tuple((one.text or "").strip() for one in element if tag(one) == "hardwareInterface")
 
 
-def _reduction(places: tuple[Element, ...], told: Told) -> float:
+def _reduction(places: tuple[Element, ...], log: FileDiagnostics) -> float:
     """The reduction in the first of these elements that has one; 1 without any."""
     for place in places:
         for one in place:
             if tag(one) in ("mechanicalReduction", "mechanical_reduction"):
                 one.set("value", (one.text or "").strip())
-                return number(one, "value", told) or 1.0
+                return number(one, "value", log) or 1.0
     return 1.0

@@ -1,0 +1,117 @@
+"""What is wrong with a URDF, by the lines of the file, and what of it is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from stages.formats.xml import Element, tag
+from stages.robot.errors import Diagnostic
+
+_MOST_SHOWN = 50
+
+HINTS = {
+    "E-URDF-AXIS": "give the axis a direction, as in 0 0 1",
+    "E-URDF-EMPTY": "check that source.path names the robot's own file, not a part of it",
+    "E-URDF-JOINT": "name the two links that it joins",
+    "E-URDF-LIMIT": "swap the two, or correct the wrong one",
+    "E-URDF-MESH": "name the mesh's file, or take the shape out",
+    "E-URDF-MIMIC": "name the joint that it follows, or take the <mimic> out",
+    "E-URDF-MORE": "correct these first",
+    "E-URDF-NAME": "give it a name of its own",
+    "E-URDF-NUMBER": "correct the number in the file",
+    "E-URDF-SHAPE": "give the shape its size in metres, or take it out",
+    "W-URDF-COLOUR": "give red, green, blue and alpha from 0 to 1",
+    "W-URDF-INERTIAL": "complete it, or take the <inertial> out",
+    "W-URDF-MATERIAL": "define each material once, with a name of its own",
+    "W-URDF-SHAPE": "give it a box, cylinder, sphere, capsule or mesh with an extent, or take it out",
+    "W-URDF-TWICE": "take out the others",
+}
+"""What to do about a diagnostic, by code, where it has no hint of its own."""
+
+
+class FileDiagnostics:
+    """Diagnostics of one file, which `where` names, gathered by line."""
+
+    def __init__(self, where: str) -> None:
+        self._where = where
+        self._errors: list[tuple[int, Diagnostic]] = []
+        self._others: list[tuple[int, Diagnostic]] = []
+        self._more = 0
+        self._left: dict[str, int] = {}
+        self._unknown: dict[str, list[int]] = {}
+
+    def report(self, code: str, element: Element | int, message: str, hint: str = "") -> None:
+        """Adds one diagnostic about an element, or about a line."""
+        line = element if isinstance(element, int) else element.sourceline
+        found = self._errors if code.startswith("E-") else self._others
+        if len(found) < _MOST_SHOWN:
+            found.append((line, Diagnostic(code, message, self._place(line), hint or HINTS.get(code, ""))))
+        elif found is self._errors:
+            self._more += 1
+
+    def _place(self, line: int) -> str:
+        return f"{self._where}, line {line}"
+
+    def leave_out(self, what: str) -> None:
+        """Counts something that a URDF may have and a robot does not need."""
+        self._left[what] = self._left.get(what, 0) + 1
+
+    def leave_out_unknown(self, what: str, element: Element) -> None:
+        """Counts something that no URDF has."""
+        self._unknown.setdefault(what, []).append(element.sourceline)
+
+    def check(self, element: Element, children: Iterable[str], attributes: Iterable[str] = ()) -> None:
+        """Counts what an element has besides these children and attributes."""
+        for child in element:
+            name = tag(child)
+            if name in _LEFT:
+                self.leave_out(f"<{name}>")
+            elif name not in children:
+                self.leave_out_unknown(f"<{name}> in <{tag(element)}>", child)
+        for name in element.attrib:
+            if (tag(element), name) in _LEFT_ATTRIBUTES or name.startswith("{") or ":" in name:
+                self.leave_out(f"{name.rpartition('}')[2]} of <{tag(element)}>")
+            elif name not in attributes:
+                self.leave_out_unknown(f'{name}="" of <{tag(element)}>', element)
+
+    def collected(self) -> tuple[Diagnostic, ...]:
+        """All diagnostics, at most fifty of each level: errors first, then the others, each by line; what
+        was left out last."""
+        errors, others = (_by_line(found) for found in (self._errors, self._others))
+        if self._more:
+            text = f"and {self._more} more errors"
+            errors.append(Diagnostic("E-URDF-MORE", text, self._where, HINTS["E-URDF-MORE"]))
+        return (*errors, *others, *self._left_out())
+
+    def _left_out(self) -> list[Diagnostic]:
+        found = []
+        for what, lines in list(self._unknown.items())[:_MOST_SHOWN]:
+            times = f", and {len(lines) - 1} more" if len(lines) > 1 else ""
+            msg = f"unknown {what}: left out{times}"
+            hint = "check its spelling against the URDF reference"
+            found.append(Diagnostic("W-URDF-UNKNOWN", msg, self._place(lines[0]), hint))
+        if self._left:
+            names = ", ".join(f"{name} ({count})" for name, count in sorted(self._left.items()))
+            msg = f"left out, since they do not describe links or joints: {names}"
+            found.append(Diagnostic("I-URDF-LEFT", msg, self._where))
+        return found
+
+
+def _by_line(found: list[tuple[int, Diagnostic]]) -> list[Diagnostic]:
+    return [one for _, one in sorted(found, key=lambda pair: pair[0])]
+
+
+_LEFT = frozenset(
+    ("gazebo", "contact", "sensor", "safety_controller", "calibration", "self_collision_checking", "verbose")
+)
+"""Elements that a URDF may have in many places, and that do not describe links or joints."""
+
+
+_LEFT_ATTRIBUTES = frozenset(
+    (
+        *(("visual", "name"), ("visual", "group"), ("collision", "name"), ("collision", "group")),
+        *(("limit", "acceleration"), ("limit", "deceleration"), ("limit", "jerk")),
+        *(("link", "type"), ("joint", "dont_collapse")),
+    )
+)
+"""Attributes that a URDF may have, by their elements, and that the robot model does not hold."""
