@@ -1,10 +1,10 @@
-"""The assembly as drawn: every occurrence at any depth, and every feature in each place it acts.
+"""The assembly as drawn: every occurrence at any depth, and every feature in each place where it acts.
 
-One sub-assembly's features act once for every occurrence of
-that sub-assembly, so what identifies a feature is its owner's occurrence path and its id.
+The features of a sub-assembly act once for each of its occurrences, so a feature is identified by the
+occurrence path of its owner and its id.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -112,7 +112,7 @@ class Connector:
         return "/".join((*self.names, self.name))
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Assembly:
     """Everything that is not suppressed. `occurrences` has the root's absent: its path is ().
 
@@ -120,15 +120,15 @@ class Assembly:
     """
 
     root: Record
-    occurrences: dict[Path, Occurrence] = field(default_factory=dict)
-    mates: list[Mate] = field(default_factory=list)
-    relations: list[MateRelation] = field(default_factory=list)
-    groups: list[MateGroup] = field(default_factory=list)
-    connectors: list[Connector] = field(default_factory=list)
-    patterns: list[Pattern] = field(default_factory=list)
+    occurrences: Mapping[Path, Occurrence] = field(default_factory=dict)
+    mates: Sequence[Mate] = ()
+    relations: Sequence[MateRelation] = ()
+    groups: Sequence[MateGroup] = ()
+    connectors: Sequence[Connector] = ()
+    patterns: Sequence[Pattern] = ()
     stiff: frozenset[Path] = frozenset()
-    body_types: dict[tuple[StudioKey, str], str] = field(default_factory=dict)
-    diagnostics: list[Diagnostic] = field(default_factory=list)
+    body_types: Mapping[tuple[StudioKey, str], str] = field(default_factory=dict)
+    diagnostics: Sequence[Diagnostic] = ()
 
     @property
     def parts(self) -> list[Occurrence]:
@@ -151,8 +151,8 @@ def check_parts(assembly: Assembly, hint: str) -> None:
         raise AssemblyError(msg, where=assembly.root.get("elementId", ""), hint=hint)
 
 
-def leave_out_empty(assembly: Assembly) -> None:
-    """Forgets sub-assemblies without any part: they are as absent as what is suppressed."""
-    used = {part.path[:depth] for part in assembly.parts for depth in range(1, len(part.path) + 1)}
-    for path in set(assembly.occurrences) - used:
-        del assembly.occurrences[path]
+def without_empty(occurrences: Mapping[Path, Occurrence]) -> dict[Path, Occurrence]:
+    """Occurrences without the sub-assemblies that have no part: they are as absent as what is suppressed."""
+    parts = [path for path, one in occurrences.items() if one.is_part]
+    used = {path[:depth] for path in parts for depth in range(1, len(path) + 1)}
+    return {path: one for path, one in occurrences.items() if path in used}

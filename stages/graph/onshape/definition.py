@@ -1,7 +1,7 @@
 """Reads Onshape's assembly definition into an `Assembly`, tolerant of keys that it does not know."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import astuple
+from dataclasses import astuple, dataclass, field, replace
 
 import numpy as np
 import orjson
@@ -18,13 +18,27 @@ from stages.graph.onshape.assembly import (
     Pattern,
     Record,
     check_parts,
-    leave_out_empty,
+    without_empty,
 )
 from stages.graph.onshape.mates import JOINT_TYPES
 from stages.graph.onshape.reply_fields import check_rigid, number, numbers, path_of, shape_of, text
 from stages.robot.bundle import StudioKey
-from stages.robot.errors import Diagnostic, ProtocolError
+from stages.robot.diagnostics import Diagnostics
+from stages.robot.errors import ProtocolError
 from stages.robot.model import Array, MateRef, frozen
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Found:
+    """What has been read so far."""
+
+    occurrences: dict[Path, Occurrence] = field(default_factory=dict)
+    mates: list[Mate] = field(default_factory=list)
+    relations: list[MateRelation] = field(default_factory=list)
+    groups: list[MateGroup] = field(default_factory=list)
+    connectors: list[Connector] = field(default_factory=list)
+    patterns: list[Pattern] = field(default_factory=list)
+    log: Diagnostics = field(default_factory=Diagnostics)
 
 
 def read_assembly(body: bytes) -> Assembly:
@@ -33,14 +47,16 @@ def read_assembly(body: bytes) -> Assembly:
         definition = orjson.loads(body)
         root = definition["rootAssembly"]
         subs = {StudioKey.of(sub): sub for sub in definition.get("subAssemblies") or ()}
-        assembly = Assembly(root)
-        for part in definition.get("parts") or ():
-            assembly.body_types[StudioKey.of(part), part.get("partId", "")] = part.get("bodyType", "solid")
+        body_types = {
+            (StudioKey.of(part), part.get("partId", "")): part.get("bodyType", "solid")
+            for part in definition.get("parts") or ()
+        }
         placed = {path_of(o["path"]): o for o in root.get("occurrences") or ()}
+        drawn = _Found()
         owners: list[tuple[Path, tuple[str, ...], Record]] = [((), (), root)]
         for path, names, record in owners:
-            owners.extend(_expand(assembly, path, names, record, placed, subs))
-    leave_out_empty(assembly)
+            owners.extend(_expand(drawn, path, names, record, placed, subs))
+    found = replace(drawn, occurrences=without_empty(drawn.occurrences))
     # Features need every occurrence to be known: a mate of one assembly may reach into another.
     for path, names, record in owners:
         with shape_of("list of features", "/".join(names)):
@@ -48,22 +64,33 @@ def read_assembly(body: bytes) -> Assembly:
             _check_ids(features)
         for feature in features:
             with shape_of("feature", "/".join((*names, feature["id"]))):
-                _read_feature(assembly, path, names, feature)
+                _read_feature(found, path, names, feature)
         with shape_of("pattern", "/".join(names)):
-            assembly.patterns.extend(_read_patterns(path, names, record))
+            found.patterns.extend(_read_patterns(path, names, record))
+    assembly = Assembly(
+        root=root,
+        occurrences=found.occurrences,
+        mates=found.mates,
+        relations=found.relations,
+        groups=found.groups,
+        connectors=found.connectors,
+        patterns=found.patterns,
+        body_types=body_types,
+        diagnostics=(*found.log.problems, *found.log.found),
+    )
     check_parts(assembly, "insert at least one part, or unsuppress what is there")
     return assembly
 
 
 def _expand(
-    assembly: Assembly,
+    found: _Found,
     path: Path,
     names: tuple[str, ...],
     record: Record,
     placed: Mapping[Path, Record],
     subs: Mapping[StudioKey, Record],
 ) -> Iterator[tuple[Path, tuple[str, ...], Record]]:
-    """Files the instances of one assembly; yields the sub-assemblies among them."""
+    """Reads the instances of one assembly; yields the sub-assemblies among them."""
     for instance in record.get("instances") or ():
         if instance.get("suppressed"):
             continue
@@ -71,16 +98,16 @@ def _expand(
         title = "/".join(child_names)
         if instance.get("type") not in ("Part", "Assembly"):
             kind = instance.get("type") or "without a type"
-            what = f"instance is {kind}: neither part nor assembly, left out"
+            what = f"the instance is {kind}, neither a part nor an assembly: left out"
             hint = "suppress it, or put a part or an assembly in its place"
-            assembly.diagnostics.append(Diagnostic("W-INSTANCE", what, title, hint))
+            found.log.report("W-INSTANCE", what, title, hint)
             continue
         with shape_of("instance", title):
             occurrence = _occurrence(child, child_names, instance, placed)
-            if child in assembly.occurrences:
+            if child in found.occurrences:
                 msg = f"another instance has its id, {child[-1]!r}, too"
                 raise ValueError(msg)
-            assembly.occurrences[child] = occurrence
+            found.occurrences[child] = occurrence
         if instance["type"] == "Assembly":
             sub = subs.get(StudioKey.of(instance))
             if sub is None:
@@ -108,7 +135,7 @@ def _occurrence(
 
 
 def _check_ids(features: Sequence[Record]) -> None:
-    """ValueError or TypeError unless each feature has an id of its own: by it they are told apart."""
+    """ValueError or TypeError unless each feature has an id of its own: ids tell features apart."""
     seen: set[str] = set()
     for ident in (text(feature["id"]) for feature in features):
         if ident in seen:
@@ -117,14 +144,14 @@ def _check_ids(features: Sequence[Record]) -> None:
         seen.add(ident)
 
 
-def _read_feature(assembly: Assembly, owner: Path, names: tuple[str, ...], feature: Record) -> None:
+def _read_feature(found: _Found, owner: Path, names: tuple[str, ...], feature: Record) -> None:
     data, kind = feature.get("featureData") or {}, feature.get("featureType")
     name = text(data.get("name") or feature["id"])
     title = "/".join((*names, name))
     if kind == "mate":
-        _read_mate(assembly, owner, title, name, feature, data)
+        _read_mate(found, owner, title, name, feature, data)
     elif kind == "mateRelation":
-        assembly.relations.append(
+        found.relations.append(
             MateRelation(
                 owner,
                 feature["id"],
@@ -141,57 +168,49 @@ def _read_feature(assembly: Assembly, owner: Path, names: tuple[str, ...], featu
         )
     elif kind == "mateGroup":
         members = tuple(owner + path_of(o.get("occurrence")) for o in data.get("occurrences") or ())
-        assembly.groups.append(
-            MateGroup(owner, title, tuple(m for m in members if m in assembly.occurrences))
-        )
+        found.groups.append(MateGroup(owner, title, tuple(m for m in members if m in found.occurrences)))
     elif kind == "mateConnector":
         path = owner + path_of(data.get("occurrence"))
-        if path and path not in assembly.occurrences:
+        if path and path not in found.occurrences:
             return  # on a suppressed instance: as absent as the instance itself
         frame = _frame(data["mateConnectorCS"])
-        assembly.connectors.append(Connector(owner, feature["id"], name, names, Entity(path, frame)))
+        found.connectors.append(Connector(owner, feature["id"], name, names, Entity(path, frame)))
     else:
-        assembly.diagnostics.append(
-            Diagnostic(
-                "W-FEATURE",
-                f"a feature of type {kind} is not modelled: the robot moves as if it were not there",
-                title,
-                "replace it by a mate, or suppress it",
-            )
+        found.log.report(
+            "W-FEATURE",
+            f"a feature of type {kind} is not supported: the robot moves as if it were not there",
+            title,
+            "replace it by a mate, or suppress it",
         )
 
 
-def _read_mate(assembly: Assembly, owner: Path, title: str, name: str, feature: Record, data: Record) -> None:
+def _read_mate(found: _Found, owner: Path, title: str, name: str, feature: Record, data: Record) -> None:
     entities = tuple(
         Entity(owner + path_of(e.get("matedOccurrence")), _frame(e["matedCS"]))
         for e in data["matedEntities"] or ()
     )
-    alive = len(entities) == 2 and all(not e.path or e.path in assembly.occurrences for e in entities)
+    alive = len(entities) == 2 and all(not e.path or e.path in found.occurrences for e in entities)
     if not alive:
-        assembly.diagnostics.append(
-            Diagnostic(
-                "W-MATE-BROKEN",
-                "the mate lacks one of its two sides (deleted or suppressed) and is left out",
-                title,
-                "repair or delete the mate in Onshape",
-            )
+        found.log.report(
+            "W-MATE-BROKEN",
+            "the mate lacks one of its two sides (deleted or suppressed): left out",
+            title,
+            "repair or delete the mate in Onshape",
         )
         return
     ref = MateRef(owner, feature["id"], name, text(data.get("mateType", "UNKNOWN")))
     if ref.type not in JOINT_TYPES:
-        assembly.diagnostics.append(
-            Diagnostic(
-                "E-MATE-TYPE",
-                f"a mate of the type {ref.type} is not known: whether it holds anything neither",
-                title,
-                f"suppress it, or use one of {', '.join(JOINT_TYPES)}",
-            )
+        found.log.report(
+            "E-MATE-TYPE",
+            f"unknown mate type {ref.type}: what it holds is unknown, too",
+            title,
+            f"suppress it, or use one of {', '.join(JOINT_TYPES)}",
         )
         return
     limits = data.get("mateLimits")
     if limits is not None:
         limits = {key: number(value) for key, value in limits.items() if value is not None}
-    assembly.mates.append(Mate(ref, title, entities, limits))
+    found.mates.append(Mate(ref, title, entities, limits))
 
 
 def _read_patterns(owner: Path, names: tuple[str, ...], record: Record) -> Iterator[Pattern]:

@@ -1,12 +1,13 @@
-"""Without what is hidden in CAD: as if it were suppressed."""
+"""The key `hidden`: instances that are hidden in CAD are left out as if they were suppressed."""
 
 from dataclasses import replace
 
-from stages.graph.onshape.assembly import Assembly, Path, check_parts, leave_out_empty
+from stages.graph.onshape.assembly import Assembly, Path, check_parts, without_empty
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.plural import count
 
-TOLD = 10
-"""So many hidden instances are told by name."""
+SHOWN = 10
+"""So many hidden instances are listed by name."""
 
 
 def without_hidden(assembly: Assembly, log: Diagnostics) -> Assembly:
@@ -22,24 +23,27 @@ def without_hidden(assembly: Assembly, log: Diagnostics) -> Assembly:
     def stays(path: Path) -> bool:
         return not any(path[:depth] in gone for depth in range(1, len(path) + 1))
 
-    left = replace(assembly, occurrences={p: o for p, o in assembly.occurrences.items() if stays(p)})
-    leave_out_empty(left)
-    present = {(), *left.occurrences}
-    left.mates = [mate for mate in assembly.mates if all(entity.path in present for entity in mate.entities)]
-    left.relations = [relation for relation in assembly.relations if relation.owner in present]
-    left.groups = [
-        replace(group, members=tuple(member for member in group.members if member in present))
-        for group in assembly.groups
-    ]
-    left.connectors = [connector for connector in assembly.connectors if connector.entity.path in present]
-    left.patterns = [pattern for pattern in assembly.patterns if pattern.owner in present]
+    occurrences = without_empty({p: o for p, o in assembly.occurrences.items() if stays(p)})
+    present = {(), *occurrences}
+    left = replace(
+        assembly,
+        occurrences=occurrences,
+        mates=[mate for mate in assembly.mates if all(side.path in present for side in mate.entities)],
+        relations=[relation for relation in assembly.relations if relation.owner in present],
+        groups=[
+            replace(group, members=tuple(member for member in group.members if member in present))
+            for group in assembly.groups
+        ],
+        connectors=[one for one in assembly.connectors if one.entity.path in present],
+        patterns=[pattern for pattern in assembly.patterns if pattern.owner in present],
+    )
     check_parts(left, "show a part of it, or say hidden: keep")
     titles = [o.title for o in hidden if stays(o.path[:-1])]
-    more = [f"{len(titles) - TOLD} more"] if len(titles) > TOLD else []
+    more = [f"{len(titles) - SHOWN} more"] if len(titles) > SHOWN else []
     mates = len(assembly.mates) - len(left.mates)
     log.report(
         "I-HIDDEN",
-        f"{len(titles)} hidden instance(s) left out, and {mates} mate(s) on them (hidden: drop): "
-        + ", ".join(titles[:TOLD] + more),
+        f"{count(len(titles), 'hidden instance')} left out, and {count(mates, 'mate')} on them "
+        "(hidden: drop): " + ", ".join(titles[:SHOWN] + more),
     )
     return left

@@ -32,9 +32,9 @@ _UNTOUCHED = re.compile(r"\s*(0+(\.0*)?\s*\*?\s*([^\W\d_]+|[°'\"])?)?\s*")
 
 @dataclass(frozen=True, slots=True)
 class Remarks:
-    """What there is to say of a mate's limits. `unknown`: why they are not known, or not exactly; "" if
-    they are. `doubts`: what contradicts itself, and how it was read. `open`: which sides are open where
-    the other one was typed."""
+    """Remarks on a mate's limits. `unknown`: why they are unknown, or not known exactly; "" if they are
+    known. `doubts`: what contradicts itself, and how it was read. `open`: sides that are open where the
+    other one was typed."""
 
     unknown: str = ""
     doubts: tuple[str, ...] = ()
@@ -50,21 +50,21 @@ class _Owner:
     scope: Scope
 
 
-def resolve_limits(assembly: Assembly, bundle: OnshapeBundle) -> dict[MateKey, Remarks]:
-    """Gives every mate that moves its limits, in the shape of `mateLimits`: in place.
-
-    Returns what there is to say of them, by (owner path, feature id).
-    """
+def with_limits(assembly: Assembly, bundle: OnshapeBundle) -> tuple[Assembly, dict[MateKey, Remarks]]:
+    """The assembly with the limits of every mate that moves, in the shape of `mateLimits`; and remarks on
+    them by (owner path, feature id)."""
     remarks: dict[MateKey, Remarks] = {}
     replies = {features.key: features for features in bundle.features}
     owners: dict[tuple[StudioKey, str], _Owner] = {}
-    for index, mate in enumerate(assembly.mates):
+    mates = []
+    for mate in assembly.mates:
+        mates.append(mate)
         if mate.limits is not None or mate.ref.type == "FASTENED":
             continue
         record = assembly.occurrences[mate.ref.owner].record if mate.ref.owner else assembly.root
         key = StudioKey.of(record)
         if key not in replies:
-            why = "the server told no limits, and the list of features is not there"
+            why = "the reply has no limits, and the list of features is missing"
             remarks[_key(mate)] = Remarks(why)
             continue
         settings = record.get("fullConfiguration") or key.configuration
@@ -72,11 +72,11 @@ def resolve_limits(assembly: Assembly, bundle: OnshapeBundle) -> dict[MateKey, R
             owner = owners.get((key, settings))
             if owner is None:
                 owner = owners[key, settings] = _read(bundle, replies[key], settings)
-            limits, said = _limits(mate, owner)
-        assembly.mates[index] = replace(mate, limits=limits)
-        if said != Remarks():
-            remarks[_key(mate)] = said
-    return remarks
+            limits, found = _limits(mate, owner)
+        mates[-1] = replace(mate, limits=limits)
+        if found != Remarks():
+            remarks[_key(mate)] = found
+    return replace(assembly, mates=mates), remarks
 
 
 def _key(mate: Mate) -> MateKey:

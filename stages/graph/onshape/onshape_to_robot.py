@@ -284,4 +284,4 @@ def _held_at_the_root(
         titles = listed(one.title for one in held.values())
         what = f"fixed in CAD, but not in the root link, so nothing holds them there: {titles}"
         log.report("W-PEER-FIXED", what, "conventions", "choose the root yourself (root.select) or fix it")
-    return replace(assembly, occurrences=assembly.occurrences | held)
+    return replace(assembly, occurrences={**assembly.occurrences, **held})

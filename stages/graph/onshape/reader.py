@@ -12,7 +12,7 @@ from stages.graph.onshape.assembly import Assembly, Mate, Path
 from stages.graph.onshape.bodies import Bodies, find_bodies
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.hidden import without_hidden
-from stages.graph.onshape.limits import Remarks, resolve_limits
+from stages.graph.onshape.limits import Remarks, with_limits
 from stages.graph.onshape.mates import JOINT_TYPES, dofs_of, right_handed
 from stages.graph.onshape.naming import AssemblyNames, is_link_name, name_everything
 from stages.graph.onshape.onshape_to_robot import translated
@@ -39,7 +39,7 @@ def read_mechanism(bundle: OnshapeBundle, keys: GraphKeys, log: Diagnostics) -> 
     log.add(assembly.diagnostics)
     if keys.hidden == "drop":
         assembly = without_hidden(assembly, log)
-    remarks = resolve_limits(assembly, bundle)
+    assembly, remarks = with_limits(assembly, bundle)
     if keys.conventions == "onshape_to_robot":
         assembly, keys = translated(assembly, keys, log)
     assembly = with_copies(assembly, keys.mirror, keys.depth, log)

@@ -282,8 +282,8 @@ def test_hidden_instances_go_with_all_below_and_all_that_names_them(nested: Kit)
     assert {relation.owner[0] for relation in assembly.relations} == {nested.root.instances[2].id}
     (one,) = log.found
     assert one.code == "I-HIDDEN"
-    assert "2 hidden instance(s)" in one.message
-    assert "4 mate(s)" in one.message
+    assert "2 hidden instances" in one.message
+    assert "4 mates" in one.message
     assert "Bolt <1>" in one.message
     assert "Fore arm <1>" in one.message
 

@@ -11,7 +11,7 @@ from stages.fetch.onshape.gather import gather
 from stages.fetch.onshape.recorded import Recorded
 from stages.graph import build_robot
 from stages.graph.onshape.assembly import Assembly, Mate
-from stages.graph.onshape.limits import resolve_limits
+from stages.graph.onshape.limits import with_limits
 from stages.robot.bundle import Features, OnshapeBundle, StudioKey
 from stages.robot.model import MateRef, Robot
 from tests.fake_onshape.replies import Replies
@@ -147,7 +147,7 @@ def test_without_a_list_every_joint_of_it_is_told() -> None:
     masses = {request: body for request, body in replies.items() if "massproperties" in request}
     robot = build_robot(recorded(definition, masses), plan_of())
     assert told(robot).keys() == {"turn", "push", "curl"}
-    assert all("the list of features is not there" in message for message in told(robot).values())
+    assert all("the list of features is missing" in message for message in told(robot).values())
 
 
 @pytest.mark.parametrize(
@@ -248,9 +248,8 @@ def resolved(kind: str, typed: dict[str, str], copies=("",), more=None) -> tuple
         blobs={"list": json.dumps(body).encode()},
         features=(Features(StudioKey.of(root), "list"),),
     )
-    assembly = Assembly(root=root)
-    assembly.mates += [Mate(MateRef((), "f", "Mate", kind, copy), "Mate", (), None) for copy in copies]
-    unknown = resolve_limits(assembly, bundle)
+    mates = [Mate(MateRef((), "f", "Mate", kind, copy), "Mate", (), None) for copy in copies]
+    assembly, unknown = with_limits(Assembly(root=root, mates=mates), bundle)
     return assembly.mates, unknown
 
 
