@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pipeline.config.plan import Plan
     from pipeline.report import Report
 
-HELP = """\
+_HELP = """\
 linkwright: a robot is a YAML file; this builds it.
 
 usage: linkwright [-m] [--config-dir DIR] [group=option ...] [key=value ...]
@@ -31,9 +31,10 @@ usage: linkwright [-m] [--config-dir DIR] [group=option ...] [key=value ...]
   linkwright experiment=wide                    build what ./experiment/wide.yaml makes of a robot
   linkwright -m robot=my_arm root=fixed,free    a sweep: every combination, a folder each
 
-other verbs (linkwright VERB --help tells more):
+other verbs (linkwright VERB --help shows more):
   linkwright bundle NAME out.zip                pack what the build of NAME read, to build it anywhere
   linkwright cache info|gc|verify               the cache: its size and the API calls counted, clean, check
+  linkwright explain CODE|KEY                   what a code of a diagnostic, or a key, means
 
 options:
   -m, --multirun        sweep over values that are separated by commas;
@@ -59,32 +60,31 @@ groups, each a set of presets (group=option):
   actuators, elements
               none
 
-keys (key=value; with their units and defaults in stages/<stage>/keys.py of the package):
-  name  source.url  source.path  source.tessellation.{angle,chord,max_facet_width}
-  source.{offline,refresh,verify,stale,max_calls,max_wait}
-  source.{packages,args,trust,missing_meshes,bad_inertia}
-  root.{select,base,frame,disconnected}  depth.{max,rigid,flexible}  hidden  zero  mirror  conventions
-  names.{links,joints}  joints.<glob>.{limits,effort,velocity,damping,friction,armature}
-  mass.{missing,density}  mass.parts.<glob>.{mass,density,com,inertia}  mass.links.<glob>.{mass,com,inertia}
-  links.<name>.{parent,child,xyz,rpy,mass,com,inertia,geometry,joint}  frames.include
-  frames.add.<name>.{link,xyz,rpy}  loops.{cut,solref}  ground.{kind,size,xyz,rpy,friction}
-  scene.pose.{xyz,rpy}  scene.option.timestep  validate.level
-  vars  cache.mode (use, refresh, bypass)  cache.dir  output (default: outputs/<name>)  overwrite  until
+keys (key=value; linkwright explain KEY shows type, unit, default and an example):
+{keys}
 
 environment:
-  ONSHAPE_ACCESS_KEY, ONSHAPE_SECRET_KEY    credentials, from here or from .env, never from YAML
-  ONSHAPE_AUTH=signature                    sign each request with them, so that the secret is never sent
-  ONSHAPE_ACCESS_TOKEN                      a bearer token, in place of a key
-  LINKWRIGHT_TRUST=FILE                     a robot's file that may say source.trust and plugins
-  LINKWRIGHT_TRACEBACK=1                    show where an error came from
+{environment}
 
 exit status:
   0  built and valid    1  failed    2  wrong configuration, nothing was built    130  interrupted
   3  built, but a check failed, or it is not the newest state (the quota of calls is used up)
 """
 
-VERBS = {"bundle": "pipeline.verbs.bundle", "cache": "pipeline.verbs.cache"}
-"""What else the command does: verb → the module with its `HELP` and its `run(arguments) -> exit status`."""
+VERBS = {
+    "bundle": "pipeline.verbs.bundle",
+    "cache": "pipeline.verbs.cache",
+    "explain": "pipeline.verbs.explain",
+}
+"""Verb → the module with its `HELP` and its `run(arguments) -> exit status`."""
+
+
+def help_text() -> str:
+    """The text of `--help`; its list of keys is generated from the schema."""
+    from pipeline.reference import environment, key_entries
+
+    keys = key_entries.HELP.read_text(encoding="utf-8").rstrip()
+    return _HELP.replace("{keys}", keys).replace("{environment}", environment.text())
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -120,7 +120,7 @@ def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> 
             return _verb(arguments[0], arguments[1:])
         command = parse(arguments)
         if command.show in ("help", "version"):
-            print(HELP.rstrip() if command.show == "help" else f"linkwright {_version()}")
+            print(help_text().rstrip() if command.show == "help" else f"linkwright {_version()}")
             return 0
         if command.show:
             for text in _shown(command):

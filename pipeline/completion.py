@@ -1,17 +1,14 @@
 """Tab completion for bash, zsh and fish: scripts for the shell, and what may follow a command line.
 
-It runs at every press of the key, so it reads names of files and one list of keys, and imports nothing.
+It runs at every press of the key: it reads names of files and the list of keys, and imports nothing heavy.
 """
 
 import importlib.util
-import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-KEYS = Path(__file__).with_name("completion.json")
-"""Every key that can be typed → the values that it may have, where they are words; `*` is any name.
-Made by `python -m tests.config.regenerate`."""
+from pipeline.reference.key_entries import entries, is_any, matching
 
 CONF = Path(__file__).resolve().parents[1] / "conf"
 
@@ -131,6 +128,8 @@ def candidates(word: str, before: Sequence[str], here: Path) -> list[str]:
         return _starting(OPTIONS, word)
     if option == "--package":
         return []
+    if before[:1] == ["explain"]:
+        return _explained(word)
     sign = word[: len(word) - len(word.lstrip("+~"))]
     word = word[len(sign) :]
     folders = [here, *(here / one for one in _config_dirs(before))]
@@ -155,6 +154,12 @@ def _verbs() -> Iterable[str]:
     return VERBS
 
 
+def _explained(word: str) -> list[str]:
+    from pipeline.verbs.explain import names
+
+    return _starting(sorted(set(names())), word)
+
+
 def _config_dirs(words: Sequence[str]) -> Iterator[str]:
     for option, value in zip(words, [*words[1:], ""], strict=False):
         if option in ("--config-dir", "-cd"):
@@ -175,8 +180,8 @@ def _values(key: str, start: str, folders: Sequence[Path]) -> list[str]:
     if key in _groups(folders):
         found = [option for folder in (CONF, *folders) for option in _options(folder / key)]
         found += _launchers() if key == "hydra/launcher" else ()
-    elif key in (known := json.loads(KEYS.read_text(encoding="utf-8"))):
-        found = known[key]
+    else:
+        found = [word for entry in matching(key, entries()) for word in entry.words]
     paths = _files(start, folders[0]) if key in PATHS and (key != "robot" or "/" in start) else []
     return [*_starting(found, start), *paths]
 
@@ -217,12 +222,14 @@ def _keys(word: str) -> list[str]:
     """The keys that begin so, up to the next dot."""
     *typed, last = word.split(".")
     found = set()
-    for key in json.loads(KEYS.read_text(encoding="utf-8")):
-        names = key.split(".")
-        if len(names) <= len(typed) or not all(a in (b, "*") for a, b in zip(names, typed, strict=False)):
+    for entry in entries():
+        names = entry.names
+        if entry.is_section or len(names) <= len(typed):
+            continue
+        if not all(is_any(name) or name == part for name, part in zip(names, typed)):
             continue
         name = names[len(typed)]
-        if name != "*" and name.startswith(last):
+        if not is_any(name) and name.startswith(last):
             end = "=" if len(names) == len(typed) + 1 else "."
             found.add(".".join([*typed, name]) + end)
     return sorted(found)

@@ -7,7 +7,6 @@ from html import escape, unescape
 from pathlib import Path
 from typing import Any
 
-from pipeline.explain import explanations
 from pipeline.markup import (
     file_link,
     folded,
@@ -20,6 +19,7 @@ from pipeline.markup import (
     table,
     text,
 )
+from pipeline.reference.codes import explanations
 from pipeline.report import Report
 from pipeline.secrets import Secrets
 from stages.graph.view.views import PICTURE, TABLES

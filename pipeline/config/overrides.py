@@ -17,8 +17,8 @@ from stages.robot.errors import Diagnostic
 
 CODE = "E-OVERRIDE"
 
-VERBS = ("new", "check", "diff", "view", "bundle", "cache")
-"""Words that the command line will know; said so rather than misread as overrides."""
+VERBS = ("new", "check", "diff", "view", "explain", "bundle", "cache")
+"""Verbs of the command line, also those that are decided but not supported yet: never read as overrides."""
 
 _NAME = r"[A-Za-z_$][\w$-]*"
 _PATH = re.compile(rf"{_NAME}(\.({_NAME}|0|[1-9]\d*))*", re.ASCII)

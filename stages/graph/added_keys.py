@@ -102,10 +102,13 @@ class GeometryKeys(Keys):
         return "capsule", (self.capsule.radius, self.capsule.length)
 
 
+JointType = Literal["fixed", "revolute", "continuous", "prismatic"]
+
+
 class AddedJointKeys(Keys):
     """The joint between an added link and its parent. A type alone may stand for all of it."""
 
-    type: Literal["fixed", "revolute", "continuous", "prismatic"] = "fixed"
+    type: JointType = "fixed"
     """Type of the joint."""
 
     name: Annotated[Text | None, example("payload_joint")] = None
@@ -156,7 +159,9 @@ class AddedLinkKeys(Keys):
     geometry: GeometryKeys | None = None
     """Visual and collision shape."""
 
-    joint: Annotated[AddedJointKeys, BeforeValidator(_type_alone)] = AddedJointKeys()
+    joint: Annotated[
+        AddedJointKeys, BeforeValidator(_type_alone, json_schema_input_type=AddedJointKeys | JointType)
+    ] = AddedJointKeys()
     """The joint between this link and its parent."""
 
     @model_validator(mode="after")

@@ -1,22 +1,18 @@
-"""Golden YAML of every file in `conf`, as the plan reads it: `python -m tests.config.regenerate`.
+"""Golden YAML of every file in `conf`, and the reference of all keys: `python -m tests.config.regenerate`.
 
 An option's golden is its section of the plan, a robot's and `build`'s the whole plan, and that of a
 file for Hydra itself Hydra's own composed section.
 """
 
-import json
 from pathlib import Path
-from typing import Any, get_origin
+from typing import Any
 
 import yaml
 
-from pipeline.completion import KEYS
 from pipeline.config.compose import HYDRA, compose_plan
-from pipeline.config.plan import Plan
 from pipeline.config.presets import OURS
-from pipeline.config.schema import annotation_at, is_section, options
-from pipeline.config.schema import names as names_of
-from stages.fetch.keys import SOURCES
+from pipeline.reference import key_entries
+from tests.config import reference
 
 GOLDEN = Path(__file__).parent / "golden"
 
@@ -67,24 +63,13 @@ def _hydra_section(group: str, option: str) -> Any:
     return {group: section}
 
 
-def completion(owner: Any = Plan, place: tuple[str, ...] = ()) -> dict[str, list[str]]:
-    """Every key that can be typed, and the words that it may be."""
-    found: dict[str, list[str]] = {}
-    for section in SOURCES.values() if place == ("source",) else (owner,):
-        for name in names_of(section):
-            inner, below = (*place, name), annotation_at(section, (name,))
-            if get_origin(below) is dict:
-                inner, below = (*inner, "*"), annotation_at(section, (name, "x"))
-            if inner == ("source",) or is_section(below):
-                found |= completion(below, inner)
-            else:
-                words = ["false", "true"] if below is bool else options(below)
-                found[".".join(inner)] = sorted({*words, *found.get(".".join(inner), [])})
-    return dict(sorted(found.items()))
-
-
-def completion_text() -> str:
-    return json.dumps(completion(), indent=1, ensure_ascii=False) + "\n"
+REFERENCE = {
+    key_entries.DATA: reference.json_text,
+    key_entries.HELP: reference.help_text,
+    key_entries.DATA.with_name("KEYS.md"): reference.markdown,
+    key_entries.SCHEMA: reference.schema_text,
+}
+"""Generated file → its text."""
 
 
 def main() -> None:
@@ -96,7 +81,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as empty:
         for name in names():
             (GOLDEN / f"{name}.yaml").write_text(text(name, Path(empty)), encoding="utf-8")
-    KEYS.write_text(completion_text(), encoding="utf-8")
+    for path, made in REFERENCE.items():
+        path.write_text(made(), encoding="utf-8")
     print(f"{len(names())} goldens written")
 
 

@@ -6,7 +6,7 @@ from html.parser import HTMLParser
 
 import pytest
 
-from pipeline.explain import explanations
+from pipeline.reference.codes import explanations
 from pipeline.report import Report, StageReport
 from pipeline.report_html import BESIDE, page
 from pipeline.secrets import Secrets

@@ -1,0 +1,5 @@
+"""The reference for users: keys of the configuration, codes of diagnostics, environment variables.
+
+`KEYS.md`, `keys.json`, `keys.txt` and `robot.schema.json` are generated from the sections of the
+configuration: `python -m tests.config.regenerate`. Imports nothing heavy.
+"""

@@ -1,0 +1,33 @@
+"""The variables of the environment that Linkwright reads."""
+
+from typing import NamedTuple
+
+
+class Variable(NamedTuple):
+    """A variable, a value to show it with, and its meaning."""
+
+    name: str
+    value: str
+    meaning: str
+
+
+VARIABLES = (
+    Variable("ONSHAPE_ACCESS_KEY", "", "access key of Onshape's API, from here or from .env, never YAML"),
+    Variable("ONSHAPE_SECRET_KEY", "", "secret key of Onshape's API, from here or from .env, never YAML"),
+    Variable("ONSHAPE_AUTH", "signature", "sign each request with the keys: the secret is never sent"),
+    Variable("ONSHAPE_ACCESS_TOKEN", "", "a bearer token, in place of the two keys"),
+    Variable("LINKWRIGHT_CACHE", "DIR", "the folder of the cache, where `cache.dir` names none"),
+    Variable("LINKWRIGHT_TRUST", "FILE", "a robot's file that may set `source.trust` and `plugins`"),
+    Variable("LINKWRIGHT_TRACEBACK", "1", "show the traceback of an error"),
+    Variable("HTTPS_PROXY", "URL", "a proxy for Onshape; NO_PROXY names hosts that need none"),
+    Variable("SSL_CERT_FILE", "FILE", "certificates to trust; SSL_CERT_DIR names a folder of them"),
+    Variable("ROS_PACKAGE_PATH", "DIRS", "folders with ROS packages; so does AMENT_PREFIX_PATH"),
+)
+"""Those of Linkwright itself first, in the order in which `--help` lists them."""
+
+
+def text() -> str:
+    """One line for each variable, as `--help` shows them."""
+    shown = [(f"{one.name}={one.value}" if one.value else one.name, one.meaning) for one in VARIABLES]
+    width = max(len(name) for name, _ in shown)
+    return "\n".join(f"  {name:{width}}  {meaning.replace('`', '')}" for name, meaning in shown)
