@@ -6,10 +6,13 @@ tests/fake_onshape/sample.svg.
 
 import re
 import shlex
+import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from pipeline import face
 from pipeline.cli import VERBS, parse
 from pipeline.config.compose import Composed, compose_plan
 from stages.graph.keys import GraphKeys
@@ -25,6 +28,14 @@ from tests.support.users import URL, write
 README = (PROJECT / "README.md").read_text().replace("https://cad.onshape.com/documents/.../w/.../e/...", URL)
 BLOCK = re.compile(r"(?:^<!-- (\w+) -->\n)?^( *)```(\w*)\n(.*?)^ *```$", re.DOTALL | re.MULTILINE)
 HEADER = "# @package _global_\n"
+ROBOT = """<robot name="so101">
+  <link name="base"><inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <link name="arm"><inertial><mass value="1"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="elbow" type="revolute"><parent link="base"/><child link="arm"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+</robot>"""
 FROM_SAMPLE = f"{HEADER}defaults: [{{override /source: sample}}]\n"
 
 
@@ -38,7 +49,9 @@ def blocks(language: str) -> list[tuple[str, str]]:
 
 
 def marked(mark: str) -> str:
-    return next(text for language in ("", "yaml") for found, text in blocks(language) if found == mark)
+    return next(
+        text for language in ("", "yaml", "python") for found, text in blocks(language) if found == mark
+    )
 
 
 def composed(folder: Path, text: str) -> Composed:
@@ -103,6 +116,18 @@ def test_every_key_of_the_kinematics_is_in_the_readme() -> None:
         elif name != "name":
             wanted.add(name)
     assert told >= wanted
+
+
+def test_the_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(write(tmp_path, my_arm=FROM_SAMPLE))
+    monkeypatch.setenv("LINKWRIGHT_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setitem(sys.modules, "linkwright", face)
+    (tmp_path / "so101.urdf").write_text(ROBOT)
+    found: dict[str, Any] = {}
+    exec(marked("python"), found)
+    assert found["forearm"].shape == (4, 4)
+    assert found["inertia"].shape == (found["model"].nv, found["model"].nv)
+    assert {path.name for path in tmp_path.iterdir()} == {"cache", "robot", "so101.urdf"}
 
 
 def test_the_tree_is_that_of_the_sample() -> None:
