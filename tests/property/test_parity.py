@@ -1,8 +1,8 @@
 """Random documents: both exported files are the document, by three independent engines.
 
 Ground truth is the builder's own kinematics and dynamics; Pinocchio reads the URDF and MuJoCo the
-MJCF. Poses, mass matrix and gravity torque agree at random joint values, whichever link is the root
-and in whatever order instances and features come.
+MJCF. Poses, mass matrix (the robot's own too) and gravity torque agree at random joint values, whichever
+link is the root and in whatever order instances and features come.
 """
 
 import math
@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from stages.export.start_pose import starting_point
 from stages.graph.dofs import conjugate
 from stages.robot.codec import decode_robot, encode_robot
+from stages.robot.dynamics import mass_matrix
 from stages.robot.model import Configuration, Joint, Robot, Value
 from stages.validate import validate
 from tests.fake_onshape.document import Document
@@ -64,6 +65,7 @@ def agree(document: Document, root: int, shuffle: int, seed: int, api: int = 17)
             continue
         mass = truth.mass_matrix(true_q, root=held)[np.ix_(order, order)]
         gravity = truth.gravity_torque(true_q, root=held)[order]
+        same(mass_matrix(robot, q), mass)
         for tool in (pinocchio, engine):
             same(tool.mass_matrix(q, names), mass)
             same(tool.gravity(q, names), gravity)
