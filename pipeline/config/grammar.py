@@ -30,8 +30,12 @@ def carried(value: str) -> str:
     other values as they are. NoFormError where a name has none."""
     if value.lstrip()[:1] not in ("{", "[") or not re.search(r"[\"']", value):
         return value
+    # Imported where it is used: help and completion need no OmegaConf.
+    from omegaconf._utils import get_yaml_loader
+
     try:
-        return _written(yaml.safe_load(value))
+        # As in a file, where 1e-3 is a number: YAML 1.1 has it only as 1.0e-3.
+        return _written(yaml.load(value, Loader=get_yaml_loader()))
     except NoFormError:
         raise
     except (yaml.YAMLError, ValueError, RecursionError):

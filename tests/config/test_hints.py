@@ -95,9 +95,9 @@ def test_what_is_pasted_says_what_was_meant(here):
 
 
 def test_a_mapping_is_typed_as_yaml_has_it(here):
-    typed = ["source=sample", 'joints={"elbow*": {damping: 1, limits: [-1, 1]}, "b": {"effort": 2}}']
+    typed = ["source=sample", 'joints={"elbow*": {damping: 1e-3, limits: [-1, 1]}, "b": {"effort": 2}}']
     joints = compose_plan(typed, cwd=here).plan.joints
-    assert (joints["elbow*"].limits, joints["elbow*"].damping, joints["b"].effort) == ((-1, 1), 1, 2)
+    assert (joints["elbow*"].limits, joints["elbow*"].damping, joints["b"].effort) == ((-1, 1), 1e-3, 2)
 
 
 @pytest.mark.parametrize(
