@@ -51,7 +51,7 @@ def test_a_robot_without_a_name_is_named_by_its_file_its_path_or_its_element(tmp
 
 def test_robots_of_ones_own_come_from_the_working_folder_and_from_config_dir(tmp_path):
     here, there = write(tmp_path / "a b's", one=MY_ARM), write(tmp_path / "there", two=MY_ARM)
-    assert plan(here, "robot=one").source.url == URL
+    assert plan(here, "robot=one").source.url.text == URL
     assert plan(here, "robot=two", config_dirs=[there]).name == "two"
     assert plan(here, "robot=two", config_dirs=["../there"]).name == "two"
 
