@@ -1,4 +1,4 @@
-"""Where a model starts: the values at which a fresh simulation has all its loops closed."""
+"""The start of a model: values at which a fresh simulation has all its loops closed."""
 
 import math
 from collections.abc import Mapping
@@ -14,10 +14,10 @@ CLOSED = 1e-6
 
 
 def starting_point(robot: Robot) -> Configuration:
-    """qpos0: mate zero where every loop and relation holds there, else the saved pose.
+    """qpos0: mate zero if every loop and relation holds there, else the saved pose.
 
-    Values of the tree's dofs and of the loops' own. What moves freely has no mate, and so no zero: it
-    starts where it was saved.
+    Values of the tree's dofs and of the loops' own. A free joint has no mate, and so no zero: it starts at
+    its saved pose.
     """
     zero = {dof.name: dof.saved if dof.kind == "free" else at_rest(dof.kind) for dof in robot.dofs}
     holds = all(abs(relation.offset) == 0.0 for relation in robot.relations)
@@ -30,7 +30,7 @@ def starting_point(robot: Robot) -> Configuration:
 
 
 def saved(robot: Robot) -> dict[str, Value]:
-    """Values of the pose that CAD was left in: the tree's dofs and the loops' own."""
+    """Values of the pose that was saved in CAD: the tree's dofs and the loops' own."""
     return {
         **saved_configuration(robot),
         **{dof.name: dof.saved for loop in robot.loops for dof in loop.dofs},
@@ -45,7 +45,7 @@ def home(robot: Robot) -> dict[str, Value]:
 
 def gap(loop: Loop, poses: Mapping[str, Array]) -> float:
     """How far a loop is from closed at the links' `poses`: the larger of the offset [m] and the turn
-    [rad, for small ones] that no values of its own dofs make up for."""
+    [rad, if small] that remain with the best values of its own dofs."""
     relative = across(loop, poses)
     left = inverse(chain(loop.dofs, closing(loop, relative))) @ relative
     return max(math.hypot(*left[:3, 3]), float(np.linalg.norm(left[:3, :3] - np.eye(3))) / math.sqrt(2))

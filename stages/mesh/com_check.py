@@ -72,12 +72,12 @@ def _diagnostic(link: Link, pairs: Sequence[tuple[Part, PartMesh]], distance: fl
     message = f"the centre of mass lies {distance:.3g} m or more outside the convex hull of the link"
     hint = "check the frame of the mass properties, and bodies that have mass but no mesh"
     if link.given is not None or not link.parts:
-        message += ", and the link's mass properties were given"
+        message += ", and the link's mass properties were given by the configuration"
         hint = "give com in the link's frame, in metres"
     elif wrong:
         shown = ", ".join(wrong[:5]) + (f" and {len(wrong) - 5} more" if len(wrong) > 5 else "")
-        message += f"; it is outside their own shape for: {shown}"
-        hint = "check their mass properties in Onshape (an override of the centre of mass?)"
+        message += f"; it is also outside the part's own mesh for: {shown}"
+        hint = "check their mass properties in Onshape, such as an override of the centre of mass"
     return Diagnostic("W-COM-OUTSIDE", message, link.name, hint)
 
 
@@ -93,7 +93,7 @@ def _outside_itself(part: Part, mesh: PartMesh) -> bool:
 def outside(points: Points, point: Array) -> float:
     """How far [m] `point` (3,) is outside the convex hull of `points` (n ≥ 3, 3), at least; 0 inside.
 
-    Points may lie in a plane, on a line or in one place: across those they must hold it as well.
+    Points may lie in a plane, on a line or in one place: then the distance from that counts too.
     """
     from scipy.spatial import ConvexHull
 

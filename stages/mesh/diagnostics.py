@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from stages.mesh.link_mesh import Finding, LinkMesh
 from stages.robot.errors import Diagnostic
 from stages.robot.model import Link, MeshRef, Part
+from stages.robot.plural import count
 
 _APART = 0.02
 
@@ -19,9 +20,9 @@ def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Fo
         return [
             Diagnostic(
                 "W-NO-MESH",
-                f"there are no triangles for any of the {len(every)} parts: the robot has no shapes",
+                f"no triangles for any of {count(len(every), 'part')}: the robot has no shapes",
                 "source",
-                "fetch it from Onshape, or use a bundle that holds the triangles",
+                "fetch it from Onshape, or use a bundle with triangles",
             )
         ]
     problems = []
@@ -48,9 +49,9 @@ def _missing(link: Link, found: Sequence[tuple[Part, Finding]]) -> list[Diagnost
     return [
         Diagnostic(
             "W-NO-MESH",
-            f"there are no triangles for {len(names)} of its {len(found)} parts: {shown}",
+            f"no triangles for {len(names)} of {count(len(found), 'part')}: {shown}",
             link.name,
-            "check in Onshape that they are solids without errors",
+            "check in Onshape that each is a solid without errors",
         )
     ]
 
@@ -70,8 +71,8 @@ def _volumes(found: Sequence[tuple[Part, Finding]]) -> list[Diagnostic]:
             problems.append(
                 Diagnostic(
                     "W-MESH-VOLUME",
-                    f"the mesh encloses {finding.volume:.4g} m³, CAD says {part.volume:.4g} m³: "
-                    f"{apart:.1%} apart",
+                    f"the mesh encloses {finding.volume:.4g} m³, the part in CAD {part.volume:.4g} m³ "
+                    f"({apart:.1%} apart)",
                     part.name,
                     "make source.tessellation.angle and .chord smaller",
                 )

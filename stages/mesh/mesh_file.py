@@ -67,12 +67,12 @@ def _scale(surface: Surface) -> float:
 
 
 def _flat(surface: Surface, span: float) -> bool:
-    """Whether a surface of that span lies in a plane, as far as single precision can tell."""
+    """Whether a surface of that span lies in a plane, within single precision."""
     return span <= 0.2 * _SKIN * _scale(surface) * surface.area()
 
 
 def _span(surface: Surface) -> float:
-    """The volume [m³] between the surface and its middle: what MuJoCo takes for a mesh's volume."""
+    """The volume [m³] between the surface and its middle: what MuJoCo calls a mesh's volume."""
     weights = np.linalg.norm(surface.normals(), axis=1)
     total = float(weights.sum())
     if total == 0.0:

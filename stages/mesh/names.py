@@ -13,9 +13,9 @@ def file_names(files: Mapping[str, tuple[int, int]]) -> dict[str, tuple[list[str
 
     `files`: for each link, the numbers of its visual and collision files. They are named `<link>.stl`, or
     `<link>_<k>.stl` with k from 1 for several, and `<link>_collision.stl`, or `<link>_collision_<k>.stl`.
-    Where that is another link's file (links `arm` and `arm_1`), the underscore is doubled until it
-    is not. Names that differ in case alone count as alike. Letters that not every file system has are
-    left out of a link's name, and so is what makes it very long.
+    Where another link has a file of that name (links `arm` and `arm_1`), underscores are added until none
+    has. Names that differ only in case count as the same. Letters that some file systems lack are left out,
+    and long names are shortened.
     """
     stem_of = _stems(files)
     stems = {stem.casefold() for stem in stem_of.values()}
@@ -34,7 +34,7 @@ def file_names(files: Mapping[str, tuple[int, int]]) -> dict[str, tuple[list[str
 
 
 def _numbered(word: str, count: int) -> list[str]:
-    """The endings of the names of so many files of one kind: the word, with numbers for several."""
+    """The endings of the names of `count` files of one kind: the word, with numbers if there are several."""
     if count < 2:
         return [word] * count
     width = len(str(count))

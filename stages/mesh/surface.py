@@ -12,8 +12,8 @@ Points = npt.NDArray[np.float64]
 Triangles = npt.NDArray[np.int64]
 """(m, 3) indices into the points, counter-clockwise seen from outside."""
 
-_SAME = 1e-8  # m: the linear precision of the CAD kernel, which tells no nearer points apart
-_SAME_OF_SIZE = 1e-9  # numbers carry about 16 digits, and some were lost on the way
+_SAME = 1e-8  # m: the linear precision of the CAD kernel, which does not distinguish nearer points
+_SAME_OF_SIZE = 1e-9  # numbers carry about 16 digits, and earlier steps lost some
 _LEAST_OF_SIZE = 1e-3  # however small, a surface keeps its shape
 
 

@@ -1,7 +1,7 @@
 """A compiled model's joints and bodies, and the robot's values in its `qpos`.
 
-MJCF keeps a ball as a quaternion counted from qpos0, a URDF as three turns about x, y and z; what
-moves freely has its pose in the world in both.
+An MJCF has a ball as a quaternion relative to qpos0, a URDF as three turns about x, y and z; a free joint
+has its pose in the world in both.
 """
 
 import math

@@ -1,8 +1,8 @@
 """MJCF's joints: the dofs between a body and its parent.
 
-A body stands where qpos0 puts it. Its joints act one after the other, from parent to child, each
-given in the body's own frame at qpos0; `ref` makes a joint's number the dof's value all the same. A
-ball's number counts from the pose at qpos0, a free joint's is the pose in the world.
+A body's pose in the file is the one at qpos0. Its joints act one after the other, from parent to child,
+each given in the body's own frame at qpos0; `ref` makes a joint's value in `qpos` equal the dof's. A
+ball's value is relative to the pose at qpos0; a free joint's value is the pose in the world.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from stages.robot.names import free
 from stages.robot.poses import inverse, motion, quat_from_rotation
 
 OPEN = "1e6"
-"""Stands for the open side of a one-sided limit: MuJoCo has no such thing as half a range."""
+"""The open end of a one-sided limit: MuJoCo has no one-sided range."""
 
 TYPES = {"turn": "hinge", "slide": "slide", "ball": "ball"}
 
@@ -70,9 +70,9 @@ def _range(dof: Dof) -> str | None:
 
 
 def qpos(dof: Dof, value: Value, start: Value, world_from_joint: Array) -> str:
-    """A dof's numbers in `qpos` at `value`, where qpos0 stands for `start`.
+    """A dof's numbers in `qpos` at `value`, where qpos0 is `start`.
 
-    `world_from_joint` (4, 4): for a free joint, what its value is measured in.
+    `world_from_joint` (4, 4): for a free joint, the frame that its value is relative to.
     """
     if not isinstance(value, tuple):
         return number(value, max(1.0, abs(value)))

@@ -1,12 +1,13 @@
-"""What closes loops in MJCF: sites on either side, equalities between them, and carriers.
+"""Loop closures in MJCF: sites on both links, equalities between the sites, and carriers.
 
-A hinge is held by two points on its axis, a ball by one, a rigid mate by a weld. Any other mate gets a
-carrier: a body on the one link that moves by the mate's own dofs, welded to the other link, of which it
-carries a share. MuJoCo scales a constraint by the inverse inertia of what it holds, so a body of next
-to no mass would leave the weld slack; halves keep both of them stiff, and move together as the whole.
+A hinge is closed by two points on its axis, a ball by one point, a rigid mate by a weld. Any other mate
+gets a carrier: a body on one link that moves by the mate's own dofs and is welded to the other link, of
+whose mass it has a share. MuJoCo scales a constraint by the inverse inertia of the bodies that it
+constrains, so a carrier of almost no mass would leave the weld slack; with equal shares both bodies are
+stiff, and they move together as the whole link.
 
-That scale is a mean over all directions, which overrates how a body yields in those that are held: by
-MuJoCo's default an equality gives way to a tenth of what pulls at it, so all get the highest impedance.
+That scale is a mean over all directions, which overestimates the compliance in the constrained ones: with
+MuJoCo's default impedance an equality yields to a tenth of the load, so all get the highest impedance.
 """
 
 from collections import Counter
@@ -25,10 +26,10 @@ from stages.robot.names import free
 from stages.robot.poses import inverse
 
 Site = tuple[str, str, Array]
-"""The link (or carrier) that it is on, its name, and its pose (4, 4) there."""
+"""The link (or carrier) that has the site, the site's name, and its pose (4, 4) on the link."""
 
 POINTS = {"revolute": ("", "_axis"), "ball": ("",)}
-"""Loops that points hold, by type: what their names end in."""
+"""Types of loops that points close → the endings of the equalities' names."""
 
 STIFF = "0.9999 0.9999 0.001"
 """`solimp`: the impedance that MuJoCo allows at most, whatever the violation."""
@@ -36,7 +37,7 @@ STIFF = "0.9999 0.9999 0.001"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Carrier:
-    """A body `name` that hangs on `parent` by `dofs`, welded to the link `carried` whose share it has.
+    """A body below `parent` that moves by `dofs`, welded to the link `carried`, of which it has a share.
 
     The carrier's frame is the loop's frame on `carried`.
     """
@@ -75,7 +76,7 @@ class Closures:
             self._sites[loop.name] = tuple(named)
 
     def _ends(self, loop: Loop) -> Iterator[Site]:
-        """Where a loop's sites are: both of the first pair, then both of the second."""
+        """The sites of a loop: both of the first pair, then both of the second."""
         carrier = self._carrier_of.get(loop.name)
         if carrier is not None:
             yield carrier.carried, "a", carrier.carried_from_carrier
@@ -93,7 +94,7 @@ class Closures:
             element(body, "site", name=name, **placement(body_from_link @ pose))
 
     def share(self, link: str, inertial: Inertial) -> Inertial:
-        """What a link's own body has of its inertial, and each of its carriers."""
+        """The share of a link's inertial that its own body has, and each of its carriers."""
         count = 1 + self._carried[link]
         if count == 1:
             return inertial
@@ -130,7 +131,7 @@ def _carriers(robot: Robot) -> Iterator[Carrier]:
             place, dofs = loop.b_from_frame, loop.dofs
             yield Carrier(name, loop, loop.link_b, place, dofs, loop.link_a, loop.a_from_frame)
         else:
-            # What stands still may have no mass to share: the other link is carried, by the chain reversed.
+            # A fixed link may have no mass to share: the other link is carried, by the reversed chain.
             dofs = _reversed(loop.dofs)
             yield Carrier(name, loop, loop.link_a, loop.a_from_frame, dofs, loop.link_b, loop.b_from_frame)
 
@@ -147,7 +148,7 @@ def _moving(robot: Robot) -> set[str]:
 
 
 def _reversed(dofs: tuple[Dof, ...]) -> tuple[Dof, ...]:
-    """The chain from the last dof's far end to the first one's: (Π O M)⁻¹ as a chain of its own."""
+    """The chain in the opposite direction: (Π O M)⁻¹ as a chain of dofs."""
     origins = [frozen(np.eye(4)), *(frozen(inverse(dof.origin)) for dof in dofs[:0:-1])]
     return tuple(
         replace(dof, axis=frozen(-dof.axis), origin=origin)

@@ -1,7 +1,7 @@
 """MJCF: the robot alone, as `<name>.xml` (the scene around it is another file).
 
 Element and attribute rules are those of MuJoCo's XML reference. Every body has CAD's own
-`inertial`; geoms weigh nothing. Orientation is always `quat`.
+`inertial`; geoms have no mass. Orientation is always `quat`.
 """
 
 from collections.abc import Iterator
@@ -72,7 +72,7 @@ def _assets(root: Element, geometry: Geometry) -> dict[Colour, str]:
     for colour, name in names.items():
         element(asset, "material", name=name, rgba=spaced(colour))
     for shape in geometry.shapes:
-        # Geoms weigh nothing here, so the volume of a mesh never matters; "shell" accepts open ones.
+        # Geoms have no mass here, so the volume of a mesh does not matter; "shell" accepts open meshes.
         if shape.file is not None:
             inertia = "shell" if shape.role == "visual" else None
             element(asset, "mesh", file=shape.file, inertia=inertia)
@@ -155,11 +155,11 @@ class _Bodies:
 
 
 def _inertial(body: Element, inertial: Inertial) -> None:
-    """Mass properties, about principal axes: of `fullinertia` MuJoCo up to 3.13 finds the axes to 1e-6
-    only, and drops what is below 1e-12 kg m²."""
+    """Mass properties about principal axes: from `fullinertia` MuJoCo up to 3.13 finds the axes to 1e-6
+    only, and ignores entries below 1e-12 kg m²."""
     if inertial.mass == 0.0:
         return
-    # Of the tensor as it is written elsewhere: what is below those digits differs between machines.
+    # Of the rounded tensor: the digits below differ between machines.
     moments, axes = principal_axes(rounded(inertial.inertia))
     element(
         body,
@@ -172,7 +172,7 @@ def _inertial(body: Element, inertial: Inertial) -> None:
 
 
 def _form(shape: Shape, body_from_link: Array) -> dict[str, str]:
-    """What a geom is: a mesh, which is in the link's frame, or a primitive."""
+    """The attributes of a geom: a mesh, which is in the link's frame, or a primitive."""
     if shape.file is not None:
         return {"mesh": stem(shape.file), **placement(body_from_link)}
     assert shape.primitive is not None
@@ -182,7 +182,7 @@ def _form(shape: Shape, body_from_link: Array) -> dict[str, str]:
 
 
 def _half_sizes(primitive: Primitive) -> list[float]:
-    """MuJoCo takes radii as they are and lengths halved."""
+    """MuJoCo's sizes: radii, and half lengths."""
     size = primitive.size
     if primitive.kind == "box":
         return [length / 2 for length in size]
@@ -205,10 +205,10 @@ def _equalities(root: Element, robot: Robot, start: Configuration, closures: Clo
 
 
 def _relation(equality: Element, relation: Relation, start: Configuration) -> None:
-    """A relation as MuJoCo counts it, from qpos0: y − y₀ = a₀ + a₁ (x − x₀), solved for |a₁| ≥ 1.
+    """A relation as MuJoCo has it, relative to qpos0: y − y₀ = a₀ + a₁ (x − x₀), solved for |a₁| ≥ 1.
 
-    MuJoCo scales it by the inverse inertias of both joints, but not by a₁: solved the other way round a
-    screw, or a motor behind a gearbox, would slip under load.
+    MuJoCo scales it by the inverse inertias of both joints, but not by a₁: with |a₁| < 1 a screw, or a
+    motor behind a gearbox, would slip under load.
     """
     y, x, factor, offset = relation.follower, relation.driver, relation.multiplier, relation.offset
     if 0.0 < abs(factor) < 1.0:
@@ -236,7 +236,7 @@ def _scalar(value: Value) -> float:
 def _keyframes(
     root: Element, world: Element, robot: Robot, start: Configuration, world_from_root: Array
 ) -> None:
-    """`cad`: the pose the document was saved in; `home`: the same, clipped to the limits."""
+    """`cad`: the pose that the document was saved in; `home`: the same, clipped to the limits."""
     joints = [node.get("name") for node in world.iter("joint", "freejoint")]
     if not joints:
         return

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 TEMPLATE = Path(__file__).with_name("scene.xml")
 
 FLOOR = ("asset/texture[@name='checker']", "asset/material[@name='checker']", "worldbody/geom[@name='floor']")
-"""The elements of the template that are there for the floor."""
+"""The elements of the template that make the floor."""
 
 
 def write_scene(robot: str, ground: "GroundKeys") -> bytes:

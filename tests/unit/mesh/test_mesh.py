@@ -278,8 +278,8 @@ def test_parts_without_triangles_are_told_once_a_link():
         robot(base=[part("A"), part("gone"), part("X", reply=None)], arm=[part("X", reply=None)])
     )
     assert [(d.code, d.where, d.message) for d in result.diagnostics] == [
-        ("W-NO-MESH", "base", "there are no triangles for 2 of its 3 parts: X <1>, gone <1>"),
-        ("W-NO-MESH", "arm", "there are no triangles for 1 of its 1 parts: X <1>"),
+        ("W-NO-MESH", "base", "no triangles for 2 of 3 parts: X <1>, gone <1>"),
+        ("W-NO-MESH", "arm", "no triangles for 1 of 1 part: X <1>"),
     ]
     assert result.of("arm", "visual") == result.of("arm", "collision") == ()
 
@@ -289,7 +289,7 @@ def test_a_recording_without_triangles_is_told_once():
     result = geometry(robot(base=bare[:1], arm=bare[1:]))
     (found,) = result.diagnostics
     assert (found.code, found.where) == ("W-NO-MESH", "source")
-    assert "any of the 3 parts" in found.message
+    assert "any of 3 parts" in found.message
     assert (result.shapes, result.files) == ((), {})
 
 
