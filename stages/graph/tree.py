@@ -8,12 +8,13 @@ from typing import Literal, TypeVar
 import networkx as nx
 
 from stages.graph.globs import fits, listed
-from stages.graph.keys import GraphKeys
+from stages.graph.keys import GraphKeys, RootKeys
 from stages.graph.mechanism import Connection, Mechanism
 from stages.graph.root import choose_root, heaviest
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic, Disconnected
 from stages.robot.model import Array, JointType
+from stages.robot.plural import count
 
 Node = TypeVar("Node", int, str)
 
@@ -23,7 +24,7 @@ CUT_LAST: dict[JointType, int] = {"prismatic": 0, "revolute": 2, "ball": 3, "fix
 _JOIN = "give it a joint to the rest in the file, or take it out"
 
 LEFT_OUT = ("W-MATE-BROKEN", "W-FEATURE", "W-PEER-MATE")
-"""Findings of what holds nothing: told beside parts that hang on nothing, as they may be why."""
+"""Codes of what holds nothing: reported beside unconnected parts, as they may be the reason."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,27 +55,36 @@ def spanning_tree(mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Tr
     what is cut; mates that nobody limits or drives close the loops, unless `loops.cut` names others.
     """
     root, world_from_root = choose_root(mechanism, keys.root)
+    kept, cut = _forest(mechanism, keys.loops.cut, log)
+    _report_uncut(mechanism, keys.loops.cut, cut, log)
+    order, edges = _walk(kept, root)
+    islands = _islands(mechanism, kept, set(order))
+    if islands and keys.root.disconnected == "error":
+        raise _disconnected(mechanism, root, islands, log)
+    for island in islands:
+        _report_island(mechanism, island, keys.root, log)
+        more, grown = _attached(mechanism, kept, root, island, keys.root)
+        order, edges = [*order, *more], [*edges, *grown]
+    cut = [connection for connection in cut if set(order).issuperset(connection.bodies)]
+    return Tree(root, world_from_root, tuple(order), tuple(edges), tuple(cut))
+
+
+def _forest(
+    mechanism: Mechanism, cut: Collection[str], log: Diagnostics
+) -> tuple[nx.MultiGraph, list[Connection]]:
+    """The connections that join bodies, as a graph without circles, and those that close loops in it."""
     forest = nx.utils.UnionFind(range(len(mechanism.bodies)))
     kept: nx.MultiGraph = nx.MultiGraph()
     kept.add_nodes_from(range(len(mechanism.bodies)))
-    cut = []
-    for connection in _ranked(mechanism, keys.loops.cut, log):
+    closing = []
+    for connection in _ranked(mechanism, cut, log):
         first, second = connection.bodies
         if forest[first] == forest[second]:
-            cut.append(connection)
+            closing.append(connection)
         else:
             forest.union(first, second)
             kept.add_edge(first, second, connection=connection)
-    _tell_uncut(mechanism, keys.loops.cut, cut, log)
-    order, edges = _walk(kept, root)
-    loose = _loose(mechanism, kept, set(order))
-    if loose and keys.root.disconnected == "error":
-        raise _disconnected(mechanism, root, loose, log)
-    for island in loose:
-        _settle(mechanism, kept, root, island, keys, order, edges, log)
-    there = set(order)
-    cut = [connection for connection in cut if there.issuperset(connection.bodies)]
-    return Tree(root, world_from_root, tuple(order), tuple(edges), tuple(cut))
+    return kept, closing
 
 
 def _ranked(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> list[Connection]:
@@ -103,10 +113,10 @@ def _named(connection: Connection, glob: str) -> bool:
     return any(fits(name, glob) for name in (connection.name, connection.ref.name, connection.title))
 
 
-def _tell_uncut(
+def _report_uncut(
     mechanism: Mechanism, wanted: Collection[str], cut: Collection[Connection], log: Diagnostics
 ) -> None:
-    """What the user wanted cut and is not: it closes no loop, or others of its loop are cut."""
+    """W-LOOP-CUT for a mate that is not cut as wanted: it closes no loop, or another mate does."""
     for glob in wanted:
         names = [connection.title for connection in mechanism.connections if _named(connection, glob)]
         if glob != "*" and names and not any(_named(connection, glob) for connection in cut):
@@ -160,57 +170,58 @@ def natural(name: str) -> tuple[tuple[int, int, str], ...]:
     )
 
 
-def _loose(mechanism: Mechanism, kept: nx.MultiGraph, reached: set[int]) -> list[list[int]]:
-    """Bodies that hang on nothing that reaches the root, together as they hang together."""
+def _islands(mechanism: Mechanism, kept: nx.MultiGraph, reached: set[int]) -> list[list[int]]:
+    """Bodies that are not connected to the root, in groups that are connected with each other."""
     islands = [sorted(found) for found in nx.connected_components(kept) if reached.isdisjoint(found)]
     return sorted(islands, key=lambda island: min(mechanism.bodies[body].name for body in island))
 
 
-def _disconnected(mechanism: Mechanism, root: int, loose: list[list[int]], log: Diagnostics) -> Disconnected:
+def _disconnected(
+    mechanism: Mechanism, root: int, islands: list[list[int]], log: Diagnostics
+) -> Disconnected:
     bodies = mechanism.bodies
     problems = [one for one in log.found if one.code in LEFT_OUT]
-    for island in loose:
+    for island in islands:
         parts = sorted(part.name for body in island for part in bodies[body].parts)
         names = ", ".join(sorted(bodies[body].name for body in island))
-        what = f"{len(parts)} part(s) hang on nothing that reaches the root: {names}"
+        what = f"{_are(len(parts), 'part')} not connected to the root: {names}"
         where = parts[0] if parts else names
-        way_out = "mate it in Onshape (a FASTENED mate makes two parts one link), or suppress it"
+        hint = "mate it in Onshape (a FASTENED mate makes two parts one link), or suppress it"
         if not mechanism.has_saved_pose:
-            what = f"{len(island)} link(s) hang on nothing that reaches the root"
-            where, way_out = names, _JOIN
-        problems.append(Diagnostic("E-LOOSE", what, where, way_out))
-    count = sum(len(island) for island in loose)
-    msg = f"{count} of {len(bodies)} bodies are not connected to the root {bodies[root].name!r}"
+            what = f"{_are(len(island), 'link')} not connected to the root"
+            where, hint = names, _JOIN
+        problems.append(Diagnostic("E-LOOSE", what, where, hint))
+    total = sum(len(island) for island in islands)
+    verb = "is" if total == 1 else "are"
+    msg = f"{total} of {len(bodies)} bodies {verb} not connected to the root {bodies[root].name!r}"
     hint = (
-        "or settle all of them by root.disconnected: weld (fixed to the root), drop (left out), separate "
+        "or choose for all of them, root.disconnected: weld (fixed to the root), drop (left out), separate "
         "(afloat on their own)"
     )
     return Disconnected(msg, hint=hint, problems=problems)
 
 
-def _settle(
-    mechanism: Mechanism,
-    kept: nx.MultiGraph,
-    root: int,
-    island: list[int],
-    keys: GraphKeys,
-    order: list[int],
-    edges: list[Edge],
-    log: Diagnostics,
-) -> None:
-    """Does with what hangs on nothing as `root.disconnected` says, and tells it."""
-    bodies = mechanism.bodies
-    names = ", ".join(sorted(bodies[body].name for body in island))
-    where = f"root.disconnected: {keys.root.disconnected}"
+def _are(number: int, thing: str) -> str:
+    return f"{count(number, thing)} {'is' if number == 1 else 'are'}"
+
+
+def _report_island(mechanism: Mechanism, island: list[int], keys: RootKeys, log: Diagnostics) -> None:
+    names = ", ".join(sorted(mechanism.bodies[body].name for body in island))
+    done = {"drop": "left out", "weld": "fixed to the root", "separate": "afloat on its own"}
+    what = f"{names}: {done[keys.disconnected]}, as it is not connected to the root"
     hint = "mate it in Onshape to what it belongs to, or suppress it" if mechanism.has_saved_pose else _JOIN
-    if keys.root.disconnected == "drop":
-        log.report("I-LOOSE", f"{names}: left out, as it hangs on nothing", where, hint)
-        return
-    welded = keys.root.disconnected == "weld"
-    afloat = [body for body in island if bodies[body].afloat is not None]
-    head = heaviest(mechanism, [body for body in island if bodies[body].fixed_reason] or afloat or island)
-    done = "fixed to the root" if welded else "floats on its own"
-    log.report("I-LOOSE", f"{names}: {done}, as it hangs on nothing", where, hint)
-    below, grown = _walk(kept, head)
-    order += below
-    edges += [Edge(root, head, None, "fixed" if welded else "free"), *grown]
+    log.report("I-LOOSE", what, f"root.disconnected: {keys.disconnected}", hint)
+
+
+def _attached(
+    mechanism: Mechanism, kept: nx.MultiGraph, root: int, island: list[int], keys: RootKeys
+) -> tuple[list[int], list[Edge]]:
+    """The bodies of an island in order, and their edges, the first from the root; none to drop them."""
+    if keys.disconnected == "drop":
+        return [], []
+    fixed = [body for body in island if mechanism.bodies[body].fixed_reason]
+    afloat = [body for body in island if mechanism.bodies[body].afloat is not None]
+    head = heaviest(mechanism, fixed or afloat or island)
+    order, edges = _walk(kept, head)
+    stand_in: Literal["fixed", "free"] = "fixed" if keys.disconnected == "weld" else "free"
+    return order, [Edge(root, head, None, stand_in), *edges]

@@ -109,7 +109,7 @@ class NoRoot(AssemblyError):
 
 
 class Disconnected(AssemblyError):
-    """Some parts hang on nothing."""
+    """Some parts are not connected to the root."""
 
 
 class MissingMass(AssemblyError):

@@ -142,5 +142,5 @@ def test_what_hangs_on_nothing_is_mended_where_it_was_drawn() -> None:
         found = loose(has_saved_pose)
         assert [one.code for one in found] == ["E-LOOSE", *["I-LOOSE"] * 3]
         assert all(place in one.hint for one in found)
-    assert found[0].message == "1 link(s) hang on nothing that reaches the root"
+    assert found[0].message == "1 link is not connected to the root"
     assert found[0].where == "b"

@@ -9,7 +9,7 @@ from stages.formats.mjcf import MjcfClosure
 from stages.graph.dofs import residual
 from stages.graph.mechanism import Connection
 from stages.robot.kinematics import chain
-from stages.robot.model import Array, Dof, Dynamics, JointType, Limits, MateRef, Value, frozen
+from stages.robot.model import Array, Dof, DofKind, Dynamics, JointType, Limits, MateRef, Value, frozen
 from stages.robot.poses import inverse, quat_from_rotation
 
 SECOND_POINT = "_axis"
@@ -25,7 +25,7 @@ class Closing:
 
 
 def closings(closures: Sequence[MjcfClosure]) -> tuple[Closing, ...]:
-    """The closures, with each pair of connects that says a hinge as one: `name` between sites `a`, `b` and
+    """The closures, with each pair of connects that makes a hinge as one: `name` between sites `a`, `b` and
     `name_axis` between `a_axis`, `b_axis`, as our own files have them."""
     by_sites = {one.sites: one for one in closures if one.type == "connect" and all(one.sites)}
     found, spent = [], set[int]()
@@ -76,7 +76,7 @@ def connections(
         first = world_from_body[a] @ one.closure.a_from_frame
         second = world_from_body[b] @ one.closure.b_from_frame
         relative = inverse(second) @ first
-        kind, dofs = _moving(one, dof_name, relative)
+        kind, dofs = _joint(one, dof_name, relative)
         explained = chain(dofs, {dof.name: dof.saved for dof in dofs})
         yield Connection(
             name=name,
@@ -91,16 +91,17 @@ def connections(
         )
 
 
-def _moving(one: Closing, name: str, relative: Array) -> tuple[JointType, tuple[Dof, ...]]:
+def _joint(one: Closing, name: str, relative: Array) -> tuple[JointType, tuple[Dof, ...]]:
+    """The type of joint that an equality stands for, and its dof at the pose `relative` (4, 4)."""
     if one.closure.type == "weld":
         return "fixed", ()
     quat = quat_from_rotation(relative[:3, :3])
-    saved: Value = tuple(float(number) for number in quat)
-    if one.axis is not None:
-        saved = 2.0 * float(np.arctan2(quat[1:] @ one.axis, quat[0]))
-    axis = frozen(np.zeros(3)) if one.axis is None else one.axis
-    kind = "ball" if one.axis is None else "turn"
-    dof = Dof(
-        name, "turn" if kind == "turn" else "ball", axis, frozen(np.eye(4)), Limits(), Dynamics(), saved
-    )
-    return ("revolute" if one.axis is not None else "ball"), (dof,)
+    if one.axis is None:
+        w, x, y, z = (float(number) for number in quat)
+        return "ball", (_dof(name, "ball", frozen(np.zeros(3)), (w, x, y, z)),)
+    angle = 2.0 * float(np.arctan2(quat[1:] @ one.axis, quat[0]))
+    return "revolute", (_dof(name, "turn", one.axis, angle),)
+
+
+def _dof(name: str, kind: DofKind, axis: Array, saved: Value) -> Dof:
+    return Dof(name, kind, axis, frozen(np.eye(4)), Limits(), Dynamics(), saved)

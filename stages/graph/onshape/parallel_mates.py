@@ -1,4 +1,4 @@
-"""Several mates between the same two bodies: what they allow together, as one mate or as none.
+"""Several mates between the same two bodies: what they allow together, as one mate or as a weld.
 
 Onshape's mates are all constraints, so two bodies move only as every mate between them allows. That is
 the motion of one of them (the second hinge of a door, a CYLINDRICAL beside a REVOLUTE), or what only
@@ -14,15 +14,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stages.graph.onshape.assembly import Assembly, Entity, Mate, Path
-from stages.graph.onshape.mate_coordinates import Tie, carried, coordinates, ties
+from stages.graph.onshape.combined_limits import MET, LimitLost, limited, narrowed
+from stages.graph.onshape.mate_coordinates import coordinates, ties
 from stages.graph.onshape.mate_twists import ALIKE, View, columns, common, extent, span, view, within
-from stages.graph.onshape.mates import JOINT_TYPES, freedoms_of, limit_names
+from stages.graph.onshape.mates import JOINT_TYPES
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.model import Array, Limits, frozen
+from stages.robot.model import Array, frozen
 from stages.robot.poses import inverse
-
-MET = 1e-6
-"""Mates that the saved pose misses by more [m or rad] are not combined: nothing follows from it."""
 
 RIGID = "W-MATES-RIGID"
 
@@ -31,8 +29,8 @@ MateKey = tuple[Path, str, str]
 
 @dataclass(frozen=True, slots=True)
 class Absorbed:
-    """A mate whose place another has taken: the key of that one, and by the suffixes of its dofs which
-    dof of the other moves it and how often: its change = factor · the other's."""
+    """A mate that another one replaces: the key of that one, and by the suffixes of its dofs which dof
+    of the other moves it: its change = factor · the other's."""
 
     by: MateKey
     dofs: Mapping[str, tuple[str, float]]
@@ -46,9 +44,9 @@ class Absorbed:
 
 @dataclass(frozen=True, slots=True)
 class CombinedMates:
-    """`mates`: at most one for each two bodies, where one can say it all. `welds`: occurrences that their
-    mates hold rigidly against each other; those mates are gone. `absorbed`: by key, mates that are gone
-    but still move."""
+    """`mates`: one for each two bodies, where one mate can describe their motion. `welds`: occurrences that
+    their mates hold rigidly against each other; those mates are gone. `absorbed`: by key, mates that are
+    gone but still move."""
 
     mates: tuple[Mate, ...]
     welds: tuple[tuple[Path, Path], ...]
@@ -91,7 +89,7 @@ def combined(
 
 
 def _join(views: Sequence[View], work: _Work) -> bool:
-    """Makes one mate of several, or a weld; False where neither says what they do."""
+    """Makes one mate of several, or a weld; False where neither describes what they allow."""
     centre, size = extent(views)
     groups = [one for one in views if one.mate.ref.type != "PIN_SLOT"]
     slots = [one for one in views if one.mate.ref.type == "PIN_SLOT"]
@@ -216,20 +214,18 @@ def _made(kept: View, kind: str, frames: Sequence[Array], assembly: Assembly) ->
 def _absorb(into: View, others: Sequence[View], views: Sequence[View], size: float, work: _Work) -> None:
     """Lets one mate stand for all: with their limits, where they bound a coordinate of its own."""
     limits = [dof.limits for dof in into.dofs]
-    there = coordinates(into, np.eye(4))
     for one in others:
         moved: dict[str, tuple[str, float]] = {}
         here = coordinates(one, np.eye(4))
-        for number, (dof, tie) in enumerate(zip(one.dofs, ties(one, into, size), strict=True)):
+        for value, dof, tie in zip(here, one.dofs, ties(one, into, size), strict=True):
             if tie is not None and tie.factor:
                 moved[dof.name] = into.dofs[tie.onto].name, tie.factor
-            if dof.limits == Limits():
-                continue
-            lost = _take(limits, into, there, tie, dof.limits, here[number], dof.kind == "turn")
-            if lost:
-                _tell_lost(one, into, dof.name, lost, work.log)
+            try:
+                limits = narrowed(limits, into, tie, dof, float(value))
+            except LimitLost as lost:
+                _report_lost(one, into, dof.name, str(lost), work.log)
         work.absorbed[one.mate.ref.key] = Absorbed(into.mate.ref.key, moved)
-    work.mates.append(_limited(into, limits))
+    work.mates.append(limited(into, limits))
     word = JOINT_TYPES[into.mate.ref.type]
     work.log.report(
         "I-COMPOSED",
@@ -238,50 +234,11 @@ def _absorb(into: View, others: Sequence[View], views: Sequence[View], size: flo
     )
 
 
-def _take(
-    limits: list[Limits],
-    into: View,
-    there: Array,
-    tie: Tie | None,
-    own: Limits,
-    here: float,
-    turns: bool,
-) -> str:
-    """Narrows the limits that `tie` leads to by a mate's own; why not, where it does not."""
-    here = own.unwrap(here, MET) if turns else here
-    if tie is None or (tie.factor < 0 and into.dofs[tie.onto].kind == "ball"):
-        return "the joint has no coordinate of its own for it"
-    if not tie.factor:
-        return "" if own.contains(here, MET) else f"it stays at {here:.6g}, outside of them"
-    before = limits[tie.onto]
-    at = float(there[tie.onto])
-    at = before.unwrap(at, MET) if into.dofs[tie.onto].kind == "turn" else at
-    new = carried(own, here, tie, at)
-    lower = [end for end in (before.lower, new.lower) if end is not None]
-    upper = [end for end in (before.upper, new.upper) if end is not None]
-    narrowed = Limits(max(lower, default=None), min(upper, default=None))
-    low, high = narrowed.interval
-    if low > high:
-        return "no value is within all limits"
-    limits[tie.onto] = narrowed
-    return ""
-
-
-def _limited(into: View, limits: Sequence[Limits]) -> Mate:
-    """The mate with these limits of its dofs."""
-    drawn = dict(into.mate.limits or {})
-    for freedom, dof_limits in zip(freedoms_of(into.mate.ref.type), limits, strict=True):
-        for name, end in zip(limit_names(freedom), (dof_limits.lower, dof_limits.upper), strict=True):
-            if name and end is not None:
-                drawn[name] = end
-    return replace(into.mate, limits=drawn) if drawn else into.mate
-
-
-def _tell_lost(one: View, into: View, suffix: str, why: str, log: Diagnostics) -> None:
+def _report_lost(one: View, into: View, suffix: str, why: str, log: Diagnostics) -> None:
     what = suffix.strip("_") or JOINT_TYPES[one.mate.ref.type]
     log.report(
         "W-LIMIT-LOST",
-        f"{into.mate.title} stands for this mate too, and cannot keep the limits of its {what}: {why}",
+        f"{into.mate.title} replaces this mate, and cannot keep the limits of its {what}: {why}",
         one.mate.title,
         f"set limits on {into.mate.title}",
     )

@@ -67,7 +67,7 @@ def _require_mates(assembly: Assembly, keys: GraphKeys) -> None:
         and not assembly.mates
         and not assembly.groups
     ):
-        msg = "the assembly has no mates: its parts hang on nothing"
+        msg = "the assembly has no mates: nothing connects its parts"
         hint = "mate them in Onshape: FASTENED for what is one link, REVOLUTE or SLIDER for a joint"
         raise AssemblyError(msg, where=assembly.root.get("elementId", ""), hint=hint)
 

@@ -1,6 +1,6 @@
-"""What links weigh: the user's word in place of the sum of parts, and whether a solid can weigh so."""
+"""Mass and inertia of links: the user's values, and whether a solid can have them."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 import networkx as nx
@@ -12,18 +12,18 @@ from stages.robot.diagnostics import Diagnostics
 from stages.robot.inertia import ZERO, is_physical, large_enough, principal, scaled
 from stages.robot.model import Inertial, Link, Robot, frozen
 
-_MEND = "mend the material or the mass override in Onshape, or give inertia in mass."
+_CORRECT = "correct the material or the mass override in Onshape, or give inertia in mass."
 _LARGER = "it hardly matters to the rest; check the document's units, or FASTEN it to something larger"
-_MEND_FILE = (
-    "mend it in the file, give mass: {links: {...}}, or say source.bad_inertia: recompute (from the shapes) "
-    "or project (to the nearest possible one)"
+_CORRECT_FILE = (
+    "correct it in the file, give mass: {links: {...}}, or set source.bad_inertia: recompute (from the "
+    "shapes) or project (to the nearest possible one)"
 )
 
 
 def with_given_masses(robot: Robot, wanted: Mapping[str, LinkMassKeys], log: Diagnostics) -> Robot:
-    """The robot with what `mass.links` says about its links: later entries win, value by value.
+    """The robot with the mass properties of the key `mass.links`: later entries win, value by value.
 
-    E-GLOB for a glob that matches no link; E-MASS where too little is said of a link without mass.
+    E-GLOB for a glob that matches no link; E-MASS where values are missing of a link without mass.
     """
     names = [{link.name} for link in robot.links]
     asked = list(wanted.values())
@@ -55,39 +55,59 @@ def _given(link: Link, asked: LinkMassKeys, log: Diagnostics) -> Link:
 
 
 def check_links(robot: Robot, log: Diagnostics, drawn: bool = True) -> None:
-    """E-MASS for what moves without mass, E-INERTIA for an inertia that no solid can have.
+    """E-MASS for links that move without mass, E-INERTIA for inertias that no solid can have.
 
-    What hangs together by fixed joints moves as one, so a link in it may be without mass; where parts
-    are known to lack theirs, that is told of no link. W-INERTIA: a part whose own inertia is impossible,
-    in a link whose inertia is not. `drawn`: whether CAD is where it can be mended, and not a file.
+    `drawn`: whether they are to be corrected in CAD, and not in a file.
     """
-    lacking = any(one.code == "E-MASS" for one in log.problems)
-    for link in () if lacking else _moving_without_mass(robot):
-        text = "the link moves, but has no mass"
-        hint = f"mass: {{links: {{{as_key(link.name)}: {{mass: ...}}}}}}"
-        if link.parts and drawn:
-            text = "the link has no mass: it is nothing but sheets, or what weighs nothing"
-            hint = "fasten it to a solid part, or thicken it, in Onshape"
-        log.report("E-MASS", text, link.name, hint)
+    _check_masses(robot, log, drawn)
     # Parts of a kind share one inertial, which is looked at once.
     inertials = {id(part.inertial): part.inertial for link in robot.links for part in link.parts}
     impossible = {key for key, one in inertials.items() if one.mass > 0 and not is_physical(one)}
-    told: set[int] = set()
+    _check_link_inertias(robot, impossible, log, drawn)
+    _check_part_inertias(robot, impossible, log)
+
+
+def _check_masses(robot: Robot, log: Diagnostics, drawn: bool) -> None:
+    """E-MASS by link, unless parts are known to have no mass, which is reported already.
+
+    Links that fixed joints hold together move as one, so one of them may be without mass.
+    """
+    if any(one.code == "E-MASS" for one in log.problems):
+        return
+    for link in _moving_without_mass(robot):
+        text = "the link moves, but has no mass"
+        hint = f"mass: {{links: {{{as_key(link.name)}: {{mass: ...}}}}}}"
+        if link.parts and drawn:
+            text = "the link has no mass: all its parts are sheets or weigh nothing"
+            hint = "fasten it to a solid part, or thicken it, in Onshape"
+        log.report("E-MASS", text, link.name, hint)
+
+
+def _has_impossible_inertia(link: Link) -> bool:
+    return link.inertial.mass > 0 and not is_physical(link.inertial)
+
+
+def _check_link_inertias(robot: Robot, impossible: Collection[int], log: Diagnostics, drawn: bool) -> None:
+    """E-INERTIA for each link. `impossible`: ids of the inertials of parts that no solid can have."""
+    for link in filter(_has_impossible_inertia, robot.links):
+        moments = ", ".join(f"{moment:.4g}" for moment in principal(link.inertial.inertia))
+        text = f"no solid can have the inertia of the link {link.name!r}: its principal moments are "
+        culprits = [part.name for part in link.parts if id(part.inertial) in impossible]
+        hint = f"{_CORRECT}{'parts' if culprits else 'links'}" if drawn else _CORRECT_FILE
+        log.report("E-INERTIA", f"{text}{moments} kg m²", listed(culprits) or link.name, hint)
+
+
+def _check_part_inertias(robot: Robot, impossible: Collection[int], log: Diagnostics) -> None:
+    """W-INERTIA, once for each kind of part, in links whose own inertia is possible."""
+    reported: set[int] = set()
     for link in robot.links:
-        culprits = [part for part in link.parts if id(part.inertial) in impossible]
-        if link.inertial.mass > 0 and not is_physical(link.inertial):
-            moments = ", ".join(f"{moment:.4g}" for moment in principal(link.inertial.inertia))
-            text = f"the link {link.name!r} has an inertia that no solid can have"
-            text = f"{text}: its principal moments are {moments} kg m²"
-            where = listed(part.name for part in culprits) or link.name
-            hint = f"{_MEND}{'parts' if culprits else 'links'}" if drawn else _MEND_FILE
-            log.report("E-INERTIA", text, where, hint)
+        if link.given is not None or _has_impossible_inertia(link):
             continue
-        for part in culprits if link.given is None else ():
-            if id(part.inertial) not in told:
-                told.add(id(part.inertial))
+        for part in link.parts:
+            if id(part.inertial) in impossible and id(part.inertial) not in reported:
+                reported.add(id(part.inertial))
                 text = f"no solid can have the part's inertia; that of its link {link.name!r} is possible"
-                log.report("W-INERTIA", text, part.name, f"{_MEND}parts")
+                log.report("W-INERTIA", text, part.name, f"{_CORRECT}parts")
 
 
 def with_least_inertias(robot: Robot, log: Diagnostics) -> Robot:
@@ -99,7 +119,9 @@ def with_least_inertias(robot: Robot, log: Diagnostics) -> Robot:
         found = own if own.mass <= 0 or not is_physical(own) else large_enough(own)
         if found is not own:
             was, now = (_weight(one) for one in (own, found))
-            text = f"less than MuJoCo takes of a body that moves ({was}): it gets the least ({now})"
+            text = (
+                f"below MuJoCo's least mass or inertia of a moving body ({was}): the least was used ({now})"
+            )
             log.report("W-INERTIA-LEAST", text, link.name, _LARGER)
             link = replace(link, inertial=found, given=found)
         links.append(link)
