@@ -22,6 +22,8 @@ from pipeline.preflight import beforehand
 
 HEADER = "# @package _global_\n"
 
+DATA = "the robot's data"
+
 TRUSTING = {"source.trust": "trust=True", "plugins": "plugins=[...]"}
 """Key that only its caller can give → the argument of `build` that gives it."""
 
@@ -46,14 +48,18 @@ def plan_of(
     overrides += [f"plugins=[{','.join(map(hydra_text, plugins))}]"] if plugins else []
     overrides += [f"output={hydra_text(os.fspath(output))}"] if output is not None else []
     folders = [os.fspath(folder) for folder in config_dirs]
-    with _ALONE, robot_file(robots[0] if robots else None) as file:
+    robot = robots[0] if robots else None
+    with _ALONE, robot_file(robot) as file:
         chosen = [f"robot={file}"] if file else []
         try:
             return compose_plan([*chosen, *overrides], folders, judge=beforehand).plan
         except ConfigError as error:
             if not error.problems:
                 raise
-            raise refusal([_in_python(problem) for problem in error.problems]) from None
+            problems = [_in_python(problem) for problem in error.problems]
+            if isinstance(robot, Mapping):
+                problems = [_without_file(problem, Path(file)) for problem in problems]
+            raise refusal(problems) from None
 
 
 def is_robot(one: object) -> bool:
@@ -112,3 +118,11 @@ def _in_python(problem: Diagnostic) -> Diagnostic:
     if problem.code != CODE or problem.where not in TRUSTING:
         return problem
     return replace(problem, hint=f"if you trust it: linkwright.build(..., {TRUSTING[problem.where]})")
+
+
+def _without_file(problem: Diagnostic, file: Path) -> Diagnostic:
+    """A problem of a robot that is data, without the path of the file that it had for a while."""
+    name = re.escape(f"{file.parent.name}/{file.stem}")
+    path = re.compile(rf"[^\s'\"]*{re.escape(file.parent.parent.name)}/{name}(\.yaml)?|\b{name}\.yaml")
+    texts = (path.sub(DATA, text) for text in (problem.message, problem.where, problem.hint))
+    return Diagnostic(problem.code, *texts)

@@ -92,6 +92,16 @@ def test_data_that_is_none_is_refused_with_its_key():
     assert "got object" in error.problems[0].message
 
 
+@pytest.mark.parametrize(
+    "defaults", ["x", [{"override /nope": "x"}], [{"override /root": "free"}, {"override /root": "fixed"}]]
+)
+def test_what_is_wrong_with_data_names_no_file(defaults):
+    text = render(refused({"defaults": defaults}))
+    assert "the robot's data" in text
+    assert "tmp" not in text
+    assert ".yaml" not in text
+
+
 def test_one_robot_is_built_at_a_time():
     assert "got robot/arm.yaml and a mapping" in refused("robot/arm.yaml", DATA).message
 
