@@ -9,7 +9,8 @@ from pathlib import Path
 import mujoco
 
 from stages.fetch.mjcf import size_bounds
-from stages.fetch.mjcf.compiled import Meshes, taken
+from stages.fetch.mjcf.compiled import convert
+from stages.fetch.mjcf.meshes import Meshes
 from stages.robot import codec
 from stages.robot.errors import SourceError
 from stages.robot.mujoco_warnings import listening
@@ -28,7 +29,7 @@ def answer(request: bytes) -> bytes:
     size_bounds.require(path, [Path(text) for text in asked["texts"]])
     model, spec, warnings = _compiled(path)
     meshes = Meshes(model)
-    body = codec.dump(taken(model, spec, meshes, path.name))
+    body = codec.dump(convert(model, spec, meshes, path.name))
     blobs = {key: meshes.blobs[digest] for key, digest in sorted(meshes.keys.items())}
     lengths = [[key, len(blob)] for key, blob in blobs.items()]
     head = {"warnings": warnings, "model": len(body), "meshes": lengths}
@@ -43,12 +44,12 @@ def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
             spec.compiler.discardvisual = False
             model = spec.compile()
         except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
-            msg = f"MuJoCo refuses it: {_said(str(error), path)}"
+            msg = f"MuJoCo refuses it: {_in_one_line(str(error), path)}"
             raise SourceError(msg, path.name, _HINT) from None
-    return model, spec, [_said(text, path) for text in sorted(set(heard))]
+    return model, spec, [_in_one_line(text, path) for text in sorted(set(heard))]
 
 
-def _said(text: str, path: Path) -> str:
+def _in_one_line(text: str, path: Path) -> str:
     """MuJoCo's words in one line, without the folder that the model is in."""
     for folder in (str(path.resolve().parent), str(path.absolute().parent), str(path.parent)):
         if len(folder) > 1:

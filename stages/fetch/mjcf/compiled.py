@@ -1,17 +1,15 @@
-"""From a model that MuJoCo compiled to values of our own, and the triangles of its meshes."""
+"""Converts a model that MuJoCo compiled to values of our own."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Mapping
-from hashlib import sha256
 
 import mujoco
 import numpy as np
 
 from stages.fetch.mjcf.effort import efforts
+from stages.fetch.mjcf.meshes import Meshes, placed
 from stages.fetch.mjcf.unsupported import carried, left_out
-from stages.formats import triangles
 from stages.formats.mjcf import (
     Mjcf,
     MjcfBody,
@@ -24,10 +22,10 @@ from stages.formats.mjcf import (
     MjcfSite,
 )
 from stages.robot.errors import SourceError
-from stages.robot.geometry import NEUTRAL, Colour
+from stages.robot.geometry import Colour
 from stages.robot.inertia import moved
-from stages.robot.model import Array, Dynamics, Inertial, Limits, MeshRef, frozen
-from stages.robot.poses import from_parts, inverse, rotation_from_quat
+from stages.robot.model import Array, Dynamics, Inertial, Limits, frozen
+from stages.robot.poses import inverse
 
 JOINTS: Mapping[int, MjcfJointType] = {
     mujoco.mjtJoint.mjJNT_HINGE: "hinge",
@@ -61,48 +59,11 @@ _FINITE = (
 """What must be numbers: MuJoCo compiles a NaN, with a warning."""
 
 
-class Meshes:
-    """The triangles of a model's meshes, a blob for each mesh in each colour that is asked for.
-
-    `keys`: the digest of each by its key; `blobs`: the compact form by digest.
-    """
-
-    def __init__(self, model: mujoco.MjModel) -> None:
-        self._model = model
-        self.keys: dict[str, str] = {}
-        self.blobs: dict[str, bytes] = {}
-
-    def ref(self, mesh: int, colour: Colour | None) -> MeshRef:
-        """Where the triangles of a mesh in this colour are."""
-        model = self._model
-        name = model.mesh(mesh).name
-        told = sha256(repr((mesh, name, colour)).encode()).hexdigest()[:12]
-        key = f"{re.sub(r'[^A-Za-z0-9_]+', '_', name)[:40]}-{told}"
-        if key not in self.keys:
-            body = triangles.encode([self._body(key, mesh, colour or NEUTRAL)])
-            self.keys[key] = sha256(body).hexdigest()
-            self.blobs[self.keys[key]] = body
-        return MeshRef(self.keys[key], key)
-
-    def asset_from_mesh(self, mesh: int) -> Array:
-        """(4, 4): MuJoCo turns a mesh to its principal axes about its centre, and each geom with it."""
-        return placed(self._model.mesh_pos[mesh], self._model.mesh_quat[mesh])
-
-    def _body(self, key: str, mesh: int, colour: Colour) -> triangles.Body:
-        model = self._model
-        first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
-        pose = self.asset_from_mesh(mesh)
-        points = model.mesh_vert[first : first + count].astype(np.float64) @ pose[:3, :3].T + pose[:3, 3]
-        first, count = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
-        faces = np.array(model.mesh_face[first : first + count], dtype=np.int32)
-        return triangles.Body(key, points, faces, (colour,), np.zeros(len(faces), dtype=np.uint16))
-
-
-def taken(model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, where: str) -> Mjcf:
+def convert(model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, where: str) -> Mjcf:
     """The model as a value; `spec` is what it was compiled from, and `where` names its file. SourceError
     where a number is not finite.
 
-    What is posed by hand (a mocap body) is no part of a robot and is left out with all below it.
+    Mocap bodies are no part of a robot and are left out with all below them.
     """
     if model.nbody < 2:
         msg = "not readable as an MJCF: it has no body"
@@ -139,11 +100,6 @@ def taken(model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, where: str
     )
 
 
-def placed(position: Array, quat: Array) -> Array:
-    """The pose (4, 4) of MuJoCo's position and quaternion (w, x, y, z)."""
-    return frozen(from_parts(rotation_from_quat(quat), np.asarray(position, dtype=np.float64)))
-
-
 def geom_shows(model: mujoco.MjModel, geom: int) -> bool:
     """Whether a geom is there to be looked at alone."""
     touches = model.geom_contype[geom] or model.geom_conaffinity[geom]
@@ -153,7 +109,7 @@ def geom_shows(model: mujoco.MjModel, geom: int) -> bool:
 def _require_finite(model: mujoco.MjModel, where: str) -> None:
     wrong = [name for name in _FINITE if not np.isfinite(getattr(model, name)).all()]
     if wrong:
-        msg = f"not readable as an MJCF: it holds numbers that are none (NaN or infinite): {', '.join(wrong)}"
+        msg = f"invalid MJCF: NaN or infinite values in {', '.join(wrong)}"
         raise SourceError(msg, where, "look for nan and inf in the file")
 
 
@@ -189,7 +145,7 @@ def _joint(model: mujoco.MjModel, joint: int, limits: Mapping[int, float]) -> Mj
     low, high = (float(bound) for bound in model.jnt_range[joint])
     ranged = scalar and model.jnt_limited[joint]
 
-    def told(value: float) -> float | None:
+    def unless_zero(value: float) -> float | None:
         return float(value) if kind != "free" and value else None
 
     return MjcfJoint(
@@ -203,9 +159,9 @@ def _joint(model: mujoco.MjModel, joint: int, limits: Mapping[int, float]) -> Mj
             high if ranged and high < _OPEN else None,
         ),
         dynamics=Dynamics(
-            damping=told(model.dof_damping[dof]),
-            friction=told(model.dof_frictionloss[dof]),
-            armature=told(model.dof_armature[dof]),
+            damping=unless_zero(model.dof_damping[dof]),
+            friction=unless_zero(model.dof_frictionloss[dof]),
+            armature=unless_zero(model.dof_armature[dof]),
             effort=limits.get(joint),
         ),
     )
@@ -265,7 +221,7 @@ def _site(model: mujoco.MjModel, site: int) -> MjcfSite:
 
 
 def _closures(model: mujoco.MjModel, numbers: Mapping[int, int]) -> Iterator[MjcfClosure]:
-    """Connects and welds. Said by bodies, `eq_data` of a connect is the point in both; of a weld the point
+    """Connects and welds. Between bodies, `eq_data` of a connect is the point in both; of a weld the point
     in the second, the same in the first, and first_from_second as a quaternion."""
     for eq in range(model.neq):
         kind = int(model.eq_type[eq])

@@ -1,4 +1,4 @@
-"""What an MJCF says that a robot of ours does not hold: told by name, never dropped in silence."""
+"""What an MJCF has that a robot of ours does not hold: reported by name, never dropped in silence."""
 
 from collections.abc import Collection, Iterable, Iterator
 from typing import Any
@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 
 from stages.fetch.mjcf.unsupported_fields import (
-    Left,
+    Omission,
     of_elements,
     of_options,
     of_the_file,
@@ -25,7 +25,7 @@ _SOLID = (
 )
 
 _SHOWN = 5
-"""So many names of each kind are told."""
+"""The most names of each kind that are reported."""
 
 
 def left_out(model: Any, spec: Any, kept: Collection[int], where: str) -> Iterator[Diagnostic]:
@@ -45,17 +45,17 @@ def left_out(model: Any, spec: Any, kept: Collection[int], where: str) -> Iterat
         *of_the_viewer(model),
         *of_the_file(spec),
     ]
-    weighty = [_text(one) for one in found if one.weighty]
-    if weighty:
-        text = f"not carried over, though the robot moves otherwise without: {'; '.join(weighty)}"
-        yield Diagnostic("W-MJCF-LEFT", text, where, "look whether the robot can do without")
-    beside = [_text(one) for one in found if not one.weighty]
+    affects_motion = [_text(one) for one in found if one.affects_motion]
+    if affects_motion:
+        text = f"not carried over, so the robot may move differently: {'; '.join(affects_motion)}"
+        yield Diagnostic("W-MJCF-LEFT", text, where, "check whether the robot needs it")
+    beside = [_text(one) for one in found if not one.affects_motion]
     if beside:
-        text = f"not carried over, as it is no part of the mechanism: {'; '.join(beside)}"
+        text = f"not carried over, no part of the mechanism: {'; '.join(beside)}"
         yield Diagnostic("I-MJCF-LEFT", text, where)
 
 
-def _text(left: Left) -> str:
+def _text(left: Omission) -> str:
     """What is left, how often, and the names of the first few."""
     if not left.names:
         return left.words
@@ -80,30 +80,29 @@ def carried(model: Any, eq: int, kept: Collection[int]) -> bool:
     return first in kept and second in kept
 
 
-def _some(words: str, weighty: bool, names: Iterable[str]) -> Iterator[Left]:
+def _some(words: str, affects_motion: bool, names: Iterable[str]) -> Iterator[Omission]:
     """What there is some of."""
     every = tuple(names)
     if every:
-        yield Left(words, weighty, every)
+        yield Omission(words, affects_motion, every)
 
 
-def _bodies(model: Any, kept: Collection[int]) -> Iterator[Left]:
-    """Bodies that are posed by hand, and how bodies sleep."""
+def _bodies(model: Any, kept: Collection[int]) -> Iterator[Omission]:
+    """Mocap bodies, and how bodies sleep."""
     yield from _some("body mocap", True, (model.body(b).name for b in range(model.nbody) if b not in kept))
     policies = getattr(model, "tree_sleep_policy", ())  # of MuJoCo 3.4 and later
     trees = (tree for tree, policy in enumerate(policies) if "AUTO" not in mujoco.mjtSleepPolicy(policy).name)
     yield from _some("body sleep", False, (model.body(int(model.tree_bodyadr[tree])).name for tree in trees))
 
 
-def _joints(model: Any, kept: Collection[int]) -> Iterator[Left]:
-    """What joints say beyond single fields: springs at rest elsewhere, ranges that are no limits of ours, and
-    what holds a body back that floats."""
+def _joints(model: Any, kept: Collection[int]) -> Iterator[Omission]:
+    """Springs at rest elsewhere, ranges that are not limits of ours, and what acts on a free joint."""
     joints = [joint for joint in range(model.njnt) if int(model.jnt_bodyid[joint]) in kept]
     of = {kind: [joint for joint in joints if model.jnt_type[joint] == kind] for kind in range(4)}
     scalar = [*of[mujoco.mjtJoint.mjJNT_HINGE], *of[mujoco.mjtJoint.mjJNT_SLIDE]]
     balls, afloat = of[mujoco.mjtJoint.mjJNT_BALL], of[mujoco.mjtJoint.mjJNT_FREE]
 
-    def named(words: str, found: Iterable[int]) -> Iterator[Left]:
+    def named(words: str, found: Iterable[int]) -> Iterator[Omission]:
         return _some(words, True, (model.joint(joint).name for joint in sorted(found)))
 
     rest = model.qpos_spring[model.jnt_qposadr]
@@ -115,11 +114,11 @@ def _joints(model: Any, kept: Collection[int]) -> Iterator[Left]:
     yield from named("joint actuatorfrcrange, where it is not the same both ways", uneven_bounds)
     for word in ("damping", "armature", "frictionloss"):
         values = getattr(model, f"dof_{word}")
-        held = (joint for joint in afloat if values[model.jnt_dofadr[joint] :][:6].any())
-        yield from named(f"joint {word} of a free joint", held)
+        acting = (joint for joint in afloat if values[model.jnt_dofadr[joint] :][:6].any())
+        yield from named(f"joint {word} of a free joint", acting)
 
 
-def _ties(model: Any, kept: Collection[int], carried_over: Collection[int]) -> Iterator[Left]:
+def _ties(model: Any, kept: Collection[int], carried_over: Collection[int]) -> Iterator[Omission]:
     """Equalities, tendons and what bends."""
     lost = (model.equality(eq).name for eq in range(model.neq) if eq not in carried_over)
     yield from _some("equality", True, lost)
@@ -130,7 +129,7 @@ def _ties(model: Any, kept: Collection[int], carried_over: Collection[int]) -> I
     yield from _some("flex", True, _names(model, mujoco.mjtObj.mjOBJ_FLEX, model.nflex))
 
 
-def _geoms(model: Any, kept: Collection[int]) -> Iterator[Left]:
+def _geoms(model: Any, kept: Collection[int]) -> Iterator[Omission]:
     """Geoms that are left out, and what those that are not say in several fields."""
     every = range(model.ngeom)
     own = [geom for geom in every if model.geom_bodyid[geom] and int(model.geom_bodyid[geom]) in kept]
@@ -176,7 +175,7 @@ _KINDS = {
 """Elements that are left out as a whole, with what MuJoCo calls them and their number."""
 
 
-def _elements(model: Any) -> Iterator[Left]:
+def _elements(model: Any) -> Iterator[Omission]:
     for words, (kind, count) in _KINDS.items():
         yield from _some(words, False, _names(model, getattr(mujoco.mjtObj, kind), getattr(model, count)))
     yield from _some(

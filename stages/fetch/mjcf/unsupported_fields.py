@@ -20,13 +20,13 @@ _PLAIN = """<mujoco><asset><material name="m"/></asset><worldbody>
 
 
 @dataclass(frozen=True, slots=True)
-class Left:
+class Omission:
     """What is not carried over: `words` as an MJCF has them, and the names of the elements that say it
-    ("" for one without a name; none at all for what there is one of). `weighty`: without it the robot
+    ("" for one without a name; none at all for what there is one of). `affects_motion`: without it the robot
     moves otherwise."""
 
     words: str
-    weighty: bool
+    affects_motion: bool
     names: tuple[str, ...] = ()
 
 
@@ -45,7 +45,7 @@ _TAKEN: Mapping[str, Collection[str]] = {
     "eq": ("type", "objtype", "data", "active0"),
     "mat": ("rgba",),
 }
-"""Fields that are carried over, or follow from what is, or are named by `mjcfleft`."""
+"""Fields that are carried over, or follow from what is, or are named by `unsupported`."""
 
 _PLACES = ("id", "adr", "num", "invweight0")
 _NO_PLACES = ("fluid", "texid", "matid", "dataid")
@@ -98,7 +98,7 @@ def _plain() -> Any:
     return mujoco.MjModel.from_xml_string(_PLAIN)
 
 
-def of_elements(model: Any, kept: Collection[int], carried: Collection[int]) -> Iterator[Left]:
+def of_elements(model: Any, kept: Collection[int], carried: Collection[int]) -> Iterator[Omission]:
     """What the elements on the bodies `kept`, and the equalities `carried`, say."""
     rows: Mapping[str, Sequence[int]] = {
         "jnt": [n for n in range(model.njnt) if int(model.jnt_bodyid[n]) in kept],
@@ -109,7 +109,7 @@ def of_elements(model: Any, kept: Collection[int], carried: Collection[int]) -> 
         "eq": sorted(carried),
         "mat": range(model.nmat),
     }
-    found: dict[str, Left] = {}
+    found: dict[str, Omission] = {}
     for kind, numbers in rows.items():
         for field in _fields(kind):
             whole = f"{kind}_{field}"
@@ -119,7 +119,7 @@ def of_elements(model: Any, kept: Collection[int], carried: Collection[int]) -> 
                 words = _WORDS.get(whole, f"{_ELEMENTS.get(kind, kind)} {field}")
                 before = found[words].names if words in found else ()
                 every = before + tuple(name for name in names if not name or name not in before)
-                found[words] = Left(words, not whole.startswith(_LIGHT), every)
+                found[words] = Omission(words, not whole.startswith(_LIGHT), every)
     yield from found.values()
 
 
@@ -174,14 +174,14 @@ _NAMES: Mapping[str, Callable[[Any, int], str]] = {
 }
 
 
-def of_options(model: Any) -> Iterator[Left]:
+def of_options(model: Any) -> Iterator[Omission]:
     """Options and flags that are not MuJoCo's own."""
     for field in _members(model.opt):
         value, usual = (np.atleast_1d(getattr(one.opt, field)) for one in (model, _plain()))
         if field.endswith("flags"):
             yield from _flags(field, int(value[0]), int(usual[0]))
         elif not np.allclose(value, usual, rtol=1e-6, atol=_NEAR if field == "gravity" else 1e-15):
-            yield Left(f"option {_OPTIONS.get(field, field)}{_value(field, value)}", field in _WORLD)
+            yield Omission(f"option {_OPTIONS.get(field, field)}{_value(field, value)}", field in _WORLD)
 
 
 _OPTIONS = {"disableactuator": "actuatorgroupdisable"}
@@ -201,39 +201,39 @@ def _value(field: str, value: Any) -> str:
     return "" if field in _OPTIONS else f'="{_text(value)}"'
 
 
-def _flags(field: str, value: int, usual: int) -> Iterator[Left]:
+def _flags(field: str, value: int, usual: int) -> Iterator[Omission]:
     kinds = mujoco.mjtDisableBit if field == "disableflags" else mujoco.mjtEnableBit
     for name, flag in kinds.__members__.items():
         bit = int(flag)
         if bit.bit_count() == 1 and not name.startswith("mjN") and (value ^ usual) & bit:
             word = name.split("_", 1)[1].lower()
             on = bool(value & bit) == (field == "enableflags")
-            yield Left(f'flag {word}="{"enable" if on else "disable"}"', word in _FLAGS)
+            yield Omission(f'flag {word}="{"enable" if on else "disable"}"', word in _FLAGS)
 
 
-def of_the_viewer(model: Any) -> Iterator[Left]:
+def of_the_viewer(model: Any) -> Iterator[Omission]:
     """What <visual> says: parts of it, and what of them."""
     for part in _members(model.vis):
         mine, plain = getattr(model.vis, part), getattr(_plain().vis, part)
         names = [n for n in _members(mine) if not np.array_equal(getattr(mine, n), getattr(plain, n))]
         if names:
-            yield Left(f"visual {part.removesuffix('_')}", False, tuple(names))
+            yield Omission(f"visual {part.removesuffix('_')}", False, tuple(names))
 
 
 _SIZES = ("memory", "nconmax", "njmax", "nkey", "nuser")
 """Beginnings of what <size> makes room for."""
 
 
-def of_the_file(spec: Any) -> Iterator[Left]:
+def of_the_file(spec: Any) -> Iterator[Omission]:
     """What <size> and <statistic> say, which the compiled model does not tell from what follows."""
     fresh = mujoco.MjSpec()
     for name in (name for name in dir(fresh) if name.startswith(_SIZES)):
         if getattr(spec, name) != getattr(fresh, name):
-            yield Left(f'size {name}="{getattr(spec, name)}"', False)
+            yield Omission(f'size {name}="{getattr(spec, name)}"', False)
     for name in _members(spec.stat):
         value, usual = (np.atleast_1d(getattr(one.stat, name)).astype(float) for one in (spec, fresh))
         if not np.array_equal(value, usual, equal_nan=True):
-            yield Left(f'statistic {name}="{_text(value)}"', False)
+            yield Omission(f'statistic {name}="{_text(value)}"', False)
 
 
 def _members(struct: Any) -> list[str]:
