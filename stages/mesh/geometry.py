@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from stages.mesh import Memo, link_mesh, primitives, tessellation
+from stages.mesh import link_mesh, primitives, tessellation
 from stages.mesh.com_check import unbalanced
 from stages.mesh.diagnostics import diagnostics
 from stages.mesh.link_mesh import ColliderMaker, Finding, LinkMesh, Use
@@ -16,10 +16,11 @@ from stages.robot.geometry import Geometry, Role, Shape
 from stages.robot.model import Link, MeshRef, Part, Robot
 
 if TYPE_CHECKING:
+    from stages.mesh import Memo
     from stages.mesh.keys import MeshKeys
 
 
-def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: Memo) -> Geometry:
+def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo") -> Geometry:
     """The shapes of all links. ProtocolError where triangles cannot be read."""
     library = _Library(robot.links, bundle)
     meshes: dict[str, LinkMesh] = {}
@@ -41,7 +42,7 @@ def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: Memo) -> Geom
     return Geometry(tuple(shapes), files, tuple(problems))
 
 
-def _link_mesh(uses: list[Use], library: "_Library", collider: str, memo: Memo) -> LinkMesh:
+def _link_mesh(uses: list[Use], library: "_Library", collider: str, memo: "Memo") -> LinkMesh:
     if not uses:
         return LinkMesh((), (), ())
 

@@ -35,4 +35,5 @@ def validate(folder: Path, robot: "Robot", keys: "ValidateKeys") -> "tuple[Check
     that fails does not stop the others."""
     from stages.validate.run import check_files
 
-    return tuple(check_files(folder, robot, thorough=keys.validate.level != "quick"))
+    checks = () if keys.validate.level == "quick" else CHECKS
+    return tuple(check_files(folder, robot, ENGINES, checks))

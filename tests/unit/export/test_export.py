@@ -43,7 +43,9 @@ def test_limits_effort_and_damping_arrive_in_both_files(kit: Kit, tmp_path: Path
     assert dict(dynamics.attrib) == {"damping": "0.1", "friction": "0.02"}
 
 
-def test_a_joint_without_limits_is_continuous_and_what_urdf_made_up_is_told(kit: Kit, tmp_path: Path) -> None:
+def test_a_joint_without_limits_is_continuous_and_urdf_defaults_are_reported(
+    kit: Kit, tmp_path: Path
+) -> None:
     two_links(kit)
     exported = write(robot_of(kit.document), tmp_path)
     joint = parse(exported.files["robot.urdf"]).find("joint")

@@ -60,15 +60,15 @@ def set_values(model: mujoco.MjModel, robot: Robot, q: Mapping[str, Value]) -> m
     """The tree's joints at `q`; the robot stands at the world's origin."""
     data = mujoco.MjData(model)
     start = starting_point(robot)
-    for held in robot.joints:
-        for dof in held.dofs:
+    for one in robot.joints:
+        for dof in one.dofs:
             numbers: object = q[dof.name]
             pose = motion(dof.kind, dof.axis, q[dof.name])
             if dof.kind == "ball":
                 zero = motion(dof.kind, dof.axis, start[dof.name])
                 numbers = quat_from_rotation((inverse(zero) @ pose)[:3, :3])
             if dof.kind == "free":
-                pose = held.parent_from_joint @ pose
+                pose = one.parent_from_joint @ pose
                 numbers = [*pose[:3, 3], *quat_from_rotation(pose[:3, :3])]
             first = model.joint(dof.name).qposadr[0]
             data.qpos[first : first + np.size(numbers)] = numbers
@@ -164,7 +164,7 @@ def test_keyframes_are_in_mujocos_order_whatever_the_order_of_the_links() -> Non
             assert np.abs(body_pose(data, name) - pose).max() < NUMBERS
 
 
-def test_limits_and_dynamics_belong_to_each_dof_and_a_cone_is_told() -> None:
+def test_limits_and_dynamics_belong_to_each_dof_and_a_cone_is_reported() -> None:
     limits = {"arm_joint_slide": Limits(-0.1, 0.2), "tip_joint": Limits(upper=0.5)}
     dynamics = Dynamics(damping=0.1, friction=0.2, armature=0.3, effort=4.0)
     joints = [
@@ -177,13 +177,13 @@ def test_limits_and_dynamics_belong_to_each_dof_and_a_cone_is_told() -> None:
     assert not model.jnt_limited[model.joint("arm_joint_turn").id]
     assert not model.jnt_limited[model.joint("tip_joint").id]
     assert list(model.dof_damping) == [0.1] * 5
-    told = list(unsupported(robot, starting_point(robot)))
-    assert [(one.code, one.where) for one in told] == [
+    found = list(unsupported(robot, starting_point(robot)))
+    assert [(one.code, one.where) for one in found] == [
         ("W-BALL-CONE", "robot.xml"),
         ("W-BALL-EFFORT", "robot.xml"),
         ("I-BALL-ZERO", "robot.xml"),
     ]
-    assert all("tip_joint" in one.message for one in told)
+    assert all("tip_joint" in one.message for one in found)
 
 
 @pytest.mark.parametrize("size", [1.0, 1e-7, 1e-10])
@@ -374,7 +374,7 @@ def test_a_loop_of_slides_holds_under_load() -> None:
     assert np.abs([data.joint(name).qpos[0] for name in names] - moved_by).max() < 1e-4 * reach
 
 
-def test_a_carrier_hangs_on_what_stands_still_and_shares_what_moves() -> None:
+def test_a_carrier_is_on_the_fixed_link_and_shares_the_moving_one() -> None:
     """The mate's first entity is on the ground, which may have no mass: the chain runs the other way."""
     rng = np.random.default_rng(6)
     values = (0.1, 0.2, 0.7)
@@ -438,7 +438,7 @@ def test_the_scene_reads_the_robot_with_all_of_it(tmp_path: Path) -> None:
     assert model.geom("floor").type == mujoco.mjtGeom.mjGEOM_PLANE
 
 
-def test_a_floating_base_has_a_free_joint_and_stands_where_the_scene_says(kit: Kit, tmp_path: Path) -> None:
+def test_a_floating_base_has_a_free_joint_and_the_pose_that_the_scene_gives(kit: Kit, tmp_path: Path) -> None:
     arm, hand = kit.place("Arm"), kit.place("Hand")
     kit.root.revolute("Wrist", (hand, TOP), (arm, SIDE), limits=(-1, 1))
     plan = plan_of(scene={"pose": {"xyz": [1, 2, 3], "rpy": [0, 0, math.pi / 2]}}, root={"select": "arm"})

@@ -29,7 +29,7 @@ from tests.support.robots import (
 )
 
 
-def told(robot: Robot) -> dict:
+def described(robot: Robot) -> dict:
     return json.loads(describe(robot, saved_configuration(robot)))
 
 
@@ -68,7 +68,7 @@ def test_the_file_alone_gives_the_poses_of_all_links(kind, backwards) -> None:
     origins = [pose(rng) for _ in range(3)]
     first = joint(kind, "base", "one", place=pose(rng), backwards=backwards, origins=origins)
     robot = robot_with([first, joint("revolute", "one", "two", place=pose(rng))])
-    table = told(robot)
+    table = described(robot)
     q = some_values(robot, rng)
     expected, found = link_poses(robot, q), {"base": np.eye(4)}
     for record in table["joints"]:
@@ -85,7 +85,7 @@ def test_every_dof_has_one_form_and_its_own_numbers() -> None:
     arm = joint("planar", "base", "arm", (0.1, 0.2, 3.0), limits=limits, dynamics=dynamics)
     ball = joint("ball", "arm", "hand", limits={"hand_joint": Limits(None, 0.4)})
     robot = robot_with([arm, ball, joint("free", "base", "nut"), joint("fixed", "arm", "cap")])
-    records = {record["name"]: record for record in told(robot)["joints"]}
+    records = {record["name"]: record for record in described(robot)["joints"]}
     dofs = {dof["name"]: dof for record in records.values() for dof in record["dofs"]}
     assert list(dofs) == [dof.name for dof in robot.dofs]
     forms = {" ".join(dof) for dof in dofs.values() if dof["kind"] != "ball"}
@@ -109,7 +109,7 @@ def test_every_dof_has_one_form_and_its_own_numbers() -> None:
 def test_a_ball_has_the_value_of_its_chain_and_of_its_mate(backwards) -> None:
     value = some_value("ball", np.random.default_rng(2))
     robot = robot_with([joint("ball", "base", "arm", (value,), backwards=backwards)])
-    (dof,) = told(robot)["joints"][0]["dofs"]
+    (dof,) = described(robot)["joints"][0]["dofs"]
     assert dof["mate_quat"] == pytest.approx(value, abs=1e-11)
     back = (value[0], *(-x for x in value[1:])) if backwards else value
     assert dof["saved"] == dof["qpos0"] == pytest.approx(back, abs=1e-11)
@@ -123,7 +123,7 @@ def test_qpos0_is_the_start_and_not_the_saved_pose() -> None:
     assert table["joints"][1]["dofs"][0]["qpos0"] == [1, 0, 0, 0]
 
 
-def test_where_a_ball_is_zero_is_told_by_format(tmp_path) -> None:
+def test_where_a_ball_is_zero_is_reported_by_format(tmp_path) -> None:
     """Its loop is closed in the saved pose alone, so the MJCF starts there."""
     value = (0.8, 0.0, 0.6, 0.0)
     joints = [joint("ball", "base", "arm", [value])]
@@ -131,15 +131,15 @@ def test_where_a_ball_is_zero_is_told_by_format(tmp_path) -> None:
     ends = np.linalg.inv(poses["arm"]), np.linalg.inv(poses["base"])
     robot = robot_with(joints, loops=[loop("revolute", "arm", "base", *ends, [0.0])], fixed=True)
     exported = write(robot, tmp_path)
-    (dof,) = told(robot)["joints"][0]["dofs"]
+    (dof,) = described(robot)["joints"][0]["dofs"]
     assert dof["zero"] == {"urdf": [1, 0, 0, 0], "mjcf": list(value)}
     engines = {"urdf": Pinocchio(exported.files["robot.urdf"]), "mjcf": Mujoco(tmp_path / "robot.xml")}
     for kind, engine in engines.items():
         found = engine.poses({"arm_joint": (1.0, 0.0, 0.0, 0.0)})["arm"]
         wanted = link_poses(robot, {"arm_joint": tuple(dof["zero"][kind])})["arm"]
         np.testing.assert_allclose(found, wanted, atol=1e-12)
-    (said,) = [one for one in exported.diagnostics if one.code == "I-BALL-ZERO"]
-    assert "arm_joint (73.74 deg apart)" in said.message
+    (zero,) = [one for one in exported.diagnostics if one.code == "I-BALL-ZERO"]
+    assert "arm_joint (73.74 deg apart)" in zero.message
 
 
 def test_the_frames_of_a_loop_are_named_as_the_urdf_has_them(tmp_path) -> None:
@@ -153,7 +153,7 @@ def test_the_frames_of_a_loop_are_named_as_the_urdf_has_them(tmp_path) -> None:
     )
     urdf = etree.fromstring(write(robot, tmp_path).files["robot.urdf"])
     holders = {one.find("child").get("link"): one for one in urdf.findall("joint")}
-    table = told(robot)
+    table = described(robot)
     (shut,) = table["loops"]
     assert shut["urdf"] == ["shut_a_2", "shut_b_2"]
     assert {one["name"]: one["urdf"] for one in table["frames"]} == {"shut_b": "shut_b", "arm": "arm_frame"}
@@ -168,7 +168,7 @@ def test_the_frames_of_a_loop_are_named_as_the_urdf_has_them(tmp_path) -> None:
 
 def test_what_stands_for_a_joint_in_the_urdf_is_listed() -> None:
     robot = robot_with([joint("revolute", "base", "arm"), joint("ball", "arm", "hand")])
-    assert told(robot)["lowered"] == [
+    assert described(robot)["lowered"] == [
         {
             "joint": "hand_joint",
             "joints": ["hand_joint_x", "hand_joint_y", "hand_joint_z"],
@@ -178,14 +178,14 @@ def test_what_stands_for_a_joint_in_the_urdf_is_listed() -> None:
     assert [item.between for item in lower(robot)] == [(), ("hand_joint_1", "hand_joint_2")]
 
 
-def test_what_cad_does_not_have_says_so() -> None:
+def test_what_cad_does_not_have_is_marked() -> None:
     box = Primitive("box", (0.1, 0.2, 0.3), at(1, 0, 0), (1.0, 0.5, 0.0, 1.0), collision=False)
     ball = Primitive("sphere", (0.1,), at(0, 2, 0))
     rows = [replace(joint("fixed", "base", "tool"), mate=None), joint("revolute", "base", "arm")]
     spots = [Frame("tip", "arm", at(0, 0, 1), ""), Frame("eye", "arm", at(0, 1, 0), "The eye")]
     robot = robot_with(rows, frames=spots, given={"tool": solid(3.0)}, shapes={"tool": (box, ball)})
     tool = replace(robot.link("tool"), path=(), parts=())
-    table = told(replace(robot, links=(robot.links[0], tool, robot.links[2])))
+    table = described(replace(robot, links=(robot.links[0], tool, robot.links[2])))
     assert [record["cad"] is None for record in table["joints"]] == [True, False]
     assert [record["cad"] for record in table["frames"]] == [None, {"name": "The eye"}]
     base, tool, arm = table["links"]
@@ -217,7 +217,7 @@ def test_a_mirrored_part_has_the_pose_of_its_image() -> None:
     where = pose(np.random.default_rng(4)) @ np.diag([-1.0, 1.0, 1.0, 1.0])
     arm = robot.link("arm")
     flipped = replace(arm, parts=(replace(arm.parts[0], link_from_part=frozen(where)),))
-    base, arm = told(replace(robot, links=(robot.root, flipped)))["links"]
+    base, arm = described(replace(robot, links=(robot.root, flipped)))["links"]
     assert not base["parts"][0]["mirrored"]
     assert matrix(base["parts"][0]["pose"]) == pytest.approx(robot.root.parts[0].link_from_part, abs=1e-11)
     (part,) = arm["parts"]
@@ -232,7 +232,7 @@ def test_a_loop_closes_by_its_record(kind) -> None:
     values = [some_value(dof.kind, rng) for dof in loop(kind, "one", "two", near, far).dofs]
     shut = loop(kind, "one", "two", near, far, values)
     rows = [joint("fixed", "base", "one"), joint("fixed", "base", "two")]
-    (record,) = told(robot_with(rows, loops=[shut]))["loops"]
+    (record,) = described(robot_with(rows, loops=[shut]))["loops"]
     assert (record["type"], record["link_a"], record["link_b"]) == (kind, "one", "two")
     saved = {dof["name"]: dof["saved"] for dof in record["dofs"]}
     by_record = matrix(record["frame_b"]) @ chain(record["dofs"], saved)
@@ -244,7 +244,7 @@ def test_a_loop_closes_by_its_record(kind) -> None:
 def test_mobility_and_the_roots_pose_are_there() -> None:
     where = pose(np.random.default_rng(9))
     robot = robot_with([joint("revolute", "base", "arm")], world_from_root=where)
-    table = told(replace(robot, mobility=Mobility(5, 1, 2, (("close", 1),))))
+    table = described(replace(robot, mobility=Mobility(5, 1, 2, (("close", 1),))))
     assert table["mobility"] == {
         "coordinates": 5,
         "gruebler": 1,

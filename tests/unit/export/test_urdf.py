@@ -35,7 +35,7 @@ def urdf(robot: Robot, geometry: Geometry = NO_SHAPES) -> bytes:
     return write_urdf(robot, geometry)
 
 
-def told(robot: Robot) -> dict[str, str]:
+def losses(robot: Robot) -> dict[str, str]:
     found = list(unsupported(robot))
     assert all(diagnostic.where == "robot.urdf" for diagnostic in found)
     return {diagnostic.code: diagnostic.message for diagnostic in found}
@@ -155,8 +155,8 @@ def test_a_ball_moves_as_one_whatever_its_three_turns_are() -> None:
 
 
 @pytest.mark.parametrize(("kind", "suffixes"), SEVERAL.items())
-def test_what_is_several_joints_is_told_by_name_in_the_order_of_the_chain(kind, suffixes) -> None:
-    message = told(robot_with([joint(kind, "base", "arm")]))["I-URDF-LOWERED"]
+def test_what_is_several_joints_is_reported_by_name_in_the_order_of_the_chain(kind, suffixes) -> None:
+    message = losses(robot_with([joint(kind, "base", "arm")]))["I-URDF-LOWERED"]
     names = ", ".join(f"arm_joint_{suffix}" for suffix in suffixes)
     assert f"arm_joint ({kind}: {names})" in message
     if kind != "ball":
@@ -196,18 +196,18 @@ def test_limits_and_dynamics_are_each_dofs_own() -> None:
     assert float(ends["arm_joint_turn"][0]) == pytest.approx(-2 * math.pi)
     assert {node.find("limit").get("effort") for node in nodes.values()} == {"7"}
     assert {node.find("dynamics").get("damping") for node in nodes.values()} == {"0.5"}
-    message = told(robot)["I-URDF-UNSET"]
+    message = losses(robot)["I-URDF-UNSET"]
     assert message.endswith("arm_joint_y: lower, upper; arm_joint_turn: lower")
 
 
-def test_what_urdf_cannot_say_is_told() -> None:
+def test_what_urdf_cannot_express_is_reported() -> None:
     cone = joint("ball", "base", "arm", limits={"arm_joint": Limits(None, 0.5)})
-    found = told(robot_with([cone, joint("ball", "arm", "hand"), joint("free", "base", "nut")]))
+    found = losses(robot_with([cone, joint("ball", "arm", "hand"), joint("free", "base", "nut")]))
     assert list(found) == ["I-URDF-LOWERED", "W-BALL-CONE", "I-URDF-FREE", "I-URDF-UNSET"]
     assert found["W-BALL-CONE"].endswith(": arm_joint")
     assert found["I-URDF-FREE"].endswith(": nut_joint")
     assert found["I-URDF-UNSET"].endswith("arm_joint: effort, velocity; hand_joint: effort, velocity")
-    assert told(robot_with([joint("fixed", "base", "arm")])) == {}
+    assert losses(robot_with([joint("fixed", "base", "arm")])) == {}
 
 
 def test_a_relation_of_two_dofs_of_one_joint_is_a_mimic() -> None:
@@ -235,7 +235,7 @@ def test_a_loop_of_any_type_is_a_frame_on_either_side(kind) -> None:
     found, links = by_pinocchio(urdf(robot), robot, q), link_poses(robot, q)
     assert np.abs(found["shut_a"] - links["one"] @ near).max() < 1e-11
     assert np.abs(found["shut_b"] - links["two"] @ far).max() < 1e-11
-    assert "shut" in told(robot)["I-URDF-LOOP"]
+    assert "shut" in losses(robot)["I-URDF-LOOP"]
 
 
 def test_a_root_called_world_has_no_inertial_and_is_mujocos_world() -> None:

@@ -1,4 +1,4 @@
-"""A centre of mass outside of the matter is told, and only then."""
+"""A centre of mass outside the material is reported, and only then."""
 
 import math
 from dataclasses import replace
@@ -19,8 +19,8 @@ def with_com(*com, mass=1.0):
     return Inertial(mass, frozen(com), frozen(np.eye(3)))
 
 
-def told(*links, memo=None):
-    """Where a centre of mass is said to be outside, with what is said."""
+def reported(*links, memo=None):
+    """Link → the message of W-COM-OUTSIDE."""
     found = geometry(of_links(*links), memo).diagnostics
     return {d.where: d.message for d in found if d.code == "W-COM-OUTSIDE"}
 
@@ -37,7 +37,7 @@ def told(*links, memo=None):
 )
 @pytest.mark.parametrize("where", [at(), at(3, -2, 1), at(1, mirror=True)])
 def test_a_part_that_weighs_where_it_is_not_is_named(com, apart, where):
-    found = told(link_of("base", part("A", where, inertial=with_com(*com))))
+    found = reported(link_of("base", part("A", where, inertial=with_com(*com))))
     if apart is None:
         assert found == {}
     else:
@@ -47,65 +47,67 @@ def test_a_part_that_weighs_where_it_is_not_is_named(com, apart, where):
 
 def test_only_the_culprits_are_named_and_links_that_balance_are_not():
     astray = part("A", at(5), "Motor <1>", inertial=with_com(0.5, 0.5, 40, mass=9.0))
-    found = told(link_of("base", part("A"), astray), link_of("arm", part("B")), link_of("leaf", part("P")))
+    found = reported(
+        link_of("base", part("A"), astray), link_of("arm", part("B")), link_of("leaf", part("P"))
+    )
     assert list(found) == ["base"]
     assert found["base"].endswith("for: Motor <1>")
 
 
 def test_a_part_astray_within_a_large_link_is_nothing_to_tell():
-    assert told(link_of("base", part("A"), part("A", at(5), inertial=with_com(-1, 0.5, 0.5)))) == {}
+    assert reported(link_of("base", part("A"), part("A", at(5), inertial=with_com(-1, 0.5, 0.5)))) == {}
 
 
 def test_what_is_only_seen_holds_the_centre_of_mass_too():
     ghost = replace(
         part("A", at(5), "Cover <1>", inertial=with_com(0.5, 0.5, 0.5, mass=99.0)), collides=False
     )
-    assert told(link_of("base", part("A"), ghost)) == {}
+    assert reported(link_of("base", part("A"), ghost)) == {}
 
 
 def test_a_flat_link_must_balance_within_its_plane():
     def leaf(com):
         return link_of("leaf", part("P", inertial=with_com(*com)))
 
-    assert told(leaf(FLAT.com)) == told(leaf((1, 1, 0))) == {}
-    assert "0.5 m or more" in told(leaf((0.5, 0.5, 0.5)))["leaf"]
-    assert "0.2 m or more" in told(leaf((0.5, 1.2, 0)))["leaf"]
+    assert reported(leaf(FLAT.com)) == reported(leaf((1, 1, 0))) == {}
+    assert "0.5 m or more" in reported(leaf((0.5, 0.5, 0.5)))["leaf"]
+    assert "0.2 m or more" in reported(leaf((0.5, 1.2, 0)))["leaf"]
 
 
 def test_parts_without_triangles_leave_the_rest_to_judge():
     unseen = part("X", reply=None, inertial=with_com(50, 0, 0))
     astray = part("A", inertial=with_com(0.5, 0.5, 7))
-    assert told(link_of("base", part("A"), unseen)) == {}
-    assert told(link_of("base", unseen)) == {}
-    assert told(link_of("base", astray, unseen))["base"].endswith("for: A <1>")
-    assert told(link_of("base", part("A"), part("gone", inertial=with_com(9, 9, 9)))) == {}
+    assert reported(link_of("base", part("A"), unseen)) == {}
+    assert reported(link_of("base", unseen)) == {}
+    assert reported(link_of("base", astray, unseen))["base"].endswith("for: A <1>")
+    assert reported(link_of("base", part("A"), part("gone", inertial=with_com(9, 9, 9)))) == {}
     weightless = part("X", reply=None, inertial=with_com(0, 0, 0, mass=0.0))
-    assert list(told(link_of("base", astray, weightless))) == ["base"]
+    assert list(reported(link_of("base", astray, weightless))) == ["base"]
 
 
-def test_a_centre_of_mass_that_was_given_is_held_against_parts_and_shapes():
+def test_a_centre_of_mass_that_was_given_is_compared_with_parts_and_shapes():
     ball = Primitive("sphere", (0.5,), at(4))
     given = with_com(4.4, 0, 0)
-    assert "were given" in told(link_of("base", part("A"), given=given))["base"]
-    assert told(link_of("base", part("A"), given=given, shapes=(ball,))) == {}
-    assert told(link_of("tool", given=given, shapes=(ball,))) == {}
-    assert "lies 0.39" in told(link_of("tool", given=with_com(4.9, 0, 0), shapes=(ball,)))["tool"]
-    assert told(link_of("tool", given=given)) == {}
+    assert "were given" in reported(link_of("base", part("A"), given=given))["base"]
+    assert reported(link_of("base", part("A"), given=given, shapes=(ball,))) == {}
+    assert reported(link_of("tool", given=given, shapes=(ball,))) == {}
+    assert "lies 0.39" in reported(link_of("tool", given=with_com(4.9, 0, 0), shapes=(ball,)))["tool"]
+    assert reported(link_of("tool", given=given)) == {}
     # What was given may lie in what is not seen, and it stands for what the parts say.
     astray = part("A", inertial=with_com(0.5, 0.5, 7))
-    assert told(link_of("base", astray, part("X", reply=None), given=given)) == {}
-    assert told(link_of("base", astray, given=INERTIAL)) == {}
+    assert reported(link_of("base", astray, part("X", reply=None), given=given)) == {}
+    assert reported(link_of("base", astray, given=INERTIAL)) == {}
 
 
-def test_it_is_told_again_from_what_was_kept_and_by_todays_mass(monkeypatch):
+def test_it_is_reported_again_from_what_was_kept_and_by_todays_mass(monkeypatch):
     memo = Memory()
     good, bad = (link_of("base", part("A", inertial=body)) for body in (INERTIAL, with_com(2, 2, 2)))
-    assert told(good, memo=memo) == {}
-    assert list(told(bad, memo=memo)) == list(told(bad, memo=memo)) == ["base"]
+    assert reported(good, memo=memo) == {}
+    assert list(reported(bad, memo=memo)) == list(reported(bad, memo=memo)) == ["base"]
     assert memo.made == 1
     # A link that balances needs no triangles to say so.
     monkeypatch.setattr(tessellation, "read", None)
-    assert told(good, memo=memo) == {}
+    assert reported(good, memo=memo) == {}
 
 
 @pytest.mark.parametrize(

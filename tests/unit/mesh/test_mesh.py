@@ -103,7 +103,7 @@ def link_of(name, *parts, given=None, shapes=()):
 
 def of_links(*links):
     nowhere = Provenance("d", "e", "m", "default")
-    fixed = Base(True, "said"), frozen(np.eye(4)), Mobility(0, 0, 0, ())
+    fixed = Base(True, "fixed in CAD"), frozen(np.eye(4)), Mobility(0, 0, 0, ())
     return Robot("r", links, (), (), (), (), *fixed, nowhere)
 
 
@@ -241,7 +241,7 @@ def test_the_order_of_instances_does_not_change_a_byte():
     assert other == one
 
 
-def test_a_rename_makes_nothing_anew_and_a_move_only_its_own_link():
+def test_a_rename_makes_no_link_again_and_a_move_only_its_own():
     memo = Memory()
     before = geometry(robot(base=[part("A")], arm=[part("B", at(1))]), memo)
     assert memo.made == 2
@@ -273,7 +273,7 @@ def test_each_reply_is_read_once_and_not_at_all_where_all_is_kept(monkeypatch):
     assert len(reads) == 1
 
 
-def test_parts_without_triangles_are_told_once_a_link():
+def test_parts_without_triangles_are_reported_once_a_link():
     result = geometry(
         robot(base=[part("A"), part("gone"), part("X", reply=None)], arm=[part("X", reply=None)])
     )
@@ -284,7 +284,7 @@ def test_parts_without_triangles_are_told_once_a_link():
     assert result.of("arm", "visual") == result.of("arm", "collision") == ()
 
 
-def test_a_recording_without_triangles_is_told_once():
+def test_a_recording_without_triangles_is_reported_once():
     bare = [part(str(index), reply=None) for index in range(3)]
     result = geometry(robot(base=bare[:1], arm=bare[1:]))
     (found,) = result.diagnostics
@@ -293,19 +293,19 @@ def test_a_recording_without_triangles_is_told_once():
     assert (result.shapes, result.files) == ((), {})
 
 
-def test_a_flat_link_does_not_collide_and_says_so():
+def test_a_flat_link_does_not_collide_and_is_reported():
     result = geometry(robot(base=[part("A")], leaf=[part("P")]))
     assert [(d.code, d.where) for d in result.diagnostics] == [("W-FLAT", "leaf")]
     assert [shape.role for shape in result.shapes if shape.link == "leaf"] == ["visual"]
 
 
-def test_a_link_without_parts_has_no_shape_and_nothing_to_say():
+def test_a_link_without_parts_has_no_shape_and_no_diagnostic():
     result = geometry(robot(base=[part("A")], origin=[]))
     assert result.diagnostics == ()
     assert {shape.link for shape in result.shapes} == {"base"}
 
 
-def test_a_mesh_whose_volume_is_not_the_solids_is_told_once():
+def test_a_mesh_whose_volume_is_not_the_solids_is_reported_once():
     good, bad = part("A", volume=1.019), part("B", at(2), volume=0.6)
     result = geometry(robot(base=[good, bad], arm=[replace(bad, name="B <2>"), part("P", volume=3.0)]))
     codes = [(d.code, d.where) for d in result.diagnostics if d.code == "W-MESH-VOLUME"]

@@ -32,11 +32,11 @@ def good(tmp_path_factory: pytest.TempPathFactory) -> tuple[Robot, Path]:
     base = kit.root.instances[0]
     from tests.fake_onshape.document import Occurrence
 
-    held = Occurrence([base])
+    ground = Occurrence([base])
     cart, wheel, idler = kit.place("Cart"), kit.place("Wheel"), kit.place("Idler")
-    kit.root.slider("Rail", (cart, TOP), (held, SIDE), limits=(-0.1, 0.2))
-    first = kit.root.revolute("Spin", (wheel, TOP), (held, TOP), limits=(-3, 3))
-    second = kit.root.revolute("Idle", (idler, TOP), (held, turn((1, 0, 0), 1)), limits=(-3, 3))
+    kit.root.slider("Rail", (cart, TOP), (ground, SIDE), limits=(-0.1, 0.2))
+    first = kit.root.revolute("Spin", (wheel, TOP), (ground, TOP), limits=(-3, 3))
+    second = kit.root.revolute("Idle", (idler, TOP), (ground, turn((1, 0, 0), 1)), limits=(-3, 3))
     kit.root.gear("Gear", first, second, 1.5)
     kit.root.connector("Tool", cart, SIDE)
     resists = {"damping": 0.25, "friction": 0.125, "armature": 0.0625}
