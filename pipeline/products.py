@@ -1,4 +1,4 @@
-"""What a build hands to the user."""
+"""The files that a build gives the user."""
 
 from collections.abc import Mapping
 
@@ -9,7 +9,7 @@ from stages.graph.view.views import PICTURE
 
 
 def products(context: BuildContext) -> dict[str, bytes]:
-    """What the build hands to the user: the exported files, or before those the robot alone; and its
+    """The exported files, or `robot.json` alone where the build stops before the export; and the robot's
     picture."""
     files: dict[str, bytes] = {}
     if "export" in context.files:
@@ -32,7 +32,7 @@ def digests(context: BuildContext, files: Mapping[str, bytes]) -> dict[str, str]
 
 
 def described(context: BuildContext) -> bytes:
-    """The robot alone as the export stage writes it; kept, so that it costs no import again."""
+    """`robot.json` as the export stage writes it; cached, since making it needs imports that take time."""
     from stages.export import VERSION
 
     def make() -> bytes:
