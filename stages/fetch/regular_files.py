@@ -66,7 +66,7 @@ def require(path: str, key: str, wanted: str, example: str) -> None:
 
 
 def content(path: Path, most: int) -> bytes:
-    """What a file holds; OSError where it cannot be read or is none, FileTooLarge beyond `most` bytes."""
+    """The content; OSError where it is not a readable regular file, FileTooLarge beyond `most` bytes."""
     with _opened(path, most) as (file, size):
         return file.read(size)
 
@@ -83,7 +83,7 @@ def digest(path: Path, most: int) -> str:
 
 @contextmanager
 def _opened(path: Path, most: int) -> Iterator[tuple[BinaryIO, int]]:
-    """The file and its size, as the system tells it."""
+    """The file and its size, as the system reports it."""
     # A pipe without a writer would block here, and a terminal take us over.
     flags = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0) | getattr(os, "O_BINARY", 0)
     if is_special(path):

@@ -122,7 +122,7 @@ def read(data: bytes, where: str) -> Recording:
     """
     entries = _entries(data, where)
     if _MANIFEST not in entries:
-        raise _refused("it has no manifest.json, so it is no bundle", where)
+        raise _refused("it has no manifest.json, so it is not a bundle", where)
     manifest = _manifest(entries.pop(_MANIFEST), where)
     blobs = {name.removeprefix(_FOLDER): body for name, body in entries.items()}
     for name, body in blobs.items():
@@ -193,7 +193,7 @@ def _entries(data: bytes, where: str) -> dict[str, bytes]:
             _check_sizes(infos, where)
             return {info.filename: _inflated(archive, info) for info in infos}
     except _UNREADABLE as error:
-        what = "damaged" if zipfile.is_zipfile(io.BytesIO(data)) else "no zip file"
+        what = "damaged" if zipfile.is_zipfile(io.BytesIO(data)) else "not a zip file"
         raise _refused(f"it is {what} ({type(error).__name__}: {error})", where) from None
 
 
@@ -248,7 +248,7 @@ def _manifest(body: bytes, where: str) -> _Manifest:
     except (ValueError, RecursionError):
         raise _refused("its manifest.json is not JSON", where) from None
     if not isinstance(data, dict):
-        raise _refused("its manifest.json is no JSON object", where)
+        raise _refused("its manifest.json is not a JSON object", where)
     found = data.get("format")
     if isinstance(found, int) and found > FORMAT:
         msg = f"not readable as a bundle: it has format {found}, and this version reads {FORMAT}"

@@ -15,7 +15,7 @@ from stages.robot import codec
 from stages.robot.errors import SourceError
 from stages.robot.mujoco_warnings import listening
 
-_HINT = "MuJoCo's own viewer says the same of it (python -m mujoco.viewer --mjcf=...)"
+_HINT = "MuJoCo's own viewer gives the same error (python -m mujoco.viewer --mjcf=...)"
 
 
 def answer(request: bytes) -> bytes:

@@ -1,7 +1,7 @@
-"""The files that an MJCF is made of, found without MuJoCo: what tells whether it changed.
+"""The files that an MJCF is made of, found without MuJoCo: by which a change is seen.
 
 MuJoCo alone reads them. Here every file on disk counts that an attribute `file...` may mean, in any of
-the folders that a `<compiler>` names: one too many only makes the robot anew.
+the folders that a `<compiler>` names: one too many only builds the robot again.
 """
 
 import os
@@ -94,7 +94,7 @@ def _values(pattern: re.Pattern[str], text: str) -> Iterator[str]:
 
 
 def _own_text(path: Path) -> str:
-    """The model's text; SourceError where it is none."""
+    """The model's text; SourceError where it is not text."""
     try:
         text = _text(path)
     except regular_files.FileTooLarge:
@@ -131,7 +131,7 @@ def _digest(path: Path, file: Path, name: str) -> tuple[str, int]:
     except regular_files.FileTooLarge:
         raise _refused(path.name, f"it names {name}, which has more than {LARGEST_FILE >> 20} MB") from None
     except OSError:
-        return "", 0  # MuJoCo says what is wrong with it, if it wants it
+        return "", 0  # MuJoCo reports what is wrong with it, if it wants it
 
 
 def _refused(name: str, why: str, hint: str = "check that source.path names the right file") -> SourceError:

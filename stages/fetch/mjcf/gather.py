@@ -36,7 +36,7 @@ _ENVIRON = {"MUJOCO_GL": "disable", "OPENBLAS_NUM_THREADS": "1"}
 
 _KEY = re.compile(r"[A-Za-z0-9_-]{1,60}")
 _LONGEST, _MOST_WARNINGS = 500, 100
-"""How long a warning of MuJoCo may be, and how many of them are told."""
+"""How long a warning of MuJoCo may be, and how many of them are reported."""
 
 _LOOK = "see whether the file means what MuJoCo made of it"
 _SMALLER = (
@@ -77,7 +77,7 @@ def gather(
 
 
 def identity(source: MjcfSourceKeys) -> dict[str, Any]:
-    """What tells the source from every other, by content, as plain data."""
+    """What identifies the source, by content, as plain data."""
     from stages.fetch.mjcf.files import survey
 
     path = Path(source.path)
@@ -99,11 +99,11 @@ def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes]]:
 
     head, _, body = reply.partition(b"\n")
     try:
-        told = json.loads(head)
-        warnings = [str(text)[:_LONGEST] for text in told["warnings"][:_MOST_WARNINGS]]
-        at = int(told["model"])
+        header = json.loads(head)
+        warnings = [str(text)[:_LONGEST] for text in header["warnings"][:_MOST_WARNINGS]]
+        at = int(header["model"])
         model, meshes = body[:at], dict[str, bytes]()
-        for key, length in told["meshes"]:
+        for key, length in header["meshes"]:
             mesh = body[at : at + length]
             if not _KEY.fullmatch(key):
                 raise ValueError(key)
@@ -111,7 +111,7 @@ def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes]]:
             meshes[key] = mesh
             at += length
     except (KeyError, TypeError, ValueError, RecursionError, ProtocolError):
-        msg = "answers what is no model"
+        msg = "does not answer with a model"
         raise guest.Ended(msg) from None
     return warnings, model, meshes
 

@@ -82,7 +82,7 @@ def _product(element: Element, key: str) -> float:
 
 
 def _number(text: str) -> float:
-    """A count; 1 where it is none, which MuJoCo refuses."""
+    """A count; 1 where it is not a number, which MuJoCo refuses."""
     try:
         return float(text)
     except ValueError:

@@ -1,8 +1,8 @@
-"""What an MJCF's elements and options say that a robot of ours does not hold, by MuJoCo's own attributes.
+"""What an MJCF's elements and options set that a robot of ours does not hold, by MuJoCo's own attributes.
 
-The compiled model is held against one that says nothing, of the same MuJoCo: so it does not matter where
+The compiled model is compared with an empty one of the same MuJoCo: so it does not matter where
 a value comes from (a default, an include), and what is the default anyway is nobody's loss. Fields that a
-later MuJoCo adds are named too, until they are said here to be carried over.
+later MuJoCo adds are named too, until they are listed here as carried over.
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -16,7 +16,7 @@ import numpy as np
 _PLAIN = """<mujoco><asset><material name="m"/></asset><worldbody>
 <body name="a"><joint/><geom size="1"/><site/></body><body name="b"><joint/><geom size="1"/></body>
 </worldbody><equality><weld body1="a" body2="b"/></equality></mujoco>"""
-"""A model that says nothing but what must be said."""
+"""A model that sets nothing but what is required."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +144,7 @@ def _fields(kind: str) -> tuple[str, ...]:
 
 
 def _saying(model: Any, field: str, numbers: Sequence[int]) -> list[int]:
-    """Those of the elements that have another value there than one that says nothing."""
+    """Those of the elements that have another value there than in an empty model."""
     if not numbers:
         return []
     values = getattr(model, field)[list(numbers)].reshape(len(numbers), -1)
@@ -212,7 +212,7 @@ def _flags(field: str, value: int, usual: int) -> Iterator[Omission]:
 
 
 def of_the_viewer(model: Any) -> Iterator[Omission]:
-    """What <visual> says: parts of it, and what of them."""
+    """What <visual> sets: parts of it, and what of them."""
     for part in _members(model.vis):
         mine, plain = getattr(model.vis, part), getattr(_plain().vis, part)
         names = [n for n in _members(mine) if not np.array_equal(getattr(mine, n), getattr(plain, n))]
@@ -225,7 +225,7 @@ _SIZES = ("memory", "nconmax", "njmax", "nkey", "nuser")
 
 
 def of_the_file(spec: Any) -> Iterator[Omission]:
-    """What <size> and <statistic> say, which the compiled model does not tell from what follows."""
+    """What <size> and <statistic> set, which the compiled model does not separate from what follows."""
     fresh = mujoco.MjSpec()
     for name in (name for name in dir(fresh) if name.startswith(_SIZES)):
         if getattr(spec, name) != getattr(fresh, name):

@@ -37,13 +37,13 @@ class Asking:
         self._asked: set[str] = set()
         self._doubted: set[str] = set()
         self._promises: dict[str, Promise] = {}
-        self._held: set[str] = set()
+        self._checked: set[str] = set()
         self.offline = offline
         self.saved = 0
         """Calls that kept replies made needless."""
         self.began: float | None = None
-        """The start of a sweep: since then what a workspace told to one of its jobs holds for all."""
-        self.settled: Callable[[], AbstractContextManager[None]] = nullcontext
+        """The start of a sweep: since then what a workspace reported to one of its jobs holds for all."""
+        self.undisturbed: Callable[[], AbstractContextManager[None]] = nullcontext
         """Within it the workspace is as its users left it: no build has its variables changed."""
         self.while_waiting: Callable[[], None] = lambda: None
         """Called, perhaps more than once, when replies are asked for that were never there before."""
@@ -54,14 +54,14 @@ class Asking:
             if (self._refresh or request in self._doubted) and request not in self._asked:
                 return None
             body = self._replies.get(request)
-        promise = None if request in self._held else self._promises.get(request)
+        promise = None if request in self._checked else self._promises.get(request)
         if body is None or promise is None:
             return body
         try:
             promise(body)
         except ProtocolError:
             return None
-        self._held.add(request)
+        self._checked.add(request)
         return body
 
     def require(self, request: str, promise: Promise) -> None:
@@ -86,7 +86,7 @@ class Asking:
             self._doubted.update(requests)
 
     def spare(self, calls: int) -> None:
-        """Takes down that kept replies made `calls` needless."""
+        """Records that kept replies made `calls` needless."""
         with self._lock:
             self.saved += calls
 
@@ -113,7 +113,7 @@ class Asking:
         """The replies to pinned requests, a few calls at a time.
 
         After a failure no further call begins, but those on their way are finished and kept, since
-        they are paid for. Of several failures the first in order is told. Where `refused` is given,
+        they are paid for. Of several failures the first in order is raised. Where `refused` is given,
         the failures that concern a request alone are put there, and what arrived is returned.
         """
         found = {request: self.kept(request) for request in wanted}

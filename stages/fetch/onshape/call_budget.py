@@ -1,6 +1,6 @@
 """The plan of calls: how many a build still needs, and whether it may make them.
 
-Onshape counts calls by the year, so a build says what it is about to spend before it does, and
+Onshape counts calls by the year, so a build reports what it is about to spend before it does, and
 spends nothing where the user allows less.
 """
 

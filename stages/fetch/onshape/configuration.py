@@ -1,6 +1,6 @@
 """The configuration of an assembly: what the user asks for, checked and in Onshape's own text.
 
-The document says which parameters it has, so every mistake is told at once with what is allowed. The
+The document says which parameters it has, so every mistake is reported at once with what is allowed. The
 text is made here: the server's own encoder would cost a call.
 """
 
@@ -97,7 +97,8 @@ def encode(base: str, wanted: Mapping[str, Any], parameters: Sequence[Parameter]
         except ValueError as error:
             problems.append(Diagnostic("E-CONFIGURATION", str(error), place, f"allowed: {parameter.allowed}"))
     if problems:
-        msg = f"the assembly cannot be configured so: {len(problems)} problem(s)"
+        count = f"{len(problems)} problems" if len(problems) > 1 else "1 problem"
+        msg = f"the assembly cannot be configured so: {count}"
         raise SourceError(msg, _KEY, problems=problems)
     values = split(base) | {name: encoded(value) for name, value in given.items()}
     # One order, whatever the order of the keys: the same configuration is the same request.
@@ -108,14 +109,14 @@ def encode(base: str, wanted: Mapping[str, Any], parameters: Sequence[Parameter]
 def _parameter(record: Mapping[str, Any]) -> Parameter:
     kinds = str(record.get("parameterType") or "").upper()
     text = f"{record.get('btType') or ''}{record.get('typeName') or ''}"
-    told = (one for name, one in _KINDS.items() if name == kinds or f"Parameter{one}" in text)
+    kinds_named = (one for name, one in _KINDS.items() if name == kinds or f"Parameter{one}" in text)
     options = [option.get("message", option) for option in record.get("options") or ()]
     bounds = record.get("rangeAndDefault") or {}
     bounds = bounds.get("message", bounds)
     return Parameter(
         id=str(record["parameterId"]),
         name=str(record.get("parameterName") or record["parameterId"]),
-        kind=next(told, "String"),
+        kind=next(kinds_named, "String"),
         options={str(one["option"]): str(one.get("optionName") or one["option"]) for one in options},
         measure=str(record.get("quantityType") or ""),
         unit=str(bounds.get("units") or ""),
@@ -151,7 +152,7 @@ def _find(
 
 def _option(parameter: Parameter, value: Any) -> str:
     if isinstance(value, bool):
-        msg = f"must be one of the options, and {str(value).lower()} is none (quote it if it is text)"
+        msg = f"must be one of the options, not {str(value).lower()} (quote it if it is text)"
         raise ValueError(msg)
     text = str(value)
     if text in parameter.options:
@@ -211,7 +212,7 @@ def _quantity(parameter: Parameter, value: Any) -> str:
 def _measured(parameter: Parameter, measure: Measure, number: float, unit: str) -> str:
     size, kind = UNITS.get(unit, (0.0, measure))
     if not size:
-        msg = f"{unit!r} is no unit that is known"
+        msg = f"unknown unit {unit!r}"
         raise ValueError(msg)
     if kind != measure:
         article = {"length": "a length", "angle": "an angle"}

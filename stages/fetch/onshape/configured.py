@@ -1,7 +1,7 @@
 """Which configuration of an assembly is built: the address's own, with what the user wants over it.
 
 The document's parameters are asked for once at each microversion and kept. What they were when the
-assembly was last built tells, for the one call that sees that nothing changed, what to look for.
+assembly was last built shows, for the one call that sees that nothing changed, what to look for.
 """
 
 import time
@@ -32,7 +32,7 @@ class Configured:
             self._asking.remember(self._subject, {"microversion": pin[2:]})
         return self._with(body)
 
-    def now(self, *, anew: bool) -> tuple[AssemblyUrl, str | None, str]:
+    def now(self, *, force: bool) -> tuple[AssemblyUrl, str | None, str]:
         """The address, the microversion last built (None at first) and the one its workspace is at.
 
         One call where nothing changed, two for both parameters and definition the first time. Of
@@ -45,14 +45,14 @@ class Configured:
             url = known or self._with(body)
             workspace = Workspace(url, self._asking)
             then = workspace.last()
-            microversion = workspace.current(anew=anew, began=began)
+            microversion = workspace.current(force=force, began=began)
             if not known:
                 self._asking.keep(self._request(f"m/{microversion}"), body)
             return self.at(f"m/{microversion}"), then, microversion
 
     def _parameters(self) -> bytes:
         """The parameters that the workspace has now, while no build has its variables changed."""
-        with self._asking.settled():
+        with self._asking.undisturbed():
             return self._asking.now(self._request(self._url.pin))
 
     def _known(self) -> AssemblyUrl | None:

@@ -102,6 +102,6 @@ def _part_instances(root: _Record, subs: Any) -> Iterator[_Record]:
 def _text(record: _Record, key: str) -> str:
     value = record[key]
     if not isinstance(value, str) or not value:
-        msg = f"{key} is no text"
+        msg = f"{key} is not text"
         raise TypeError(msg)
     return value

@@ -22,11 +22,11 @@ def microversion(body: bytes) -> str:
 def tabs(body: bytes) -> Mapping[str, str]:
     """Element id → the microversion of that element alone, of an `elements` reply.
 
-    Tabs that tell none are left out: they count as changed. ProtocolError where it is no such list.
+    Tabs without one are left out: they count as changed. ProtocolError where it is no such list.
     """
     data = _json(body, "the tabs of a document")
     if not isinstance(data, list) or not all(isinstance(tab, dict) for tab in data):
-        msg = "the reply with the tabs of a document is no list of tabs"
+        msg = "the reply with the tabs of a document is not a list of tabs"
         raise ProtocolError(msg, hint=_HINT)
     found = ((tab.get("id"), tab.get("microversionId")) for tab in data)
     return {str(element): str(version) for element, version in found if element and version}

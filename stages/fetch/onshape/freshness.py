@@ -33,38 +33,38 @@ class Workspace:
         if self._recalled(f"{self._definition}#complete") != microversion:
             self._asking.remember(f"{self._definition}#complete", {"microversion": microversion})
 
-    def current(self, *, anew: bool = False, began: float | None = None) -> str:
+    def current(self, *, force: bool = False, began: float | None = None) -> str:
         """The microversion that the workspace is at, for one call; the last one met when offline.
 
-        The first time, and with `anew`, the definition itself is asked for: it names the
+        The first time, and with `force`, the definition itself is asked for: it names the
         microversion. Of several builders that ask at once the first does, and the others take what
-        it was told while they waited: since `began`, which is now unless they waited before. All jobs
-        of a sweep take what the first of them was told.
+        it was reported while they waited: since `began`, which is now unless they waited before. All jobs
+        of a sweep take what the first of them learned.
         """
         asking = self._asking
         began = asking.began or began or time.time()
         if asking.offline:
             return self._without_network()
         # Not while another build has the variables changed: that state is not the user's.
-        with asking.settled(), asking.alone(self._place):
-            told = asking.recall(self._place)
+        with asking.undisturbed(), asking.alone(self._place):
+            known = asking.recall(self._place)
             # A time to come is one of a clock that was put back since.
-            if not anew and began <= _number(told.get("at")) <= time.time():
+            if not force and began <= _number(known.get("at")) <= time.time():
                 asking.spare(1)
-                microversion = str(told["microversion"])
+                microversion = str(known["microversion"])
             else:
-                microversion = self._asked(anew)
+                microversion = self._asked(force)
                 asking.remember(self._place, {"microversion": microversion, "at": time.time()})
         if self.last() is None:
             asking.remember(f"{self._definition}#first", {"microversion": microversion})
         return microversion
 
     def discrepancy(self) -> Mapping[str, Any]:
-        """What was last taken down of masses that differ though all is known anew; empty for nothing."""
+        """What was last recorded of masses that differ though all is fetched again; empty for nothing."""
         return self._asking.recall(f"{self._definition}#discrepancy")
 
     def differs(self, fact: Mapping[str, Any]) -> None:
-        """Takes down a discrepancy, or with an empty one that there is none."""
+        """Records a discrepancy, or with an empty one that there is none."""
         if self.discrepancy() != fact:
             self._asking.remember(f"{self._definition}#discrepancy", fact)
 
@@ -73,8 +73,8 @@ class Workspace:
         url = self._url
         return requests.definition(url.document, f"m/{microversion}", url.element, url.configuration)
 
-    def _asked(self, anew: bool) -> str:
-        if self.last() is None or anew:
+    def _asked(self, force: bool) -> str:
+        if self.last() is None or force:
             self._asking.while_waiting()
             body = self._asking.now(self._definition)
             microversion = definition.read(body).microversion
@@ -97,7 +97,7 @@ class Workspace:
 
 
 def tabs_to_ask(url: AssemblyUrl, then: str, now: str, asking: Asking) -> tuple[str, str]:
-    """The requests that tell which tabs changed between two microversions, both of the assembly."""
+    """The requests that show which tabs changed between two microversions, both of the assembly."""
     asked = requests.elements(url.document, then), requests.elements(url.document, now)
     for request in asked:
         asking.require(request, lambda body: documents.require_tab(body, url.element))

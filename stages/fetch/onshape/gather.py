@@ -44,7 +44,7 @@ class StudioReplies:
 
 @dataclass(frozen=True, slots=True)
 class LimitReplies:
-    """What one assembly says about the limits of its mates; None where it cannot be had."""
+    """What one assembly has about the limits of its mates; None where it cannot be fetched."""
 
     features: Reply | None
     variables: Reply | None = None
@@ -94,12 +94,12 @@ def gather(answers: Answers) -> OnshapeBundle:
         studios.append(Studio(need.studio, tuple(digest(reply.body) for reply in answer.mass), triangles))
     limits = []
     owners = features.owners(first.body)
-    for owner, told in zip(owners, answers.features(owners, assembly.document), strict=True):
-        if told.features is None:
+    for owner, found in zip(owners, answers.features(owners, assembly.document), strict=True):
+        if found.features is None:
             continue
-        replies += [told.features, *([told.variables] if told.variables else [])]
-        variables = digest(told.variables.body) if told.variables else None
-        limits.append(Features(owner.key, digest(told.features.body), variables))
+        replies += [found.features, *([found.variables] if found.variables else [])]
+        variables = digest(found.variables.body) if found.variables else None
+        limits.append(Features(owner.key, digest(found.features.body), variables))
     definition_api, api = answers.versions()
     return OnshapeBundle(
         kind="onshape",

@@ -16,7 +16,7 @@ from stages.fetch.onshape.url import AssemblyUrl
 
 
 def limits_of(owners: Sequence[Owner], root: str, url: AssemblyUrl, asking: Asking) -> list[LimitReplies]:
-    """What each owner says; `root` is the id of the root assembly's document, `url` its address."""
+    """The limits of each owner; `root` is the id of the root assembly's document, `url` its address."""
     lists = [requests.features(owner.key, root) for owner in owners]
     bodies = asking.all(lists)
     needy = [

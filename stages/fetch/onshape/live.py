@@ -1,4 +1,4 @@
-"""Answers from an Onshape server: as few calls as tell how the assembly is now."""
+"""Answers from an Onshape server, in as few calls as the current state of the assembly takes."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -31,12 +31,12 @@ class Network:
     """
 
     def __init__(
-        self, url: AssemblyUrl, keys: "OnshapeSourceKeys", asking: Asking, tell: Callable[[str], None]
+        self, url: AssemblyUrl, keys: "OnshapeSourceKeys", asking: Asking, progress: Callable[[str], None]
     ) -> None:
         self._url = url
         self._keys = keys
         self._asking = asking
-        self._tell = tell
+        self._progress = progress
         self._shapes = Shapes(asking, keys.tessellation)
         self._workspace = None if url.pinned else Workspace(url, asking)
         self._then: str | None = None
@@ -57,12 +57,12 @@ class Network:
             self._configure()
         elif self._workspace is not None:
             self._then = self._workspace.last()
-            self._tell("asking whether the document changed" if self._then else _ASKING)
-            self._pin = f"m/{self._workspace.current(anew=self._keys.refresh)}"
+            self._progress("asking whether the document changed" if self._then else _ASKING)
+            self._pin = f"m/{self._workspace.current(force=self._keys.refresh)}"
         url = self._url
         request = requests.definition(url.document, self._pin, url.element, url.configuration)
         if self._asking.kept(request) is None and not self._asking.offline:
-            self._tell(_ASKING)
+            self._progress(_ASKING)
         self._definition = Reply(request, self._asking.one(request))
         return self._definition
 
@@ -72,13 +72,13 @@ class Network:
         if self._workspace is None:
             self._url = configured.at(self._pin)
             return
-        self._tell("asking how the assembly can be configured, and whether it changed")
-        self._url, self._then, microversion = configured.now(anew=self._keys.refresh)
+        self._progress("asking how the assembly can be configured, and whether it changed")
+        self._url, self._then, microversion = configured.now(force=self._keys.refresh)
         self._pin = f"m/{microversion}"
         self._workspace = Workspace(self._url, self._asking)
 
     def title(self) -> str:
-        """What the assembly's tab is called, where a reply of any build told it; no call is made."""
+        """What the assembly's tab is called, where a reply of any build has it; no call is made."""
         url, asking = self._url, self._asking
         subject = f"/documents/d/{url.document}/e/{url.element}#name"
         known = str(asking.recall(subject).get("name", ""))
@@ -90,7 +90,7 @@ class Network:
 
     def features(self, owners: Sequence[Owner], root: str) -> Sequence[LimitReplies]:
         if owners:
-            self._tell(f"{count(len(owners), 'list')} of features for limits that the definition lacks")
+            self._progress(f"{count(len(owners), 'list')} of features for limits that the definition lacks")
             self._keep_lists(owners)
         return limits_of(owners, root, self._url, self._asking)
 
@@ -103,14 +103,14 @@ class Network:
         missing = [request for request in wanted if request not in kept and request not in reused]
         suspects = {*reused, *self._unchecked(wanted)}
         calls = len(missing) + self._to_weigh(suspects)
-        held = len(kept) + len(reused)
-        self._tell(f"{count(len(needs), 'part studio')}: {count(calls, 'call')}, {held} kept")
-        asking.spare(held)
+        cached = len(kept) + len(reused)
+        self._progress(f"{count(len(needs), 'part studio')}: {count(calls, 'call')}, {cached} kept")
+        asking.spare(cached)
         if missing and not asking.offline:
             asking.allow(calls)
         weights = set(wanted[::2])
         bodies = {**kept, **reused, **asking.all([request for request in missing if request in weights])}
-        # After the masses, which tell how much of a part studio the assembly uses.
+        # After the masses, which show how much of a part studio the assembly uses.
         bodies |= self._shapes.gathered(needs, bodies)
         fresh, checked = self._verified(needs, bodies, suspects)
         # Before they are filed: a kill between the two must not make them look checked.
@@ -152,7 +152,7 @@ class Network:
                 self._asking.spare(1)
 
     def _tabs_to_ask(self) -> list[str]:
-        """The requests that tell which tabs changed since `then`, as far as they lack a reply."""
+        """The requests that show which tabs changed since `then`, as far as they lack a reply."""
         assert self._then is not None
         asked = tabs_to_ask(self._url, self._then, self._pin[2:], self._asking)
         return [request for request in asked if self._asking.kept(request) is None]
@@ -167,7 +167,7 @@ class Network:
     def _reused(self, needs: Sequence[Needs], kept: Mapping[str, bytes]) -> _Bodies:
         """Bodies of requests that lack one, from the microversion `then`, where their tab is the same.
 
-        Nothing where asking which tabs are the same would cost as much as asking for all anew.
+        Nothing where asking which tabs are the same would cost as much as fetching all again.
         """
         then, now = self._then, self._pin[2:]
         if then is None or then == now:
@@ -175,7 +175,7 @@ class Network:
         found = [(need.studio.element, self._earlier(need, kept, then)) for need in needs]
         spared = sum(len(bodies) for _, bodies in found)
         assert self._definition is not None
-        # What tells which tabs changed serves the lists of features too.
+        # What shows which tabs changed serves the lists of features too.
         lists = len(self._lists(features.owners(self._definition.body))) if spared else 0
         if spared + lists <= len(self._tabs_to_ask()) + self._to_weigh(["any"]):
             return {}
@@ -199,7 +199,7 @@ class Network:
         return {request: body for request, body in bodies.items() if request not in kept}
 
     def _verified(self, needs: Sequence[Needs], bodies: _Bodies, suspects: set[str]) -> tuple[_Bodies, bool]:
-        """The replies of `suspects`, asked for anew, where the assembly's mass shows that one is stale.
+        """The replies of `suspects`, fetched again, where the assembly's mass shows that one is stale.
 
         And whether `suspects` need no check any more. Where that mass cannot be had, they do.
         """
@@ -208,7 +208,7 @@ class Network:
         if total is None and self._to_weigh(suspects) == 0:
             return {}, self._keys.verify
         if total is None:
-            self._tell("holding the mass of the assembly against the sum of its parts")
+            self._progress("comparing the mass of the assembly with the sum of its parts")
             try:
                 total = asking.one(self._total())
             except (NotFound, ProtocolError) as error:
@@ -219,7 +219,7 @@ class Network:
         lasting = not masses.agree and self._differed(needs, masses)
         if not masses.agree and not lasting and suspects and not asking.offline:
             again = sorted(suspects)
-            self._tell(f"a part studio changed with another one: {count(len(again), 'call')}")
+            self._progress(f"a part studio changed with another one: {count(len(again), 'call')}")
             asking.doubt(again)
             fresh = asking.all(again)
             masses = self._masses(needs, {**bodies, **fresh}, total)
@@ -231,7 +231,7 @@ class Network:
         return fresh, self._keys.verify
 
     def _differed(self, needs: Sequence[Needs], masses: mass_check.Masses) -> bool:
-        """Whether the masses differed by as much when all these part studios had been asked for anew."""
+        """Whether the masses differed by as much when all these part studios had been fetched again."""
         known = self._workspace.discrepancy() if self._workspace is not None else {}
         if not known or not set(_tabs(needs)) <= set(known["studios"]):
             return False

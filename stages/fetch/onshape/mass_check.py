@@ -1,4 +1,4 @@
-"""Our sum of masses against Onshape's own: whether reused replies still tell how the assembly is.
+"""Our sum of masses against Onshape's own: whether reused replies still describe the assembly.
 
 A part studio that derives from another one can change while its own microversion stays. What it
 weighs then differs from the reply that is kept, and so does the mass of the assembly, which the
@@ -48,7 +48,7 @@ class Masses:
         return any(abs(now - then) <= within for now, then in zip(self.excess, excess, strict=True))
 
     def diagnostic(self, element: str, *, lasting: bool = False) -> Diagnostic:
-        """What the report says where they differ although everything was fetched.
+        """The diagnostic where they differ although everything was fetched.
 
         `lasting`: it was fetched at an earlier state of the document, and they differed as much.
         """
@@ -68,7 +68,7 @@ class Masses:
 
 
 def unchecked(element: str, error: SourceError) -> Diagnostic:
-    """What the report says where the mass of the assembly cannot be had."""
+    """The diagnostic where the mass of the assembly cannot be fetched."""
     return Diagnostic(
         "W-VERIFY",
         f"whether a part studio changed with another one could not be checked: {error.message}",

@@ -47,8 +47,8 @@ def _with_variables(
 ) -> AssemblyUrl:
     """The address of the assembly with its variables set; what an earlier build left changed is restored."""
     variables = Variables(url, asking, server, context.progress)
-    asking.settled = variables.settled
-    variables.mend()
+    asking.undisturbed = variables.undisturbed
+    variables.restore_left()
     return variables.applied(keys.variables) if keys.variables else url
 
 
@@ -64,5 +64,5 @@ def _quota(exhausted: QuotaExhausted, *, accepted: bool) -> Diagnostic:
     msg = f"{exhausted.message}; this is the assembly as it was last fetched completely"
     hint = "build again when the quota is renewed, or with another key"
     if not accepted:
-        hint += "; source.stale=true takes a build from what was fetched last for a success"
+        hint += "; source.stale=true counts a build from the last fetch as success"
     return Diagnostic("W-QUOTA", msg, exhausted.where, hint)

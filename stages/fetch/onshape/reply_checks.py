@@ -36,7 +36,7 @@ def accepted(request: str, body: bytes) -> bytes:
 def compacted(request: str, body: bytes, mass: bytes) -> bytes:
     """The compact form of an accepted reply with triangles; ProtocolError where its bodies are unclear.
 
-    `mass`: the reply with the mass properties of the part studio, by which those of glTF are told apart.
+    `mass`: the reply with the mass properties of the part studio, which identifies the bodies of a glTF.
     """
     if is_gltf(request) and not compact.is_compact(body):
         from stages.fetch.onshape.triangles import gltf_parts

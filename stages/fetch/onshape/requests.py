@@ -196,9 +196,9 @@ def describe(request: str) -> str:
         return f"{what} of document {document}"
     if is_assembly_mass(request):
         return f"the mass of assembly {element}"
-    for end, told in _BY_END.items():
+    for end, what in _BY_END.items():
         if path.endswith(end):
-            return f"{told} {element}"
+            return f"{what} {element}"
     if path.startswith("/assemblies/"):
         return f"the definition of assembly {element}"
     what = "the mass properties" if path.endswith("/massproperties") else "the triangles"

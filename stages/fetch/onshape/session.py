@@ -1,4 +1,4 @@
-"""The server of one assembly: connected when the first call is due, its replies checked."""
+"""The server of one assembly: connected for the first call, its replies checked."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -57,7 +57,7 @@ class Server:
             calls.waited = self._client.waited
 
     def ready(self) -> Client:
-        """The client, made when the first call is due: a build from kept replies needs no key."""
+        """The client, made for the first call: a build from kept replies needs no key."""
         if self._client is None:
             context = self._context
             credentials = find(context.environ)

@@ -36,7 +36,7 @@ class OnshapeSource(Source):
         """
         keys, url = self._keys, self._keys.url
         if keys.offline and keys.refresh:
-            msg = "offline makes no call, and refresh makes all of them"
+            msg = "source.offline makes no call, but source.refresh makes all of them"
             raise ConfigError(msg, "source.refresh", "set one of source.offline and source.refresh to false")
         if keys.variables and (url.pinned or keys.offline):
             why = "offline makes no call" if keys.offline else "a version or microversion never changes"

@@ -53,21 +53,23 @@ class _Change:
 class Variables:
     """The variables of the workspace at `url`, and the way to write them."""
 
-    def __init__(self, url: AssemblyUrl, asking: Asking, server: Server, tell: Callable[[str], None]) -> None:
+    def __init__(
+        self, url: AssemblyUrl, asking: Asking, server: Server, progress: Callable[[str], None]
+    ) -> None:
         self._url = url
         self._asking = asking
         self._server = server
-        self._tell = tell
+        self._progress = progress
         self._subject = f"/documents/d/{url.document}/{url.pin}#variables"
 
-    def mend(self) -> None:
+    def restore_left(self) -> None:
         """Puts back what a build that was killed had changed."""
         if not self._url.pinned and not self._asking.offline and self._left():
-            with self.settled():
+            with self.undisturbed():
                 pass
 
     @contextmanager
-    def settled(self) -> Iterator[None]:
+    def undisturbed(self) -> Iterator[None]:
         """Within it the workspace is as its users left it, and no other build changes its variables.
 
         Waits until a build that has them changed has put them back; what one that was killed had
@@ -76,7 +78,7 @@ class Variables:
         with self._asking.alone(self._subject):
             left = self._left()
             if left:
-                self._tell("putting back the variables that a build which was killed had changed")
+                self._progress("restoring the variables that a killed build had changed")
                 self._put_back([_Change(**change) for change in left], look=True)
             yield
 
@@ -85,7 +87,7 @@ class Variables:
 
         SourceError lists the variables that the document does not have; no value is changed then.
         """
-        with self.settled():
+        with self.undisturbed():
             now = self._microversion()
             known = self._asking.recall(self._state(now, wanted)).get("microversion")
             if known:
@@ -123,7 +125,7 @@ class Variables:
         building = 1 + 2 * len(mine)
         self._asking.allow(writing + building)
         least = self._asking.made + writing + building
-        self._tell(
+        self._progress(
             f"setting {count(variables, 'variable')} of the document, and putting back what was there: "
             f"{writing} calls; with the build at least {building} more, {least} in all"
         )
@@ -147,7 +149,7 @@ class Variables:
     ) -> None:
         """Writes what was there before; with `look` only where it still is as we left it.
 
-        Each studio is tried, whatever becomes of the others. SourceError where one fails, which tells
+        Each studio is tried, whatever becomes of the others. SourceError where one fails, which names
         what made the build end (`first`) as well; what is to be put back stays remembered.
         """
         failed = [(change, error) for change in changes if (error := self._restored(change, look=look))]
@@ -158,7 +160,7 @@ class Variables:
         if isinstance(first, SourceError):
             errors.insert(0, first)
         names = [name for change, _ in failed for name in _by_hand(change)]
-        # A dict keeps the order and tells what is said of several studios once.
+        # A dict keeps the order and reports what several studios have in common once.
         why = "; ".join(dict.fromkeys(error.message for error in errors))
         hints = dict.fromkeys(error.hint for error in errors if error.hint)
         msg = f"variables of the document could not be put back to {', '.join(names)}: {why}"
@@ -174,7 +176,7 @@ class Variables:
                 sent = True
                 self._write(change.studio, change.before, restoring=True)
             elif there != _values(change.before):
-                self._tell(f"variable studio {change.studio} was edited since: left as it is")
+                self._progress(f"variable studio {change.studio} was edited since: left as it is")
         except SourceError as error:
             what = "was not put back" if sent else "could not be looked at, so nothing was sent to it"
             msg = f"variable studio {change.studio} {what}: {error.message}"
@@ -205,7 +207,7 @@ class Variables:
             ]
             blank = [str(row["name"]) for row in before if not row.get("expression")]
             if after != before and blank:
-                what = f"its studio has variables whose values are not told, such as #{blank[0]}"
+                what = f"its studio has variables whose values are not known, such as #{blank[0]}"
                 hint = "a configured variable cannot be written back: use source.configuration"
                 problems.append(Diagnostic("E-VARIABLE", what, f"{_KEY} ({studio})", hint))
             elif after != before:

@@ -34,7 +34,7 @@ _HINTS = {
     "Undefined substitution argument": "a xacro's arguments are given by source.args={name: value}",
     "environment variable": "it sees no variables but ROS's paths: " + EXPAND,
 }
-"""What xacro says, and what is to be done about it."""
+"""Words of an error of xacro → what to do about it."""
 
 _FIND = re.compile(r"\$\(\s*find\s+([^\s()$]+)\s*\)")
 _MOST_PACKAGES = 100
@@ -51,11 +51,11 @@ def require(source: UrdfSourceKeys) -> None:
     if not is_named(Path(source.path)):
         return
     if not source.trust:
-        msg = f"{source.path} is a xacro file, and that is a program: to expand it is to run it"
-        hint = f"if you trust it say source.trust=true on the command line, or {EXPAND}"
+        msg = f"{source.path} is a xacro file, which is a program: expanding it runs it"
+        hint = f"if you trust it, set source.trust=true on the command line, or {EXPAND}"
         raise ConfigError(msg, "source.trust", hint)
     if importlib.util.find_spec("xacro") is None:
-        msg = f"{source.path} is a xacro file, and the package that expands those is not installed"
+        msg = f"{source.path} is a xacro file, and the package xacro, which expands it, is not installed"
         raise ConfigError(msg, "source.path", f"{install('xacro')}, or {EXPAND}")
 
 
@@ -87,7 +87,7 @@ def expanded(
             raise _refused(f"there is no package {lacking}", path.name, _PACKAGE % lacking)
         if why:
             why = " ".join(why.replace(f"{path.parent}/", "").split())[:_LONGEST]
-            raise _refused(why, path.name, next((hint for said, hint in _HINTS.items() if said in why), ""))
+            raise _refused(why, path.name, next((hint for words, hint in _HINTS.items() if words in why), ""))
         return made
 
 
@@ -100,10 +100,10 @@ def _asked(request: Mapping[str, Any], where: str, environ: Mapping[str, str]) -
         raise _refused(f"it {ended}", where, f"look for what never ends, or {EXPAND}") from None
     head, _, made = reply.partition(b"\n")
     try:
-        told = json.loads(head)
-        return made.decode(), str(told["lacking"]), str(told["refused"])
+        answer = json.loads(head)
+        return made.decode(), str(answer["lacking"]), str(answer["refused"])
     except (ValueError, KeyError, TypeError, RecursionError):
-        raise _refused("its guest answers what is no text", where, f"look through it, or {EXPAND}") from None
+        raise _refused("its guest answers what is not text", where, f"look through it, or {EXPAND}") from None
 
 
 def _refused(why: str, where: str, hint: str) -> SourceError:

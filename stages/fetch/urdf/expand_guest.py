@@ -24,8 +24,8 @@ def answer(request: bytes) -> bytes:
         text, why = "", "it nests too deep, or calls itself"
     except Exception as error:
         text, why = "", str(error) or type(error).__name__
-    told = {"lacking": lacking[-1] if lacking and why else "", "refused": why}
-    return json.dumps(told).encode() + b"\n" + text.encode()
+    reply = {"lacking": lacking[-1] if lacking and why else "", "refused": why}
+    return json.dumps(reply).encode() + b"\n" + text.encode()
 
 
 def _expanded(path: str, args: Mapping[str, str], packages: Mapping[str, str], lacking: list[str]) -> str:

@@ -31,9 +31,9 @@ _SKIP = (
 
 
 def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[FileBundle, tuple[Diagnostic, ...]]:
-    """The bundle of a robot's file, and what is to be told of how its meshes were found.
+    """The bundle of a robot's file, and the diagnostics of how its meshes were found.
 
-    SourceError tells all that is wrong with the text and all meshes that are missing or damaged.
+    SourceError names all errors of the text and all meshes that are missing or damaged.
     """
     seen = survey(source, environ)
     robot = parse(seen.text, seen.document)
@@ -87,7 +87,7 @@ class _Files:
             place = self._place(shape)
             mesh = self._mesh(place)
             if isinstance(mesh, str):
-                lacking[shape.filename] = self._told(shape.filename, mesh, there=place.file is not None)
+                lacking[shape.filename] = self._problem(shape.filename, mesh, there=place.file is not None)
             else:
                 found[key] = triangles.encode([body(mesh, key, shape.scale, shape.colour)])
         self.missing = list(lacking.values())
@@ -107,9 +107,9 @@ class _Files:
             self._read[place.file] = _content(place.file)
         return self._read[place.file]
 
-    def _told(self, name: str, why: str, *, there: bool) -> Diagnostic:
+    def _problem(self, name: str, why: str, *, there: bool) -> Diagnostic:
         text, where = f"mesh {name}: {why}", self._seen.document
-        hint = "write the file again" if there else "put the file there, or take the <mesh> out"
+        hint = "export the file again" if there else "put the file there, or remove the <mesh>"
         if self._skip:
             return Diagnostic("W-NO-MESH", text, where, hint)
         if there:
@@ -117,7 +117,7 @@ class _Files:
         return Diagnostic("E-MESH-MISSING", text, where, hint)
 
     def found_elsewhere(self) -> list[Diagnostic]:
-        """What is told of files that are not where they should be: one finding a folder."""
+        """The diagnostics of files that are not where they should be: one for each folder."""
         groups: dict[tuple[str, str], list[str]] = {}
         for name, file in self._moved.items():
             shown = PurePosixPath(self._seen.files.shown(file))
@@ -139,9 +139,9 @@ def _folder(name: str) -> str:
 
 def _moved(named: str, there: str, files: list[str]) -> str:
     if not there.endswith("/"):
-        return f"{named} is not there; {there} is taken"
+        return f"{named} was not found; {there} is used instead"
     shown = ", ".join(files[:5]) + (f" and {len(files) - 5} more" if len(files) > 5 else "")
-    return f"{shown}: not in {named}, taken from {there}"
+    return f"{shown}: not found in {named}, used from {there}"
 
 
 def _content(file: Path) -> LooseMesh | str:

@@ -1,6 +1,6 @@
 """Mesh files as triangles: STL (binary and ASCII), OBJ, DAE, glTF and GLB, PLY, through trimesh.
 
-Coordinates are taken as RViz and Pinocchio take them: metres, but for the unit that a DAE says; the
+Coordinates are taken as RViz and Pinocchio take them: metres, but for the unit of a DAE; the
 axis that a DAE or a glTF calls "up" is not turned. Colours are those of materials, faces or vertices;
 images are not read.
 """
@@ -66,7 +66,7 @@ def read(data: bytes, name: str, companions: Mapping[str, bytes]) -> LooseMesh:
             scale = _unit(scene, kind)
     except Exception as error:
         why = " ".join(str(error).split())[:200] or type(error).__name__
-        raise Unreadable(f"it is damaged, or is no {kind.upper()} file ({why})") from None
+        raise Unreadable(f"it is damaged, or is not a {kind.upper()} file ({why})") from None
     return _joined([piece for piece in pieces if piece is not None], scale)
 
 
@@ -109,8 +109,8 @@ def _whole(data: bytes) -> bytes:
     if len(data) >= _STL_HEAD and not (data.lstrip().startswith(b"solid") and b"facet" in data[:2000]):
         size = _STL_HEAD + _STL_FACE * int.from_bytes(data[80:84], "little")
         if size > len(data):
-            held = (len(data) - _STL_HEAD) // _STL_FACE
-            msg = f"it announces {(size - _STL_HEAD) // _STL_FACE} triangles and holds {held}"
+            there = (len(data) - _STL_HEAD) // _STL_FACE
+            msg = f"it announces {(size - _STL_HEAD) // _STL_FACE} triangles and holds {there}"
             raise ValueError(msg)
         return data[:size]
     return data

@@ -27,7 +27,7 @@ def require(text: str, where: str) -> None:
     try:
         root = xml.parse(text.encode())
     except xml.Malformed:
-        return  # the reader says what is wrong with it
+        return  # the reader reports what is wrong with it
     beside = {inner for outer in root.iterchildren("gazebo") for inner in outer.iter()}
     for element in root.iter():
         found = "" if element in beside else _for_xacro(element)
@@ -36,7 +36,7 @@ def require(text: str, where: str) -> None:
                 f"line {element.sourceline}: {found} is for xacro, and only a file called .xacro is expanded"
             )
             name = f"{where.removesuffix('.urdf')}.urdf.xacro"
-            hint = f"{EXPAND}; or call it {name}, and if you trust it say source.trust=true"
+            hint = f"{EXPAND}; or rename it to {name} and, if you trust it, set source.trust=true"
             raise SourceError(msg, where, f"{hint} on the command line")
 
 

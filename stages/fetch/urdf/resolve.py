@@ -57,7 +57,7 @@ class MeshPlaces:
         return self._search(name)
 
     def _meant(self, name: str) -> Iterator[Path]:
-        """Where a name says the file is."""
+        """Where a file should be by its name."""
         rest = re.sub(r"^(?:package|model|file)://", "", name, flags=re.IGNORECASE)
         if name.lower().startswith(("package://", "model://")):
             package, _, inner = rest.partition("/")
@@ -67,7 +67,7 @@ class MeshPlaces:
         else:
             yield self._folder / rest
         if self._meshdir:
-            # MuJoCo takes the folders off a name unless told otherwise.
+            # MuJoCo takes the folders off a name by default.
             yield self._folder / self._meshdir / PurePosixPath(rest).name
             yield self._folder / self._meshdir / rest.lstrip("/")
 
@@ -109,11 +109,11 @@ class MeshPlaces:
         return found
 
     def shown(self, file: Path) -> str:
-        """A file as messages name it: nothing tells of this computer."""
+        """A file as messages name it: without anything about this computer."""
         return self.public(file) or file.name
 
     def public(self, file: Path) -> str:
-        """A file by a name that tells nothing of this computer, "" where it has none."""
+        """A file by a name that reveals nothing of this computer, "" where it has none."""
         file = Path(os.path.normpath(file))
         if file.is_relative_to(self._packages.root):
             return Path(os.path.relpath(file, self._folder)).as_posix()
@@ -123,7 +123,7 @@ class MeshPlaces:
         return ""
 
     def is_private(self, name: str) -> bool:
-        """Whether a name says where on this computer a file is."""
+        """Whether a name reveals where on this computer a file is."""
         return name.lower().startswith("file://") or name.startswith("/") or bool(_DRIVE.match(name))
 
 

@@ -29,7 +29,7 @@ class UrdfSource(RobotFileSource):
         for name, folder in self._keys.packages.items():
             if not Path(folder).is_dir():
                 hint = "name the folder that holds the package's own, such as meshes/"
-                raise ConfigError(f"{folder} is no folder", f"source.packages.{name}", hint)
+                raise ConfigError(f"{folder} is not a folder", f"source.packages.{name}", hint)
         expand.require(self._keys)
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any]:

@@ -1,6 +1,6 @@
 """What a robot's file is made of, without reading the robot: its text and the files that it names.
 
-Needs no array or XML library, as it tells a build whether it was made before.
+Needs no array or XML library, as it shows whether a robot was built before.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class Survey:
     files: MeshPlaces
 
     def digests(self) -> list[list[str]]:
-        """Of each mesh's name: where the file is, as messages tell it, and the SHA-256 of all it holds.
+        """Of each mesh's name: where the file is, as messages name it, and the SHA-256 of all it holds.
 
         SourceError where the files are larger together than is read.
         """
@@ -55,9 +55,9 @@ class Survey:
         return [[name, *self._digest(self.places[name])] for name in sorted(self.places)]
 
     def microversion(self) -> str:
-        """What tells the robot from every other: the SHA-256 of all that was read."""
-        told = json.dumps([sha256(self.text).hexdigest(), self.digests()])
-        return sha256(told.encode()).hexdigest()
+        """What identifies the robot: the SHA-256 of all that was read."""
+        content = json.dumps([sha256(self.text).hexdigest(), self.digests()])
+        return sha256(content.encode()).hexdigest()
 
     def _digest(self, place: MeshPlace) -> tuple[str, str]:
         if place.file is None:
@@ -99,7 +99,7 @@ def identity(source: UrdfSourceKeys, environ: Mapping[str, str]) -> dict[str, An
 
 
 def _public(found: Mapping[str, MeshPlace], places: MeshPlaces) -> dict[str, str]:
-    """Other names for those that tell where on this computer a file is."""
+    """Other names for those that reveal where on this computer a file is."""
     names: dict[str, str] = {}
     folders: dict[str, int] = {}
     for name, place in found.items():

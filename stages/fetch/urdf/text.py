@@ -1,4 +1,4 @@
-"""The text of a robot's file, as plain URDF that tells nothing of this computer."""
+"""The text of a robot's file, as plain URDF that reveals nothing of this computer."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def _decoded(data: bytes, where: str) -> str:
     except (LookupError, UnicodeDecodeError):
         text = ""
     if not text or "\0" in text:
-        why = "it is no text" if data else "it is empty"
+        why = "it is not text" if data else "it is empty"
         msg = f"it is not readable as a URDF: {why}"
         raise SourceError(msg, where, "give a URDF, or a xacro file that ends in .xacro")
     return _DECLARATION.sub('<?xml version="1.0"?>', text)
@@ -88,12 +88,12 @@ def renamed(text: str, names: Mapping[str, str]) -> str:
     """The text with mesh files called otherwise: `names` from old to new."""
 
     def other(element: re.Match[str]) -> str:
-        said = element.group()
-        found = _FILENAME.search(said)
+        written = element.group()
+        found = _FILENAME.search(written)
         if found is None or _value(found) not in names:
-            return said
+            return written
         start, end = found.span(1 if found.group(1) is not None else 2)
-        return f"{said[:start]}{html.escape(names[_value(found)], quote=True)}{said[end:]}"
+        return f"{written[:start]}{html.escape(names[_value(found)], quote=True)}{written[end:]}"
 
     return _MESH.sub(other, text) if names else text
 

@@ -81,10 +81,10 @@ def test_a_folder_entry_that_zip_tools_add_is_harmless():
 
 
 def test_what_is_no_zip_or_cut_or_changed_is_refused():
-    refused(b"", "no zip file")
-    refused(b"<html>sign in</html>", "no zip file")
+    refused(b"", "not a zip file")
+    refused(b"<html>sign in</html>", "not a zip file")
     data = zipped(GOOD, zipfile.ZIP_STORED)
-    refused(data[:-30], "no zip file")
+    refused(data[:-30], "not a zip file")
     refused(data.replace(BODIES[0], b'{"a": 7}'), "damaged")
 
 
@@ -215,7 +215,7 @@ def test_a_missing_reply_is_named_with_its_request():
     ("manifest", "why"),
     [
         (b"{", "not JSON"),
-        (b"[]", "no JSON object"),
+        (b"[]", "not a JSON object"),
         (b"\xff\xfe", "not JSON"),
         (b'{"format": ' + b"[" * 100_000, "not JSON"),
         ({**MANIFEST, "root": {**ROOT, "element": "\ud800"}}, "malformed (root.element"),

@@ -70,7 +70,7 @@ def test_bounds_hold(tmp_path, monkeypatch, bounds, said):
 )
 def test_nothing_that_a_guest_says_is_taken_on_trust(tmp_path, monkeypatch, reply):
     monkeypatch.setattr(guest, "ask", lambda *_: reply)
-    assert "answers what is no model" in refused(written(tmp_path, MESHED)).message
+    assert "does not answer with a model" in refused(written(tmp_path, MESHED)).message
 
 
 # What a few bytes ask for.

@@ -240,10 +240,10 @@ def test_moved_and_misspelt_files_are_found_by_a_unique_name_and_told(tmp_path):
     assert len(bundle.requests) == 5
     assert {one.code for one in found} == {"I-MESH-FOUND"}
     assert [one.message for one in found] == [
-        "a.stl: not in package://gone/meshes/, taken from ../meshes/",
-        "meshes/B.STL is not there; ../other/b.stl is taken",
-        "c.stl: not in visual/, taken from ../m/visual/",
-        "d.stl: not in elsewhere/1/, taken from ../",
+        "a.stl: not found in package://gone/meshes/, used from ../meshes/",
+        "meshes/B.STL was not found; ../other/b.stl is used instead",
+        "c.stl: not found in visual/, used from ../m/visual/",
+        "d.stl: not found in elsewhere/1/, used from ../",
     ]
 
 

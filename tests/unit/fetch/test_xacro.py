@@ -85,7 +85,7 @@ def test_without_trust_it_is_not_run_and_the_error_says_why(tmp_path, call):
     with pytest.raises(ConfigError) as caught:
         calls[call]()
     assert caught.value.where == "source.trust"
-    assert "that is a program" in caught.value.message
+    assert "which is a program" in caught.value.message
     assert "source.trust=true" in caught.value.hint
 
 

@@ -205,7 +205,7 @@ def test_a_build_that_stands_beside_under_another_name_is_named(here, capsys):
 
 def test_a_build_that_read_nothing_is_told(here, capsys):
     Path("broken.zip").write_text("no zip")
-    with pytest.raises(Exception, match="no zip file"):
+    with pytest.raises(Exception, match="not a zip file"):
         make("bad", {"kind": "bundle", "path": "broken.zip"})
     assert run(["bundle", "bad.failed", "bad.zip"]) == 1
     assert "ended before everything was fetched" in capsys.readouterr().err

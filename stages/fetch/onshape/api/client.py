@@ -47,7 +47,7 @@ _PATIENCE = Patience()
 class Client:
     """Asks one host. Safe to call from several threads; a context manager.
 
-    `ledger` takes down what is billed; `progress` gets a line wherever the user has to wait, and `transient`
+    `ledger` records what is billed; `progress` gets a line wherever the user has to wait, and `transient`
     how much has arrived while that is going on; `max_calls` bounds what is billed, whatever has to be
     asked again.
     """
@@ -65,7 +65,7 @@ class Client:
     ) -> None:
         self.host = urlsplit(url.origin).netloc
         self.met: dict[str, str] = {}
-        """What the server said of itself: `api`, the version that it serves, `definition_api`, that of
+        """What the server reports of itself: `api`, the version that it serves, `definition_api`, that of
         definitions, and its `release`."""
         self._origin = url.origin
         self._origins: dict[str, str] = {}
@@ -95,7 +95,7 @@ class Client:
 
     @property
     def left(self) -> Mapping[str, int]:
-        """Calls left in the server's windows, by endpoint, where it told."""
+        """Calls left in the server's windows, by endpoint, where it reports them."""
         return dict(self._windows.left)
 
     @property
@@ -178,7 +178,7 @@ class Client:
             seconds = min(2 * seconds, self._patience.longest_wait) if asked is None else seconds
         error = rate_limited(
             call.what,
-            self._said(answer),
+            self._reply_text(answer),
             self.host,
             asked=retry_after(answer.headers),
             waited=self._windows.waited,
@@ -246,14 +246,13 @@ class Client:
         try:
             check(body)
         except ProtocolError as error:
-            told = ProtocolError(error.message, self.host, error.hint)
-            raise Passing(told, "billed", self._say) from error
+            placed = ProtocolError(error.message, self.host, error.hint)
+            raise Passing(placed, "billed", self._say) from error
 
     def _refusal(self, answer: HttpReply, request: str, *, final: bool = False) -> Exception:
         """The error for a refusal; `Passing` where it may pass by itself, unless it is `final`."""
-        error = refusal(
-            answer.status, answer.headers, self._said(answer), request, self.host, self._credentials.kind
-        )
+        text = self._reply_text(answer)
+        error = refusal(answer.status, answer.headers, text, request, self.host, self._credentials.kind)
         if isinstance(error, QuotaExhausted):
             self._halt.stop(error)
         if final or not (answer.status >= 500 or answer.status == 499):
@@ -263,7 +262,7 @@ class Client:
             return error
         return Passing(error, "free", self._say)
 
-    def _said(self, answer: HttpReply) -> str:
+    def _reply_text(self, answer: HttpReply) -> str:
         """The body, free of secrets, also of those that JSON hides in escapes."""
         text = answer.body.decode("utf-8", "replace")
         with contextlib.suppress(ValueError, RecursionError):

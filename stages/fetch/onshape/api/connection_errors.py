@@ -66,11 +66,11 @@ def trouble(error: BaseException, host: str, met: tuple[str, int] | None) -> Tro
     return Trouble(f"{subject} cannot be reached: {why}", hint)
 
 
-def refused_by_proxy(said: str, host: str, met: tuple[str, int] | None) -> Trouble:
-    """What a proxy that lets nothing through `said`: "407 Proxy Authentication Required"."""
+def refused_by_proxy(status_line: str, host: str, met: tuple[str, int] | None) -> Trouble:
+    """The trouble with a proxy that refuses; `status_line`: "407 Proxy Authentication Required"."""
     variable = proxy_variable(os.environ)
     subject = f"the proxy {met[0]}:{met[1]} ({variable})" if met else f"the proxy ({variable})"
-    status = said.partition(" ")[0]
+    status = status_line.partition(" ")[0]
     if status == "407":
         hint = f"write user and password into {variable}: http://USER:PASSWORD@HOST:PORT"
         return Trouble(f"{subject} asks for a login (407)", hint, lasting=True)
@@ -83,7 +83,7 @@ def _untrusted(error: ssl.SSLCertVerificationError, host: str) -> Trouble:
     code = error.verify_code
     why = _CERTIFICATES.get(code) or f"its certificate is not accepted ({error.verify_message})"
     if code in (_EARLY, _EXPIRED):
-        hint = "check this computer's clock; if it is right, tell those who run that server"
+        hint = "check this computer's clock; if it is right, report it to those who run that server"
     elif code in (_OTHER_HOST, _OTHER_ADDRESS):
         hint = "check the host in source.url, and that the network asks for no login first"
     else:
@@ -98,7 +98,7 @@ def _why(cause: BaseException) -> str:
     if isinstance(cause, socket.gaierror):
         return _NAMES.get(cause.errno or 0) or f"its name is not found (DNS: {cause.strerror})"
     if isinstance(cause, UnicodeError):
-        return "its name is none"
+        return "its name is not valid"
     if isinstance(cause, OSError) and cause.errno:
         return _UNREACHABLE.get(cause.errno) or (cause.strerror or "").lower()
     return ""

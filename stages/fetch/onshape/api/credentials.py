@@ -46,7 +46,7 @@ class Credentials:
 
     @property
     def who(self) -> str:
-        """A name for whose calls these are, which does not tell the key.
+        """A name for whose calls these are, which does not reveal the key.
 
         Bearer tokens live for an hour, so all of them are one.
         """

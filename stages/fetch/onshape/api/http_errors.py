@@ -45,12 +45,12 @@ def refusal(
     how the request was authenticated (basic, signature, bearer).
     """
     what = describe(request)
-    said = server_words(text)
-    quoted = f' ("{said}")' if said else ""
+    words = server_words(text)
+    quoted = f' ("{words}")' if words else ""
     if status in (401, 403):
         return _denied(status, what, quoted, host, kind, _skew(headers))
     if status == 402:
-        msg = f"the yearly quota of API calls is used up (402), so {what} was not given{quoted}"
+        msg = f"the yearly quota of API calls is used up (402), so {what} was not sent{quoted}"
         hint = (
             "no further call was made, and what was fetched is kept; look at My account > Developer in "
             "Onshape, or build from the cache (source.offline=true) or a bundle (source=bundle)"
@@ -64,7 +64,7 @@ def refusal(
         msg = f"the server refuses to give {what} (400){quoted}: {_NOT_ASSEMBLY}"
         return SourceError(msg, host, _open_the_tab())
     if status in (405, 406, 415):
-        msg = f"the server does not take the form of the request for {what} ({status}){quoted}"
+        msg = f"the server refuses the form of the request for {what} ({status}){quoted}"
         return Declined(msg, host, "this is a fault of linkwright, or the API has changed: report it")
     if status == 204:
         return ProtocolError(f"the server has nothing to say about {what} (204)", host, AGAIN)
@@ -83,8 +83,8 @@ def rate_limited(
     what: str, text: str, host: str, *, asked: float | None, waited: float, max_wait: float
 ) -> RateLimited:
     """The error for a closed window (429) that is not waited for any longer. Times in seconds."""
-    said = server_words(text)
-    quoted = f' ("{said}")' if said else ""
+    words = server_words(text)
+    quoted = f' ("{words}")' if words else ""
     bound = f"source.max_wait allows {max_wait:g} s"
     spent = f" and {waited:.0f} s were waited already" if waited else ""
     after = f"; it asks to wait {asked:.0f} s" if asked is not None else ""
@@ -187,7 +187,7 @@ def _denied(status: int, what: str, quoted: str, host: str, kind: str, skew: flo
 
 
 def _not_so_configured(configuration: str, quoted: str, host: str) -> SourceError:
-    msg = f"the server does not take the configuration {configuration!r} (400){quoted}"
+    msg = f"the server refuses the configuration {configuration!r} (400){quoted}"
     hint = (
         "choose it in the browser and copy the address again, or give the values by name in "
         "source.configuration, which is checked against the document; if the address works without "

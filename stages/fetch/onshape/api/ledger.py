@@ -1,4 +1,4 @@
-"""What was asked and billed, by key and calendar year: a count that Onshape itself does not tell.
+"""Calls made and billed, by key and calendar year: a count that Onshape itself does not give.
 
     ledger/<who>-<year>.json     one line of JSON a call: {"at", "endpoint", "status", "left"}
 
@@ -56,7 +56,7 @@ class Year:
 
 
 class Ledger:
-    """The calls of one key. `who`: a name that does not tell the key, `Credentials.who`.
+    """The calls of one key. `who`: a name that does not reveal the key, `Credentials.who`.
 
     `year` is that of each call where it is not given. Safe between threads and processes.
     """
@@ -67,7 +67,7 @@ class Ledger:
         self._year = year
 
     def note(self, kind: str, status: int, left: int | None = None) -> str:
-        """Writes down a reply that was billed, or the one that tells that the quota is used up (402).
+        """Writes down a reply that was billed, or the one that reports a used-up quota (402).
 
         `left`: calls left in the window of this endpoint. A ledger that cannot be written is no
         reason to lose a reply that was paid for: the call then goes uncounted. Returns why it does, in
@@ -87,9 +87,9 @@ class Ledger:
 
     def counted(self) -> int:
         """Billed calls of the year so far."""
-        return self.told().counted
+        return self.read().counted
 
-    def told(self) -> Year:
+    def read(self) -> Year:
         """The year so far."""
         return _read(self._path(), self._who, self._this_year())
 
@@ -101,7 +101,7 @@ class Ledger:
 
 
 def years(folder: Path) -> list[Year]:
-    """What all ledgers in `folder` tell, by key and year."""
+    """The counts of all ledgers in `folder`, by key and year."""
     if not folder.is_dir():
         return []
     found = ((path, _FILE.fullmatch(path.name)) for path in sorted(folder.iterdir()))

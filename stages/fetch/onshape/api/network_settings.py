@@ -1,4 +1,4 @@
-"""What the user's environment says about the way to a server: proxies, and whose certificates count.
+"""The user's environment about the way to a server: proxies, and whose certificates count.
 
 The HTTP library takes these variables as they are, and fails on a wrong one in words of its own, or
 only when it connects. So they are looked at first. Their values are not shown: a proxy's may hold a
@@ -62,7 +62,7 @@ def _require_certificates(environ: Mapping[str, str]) -> None:
     if file:
         import ssl
 
-        why = "" if Path(file).is_file() else f"{file} is no file"
+        why = "" if Path(file).is_file() else f"{file} is not a file"
         try:
             if not why:
                 ssl.create_default_context(cafile=file)
@@ -74,4 +74,4 @@ def _require_certificates(environ: Mapping[str, str]) -> None:
             raise ConfigError(why, CERTIFICATES, hint)
     elif folder and not Path(folder).is_dir():
         hint = "name a folder of certificates (made by openssl rehash), or unset it"
-        raise ConfigError(f"{folder} is no folder", FOLDER, hint)
+        raise ConfigError(f"{folder} is not a folder", FOLDER, hint)

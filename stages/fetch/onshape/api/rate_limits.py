@@ -12,7 +12,7 @@ from threading import Event, Lock
 
 
 class Windows:
-    """The windows of one server, as its replies tell them. `max_wait` [s] bounds all waits together."""
+    """The windows of one server, as its replies report them. `max_wait` [s] bounds all waits together."""
 
     def __init__(self, max_wait: float, stopped: Event) -> None:
         self._max_wait = max_wait
@@ -23,10 +23,10 @@ class Windows:
         self.waited = 0.0
         """What the waits asked for so far come to [s]; waits at the same time count once."""
         self.left: dict[str, int] = {}
-        """Calls left by endpoint, where the server told (`X-Rate-Limit-Remaining`)."""
+        """Calls left by endpoint, where the server reports them (`X-Rate-Limit-Remaining`)."""
 
     def note(self, endpoint: str, left: int | None) -> None:
-        """Takes down what a reply told of its window."""
+        """Records what a reply reports of its window."""
         if left is not None:
             with self._lock:
                 self.left[endpoint] = left
@@ -56,7 +56,7 @@ class Windows:
 
 
 def left(headers: Mapping[str, str]) -> int | None:
-    """Calls left in the window of the endpoint that replied, where the server tells."""
+    """Calls left in the window of the endpoint that replied, where the server reports them."""
     text = headers.get("X-Rate-Limit-Remaining", "").strip()
     return int(text) if text.isascii() and text.isdigit() and len(text) < 10 else None
 
@@ -64,7 +64,7 @@ def left(headers: Mapping[str, str]) -> int | None:
 def retry_after(headers: Mapping[str, str], now: Callable[[], float] = time.time) -> float | None:
     """How long to wait [s], from seconds or an HTTP date; None where the server does not say.
 
-    A date is compared with the server's own clock where it tells that (`Date`).
+    A date is compared with the server's own clock where it gives that (`Date`).
     """
     text = headers.get("Retry-After", "").strip()
     if text.isascii() and text.isdigit() and len(text) < 10:
@@ -77,7 +77,7 @@ def retry_after(headers: Mapping[str, str], now: Callable[[], float] = time.time
 
 
 def date(text: str) -> float | None:
-    """An HTTP date as seconds since 1970; None where it is none."""
+    """An HTTP date as seconds since 1970; None where it is not a date."""
     try:
         found = parsedate_to_datetime(text)
     except (ValueError, TypeError, IndexError, OverflowError):

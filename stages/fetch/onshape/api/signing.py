@@ -20,7 +20,7 @@ _NONCE = 25
 
 
 def headers(credentials: Credentials, method: str, target: str) -> dict[str, str]:
-    """The headers that authenticate one request; made anew for each, a followed redirect too.
+    """The headers that authenticate one request; made for each one, a followed redirect too.
 
     `target`: path and query exactly as they are sent.
     """

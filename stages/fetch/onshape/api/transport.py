@@ -41,7 +41,7 @@ class HttpReply:
 
 
 class Lost(Exception):
-    """There is no whole reply. Its text says why and holds nothing that was sent.
+    """There is no whole reply. Its text gives the reason and holds nothing that was sent.
 
     `begun`: the request may have reached the server; `status`: what it answered before the rest
     was lost, 0 where it answered nothing; `late`: it took too long; `trouble`: what kept it from the
@@ -73,12 +73,12 @@ class _Way:
         self._wire = wire
         self.met: tuple[str, int] | None = None
 
-    def trace(self, event: str, told: Mapping[str, Any]) -> None:
+    def trace(self, event: str, info: Mapping[str, Any]) -> None:
         if event.endswith("connect_tcp.started"):
-            self.met = (str(told["host"]), int(told["port"]))
+            self.met = (str(info["host"]), int(info["port"]))
         # TLS puts another socket in the place of the plain one.
         if event.endswith(("connect_tcp.complete", "start_tls.complete")):
-            self._wire.connected(told["return_value"].get_extra_info("socket"))
+            self._wire.connected(info["return_value"].get_extra_info("socket"))
 
 
 class Wire:
@@ -123,7 +123,7 @@ class Wire:
         met: Callable[[int, Mapping[str, str]], None],
         most: int,
     ) -> HttpReply:
-        """The reply to one request; Lost, ReplyTooLarge or Packed where there is none that can be used.
+        """The reply to one request; Lost, ReplyTooLarge or Packed where there is no usable one.
 
         `headers` gets path and query as they are sent; `met` gets status and headers as soon as
         they are there, since that is when a call is billed; `most`: bytes that a reply may unpack to.
@@ -174,7 +174,7 @@ def _client(patience: Patience, *, loopback: bool) -> httpx.Client:
             trust_env=not loopback,
         )
     except (ValueError, ImportError, httpx.InvalidURL):
-        # Its words may show a proxy's password. What is known to be wrong was told before.
+        # Its words may show a proxy's password. What is known to be wrong was reported before.
         msg = "the proxy settings cannot be read"
         hint = "set HTTPS_PROXY and NO_PROXY to what your network needs, or unset them"
         raise ConfigError(msg, "NO_PROXY", hint) from None
@@ -217,7 +217,7 @@ def _body(response: httpx.Response, until: float, most: int, arrived: Callable[[
 
 
 def _lost(error: Exception, status: int) -> Exception:
-    """What the lack of a whole body is told as."""
+    """The error for the lack of a whole body."""
     if isinstance(error, decompression.UnknownEncodingError):
         return Packed(str(error))
     if isinstance(error, decompression.DamagedError):

@@ -1,8 +1,8 @@
 """A part studio's triangles out of its glTF: the alternative to tessellated faces.
 
 Its coordinates are single precision, its nodes are not known to be named by part id, and where its up
-axis points is not known either. So its bodies are told apart, and turned, by volume, area, centroid
-and inertia, held against the mass properties of the studio.
+axis points is not known either. So its bodies are identified, and turned, by volume, area, centroid
+and inertia, compared with the mass properties of the studio.
 """
 
 from collections.abc import Mapping
@@ -25,7 +25,7 @@ def compact(reply: bytes, mass: bytes) -> bytes:
     """The compact form of a glTF reply; `mass` is the reply with the mass properties of the parts.
 
     Parts that no body fits, or that several fit equally well, are left out. ProtocolError where the
-    reply is no such file, where no body fits, or where the parts do not tell which way is up.
+    reply is no such file, where no body fits, or where the parts do not show which way is up.
     """
     nodes = [node for node in gltf.read(reply) if len(node.corners)]
     parts = _parts(mass)
@@ -83,7 +83,7 @@ def _parts(mass: bytes) -> dict[str, BodyFigures]:
         bodies: Mapping[str, Mapping[str, Any]] = orjson.loads(mass)["bodies"]
         return {name: _expected(name, record) for name, record in bodies.items()}
     except (AttributeError, IndexError, KeyError, TypeError, ValueError) as error:
-        msg = f"the mass properties do not tell the parts apart ({type(error).__name__}: {error})"
+        msg = f"the mass properties do not identify the parts ({type(error).__name__}: {error})"
         raise ProtocolError(msg, hint=_HINT) from None
 
 

@@ -55,7 +55,7 @@ class Pieces:
 
 
 class Document:
-    """A JSON text. MalformedError, at once or while it is read, where it is none."""
+    """A JSON text. MalformedError, at once or while it is read, where it is not JSON."""
 
     def __init__(self, text: bytes) -> None:
         if len(text) >= 1 << 32:
@@ -99,7 +99,7 @@ class Document:
     def runs(self, depth: int, begin: int, end: int) -> Iterator[list[Any]]:
         """The elements of the array text[begin:end] in lists of some.
 
-        Only runs of objects and arrays are told apart: MalformedError where others are among them.
+        Only runs of objects and arrays are distinguished: MalformedError where others are among them.
         """
         if next(self._within(depth + 1, begin, end), None) is None:
             yield _parsed(self._text[begin:end])

@@ -1,4 +1,4 @@
-"""Which mesh is which part, where names do not tell: by volume, area and centroid."""
+"""Which mesh is which part, where names do not show it: by volume, area and centroid."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ def assigned(meshes: Sequence[BodyFigures], parts: Mapping[str, BodyFigures]) ->
     ValueError where there are too many of both to try each with each.
     """
     if len(meshes) * len(parts) > _MOST_PAIRS:
-        msg = f"{len(meshes)} bodies and {len(parts)} parts are too many to be told apart"
+        msg = f"{len(meshes)} bodies and {len(parts)} parts are too many to be matched"
         raise ValueError(msg)
     names = sorted(parts)
     found = []

@@ -3,7 +3,7 @@
 Tessellated faces are asked for: of all parts, or only of those used where the studio holds many
 others. Where they are refused for good, glTF is. As files it is half as large as faces with a table
 of points, but compressed, as both are sent, a third larger; it has single precision, and does not
-tell which body is which part (`python -m tests.benchmarks.tessellation` measures both).
+show which body is which part (`python -m tests.benchmarks.tessellation` measures both).
 """
 
 from collections.abc import Mapping, Sequence
@@ -44,7 +44,7 @@ class Shapes:
         self._refusals: dict[str, str] = {}
 
     def mass(self, need: Needs) -> str:
-        """The request for the mass properties of a part studio, which must tell of all solids."""
+        """The request for the mass properties of a part studio, which must cover all solids."""
         request = requests.mass_properties(need.studio, need.root)
         self._asking.require(request, lambda body: _require_masses(need, body))
         return request
@@ -145,7 +145,7 @@ def selected(parts: Sequence[str], mass: bytes | None) -> tuple[str, ...]:
 
 
 def _require_complete(need: Needs, request: str, body: bytes, mass: bytes) -> None:
-    """Declined where triangles that were asked for by part, or are told apart, lack one of the parts."""
+    """Declined where triangles that were asked for by part, or identified by shape, lack one of the parts."""
     try:
         lacking = sorted(set(need.parts) - triangles.names(compacted(request, body, mass)))
     except ProtocolError as error:
@@ -167,7 +167,7 @@ def _require_masses(need: Needs, body: bytes) -> None:
 def _require_solids(need: Needs, request: str, body: bytes, mass: bytes) -> None:
     """ProtocolError where the triangles of all parts lack a needed solid that has a volume.
 
-    A solid whose volume is not known, since `mass` does not tell it, counts as having one.
+    A solid whose volume is not known, since `mass` lacks it, counts as having one.
     """
     volumes, there = _volumes(mass), triangles.names(compacted(request, body, mass))
     lacking = [part for part in need.solids if volumes.get(part, 1.0) > 0 and part not in there]

@@ -87,7 +87,7 @@ def test_the_address_is_the_base_and_is_kept_word_for_word():
         ({"Twin": "x"}, ("2 parameters have this name", "use the id: t1, t2")),
         ({"Mirrored": "yes"}, ("must be true or false (given 'yes')", "allowed: true, false")),
         ({"leg_length": "1 deg"}, ("must be a length, and deg is the unit of an angle", "")),
-        ({"leg_length": "1 parsec"}, ("'parsec' is no unit", "")),
+        ({"leg_length": "1 parsec"}, ("unknown unit 'parsec'", "")),
         ({"leg_length": "long"}, ("must be a number with its unit", "from 50 millimeter to 900 millimeter")),
         ({"leg_length": "1e999 m"}, ("must be a number with its unit", "")),
         ({"leg_length": True}, ("must be a number (given true)", "")),

@@ -74,7 +74,7 @@ def test_an_assembly_without_parts_is_named_empty(instances):
         (b'{"rootAssembly": null}', "not in the shape"),
         (definition([sub("arm")]), "does not describe the sub-assembly 'arm'"),
         (definition([{"type": "Part", "documentId": "d"}]), "lacks the key 'documentMicroversion'"),
-        (definition([]).replace(b'"documentId": "d"', b'"documentId": 7'), "documentId is no text"),
+        (definition([]).replace(b'"documentId": "d"', b'"documentId": 7'), "documentId is not text"),
     ],
 )
 def test_what_is_no_definition_is_a_protocol_error(body, why):

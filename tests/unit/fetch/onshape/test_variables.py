@@ -282,10 +282,10 @@ def test_what_a_build_left_is_put_back_by_the_next(server, kept, again):
     made = fetched(keys(server, wanted), kept, server.environ, lines)
     assert leg(made) == {"plain": 0.18, "same": 0.36, "other": 0.27}[again]
     assert tables(server) == before
-    assert "putting back the variables that a build which was killed had changed" in lines
+    assert "restoring the variables that a killed build had changed" in lines
     lines.clear()
     fetched(keys(server, wanted), kept, server.environ, lines)
-    assert not [line for line in lines if "putting back the variables" in line]
+    assert not [line for line in lines if "restoring the variables" in line]
 
 
 def test_what_was_edited_since_is_left_as_it_is(server, kept):

@@ -118,7 +118,7 @@ def test_a_packed_reply_is_unpacked():
         (MASS, 304, {}, ProtocolError, "not followed"),
         (DEFINITION, 400, {}, SourceError, "a part studio or a drawing?"),
         (MASS, 400, {}, Declined, "(400)"),
-        (CONFIGURED, 400, {}, SourceError, "does not take the configuration 'leg=0.25 m' (400)"),
+        (CONFIGURED, 400, {}, SourceError, "refuses the configuration 'leg=0.25 m' (400)"),
         (CONFIGURED, 400, {}, SourceError, "source.configuration, which is checked against the document"),
         (CONFIGURED, 404, {}, NotFound, "gone, or private"),
         (MASS, 406, {}, Declined, "(406)"),

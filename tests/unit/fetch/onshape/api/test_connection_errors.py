@@ -245,9 +245,9 @@ WRONG = [
     ({"HTTPS_PROXY": "http://user:hunter22@proxy:port"}, "HTTPS_PROXY", "not the address of a proxy"),
     ({"ALL_PROXY": "socks5://127.0.0.1:1080"}, "ALL_PROXY", "SOCKS"),
     ({"HTTPS_PROXY": "socks4://127.0.0.1:1080"}, "HTTPS_PROXY", "not the address of a proxy"),
-    ({"SSL_CERT_FILE": "/nowhere/ca.pem"}, "SSL_CERT_FILE", "/nowhere/ca.pem is no file"),
+    ({"SSL_CERT_FILE": "/nowhere/ca.pem"}, "SSL_CERT_FILE", "/nowhere/ca.pem is not a file"),
     ({"SSL_CERT_FILE": __file__}, "SSL_CERT_FILE", "holds no certificate"),
-    ({"SSL_CERT_DIR": "/nowhere"}, "SSL_CERT_DIR", "/nowhere is no folder"),
+    ({"SSL_CERT_DIR": "/nowhere"}, "SSL_CERT_DIR", "/nowhere is not a folder"),
 ]
 
 
@@ -292,7 +292,7 @@ def test_a_build_that_will_call_is_told_before_it_begins():
     with pytest.raises(ConfigError, match="HTTPS_PROXY: it is not the address of a proxy"):
         stage.preflight(onshape(ADDRESS), wrong)
     stage.preflight(onshape(ADDRESS, offline=True), wrong)
-    with pytest.raises(ConfigError, match="SSL_CERT_FILE: /nowhere is no file"):
+    with pytest.raises(ConfigError, match="SSL_CERT_FILE: /nowhere is not a file"):
         stage.preflight(onshape(ADDRESS), {**key, "SSL_CERT_FILE": "/nowhere"})
     pinned = ADDRESS.replace("/w/", "/v/")
     stage.preflight(onshape(pinned), wrong)

@@ -36,14 +36,14 @@ def test_only_what_is_billed_is_counted_and_an_empty_quota_is_remembered(tmp_pat
     for status in (200, 204, 307, 404, 429, 500, 200):
         ledger.note("elements", status, left=8999)
     ledger.note("massproperties", 200)
-    told = ledger.told()
+    told = ledger.read()
     assert (told.counted, dict(told.calls), told.exhausted) == (
         5,
         {"elements": 4, "massproperties": 1},
         False,
     )
     ledger.note("elements", 402)
-    assert ledger.told().exhausted
+    assert ledger.read().exhausted
     assert ledger.counted() == 5
     assert [path.name for path in (tmp_path / "ledger").iterdir()] == ["0123456789abcdef-2026.json"]
 

@@ -156,5 +156,5 @@ def test_figures_without_a_number_are_refused():
     of = studio()
     broken = mass_properties(of, of.parts, as_group=False, overrides=True)
     del broken["bodies"][of.parts[0].id]["periphery"]
-    with pytest.raises(ProtocolError, match="do not tell the parts apart"):
+    with pytest.raises(ProtocolError, match="do not identify the parts"):
         gltf_parts.compact(gltf(of.parts, appearances=True), json.dumps(broken).encode())
