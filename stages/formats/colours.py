@@ -8,15 +8,15 @@ from typing import Any
 from stages.robot.geometry import Colour
 
 NEUTRAL: Colour = (0.7, 0.7, 0.7, 1.0)
-"""The colour where CAD says nothing."""
+"""The colour where CAD has none."""
 
 
 def colour_of(*appearances: Any) -> Colour:
-    """RGBA in 0..1 of the first appearance that says one, else the neutral grey.
+    """RGBA in 0..1 of the first appearance that has one, else the neutral grey.
 
     An appearance has `color` (or `rgbaColor`): a list of numbers or of their texts, base64 of three
     or four bytes, a packed ARGB integer or a mapping of red, green and blue; and maybe `opacity`
-    (0..255), which wins over the colour's own alpha. What cannot be read counts as not said.
+    (0..255), which wins over the colour's own alpha. What cannot be read is ignored.
     """
     for appearance in appearances:
         if isinstance(appearance, Mapping):

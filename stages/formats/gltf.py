@@ -1,6 +1,6 @@
 """Triangles out of glTF 2 files, binary or as JSON with their buffers in them.
 
-A few bytes of such a file can claim anything: every count, stride and offset is held against what the
+A few bytes of such a file can claim anything: every count, stride and offset is compared with what the
 file has before anything is made of it. Images are never looked at.
 """
 
@@ -113,7 +113,7 @@ class _GltfFile:
                 msg = f"it has more than {_MOST_NODES} nodes"
                 raise ValueError(msg)
             if index in met:
-                msg = f"node {index} hangs on two others"
+                msg = f"node {index} has two parents"
                 raise ValueError(msg)
             met.add(index)
             record = nodes[index]

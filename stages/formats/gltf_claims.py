@@ -1,4 +1,4 @@
-"""What a glTF file claims, held against what it has, before a library that believes it reads it.
+"""What a glTF file claims, compared with what it has, before a library that believes it reads it.
 
 An accessor without a buffer is as many zeros as it says, a stride of 1 makes 64 bytes of each, a node that
 two others name is there twice, and a node that names itself never ends.
@@ -72,7 +72,7 @@ def _require_within(index: int, accessor: _Record, views: Sequence[_Record], siz
 
 
 def _require_tree(nodes: Sequence[_Record], scenes: Sequence[_Record]) -> None:
-    """ValueError where a node hangs on two others or, as the root of a scene, on any."""
+    """ValueError where a node has two parents or, as the root of a scene, any."""
     children = [child for node in nodes for child in node.get("children") or ()]
     roots = {root for scene in scenes for root in scene.get("nodes") or ()}
     if len(set(children)) < len(children) or roots.intersection(children):

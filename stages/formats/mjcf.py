@@ -72,7 +72,7 @@ class MjcfBody:
 class MjcfClosure:
     """An equality that holds two frames together, `a_from_frame` on the first of `bodies` and
     `b_from_frame` on the second: a connect their origins, a weld all of them. `sites`: the names of the
-    two sites that it is said by, "" where it is said by bodies."""
+    two sites that it names, "" where it names bodies."""
 
     name: str
     type: Literal["connect", "weld"]

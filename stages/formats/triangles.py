@@ -75,9 +75,9 @@ def encode(bodies: Sequence[Body]) -> bytes:
 
 
 def decode(data: bytes, wanted: Collection[str] | None = None) -> dict[str, Body]:
-    """The bodies by id, only the `wanted` ones where that is given; ProtocolError where `data` is none.
+    """The bodies by id, only the `wanted` ones where that is given.
 
-    Of two bodies with one id the first counts.
+    ProtocolError where `data` is not the compact form. Of two bodies with one id the first counts.
     """
     import numpy as np
 

@@ -1,4 +1,4 @@
-"""What is said of things that only CAD has, where the source is a robot's own file."""
+"""Keys that apply only to CAD assemblies, where the source is a robot's own file."""
 
 from typing import Literal
 
@@ -8,13 +8,13 @@ from stages.robot.diagnostics import Diagnostics
 _CAD_ALONE = ("depth", "hidden", "mirror", "conventions")
 
 
-def tell_unused(keys: GraphKeys, source: Literal["URDF", "MJCF"], log: Diagnostics) -> None:
+def report_unused(keys: GraphKeys, source: Literal["URDF", "MJCF"], log: Diagnostics) -> None:
     """E-SOURCE-KEY for each key that such a file has nothing for."""
     default = GraphKeys()
     given = [name for name in _CAD_ALONE if getattr(keys, name) != getattr(default, name)]
     if keys.mass.parts:
         given.append("mass.parts")
     for name in given:
-        text = f"this is about assemblies in CAD, and {'a' if source == 'URDF' else 'an'} {source} is none"
+        text = f"this key applies only to CAD assemblies, not to {'a' if source == 'URDF' else 'an'} {source}"
         hint = "leave it out" if name != "mass.parts" else "its links have masses: mass: {links: {...}}"
         log.report("E-SOURCE-KEY", text, name, hint)

@@ -93,7 +93,7 @@ def matching(glob: str, things: Sequence[Collection[str]]) -> list[int]:
 def unusable(name: str, taken: Collection[str]) -> str:
     """Why nothing can have this name; "" if something can."""
     if not re.fullmatch("[A-Za-z0-9_]+", name):
-        return f"{name!r} is no name: letters without accents, digits and _ only"
+        return f"invalid name {name!r}: only letters without accents, digits and _ are allowed"
     if name in RESERVED:
         return f"the name {name!r} is reserved"
     return f"the name {name!r} is taken" if name in taken else ""

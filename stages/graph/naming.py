@@ -46,7 +46,7 @@ class Namer:
         """The robot's names by key, of things with these names in the source, each unique there. What has
         no name ("") gets none.
 
-        A name changes only where it is reserved or holds what cannot be seen (a line's end, a control
+        A name changes only where it is reserved or holds invisible characters (a line's end, a control
         character), and gives way to those that stay.
         """
         taken = self._taken.setdefault(kind, set())
@@ -86,6 +86,6 @@ class Namer:
     def report(self, log: Diagnostics) -> None:
         """W-NAME for each name that changed."""
         for kind, old, new in self._changed:
-            why = "it is reserved" if old in RESERVED.get(kind, ()) else "it holds what cannot be seen"
+            why = "it is reserved" if old in RESERVED.get(kind, ()) else "it holds invisible characters"
             text = f"the {kind} {old!r} is called {new!r}: {why}"
             log.report("W-NAME", text, new, "give it another name in the file; robot.json has both")

@@ -35,7 +35,7 @@ from stages.robot.names import free
 from stages.robot.poses import at_rest, inverse
 
 POSE_TOLERANCE = 1e-6
-"""How far [m, rad] the saved pose may be from what a mate allows before we say so."""
+"""How far [m, rad] the saved pose may be from what a mate allows before it is reported."""
 
 
 def place(mechanism: Mechanism, tree: Tree, keys: GraphKeys, log: Diagnostics) -> Robot:
@@ -97,7 +97,7 @@ def _joint(
 def _stand_in(
     edge: Edge, mechanism: Mechanism, world_from_link: Mapping[int, Array], taken: set[str]
 ) -> Joint:
-    """The joint of what hangs on nothing: rigid, or free to float."""
+    """The joint of what no connection joins to the root: rigid, or free to float."""
     body = mechanism.bodies[edge.child]
     child = body.name
     name = (edge.stand_in == "free" and body.afloat) or free(f"{child}_{edge.stand_in}", taken)
@@ -119,8 +119,8 @@ def _stand_in(
 def _check_afloat(joint: Joint, root: str, log: Diagnostics) -> None:
     """What floats is free of all that moves: its pose is measured in the root."""
     if joint.type == "free" and joint.parent != root:
-        text = f"it floats from the link {joint.parent!r}, and only from the root {root!r} can anything float"
-        hint = f"hang it on the root, or choose the root: root.select={joint.parent}"
+        text = f"it floats relative to {joint.parent!r}; a link can float only relative to the root {root!r}"
+        hint = f"make the root its parent, or choose the root: root.select={joint.parent}"
         log.report("E-FLOATING", text, joint.name, hint)
 
 

@@ -26,7 +26,8 @@ def choose_root(mechanism: Mechanism, keys: RootKeys) -> tuple[int, Array]:
     name = mechanism.bodies[root].name
     if origin is not None and root != origin:
         movers = [c.title for c in mechanism.connections if origin in c.bodies]
-        msg = f"{name!r} cannot be the root: {', '.join(movers)} move(s) against the assembly's origin"
+        move = "moves" if len(movers) == 1 else "move"
+        msg = f"{name!r} cannot be the root: {', '.join(movers)} {move} against the assembly's origin"
         raise NoRoot(msg, "root.select", "leave it at auto, or fasten the mates to a part that is fixed")
     if marker is not None and marker.body != root:
         other = mechanism.bodies[marker.body].name
@@ -94,7 +95,7 @@ def base_of(mechanism: Mechanism, root: int, keys: RootKeys, log: Diagnostics) -
             "W-BASE",
             f"the root floats, though CAD fixes {other.name!r} ({other.fixed_reason})",
             body.name,
-            f"choose that root (root.select={other.name}), or say root.base: fixed or free",
+            f"choose that root (root.select={other.name}), or set root.base: fixed or free",
         )
     if mechanism.unstated_base is not None:
         log.add([replace(mechanism.unstated_base, where=body.name)])

@@ -41,7 +41,7 @@ _LOOK = 0.05
 
 _LOOK_BY_PS = 0.5
 _PATIENCE = 5.0
-"""How long a guest that has said all may take to end [s]."""
+"""How long a guest may take to end after its reply [s]."""
 
 _LONGEST_LINE = 200
 _STATM = "/proc/{}/statm"
@@ -51,7 +51,7 @@ _STATM = "/proc/{}/statm"
 class Bounds:
     """What a guest may take: time by the clock [s], resident memory and the length of its reply [bytes].
 
-    Where a system tells nobody the memory of a process (Windows), time alone is bounded.
+    Where a system does not show the memory of a process (Windows), time alone is bounded.
     """
 
     seconds: float
@@ -172,7 +172,7 @@ class _Guest:
 
 
 def resident(process: int) -> int:
-    """The resident memory of a process [bytes], 0 where nobody tells."""
+    """The resident memory of a process [bytes], 0 where the system does not show it."""
     try:
         with open(_STATM.format(process), "rb") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
@@ -212,11 +212,11 @@ def _libraries() -> list[str]:
 
 
 def _error(body: bytes) -> LinkwrightError:
-    """The error that a guest tells, as far as it is one."""
+    """The error that a guest reports; Ended where it is not a valid one."""
     try:
         told = json.loads(body)
         kind = _ERRORS[told["kind"]]
         message, where, hint = (str(told[name])[:2000] for name in ("message", "where", "hint"))
     except (ValueError, KeyError, TypeError, RecursionError):
-        raise Ended("told an error that is none") from None
+        raise Ended("reported an invalid error") from None
     return kind(message, where, hint)

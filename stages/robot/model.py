@@ -100,9 +100,9 @@ class Primitive:
 class Link:
     """A rigid body. `path`: the occurrence that names it; `parts` are sorted by path.
 
-    `given`: the inertial that it has in place of what the parts sum up to, by the user's word or because
-    engines take no less. `shapes`: what the
-    user made up beside the parts. A link that CAD does not have has neither path nor parts.
+    `given`: the inertial that replaces the sum of the parts, as the user wants it or because engines
+    take no less. `shapes`: primitives beside the parts. A link that CAD does not have has no path and
+    no parts.
     """
 
     name: str
@@ -128,7 +128,7 @@ class MateRef:
 
     @property
     def key(self) -> tuple[tuple[str, ...], str, str]:
-        """What tells it from every other."""
+        """What identifies it."""
         return self.owner, self.feature, self.copy
 
 
@@ -188,9 +188,9 @@ class Relation:
 
 @dataclass(frozen=True, slots=True)
 class Transmission:
-    """What drives a joint, as its source tells: `joint` is the name of a dof.
+    """What drives a joint, from its source: `joint` is the name of a dof.
 
-    `type` as the source says (a ros2_control's is its plugin); `reduction` 1 where it says nothing;
+    `type` as in the source (a ros2_control's is its plugin); `reduction` 1 where it has none;
     `interfaces`: hardware or command interfaces, as the source names them.
     """
 
@@ -203,7 +203,7 @@ class Transmission:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """A named frame fixed to a link. `source`: the mate connector's name as typed; "" if it is none."""
+    """A named frame fixed to a link. `source`: the mate connector's name as typed; "" if it is not one."""
 
     name: str
     link: str
@@ -235,7 +235,7 @@ class Provenance:
 class Mobility:
     """How a mechanism can move. `coordinates`: dofs of the tree. `gruebler`: those less what relations
     and loops take away if all their conditions are independent. `dof`: the same by the rank of the
-    conditions at the saved pose. `redundant`: (loop, how many of its conditions say nothing new)."""
+    conditions at the saved pose. `redundant`: (loop, how many of its conditions follow from others)."""
 
     coordinates: int
     gruebler: int

@@ -109,5 +109,5 @@ def mesh_key(shape: UrdfShape) -> str:
     """What names a mesh's triangles in a bundle (request `mesh/<key>`, and the body's id in it): one
     for each file, scale and colour. Letters, digits, "_" and "-"."""
     stem = re.sub(r"\W+", "_", PurePosixPath(shape.filename.replace("\\", "/")).stem, flags=re.ASCII)
-    told = repr((shape.filename, shape.scale, shape.colour))
-    return f"{stem[:40]}-{sha256(told.encode()).hexdigest()[:12]}"
+    identity = repr((shape.filename, shape.scale, shape.colour))
+    return f"{stem[:40]}-{sha256(identity.encode()).hexdigest()[:12]}"

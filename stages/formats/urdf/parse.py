@@ -160,8 +160,8 @@ def _joint(element: Element, log: FileDiagnostics) -> UrdfJoint | None:
     name, kind = _name(element, log), element.get("type", "")
     parent, below = _linked(element, "parent", log), _linked(element, "child", log)
     if kind not in _TYPES:
-        said = f'has the type "{kind}"' if kind else "has no type"
-        log.report("E-URDF-TYPE", element, f'joint "{name}" {said}', f"the types are {', '.join(_TYPES)}")
+        wrong = f'has the type "{kind}"' if kind else "has no type"
+        log.report("E-URDF-TYPE", element, f'joint "{name}" {wrong}', f"the types are {', '.join(_TYPES)}")
         return None
     joint_type: UrdfJointType = next(one for one in get_args(UrdfJointType) if one == kind)
     limits, effort, velocity = _limit(element, joint_type, log)

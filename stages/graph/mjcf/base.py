@@ -1,4 +1,4 @@
-"""What stands in the world of an MJCF, what floats in it, and what the rest hangs on."""
+"""What stands in the world of an MJCF, what floats in it, and which body is the root."""
 
 from collections.abc import Sequence
 
@@ -48,7 +48,7 @@ def joining(mjcf: Mjcf, found: Sequence[Closing]) -> list[Closing]:
 
 
 def _top_of(mjcf: Mjcf) -> dict[int, int]:
-    """The body of the world's that each body hangs on in the end; the world's own number is its own."""
+    """The top-level body above each body; the world's is the world."""
     top: dict[int, int] = {}
     for number, body in enumerate(mjcf.bodies):
         top[number] = top[body.parent] if body.parent else number
@@ -56,7 +56,7 @@ def _top_of(mjcf: Mjcf) -> dict[int, int]:
 
 
 def root_of(mjcf: Mjcf, there: Sequence[int]) -> int:
-    """The world or the base; else the floating body that most others hang on, the first of equals."""
+    """The world or the base; else the floating body with the most bodies below it, the first of equals."""
     if there[0] == 0:
         return 0
     base = base_of(mjcf)

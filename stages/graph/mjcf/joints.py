@@ -49,7 +49,7 @@ class Chain:
 @dataclass(frozen=True, slots=True)
 class BodyJoint:
     """What a body's joints are together. `backwards`: they run as those of a mate whose second entity is
-    the child. `name` is "" where the joints' own names do not tell."""
+    the child. `name` is "" where the joints' own names have no common part."""
 
     name: str
     type: JointType

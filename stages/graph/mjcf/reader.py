@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stages.formats.mjcf import Mjcf, MjcfBody, MjcfGeom
-from stages.graph.cad_only_keys import tell_unused
+from stages.graph.cad_only_keys import report_unused
 from stages.graph.dofs import backwards
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, RelationSpec, RigidBody
@@ -34,7 +34,7 @@ from stages.robot.model import (
 )
 from stages.robot.poses import inverse
 
-HELD = "the MJCF has no joint between it and the world"
+NO_JOINT = "the MJCF has no joint between it and the world"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,7 +50,7 @@ def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[M
     """Reads what MuJoCo made of an MJCF. ProtocolError where the bundle does not hold that."""
     mjcf = _decoded(bundle)
     log.add(mjcf.diagnostics)
-    tell_unused(keys, "MJCF", log)
+    report_unused(keys, "MJCF", log)
     found = closings(mjcf.closures)
     joined = joining(mjcf, found)
     for one in joined:
@@ -141,7 +141,7 @@ def _body(
     if number == 0:
         held = "it is the world of the MJCF"
     elif 0 in numbers and numbers[0] == numbers[number]:
-        held = HELD
+        held = NO_JOINT
     world_from_body = pose.world_from_body[number]
     return RigidBody(
         name=name,
@@ -195,7 +195,7 @@ def _primitive(geom: MjcfGeom, world_from_body: Array) -> Primitive:
 def _tree(
     mjcf: Mjcf, names: MjcfFileNames, chains: Mapping[int, Chain], pose: _Pose, numbers: Mapping[int, int]
 ) -> Iterator[Connection]:
-    """The joints between each body and its parent; what floats, or is the base, hangs on nothing."""
+    """The joints between each body and its parent; what floats, or is the base, has none."""
     for number, body in enumerate(mjcf.bodies[1:], start=1):
         parent = numbers.get(body.parent)
         if parent is None or parent == numbers[number] or floats(body):
@@ -206,7 +206,7 @@ def _tree(
         bodies = (numbers[number], parent)
         if turned:
             frames, bodies, dofs = frames[::-1], bodies[::-1], backwards(dofs)
-        told = "+".join(joint.type for joint in body.joints) or "fixed"
+        types = "+".join(joint.type for joint in body.joints) or "fixed"
         title = ", ".join(joint.name or dof.name for joint, dof in zip(body.joints, chains[number].dofs))
         yield Connection(
             name=name,
@@ -215,7 +215,7 @@ def _tree(
             world_from_frames=(frozen(frames[0]), frozen(frames[1])),
             dofs=dofs,
             residual=0.0,
-            ref=MateRef((), name, title or name, told),
+            ref=MateRef((), name, title or name, types),
             title=title or name,
         )
 

@@ -60,7 +60,7 @@ class Mate:
 
     @property
     def key(self) -> tuple[Path, str, str]:
-        """What tells it from every other: (owner path, feature id, copied instance)."""
+        """What identifies it: (owner path, feature id, copied instance)."""
         return self.ref.key
 
 

@@ -16,12 +16,13 @@ from stages.graph.keys import GraphKeys
 from stages.graph.onshape.assembly import Assembly, Mate, Path
 from stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.plural import count
 
 WORLD: Path = ()
 """The assembly origin, as a node beside the occurrences."""
 
 SHOWN = 6
-"""So many bodies of a sub-assembly are told by name."""
+"""So many bodies of a sub-assembly are listed by name."""
 
 
 @dataclass(slots=True)
@@ -44,17 +45,17 @@ def find_bodies(
     """Merges what is rigid, sub-assembly frames included, and what `welds` holds together besides.
 
     The frame of a sub-assembly moves with its parts where they are one body, else with the part
-    that is fixed inside it or fastened to its origin. What hangs on a frame that no part carries is a
-    problem. Mates that move nothing are told, unless it is for `welds` alone.
+    that is fixed inside it or fastened to its origin. A mate to a frame that no part carries is a
+    problem. Mates that move nothing are reported, unless it is for `welds` alone.
     """
     merger = _Merger(assembly, rigid_subassemblies(assembly, keys.depth, log))
     merger.merge_drawn()
     idle = {mate.key for mate in assembly.mates if merger.idles(mate)}
     merger.merge(welds)
-    _tell_uncarried(merger, log)
+    _report_uncarried(merger, log)
     bodies = merger.bodies()
-    _tell_idle(merger, [mate for mate in assembly.mates if mate.key in idle], log)
-    _tell_mirrored(assembly, bodies.moving, log)
+    _report_idle(merger, [mate for mate in assembly.mates if mate.key in idle], log)
+    _report_mirrored(assembly, bodies.moving, log)
     return bodies
 
 
@@ -106,7 +107,7 @@ class _Merger:
     def _carry_frames(self) -> None:
         """Joins each sub-assembly's frame to its parts, once those are one body.
 
-        That may make one body of what hangs on two frames, so it is tried until nothing changes.
+        That may make one body of parts on two frames, so it is repeated until nothing changes.
         """
         waiting = sorted(self.leaves, key=len, reverse=True)
         while waiting:
@@ -147,7 +148,7 @@ class _Merger:
             for mate in self.assembly.mates
             if not self.idles(mate)
             and mate.ref.type != "FASTENED"
-            and all(entity.path in of for entity in mate.entities)  # else it is told as a problem
+            and all(entity.path in of for entity in mate.entities)  # else it is reported as a problem
         ]
         world = of.get(WORLD)
         parts = [paths for paths, _ in members]
@@ -162,12 +163,12 @@ class _Merger:
         )
 
 
-def _tell_uncarried(merger: _Merger, log: Diagnostics) -> None:
+def _report_uncarried(merger: _Merger, log: Diagnostics) -> None:
     """Whatever holds a sub-assembly whose frame none of its own parts carries."""
     assembly, rigid = merger.assembly, merger.rigid
     bodied = {rigid[part.path] for part in assembly.parts} | {rigid[WORLD]}
     frames = {
-        path: f"parts move against each other ({_told_parts(merger, path)}): which is meant is not known"
+        path: f"parts move against each other ({_told_parts(merger, path)}): it is unknown which is meant"
         for path in merger.leaves
         if merger.loose(path) and not (path in merger.anchored and rigid[path] in bodied)
     }
@@ -205,7 +206,7 @@ def _told_parts(merger: _Merger, path: Path) -> str:
     return "; ".join(names[:SHOWN] + ["..."] * (len(names) > SHOWN))
 
 
-def _tell_idle(merger: _Merger, mates: Sequence[Mate], log: Diagnostics) -> None:
+def _report_idle(merger: _Merger, mates: Sequence[Mate], log: Diagnostics) -> None:
     """Mates that move nothing: those of rigid sub-assemblies are counted for the outermost."""
     frozen: Counter[Path] = Counter()
     for mate in mates:
@@ -217,14 +218,14 @@ def _tell_idle(merger: _Merger, mates: Sequence[Mate], log: Diagnostics) -> None
         while path[:-1] in merger.stiff:
             path = path[:-1]
         frozen[path] += 1
-    for path, count in sorted(frozen.items()):
+    for path, number in sorted(frozen.items()):
         welded = path in merger.assembly.stiff
-        what = f"the sub-assembly is rigid: {count} joint(s) inside it do not move"
+        what = f"the sub-assembly is rigid: {count(number, 'joint')} inside it cannot move"
         hint = "mirror: joints lets it move" if welded else "depth.flexible takes it apart all the same"
         log.report("I-RIGID", what, merger.assembly.occurrences[path].title, hint)
 
 
-def _tell_mirrored(assembly: Assembly, moving: Sequence[Mate], log: Diagnostics) -> None:
+def _report_mirrored(assembly: Assembly, moving: Sequence[Mate], log: Diagnostics) -> None:
     """Mates between a mirrored and another instance: y of the mirrored frame is turned round."""
     for mate in moving:
         hands = {np.linalg.det(assembly.world_from(entity)[:3, :3]) > 0 for entity in mate.entities}

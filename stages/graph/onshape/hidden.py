@@ -37,7 +37,7 @@ def without_hidden(assembly: Assembly, log: Diagnostics) -> Assembly:
         connectors=[one for one in assembly.connectors if one.entity.path in present],
         patterns=[pattern for pattern in assembly.patterns if pattern.owner in present],
     )
-    check_parts(left, "show a part of it, or say hidden: keep")
+    check_parts(left, "show a part of it, or set hidden: keep")
     titles = [o.title for o in hidden if stays(o.path[:-1])]
     more = [f"{len(titles) - SHOWN} more"] if len(titles) > SHOWN else []
     mates = len(assembly.mates) - len(left.mates)

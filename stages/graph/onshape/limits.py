@@ -118,7 +118,7 @@ def _open(record: Any) -> Record:
 
 
 def _limits(mate: Mate, owner: _Owner) -> tuple[Record, Remarks]:
-    """The limits of a mate [m and rad, by Onshape's names], and what there is to say of them."""
+    """The limits of a mate [m and rad, by Onshape's names], and remarks on them."""
     parameters = owner.mates.get(mate.ref.feature)
     if parameters is None:
         return {}, Remarks("the list of features lacks this mate")
@@ -139,7 +139,7 @@ def _limits(mate: Mate, owner: _Owner) -> tuple[Record, Remarks]:
 
 @dataclass(frozen=True, slots=True)
 class _Found:
-    """The limits of a mate by Onshape's names, why some are `empty`, and what there is to say of them."""
+    """The limits of a mate by Onshape's names, why some are `empty`, and remarks on them."""
 
     limits: dict[str, float]
     empty: dict[str, str]
@@ -171,7 +171,7 @@ def _read_limit(name: str, kind: DofKind, parameter: Record, scope: Scope, found
 
 
 def _compare(freedom: Freedom, found: _Found) -> None:
-    """Drops limits that are the wrong way round; says which side is open where only the other was typed."""
+    """Drops limits that are the wrong way round; notes which side is open where only the other was typed."""
     low, high = (found.limits.get(name) for name in limit_names(freedom))
     if low is not None and high is not None and low > high:
         found.reasons.append(f"its lower limit {low:.6g} lies above the upper one, {high:.6g}")

@@ -11,7 +11,7 @@ from stages.robot.model import Array, Limits, Value
 from stages.robot.poses import inverse, quat_from_rotation, rotation_from_quat
 
 NOISE = 1e-10
-"""An offset [rad or m] that is none."""
+"""An offset [rad or m] below this is rounding."""
 
 _SAMPLES = 12
 

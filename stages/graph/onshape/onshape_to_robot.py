@@ -97,7 +97,7 @@ class _Marker:
 
 
 def _by_meaning(assembly: Assembly, log: Diagnostics) -> dict[str, list[Mate]]:
-    """The root assembly's mates by what their names say; what does not count is told."""
+    """The root assembly's mates by the meaning of their names. W-PEER-MATE for those that do not count."""
     meant: dict[str, list[Mate]] = {DOF: [], CLOSING: [], FRAME: [], FIX: []}
     origin, idle, inside = [], [], []
     for mate in assembly.mates:
@@ -113,8 +113,8 @@ def _by_meaning(assembly: Assembly, log: Diagnostics) -> dict[str, list[Mate]]:
     for titles, what, hint in (
         (
             origin,
-            "mates to the assembly's origin are passed over, as by onshape-to-robot",
-            "fix the part instead, or say root.base: fixed",
+            "mates to the assembly's origin are ignored, as by onshape-to-robot",
+            "fix the part instead, or set root.base: fixed",
         ),
         (
             idle,
@@ -124,7 +124,7 @@ def _by_meaning(assembly: Assembly, log: Diagnostics) -> dict[str, list[Mate]]:
         (
             inside,
             "mates inside a sub-assembly do not count, as in onshape-to-robot: it is rigid",
-            "name it in depth.flexible, or say conventions: linkwright",
+            "name it in depth.flexible, or set conventions: linkwright",
         ),
     ):
         if titles:
@@ -174,7 +174,7 @@ def _markers(assembly: Assembly, meant: Mapping[str, Sequence[Mate]], log: Diagn
         loose = [entity for entity in mate.entities if entity.path[:1] not in held]
         if len(loose) != 1:
             what = "a frame_ mate joins a link and a part that only shows the frame: "
-            what += "both sides are parts of links" if not loose else "neither side is held by anything"
+            what += "both sides are parts of links" if not loose else "nothing else holds either side"
             log.report("E-PEER-FRAME", what, mate.title, "free the marker of other mates, or rename this one")
             continue
         marker = loose[0]

@@ -59,7 +59,7 @@ def joint(mate: Mate, assembly: Assembly, log: Diagnostics) -> Iterator[Mate]:
         second = replace(second, occurrence_from_frame=frozen(second.occurrence_from_frame @ along))
         limits = {side: end for side, end in limits.items() if "Axial" in side}
         what = "a CYLINDRICAL dof_ mate is a revolute joint, as in onshape-to-robot: it does not slide"
-        log.report("W-PEER-SLIDE", what, mate.title, "say conventions: linkwright for both")
+        log.report("W-PEER-SLIDE", what, mate.title, "set conventions: linkwright for both")
     kind = "REVOLUTE" if mate.ref.type == "CYLINDRICAL" else apart(mate)
     if kind == "REVOLUTE" and ENDLESS.intersection(own):
         limits = {}

@@ -69,7 +69,7 @@ def combined(
 
     `body_of`: occurrence path → body. Mates of one body, or of an unknown type, are passed on. The
     result does not depend on the order of `mates`, nor on which entity of a mate is the first. Where
-    there are welds only they are told: with them merged the bodies are others, and this is asked again.
+    there are welds only they are reported: once merged the bodies are others, and this is called again.
     """
     work = _Work(assembly, Diagnostics(), [], [], {})
     pairs: dict[tuple[int, int], list[Mate]] = {}

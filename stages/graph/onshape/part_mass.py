@@ -22,6 +22,7 @@ from stages.robot.bundle import OnshapeBundle, StudioKey
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.inertia import ZERO, scaled
 from stages.robot.model import Inertial, frozen
+from stages.robot.plural import count
 
 PartKey = tuple[StudioKey, str]
 
@@ -43,7 +44,7 @@ DENSITIES = (5.0, 23000.0)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Kind:
-    """Occurrences of one part of which the same is said. `weight`: CAD's, None if no reply knows it."""
+    """Occurrences of one part with the same entries. `weight`: CAD's, None if no reply has it."""
 
     key: PartKey
     type: str
@@ -81,7 +82,7 @@ class Kind:
 def weighed(
     assembly: Assembly, bundle: OnshapeBundle, keys: MassKeys, log: Diagnostics
 ) -> dict[Path, Weight]:
-    """What every part occurrence weighs; problems are told once for each kind of part.
+    """What every part occurrence weighs; problems are reported once for each kind of part.
 
     E-BODY-TYPE, E-GLOB, E-MASS; W-BODY-TYPE for a sheet that weighs nothing, W-MASS-ESTIMATED,
     W-MASS-IGNORED, W-DENSITY. A part with a problem weighs nothing here.
@@ -106,7 +107,7 @@ def weighed(
 def _kinds(
     assembly: Assembly, masses: Mapping[PartKey, Weight], wanted: Mapping[str, PartMassKeys], log: Diagnostics
 ) -> list[Kind]:
-    """The kinds of parts, sorted by title; those that no robot can have are told and left out."""
+    """The kinds of parts, sorted by title; E-BODY-TYPE for those that no robot can have."""
     parts = assembly.parts
     names = [{part.title, part.names[-1], unnumbered(part.names[-1])} for part in parts]
     groups: dict[tuple[PartKey, tuple[int, ...]], list[Occurrence]] = {}
@@ -130,7 +131,7 @@ def _kinds(
 
 
 def _together(entries: Sequence[PartMassKeys]) -> PartMassKeys:
-    """What entries say together, the later ones value by value; mass and density are one value."""
+    """Entries merged, the later ones value by value; mass and density are one value."""
     values: dict[str, object] = {}
     for entry in entries:
         given = {name: value for name, value in entry if value is not None}
@@ -141,7 +142,7 @@ def _together(entries: Sequence[PartMassKeys]) -> PartMassKeys:
 
 
 def _supposed(kinds: Sequence[Kind], keys: MassKeys, log: Diagnostics) -> dict[PartKey, float]:
-    """Masses [kg] of the kinds that have none, by `mass.missing`; tells what becomes of them all."""
+    """Masses [kg] of the kinds that have none, by `mass.missing`; reports what becomes of each."""
     missing = [kind for kind in kinds if kind.mass is None and kind.type in KNOWN]
     sheets = [kind for kind in missing if kind.type == SHEET and not kind.asked.density]
     missing = [kind for kind in missing if kind not in sheets]
@@ -150,16 +151,17 @@ def _supposed(kinds: Sequence[Kind], keys: MassKeys, log: Diagnostics) -> dict[P
         hint = "thicken it, or give it a mass override, in Onshape, or a mass in mass.parts"
         log.report("W-BODY-TYPE", text, kind.title, hint)
     if keys.missing == "ignore":
-        _tell_ignored(missing, log)
+        _report_ignored(missing, log)
         return {}
     small = _small(kinds, missing) if keys.missing == "auto" else missing
     estimated = [kind for kind in small if kind.volume > 0 and keys.missing != "error"]
-    _tell_missing([kind for kind in missing if kind not in estimated], kinds, keys, log)
+    _report_missing([kind for kind in missing if kind not in estimated], kinds, keys, log)
     masses = {kind.key: keys.density * kind.volume for kind in estimated}
     if estimated:
         total = sum(masses[kind.key] * len(kind.occurrences) for kind in estimated)
-        count = sum(len(kind.occurrences) for kind in estimated)
-        text = f"{count} part(s) without mass are taken for solids of {keys.density:g} kg/m³: {total:.3g} kg"
+        number = sum(len(kind.occurrences) for kind in estimated)
+        parts = count(number, "part")
+        text = f"{parts} without mass treated as solid with {keys.density:g} kg/m³: {total:.3g} kg"
         hint = "give them a material in Onshape, or a mass in mass.parts"
         log.report("W-MASS-ESTIMATED", text, listed(kind.called for kind in estimated), hint)
     return masses
@@ -173,29 +175,31 @@ def _small(kinds: Sequence[Kind], missing: Sequence[Kind]) -> list[Kind]:
     return small if together < SMALL_TOGETHER * total else []
 
 
-def _tell_ignored(missing: Sequence[Kind], log: Diagnostics) -> None:
+def _report_ignored(missing: Sequence[Kind], log: Diagnostics) -> None:
     if missing:
-        count = sum(len(kind.occurrences) for kind in missing)
+        number = sum(len(kind.occurrences) for kind in missing)
         hint = "give them a material in Onshape, or a mass in mass.parts"
         where = listed(kind.called for kind in missing)
-        log.report("W-MASS-IGNORED", f"{count} part(s) without mass weigh nothing", where, hint)
+        log.report(
+            "W-MASS-IGNORED", f"{count(number, 'part')} without mass: treated as massless", where, hint
+        )
 
 
-def _tell_missing(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKeys, log: Diagnostics) -> None:
-    """E-MASS for each; the last one has the lines of YAML that settle all of them."""
+def _report_missing(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKeys, log: Diagnostics) -> None:
+    """E-MASS for each; the last one has the lines of YAML for all of them."""
     for kind in missing:
         text = "the part has no mass" if kind.weight else "the mass reply does not know this part"
         text += "" if len(kind.occurrences) == 1 else f" ({len(kind.occurrences)} of them)"
         hint = "give it a material, or a mass override, in Onshape"
         if not kind.volume:
-            text += ", nor is its volume known"
+            text += ", and its volume is unknown"
             hint = "give mass, com and inertia in mass.parts"
         if kind is missing[-1]:
-            hint += _settling(missing, kinds, keys)
+            hint += _yaml_for(missing, kinds, keys)
         log.report("E-MASS", text, kind.title, hint)
 
 
-def _settling(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKeys) -> str:
+def _yaml_for(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKeys) -> str:
     """The YAML that gives the missing ones a mass: a density for all, or a line for each."""
     owners: dict[str, set[int]] = {}
     for kind in kinds:
@@ -211,14 +215,14 @@ def _settling(missing: Sequence[Kind], kinds: Sequence[Kind], keys: MassKeys) ->
         return ""
     parts = ", ".join(f"{json.dumps(name, ensure_ascii=False)}: {{mass: {m}}}" for name, m in lines.items())
     all_at_once = f"mass: {{missing: density, density: {keys.density:g}}}"
-    return f"; or settle all of them in YAML: {all_at_once}  or each [kg]: mass: {{parts: {{{parts}}}}}"
+    return f"; or give all of them in YAML: {all_at_once}  or each [kg]: mass: {{parts: {{{parts}}}}}"
 
 
 def _inertial(kind: Kind, mass: float, log: Diagnostics) -> Inertial:
     """The kind's inertial with this mass [kg]: the user's values, else CAD's, else its shape's."""
     if mass < 0:
         text = f"its mass is {mass:.4g} kg"
-        hint = "mend its material or its mass override in Onshape, or give its mass in mass.parts"
+        hint = "correct its material or its mass override in Onshape, or give its mass in mass.parts"
         log.report("E-MASS", text, kind.title, hint)
     if mass <= 0:
         return ZERO
@@ -227,7 +231,7 @@ def _inertial(kind: Kind, mass: float, log: Diagnostics) -> Inertial:
         base = kind.shape.inertial
     com, inertia = kind.asked.com, kind.asked.inertia
     if base is None and (com is None or inertia is None):
-        text = "it has a mass, but no triangles that tell how that is spread"
+        text = "it has a mass, but no triangles that show how the mass is distributed"
         log.report("E-MASS", text, kind.title, "give com and inertia too, in mass.parts")
         return ZERO
     spread = scaled(base, mass) if base is not None else ZERO
@@ -244,7 +248,7 @@ def _check_density(kind: Kind, log: Diagnostics) -> None:
     if not mass or not volume or low <= mass / volume <= high:
         return
     text = f"{mass:.4g} kg in {volume:.4g} m³ are {mass / volume:.4g} kg/m³: no solid has that density"
-    hint = "mend its material or its mass override in Onshape, or its mass in mass.parts"
+    hint = "correct its material or its mass override in Onshape, or its mass in mass.parts"
     log.report("W-DENSITY", text, kind.title, hint)
 
 

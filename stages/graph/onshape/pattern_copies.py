@@ -47,7 +47,7 @@ def series_of(
         if free and support.above:
             message = (
                 f"{support.within} holds the seed inside its sub-assembly and {support.above} from outside: "
-                "its copies are held as inside"
+                "its copies are held as on the inside"
             )
             hint = (
                 "FASTENED in the sub-assembly says what carries the seed; or pattern what it carries, too; "
@@ -80,8 +80,8 @@ def _copies(
                 continue
             gone.add(copy)
             message = (
-                f"{occurrences[copy].title} is made of another part than its seed: "
-                "where the seed's mates would hold it is not known"
+                f"{occurrences[copy].title} is not an instance of the same part as its seed: "
+                "it is unknown where the seed's mates would hold it"
             )
             log.report("W-PATTERN", message, pattern.title, "mate it itself")
     return seeds, frozenset(alike), frozenset(gone)

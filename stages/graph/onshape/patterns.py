@@ -3,7 +3,7 @@
 Onshape gives copies no mates of their own. With S the motion or reflection that takes a seed to its
 copy at the saved pose, a mate of the seed becomes one of the copy: what it holds on the seed it holds
 on the copy, at the same place, and what it holds elsewhere stays where it is, with its frame moved by S.
-A mate by which something hangs on the seed is not repeated (`hanging`).
+A mate by which the seed carries something is not repeated (`carried`).
 """
 
 import re
@@ -21,6 +21,7 @@ from stages.graph.onshape.pattern_supports import Feature, node_of
 from stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Array, frozen
+from stages.robot.plural import count
 from stages.robot.poses import inverse
 
 
@@ -39,11 +40,11 @@ class _Image:
 
 
 def with_copies(assembly: Assembly, mirror: str, depth: DepthKeys, log: Diagnostics) -> Assembly:
-    """The assembly with the mates and groups of all copies; a copied feature's `ref.copy` tells it.
+    """The assembly with the mates and groups of all copies; a copied feature has a `ref.copy`.
 
     `mirror`: "joints", or "weld" for copies that are fastened where the first of their seeds' mates would
     hold them, and rigid inside. A copy that has mates of its own gets nothing; no relation is copied.
-    `depth` says in which sub-assemblies nothing moves: their copies are held without mates.
+    `depth`: in which sub-assemblies nothing moves: their copies are held without mates.
 
     The patterns of outer assemblies come first: what they copy holds what is inside the copies.
     """
@@ -68,8 +69,8 @@ def _with_copies_of(
         free = {path for one in copier.series for path in one.free}
         stiff |= {path for path in free if not assembly.occurrences[path].is_part}
     else:
-        copier.tell_relations()
-    copier.tell(weld=mirror == "weld")
+        copier.report_relations()
+    copier.report_joints(weld=mirror == "weld")
     return replace(assembly, mates=[*assembly.mates, *mates], groups=[*assembly.groups, *groups], stiff=stiff)
 
 
@@ -136,7 +137,7 @@ class _Copier:
         self, series: Series, number: int, feature: Feature, seeds: Mapping[int, Path]
     ) -> _Image | None:
         """None where a copy is not there, where all copies have mates of their own, where a place that is
-        no seed's hangs on one, or where a joint leads from a fastened seed to something else."""
+        no seed's is carried by one, or where a joint leads from a fastened seed to something else."""
         support, places = series.support, feature.places
         copies = {
             index: (seed, series.pattern.copies[seed][number])
@@ -191,7 +192,7 @@ class _Copier:
         held = Entity(second.path, frozen(second_from_world @ self.assembly.world_from(first)))
         return replace(mate, ref=replace(mate.ref, type="FASTENED"), entities=(first, held), limits={})
 
-    def tell_relations(self) -> None:
+    def report_relations(self) -> None:
         """Names the relations of mates that act again, or lie in a copied sub-assembly."""
         for relation in self.assembly.relations:
             below = [
@@ -208,7 +209,7 @@ class _Copier:
                 message = "it relates joints that a pattern or mirror repeats: the copies' are not related"
                 self.log.report("W-PATTERN-RELATION", message, relation.title, "mate and relate the copies")
 
-    def tell(self, weld: bool) -> None:
+    def report_joints(self, weld: bool) -> None:
         """One finding for each pattern that has copied joints, and one for joints that it has not."""
         for series in self.series:
             if series.carried:
@@ -218,13 +219,14 @@ class _Copier:
                 )
                 hint = "mate the copies themselves to what they carry"
                 self.log.report("I-PATTERN-CARRIED", message, series.pattern.title, hint)
-            count, copies = series.joints, len(series.served)
-            if not count:
+            joints, copies = series.joints, len(series.served)
+            if not joints:
                 continue
+            instances = count(copies, "instance")
             message = (
-                f"{copies} instance(s) welded in the place of {count} joint(s) (mirror: weld)"
+                f"{instances} welded in the place of {count(joints, 'joint')} (mirror: weld)"
                 if weld
-                else f"{count} joint(s) copied for {copies} instance(s): independent of those of the seed"
+                else f"{count(joints, 'joint')} copied for {instances}, independent of the seed's"
             )
             self.log.report("I-PATTERN", message, series.pattern.title)
 
@@ -232,7 +234,7 @@ class _Copier:
 def _holding(mates: Iterable[tuple[Mate, _Image]], groups: Iterable[_Image]) -> list[Mate]:
     """The copied mates that take part when copies are welded.
 
-    Copies that hang together are welded to the rest by one mate: by more, they would freeze what lies
+    Copies that are connected are welded to the rest by one mate: by more, they would freeze what lies
     between these. What is FASTENED stays so.
     """
     rest: Path = ()

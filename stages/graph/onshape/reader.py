@@ -45,11 +45,11 @@ def read_mechanism(bundle: OnshapeBundle, keys: GraphKeys, log: Diagnostics) -> 
     assembly = with_copies(assembly, keys.mirror, keys.depth, log)
     _require_mates(assembly, keys)
     weights = weighed(assembly, bundle, keys.mass, log)
-    bodies, absorbed = _settled_bodies(assembly, keys, log)
+    bodies, absorbed = _combined_bodies(assembly, keys, log)
     names = name_everything(assembly, bodies, {path: volume for path, (_, volume) in weights.items()})
-    _tell_names(assembly, bodies, names, log)
-    said = _said_of(assembly, remarks, absorbed)
-    connections = tuple(_connection(mate, assembly, bodies, names, said) for mate in bodies.moving)
+    _report_names(assembly, bodies, names, log)
+    limit_remarks = _limit_remarks(assembly, remarks, absorbed)
+    connections = tuple(_connection(mate, assembly, bodies, names, limit_remarks) for mate in bodies.moving)
     mechanism = Mechanism(
         bodies=tuple(_bodies(assembly, bodies, names, weights, bundle)),
         connections=connections,
@@ -72,21 +72,21 @@ def _require_mates(assembly: Assembly, keys: GraphKeys) -> None:
         raise AssemblyError(msg, where=assembly.root.get("elementId", ""), hint=hint)
 
 
-def _settled_bodies(
+def _combined_bodies(
     assembly: Assembly, keys: GraphKeys, log: Diagnostics
 ) -> tuple[Bodies, Mapping[MateKey, Absorbed]]:
     """The bodies, once no two of them are held rigidly together by several mates; and the mates whose
     place others have taken."""
     welds: list[tuple[Path, Path]] = []
     while True:
-        found, told = Diagnostics(), Diagnostics()
+        found, about_mates = Diagnostics(), Diagnostics()
         bodies = find_bodies(assembly, keys, found, welds)
-        result = combined(bodies.moving, assembly, bodies.of, told)
+        result = combined(bodies.moving, assembly, bodies.of, about_mates)
         if not result.welds:
-            log.add([*found.problems, *found.found, *told.problems, *told.found])
+            log.add([*found.problems, *found.found, *about_mates.problems, *about_mates.found])
             return replace(bodies, moving=list(result.mates)), result.absorbed
         welds += result.welds
-        log.add([*told.problems, *told.found])
+        log.add([*about_mates.problems, *about_mates.found])
 
 
 def _bodies(
@@ -127,14 +127,18 @@ def _bodies(
 
 
 def _connection(
-    mate: Mate, assembly: Assembly, bodies: Bodies, names: AssemblyNames, said: Mapping[MateKey, Remarks]
+    mate: Mate,
+    assembly: Assembly,
+    bodies: Bodies,
+    names: AssemblyNames,
+    limit_remarks: Mapping[MateKey, Remarks],
 ) -> Connection:
     name = names.joints[mate.ref.key]
     first, second, mirrored = right_handed(*(assembly.world_from(entity) for entity in mate.entities))
     relative = inverse(second) @ first
     dofs = dofs_of(name, mate.ref.type, mate.limits or {}, relative, mirrored)
     explained = chain(dofs, {dof.name: dof.saved for dof in dofs})
-    remarks = said.get(mate.key, Remarks())
+    remarks = limit_remarks.get(mate.key, Remarks())
     return Connection(
         name=name,
         type=JOINT_TYPES[mate.ref.type],
@@ -150,10 +154,10 @@ def _connection(
     )
 
 
-def _said_of(
+def _limit_remarks(
     assembly: Assembly, remarks: Mapping[tuple[Path, str], Remarks], absorbed: Mapping[MateKey, Absorbed]
 ) -> dict[MateKey, Remarks]:
-    """What there is to say of the limits of a mate, and of those that it stands for, by the mate's key."""
+    """Remarks on the limits of each mate and of those that it replaces, by the mate's key."""
     found: dict[MateKey, Remarks] = {}
     for mate in sorted(assembly.mates, key=lambda mate: (mate.title, mate.key)):
         one = remarks.get((mate.ref.owner, mate.ref.feature))
@@ -170,8 +174,8 @@ def _said_of(
 def _relations(
     assembly: Assembly, connections: tuple[Connection, ...], absorbed: Mapping[MateKey, Absorbed]
 ) -> Iterator[RelationSpec]:
-    """The relations; one on a mate that another stands for is on that one. Where both mates stand still,
-    which is told of them, so does what they relate."""
+    """The relations; one on a mate that another stands for is on that one. Where both mates move nothing
+    (W-MATE-RIGID), neither does the relation."""
     drawn = {connection.ref.key: connection.name for connection in connections}
     named = {key: (name, 1) for key, name in drawn.items()}
     named |= {key: (drawn[one.by] if one.sign else "", one.sign) for key, one in absorbed.items()}
@@ -210,7 +214,7 @@ def _markers(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log: Diag
         yield Marker(name, connector.title, body, frozen(frame), connector.name)
 
 
-def _tell_names(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log: Diagnostics) -> None:
+def _report_names(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log: Diagnostics) -> None:
     """Names of which nothing could be kept, and `link_` connectors that name nothing."""
     typed = [
         (name, assembly.occurrences[path].names[-1])

@@ -1,4 +1,4 @@
-"""What a reply of the API must be like, told with its place where it is not."""
+"""The form of the API's replies; ProtocolError with the place where it is another."""
 
 import math
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ from stages.robot.model import Array
 
 @contextmanager
 def shape_of(what: str, where: str) -> Iterator[None]:
-    """Turns what Python says of an unexpected shape into a ProtocolError that says where."""
+    """Turns Python's errors about an unexpected form into a ProtocolError with its place."""
     try:
         yield
     except (LookupError, TypeError, ValueError, AttributeError) as error:

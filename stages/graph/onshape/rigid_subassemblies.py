@@ -14,9 +14,9 @@ def rigid_subassemblies(assembly: Assembly, depth: DepthKeys, log: Diagnostics) 
     """The sub-assembly occurrences inside which nothing moves.
 
     Rigid is what lies deeper than `max` levels, what a glob of `rigid` names, what a mirror welds and
-    what lies in such a one; but never what a glob of `flexible` names. A glob without a slash is held
-    against an instance's name (as typed, without its number, and as in robot files), one with a
-    slash against its whole title. E-GLOB tells those that fit nothing.
+    what lies in such a one; but never what a glob of `flexible` names. A glob without a slash is compared
+    with an instance's name (as typed, without its number, and as in robot files), one with a
+    slash against its whole title. E-GLOB for one that matches nothing.
     """
     subs = sorted((o for o in assembly.occurrences.values() if not o.is_part), key=lambda o: o.path)
     rigid, flexible = (
@@ -38,7 +38,11 @@ def _named(subs: Sequence[Occurrence], globs: Sequence[str], where: str, log: Di
     for glob in globs:
         fits = {sub.path for sub in subs if any(fnmatchcase(text, glob) for text in _texts(sub, glob))}
         if not fits and glob != "*":
-            there = f"sub-assemblies are: {listed(sub.title for sub in subs)}" if subs else "there is none"
+            there = (
+                f"sub-assemblies are: {listed(sub.title for sub in subs)}"
+                if subs
+                else "there are no sub-assemblies"
+            )
             log.report("E-GLOB", f"no sub-assembly matches {glob!r}", where, there)
         found |= fits
     return found

@@ -43,7 +43,7 @@ def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], log: Dia
     """The robot with more links: the new ones last, in the order of their names as their parents allow.
 
     One above the root becomes the root: it stands where the old root did not, and the base with it.
-    E-LINK for a parent or a child that is none, E-NAME for a name that is not free.
+    E-LINK for a parent or a child that does not exist, E-NAME for a name that is not free.
     """
     avoid = {*wanted, *(keys.joint.name for keys in wanted.values() if keys.joint.name)}
 
@@ -62,7 +62,7 @@ def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], log: Dia
 
     def lost(robot: Robot, name: str, keys: AddedLinkKeys) -> None:
         if keys.child is None:
-            text, hint = f"there is no link or frame {keys.parent!r} to hang it on", _places(robot)
+            text, hint = f"there is no link or frame {keys.parent!r} to be its parent", _places(robot)
         elif robot.root.name == WORLD_LINK:
             text, hint = "nothing goes above the assembly's origin, which is the root", "give it a parent"
         else:
@@ -75,7 +75,7 @@ def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], log: Dia
 def with_added_frames(robot: Robot, wanted: Mapping[str, AddedFrameKeys], log: Diagnostics) -> Robot:
     """The robot with more frames, all sorted by name; one may be given relative to another.
 
-    E-FRAME for a link or frame that is none, E-NAME for a name that is not free.
+    E-FRAME for a link or frame that does not exist, E-NAME for a name that is not free.
     """
 
     def known(robot: Robot, keys: AddedFrameKeys) -> bool:
@@ -105,7 +105,7 @@ def _one_by_one(
     add: Callable[[Robot, str, Wanted], Robot],
     lost: Callable[[Robot, str, Wanted], None],
 ) -> Robot:
-    """Adds what is wanted, each as soon as what it hangs on is known; the rest is lost."""
+    """Adds what is wanted, each as soon as its parent is there; the rest is lost."""
     waiting = dict(sorted(wanted.items()))
     while ready := [name for name, keys in waiting.items() if known(robot, keys)]:
         robot = add(robot, ready[0], waiting.pop(ready[0]))

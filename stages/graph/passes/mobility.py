@@ -3,7 +3,7 @@
 A loop asks that the twist of its frame by way of link a equals the one by way of link b, but for
 what its own dofs let move: 6 − f rows over the coordinates on both ways (Angeles, "Fundamentals of
 Robotic Mechanical Systems", on the rank of the Jacobian of a closed chain). Lengths are
-measured by the reach of what hangs together, so that all entries are about 1.
+measured by the reach of connected loops, so that all entries are about 1.
 
 The rank is that at the saved pose: where the pose is singular (a parallelogram that lies flat, with all
 its pivots in line) it is lower than elsewhere, and `dof` counts motions that are not there a step on.
@@ -68,14 +68,14 @@ class Share:
 
 
 def with_mobility(robot: Robot, log: Diagnostics) -> Robot:
-    """The robot with its mobility; tells loops that lock what they join (W-RIGID-LOOP).
+    """The robot with its mobility. W-RIGID-LOOP for loops that lock the links that they join.
 
     A loop's redundant conditions are those that follow from the relations and from the loops before it
     by name.
     """
     coordinates = sum(FREEDOM[dof.kind] for dof in robot.dofs)
     taken = len(robot.relations) + sum(_conditions(loop) for loop in robot.loops)
-    # Relations hang together as trees: none of them follows from others.
+    # Relations are trees: none of them follows from others.
     rank, redundant = len(robot.relations), dict[str, int]()
     shares = _shares(robot)
     for rings in _groups(_rings(robot), shares):
@@ -84,7 +84,7 @@ def with_mobility(robot: Robot, log: Diagnostics) -> Robot:
         rank += whole
         for ring, added in zip(rings, _added(blocks, 0, whole), strict=True):
             redundant[ring.loop.name] = _conditions(ring.loop) - added
-        _tell_rigid(rings, moving, columns, log)
+        _report_rigid(rings, moving, columns, log)
     found = tuple((name, count) for name, count in sorted(redundant.items()) if count)
     return replace(robot, mobility=Mobility(coordinates, coordinates - taken, coordinates - rank, found))
 
@@ -257,7 +257,7 @@ def _added(blocks: Sequence[Array], before: int, whole: int, above: Sequence[Arr
     return _added(first, before, between, above) + _added(second, between, whole, [*above, *first])
 
 
-def _tell_rigid(
+def _report_rigid(
     rings: Sequence[_Ring], moving: NDArray[np.bool_], columns: Mapping[Coordinate, int], log: Diagnostics
 ) -> None:
     for ring in rings:

@@ -110,7 +110,7 @@ def _measured(
         found = replace(step, offset=0.0 if negligible(offset, step.factor) else offset)
     value = found.factor * parent + found.offset
     if found.offset and drawn.offset is None:
-        # A pose tells a turn up to whole ones only: the offset is the least that its limits allow.
+        # A pose gives a turn up to whole ones only: the offset is the least that its limits allow.
         within = unwrapped(replace(dofs[step.child], saved=value)).saved
         if isinstance(within, float) and within != value:
             found, value = replace(found, offset=found.offset + within - value), within

@@ -48,7 +48,7 @@ def _new_names(
     asked: tuple[Mapping[str, str], str, str],
     log: Diagnostics,
 ) -> dict[int, str]:
-    """New names by the number of the thing; what an entry lacks is told."""
+    """New names by the number of the thing; E-RENAME for an entry that does not mean exactly one."""
     wanted, where, kind = asked
     found: dict[int, str] = {}
     every = [{name, *more} for name, more in zip(names, titles, strict=True)]
@@ -81,7 +81,7 @@ def _called(connection: Connection, name: str) -> Connection:
 
 
 def _check_free(mechanism: Mechanism, new: Collection[str], log: Diagnostics) -> None:
-    """E-NAME for each new name that is none, or that something else has too."""
+    """E-NAME for each new name that is invalid, or that something else has too."""
     counts = Counter(body.name for body in mechanism.bodies)
     counts.update(marker.name for marker in mechanism.markers)
     for connection in mechanism.connections:

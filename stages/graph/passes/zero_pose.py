@@ -65,7 +65,7 @@ def _moved_up(start: Array, dofs: Sequence[Dof]) -> tuple[Array, tuple[Dof, ...]
 
 
 def _shifted(relation: Relation, saved: Mapping[str, Value]) -> Relation:
-    """f + s_f = k (d + s_d) + offset; what the saved pose itself leaves as rounding is none."""
+    """f + s_f = k (d + s_d) + offset; a rest that is only rounding of the saved pose is dropped."""
     driver, follower = saved[relation.driver], saved[relation.follower]
     if not isinstance(driver, float) or not isinstance(follower, float):
         return relation

@@ -1,1 +1,1 @@
-"""The reader of URDF files: what a file says becomes a mechanism; what it gets wrong is told or mended."""
+"""The reader of URDF files: a file becomes a mechanism; what is wrong in it is reported or repaired."""

@@ -12,11 +12,12 @@ from stages.graph.urdf.structure import tops
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.inertia import LEAST_MOMENT, NEXT_TO_NOTHING, SPECK, merged, moved
 from stages.robot.model import Array, Inertial, frozen
+from stages.robot.plural import count
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UrdfFrame:
-    """What is left of a link that is none: where it was on `link`, under its name in the file."""
+    """A dummy link turned into a frame: where it was on `link`, under its name in the file."""
 
     name: str
     link: str
@@ -45,7 +46,9 @@ def without_dummies(urdf: Urdf, log: Diagnostics) -> tuple[Urdf, tuple[UrdfFrame
     kept = [_taking_in(link, carried.get(link.name, [])) for link in urdf.links if link.name not in dummies]
     moved_joints = [_moved(joint, places) for joint in urdf.joints if joint.child not in dummies]
     if dummies:
-        text = f"{len(dummies)} link(s) without a body of their own became frames of what they are fixed to"
+        text = (
+            f"{count(len(dummies), 'link')} without a body became frames of the links that they are fixed to"
+        )
         hint = f"they are: {listed(dummies)}; the URDF that is written has them as links again"
         log.report("I-URDF-FRAME", text, urdf.name, hint)
     frames = tuple(UrdfFrame(name, *places[name]) for name in sorted(dummies))
@@ -113,11 +116,11 @@ def _moved(joint: UrdfJoint, places: Mapping[str, tuple[str, Array]]) -> UrdfJoi
     return replace(joint, parent=parent, parent_from_joint=frozen(pose @ joint.parent_from_joint))
 
 
-def with_carriers(urdf: Urdf, mend: bool, log: Diagnostics) -> Urdf:
+def with_carriers(urdf: Urdf, repair: bool, log: Diagnostics) -> Urdf:
     """The file with next to no mass (I-URDF-MASSLESS) on links that move without any, but carry others
     that have some: such a link stands between two joints, as one of a ball's does.
 
-    `mend`: links that move without mass and carry none get some too (W-URDF-MASSLESS).
+    `repair`: links that move without mass and carry none get some too (W-URDF-MASSLESS).
     """
     rigid = tops({joint.child: joint.parent for joint in urdf.joints if joint.type == "fixed"})
 
@@ -136,11 +139,13 @@ def with_carriers(urdf: Urdf, mend: bool, log: Diagnostics) -> Urdf:
                 carriers.add(name)
     hint = "give them their mass: mass: {links: {...}}"
     if carriers:
-        text = f"links without mass stand between joints, and get {NEXT_TO_NOTHING:g} kg: {listed(carriers)}"
+        text = f"links between joints have no mass; {NEXT_TO_NOTHING:g} kg was used: {listed(carriers)}"
         log.report("I-URDF-MASSLESS", text, urdf.name, hint)
-    idle = set(above) - heavy - carriers if mend else set()
+    idle = set(above) - heavy - carriers if repair else set()
     if idle:
-        text = f"links move without mass, and get {NEXT_TO_NOTHING:g} kg, which any force throws about"
+        text = (
+            f"moving links have no mass; {NEXT_TO_NOTHING:g} kg was used, and the simulation may be unstable"
+        )
         log.report("W-URDF-MASSLESS", f"{text}: {listed(idle)}", urdf.name, hint)
     carriers |= idle
     links = (replace(link, inertial=SPECK) if link.name in carriers else link for link in urdf.links)

@@ -1,4 +1,4 @@
-"""Inertias that no solid can have: refused, made anew from the link's shapes, or taken to the nearest one."""
+"""Inertias that no solid can have: refused, recomputed from the link's shapes, or projected."""
 
 from collections.abc import Callable, Iterable
 from dataclasses import replace
@@ -14,30 +14,30 @@ from stages.robot.model import Array, Inertial, frozen
 Policy = Literal["refuse", "recompute", "project"]
 
 FLATTEST = 1e-6
-"""Of the largest `spread`: the smallest that a mended inertia has."""
+"""Of the largest `spread`: the smallest that a repaired inertia has."""
 
 Solid = Callable[[Iterable[UrdfShape]], Inertial | None]
 
 
-def mended(urdf: Urdf, policy: Policy, bundle: Bundle, log: Diagnostics) -> Urdf:
-    """The file with inertias that a solid can have, where `policy` says so; each change is told
-    (W-INERTIA). What is refused is left as it is, for the check of all links, but for a mass below zero
+def repaired(urdf: Urdf, policy: Policy, bundle: Bundle, log: Diagnostics) -> Urdf:
+    """The file with inertias that a solid can have, where `policy` allows it; W-INERTIA for
+    each change. What is refused is left as it is, for the check of all links, but for a mass below zero
     and an inertia without mass (E-INERTIA).
     """
 
     def solid(shapes: Iterable[UrdfShape]) -> Inertial | None:
         return solid_of(shapes, bundle)
 
-    links = (replace(link, inertial=_mended(link, policy, solid, log)) for link in urdf.links)
+    links = (replace(link, inertial=_repaired(link, policy, solid, log)) for link in urdf.links)
     return replace(urdf, links=tuple(links))
 
 
-def _mended(link: UrdfLink, policy: Policy, solid: Solid, log: Diagnostics) -> Inertial | None:
+def _repaired(link: UrdfLink, policy: Policy, solid: Solid, log: Diagnostics) -> Inertial | None:
     own = link.inertial
     if own is None or (own.mass == 0 and not own.inertia.any()):
         return None
     if own.mass <= 0:
-        _tell_without_mass(link, own, policy, log)
+        _report_without_mass(link, own, policy, log)
         return None
     if is_physical(own):
         return _off_the_edge(own)
@@ -52,19 +52,21 @@ def _mended(link: UrdfLink, policy: Policy, solid: Solid, log: Diagnostics) -> I
         how = "the nearest one that a solid can have"
         how = how if policy == "project" else f"{how}, since the link has no shape that holds a volume"
     text = f"{why_not(own)}; it became {how}: {_moments(found.inertia)} kg m²"
-    log.report("W-INERTIA", text, link.name, "mend it in the file, or give mass: {links: {...}}")
+    log.report("W-INERTIA", text, link.name, "correct it in the file, or give mass: {links: {...}}")
     return found
 
 
-def _tell_without_mass(link: UrdfLink, own: Inertial, policy: Policy, log: Diagnostics) -> None:
+def _report_without_mass(link: UrdfLink, own: Inertial, policy: Policy, log: Diagnostics) -> None:
     what = f"its mass is {own.mass:g} kg"
     if own.mass == 0:
         what = f"it has an inertia ({_moments(own.inertia)} kg m²), but no mass"
     if policy == "refuse":
-        hint = "mend it in the file, or take it for nothing: source.bad_inertia=project"
+        hint = "correct it in the file, or set its mass to 0: source.bad_inertia=project"
         log.report("E-INERTIA", what, link.name, hint)
     else:
-        log.report("W-INERTIA", f"{what}: taken for a link without mass", link.name, "mend it in the file")
+        log.report(
+            "W-INERTIA", f"{what}: treated as a link without mass", link.name, "correct it in the file"
+        )
 
 
 def nearest(inertia: Array) -> Array:
@@ -83,10 +85,10 @@ def _off_the_edge(own: Inertial) -> Inertial:
 def why_not(inertial: Inertial) -> str:
     """What keeps an inertia from being a solid's, with its numbers."""
     low, *_ = principal(inertial.inertia)
-    told = f"its principal moments are {_moments(inertial.inertia)} kg m²"
+    moments = f"its principal moments are {_moments(inertial.inertia)} kg m²"
     if low <= 0:
-        return f"{told}: not all are above zero"
-    return f"{told}: the largest is more than the other two together"
+        return f"{moments}: not all are above zero"
+    return f"{moments}: the largest is more than the other two together"
 
 
 def _moments(inertia: Array) -> str:

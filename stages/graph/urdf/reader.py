@@ -9,11 +9,11 @@ import numpy as np
 
 from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, UrdfShape, mesh_key
 from stages.formats.urdf.parse import parse
-from stages.graph.cad_only_keys import tell_unused
+from stages.graph.cad_only_keys import report_unused
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, RelationSpec, RigidBody
 from stages.graph.urdf.dummy_links import UrdfFrame, weighs_nothing, with_carriers, without_dummies
-from stages.graph.urdf.inertias import Policy, mended
+from stages.graph.urdf.inertias import Policy, repaired
 from stages.graph.urdf.naming import UrdfFileNames, names_of
 from stages.graph.urdf.structure import SCALAR, check_structure, tops
 from stages.robot.bundle import Bundle, FileBundle
@@ -48,25 +48,25 @@ TYPES: Mapping[str, JointType] = {
 
 UNSTATED_BASE = Diagnostic(
     "I-URDF-BASE",
-    "a URDF does not say whether its base stands still: it is taken as free",
+    "a URDF does not say whether its base is fixed: it is treated as free",
     hint="if it is fixed to the ground: root=fixed",
 )
 
 
 def read_mechanism(bundle: FileBundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
-    """Reads a URDF and the meshes that it names; AssemblyError tells all problems at once.
+    """Reads a URDF and the meshes that it names; AssemblyError has all problems at once.
 
-    What is no body becomes a frame, and what cannot weigh as it says is mended as the source's
-    `bad_inertia` says. The joints stand at zero, followers where their mimic has them then.
+    Links without a body become frames, and impossible inertias are repaired as the source's key
+    `bad_inertia` has it. The joints are at zero, followers where their mimic has them then.
     """
     urdf = parse(bundle.body(bundle.definition), bundle.root["document"])
     log.add(urdf.diagnostics)
     check_structure(urdf, keys.root.disconnected != "error", log)
-    tell_unused(keys, "URDF", log)
+    report_unused(keys, "URDF", log)
     log.raise_errors()
     urdf, frames = without_dummies(urdf, log)
     policy = cast(Policy, bundle.options.get("bad_inertia", "refuse"))
-    urdf = mended(urdf, policy, bundle, log)
+    urdf = repaired(urdf, policy, bundle, log)
     urdf = with_carriers(urdf, policy != "refuse", log)
     root = _root(urdf)
     names = names_of(urdf, [frame.name for frame in frames], log)
@@ -89,7 +89,7 @@ def read_mechanism(bundle: FileBundle, keys: GraphKeys, log: Diagnostics) -> tup
 
 
 def _root(urdf: Urdf) -> str:
-    """The link without a parent; of several the one that most hangs on, then the first by name."""
+    """The link without a parent; of several the one with the most links below it, then the first by name."""
     above = {joint.child: joint.parent for joint in urdf.joints}
     top = tops(above)
     count = Counter(top.get(link.name, link.name) for link in urdf.links)
@@ -127,11 +127,11 @@ def _across(normal: Array) -> tuple[Array, Array]:
 
 
 def _limits(joint: UrdfJoint, log: Diagnostics) -> Limits:
-    """As the file has them. A range of nothing at zero is what leaving it out means, and is none."""
+    """As the file has them. A range [0, 0] is also what a missing range means: no limits."""
     if joint.type == "continuous" or joint.limits is None:
         return Limits()
     if (joint.limits.lower, joint.limits.upper) == (0.0, 0.0):
-        text = "its range is left out, or [0, 0], which would hold it still: taken for a joint without limits"
+        text = "its range is missing or [0, 0], which would lock it: treated as a joint without limits"
         hint = "give it in the file or in joints:, or make the joint fixed or continuous"
         log.report("W-URDF-RANGE", text, joint.name, hint)
         return Limits()
@@ -139,11 +139,11 @@ def _limits(joint: UrdfJoint, log: Diagnostics) -> Limits:
 
 
 def _dynamics(joint: UrdfJoint, log: Diagnostics) -> Dynamics:
-    """A bound of effort or velocity that is not above zero is told, and is none."""
+    """W-URDF-BOUND for a limit of effort or velocity that is not above zero, which is ignored."""
     bounds = {"effort": joint.effort, "velocity": joint.velocity}
     for name, value in bounds.items():
         if value is not None and value <= 0:
-            text = f"its bound of {name} is {value:g}, under which it could not move: taken for none"
+            text = f"its {name} limit is {value:g}, with which it could not move: ignored"
             log.report("W-URDF-BOUND", text, joint.name, "give it in the file or in joints:")
             bounds[name] = None
     return Dynamics(joint.damping, joint.friction, joint.armature, **bounds)
@@ -235,7 +235,9 @@ def _parts(link: UrdfLink, world_from_link: Array, bundle: Bundle) -> Iterator[P
 def _has_size(shape: UrdfShape, link: UrdfLink, log: Diagnostics) -> bool:
     if min(shape.size) > 0:
         return True
-    text = f"its {shape.kind} of {' x '.join(f'{length:g}' for length in shape.size)} m is nothing: left out"
+    text = (
+        f"its {shape.kind} of {' x '.join(f'{length:g}' for length in shape.size)} m has no extent: left out"
+    )
     log.report("W-URDF-SHAPE", text, link.name, "give it a size, or take it out")
     return False
 
@@ -273,7 +275,7 @@ def _relations(urdf: Urdf, names: UrdfFileNames, log: Diagnostics) -> Iterator[R
         if joint.mimic is None:
             continue
         if joint.type not in SCALAR:
-            text = f"it is {joint.type}, so its <mimic> means nothing: left out"
+            text = f"it is {joint.type}, which cannot follow another joint: its <mimic> is left out"
             log.report("W-URDF-MIMIC", text, joint.name, "take it out")
             continue
         yield RelationSpec(

@@ -1,4 +1,4 @@
-"""Whether the links and joints of a file are a tree, and what in it is none, all told at once."""
+"""Whether the links and joints of a file are a tree; every problem is reported at once."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
@@ -16,7 +16,7 @@ SCALAR = ("revolute", "continuous", "prismatic")
 def check_structure(urdf: Urdf, disconnected: bool, log: Diagnostics) -> None:
     """E-URDF-* for each thing that keeps the file from being a tree, by joint or link.
 
-    `disconnected`: whether several roots are allowed, since the user says what becomes of them.
+    `disconnected`: whether several roots are allowed, since the user has chosen what becomes of them.
     """
     links = {link.name for link in urdf.links}
     there = f"links are: {listed(links)}"
@@ -32,12 +32,12 @@ def check_structure(urdf: Urdf, disconnected: bool, log: Diagnostics) -> None:
         if joint.parent in group_of and group_of[joint.parent] == group_of.get(joint.child):
             within[group_of[joint.parent]].append(joint.name)
     for group, names in zip(groups, within, strict=True):
-        text = f"the links {listed(group)} hang on each other in a circle"
+        text = f"the links {listed(group)} form a circle"
         log.report("E-URDF-CYCLE", text, listed(names), "a URDF is a tree: take one of the joints out")
     roots = sorted(name for name in links if graph.in_degree(name) == 0)
     if len(roots) > 1 and not disconnected:
         text = f"{len(roots)} links have no parent: {listed(roots)}"
-        hint = "join them, or say what becomes of them: root.disconnected=weld, drop or separate"
+        hint = "join them, or choose root.disconnected=weld, drop or separate"
         log.report("E-URDF-ROOTS", text, urdf.name, hint)
     _check_mimics(urdf, log)
 
@@ -64,17 +64,17 @@ def _check_parents(joints: Iterable[UrdfJoint], log: Diagnostics) -> None:
         above.setdefault(joint.child, []).append(joint)
     for child, several in sorted(above.items()):
         if len(several) > 1:
-            text = f"the link hangs on {len(several)} joints: {', '.join(sorted(j.name for j in several))}"
+            text = f"the link has {len(several)} parent joints: {', '.join(sorted(j.name for j in several))}"
             hint = "a link of a URDF has one parent: a loop must be closed in the MJCF, by an equality"
             log.report("E-URDF-PARENTS", text, child, hint)
 
 
 def _check_mimics(urdf: Urdf, log: Diagnostics) -> None:
-    """E-URDF-MIMIC for a joint that cannot follow what it says it follows."""
+    """E-URDF-MIMIC for a joint that cannot follow the joint that its <mimic> names."""
     counts = Counter(joint.name for joint in urdf.joints)
     joints = {joint.name: joint for joint in urdf.joints if counts[joint.name] == 1}
     circles = _circles({name: joint.mimic.joint for name, joint in joints.items() if joint.mimic})
-    hint = "mend the <mimic>, or take it out"
+    hint = "correct the <mimic>, or take it out"
     for joint in sorted(joints.values(), key=lambda one: one.name):
         if joint.mimic is not None and joint.type in SCALAR:
             why = _unfollowed(joint, joint.mimic, joints, circles)
@@ -90,7 +90,7 @@ def _unfollowed(
         return "it mimics itself"
     driver = joints.get(mimic.joint)
     if driver is None:
-        return f"it mimics {mimic.joint!r}, which is no joint"
+        return f"it mimics {mimic.joint!r}, which is not a joint"
     if driver.type not in SCALAR:
         return f"it mimics {mimic.joint!r}, which is {driver.type} and so has no single value"
     return f"it mimics in a circle: {circles[joint.name]}" if joint.name in circles else ""

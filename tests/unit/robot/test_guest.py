@@ -98,7 +98,7 @@ def test_its_errors_come_back_as_ours(asked, kind):
         ("return bytes(1001)", "made more than 0.001 MB"),
         ("import os\nwhile True: os.write(3, bytes(1 << 16))", "made more than 0.001 MB"),
         ("import os\nos.write(3, b'R' + bytes(8) + b'more')\nos._exit(0)", "ended with status 0"),
-        ("import os\nos.write(3, b'E' + bytes(7) + b'\\x02{}')\nos._exit(0)", "told an error that is none"),
+        ("import os\nos.write(3, b'E' + bytes(7) + b'\\x02{}')\nos._exit(0)", "reported an invalid error"),
     ],
 )
 def test_however_it_ends_it_is_told_in_words(asked, lines, said):

@@ -40,7 +40,7 @@ class Expression:
 
 
 def parse(text: str) -> Expression:
-    """The tree of a whole expression; ExpressionError where it is none."""
+    """The tree of a whole expression; ExpressionError where the text is not one."""
     return _Parser(text).whole()
 
 

@@ -98,7 +98,7 @@ def test_depth_says_what_moves_inside(nested: Kit, depth, stay) -> None:
 def test_joints_that_rigid_sub_assemblies_freeze_are_counted_for_the_outermost(nested: Kit) -> None:
     _, log = found(nested, max=1)
     counted = [(one.where, one.message.split(": ")[1]) for one in log.found]
-    assert counted == [(f"Fore arm <{n}>/Gripper <1>", "2 joint(s) inside it do not move") for n in (1, 2)]
+    assert counted == [(f"Fore arm <{n}>/Gripper <1>", "2 joints inside it cannot move") for n in (1, 2)]
 
 
 @pytest.mark.parametrize(("depth", "related"), [({}, 1), ({"max": 0}, 0)])

@@ -169,7 +169,7 @@ def test_two_links_above_each_other():
         ({"a": {"parent": "b"}, "b": {"parent": "a"}}, "links.a", "no link or frame 'b'"),
         ({"arm": {"parent": "base"}}, "links.arm", "the name 'arm' is taken"),
         ({"spot": {"parent": "base"}}, "links.spot", "the name 'spot' is taken"),
-        ({"a b": {"parent": "base"}}, "links.a b", "'a b' is no name"),
+        ({"a b": {"parent": "base"}}, "links.a b", "invalid name 'a b'"),
         ({"world": {"parent": "base"}}, "links.world", "reserved"),
         (
             {"a": {"parent": "base", "joint": {"name": "arm_joint"}}},

@@ -94,7 +94,7 @@ def test_the_dof_of_a_hinge_is_called_as_the_hinge():
         ({"joints": {"Piston": "x"}}, ("E-RENAME", "names.joints", "2 joints match 'Piston'")),
         ({"links": {"base": "x", "Base*": "y"}}, ("E-RENAME", "names.links", "is called 'x' already")),
         ({"links": {"world": "x"}}, ("E-RENAME", "names.links", "always called 'world'")),
-        ({"links": {"base": "Oberarm 1"}}, ("E-NAME", "names", "'Oberarm 1' is no name")),
+        ({"links": {"base": "Oberarm 1"}}, ("E-NAME", "names", "invalid name 'Oberarm 1'")),
         ({"links": {"base": "world"}}, ("E-NAME", "names", "'world' is reserved")),
         ({"links": {"base": "foot"}}, ("E-NAME", "names", "'foot' is taken")),
         ({"links": {"base": "tip"}}, ("E-NAME", "names", "'tip' is taken")),
