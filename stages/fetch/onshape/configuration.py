@@ -15,7 +15,8 @@ import orjson
 
 from stages.formats.onshape_configuration import encoded, joined, split
 from stages.formats.onshape_units import SI, UNITS, Measure
-from stages.robot.errors import Diagnostic, ProtocolError, SourceError
+from stages.robot.diagnostics import Diagnostics
+from stages.robot.errors import ProtocolError, SourceError
 
 Kind = Literal["Enum", "Boolean", "Quantity", "String"]
 _KEY = "source.configuration"
@@ -81,25 +82,25 @@ def encode(base: str, wanted: Mapping[str, Any], parameters: Sequence[Parameter]
     SourceError lists every parameter that does not exist or is given twice and every value that is
     not allowed.
     """
-    problems: list[Diagnostic] = []
+    log = Diagnostics()
     given: dict[str, str] = {}
     for name, value in wanted.items():
         place = f"{_KEY}.{name}"
-        parameter = _find(name, place, parameters, problems)
+        parameter = _find(name, place, parameters, log)
         if parameter is None:
             continue
         if parameter.id in given:
             text = "given twice, by name and by id"
-            problems.append(Diagnostic("E-CONFIGURATION", text, place, "leave one of the two out"))
+            log.report("E-CONFIGURATION", text, place, "leave one of the two out")
             continue
         try:
             given[parameter.id] = _CHECKS[parameter.kind](parameter, value)
         except ValueError as error:
-            problems.append(Diagnostic("E-CONFIGURATION", str(error), place, f"allowed: {parameter.allowed}"))
-    if problems:
-        count = f"{len(problems)} problems" if len(problems) > 1 else "1 problem"
+            log.report("E-CONFIGURATION", str(error), place, f"allowed: {parameter.allowed}")
+    if log.problems:
+        count = f"{len(log.problems)} problems" if len(log.problems) > 1 else "1 problem"
         msg = f"the assembly cannot be configured so: {count}"
-        raise SourceError(msg, _KEY, problems=problems)
+        raise SourceError(msg, _KEY, problems=log.problems)
     values = split(base) | {name: encoded(value) for name, value in given.items()}
     # One order, whatever the order of the keys: the same configuration is the same request.
     rank = {parameter.id: index for index, parameter in enumerate(parameters)}
@@ -130,9 +131,7 @@ def _bound(value: Any) -> float | None:
     return None if value is None or abs(float(value)) > 1e300 else float(value)
 
 
-def _find(
-    name: str, place: str, parameters: Sequence[Parameter], problems: list[Diagnostic]
-) -> Parameter | None:
+def _find(name: str, place: str, parameters: Sequence[Parameter], log: Diagnostics) -> Parameter | None:
     for attribute in ("id", "name"):
         hits = [parameter for parameter in parameters if getattr(parameter, attribute) == name]
         if len(hits) == 1:
@@ -140,13 +139,13 @@ def _find(
         if hits:
             ids = ", ".join(parameter.id for parameter in hits)
             msg = f"{len(hits)} parameters have this name"
-            problems.append(Diagnostic("E-CONFIGURATION", msg, place, f"use the id: {ids}"))
+            log.report("E-CONFIGURATION", msg, place, f"use the id: {ids}")
             return None
     names = [parameter.name for parameter in parameters]
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
     hint = f"did you mean {near[0]}? " if near else ""
     hint += f"it has: {', '.join(names)}" if names else "it has none: leave source.configuration out"
-    problems.append(Diagnostic("E-CONFIGURATION", "the assembly has no such parameter", place, hint))
+    log.report("E-CONFIGURATION", "the assembly has no such parameter", place, hint)
     return None
 
 

@@ -1,0 +1,93 @@
+"""The table of sources: a new one is a folder and a line, and no room knows another."""
+
+import ast
+import subprocess
+import sys
+
+import pytest
+
+from stages.fetch import ROOMS, source_class
+from stages.fetch.keys import SOURCES
+from tests.support.places import PROJECT
+
+FETCH = PROJECT / "stages" / "fetch"
+
+TOY_KEYS = """
+from typing import Literal
+from stages.fetch.source_keys import SourceKeys
+from stages.robot.keys import Text
+
+class ToySourceKeys(SourceKeys):
+    kind: Literal["toy"] = "toy"
+    path: Text
+
+KEYS = ToySourceKeys
+"""
+TOY_SOURCE = """
+from stages.fetch.robot_file import RobotFileSource
+from stages.fetch.source import Fetched
+from stages.robot.bundle import FileBundle
+
+class ToySource(RobotFileSource):
+    wanted, example = "a toy is a file", "robots/arm.toy"
+
+    def pinned(self, environ):
+        return {"kind": "toy", "path": self._keys.path}
+
+    def fetch(self, context):
+        return Fetched(FileBundle("toy", {"document": "arm.toy"}, "d", {"model": "d"}, {"d": b"toy"}))
+
+SOURCE = ToySource
+"""
+TOY_BUILD = """
+import stages.fetch as stage
+stage.ROOMS["toy"] = "toyroom"
+from pipeline.config.plan import Plan
+from stages.fetch.source import FetchContext
+
+plan = Plan.parse({"name": "arm", "source": {"kind": "toy", "path": "arm.toy"}})
+stage.preflight(plan, {})
+fetched = stage.fetch(plan, FetchContext({}, {}))
+print(stage.pinned(plan), stage.spends(plan), stage.describe(plan), stage.summary(fetched.bundle))
+"""
+
+
+def test_a_new_source_is_one_folder_and_one_line(tmp_path):
+    room = tmp_path / "toyroom"
+    room.mkdir()
+    (room / "__init__.py").touch()
+    (room / "keys.py").write_text(TOY_KEYS)
+    (room / "source.py").write_text(TOY_SOURCE)
+    (tmp_path / "arm.toy").touch()
+    run = subprocess.run(
+        [sys.executable, "-c", TOY_BUILD],
+        cwd=tmp_path,
+        env={"PYTHONPATH": f"{PROJECT}:{tmp_path}"},
+        capture_output=True,
+        text=True,
+    )
+    assert run.stderr == ""
+    found = "{'kind': 'toy', 'path': 'arm.toy'} False {'kind': 'toy'} arm.toy and 0 meshes"
+    assert run.stdout.strip() == found
+
+
+def test_each_source_has_its_keys_and_its_preset():
+    assert list(SOURCES) == list(ROOMS)
+    presets = {path.stem for path in (PROJECT / "conf" / "source").glob("*.yaml")}
+    assert presets == set(ROOMS)
+    for kind, keys in SOURCES.items():
+        assert keys.model_fields["kind"].default == kind
+        assert source_class(kind).__module__ == f"{ROOMS[kind]}.source"
+
+
+@pytest.mark.parametrize("room", ["onshape", "urdf", "mjcf", "bundle"])
+def test_no_room_imports_another(room):
+    others = {"onshape", "urdf", "mjcf", "bundle"} - {room}
+    for path in (FETCH / room).rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            names = [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+            names += [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+            for name in names:
+                assert name.split(".")[:2] != ["stages", "fetch"] or not others & {*name.split(".")[2:3]}, (
+                    path
+                )
