@@ -1,21 +1,21 @@
 """The command line, taken apart into options and overrides. Imports nothing heavy."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 CFG = ("job", "hydra", "all")
 """What `--cfg` shows."""
 
 INFO = ("all", "config", "defaults", "defaults-tree", "plugins", "searchpath")
-"""What `--info` tells."""
+"""What `--info` shows."""
 
 ELSEWHERE = {
     "--config-name": "a robot is a file: linkwright robot=NAME, of ./robot/NAME.yaml",
     "--config-path": "folders of your own are added: linkwright --config-dir DIR, where DIR holds robot/",
-    "--hydra-help": "linkwright --help tells all; linkwright --cfg hydra shows what concerns Hydra",
+    "--hydra-help": "linkwright --help lists everything; linkwright --cfg hydra shows what concerns Hydra",
     "--experimental-rerun": "linkwright builds the same from the same files: type the command again",
 }
-"""Options of Hydra's that mean nothing here → what is done instead."""
+"""Options of Hydra that have no meaning here → what to do instead."""
 
 SHORT = {
     "-h": "--help", "-m": "--multirun", "-cd": "--config-dir", "-c": "--cfg", "-p": "--package",
@@ -28,7 +28,7 @@ SHORT = {
 class Command:
     """The command line, taken apart.
 
-    `show`: what else it asks for than a build: help, version, cfg, info, shell-completion or
+    `show`: what it asks for in place of a build: help, version, cfg, info, shell-completion or
     install-completion; `what`: of which kind; `package` and `resolve` are those of `--cfg`.
     """
 
@@ -42,53 +42,101 @@ class Command:
 
 
 class UsageError(Exception):
-    """The command line has an option that is not there, or one without its value."""
+    """The command line has an unknown option, or one without its value."""
 
 
 def parse(arguments: Sequence[str]) -> Command:
     """The command line taken apart; UsageError for an unknown option."""
-    overrides: list[str] = []
-    folders: list[str] = []
-    flags: set[str] = set()
-    show, what, package = "", "", ""
     rest = _Rest(arguments)
+    command = _Reading(rest)
     for argument in rest:
-        option, equal, value = argument.partition("=")
         if not argument.startswith("-"):
-            overrides.append(argument)
+            command.overrides.append(argument)
             continue
+        option, equal, value = argument.partition("=")
         name = SHORT.get(option, option)
-        given = value if equal else None
         if name in ("--help", "--version"):
             return Command(show=name[2:])
-        if name in ("--multirun", "--resolve", "--run"):
-            flags.add(name)
-        elif name == "--config-dir":
-            folders.append(given or rest.value(option, "a folder", f"{option} DIR, where DIR holds robot/"))
-        elif name == "--package":
-            package = given or rest.value(option, "a key", f"{option} mesh, with --cfg job")
-        elif name == "--cfg":
-            show, what = "cfg", _one_of(CFG, given or rest.value(option, "a word", f"{option} job"), option)
-        elif name == "--info":
-            show, what = "info", _one_of(INFO, given or rest.one_of(INFO) or "all", option)
-        elif name in ("--shell-completion", "--install-completion"):
-            show, what = name[2:], given if given is not None else next(rest, "")
-        elif name in ELSEWHERE:
-            msg = f"there is no option {option} here\n  → {ELSEWHERE[name]}"
+        reader = _OPTIONS.get(name)
+        if reader is None:
+            elsewhere = ELSEWHERE.get(name)
+            msg = f"there is no option {option} here\n  → {elsewhere}" if elsewhere else ""
+            raise UsageError(msg or f"there is no option {option}\n  → linkwright --help lists the options")
+        reader(command, option, value if equal else None)
+    return command.done()
+
+
+class _Reading:
+    """The options that were read so far. A reader takes the option as it was typed, and the value after
+    its `=`, None without one."""
+
+    def __init__(self, rest: "_Rest") -> None:
+        self._rest = rest
+        self.overrides: list[str] = []
+        self._folders: list[str] = []
+        self._multirun = self._resolve = False
+        self._show, self._what, self._package = "", "", ""
+
+    def multirun(self, option: str, given: str | None) -> None:
+        self._multirun = True
+
+    def resolve(self, option: str, given: str | None) -> None:
+        self._resolve = True
+
+    def run(self, option: str, given: str | None) -> None:
+        """Hydra's option for a single build, which needs none."""
+
+    def config_dir(self, option: str, given: str | None) -> None:
+        example = f"{option} DIR, where DIR holds robot/"
+        self._folders.append(given or self._rest.value(option, "a folder", example))
+
+    def package(self, option: str, given: str | None) -> None:
+        self._package = given or self._rest.value(option, "a key", f"{option} mesh, with --cfg job")
+
+    def cfg(self, option: str, given: str | None) -> None:
+        word = given or self._rest.value(option, "a word", f"{option} job")
+        self._show, self._what = "cfg", _one_of(CFG, word, option)
+
+    def info(self, option: str, given: str | None) -> None:
+        word = given or self._rest.one_of(INFO) or "all"
+        self._show, self._what = "info", _one_of(INFO, word, option)
+
+    def completion(self, option: str, given: str | None) -> None:
+        self._show = SHORT.get(option, option)[2:]
+        self._what = given if given is not None else next(self._rest, "")
+
+    def done(self) -> Command:
+        """The whole command; UsageError for options that exclude each other."""
+        if self._show != "cfg" and (self._package or self._resolve):
+            msg = "--package and --resolve belong to --cfg\n  → linkwright --cfg job --resolve"
             raise UsageError(msg)
-        else:
-            msg = f"there is no option {option}\n  → linkwright --help shows what there is"
+        if self._multirun and self._show in ("cfg", "info"):
+            text = f"--{self._show} shows one configuration, and a sweep has many"
+            msg = f"{text}\n  → leave out -m and give single values"
             raise UsageError(msg)
-    if show != "cfg" and (package or "--resolve" in flags):
-        msg = "--package and --resolve belong to --cfg\n  → linkwright --cfg job --resolve"
-        raise UsageError(msg)
-    multirun = "--multirun" in flags
-    if multirun and show in ("cfg", "info"):
-        msg = (
-            f"--{show} shows one configuration, and a sweep has many\n  → leave out -m and give single values"
+        return Command(
+            tuple(self.overrides),
+            tuple(self._folders),
+            self._multirun,
+            self._show,
+            self._what,
+            self._package,
+            self._resolve,
         )
-        raise UsageError(msg)
-    return Command(tuple(overrides), tuple(folders), multirun, show, what, package, "--resolve" in flags)
+
+
+_OPTIONS: dict[str, Callable[[_Reading, str, str | None], None]] = {
+    "--multirun": _Reading.multirun,
+    "--resolve": _Reading.resolve,
+    "--run": _Reading.run,
+    "--config-dir": _Reading.config_dir,
+    "--package": _Reading.package,
+    "--cfg": _Reading.cfg,
+    "--info": _Reading.info,
+    "--shell-completion": _Reading.completion,
+    "--install-completion": _Reading.completion,
+}
+"""Option → its reader."""
 
 
 def _one_of(words: Sequence[str], word: str, option: str) -> str:
@@ -99,7 +147,7 @@ def _one_of(words: Sequence[str], word: str, option: str) -> str:
 
 
 class _Rest:
-    """The arguments that are not taken yet."""
+    """The arguments that were not read yet."""
 
     def __init__(self, arguments: Sequence[str]) -> None:
         self._arguments = list(arguments)

@@ -1,4 +1,7 @@
-"""What Hydra and OmegaConf say when a configuration cannot be composed, in words about the user's files."""
+"""Errors of Hydra and OmegaConf, in words about the user's own files."""
+
+from collections.abc import Callable
+from typing import Any
 
 import yaml
 from hydra.errors import HydraException, MissingConfigException
@@ -16,52 +19,77 @@ HEADER = f"the first line of a robot's file must be: {GLOBAL}"
 
 
 def explained(error: Exception, presets: Presets) -> Diagnostic:
-    """What the user did wrong where Hydra could not compose; raises what is a fault of ours."""
-    if isinstance(error, yaml.MarkedYAMLError):
-        mark = error.problem_mark or error.context_mark
-        where = f"{mark.name}, line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-        if isinstance(error, RefusedError):
-            return Diagnostic("E-YAML", f"cannot be read: {error.problem}", where, error.hint)
-        text = f"not valid YAML: {error.problem or error.context}"
-        return Diagnostic("E-YAML", text, where, "check quotes, colons and indentation there")
-    if isinstance(error, MissingConfigException) and error.missing_cfg_file:
-        group, _, option = error.missing_cfg_file.rpartition("/")
-        if group == "hydra/launcher":
-            options = ", ".join(error.options or ("basic", *presets.options(group)))
-            more = install("hydra-joblib-launcher", "joblib")
-            hint = f"launchers here: {options}; more come with {more}"
-            return Diagnostic("E-OPTION", f"there is no launcher {option}", f"{group}={option}", hint)
-        found = presets.unknown(group, option)
-        if group.startswith("hydra/") and error.options:
-            return Diagnostic(found.code, found.message, found.where, f"options: {', '.join(error.options)}")
-        return found
-    if isinstance(error, UnicodeDecodeError):
-        file = str(presets.not_utf8() or "")
-        return Diagnostic("E-YAML", "not UTF-8 text", file, "save it as UTF-8")
-    if isinstance(error, RecursionError):
-        text = "nested too deeply"
-        return Diagnostic("E-OVERRIDE", text, "", "look at the brackets of what was typed")
-    if isinstance(error, KeyError):
-        # Hydra looks up the variables of hydra.job.env_copy while it composes.
-        text = f"names a variable that is not set: {error.args[0]}"
-        return Diagnostic("E-OVERRIDE", text, "hydra.job.env_copy", "take it out")
-    if isinstance(error, HydraException | OmegaConfBaseException | ValueError):
-        if "hydra.searchpath" in str(error):
-            return not_to_say("searchpath")
-        if "@robot." in str(error):
-            return Diagnostic("E-KEY", "its file chooses options for itself alone", "robot", HEADER)
-        causes = [str(one) for one in (error, error.__cause__) if one is not None]
-        said = in_words("\n".join(causes), COMPOSING, [*GROUPS, *presets.own_groups()])
-        if said is not None:
-            return Diagnostic("E-OVERRIDE", *said)
-        lines = [
-            line for line in "\n".join(causes).splitlines() if line.strip() and "append to your" not in line
-        ]
-        hint = (
-            "look at the defaults lists of your files; linkwright --info defaults-tree shows those that count"
-        )
-        return Diagnostic("E-OVERRIDE", f"cannot be composed: {' '.join(lines[:2])}", "", hint)
-    if isinstance(error, OSError):
-        text = f"cannot be read: {error.strerror or error}"
-        return Diagnostic("E-YAML", text, str(error.filename or ""), "check the file and its folder")
+    """What the user did wrong where Hydra could not compose; raises what is a fault of Linkwright itself."""
+    for kinds, handler in _HANDLERS:
+        if isinstance(error, kinds):
+            return handler(error, presets)
     raise error
+
+
+def _not_yaml(error: Any, presets: Presets) -> Diagnostic:
+    mark = error.problem_mark or error.context_mark
+    where = f"{mark.name}, line {mark.line + 1}, column {mark.column + 1}" if mark else ""
+    if isinstance(error, RefusedError):
+        return Diagnostic("E-YAML", f"cannot be read: {error.problem}", where, error.hint)
+    text = f"not valid YAML: {error.problem or error.context}"
+    return Diagnostic("E-YAML", text, where, "check quotes, colons and indentation there")
+
+
+def _no_such_file(error: Any, presets: Presets) -> Diagnostic:
+    if not error.missing_cfg_file:
+        return _not_composed(error, presets)
+    group, _, option = error.missing_cfg_file.rpartition("/")
+    if group == "hydra/launcher":
+        options = ", ".join(error.options or ("basic", *presets.options(group)))
+        more = install("hydra-joblib-launcher", "joblib")
+        hint = f"launchers here: {options}; more come with {more}"
+        return Diagnostic("E-OPTION", f"there is no launcher {option}", f"{group}={option}", hint)
+    found = presets.unknown(group, option)
+    if group.startswith("hydra/") and error.options:
+        return Diagnostic(found.code, found.message, found.where, f"options: {', '.join(error.options)}")
+    return found
+
+
+def _not_utf8(error: Any, presets: Presets) -> Diagnostic:
+    return Diagnostic("E-YAML", "not UTF-8 text", str(presets.not_utf8() or ""), "save it as UTF-8")
+
+
+def _too_deep(error: Any, presets: Presets) -> Diagnostic:
+    return Diagnostic("E-OVERRIDE", "nested too deeply", "", "look at the brackets of what was typed")
+
+
+def _not_set(error: Any, presets: Presets) -> Diagnostic:
+    # Hydra looks up the variables of hydra.job.env_copy while it composes.
+    text = f"names a variable that is not set: {error.args[0]}"
+    return Diagnostic("E-OVERRIDE", text, "hydra.job.env_copy", "take it out")
+
+
+def _not_composed(error: Any, presets: Presets) -> Diagnostic:
+    if "hydra.searchpath" in str(error):
+        return not_to_say("searchpath")
+    if "@robot." in str(error):
+        return Diagnostic("E-KEY", "its file chooses options for itself alone", "robot", HEADER)
+    causes = [str(one) for one in (error, error.__cause__) if one is not None]
+    words = in_words("\n".join(causes), COMPOSING, [*GROUPS, *presets.own_groups()])
+    if words is not None:
+        return Diagnostic("E-OVERRIDE", *words)
+    lines = [line for line in "\n".join(causes).splitlines() if line.strip() and "append to your" not in line]
+    hint = "look at the defaults lists of your files; linkwright --info defaults-tree shows those that count"
+    return Diagnostic("E-OVERRIDE", f"cannot be composed: {' '.join(lines[:2])}", "", hint)
+
+
+def _not_readable(error: Any, presets: Presets) -> Diagnostic:
+    text = f"cannot be read: {error.strerror or error}"
+    return Diagnostic("E-YAML", text, str(error.filename or ""), "check the file and its folder")
+
+
+_HANDLERS: tuple[tuple[tuple[type[Exception], ...], Callable[[Any, Presets], Diagnostic]], ...] = (
+    ((yaml.MarkedYAMLError,), _not_yaml),
+    ((MissingConfigException,), _no_such_file),
+    ((UnicodeDecodeError,), _not_utf8),
+    ((RecursionError,), _too_deep),
+    ((KeyError,), _not_set),
+    ((HydraException, OmegaConfBaseException, ValueError), _not_composed),
+    ((OSError,), _not_readable),
+)
+"""Types of errors → the diagnostic; the first that fits counts."""

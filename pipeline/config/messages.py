@@ -1,7 +1,8 @@
-"""What is wrong with a configuration, in words: full key, value given, what is allowed."""
+"""Errors of a configuration in words: the full key, the value given, what is allowed."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
 from typing import Any, get_args, get_origin
 
 from pydantic import ValidationError
@@ -15,10 +16,10 @@ from stages.robot.errors import Diagnostic
 from stages.robot.keys import NOT_YET, Keys
 
 GLOBAL = "# @package _global_"
-"""The first line of a file whose keys are those of the whole tree."""
+"""The first line of a file whose keys start at the top of the tree."""
 
 EXPERIMENT = "experiment"
-"""The customary group of files that change a robot and choose its options, over all else."""
+"""The usual group of files that change a robot and choose its options; they override everything else."""
 
 WORDS = {
     "bool_type": "must be true or false",
@@ -33,7 +34,7 @@ WORDS = {
 """pydantic's error type → what the key must be."""
 
 
-def told(error: ValidationError, root: type[Keys]) -> list[Diagnostic]:
+def diagnostics(error: ValidationError, root: type[Keys]) -> list[Diagnostic]:
     """Each problem that pydantic found in a tree of `root`, once, in the order of the tree.
 
     Codes: E-KEY unknown, E-MISSING, E-LATER not supported yet, E-VALUE not allowed.
@@ -51,68 +52,120 @@ def shown(value: Any) -> str:
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:
-    """A question that names what is near to `name`; empty where nothing is."""
+    """A question that suggests the names most like `name`; empty where none is."""
     near = difflib.get_close_matches(name, sorted(candidates), n=3, cutoff=0.6)
     return f"did you mean {' or '.join(near)}?" if near else ""
 
 
 def how_to_give(key: str, kind: str = "") -> str:
-    """How a value that is missing can be given, of a source of this kind."""
+    """The hint that says how to give a missing value, for a source of this kind."""
     files = {"urdf": "arm.urdf", "mjcf": "arm.xml", "bundle": "arm.zip"}
     examples = {"source.url": "https://cad.onshape.com/documents/...", "source.path": files.get(kind)}
     example = examples.get(key) or "..."
     return f"set it in the robot's file, or on the command line: \"{key}='{example}'\""
 
 
+@dataclass(frozen=True, slots=True)
+class _Problem:
+    """A problem that pydantic found. `place`: in the tree; `owner`: the section or type that holds the
+    value; `context`: what pydantic says about the rule that is broken."""
+
+    kind: str
+    place: Place
+    value: Any
+    owner: Any
+    root: type[Keys]
+    message: str
+    context: Mapping[str, Any]
+
+    @classmethod
+    def of(cls, details: ErrorDetails, root: type[Keys]) -> "_Problem":
+        place = details["loc"]
+        owner = annotation_at(root, place[:-1])
+        if place[0] == "source" and len(place) > 1:
+            # pydantic puts the kind of source into the place; the tree has no such level.
+            owner = annotation_at(SOURCES[str(place[1])], place[2:-1])
+            place = ("source", *place[2:])
+        context = details.get("ctx", {})
+        return cls(details["type"], place, details["input"], owner, root, details["msg"], context)
+
+    @property
+    def name(self) -> int | str:
+        return self.place[-1]
+
+    @property
+    def key(self) -> str:
+        return key_of(self.place)
+
+    @property
+    def annotation(self) -> Any:
+        """The type that the schema gives the value."""
+        return annotation_at(self.owner, (self.name,))
+
+
 def _diagnostic(details: ErrorDetails, root: type[Keys]) -> Diagnostic:
-    kind, place, value = details["type"], details["loc"], details["input"]
-    owner = annotation_at(root, place[:-1])
-    if place[0] == "source" and len(place) > 1:
-        # pydantic puts the kind of source into the place; the tree has no such level.
-        owner = annotation_at(SOURCES[str(place[1])], place[2:-1])
-        place = ("source", *place[2:])
-    name, key = place[-1], key_of(place)
-    if kind == "extra_forbidden":
-        return _unknown(place, value, owner, root)
-    if key == "source" and (kind == "missing" or kind.startswith("union_tag")):
-        return _source(None if kind == "missing" else value)
-    if kind == "missing" and isinstance(name, str):
-        field = field_at(owner, name)
-        return Diagnostic("E-MISSING", "missing", key, (field and field.description) or "")
-    if kind == NOT_YET:
-        return _later(key, value, owner, name)
-    if kind == ADDRESS:
-        # The value is not shown: it may hold a password.
-        return Diagnostic("E-VALUE", details["ctx"]["message"], key, details["ctx"]["hint"])
-    if kind == "missing":
-        return _value(f"must be a list of {len(get_args(owner))} numbers", value, key_of(place[:-1]))
-    if kind == "too_long":
-        return _value(f"must be a list of {details['ctx']['max_length']} numbers", value, key)
-    if kind == "tuple_type":
-        inside = get_args(annotation_at(owner, (name,)))
-        several = "" if ... in inside else f" of {len(inside)} numbers"
-        return _value(f"must be a list{several}", value, key)
-    if name == "[key]":
-        hint = f'put the name in quotes: "{value}": ...'
-        return _value("names must be text", value, key_of(place[:-2]), hint)
-    if kind == "literal_error":
-        allowed = options(annotation_at(owner, (name,)))
-        hint = f"{nearest(str(value), allowed)} allowed: {', '.join(allowed)}".strip()
-        return Diagnostic("E-VALUE", f"{shown(value)} is not allowed", key, hint)
+    problem = _Problem.of(details, root)
+    handler = _mapping_name if problem.name == "[key]" else _HANDLERS.get(problem.kind, _other)
+    return handler(problem)
+
+
+def _missing(problem: _Problem) -> Diagnostic:
+    if problem.key == "source":
+        return _source(None)
+    if isinstance(problem.name, int):
+        text = f"must be a list of {len(get_args(problem.owner))} numbers"
+        return _value(text, problem.value, key_of(problem.place[:-1]))
+    field = field_at(problem.owner, problem.name)
+    return Diagnostic("E-MISSING", "missing", problem.key, (field and field.description) or "")
+
+
+def _address(problem: _Problem) -> Diagnostic:
+    # The value is not shown: it may hold a password.
+    return Diagnostic("E-VALUE", problem.context["message"], problem.key, problem.context["hint"])
+
+
+def _too_long(problem: _Problem) -> Diagnostic:
+    return _value(f"must be a list of {problem.context['max_length']} numbers", problem.value, problem.key)
+
+
+def _not_a_list(problem: _Problem) -> Diagnostic:
+    inside = get_args(problem.annotation)
+    count = "" if ... in inside else f" of {len(inside)} numbers"
+    return _value(f"must be a list{count}", problem.value, problem.key)
+
+
+def _mapping_name(problem: _Problem) -> Diagnostic:
+    hint = f'put the name in quotes: "{problem.value}": ...'
+    return _value("names must be text", problem.value, key_of(problem.place[:-2]), hint)
+
+
+def _not_a_choice(problem: _Problem) -> Diagnostic:
+    allowed = options(problem.annotation)
+    hint = f"{nearest(str(problem.value), allowed)} allowed: {', '.join(allowed)}".strip()
+    return Diagnostic("E-VALUE", f"{shown(problem.value)} is not allowed", problem.key, hint)
+
+
+def _not_text(problem: _Problem) -> Diagnostic:
     hint = ""
-    if kind == "string_type" and isinstance(value, int | float):
-        hint = f"""quote it: {name}: "..." in YAML, "{key}='...'" on the command line"""
-        if isinstance(name, int):
+    if isinstance(problem.value, int | float):
+        hint = f"""quote it: {problem.name}: "..." in YAML, "{problem.key}='...'" on the command line"""
+        if isinstance(problem.name, int):
             hint = 'quote it: ["..."]'
-    return _value(WORDS.get(kind) or details["msg"].replace("Input should be", "must be"), value, key, hint)
+    return _value(WORDS[problem.kind], problem.value, problem.key, hint)
+
+
+def _other(problem: _Problem) -> Diagnostic:
+    text = WORDS.get(problem.kind) or problem.message.replace("Input should be", "must be")
+    return _value(text, problem.value, problem.key)
 
 
 def _value(message: str, value: Any, key: str, hint: str = "") -> Diagnostic:
     return Diagnostic("E-VALUE", f"{message} (given {shown(value)})", key, hint)
 
 
-def _later(key: str, value: Any, owner: Any, name: int | str) -> Diagnostic:
-    field, annotation = field_at(owner, name), annotation_at(owner, (name,))
+def _later(problem: _Problem) -> Diagnostic:
+    value, annotation = problem.value, problem.annotation
+    field = field_at(problem.owner, problem.name)
     allowed = options(annotation)
     if allowed:
         text, hint = f"{shown(value)} is not supported yet", f"allowed: {', '.join(allowed)}"
@@ -125,11 +178,12 @@ def _later(key: str, value: Any, owner: Any, name: int | str) -> Diagnostic:
         hint = f"leave it out: only its default works so far, {shown(default)}"
     else:
         text, hint = f"{shown(value)} is not supported yet", ""
-    return Diagnostic("E-LATER", text, key, hint)
+    return Diagnostic("E-LATER", text, problem.key, hint)
 
 
-def _unknown(place: Place, value: Any, owner: Any, root: type[Keys]) -> Diagnostic:
-    name, key = str(place[-1]), key_of(place)
+def _unknown(problem: _Problem) -> Diagnostic:
+    place, value, owner, root = problem.place, problem.value, problem.owner, problem.root
+    name, key = str(problem.name), problem.key
     given = f"(given {shown(value)})"
     if owner is ExportSection and name in LATER_FORMATS:
         hint = f"formats so far: {', '.join(names(owner))}"
@@ -157,7 +211,7 @@ def _unknown(place: Place, value: Any, owner: Any, root: type[Keys]) -> Diagnost
 
 
 def _dotted(place: Place, value: Any, root: type[Keys]) -> str:
-    """How to quote a name of the user's own that was cut at its dot: joints.joint_0.0.damping."""
+    """The hint for a name that was cut at its dot: joints.joint_0.0.damping."""
     above = place[:-2]
     if not (isinstance(value, dict) and above and get_origin(annotation_at(root, above)) is dict):
         return ""
@@ -165,7 +219,8 @@ def _dotted(place: Place, value: Any, root: type[Keys]) -> str:
 
 
 def _instead(name: str, place: Place, owner: Any, root: type[Keys]) -> str:
-    """Which key may be meant: of the same section, else of the same name elsewhere, else any here."""
+    """The hint for an unknown key: similar keys of the section, else the same name elsewhere, else all keys
+    here."""
     siblings = names(owner)
     # `robot` is the one group that is no section of the plan too.
     candidates = sorted([*siblings, "robot"] if owner is root else siblings)
@@ -191,3 +246,18 @@ def _source(source: Any) -> Diagnostic:
     if kind is None:
         return Diagnostic("E-MISSING", f"missing (given {shown(source)})", "source.kind", choose)
     return Diagnostic("E-VALUE", f"{shown(kind)} is not allowed", "source.kind", choose)
+
+
+_HANDLERS: dict[str, Callable[[_Problem], Diagnostic]] = {
+    NOT_YET: _later,
+    ADDRESS: _address,
+    "extra_forbidden": _unknown,
+    "literal_error": _not_a_choice,
+    "missing": _missing,
+    "string_type": _not_text,
+    "too_long": _too_long,
+    "tuple_type": _not_a_list,
+    "union_tag_invalid": lambda problem: _source(problem.value),
+    "union_tag_not_found": lambda problem: _source(problem.value),
+}
+"""pydantic's error type, or one of ours → the diagnostic."""

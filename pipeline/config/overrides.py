@@ -108,39 +108,83 @@ _NO_KEY = "key=value is expected"
 _QUOTE_TWICE = "a URL needs quotes, and around them quotes for the shell"
 
 
+@dataclass(frozen=True, slots=True)
+class _Typed:
+    """An argument, split. `sign`: `+`, `++`, `~` or nothing; `equal`: `=` or nothing."""
+
+    sign: str
+    key: str
+    equal: str
+    value: str
+
+    @property
+    def text(self) -> str:
+        return f"{self.sign}{self.key}{self.equal}{self.value}"
+
+    @property
+    def names(self) -> list[str]:
+        return _segments(self.key.partition("@")[0])
+
+    @property
+    def is_assignment(self) -> bool:
+        """Whether it sets, adds or deletes something; a URL does not, though it may hold a `=`."""
+        is_url = re.match(r"\w+://", self.text)
+        return not is_url and any(self.names[:1]) and (bool(self.equal) or self.sign == "~")
+
+    @property
+    def of_hydra(self) -> bool:
+        return self.key.startswith(("hydra.", "hydra/"))
+
+
 def _read(argument: str, groups: Collection[str], values: Values) -> Override:
-    sign, key, equal, value = _split(argument)
-    try:
-        value = grammar.carried(value)
-    except grammar.NoFormError:
-        raise _RefusedError(_NOT_CARRIED, f"write it in YAML: {key}: {value}") from None
-    argument = f"{sign}{key}{equal}{value}"
-    names = _segments(key.partition("@")[0])
-    if re.match(r"\w+://", argument) or not any(names[:1]) or (not equal and sign != "~"):
-        raise _RefusedError(*_no_key(argument))
-    if sign == "~":
-        return Override(argument, key, (), argument)
-    if "/" in names[0] and not key.startswith("hydra/"):
+    typed = _with_carried_value(_split(argument))
+    if not typed.is_assignment:
+        raise _RefusedError(*_no_key(typed.text))
+    if typed.sign == "~":
+        return Override(typed.text, typed.key, (), typed.text)
+    if "/" in typed.names[0] and not typed.key.startswith("hydra/"):
         raise _RefusedError("there is no such group", f"groups: {', '.join(sorted(groups))}")
-    if _is_group(key, value, groups):
-        options = _parsed(argument, argument, values)
-        glob = re.match(r"\s*glob\(", value)
-        return Override(argument, key, options, f"{sign}{key}={','.join(options)}" if glob else argument)
-    if key.startswith(("hydra.", "hydra/")):
-        return Override(argument, key, _parsed(argument, argument, values), argument)
-    if _PATH.fullmatch(key):
-        hydra = f"{sign or '++'}{key}={value}"
-        return Override(argument, key, _parsed(argument, hydra, values), hydra)
-    head, *path = _segments(key)
-    given = _parsed(argument, f"++x={value}", values)
+    if _is_group(typed.key, typed.value, groups):
+        return _option(typed, values)
+    if typed.of_hydra:
+        return Override(typed.text, typed.key, _parsed(typed.text, typed.text, values), typed.text)
+    if _PATH.fullmatch(typed.key):
+        return _plain_key(typed, values)
+    return _key_with_names(typed, values)
+
+
+def _with_carried_value(typed: _Typed) -> _Typed:
+    """The argument with its value in a form that Hydra's grammar knows."""
+    try:
+        return replace(typed, value=grammar.carried(typed.value))
+    except grammar.NoFormError:
+        raise _RefusedError(_NOT_CARRIED, f"write it in YAML: {typed.key}: {typed.value}") from None
+
+
+def _option(typed: _Typed, values: Values) -> Override:
+    """A choice of options of a group; a glob stands for those that it matches."""
+    options = _parsed(typed.text, typed.text, values)
+    is_glob = re.match(r"\s*glob\(", typed.value)
+    hydra = f"{typed.sign}{typed.key}={','.join(options)}" if is_glob else typed.text
+    return Override(typed.text, typed.key, options, hydra)
+
+
+def _plain_key(typed: _Typed, values: Values) -> Override:
+    hydra = f"{typed.sign or '++'}{typed.key}={typed.value}"
+    return Override(typed.text, typed.key, _parsed(typed.text, hydra, values), hydra)
+
+
+def _key_with_names(typed: _Typed, values: Values) -> Override:
+    """A key with a part that is no word, such as `joints.*.damping`: a mapping for its first part."""
+    head, *path = _segments(typed.key)
+    given = _parsed(typed.text, f"++x={typed.value}", values)
     if not _PATH.fullmatch(head) or not all(map(grammar.has_form, path)):
-        raise _RefusedError(_NOT_CARRIED, f"write it in YAML: {_yaml(key, value)}")
+        raise _RefusedError(_NOT_CARRIED, f"write it in YAML: {_yaml(typed.key, typed.value)}")
     hydra = f"++{head}={','.join(_nested(path, one) for one in given)}"
-    return Override(argument, key, tuple(values(hydra)), hydra)
+    return Override(typed.text, typed.key, tuple(values(hydra)), hydra)
 
 
-def _split(argument: str) -> tuple[str, str, str, str]:
-    """sign (`+`, `++`, `~` or none), key, `=` or nothing, value."""
+def _split(argument: str) -> _Typed:
     match = re.match(r"(\+\+|\+|~)?", argument)
     sign = match.group() if match else ""
     rest = argument[len(sign) :]
@@ -149,7 +193,7 @@ def _split(argument: str) -> tuple[str, str, str, str]:
     end = quoted.end() if quoted else 0
     if rest[end : end + 1] != "=":
         end = rest.find("=") if "=" in rest else len(rest)
-    return sign, rest[:end].strip(), rest[end : end + 1], rest[end + 1 :]
+    return _Typed(sign, rest[:end].strip(), rest[end : end + 1], rest[end + 1 :])
 
 
 def _is_group(key: str, value: str, groups: Collection[str]) -> bool:

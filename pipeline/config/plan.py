@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, ValidationError
 
-from pipeline.config.messages import told
+from pipeline.config.messages import diagnostics
 from pipeline.errors import Diagnostic, refusal
 from stages.export.keys import ExportKeys
 from stages.fetch.keys import FetchKeys
@@ -94,7 +94,7 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
             plan = cls.model_validate(dict(data))
         except ValidationError as error:
             places = {problem.where for problem in problems}
-            found = [one for one in told(error, cls) if one.where not in places]
+            found = [one for one in diagnostics(error, cls) if one.where not in places]
             problems += [one for one in found if not unsure(one)]
             plan = cls._of_the_rest(data, [details["loc"] for details in error.errors()])
         if plan is not None and not problems:

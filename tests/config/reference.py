@@ -9,6 +9,7 @@ from dataclasses import asdict
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 import yaml
+from pydantic import TypeAdapter
 from pydantic.fields import FieldInfo
 
 from pipeline.config.plan import SECTIONS, Plan
@@ -137,8 +138,11 @@ def _bare_type(bare: Any, metadata: list[Any]) -> tuple[str, str]:
         return f"list of {count}{several or 'values'}", f"each {allowed}" if allowed else ""
     if origin in (Union, types.UnionType):
         return "section", f"kind: {', '.join(SOURCES)}"
-    names = {bool: "true or false", str: "text", int: "whole number", float: "number"}
-    return names.get(bare, "any value"), ", ".join(_bounds(metadata))
+    names = {bool: "true or false", str: "text", int: "whole number", float: "number", Any: "any value"}
+    if bare not in names:  # a value of our own, made from what its schema says
+        assert TypeAdapter(Annotated[bare, *metadata]).json_schema()["type"] == "string", bare
+        return "text", ""
+    return names[bare], ", ".join(_bounds(metadata))
 
 
 def _bounds(metadata: Iterable[Any]) -> Iterator[str]:

@@ -38,6 +38,18 @@ def document():
     return extended_sample()
 
 
+def properties_of(schema, schemas):
+    """The properties of a schema and of all that it is made of."""
+    properties, pending = {}, [schema]
+    while pending:
+        part = pending.pop()
+        if "$ref" in part:
+            part = schemas[part["$ref"].rsplit("/", 1)[1]]
+        properties |= part.get("properties", {})
+        pending += part.get("allOf", [])
+    return properties
+
+
 def conforms(api, schema, value, where):
     """Every key that we send is in the schema and has a value of its type."""
     schemas = api["components"]["schemas"]
@@ -48,13 +60,7 @@ def conforms(api, schema, value, where):
         schema = schemas[name]
     if value is None:
         return
-    properties, pending = {}, [schema]
-    while pending:
-        part = pending.pop()
-        if "$ref" in part:
-            part = schemas[part["$ref"].rsplit("/", 1)[1]]
-        properties |= part.get("properties", {})
-        pending += part.get("allOf", [])
+    properties = properties_of(schema, schemas)
     if isinstance(value, dict):
         for key, inner in value.items():
             if key in properties:
