@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from pipeline.caching.store import sha256
 from pipeline.context import FILES, ROBOT, BuildContext
+from pipeline.digest import sha256
 from pipeline.stage import STAGES, libraries
 from stages.graph.view.views import PICTURE
 

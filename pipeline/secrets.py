@@ -51,7 +51,7 @@ class Secrets:
 
     def problems(self, tree: Mapping[str, Any]) -> list[Diagnostic]:
         """One problem for each key of a configuration that holds a secret."""
-        from pipeline.config.schema import key_of
+        from pipeline.key_path import key_of
 
         return [self._problem(name, self.blanked(key_of(place))) for place, name in self._leaks(tree)]
 
@@ -110,7 +110,7 @@ class Secrets:
     def _spot(self, data: bytes) -> str:
         """Where in a file a secret is: the key in JSON, else the line; empty where it is the path."""
         with contextlib.suppress(ValueError, RecursionError):
-            from pipeline.config.schema import key_of
+            from pipeline.key_path import key_of
 
             place = next((place for place, _ in self._leaks(json.loads(data))), ())
             if place:

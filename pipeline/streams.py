@@ -11,7 +11,7 @@ import sys
 from typing import Any
 
 
-class _File(io.FileIO):
+class _StreamFile(io.FileIO):
     """A stream's file, which takes all that is written once it cannot be written any more.
 
     `lost`: why that is, "" where only its reader has left.
@@ -41,7 +41,7 @@ def patient() -> None:
         if not isinstance(getattr(stream.buffer, "raw", stream.buffer), io.FileIO):
             continue
         with contextlib.suppress(OSError):
-            file = _File(stream.fileno(), "w", closefd=False)
+            file = _StreamFile(stream.fileno(), "w", closefd=False)
             made = io.TextIOWrapper(
                 io.BufferedWriter(file),
                 encoding=stream.encoding,
@@ -60,4 +60,4 @@ def flushed() -> str:
     except OSError as error:
         return error.strerror or type(error).__name__
     file = getattr(getattr(sys.stdout, "buffer", None), "raw", None)
-    return file.lost if isinstance(file, _File) else ""
+    return file.lost if isinstance(file, _StreamFile) else ""

@@ -15,7 +15,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from pipeline.caching.store import Store, sha256
+from pipeline.caching.store import Store
+from pipeline.digest import sha256
 from pipeline.errors import CacheError, ConfigError, reason
 from pipeline.secrets import Secrets
 

@@ -13,8 +13,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from pipeline.caching.lock import drop
 from pipeline.errors import CacheError
+from pipeline.lock import drop
 
 SPARED = 3600.0
 """Age [s] up to which nothing is removed: a build may be at work with it."""
@@ -39,7 +39,7 @@ class Record:
 
 
 @dataclass(frozen=True, slots=True)
-class Survey:
+class CacheSummary:
     """What is in the folder. `size`: of blobs and records together [bytes]."""
 
     size: int
@@ -71,10 +71,10 @@ class Verified:
     paid: int
 
 
-def survey(root: Path) -> Survey:
+def summary(root: Path) -> CacheSummary:
     """Counts what is in the folder; nothing where there is none yet."""
     blobs, records = dict(_blobs(root)), list(_records(root))
-    return Survey(
+    return CacheSummary(
         size=sum(blobs.values()) + sum(record.size for record in records),
         blobs=len(blobs),
         records=len(records),

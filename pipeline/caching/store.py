@@ -22,15 +22,12 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 
 from pipeline import disk_space
-from pipeline.caching.lock import held
+from pipeline.digest import sha256
 from pipeline.errors import FULL, CacheError, OutputError, reason
+from pipeline.lock import held
 
 STALE = 24 * 3600.0
 """Age [s] beyond which a file in `tmp/` was left by a process that was killed."""
-
-
-def sha256(data: bytes) -> str:
-    return hashlib.sha256(data).hexdigest()
 
 
 def write_tree(folder: Path, files: Mapping[str, bytes]) -> None:

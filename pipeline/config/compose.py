@@ -33,9 +33,9 @@ from pipeline.config.partial import Draft
 from pipeline.config.plain import plain
 from pipeline.config.plan import Judge, Plan
 from pipeline.config.presets import GROUPS, Presets, chosen, content, stand_in
-from pipeline.config.schema import Place
 from pipeline.config.trust import Sweeping, not_to_say, overridden, targets, untrusted
 from pipeline.errors import ConfigError, Diagnostic, refusal
+from pipeline.key_path import Place
 from pipeline.secrets import Secrets
 
 DEFAULT = "robot=sample"

@@ -4,7 +4,8 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from pipeline.config.plan import Plan
-from pipeline.config.schema import Place, annotation_at
+from pipeline.config.schema import annotation_at
+from pipeline.key_path import Place
 from stages.fetch.keys import SOURCES
 
 

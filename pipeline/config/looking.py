@@ -14,8 +14,8 @@ import yaml
 from pipeline.config.compose import Composed, session
 from pipeline.config.messages import nearest
 from pipeline.config.plain import as_written
-from pipeline.config.schema import Place
 from pipeline.errors import ConfigError
+from pipeline.key_path import Place
 from pipeline.options import INFO, Command
 from pipeline.secrets import Secrets
 

@@ -8,7 +8,8 @@ from typing import Any, get_args, get_origin
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from pipeline.config.schema import Place, annotation_at, field_at, is_section, key_of, leaves, names, options
+from pipeline.config.schema import annotation_at, field_at, is_section, leaves, names, options
+from pipeline.key_path import Place, key_of
 from stages.export.keys import LATER_FORMATS, ExportSection
 from stages.fetch.keys import SOURCES
 from stages.fetch.source_keys import ADDRESS

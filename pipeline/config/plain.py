@@ -8,9 +8,9 @@ from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.config.hydra_words import RESOLVING, Words, in_words
 from pipeline.config.messages import how_to_give
-from pipeline.config.schema import Place, key_of
 from pipeline.config.yaml_file import DEEPEST, MOST_VALUES
 from pipeline.errors import Diagnostic
+from pipeline.key_path import Place, key_of
 
 
 def as_written(node: DictConfig) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import conf
 from pipeline.config import yaml_file
 from pipeline.config.choices import Choices
 from pipeline.config.messages import EXPERIMENT, nearest
-from pipeline.config.schema import Place, key_of
+from pipeline.key_path import Place, key_of
 from stages.export.keys import LATER_FORMATS
 from stages.mesh.keys import LATER_COLLIDERS
 from stages.robot.errors import ConfigError, Diagnostic

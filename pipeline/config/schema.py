@@ -1,30 +1,14 @@
 """What the configuration's classes say about a key: the section it lies in, its type, its names."""
 
-import re
 import types
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic.fields import FieldInfo
 
+from pipeline.key_path import Place, key_of
 from stages.fetch.keys import SOURCES
 from stages.robot.keys import Keys
-
-Place = tuple[int | str, ...]
-"""The way to a value: names of mappings and indices of lists."""
-
-
-def key_of(place: Iterable[int | str]) -> str:
-    """The full key of a place: `joints.elbow.limits[0]`, `joints["a.b"].damping`."""
-    text = ""
-    for part in place:
-        if isinstance(part, int):
-            text += f"[{part}]"
-        elif re.search(r'[.\[\]"]', part):
-            text += f'["{part}"]'
-        else:
-            text += f".{part}" if text else part
-    return text
 
 
 def field_at(owner: Any, name: int | str) -> FieldInfo | None:

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.config.messages import shown
-from pipeline.config.schema import Place, key_of
+from pipeline.key_path import Place, key_of
 from stages.robot.errors import Diagnostic
 
 CODE = "E-TRUST"

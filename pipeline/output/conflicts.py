@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
 
-from pipeline.caching.lock import FOLDER as LOCKS
 from pipeline.errors import ConfigError
+from pipeline.lock import FOLDER as LOCKS
 from pipeline.output import manifest
 from pipeline.output.location import ELSEWHERE
 from pipeline.output.manifest import Entry, Reader

@@ -14,9 +14,9 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path, PurePosixPath
 
-from pipeline import disk_space
-from pipeline.caching import lock
-from pipeline.caching.store import sha256, write_tree
+from pipeline import disk_space, lock
+from pipeline.caching.store import write_tree
+from pipeline.digest import sha256
 from pipeline.errors import ConfigError, InTheWay, LinkwrightError, OutputError, reason
 from pipeline.output import conflicts, manifest
 from pipeline.output.location import absolute

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any, BinaryIO, Literal
 
-from pipeline.caching.lock import FOLDER as LOCKS
+from pipeline.lock import FOLDER as LOCKS
 
 NAME = ".linkwright.json"
 STAGED = f"{NAME}.tmp"

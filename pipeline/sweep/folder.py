@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.caching import actions
-from pipeline.caching.store import sha256
 from pipeline.config.plan import Plan
+from pipeline.digest import sha256
 from pipeline.errors import ConfigError
 from pipeline.output import conflicts, manifest
 from pipeline.output.folder import move_aside, named

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from pipeline.caching import maintenance
 from pipeline.caching.actions import folder
-from pipeline.caching.lock import FOLDER as LOCKS
 from pipeline.errors import ConfigError
+from pipeline.lock import FOLDER as LOCKS
 from stages.fetch.onshape.api import ledger
 
 HELP = """\
@@ -74,7 +74,7 @@ def _max_size(rest: list[str]) -> int | None:
 
 
 def _info(root: Path) -> int:
-    found = maintenance.survey(root)
+    found = maintenance.summary(root)
     print(root)
     print(
         f"  {_size(found.size)}: {found.blobs} files and {found.records} records, "

@@ -44,11 +44,11 @@ def kept(cache, number):
 
 
 def test_what_is_there_is_counted(cache, tmp_path):
-    assert maintenance.survey(tmp_path / "none") == maintenance.Survey(0, 0, 0, 0)
+    assert maintenance.summary(tmp_path / "none") == maintenance.CacheSummary(0, 0, 0, 0)
     make(cache, 1)
     make(cache, 2)
     cache.replies().put("/x", b"{}")
-    found = maintenance.survey(cache.store.root)
+    found = maintenance.summary(cache.store.root)
     assert (found.blobs, found.records, found.replies) == (4, 3, 1)
     assert found.size > 10_000
 
@@ -59,15 +59,15 @@ def test_the_least_recently_used_goes_first_and_what_is_shared_stays(cache):
     age(cache.store.root)
     assert kept(cache, 0)  # which makes it new
     root = cache.store.root
-    size = maintenance.survey(root).size
+    size = maintenance.summary(root).size
     done = maintenance.collect(root, size - 1)
     assert (done.records, done.blobs, done.paid) == (1, 1, 0)
-    assert done.size == maintenance.survey(root).size < size
+    assert done.size == maintenance.summary(root).size < size
     assert done.freed == size - done.size
     done = maintenance.collect(root, 0)
     assert kept(cache, 0)
     assert [kept(cache, number) for number in range(1, 4)] == [False] * 3
-    assert done.size == maintenance.survey(root).size > 0
+    assert done.size == maintenance.summary(root).size > 0
 
 
 def test_what_was_paid_for_goes_last(cache):
@@ -120,7 +120,7 @@ def test_an_unreadable_record_is_the_first_to_go(cache):
     broken = cache.store.root / "ac" / "ab" / "broken.json"
     broken.parent.mkdir(exist_ok=True)
     broken.write_text("{")
-    maintenance.collect(cache.store.root, maintenance.survey(cache.store.root).size - 1)
+    maintenance.collect(cache.store.root, maintenance.summary(cache.store.root).size - 1)
     assert not broken.exists()
     assert kept(cache, 1)
 

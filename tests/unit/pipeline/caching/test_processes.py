@@ -10,7 +10,8 @@ import time
 import pytest
 
 from pipeline.caching.actions import Action, Cache
-from pipeline.caching.store import Store, sha256
+from pipeline.caching.store import Store
+from pipeline.digest import sha256
 from tests.support.kill import killed_at
 from tests.support.places import PROJECT
 

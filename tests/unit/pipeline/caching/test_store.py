@@ -6,7 +6,8 @@ import time
 
 import pytest
 
-from pipeline.caching.store import STALE, Store, sha256
+from pipeline.caching.store import STALE, Store
+from pipeline.digest import sha256
 from pipeline.errors import CacheError
 
 

@@ -4,8 +4,8 @@ import os
 
 import pytest
 
-from pipeline.caching.lock import FOLDER as LOCKS
 from pipeline.errors import ConfigError, OutputError
+from pipeline.lock import FOLDER as LOCKS
 from pipeline.output.folder import FAILED, Output
 from pipeline.output.manifest import NAME, is_build
 from tests.support.kill import killed_at

@@ -5,7 +5,7 @@ import threading
 import filelock
 import pytest
 
-from pipeline.caching import lock
+from pipeline import lock
 from pipeline.caching.actions import Action, Cache
 from pipeline.caching.store import Store
 from pipeline.errors import OutputError
