@@ -11,7 +11,7 @@ from stages.fetch.onshape.api.threads import run_all
 from stages.fetch.onshape.call_budget import allow, count
 from stages.fetch.onshape.reply_store import ReplyStore
 from stages.fetch.onshape.requests import API, api, describe, is_definition
-from stages.fetch.onshape.session import Promise, Server
+from stages.fetch.onshape.session import Promise, Session
 from stages.robot.errors import NotFound, Offline, ProtocolError
 
 Refused = dict[str, NotFound | Declined]
@@ -19,17 +19,17 @@ Refused = dict[str, NotFound | Declined]
 _MOST_NAMED = 3
 
 
-class Asking:
-    """Gives replies to requests.
+class CachedClient:
+    """Gives replies to requests, the cached ones first.
 
     `offline`: no call is made; `refresh`: what earlier builds kept is asked for again;
     `max_calls`: what one build may spend.
     """
 
     def __init__(
-        self, server: Server, replies: ReplyStore, *, offline: bool, refresh: bool, max_calls: int
+        self, session: Session, replies: ReplyStore, *, offline: bool, refresh: bool, max_calls: int
     ) -> None:
-        self._server = server
+        self._session = session
         self._replies = replies
         self._refresh = refresh
         self._max_calls = max_calls
@@ -93,17 +93,17 @@ class Asking:
     @property
     def made(self) -> int:
         """Calls made so far that count against the quota."""
-        return self._server.calls
+        return self._session.calls
 
     def allow(self, more: int) -> None:
         """SourceError where `more` calls from now on are more than the build may make."""
-        allow(more, self._server.calls, self._max_calls)
+        allow(more, self._session.calls, self._max_calls)
 
     def now(self, request: str) -> bytes:
         """The reply to a request whose reply changes with time: asked for, and not kept."""
         self._reachable([request])
         self.allow(1)
-        return self._server.ask(request)
+        return self._session.ask(request)
 
     def one(self, request: str) -> bytes:
         """The reply to a pinned request, kept or else asked for and kept."""
@@ -124,13 +124,13 @@ class Asking:
             return bodies
         self._reachable(missing)
         self.allow(len(missing))
-        self._server.ready()
+        self._session.ready()
         self.while_waiting()
         try:
-            futures = run_all([partial(self._once, request) for request in missing], self._server.at_once)
+            futures = run_all([partial(self._once, request) for request in missing], self._session.at_once)
         except BaseException:
             # Interrupted: nothing is asked again, and nothing waits for its turn.
-            self._server.stop()
+            self._session.stop()
             raise
         for request, future in zip(missing, futures, strict=True):
             if future.cancelled():
@@ -164,7 +164,7 @@ class Asking:
             if body is not None:
                 self.spare(1)
                 return body
-            body = self._server.ask(request, self._promises.get(request))
+            body = self._session.ask(request, self._promises.get(request))
             self.keep(request, body)
             return body
 

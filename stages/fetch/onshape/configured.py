@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from stages.fetch.onshape import configuration, requests
-from stages.fetch.onshape.cached_client import Asking
+from stages.fetch.onshape.cached_client import CachedClient
 from stages.fetch.onshape.freshness import Workspace
 from stages.fetch.onshape.url import AssemblyUrl
 from stages.robot.errors import SourceError
@@ -19,17 +19,17 @@ from stages.robot.errors import SourceError
 class Configured:
     """The address with `wanted` (parameter → value) in its configuration."""
 
-    def __init__(self, url: AssemblyUrl, wanted: Mapping[str, Any], asking: Asking) -> None:
+    def __init__(self, url: AssemblyUrl, wanted: Mapping[str, Any], client: CachedClient) -> None:
         self._url = url
         self._wanted = wanted
-        self._asking = asking
+        self._client = client
         self._subject = f"/documents/d/{url.document}/{url.pin}/e/{url.element}#configuration"
 
     def at(self, pin: str) -> AssemblyUrl:
         """The address at a version or microversion; SourceError lists what the document refuses."""
-        body = self._asking.one(self._request(pin))
+        body = self._client.one(self._request(pin))
         if not self._url.pinned:
-            self._asking.remember(self._subject, {"microversion": pin[2:]})
+            self._client.remember(self._subject, {"microversion": pin[2:]})
         return self._with(body)
 
     def now(self, *, force: bool) -> tuple[AssemblyUrl, str | None, str]:
@@ -39,32 +39,32 @@ class Configured:
         several builders that ask at once the first does.
         """
         began = time.time()
-        with self._asking.alone(self._subject):
+        with self._client.alone(self._subject):
             known = self._known()
             body = b"" if known else self._parameters()
             url = known or self._with(body)
-            workspace = Workspace(url, self._asking)
+            workspace = Workspace(url, self._client)
             then = workspace.last()
             microversion = workspace.current(force=force, began=began)
             if not known:
-                self._asking.keep(self._request(f"m/{microversion}"), body)
+                self._client.keep(self._request(f"m/{microversion}"), body)
             return self.at(f"m/{microversion}"), then, microversion
 
     def _parameters(self) -> bytes:
         """The parameters that the workspace has now, while no build has its variables changed."""
-        with self._asking.undisturbed():
-            return self._asking.now(self._request(self._url.pin))
+        with self._client.undisturbed():
+            return self._client.now(self._request(self._url.pin))
 
     def _known(self) -> AssemblyUrl | None:
         """The address by the parameters of the last build, if they allow what is wanted now."""
-        microversion = self._asking.recall(self._subject).get("microversion")
-        body = self._asking.kept(self._request(f"m/{microversion}")) if microversion else None
+        microversion = self._client.recall(self._subject).get("microversion")
+        body = self._client.kept(self._request(f"m/{microversion}")) if microversion else None
         if body is None:
             return None
         try:
             return self._with(body)
         except SourceError:
-            if self._asking.offline:
+            if self._client.offline:
                 raise
             return None
 

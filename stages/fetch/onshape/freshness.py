@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stages.fetch.onshape import definition, documents, requests
-from stages.fetch.onshape.cached_client import Asking
+from stages.fetch.onshape.cached_client import CachedClient
 from stages.fetch.onshape.url import AssemblyUrl
 from stages.robot.errors import Offline
 
@@ -18,9 +18,9 @@ from stages.robot.errors import Offline
 class Workspace:
     """The workspace that an address names, and the microversions of it that earlier builds met."""
 
-    def __init__(self, url: AssemblyUrl, asking: Asking) -> None:
+    def __init__(self, url: AssemblyUrl, client: CachedClient) -> None:
         self._url = url
-        self._asking = asking
+        self._client = client
         self._place = f"/documents/d/{url.document}/{url.pin}"
         self._definition = requests.definition(url.document, url.pin, url.element, url.configuration)
 
@@ -31,7 +31,7 @@ class Workspace:
     def completed(self, microversion: str) -> None:
         """Takes down that all replies about this assembly are kept at `microversion`."""
         if self._recalled(f"{self._definition}#complete") != microversion:
-            self._asking.remember(f"{self._definition}#complete", {"microversion": microversion})
+            self._client.remember(f"{self._definition}#complete", {"microversion": microversion})
 
     def current(self, *, force: bool = False, began: float | None = None) -> str:
         """The microversion that the workspace is at, for one call; the last one met when offline.
@@ -41,32 +41,32 @@ class Workspace:
         it was reported while they waited: since `began`, which is now unless they waited before. All jobs
         of a sweep take what the first of them learned.
         """
-        asking = self._asking
-        began = asking.began or began or time.time()
-        if asking.offline:
+        client = self._client
+        began = client.began or began or time.time()
+        if client.offline:
             return self._without_network()
         # Not while another build has the variables changed: that state is not the user's.
-        with asking.undisturbed(), asking.alone(self._place):
-            known = asking.recall(self._place)
+        with client.undisturbed(), client.alone(self._place):
+            known = client.recall(self._place)
             # A time to come is one of a clock that was put back since.
             if not force and began <= _number(known.get("at")) <= time.time():
-                asking.spare(1)
+                client.spare(1)
                 microversion = str(known["microversion"])
             else:
                 microversion = self._asked(force)
-                asking.remember(self._place, {"microversion": microversion, "at": time.time()})
+                client.remember(self._place, {"microversion": microversion, "at": time.time()})
         if self.last() is None:
-            asking.remember(f"{self._definition}#first", {"microversion": microversion})
+            client.remember(f"{self._definition}#first", {"microversion": microversion})
         return microversion
 
     def discrepancy(self) -> Mapping[str, Any]:
         """What was last recorded of masses that differ though all is fetched again; empty for nothing."""
-        return self._asking.recall(f"{self._definition}#discrepancy")
+        return self._client.recall(f"{self._definition}#discrepancy")
 
     def differs(self, fact: Mapping[str, Any]) -> None:
         """Records a discrepancy, or with an empty one that there is none."""
         if self.discrepancy() != fact:
-            self._asking.remember(f"{self._definition}#discrepancy", fact)
+            self._client.remember(f"{self._definition}#discrepancy", fact)
 
     def definition(self, microversion: str) -> str:
         """The request for the assembly definition at a microversion."""
@@ -75,12 +75,12 @@ class Workspace:
 
     def _asked(self, force: bool) -> str:
         if self.last() is None or force:
-            self._asking.while_waiting()
-            body = self._asking.now(self._definition)
+            self._client.while_waiting()
+            body = self._client.now(self._definition)
             microversion = definition.read(body).microversion
-            self._asking.keep(self.definition(microversion), body)
+            self._client.keep(self.definition(microversion), body)
             return microversion
-        body = self._asking.now(requests.current_microversion(self._url.document, self._url.pin[2:]))
+        body = self._client.now(requests.current_microversion(self._url.document, self._url.pin[2:]))
         return documents.microversion(body)
 
     def _without_network(self) -> str:
@@ -92,21 +92,21 @@ class Workspace:
         return last
 
     def _recalled(self, subject: str) -> str | None:
-        found = self._asking.recall(subject).get("microversion")
+        found = self._client.recall(subject).get("microversion")
         return found if isinstance(found, str) else None
 
 
-def tabs_to_ask(url: AssemblyUrl, then: str, now: str, asking: Asking) -> tuple[str, str]:
+def tabs_to_ask(url: AssemblyUrl, then: str, now: str, client: CachedClient) -> tuple[str, str]:
     """The requests that show which tabs changed between two microversions, both of the assembly."""
     asked = requests.elements(url.document, then), requests.elements(url.document, now)
     for request in asked:
-        asking.require(request, lambda body: documents.require_tab(body, url.element))
+        client.require(request, lambda body: documents.require_tab(body, url.element))
     return asked
 
 
-def unchanged(asked: Sequence[str], asking: Asking) -> frozenset[str]:
+def unchanged(asked: Sequence[str], client: CachedClient) -> frozenset[str]:
     """The ids of the elements that are the same in the replies to both of `tabs_to_ask`."""
-    bodies = asking.all(asked)
+    bodies = client.all(asked)
     before, after = (documents.tabs(bodies[request]) for request in asked)
     return frozenset(element for element, version in after.items() if before.get(element) == version)
 

@@ -9,51 +9,55 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stages.fetch.onshape import documents, features, requests
-from stages.fetch.onshape.cached_client import Asking
+from stages.fetch.onshape.cached_client import CachedClient
 from stages.fetch.onshape.features import Owner
 from stages.fetch.onshape.gather import LimitReplies, Reply
 from stages.fetch.onshape.url import AssemblyUrl
 
 
-def limits_of(owners: Sequence[Owner], root: str, url: AssemblyUrl, asking: Asking) -> list[LimitReplies]:
+def limits_of(
+    owners: Sequence[Owner], root: str, url: AssemblyUrl, client: CachedClient
+) -> list[LimitReplies]:
     """The limits of each owner; `root` is the id of the root assembly's document, `url` its address."""
     lists = [requests.features(owner.key, root) for owner in owners]
-    bodies = asking.all(lists)
+    bodies = client.all(lists)
     needy = [
         owner
         for owner, request in zip(owners, lists, strict=True)
         if features.name_variables(bodies[request], owner)
     ]
-    variables = _variables(needy, root, url, asking)
+    variables = _variables(needy, root, url, client)
     return [
         LimitReplies(Reply(request, bodies[request]), variables.get(owner))
         for owner, request in zip(owners, lists, strict=True)
     ]
 
 
-def _variables(owners: Sequence[Owner], root: str, url: AssemblyUrl, asking: Asking) -> dict[Owner, Reply]:
+def _variables(
+    owners: Sequence[Owner], root: str, url: AssemblyUrl, client: CachedClient
+) -> dict[Owner, Reply]:
     """The variables of those owners of whom they can be had."""
     found: dict[Owner, Reply] = {}
     fresh: dict[Owner, Reply] = {}
     for owner in owners:
         # Kept, and written in bundles, under the owner's own pin, whatever was asked.
         name = requests.variables(owner.key, root)
-        body = asking.kept(name)
+        body = client.kept(name)
         if body is not None:
-            asking.spare(1)
+            client.spare(1)
             found[owner] = Reply(name, body)
         elif owner.key.pin.startswith("v/"):
-            found[owner] = Reply(name, asking.one(name))
+            found[owner] = Reply(name, client.one(name))
         elif owner.key.document == url.document and url.pin.startswith("v/"):
-            found[owner] = Reply(name, asking.one(requests.variables(replace(owner.key, pin=url.pin), root)))
-        elif owner.key.document == url.document and not url.pinned and not asking.offline:
+            found[owner] = Reply(name, client.one(requests.variables(replace(owner.key, pin=url.pin), root)))
+        elif owner.key.document == url.document and not url.pinned and not client.offline:
             there = requests.variables(replace(owner.key, pin=url.pin), root)
-            fresh[owner] = Reply(name, asking.now(there))
+            fresh[owner] = Reply(name, client.now(there))
     if not fresh:
         return found
     # A workspace may have moved on since: then these are not the variables of what is built.
-    now = documents.microversion(asking.now(requests.current_microversion(url.document, url.pin[2:])))
+    now = documents.microversion(client.now(requests.current_microversion(url.document, url.pin[2:])))
     fresh = {owner: reply for owner, reply in fresh.items() if owner.key.pin == f"m/{now}"}
     for reply in fresh.values():
-        asking.keep(reply.request, reply.body)
+        client.keep(reply.request, reply.body)
     return {**found, **fresh}

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stages.fetch.onshape import documents, features, mass_check, requests
-from stages.fetch.onshape.cached_client import Asking
+from stages.fetch.onshape.cached_client import CachedClient
 from stages.fetch.onshape.call_budget import count
 from stages.fetch.onshape.configured import Configured
 from stages.fetch.onshape.features import Owner
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 _Bodies = dict[str, bytes]
 
 
-class Network:
+class LiveAnswers:
     """Answers about the assembly at `url`; `keys` are those of the source.
 
     Pinned replies are kept for ever. Of a workspace that changed, replies about part studios that
@@ -31,14 +31,18 @@ class Network:
     """
 
     def __init__(
-        self, url: AssemblyUrl, keys: "OnshapeSourceKeys", asking: Asking, progress: Callable[[str], None]
+        self,
+        url: AssemblyUrl,
+        keys: "OnshapeSourceKeys",
+        client: CachedClient,
+        progress: Callable[[str], None],
     ) -> None:
         self._url = url
         self._keys = keys
-        self._asking = asking
+        self._client = client
         self._progress = progress
-        self._shapes = Shapes(asking, keys.tessellation)
-        self._workspace = None if url.pinned else Workspace(url, asking)
+        self._shapes = Shapes(client, keys.tessellation)
+        self._workspace = None if url.pinned else Workspace(url, client)
         self._then: str | None = None
         self._pin = url.pin
         self._definition: Reply | None = None
@@ -47,7 +51,7 @@ class Network:
 
     def versions(self) -> tuple[str, str]:
         assert self._definition is not None
-        return self._asking.api(self._definition.request), requests.API
+        return self._client.api(self._definition.request), requests.API
 
     def configuration(self) -> str:
         return self._url.configuration
@@ -61,43 +65,43 @@ class Network:
             self._pin = f"m/{self._workspace.current(force=self._keys.refresh)}"
         url = self._url
         request = requests.definition(url.document, self._pin, url.element, url.configuration)
-        if self._asking.kept(request) is None and not self._asking.offline:
+        if self._client.kept(request) is None and not self._client.offline:
             self._progress(_ASKING)
-        self._definition = Reply(request, self._asking.one(request))
+        self._definition = Reply(request, self._client.one(request))
         return self._definition
 
     def _configure(self) -> None:
         """The address, in the configuration that is wanted, and the microversion that it is at."""
-        configured = Configured(self._url, self._keys.configuration, self._asking)
+        configured = Configured(self._url, self._keys.configuration, self._client)
         if self._workspace is None:
             self._url = configured.at(self._pin)
             return
         self._progress("asking how the assembly can be configured, and whether it changed")
         self._url, self._then, microversion = configured.now(force=self._keys.refresh)
         self._pin = f"m/{microversion}"
-        self._workspace = Workspace(self._url, self._asking)
+        self._workspace = Workspace(self._url, self._client)
 
     def title(self) -> str:
         """What the assembly's tab is called, where a reply of any build has it; no call is made."""
-        url, asking = self._url, self._asking
+        url, client = self._url, self._client
         subject = f"/documents/d/{url.document}/e/{url.element}#name"
-        known = str(asking.recall(subject).get("name", ""))
-        kept = asking.kept(requests.elements(url.document, self._pin[2:]))
+        known = str(client.recall(subject).get("name", ""))
+        kept = client.kept(requests.elements(url.document, self._pin[2:]))
         name = documents.tab_name(kept, url.element) if kept is not None else known
         if name != known:
-            asking.remember(subject, {"name": name})
+            client.remember(subject, {"name": name})
         return name
 
     def features(self, owners: Sequence[Owner], root: str) -> Sequence[LimitReplies]:
         if owners:
             self._progress(f"{count(len(owners), 'list')} of features for limits that the definition lacks")
             self._keep_lists(owners)
-        return limits_of(owners, root, self._url, self._asking)
+        return limits_of(owners, root, self._url, self._client)
 
     def studios(self, needs: Sequence[Needs]) -> Sequence[StudioReplies]:
-        asking = self._asking
+        client = self._client
         known = [request for need in needs for request in self._requests(need)]
-        kept = {request: body for request in known if (body := asking.kept(request)) is not None}
+        kept = {request: body for request in known if (body := client.kept(request)) is not None}
         reused = self._reused(needs, kept)
         wanted = [request for need in needs for request in self._requests(need, {**kept, **reused})]
         missing = [request for request in wanted if request not in kept and request not in reused]
@@ -105,19 +109,19 @@ class Network:
         calls = len(missing) + self._to_weigh(suspects)
         cached = len(kept) + len(reused)
         self._progress(f"{count(len(needs), 'part studio')}: {count(calls, 'call')}, {cached} kept")
-        asking.spare(cached)
-        if missing and not asking.offline:
-            asking.allow(calls)
+        client.spare(cached)
+        if missing and not client.offline:
+            client.allow(calls)
         weights = set(wanted[::2])
-        bodies = {**kept, **reused, **asking.all([request for request in missing if request in weights])}
+        bodies = {**kept, **reused, **client.all([request for request in missing if request in weights])}
         # After the masses, which show how much of a part studio the assembly uses.
         bodies |= self._shapes.gathered(needs, bodies)
         fresh, checked = self._verified(needs, bodies, suspects)
         # Before they are filed: a kill between the two must not make them look checked.
         self._check_later(() if checked else suspects)
         for request in reused.keys() - fresh.keys():
-            asking.keep(request, reused[request])
-        if self._workspace is not None and not asking.offline:
+            client.keep(request, reused[request])
+        if self._workspace is not None and not client.offline:
             self._workspace.completed(self._pin[2:])
         bodies |= fresh
         self.diagnostics += self._shapes.diagnostics(needs, bodies)
@@ -133,7 +137,7 @@ class Network:
                 requests.features(replace(owner.key, pin=pin), self._url.document)
                 for pin in (self._pin, f"m/{self._then}")
             )
-            body = self._asking.kept(old) if self._asking.kept(new) is None else None
+            body = self._client.kept(old) if self._client.kept(new) is None else None
             if body is not None:
                 found[new] = owner.key.element, body
         return found
@@ -145,17 +149,17 @@ class Network:
         found = self._lists(owners)
         if len(found) <= len(self._tabs_to_ask()):
             return
-        same = unchanged(tabs_to_ask(self._url, self._then, self._pin[2:], self._asking), self._asking)
+        same = unchanged(tabs_to_ask(self._url, self._then, self._pin[2:], self._client), self._client)
         for request, (element, body) in found.items():
             if element in same:
-                self._asking.keep(request, body)
-                self._asking.spare(1)
+                self._client.keep(request, body)
+                self._client.spare(1)
 
     def _tabs_to_ask(self) -> list[str]:
         """The requests that show which tabs changed since `then`, as far as they lack a reply."""
         assert self._then is not None
-        asked = tabs_to_ask(self._url, self._then, self._pin[2:], self._asking)
-        return [request for request in asked if self._asking.kept(request) is None]
+        asked = tabs_to_ask(self._url, self._then, self._pin[2:], self._client)
+        return [request for request in asked if self._client.kept(request) is None]
 
     def _requests(self, need: Needs, known: Mapping[str, bytes] = NOTHING) -> tuple[str, str]:
         """The requests for the mass properties and for the triangles of a part studio.
@@ -179,7 +183,7 @@ class Network:
         lists = len(self._lists(features.owners(self._definition.body))) if spared else 0
         if spared + lists <= len(self._tabs_to_ask()) + self._to_weigh(["any"]):
             return {}
-        same = unchanged(tabs_to_ask(self._url, then, now, self._asking), self._asking)
+        same = unchanged(tabs_to_ask(self._url, then, now, self._client), self._client)
         return {
             request: body for element, bodies in found if element in same for request, body in bodies.items()
         }
@@ -191,7 +195,7 @@ class Network:
             return {}
         before = replace(need, studio=replace(studio, pin=f"m/{then}"))
         pairs = [(self._shapes.mass(need), self._shapes.mass(before)), self._shapes.same(need, before)]
-        bodies = {new: body for new, old in pairs if (body := self._asking.kept(old)) is not None}
+        bodies = {new: body for new, old in pairs if (body := self._client.kept(old)) is not None}
         mass = pairs[0][0]
         # Where the masses differ the studio was found changed: its old triangles are wrong as well.
         if mass not in bodies or kept.get(mass, bodies[mass]) != bodies[mass]:
@@ -203,25 +207,25 @@ class Network:
 
         And whether `suspects` need no check any more. Where that mass cannot be had, they do.
         """
-        asking = self._asking
-        total = asking.kept(self._total())
+        client = self._client
+        total = client.kept(self._total())
         if total is None and self._to_weigh(suspects) == 0:
             return {}, self._keys.verify
         if total is None:
             self._progress("comparing the mass of the assembly with the sum of its parts")
             try:
-                total = asking.one(self._total())
+                total = client.one(self._total())
             except (NotFound, ProtocolError) as error:
                 self.diagnostics += (mass_check.unchecked(self._url.element, error),)
                 return {}, False
         fresh: _Bodies = {}
         masses = self._masses(needs, bodies, total)
         lasting = not masses.agree and self._differed(needs, masses)
-        if not masses.agree and not lasting and suspects and not asking.offline:
+        if not masses.agree and not lasting and suspects and not client.offline:
             again = sorted(suspects)
             self._progress(f"a part studio changed with another one: {count(len(again), 'call')}")
-            asking.doubt(again)
-            fresh = asking.all(again)
+            client.doubt(again)
+            fresh = client.all(again)
             masses = self._masses(needs, {**bodies, **fresh}, total)
             if self._workspace is not None:
                 excess = {"excess": list(masses.excess), "studios": _tabs(needs)}
@@ -244,8 +248,8 @@ class Network:
 
     def _to_weigh(self, suspects: Iterable[str]) -> int:
         """Calls for the assembly's mass: one where replies are in doubt and it is not kept."""
-        wanted = self._keys.verify and not self._asking.offline
-        return int(wanted and any(suspects) and self._asking.kept(self._total()) is None)
+        wanted = self._keys.verify and not self._client.offline
+        return int(wanted and any(suspects) and self._client.kept(self._total()) is None)
 
     def _total(self) -> str:
         url = self._url
@@ -253,17 +257,17 @@ class Network:
 
     def _unchecked(self, wanted: Iterable[str]) -> set[str]:
         """Kept replies that were taken from an earlier microversion without a check."""
-        if self._workspace is None or self._asking.offline:
+        if self._workspace is None or self._client.offline:
             return set()
-        found = self._asking.recall(self._total()).get("unchecked", ())
+        found = self._client.recall(self._total()).get("unchecked", ())
         return set(wanted).intersection(found)
 
     def _check_later(self, unchecked: Iterable[str]) -> None:
-        if self._workspace is None or self._asking.offline:
+        if self._workspace is None or self._client.offline:
             return
         listed = sorted(unchecked)
-        if listed != self._asking.recall(self._total()).get("unchecked", []):
-            self._asking.remember(self._total(), {"unchecked": listed})
+        if listed != self._client.recall(self._total()).get("unchecked", []):
+            self._client.remember(self._total(), {"unchecked": listed})
 
 
 def _tabs(needs: Sequence[Needs]) -> list[str]:

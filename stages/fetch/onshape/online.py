@@ -1,10 +1,10 @@
 """A fetch from the server: variables set first, and the last complete fetch where the quota is used up."""
 
-from stages.fetch.onshape.cached_client import Asking
+from stages.fetch.onshape.cached_client import CachedClient
 from stages.fetch.onshape.gather import gather
 from stages.fetch.onshape.keys import OnshapeSourceKeys
-from stages.fetch.onshape.live import Network
-from stages.fetch.onshape.session import Server
+from stages.fetch.onshape.live import LiveAnswers
+from stages.fetch.onshape.session import Session
 from stages.fetch.onshape.url import AssemblyUrl
 from stages.fetch.onshape.variables import Variables
 from stages.fetch.source import FetchContext, Fetched
@@ -15,47 +15,49 @@ from stages.robot.errors import Diagnostic, QuotaExhausted, SourceError
 def fetch(keys: OnshapeSourceKeys, context: FetchContext) -> Fetched:
     """The bundle of the assembly at `keys.url`; errors as `stages.fetch.fetch`."""
     url, calls = keys.url, context.calls
-    with Server(keys, context) as server:
-        asking = Asking(
-            server, context.replies, offline=keys.offline, refresh=keys.refresh, max_calls=keys.max_calls
+    with Session(keys, context) as session:
+        client = CachedClient(
+            session, context.replies, offline=keys.offline, refresh=keys.refresh, max_calls=keys.max_calls
         )
-        asking.began, asking.while_waiting = context.began, context.while_waiting
-        used = asking
+        client.began, client.while_waiting = context.began, context.while_waiting
+        used = client
         found: tuple[Diagnostic, ...] = ()
         try:
-            url = _with_variables(url, keys, asking, server, context)
-            network = Network(url, keys, asking, context.progress)
+            url = _with_variables(url, keys, client, session, context)
+            answers = LiveAnswers(url, keys, client, context.progress)
             try:
-                bundle = gather(network)
+                bundle = gather(answers)
             except QuotaExhausted as exhausted:
                 if url.pinned:
                     raise
-                used = Asking(server, context.replies, offline=True, refresh=False, max_calls=keys.max_calls)
-                network = Network(url, keys, used, context.progress)
-                bundle = _fetched_last(network, exhausted)
+                used = CachedClient(
+                    session, context.replies, offline=True, refresh=False, max_calls=keys.max_calls
+                )
+                answers = LiveAnswers(url, keys, used, context.progress)
+                bundle = _fetched_last(answers, exhausted)
                 found = (_quota(exhausted, accepted=keys.stale),)
         finally:
-            server.account(calls)
+            session.account(calls)
             calls.saved = used.saved
     stale = bool(found) and not keys.stale
-    diagnostics = (*network.diagnostics, *found)
-    return Fetched(bundle, calls.made, calls.saved, diagnostics, network.title(), stale)
+    diagnostics = (*answers.diagnostics, *found)
+    return Fetched(bundle, calls.made, calls.saved, diagnostics, answers.title(), stale)
 
 
 def _with_variables(
-    url: AssemblyUrl, keys: OnshapeSourceKeys, asking: Asking, server: Server, context: FetchContext
+    url: AssemblyUrl, keys: OnshapeSourceKeys, client: CachedClient, session: Session, context: FetchContext
 ) -> AssemblyUrl:
     """The address of the assembly with its variables set; what an earlier build left changed is restored."""
-    variables = Variables(url, asking, server, context.progress)
-    asking.undisturbed = variables.undisturbed
+    variables = Variables(url, client, session, context.progress)
+    client.undisturbed = variables.undisturbed
     variables.restore_left()
     return variables.applied(keys.variables) if keys.variables else url
 
 
-def _fetched_last(network: Network, exhausted: QuotaExhausted) -> OnshapeBundle:
+def _fetched_last(answers: LiveAnswers, exhausted: QuotaExhausted) -> OnshapeBundle:
     """The bundle from kept replies alone; `exhausted` is raised where they are not complete."""
     try:
-        return gather(network)
+        return gather(answers)
     except SourceError:
         raise exhausted from None
 

@@ -19,7 +19,7 @@ Promise = Callable[[bytes], None]
 """Raises ProtocolError for an accepted reply that lacks something that it must have."""
 
 
-class Server:
+class Session:
     """A context manager: the connections live as long as it.
 
     `keys`: those of the source, of which `max_wait` and `max_calls` bound what the server is asked.
@@ -35,7 +35,7 @@ class Server:
         self._ledger: Ledger | None = None
         self._client: Client | None = None
 
-    def __enter__(self) -> "Server":
+    def __enter__(self) -> "Session":
         return self
 
     def __exit__(self, *reason: object) -> None:

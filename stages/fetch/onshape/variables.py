@@ -18,10 +18,10 @@ from typing import Any
 import orjson
 
 from stages.fetch.onshape import definition, documents, requests
-from stages.fetch.onshape.cached_client import Asking
+from stages.fetch.onshape.cached_client import CachedClient
 from stages.fetch.onshape.call_budget import count
 from stages.fetch.onshape.freshness import Workspace
-from stages.fetch.onshape.session import Server
+from stages.fetch.onshape.session import Session
 from stages.fetch.onshape.url import AssemblyUrl
 from stages.formats.onshape_units import SI, Measure
 from stages.robot.errors import (
@@ -54,17 +54,17 @@ class Variables:
     """The variables of the workspace at `url`, and the way to write them."""
 
     def __init__(
-        self, url: AssemblyUrl, asking: Asking, server: Server, progress: Callable[[str], None]
+        self, url: AssemblyUrl, client: CachedClient, session: Session, progress: Callable[[str], None]
     ) -> None:
         self._url = url
-        self._asking = asking
-        self._server = server
+        self._client = client
+        self._session = session
         self._progress = progress
         self._subject = f"/documents/d/{url.document}/{url.pin}#variables"
 
     def restore_left(self) -> None:
         """Puts back what a build that was killed had changed."""
-        if not self._url.pinned and not self._asking.offline and self._left():
+        if not self._url.pinned and not self._client.offline and self._left():
             with self.undisturbed():
                 pass
 
@@ -75,7 +75,7 @@ class Variables:
         Waits until a build that has them changed has put them back; what one that was killed had
         changed is put back first.
         """
-        with self._asking.alone(self._subject):
+        with self._client.alone(self._subject):
             left = self._left()
             if left:
                 self._progress("restoring the variables that a killed build had changed")
@@ -89,14 +89,14 @@ class Variables:
         """
         with self.undisturbed():
             now = self._microversion()
-            known = self._asking.recall(self._state(now, wanted)).get("microversion")
+            known = self._client.recall(self._state(now, wanted)).get("microversion")
             if known:
                 return self._pinned(str(known))
             changes = self._changes(wanted)
             if not changes:
                 return self._pinned(now)
             self._plan(len(wanted), 2 * len(changes) + 2)
-            self._asking.remember(self._subject, {"changes": [_plain(change) for change in changes]})
+            self._client.remember(self._subject, {"changes": [_plain(change) for change in changes]})
             written: list[_Change] = []
             try:
                 for change in changes:
@@ -107,7 +107,7 @@ class Variables:
                 raise
             self._put_back(written, look=False)
             # The same values in the same state of the document need no second write.
-            self._asking.remember(self._state(self._microversion(), wanted), {"microversion": made})
+            self._client.remember(self._state(self._microversion(), wanted), {"microversion": made})
             return self._pinned(made)
 
     def _plan(self, variables: int, writing: int) -> None:
@@ -117,14 +117,14 @@ class Variables:
         needs is known from the last complete one: the definition, and two for each part studio of
         this document, whose replies at the new state nobody has yet.
         """
-        workspace = Workspace(self._url, self._asking)
+        workspace = Workspace(self._url, self._client)
         last = workspace.last()
-        body = self._asking.kept(workspace.definition(last)) if last else None
+        body = self._client.kept(workspace.definition(last)) if last else None
         studios = definition.read(body).parts if body else ()
         mine = [key for key in studios if (key.document, key.pin) == (self._url.document, f"m/{last}")]
         building = 1 + 2 * len(mine)
-        self._asking.allow(writing + building)
-        least = self._asking.made + writing + building
+        self._client.allow(writing + building)
+        least = self._client.made + writing + building
         self._progress(
             f"setting {count(variables, 'variable')} of the document, and putting back what was there: "
             f"{writing} calls; with the build at least {building} more, {least} in all"
@@ -153,7 +153,7 @@ class Variables:
         what made the build end (`first`) as well; what is to be put back stays remembered.
         """
         failed = [(change, error) for change in changes if (error := self._restored(change, look=look))]
-        self._asking.remember(self._subject, {"changes": [_plain(change) for change, _ in failed]})
+        self._client.remember(self._subject, {"changes": [_plain(change) for change, _ in failed]})
         if not failed:
             return
         errors = [error for _, error in failed]
@@ -219,7 +219,7 @@ class Variables:
 
     def _studios(self) -> list[str]:
         """The ids of the document's variable studios."""
-        body = self._asking.now(requests.tabs(self._url.document, self._url.pin[2:]))
+        body = self._client.now(requests.tabs(self._url.document, self._url.pin[2:]))
         tabs = orjson.loads(body)
         return sorted(str(tab["id"]) for tab in tabs if tab.get("elementType") == "VARIABLESTUDIO")
 
@@ -228,7 +228,7 @@ class Variables:
         request = requests.variable_studio(self._url.document, self._url.pin[2:], studio)
         rows = [
             row
-            for table in orjson.loads(self._asking.now(request))
+            for table in orjson.loads(self._client.now(request))
             if not table.get("variableStudioReference")
             for row in table.get("variables") or ()
         ]
@@ -239,11 +239,11 @@ class Variables:
 
     def _write(self, studio: str, table: Table, *, restoring: bool = False) -> None:
         request = requests.variable_studio(self._url.document, self._url.pin[2:], studio)
-        self._server.ready().post(request, orjson.dumps(table), restoring=restoring)
+        self._session.ready().post(request, orjson.dumps(table), restoring=restoring)
 
     def _microversion(self) -> str:
         request = requests.current_microversion(self._url.document, self._url.pin[2:])
-        return documents.microversion(self._asking.now(request))
+        return documents.microversion(self._client.now(request))
 
     def _pinned(self, microversion: str) -> AssemblyUrl:
         return replace(self._url, pin=f"m/{microversion}")
@@ -254,7 +254,7 @@ class Variables:
         return f"/documents/d/{self._url.document}/m/{microversion}#variables={sha256(values).hexdigest()}"
 
     def _left(self) -> list[dict[str, Any]]:
-        changes = self._asking.recall(self._subject).get("changes")
+        changes = self._client.recall(self._subject).get("changes")
         return changes if isinstance(changes, list) else []
 
 

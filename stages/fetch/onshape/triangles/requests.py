@@ -13,7 +13,7 @@ import orjson
 
 from stages.fetch.onshape import requests
 from stages.fetch.onshape.api.http_errors import Declined
-from stages.fetch.onshape.cached_client import Asking, Refused
+from stages.fetch.onshape.cached_client import CachedClient, Refused
 from stages.fetch.onshape.gather import Needs, Reply, StudioReplies
 from stages.fetch.onshape.reply_checks import compacted
 from stages.formats import triangles
@@ -38,15 +38,15 @@ _MOST_NAMED = 200
 class Shapes:
     """Asks for triangles of this `quality`. `known` is always bodies by request beside the kept ones."""
 
-    def __init__(self, asking: Asking, quality: requests.Tessellation) -> None:
-        self._asking = asking
+    def __init__(self, client: CachedClient, quality: requests.Tessellation) -> None:
+        self._client = client
         self._quality = quality
         self._refusals: dict[str, str] = {}
 
     def mass(self, need: Needs) -> str:
         """The request for the mass properties of a part studio, which must cover all solids."""
         request = requests.mass_properties(need.studio, need.root)
-        self._asking.require(request, lambda body: _require_masses(need, body))
+        self._client.require(request, lambda body: _require_masses(need, body))
         return request
 
     def request(self, need: Needs, known: Mapping[str, bytes]) -> str:
@@ -70,7 +70,7 @@ class Shapes:
         wanted = {request: need for need in needs if (request := self.request(need, known)) not in known}
         refused: Refused = {}
         # After a refusal no further call begins: what lacks then is asked for one by one.
-        found = self._asking.all(list(wanted), refused)
+        found = self._client.all(list(wanted), refused)
         for need in wanted.values():
             request, body = self._one(need, {**known, **found}, refused)
             found[request] = body
@@ -105,7 +105,7 @@ class Shapes:
                 if request in refused:
                     raise refused[request]
                 body = self._body(request, known)
-                return request, self._asking.one(request) if body is None else body
+                return request, self._client.one(request) if body is None else body
             except (NotFound, Declined) as error:
                 first = first or error
                 self._refusals.setdefault(need.studio.element, error.message)
@@ -122,13 +122,13 @@ class Shapes:
         whole = requests.tessellated_faces(studio, root, self._quality)
         gltf = requests.gltf(studio, root, self._quality, only)
         known = mass or _NO_MASS
-        self._asking.require(some, lambda body: _require_complete(need, some, body, known))
-        self._asking.require(gltf, lambda body: _require_complete(need, gltf, body, known))
-        self._asking.require(whole, lambda body: _require_solids(need, whole, body, known))
+        self._client.require(some, lambda body: _require_complete(need, some, body, known))
+        self._client.require(gltf, lambda body: _require_complete(need, gltf, body, known))
+        self._client.require(whole, lambda body: _require_solids(need, whole, body, known))
         return some, whole, gltf
 
     def _body(self, request: str, known: Mapping[str, bytes]) -> bytes | None:
-        return known[request] if request in known else self._asking.kept(request)
+        return known[request] if request in known else self._client.kept(request)
 
 
 def selected(parts: Sequence[str], mass: bytes | None) -> tuple[str, ...]:
