@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from stages.graph.keys import GraphKeys
-    from stages.graph.mechanism import Reader
+    from stages.graph.mechanism import MechanismReader
     from stages.robot.bundle import Bundle
     from stages.robot.model import Robot
 
@@ -36,7 +36,7 @@ def build_robot(bundle: "Bundle", keys: "GraphKeys") -> "Robot":
             gc.enable()
 
 
-def reader_of(kind: str) -> "Reader":
+def reader_of(kind: str) -> "MechanismReader":
     """The reader of a kind of bundle; ProtocolError for a kind that has none."""
     from importlib import import_module
 
@@ -45,5 +45,5 @@ def reader_of(kind: str) -> "Reader":
     if kind not in READERS:
         msg = f"unknown kind of bundle {kind!r}: expected one of {', '.join(READERS)}"
         raise ProtocolError(msg, hint="make the bundle again")
-    reader: Reader = import_module(READERS[kind]).read_mechanism
+    reader: MechanismReader = import_module(READERS[kind]).read_mechanism
     return reader

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from stages.graph.keys import GraphKeys
-from stages.graph.mechanism import Mechanism, Reader
+from stages.graph.mechanism import Mechanism, MechanismReader
 from stages.graph.passes.actuation import with_actuation
 from stages.graph.passes.added_links import with_added_frames, with_added_links
 from stages.graph.passes.joint_limits import with_properties
@@ -21,7 +21,7 @@ from stages.robot.errors import AssemblyError
 from stages.robot.model import Robot
 
 
-def assemble(bundle: Bundle, keys: GraphKeys, read: Reader) -> Robot:
+def assemble(bundle: Bundle, keys: GraphKeys, read: MechanismReader) -> Robot:
     """The robot in a bundle; AssemblyError with all problems at once."""
     log = Diagnostics()
     mechanism, keys = read(bundle, keys, log)

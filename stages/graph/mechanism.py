@@ -133,7 +133,7 @@ class Mechanism:
     unstated_base: Diagnostic | None = None
 
 
-class Reader(Protocol):
+class MechanismReader(Protocol):
     """Reads a bundle into a mechanism. One for each kind of source, as `stages.graph.READERS` lists them.
 
     The keys come back with what the source's own conventions imply. AssemblyError for what cannot be read

@@ -18,8 +18,8 @@ def floats(body: MjcfBody) -> bool:
 
 def base_of(mjcf: Mjcf) -> int | None:
     """The one body that stands still in the world, where the file has one and nothing else moves there."""
-    held = [number for number in _tops(mjcf) if not floats(mjcf.bodies[number])]
-    return held[0] if len(held) == 1 and not mjcf.bodies[held[0]].joints else None
+    standing = [number for number in _tops(mjcf) if not floats(mjcf.bodies[number])]
+    return standing[0] if len(standing) == 1 and not mjcf.bodies[standing[0]].joints else None
 
 
 def bodies_of(mjcf: Mjcf, found: Sequence[Closing], free: bool) -> list[int]:
@@ -34,16 +34,16 @@ def bodies_of(mjcf: Mjcf, found: Sequence[Closing], free: bool) -> list[int]:
     if base is not None:
         in_place = bool(np.abs(mjcf.bodies[base].parent_from_body - np.eye(4)).max() < 1e-12)
         return everything[1:] if in_place or (free and len(tops) == 1) else everything
-    held = any(not floats(mjcf.bodies[number]) for number in tops)
+    standing = any(not floats(mjcf.bodies[number]) for number in tops)
     tied = any(0 in one.closure.bodies for one in found)
-    return everything if held or tied else everything[1:]
+    return everything if standing or tied else everything[1:]
 
 
 def joining(mjcf: Mjcf, found: Sequence[Closing]) -> list[Closing]:
     """The closures between bodies that float apart without: the tree has a joint in their place."""
     top = _top_of(mjcf)
-    held = {number for number in _tops(mjcf) if not floats(mjcf.bodies[number])} | {0}
-    trees = ({0 if top[body] in held else top[body] for body in one.closure.bodies} for one in found)
+    standing = {number for number in _tops(mjcf) if not floats(mjcf.bodies[number])} | {0}
+    trees = ({0 if top[body] in standing else top[body] for body in one.closure.bodies} for one in found)
     return [one for one, ends in zip(found, trees, strict=True) if len(ends) > 1]
 
 

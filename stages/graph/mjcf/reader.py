@@ -137,18 +137,18 @@ def _body(
 ) -> RigidBody:
     body = mjcf.bodies[number]
     name = names.links[number]
-    held = ""
+    fixed_reason = ""
     if number == 0:
-        held = "it is the world of the MJCF"
+        fixed_reason = "it is the world of the MJCF"
     elif 0 in numbers and numbers[0] == numbers[number]:
-        held = NO_JOINT
+        fixed_reason = NO_JOINT
     world_from_body = pose.world_from_body[number]
     return RigidBody(
         name=name,
         path=(body.name or name,) if number else (),
         parts=tuple(_parts(body, name, world_from_body)),
         titles=frozenset({name, body.name or name}),
-        fixed_reason=held,
+        fixed_reason=fixed_reason,
         world_from_body=pose.world_from_link[number],
         afloat=_free_joint(mjcf, number, names),
         given=None if body.inertial is None else moved(body.inertial, world_from_body),

@@ -152,8 +152,8 @@ class _Merger:
         ]
         world = of.get(WORLD)
         parts = [paths for paths, _ in members]
-        held = min(self.reasons, default="") if world is not None and parts[world] else ""
-        return Bodies(of, parts, world, held, moving)
+        reason = min(self.reasons, default="") if world is not None and parts[world] else ""
+        return Bodies(of, parts, world, reason, moving)
 
     def _moves_against_origin(self) -> bool:
         origin = self.rigid[WORLD]

@@ -29,7 +29,7 @@ from stages.robot.model import Array, MateRef, frozen
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Found:
+class _Drawn:
     """What has been read so far."""
 
     occurrences: dict[Path, Occurrence] = field(default_factory=dict)
@@ -52,7 +52,7 @@ def read_assembly(body: bytes) -> Assembly:
             for part in definition.get("parts") or ()
         }
         placed = {path_of(o["path"]): o for o in root.get("occurrences") or ()}
-        drawn = _Found()
+        drawn = _Drawn()
         owners: list[tuple[Path, tuple[str, ...], Record]] = [((), (), root)]
         for path, names, record in owners:
             owners.extend(_expand(drawn, path, names, record, placed, subs))
@@ -83,7 +83,7 @@ def read_assembly(body: bytes) -> Assembly:
 
 
 def _expand(
-    found: _Found,
+    found: _Drawn,
     path: Path,
     names: tuple[str, ...],
     record: Record,
@@ -144,7 +144,7 @@ def _check_ids(features: Sequence[Record]) -> None:
         seen.add(ident)
 
 
-def _read_feature(found: _Found, owner: Path, names: tuple[str, ...], feature: Record) -> None:
+def _read_feature(found: _Drawn, owner: Path, names: tuple[str, ...], feature: Record) -> None:
     data, kind = feature.get("featureData") or {}, feature.get("featureType")
     name = text(data.get("name") or feature["id"])
     title = "/".join((*names, name))
@@ -184,7 +184,7 @@ def _read_feature(found: _Found, owner: Path, names: tuple[str, ...], feature: R
         )
 
 
-def _read_mate(found: _Found, owner: Path, title: str, name: str, feature: Record, data: Record) -> None:
+def _read_mate(found: _Drawn, owner: Path, title: str, name: str, feature: Record, data: Record) -> None:
     entities = tuple(
         Entity(owner + path_of(e.get("matedOccurrence")), _frame(e["matedCS"]))
         for e in data["matedEntities"] or ()

@@ -47,10 +47,10 @@ def series_of(
         if free and support.above:
             message = (
                 f"{support.within} holds the seed inside its sub-assembly and {support.above} from outside: "
-                "its copies are held as on the inside"
+                "its copies follow the inner one"
             )
             hint = (
-                "FASTENED in the sub-assembly says what carries the seed; or pattern what it carries, too; "
+                "FASTEN the seed to what carries it; or pattern what it carries, too; "
                 "or make the sub-assembly rigid (depth.rigid)"
             )
             log.report("W-PATTERN-LEVEL", message, pattern.title, hint)

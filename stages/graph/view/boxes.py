@@ -1,4 +1,4 @@
-"""The boxes of the picture: what a link and the joint to its parent say, and the space that it takes."""
+"""The boxes of the picture: the lines of a link and of the joint to its parent, and their size."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ Kind = Literal["name", "plain", "part", "frame", "loop"]
 
 @dataclass(frozen=True, slots=True)
 class BoxRow:
-    """A line of a box. `full` is told where the mouse rests on it; `loop`: which one it marks."""
+    """A line of a box. `full` is shown where the mouse rests on it; `loop`: which one it marks."""
 
     kind: Kind
     text: str
@@ -110,7 +110,7 @@ def _lines(joint: Joint, follows: Mapping[str, str]) -> Iterator[Line]:
 
 
 def _end(loop: Loop, index: int) -> BoxRow:
-    return BoxRow("loop", fitted(loop.mate.name or loop.name, 10, ROOM), told(loop), index)
+    return BoxRow("loop", fitted(loop.mate.name or loop.name, 10, ROOM), caption(loop), index)
 
 
 def _rows(link: Link, robot: Robot) -> Iterator[BoxRow]:
@@ -136,6 +136,6 @@ def _few(kind: Kind, names: Sequence[str]) -> Iterator[BoxRow]:
         yield BoxRow(kind, f"and {len(rest)} more", "\n".join(rest))
 
 
-def told(loop: Loop) -> str:
+def caption(loop: Loop) -> str:
     ends = f"{loop.link_a} to {loop.link_b}"
     return f"loop {loop.name}: {loop.type}, mate {loop.mate.name}\n{ends}\nresidual {loop.residual:.2g}"

@@ -72,7 +72,7 @@ class Canvas:
     ) -> float:
         """A line of text whose letters are centred on `y`; its width at most.
 
-        What does not fit `room` is shortened and told in full where the mouse rests on it. `halo`
+        What does not fit `room` is shortened, and shown in full where the mouse rests on it. `halo`
         keeps what lies below from showing through.
         """
         shown = fitted(text, size, room, bold=bold)

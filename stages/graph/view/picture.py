@@ -7,7 +7,7 @@ lines may cross; those lie below all boxes and words.
 from collections.abc import Mapping
 from dataclasses import replace
 
-from stages.graph.view.boxes import LABEL, MARK, PAD, ROOM, SIZES, Box, Kind, boxes_of, told
+from stages.graph.view.boxes import LABEL, MARK, PAD, ROOM, SIZES, Box, Kind, boxes_of, caption
 from stages.graph.view.canvas import Canvas, fitted, text_width
 from stages.graph.view.labels import counted, kilograms, mobility, rules, standing, totals
 from stages.graph.view.layout import levels, tidy
@@ -52,7 +52,7 @@ def draw(robot: Robot) -> bytes:
         if box.joint is not None:
             _draw_edge(canvas, boxes[box.joint.parent], box)
     for index, (steps, _) in enumerate(curves):
-        canvas.group(told(robot.loops[index]))
+        canvas.group(caption(robot.loops[index]))
         canvas.path(steps, _colour(index), thick=1.6, dash="6 4")
     _draw_relations(canvas, robot, boxes)
     for box in boxes.values():
