@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from pipeline import streams
 from pipeline.options import Command, UsageError, parse
+from pipeline.verbs import VERBS
 
 if TYPE_CHECKING:
     from pipeline.config.plan import Plan
@@ -70,13 +71,6 @@ exit status:
   0  built and valid    1  failed    2  wrong configuration, nothing was built    130  interrupted
   3  built, but a check failed, or it is not the newest state (the quota of calls is used up)
 """
-
-VERBS = {
-    "bundle": "pipeline.verbs.bundle",
-    "cache": "pipeline.verbs.cache",
-    "explain": "pipeline.verbs.explain",
-}
-"""Verb → the module with its `HELP` and its `run(arguments) -> exit status`."""
 
 
 def help_text() -> str:

@@ -149,7 +149,7 @@ def _starting(words: Iterable[str], start: str) -> list[str]:
 
 
 def _verbs() -> Iterable[str]:
-    from pipeline.cli import VERBS
+    from pipeline.verbs import VERBS
 
     return VERBS
 

@@ -10,7 +10,7 @@ from pipeline.errors import ConfigError
 from pipeline.lock import FOLDER as LOCKS
 from pipeline.output import manifest
 from pipeline.output.location import ELSEWHERE
-from pipeline.output.manifest import Entry, Reader
+from pipeline.output.manifest import DigestReader, Entry
 from stages.robot.printable import printable
 
 REPLACED = ".replaced"
@@ -37,7 +37,7 @@ class Found:
         return self.stuck if overwrite else self.stopped
 
 
-def look(folder: Path, coming: Iterable[str], reader: Reader) -> Found:
+def look(folder: Path, coming: Iterable[str], reader: DigestReader) -> Found:
     """What a build that writes the `coming` files, and the manifest, would meet in the folder."""
     found = Found()
     if not manifest.is_folder(folder):

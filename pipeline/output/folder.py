@@ -44,7 +44,7 @@ class Output:
         self.target = absolute(target)
         self._tell = tell
         self._overwrite = overwrite
-        self._reader = manifest.Reader()
+        self._reader = manifest.DigestReader()
 
     def folder(self, suffix: str = "") -> Path:
         return self.target.with_name(self.target.name + suffix)

@@ -51,7 +51,7 @@ class Entry:
         return self.kind == "foreign"
 
 
-class Reader:
+class DigestReader:
     """Digests of files, each read once for as long as it is not touched."""
 
     def __init__(self) -> None:
@@ -129,11 +129,11 @@ def is_folder(path: Path) -> bool:
 
 
 def others(
-    folder: Path, own: Digests, coming: Iterable[str] = (), reader: Reader | None = None
+    folder: Path, own: Digests, coming: Iterable[str] = (), reader: DigestReader | None = None
 ) -> Iterator[Entry]:
     """What in the folder is not as linkwright left it, by path. A folder in which neither `own` nor
     `coming` files lie is one entry as a whole; nothing is followed and nothing of others is opened."""
-    reader = reader or Reader()
+    reader = reader or DigestReader()
     for path, entry in _leaves(folder, parents([*own, *coming])):
         if path in own:
             if not reader.is_same(entry, own[path]):

@@ -1,5 +1,12 @@
-"""What the command does besides building: one module a verb, named in `pipeline.cli.VERBS`.
+"""What the command does besides building: one module a verb.
 
 Each has `HELP` (text) and `run(arguments) -> exit status`, and raises the errors of `pipeline.errors`:
 ConfigError for wrong usage (exit status 2), any other for what fails (1).
 """
+
+VERBS = {
+    "bundle": "pipeline.verbs.bundle",
+    "cache": "pipeline.verbs.cache",
+    "explain": "pipeline.verbs.explain",
+}
+"""Verb → the module with its `HELP` and its `run(arguments) -> exit status`."""

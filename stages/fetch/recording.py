@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+LARGEST = 1 << 30
+"""Larger bundles are not read: neither as a file nor unpacked [bytes]."""
+
 
 @dataclass(frozen=True, slots=True)
 class Recording:

@@ -13,8 +13,9 @@ from typing import Any
 import pytest
 
 from pipeline import face
-from pipeline.cli import VERBS, parse
+from pipeline.cli import parse
 from pipeline.config.compose import Composed, compose_plan
+from pipeline.verbs import VERBS
 from stages.graph.keys import GraphKeys
 from stages.graph.view.outline import outline
 from stages.graph.view.picture import draw

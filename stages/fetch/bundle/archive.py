@@ -45,8 +45,7 @@ from pydantic import (
 )
 
 from stages.fetch import ROOMS, source_class
-from stages.fetch.bundle.source import LARGEST
-from stages.fetch.recording import Recording
+from stages.fetch.recording import LARGEST, Recording
 from stages.robot.bundle import Bundle, FileBundle, OnshapeBundle
 from stages.robot.errors import SourceError
 

@@ -8,11 +8,9 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from stages.fetch import regular_files, source_class
+from stages.fetch.recording import LARGEST
 from stages.fetch.source import FetchContext, Fetched, FileSource
 from stages.robot.errors import SourceError
-
-LARGEST = 1 << 30
-"""Larger bundles are not read: neither as a file nor unpacked [bytes]."""
 
 
 class BundleSource(FileSource):

@@ -7,10 +7,11 @@ import sys
 
 import pytest
 
-from pipeline.cli import VERBS, help_text, run
+from pipeline.cli import help_text, run
 from pipeline.config.presets import GROUPS, Presets
 from pipeline.options import Command, UsageError, parse
 from pipeline.report import Report
+from pipeline.verbs import VERBS
 from stages.robot.errors import AssemblyError, ConfigError
 from tests.support.places import PROJECT
 
