@@ -127,7 +127,7 @@ def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> 
         print(f"error: {error}", file=sys.stderr)
         return 2
     except (Exception, KeyboardInterrupt) as error:
-        return _told(error)
+        return _report(error)
 
 
 def _version() -> str:
@@ -229,8 +229,8 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     return sweep_status(outcomes)
 
 
-def _told(error: BaseException) -> int:
-    """Tells an error in one message; the exit status."""
+def _report(error: BaseException) -> int:
+    """Prints an error as one message; returns the exit status."""
     from pipeline.errors import exit_status, render
 
     if os.environ.get("LINKWRIGHT_TRACEBACK", "") not in ("", "0"):

@@ -1,4 +1,4 @@
-"""What the command line makes of an error: one message and an exit status.
+"""An error on the command line: one message and an exit status.
 
 Exit status: 0 built and valid; 1 failed once the stages ran; 2 wrong in a way that was knowable
 before the first stage (`ConfigError`); 3 built, but a check failed, or of an older state since the quota
@@ -86,14 +86,14 @@ def reason(error: OSError) -> str:
 
 
 def refusal(problems: Sequence[Diagnostic], what: str = "the configuration") -> ConfigError:
-    """The one error that tells all problems of `what`."""
+    """One error with all problems of `what`."""
     count = "a problem" if len(problems) == 1 else f"{len(problems)} problems"
     msg = f"{what} has {count}"
     return ConfigError(msg, problems=problems)
 
 
 def as_problems(error: ConfigError) -> tuple[Diagnostic, ...]:
-    """What an error lists, or else the error itself, to be told with others."""
+    """The problems that an error lists, or the error itself as one problem."""
     return error.problems or (Diagnostic("E-VALUE", error.message, error.where, error.hint),)
 
 

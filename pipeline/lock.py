@@ -19,7 +19,7 @@ FOLDER = ".linkwright"
 """The hidden folder beside outputs that has their lock files."""
 
 PATIENCE = 2.0
-"""Wait [s] for a lock after which the user is told that there is one."""
+"""Time [s] of waiting for a lock after which the user sees that a build waits."""
 
 
 @contextlib.contextmanager

@@ -1,4 +1,4 @@
-"""What a build tells: `Report`, its JSON, and the closing table."""
+"""The report of a build: `Report`, its JSON, and the closing table."""
 
 import json
 import os
@@ -35,7 +35,7 @@ class Report:
     is used up: 3), invalid (built, but a check failed: 3) or failed (1 or 2).
     `source`: its kind and what it is pinned to. `calls`: API calls `made`, and `saved` by the cache;
     where any was made also `counted_this_year` by the ledger of this key, `remaining` in the server's
-    windows by kind of request, as it told, `served` (its API versions and release) and the seconds
+    windows by kind of request, as it reported, `served` (its API versions and release) and the seconds
     `waited` because it asked for that.
     `bundle`: what was read, by the SHA-256 of its `manifest` (`linkwright bundle` finds it so).
     `figures`: counts of links, joints, dofs, loops, parts, meshes and triangles, the mass [kg], and how
@@ -43,7 +43,7 @@ class Report:
     `outline`: the lines of the kinematic tree as text. `outputs`: SHA-256 of each file of the robot, by
     path below `folder` ("" for a build in memory). `error`: of a failed build, its class, message, place,
     hint and problems.
-    `title`: what the assembly is called, where a reply told it and nobody named the robot.
+    `title`: what the assembly is called, where a reply has it and nobody named the robot.
     """
 
     status: Status

@@ -1,4 +1,4 @@
-"""What composing leaves open: which of two settings was meant, and the robot's name."""
+"""What composing leaves open: which of two values wins, and the name of the robot."""
 
 import copy
 import re
@@ -37,7 +37,7 @@ class Choices:
         return self.sets(key) or any(one.startswith(f"{key}.") for one in self.keys)
 
 
-def settle(tree: Mapping[str, Any], choices: Choices) -> dict[str, Any]:
+def resolved_tree(tree: Mapping[str, Any], choices: Choices) -> dict[str, Any]:
     """The composed tree as the plan reads it.
 
     - An option chosen on the command line wins over what the robot's file sets, as any override.
@@ -45,17 +45,17 @@ def settle(tree: Mapping[str, Any], choices: Choices) -> dict[str, Any]:
     - Of known formats, only the chosen ones stay.
     - A robot without a name gets one.
     """
-    settled = copy.deepcopy(dict(tree))
+    resolved = copy.deepcopy(dict(tree))
     for group, preset in choices.presets.items():
-        section = settled.setdefault(group, {})
+        section = resolved.setdefault(group, {})
         if isinstance(section, dict):
             _again(section, preset, group, choices)
     if "source" in choices.presets:
-        _drop_other_sources(settled, choices)
-    _keep_chosen_formats(settled, choices)
-    if settled.get("name") is None:
-        settled["name"] = name_of(settled.get("source"), choices.robot)
-    return settled
+        _drop_other_sources(resolved, choices)
+    _keep_chosen_formats(resolved, choices)
+    if resolved.get("name") is None:
+        resolved["name"] = name_of(resolved.get("source"), choices.robot)
+    return resolved
 
 
 def _again(section: dict[str, Any], preset: Mapping[str, Any], where: str, choices: Choices) -> None:

@@ -22,7 +22,7 @@ from omegaconf import DictConfig, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
 from pipeline.config import interpolated
-from pipeline.config.choices import settle
+from pipeline.config.choices import resolved_tree
 from pipeline.config.hydra_errors import explained
 from pipeline.config.hydra_files import guarded
 from pipeline.config.hydra_node import PRIMARY, HydraNode, hydra_text, searching
@@ -198,19 +198,19 @@ class Composer:
         draft.problems += self._leaks(config, tree)
         tree = self._secrets.within(tree)
         formats = tuple(path.removeprefix("export/") for path in paths if path.startswith("export/"))
-        settled = settle(tree, self._presets.choices(robot, formats, good, paths))
-        interpolated.decode(settled, computed)
-        sweeping = self._node.sweeping(config, draft, settled.get("name"), job)
+        resolved = resolved_tree(tree, self._presets.choices(robot, formats, good, paths))
+        interpolated.decode(resolved, computed)
+        sweeping = self._node.sweeping(config, draft, resolved.get("name"), job)
         for problem in self._params(sweeping.params)[1]:
             draft.add(problem)
-        draft.problems += targets(settled)
+        draft.problems += targets(resolved)
         files, command = self._presets.own_files(paths), shlex.join(self._typed)
         places = {problem.where for problem in draft.problems}
         draft.problems += [one for one in overridden(map(content, files)) if one.where not in places]
         draft.problems += self._presets.chosen_twice(files)
-        draft.problems += untrusted(settled, self.reading.trusting(good), files, self._environ, command)
-        plan = Plan.parse(settled, draft.problems, unsure=draft.unsure, judge=self._judge)
-        return Composed(plan, settled, robot, sweeping, config, computed)
+        draft.problems += untrusted(resolved, self.reading.trusting(good), files, self._environ, command)
+        plan = Plan.parse(resolved, draft.problems, unsure=draft.unsure, judge=self._judge)
+        return Composed(plan, resolved, robot, sweeping, config, computed)
 
     def _leaks(self, config: DictConfig, tree: dict[str, Any]) -> list[Diagnostic]:
         """The keys of a composed configuration, Hydra's own too, that hold a secret."""
@@ -290,7 +290,7 @@ class Composer:
             problems += [Diagnostic(one.code, one.message, f"hydra.{place}", one.hint) for one in wrong]
         return added, problems
 
-    def tell(self, kind: str, overrides: Sequence[Override], known: Iterable[Diagnostic]) -> None:
+    def show(self, kind: str, overrides: Sequence[Override], known: Iterable[Diagnostic]) -> None:
         """Has Hydra log how a tree comes to be; also of one that is no plan. `kind`: as for `--info`."""
         with suppress(ConfigError):
             self.compose([override.hydra for override in overrides], known)

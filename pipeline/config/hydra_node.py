@@ -35,7 +35,7 @@ class HydraNode:
         self.typed: list[str] = []
 
     def take(self, overrides: Sequence[Override], command: Sequence[str]) -> list[Diagnostic]:
-        """Keeps those overrides of a `command` that concern Hydra, and tells what is wrong with them."""
+        """Keeps those overrides of a `command` that concern Hydra, and returns what is wrong with them."""
         self._command = list(command)
         self.typed = [override.hydra for override in overrides if override.for_hydra_itself]
         if not self.typed:

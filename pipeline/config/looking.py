@@ -85,13 +85,13 @@ def information(command: Command, environ: Mapping[str, str] = os.environ) -> It
     with session(command.config_dirs, environ=environ) as composer:
         overrides, problems = composer.read(command.overrides)
         for kind in kinds:
-            text = _captured(partial(composer.tell, kind, overrides, problems))
+            text = _captured(partial(composer.show, kind, overrides, problems))
             yield Secrets(environ).blanked(text.strip("\n") + "\n\n")
     if command.what in ("config", "all"):
         yield configuration(replace(command, what="job"), environ)
 
 
-def _captured(tell: Callable[[], None]) -> str:
+def _captured(show: Callable[[], None]) -> str:
     """What Hydra logs to the terminal."""
     root = logging.getLogger()
     handlers, level = list(root.handlers), root.level
@@ -103,7 +103,7 @@ def _captured(tell: Callable[[], None]) -> str:
         logger.setLevel(logging.NOTSET)
     try:
         with contextlib.redirect_stdout(stream):
-            tell()
+            show()
     finally:
         root.handlers[:] = handlers
         root.setLevel(level)

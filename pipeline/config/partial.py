@@ -1,4 +1,4 @@
-"""What is wrong is composed all the same, as far as that goes, so that everything is told at once."""
+"""Composes an invalid configuration as far as possible, so that all errors are reported in one run."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -28,7 +28,7 @@ class Draft:
         return cls(problems, set(bad), lost)
 
     def add(self, problem: Diagnostic) -> None:
-        """Takes down a problem, once."""
+        """Adds a problem, unless it is there already."""
         if problem not in self.problems:
             self.problems.append(problem)
 

@@ -77,6 +77,6 @@ def plain(
 
 def _unresolved(error: Exception, place: Place) -> Diagnostic:
     """What is wrong with an interpolation."""
-    unknown = Words(f"cannot be resolved: {str(error).splitlines()[0]}", hint="mend its ${...}")
+    unknown = Words(f"cannot be resolved: {str(error).splitlines()[0]}", hint="correct its ${...}")
     said = in_words(str(error), RESOLVING) or unknown
     return Diagnostic("E-VALUE", said.text, key_of(place), said.hint)

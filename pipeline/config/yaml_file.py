@@ -43,7 +43,7 @@ def read(path: Path) -> Any:
 
 def text(path: Path) -> str:
     """The text of a file, once it is known to come to no more than makes sense. Raises as `read` does,
-    but for text that is no YAML at all: that is its reader's to tell."""
+    but for text that is not YAML at all: its reader reports that."""
     try:
         content = regular_files.content(path, LARGEST)
     except regular_files.FileTooLarge as error:

@@ -17,7 +17,7 @@ REPLACED = ".replaced"
 """The suffix of the folder that takes what was in the way."""
 
 SHOWN = 12
-"""Most entries of a list that are told."""
+"""Largest number of entries that a message lists."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ def why(entry: Entry) -> str:
     return "was changed since it was built"
 
 
-def told(folder: Path, stopped: Mapping[str, str]) -> str:
+def message(folder: Path, stopped: Mapping[str, str]) -> str:
     """What stops a build, as a list."""
     lines = [f"    {printable(path)} {why}" for path, why in stopped.items()]
     more = [f"    and {len(lines) - SHOWN} more"] if len(lines) > SHOWN else []

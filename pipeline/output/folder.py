@@ -1,4 +1,4 @@
-"""The output folder: written beside its place, swapped in by renames, mended after a kill.
+"""The output folder: written beside its place, swapped in by renames, repaired after a kill.
 
 For `outputs/arm` the names beside it are `.arm.tmp` (being written, or being removed: never of
 worth), `.arm.old` (the last build, whole, while the new one moves in), `arm.replaced` (what was in the
@@ -29,7 +29,7 @@ FAILED = ".failed"
 class Output:
     """A build's output folder, and beside it `<output>.failed` and `<output>.<until>`.
 
-    What is in the way of a build stops it, or with `overwrite` moves to `<folder>.replaced`. `tell`
+    What is in the way of a build stops it, or with `overwrite` moves to `<folder>.replaced`. `report`
     hears what is carried over or moved, and that another build of the same folder is waited for.
     ConfigError where no folder can be at `target`.
     """
@@ -37,12 +37,12 @@ class Output:
     def __init__(
         self,
         target: str | Path,
-        tell: Callable[[str], None] = lambda _: None,
+        report: Callable[[str], None] = lambda _: None,
         *,
         overwrite: bool = False,
     ) -> None:
         self.target = absolute(target)
-        self._tell = tell
+        self._report = report
         self._overwrite = overwrite
         self._reader = manifest.DigestReader()
 
@@ -62,7 +62,7 @@ class Output:
             self._judge(folder, coming)
 
     def prepare(self, suffix: str = "", coming: Iterable[str] = ()) -> None:
-        """Mends what an interrupted run left, judges, and tells what will be carried over.
+        """Repairs what an interrupted run left, checks the folder, and reports what will be carried over.
 
         ConfigError as `judge`; OutputError where the folder cannot be written, which is found out now
         rather than after the work.
@@ -76,7 +76,7 @@ class Output:
             _staging(folder).mkdir()
             _staging(folder).rmdir()
         if kept:
-            self._tell(f"not linkwright's, carried over: {conflicts.listed(kept)}")
+            self._report(f"not linkwright's, carried over: {conflicts.listed(kept)}")
 
     def size(self, suffix: str = "") -> int:
         """Bytes of the last build there, 0 where there is none."""
@@ -119,7 +119,7 @@ class Output:
     def remove(self, suffix: str) -> None:
         """Removes what linkwright wrote into a sibling, and the sibling if nothing else is in it.
 
-        What cannot be removed is told, and no error.
+        What cannot be removed is reported, and is no error.
         """
         folder = self.folder(suffix)
         try:
@@ -129,7 +129,7 @@ class Output:
                 self._mend(folder)
                 self._remove_ours(folder)
         except (LinkwrightError, OSError) as error:
-            self._tell(f"{folder} stays: {error}")
+            self._report(f"{folder} stays: {error}")
 
     def _remove_ours(self, folder: Path) -> None:
         own = manifest.ours(folder) or {}
@@ -150,7 +150,7 @@ class Output:
             raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
         found = conflicts.look(folder, coming, self._reader)
         if stopped := found.against(self._overwrite):
-            raise ConfigError(conflicts.told(folder, stopped), "output", conflicts.ways_out(folder, found))
+            raise ConfigError(conflicts.message(folder, stopped), "output", conflicts.ways_out(folder, found))
         return conflicts.visible(found.carried)
 
     def _require_free(self, folder: Path, files: Iterable[str]) -> None:
@@ -161,7 +161,7 @@ class Output:
             raise InTheWay(error.message, error.where, error.hint) from error
         found = conflicts.look(folder, files, self._reader)
         if stopped := found.against(self._overwrite):
-            raise InTheWay(conflicts.told(folder, stopped), str(folder), conflicts.ways_out(folder, found))
+            raise InTheWay(conflicts.message(folder, stopped), str(folder), conflicts.ways_out(folder, found))
 
     def _swap(self, folder: Path) -> None:
         """Moves the staged folder in. A folder is only ever removed under the staging name.
@@ -189,7 +189,7 @@ class Output:
         old.rename(_staging(folder))
         self._discard(folder)
         if moved:
-            self._tell(f"was in the way, and is now {conflicts.listed(map(os.path.relpath, moved))}")
+            self._report(f"was in the way, and is now {conflicts.listed(map(os.path.relpath, moved))}")
 
     def _mend(self, folder: Path) -> None:
         """Finishes or undoes a swap that was cut short."""
@@ -217,7 +217,7 @@ class Output:
 
     def _put_away(self, place: Path, folder: Path) -> None:
         moved = move_aside(place, folder, place.name)
-        self._tell(f"{place.name} is not linkwright's, and was moved to {os.path.relpath(moved)}")
+        self._report(f"{place.name} is not linkwright's, and was moved to {os.path.relpath(moved)}")
 
     @contextlib.contextmanager
     def _locked(self) -> Iterator[None]:
@@ -228,7 +228,7 @@ class Output:
             yield
 
     def _wait(self) -> None:
-        self._tell(f"waiting for another build of {self.target.name}")
+        self._report(f"waiting for another build of {self.target.name}")
 
 
 def _stage(staging: Path, files: Mapping[str, bytes], digests: Mapping[str, str]) -> None:

@@ -52,7 +52,7 @@ def _check(place: Path, given: str) -> None:
             msg = f"the name {name[:20]}... is too long: {len(os.fsencode(name))} bytes"
             raise ConfigError(msg, "output", f"name a folder with output=FOLDER, in at most {most} bytes")
     for folder in (*reversed(place.parents), place):
-        # lstat tells what is wrong with the way there; a folder that is not there yet is all right.
+        # lstat raises where the path to it is wrong; a folder that does not exist yet is all right.
         try:
             folder.lstat()
         except (FileNotFoundError, PermissionError):

@@ -1,8 +1,8 @@
 """What in a folder is linkwright's own: the manifest that every folder begins with.
 
 `.linkwright.json` names each file that was written there and the SHA-256 of its bytes. It is the first
-file of a folder, so that whatever a kill leaves behind can be told from what others put there. Folders
-of version 0.1 have none: there `report.json` names the robot's files.
+file of a folder, so that after a kill our files can be distinguished from those of others. Folders of
+version 0.1 have none: there `report.json` names the robot's files.
 """
 
 import hashlib

@@ -40,7 +40,7 @@ def prepare(root: Path, plan: Plan, typed: Sequence[str], environ: Mapping[str, 
             raise ConfigError(f"{root} is the folder of a build", "output", ELSEWHERE)
         stopped = _in_the_way(place)
         if stopped and not plan.overwrite:
-            raise ConfigError(conflicts.told(root, stopped), "output", conflicts.ways_out(root))
+            raise ConfigError(conflicts.message(root, stopped), "output", conflicts.ways_out(root))
         place.mkdir(parents=True, exist_ok=True)
         for path in stopped:
             move_aside(place / path, place, path)

@@ -59,17 +59,17 @@ def failed(
     left = Path(f"{folder}.failed")
     place = left if left.is_dir() else Path(folder)
     try:
-        told = json.loads((left / REPORT).read_bytes())
-        if told["error"]["message"] not in (str(error), getattr(error, "message", "")):
+        report = json.loads((left / REPORT).read_bytes())
+        if report["error"]["message"] not in (str(error), getattr(error, "message", "")):
             raise ValueError  # of an earlier build
-        figures, calls = dict(told["figures"]), _calls(told["calls"])
+        figures, calls = dict(report["figures"]), _calls(report["calls"])
     except (OSError, ValueError, KeyError, TypeError):
         figures, calls = {}, {}
     return Outcome(number, label, exit_status(error), message, str(place), overrides, figures, {}, calls)
 
 
-def _calls(told: Mapping[str, Any]) -> dict[str, int]:
-    return {name: told[name] for name in ("made", "saved") if name in told}
+def _calls(report: Mapping[str, Any]) -> dict[str, int]:
+    return {name: report[name] for name in ("made", "saved") if name in report}
 
 
 def table(outcomes: Sequence[Outcome], root: Path) -> str:

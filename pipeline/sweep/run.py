@@ -53,7 +53,7 @@ class Sweep:
 
 
 class Task:
-    """What a job does, in whatever process: it builds, tells when it starts and ends, and never raises."""
+    """What a job does, in whatever process: it builds, prints when it starts and ends, and never raises."""
 
     def __init__(self, jobs: Sequence[Job], build: Build) -> None:
         self._jobs = tuple(jobs)
@@ -61,24 +61,24 @@ class Task:
 
     def __call__(self, number: int) -> Outcome:
         job = self._jobs[number]
-        _tell(f"job {number} starts: {job.label}")
+        _print(f"job {number} starts: {job.label}")
         start = time.perf_counter()
         outcome = self._outcome(job)
-        _tell(f"job {number} ended after {time.perf_counter() - start:.1f} s: {outcome.message}")
+        _print(f"job {number} ended after {time.perf_counter() - start:.1f} s: {outcome.message}")
         return outcome
 
     def _outcome(self, job: Job) -> Outcome:
-        told = (job.number, job.label, job.overrides)
+        which = (job.number, job.label, job.overrides)
         try:
-            return built(*told, self._build(job.plan))
+            return built(*which, self._build(job.plan))
         except KeyboardInterrupt:
             raise
         except BaseException as error:
             # SystemExit too: it would end the whole sweep.
-            return failed(*told, str(job.plan.folder), error)
+            return failed(*which, str(job.plan.folder), error)
 
 
-def _tell(line: str) -> None:
+def _print(line: str) -> None:
     # In one piece: other processes write there too. In these nobody may be left who reads it.
     with contextlib.suppress(BrokenPipeError):
         err = clean(sys.stderr)
@@ -93,9 +93,9 @@ def jobs_of(composer: "Composer", asked: "Asked", judge: Judge) -> Sweep:
     numbers; `judge` adds what is known of a job before it starts.
     """
     swept = [override for override in asked.overrides if override.swept]
-    told = [one for one in asked.overrides if not (one.for_hydra_itself or says_how(one.key))]
+    overrides = [one for one in asked.overrides if not (one.for_hydra_itself or says_how(one.key))]
     everything = composer.reading.jobs(asked.overrides)
-    labels = [_label(swept or told, job) for job in everything]
+    labels = [_label(swept or overrides, job) for job in everything]
     made: list[Composed] = []
     found: dict[Diagnostic, list[int]] = {}
     for number, (job, label) in enumerate(zip(everything, labels, strict=True)):
@@ -231,8 +231,8 @@ def _slug(label: str) -> str:
 def _digest(overrides: Iterable[str]) -> str:
     """8 hex digits of everything that makes the job what it is."""
     keys = {one: one.partition("=")[0].lstrip("+") for one in overrides}
-    told = sorted(one for one, key in keys.items() if not (re.match(r"hydra[./]", key) or says_how(key)))
-    return hashlib.sha256("\n".join(told).encode()).hexdigest()[:8]
+    identity = sorted(one for one, key in keys.items() if not (re.match(r"hydra[./]", key) or says_how(key)))
+    return hashlib.sha256("\n".join(identity).encode()).hexdigest()[:8]
 
 
 def _refused(

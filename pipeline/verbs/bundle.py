@@ -32,7 +32,7 @@ To build from it, on any computer, with the same configuration and to the same r
 exit status: 0 packed; 1 failed (the cache no longer has it); 2 wrong usage
 """
 
-_USAGE = "linkwright bundle NAME OUT.zip; linkwright bundle --help tells more"
+_USAGE = "linkwright bundle NAME OUT.zip; linkwright bundle --help shows more"
 _CACHE = "cache.dir="
 
 
@@ -138,7 +138,7 @@ def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, s
         if bundle is not None:
             Secrets(environ).check(named(bundle))
             data = pack(bundle)
-            # What cannot be read back (too large) is no bundle; that is told here, not elsewhere.
+            # What cannot be read back (too large) is no bundle; the error belongs here.
             return data, len(read(data, str(asked.out)).blobs)
     msg = f"the cache does not have all that {folder} was built from"
     hint = (

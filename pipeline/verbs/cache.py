@@ -21,7 +21,7 @@ usage: linkwright cache info|gc|verify [--max-size SIZE] [cache.dir=FOLDER]
   linkwright cache verify                       read everything; remove what a disk has harmed
 
 The calls are those that count against the yearly quota, by key and calendar year (UTC), as far as
-builds with this cache made them. A key is told by the start of a hash; it is kept nowhere.
+builds with this cache made them. A key is shown by the start of its hash, and stored nowhere.
 
 --max-size is a number with K, M, G or T (powers of 1000), 20G unless said. Replies that cost API
 calls are dropped last; what was used within the hour stays. Lock files that no build holds go too, those
@@ -31,7 +31,7 @@ of the environment variable LINKWRIGHT_CACHE, else the platform's.
 exit status: 0 done, all whole; 1 verify found something harmed, or the folder cannot be used; 2 wrong usage
 """
 
-_USAGE = "linkwright cache info|gc|verify; linkwright cache --help tells more"
+_USAGE = "linkwright cache info|gc|verify; linkwright cache --help shows more"
 _DIR = "cache.dir="
 _SIZE = re.compile(r"(\d+(?:\.\d+)?)([KMGT]?)B?", re.IGNORECASE)
 _POWERS = {"": 1, "K": 10**3, "M": 10**6, "G": 10**9, "T": 10**12}
