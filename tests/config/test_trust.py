@@ -55,7 +55,7 @@ def refuses(arguments, capsys):
     return capsys.readouterr().err
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", mostly_slow(ROBOTS, keep=12))
 def test_a_hostile_robot_is_refused(tmp_path, capsys, name):
     hostile(tmp_path, name)
     said = refuses(["robot=mine"], capsys)
@@ -66,14 +66,14 @@ def test_a_hostile_robot_is_refused(tmp_path, capsys, name):
 SWEPT = ["a callback", "logging of jobs", "a variable for the job", "a launcher's class", "a sweep of Hydra"]
 
 
-@pytest.mark.parametrize("name", mostly_slow(SWEPT, keep=3))
+@pytest.mark.parametrize("name", mostly_slow(SWEPT, keep=2))
 @pytest.mark.parametrize("swept", [["robot=mine", "root=auto,free"], ["robot=mine,sample"]])
 def test_so_it_is_in_a_sweep_and_where_it_is_itself_swept_over(tmp_path, capsys, name, swept):
     hostile(tmp_path, name)
     assert "E-TRUST" in refuses(["-m", *swept], capsys)
 
 
-@pytest.mark.parametrize("name", SWEPT)
+@pytest.mark.parametrize("name", mostly_slow(SWEPT, keep=2))
 def test_an_experiment_says_no_more_than_a_robot(tmp_path, capsys, name):
     write(tmp_path, other=SAMPLE)
     hostile(tmp_path, name, "experiment/mine.yaml")

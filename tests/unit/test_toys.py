@@ -73,6 +73,7 @@ def tree(tmp_path: Path) -> Tree:
     return Tree(tmp_path / "tree")
 
 
+@pytest.mark.slow
 def test_a_source_is_a_folder_a_line_an_option_and_its_golden(tree: Tree) -> None:
     tree.add("stages/fetch/toy/__init__.py", '"""A chain of links that no file describes."""\n')
     tree.add(
@@ -146,6 +147,7 @@ SOURCE = ToySource
     assert [link["name"] for link in robot["links"]] == ["l0", "l1", "l2"]
 
 
+@pytest.mark.slow
 def test_a_format_is_a_folder_a_line_an_option_and_its_golden(tree: Tree) -> None:
     tree.add("stages/export/toy/__init__.py", '"""A list of the links, and of the files of the URDF."""\n')
     tree.add(

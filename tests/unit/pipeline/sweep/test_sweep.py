@@ -348,7 +348,7 @@ HOW = [
 ]
 
 
-@pytest.mark.parametrize("how", mostly_slow(HOW, keep=4))
+@pytest.mark.parametrize("how", mostly_slow(HOW, keep=2))
 @pytest.mark.parametrize("values", ["auto,free", "auto"])
 def test_how_a_job_is_run_does_not_move_its_folder(how, values, monkeypatch):
     monkeypatch.setenv("ONSHAPE_ACCESS_KEY", "key-of-a-test")
