@@ -308,7 +308,7 @@ def leave_failure(output: Output | None, run: Run, error: Exception, files: Mapp
             place = output.publish({**files, **run.documents(failed, files)}, FAILED)
     except LinkwrightError as second:
         # The first error is the one to raise.
-        run.progress.detail("output", f"no report is left of this failure: {second}")
+        run.progress.detail("output", f"no report of this failure could be written: {second}")
     else:
         for line in report.epitaph(failed, place):
             error.add_note(line)

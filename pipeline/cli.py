@@ -23,38 +23,39 @@ usage: linkwright [-m] [--config-dir DIR] [group=option ...] [key=value ...]
   linkwright                                    build the sample that is shipped (no network)
   linkwright robot=my_arm                       build ./robot/my_arm.yaml
   linkwright source=onshape "source.url='https://cad.onshape.com/documents/...'"
-                                                build an assembly; mind both pairs of quotes
+                                                build an assembly; both pairs of quotes are needed
   linkwright source=urdf source.path=arm.urdf   build from a URDF or a xacro file, and its meshes
   linkwright source=mjcf source.path=arm.xml    build from an MJCF (MuJoCo XML)
   linkwright robot=my_arm until=graph           stop after a stage: fetch graph mesh export validate
   linkwright robot=my_arm "joints.*.damping=0.2" root=free
                                                 change keys and options of a robot
-  linkwright experiment=wide                    build what ./experiment/wide.yaml makes of a robot
+  linkwright experiment=wide                    build the robot of ./experiment/wide.yaml with its changes
   linkwright -m robot=my_arm root=fixed,free    a sweep: every combination, a folder each
 
 other verbs (linkwright VERB --help shows more):
-  linkwright bundle NAME out.zip                pack what the build of NAME read, to build it anywhere
-  linkwright cache info|gc|verify               the cache: its size and the API calls counted, clean, check
-  linkwright explain CODE|KEY                   what a code of a diagnostic, or a key, means
+  linkwright bundle NAME out.zip                pack the inputs of the build of NAME, to build it anywhere
+  linkwright cache info|gc|verify               show the cache's size and API calls, clean it, check it
+  linkwright explain CODE|KEY                   explain a diagnostic's code or a key
 
 options:
   -m, --multirun        sweep over values that are separated by commas;
-                        side by side with hydra/launcher=workstation
+                        in parallel with hydra/launcher=workstation
   --config-dir DIR      DIR holds robot/ with robots of your own (besides ./robot/); may be repeated
-  --cfg job|hydra|all   print the configuration, judged, and build nothing; with --resolve values in place of
-                        ${...}, with --package KEY a part of it
-  --info [KIND]         how it came to be: all config defaults defaults-tree plugins searchpath
+  --cfg job|hydra|all   print the validated configuration and build nothing; --resolve replaces ${...} by
+                        values, --package KEY prints a part
+  --info [KIND]         print how the configuration is composed: all config defaults
+                        defaults-tree plugins searchpath
   --install-completion [SHELL]
-                        the tab key completes: bash, zsh, fish (for this shell alone: -sc install=SHELL)
+                        install tab completion for bash, zsh or fish (in this shell only: -sc install=SHELL)
   -h, --help            this text
   --version             the version
 
 groups, each a set of presets (group=option):
   robot       sample, bare, and the files in ./robot/: everything below, in one file
   source      onshape, urdf, mjcf, bundle (a zip of replies), sample
-  root        auto, central, fixed, free: the root link and how it stands
+  root        auto, central, fixed, free: the root link and its base
   depth       flexible, rigid: which sub-assemblies may move inside
-  mesh        hull: what collides
+  mesh        hull: the colliders
   ground      plane, none
   export      [urdf,mjcf], urdf, mjcf
   validate    quick, standard, strict (warnings are errors)
@@ -69,7 +70,7 @@ environment:
 
 exit status:
   0  built and valid    1  failed    2  wrong configuration, nothing was built    130  interrupted
-  3  built, but a check failed, or it is not the newest state (the quota of calls is used up)
+  3  built, but a check failed, or the state is not the newest (the API quota is used up)
 """
 
 

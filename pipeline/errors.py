@@ -121,6 +121,6 @@ def _message(error: BaseException) -> str:
     if isinstance(error, OSError) and (error.filename or error.errno in FULL):
         return f"error: {error.filename or 'a file cannot be written'}: {reason(error)}"
     return (
-        f"error: a fault of linkwright itself: {type(error).__name__}: {error}\n"
+        f"error: a bug in linkwright: {type(error).__name__}: {error}\n"
         "  → LINKWRIGHT_TRACEBACK=1 shows where; so does build.log in the <output>.failed folder"
     )

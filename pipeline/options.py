@@ -10,10 +10,10 @@ INFO = ("all", "config", "defaults", "defaults-tree", "plugins", "searchpath")
 """What `--info` shows."""
 
 ELSEWHERE = {
-    "--config-name": "a robot is a file: linkwright robot=NAME, of ./robot/NAME.yaml",
-    "--config-path": "folders of your own are added: linkwright --config-dir DIR, where DIR holds robot/",
-    "--hydra-help": "linkwright --help lists everything; linkwright --cfg hydra shows what concerns Hydra",
-    "--experimental-rerun": "linkwright builds the same from the same files: type the command again",
+    "--config-name": "a robot is a file: linkwright robot=NAME builds ./robot/NAME.yaml",
+    "--config-path": "add a folder of your own: linkwright --config-dir DIR, where DIR holds robot/",
+    "--hydra-help": "linkwright --help lists all options; linkwright --cfg hydra shows Hydra's configuration",
+    "--experimental-rerun": "builds are reproducible: type the command again",
 }
 """Options of Hydra that have no meaning here → what to do instead."""
 

@@ -74,15 +74,15 @@ class Secrets:
             if name:
                 text = f"would hold the value of {name}; nothing was written"
                 hint = (
-                    "take it out of what the robot is built from (the name of a part, a property, a file), "
-                    "and make a new key in Onshape: whoever can read that has this one"
+                    "remove it from the robot's source (the name of a part, a property, a file), and "
+                    "create a new key in Onshape: everyone who can read the source has this key"
                 )
                 where = self.blanked(f"{path}{self._spot(data)}")
                 raise SecretFound(text, where, hint)
 
     def _problem(self, name: str, where: str) -> Diagnostic:
         text = f"holds the value of {name}, which would be written to files"
-        hint = "leave it out: the key is read from the environment or from .env alone"
+        hint = "remove it: the key is read only from the environment or from .env"
         return Diagnostic("E-SECRET", text, where, hint)
 
     def _in(self, text: str) -> str:

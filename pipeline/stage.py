@@ -98,7 +98,7 @@ class FetchStage(StageBase):
 
         preflight(plan, environ)
         if writes(plan) and plan.cache.mode == "bypass":
-            msg = "variables cannot be set without a cache: it remembers what to put back"
+            msg = "variables cannot be set without the cache, which stores their original values"
             raise ConfigError(msg, "source.variables", "leave out cache.mode=bypass")
 
     def config(self, context: BuildContext) -> Any:

@@ -251,7 +251,7 @@ def folder(configured: str | None, environ: Mapping[str, str]) -> Path:
         try:
             return Path(chosen).expanduser()
         except RuntimeError as error:
-            msg = f"{chosen} is in the home of nobody who is known here"
+            msg = f"{chosen} names the home folder of an unknown user"
             where = "cache.dir" if configured else "LINKWRIGHT_CACHE"
             raise ConfigError(msg, where, "name a folder, or leave it out") from error
     import platformdirs

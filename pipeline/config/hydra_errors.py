@@ -19,7 +19,7 @@ HEADER = f"the first line of a robot's file must be: {GLOBAL}"
 
 
 def explained(error: Exception, presets: Presets) -> Diagnostic:
-    """What the user did wrong where Hydra could not compose; raises what is a fault of Linkwright itself."""
+    """What the user did wrong where Hydra could not compose; raises what is a bug in Linkwright."""
     for kinds, handler in _HANDLERS:
         if isinstance(error, kinds):
             return handler(error, presets)

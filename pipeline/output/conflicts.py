@@ -53,7 +53,7 @@ def look(folder: Path, coming: Iterable[str], reader: DigestReader) -> Found:
         elif not entry.foreign or same(path) in files or same(path) in above:
             found.stopped[path] = why(entry)
         elif place.name != LOCKS and (build := _build_at(place, folder)):
-            found.stopped[path] = f"is or holds a build of its own ({build.relative_to(folder)})"
+            found.stopped[path] = f"is another build, or holds one ({build.relative_to(folder)})"
         else:
             found.carried.append(path)
     return found
@@ -70,7 +70,7 @@ def require_folder(folder: Path) -> None:
 def why(entry: Entry) -> str:
     """Why something stops a build that writes a file there."""
     if entry.foreign:
-        return "is not linkwright's, and is where the build puts a file of its own"
+        return "is not linkwright's, and the build writes a file to this path"
     return "was changed since it was built"
 
 
@@ -78,7 +78,7 @@ def message(folder: Path, stopped: Mapping[str, str]) -> str:
     """What stops a build, as a list."""
     lines = [f"    {printable(path)} {why}" for path, why in stopped.items()]
     more = [f"    and {len(lines) - SHOWN} more"] if len(lines) > SHOWN else []
-    return "\n".join([f"{folder} has what a build must not replace:", *lines[:SHOWN], *more])
+    return "\n".join([f"{folder} has files that a build must not replace:", *lines[:SHOWN], *more])
 
 
 def ways_out(folder: Path, found: Found | None = None) -> str:
@@ -86,7 +86,7 @@ def ways_out(folder: Path, found: Found | None = None) -> str:
     if found is not None and found.stuck:
         return "move it elsewhere, or build into another folder with output=FOLDER"
     return (
-        f"move it elsewhere, or say overwrite=true, which moves it to {folder.name}{REPLACED}, "
+        f"move it elsewhere, or set overwrite=true, which moves it to {folder.name}{REPLACED}, "
         "or build into another folder with output=FOLDER"
     )
 

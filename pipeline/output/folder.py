@@ -76,7 +76,7 @@ class Output:
             _staging(folder).mkdir()
             _staging(folder).rmdir()
         if kept:
-            self._report(f"not linkwright's, carried over: {conflicts.listed(kept)}")
+            self._report(f"kept, since not linkwright's: {conflicts.listed(kept)}")
 
     def size(self, suffix: str = "") -> int:
         """Bytes of the last build there, 0 where there is none."""
@@ -129,7 +129,7 @@ class Output:
                 self._mend(folder)
                 self._remove_ours(folder)
         except (LinkwrightError, OSError) as error:
-            self._report(f"{folder} stays: {error}")
+            self._report(f"{folder} was not removed: {error}")
 
     def _remove_ours(self, folder: Path) -> None:
         own = manifest.ours(folder) or {}
@@ -189,7 +189,7 @@ class Output:
         old.rename(_staging(folder))
         self._discard(folder)
         if moved:
-            self._report(f"was in the way, and is now {conflicts.listed(map(os.path.relpath, moved))}")
+            self._report(f"was in the way, and was moved to {conflicts.listed(map(os.path.relpath, moved))}")
 
     def _mend(self, folder: Path) -> None:
         """Finishes or undoes a swap that was cut short."""

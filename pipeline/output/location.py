@@ -45,7 +45,7 @@ def _check(place: Path, given: str) -> None:
         msg = f"{given} cannot be an output folder"
         raise ConfigError(msg, "output", "name a folder, such as output=outputs/arm")
     if os.path.expanduser(given).startswith("~"):  # noqa: PTH111
-        msg = f"{given} is in the home of nobody who is known here"
+        msg = f"{given} names the home folder of an unknown user"
         raise ConfigError(msg, "output", ELSEWHERE)
     for name, most in (*((one, NAME_MAX) for one in place.parent.parts), (place.name, LONGEST)):
         if len(os.fsencode(name)) > most:
@@ -60,7 +60,7 @@ def _check(place: Path, given: str) -> None:
         if not folder.is_symlink() and not folder.is_dir():
             raise ConfigError(f"{folder} is a file", "output", ELSEWHERE)
     if place.is_mount():
-        msg = f"{place} is where a file system is mounted: it cannot be replaced as a whole"
+        msg = f"{place} is a mount point and cannot be replaced"
         raise ConfigError(msg, "output", f"name a folder in it, such as output={place / 'arm'}")
 
 

@@ -10,22 +10,23 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.errors import CacheError, ConfigError, OutputError
+from stages.robot.plural import count
 
 HELP = """\
-linkwright bundle: pack what a build read into one file, which builds the robot anywhere.
+linkwright bundle: pack the inputs of a build into one file, to build the robot anywhere.
 
 usage: linkwright bundle NAME OUT.zip [cache.dir=FOLDER]
 
-  linkwright bundle my_arm my_arm.zip           what the build in outputs/my_arm read
-  linkwright bundle builds/arm.failed arm.zip   any folder of a build, also of one that failed
+  linkwright bundle my_arm my_arm.zip           the inputs of the build in outputs/my_arm
+  linkwright bundle builds/arm.failed arm.zip   the folder of any build, also of a failed build
 
-NAME is the robot's name, or the folder that its build left. The replies come from the cache, so no
-call is made: the one that the build used (key cache.dir, environment LINKWRIGHT_CACHE, or the
-platform's), unless cache.dir= names another. OUT.zip is replaced if it is a zip file.
+NAME is the robot's name, or the output folder of its build. The replies come from the cache, so no
+API call is made. It is the cache that the build used (key cache.dir, environment LINKWRIGHT_CACHE, or
+the platform's folder), unless cache.dir= names another. OUT.zip is replaced if it is a zip file.
 
-The zip holds replies of the CAD system as they came; of a URDF its text (after xacro) and the
-triangles of its meshes, of an MJCF what MuJoCo made of it. No key, and nothing about this computer.
-To build from it, on any computer, with the same configuration and to the same robot files:
+The zip holds the replies of the CAD system, unchanged; for a URDF its text (after xacro) and the
+triangles of its meshes; for an MJCF the model that MuJoCo compiled. It holds no API key and nothing
+about this computer. On any computer, the same configuration builds the same robot files from it:
 
   linkwright robot=my_arm source=bundle source.path=my_arm.zip
 
@@ -58,7 +59,9 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
     manifest = _manifest(folder)
     data, replies = _packed(folder, manifest, asked, environ)
     _write(asked.out, data)
-    print(f"{asked.out}: {replies} replies, {len(data) / 1e6:.2f} MB, all that {folder} was built from")
+    print(
+        f"{asked.out}: {count(replies, 'reply', 'replies')}, {len(data) / 1e6:.2f} MB: all inputs of {folder}"
+    )
     print(f"  → linkwright source=bundle source.path={asked.out}")
     return 0
 
@@ -72,10 +75,10 @@ def parse(arguments: Sequence[str]) -> Request:
         msg = f"there is no option {options[0]}"
         raise ConfigError(msg, "bundle", _USAGE)
     if len(places) != 2:
-        msg = f"a build and the file to write are expected, and {len(places)} were given"
+        msg = f"expected a build and the file to write, got {count(len(places), 'argument')}"
         raise ConfigError(msg, "bundle", _USAGE)
     if caches and not caches[-1]:
-        msg = "a folder is expected"
+        msg = "expected a folder"
         raise ConfigError(msg, "cache.dir", _USAGE)
     return Request(places[0], Path(places[1]), caches[-1] if caches else None)
 
@@ -90,7 +93,7 @@ def find(name: str) -> Path:
             return place
     kin = sorted(str(place) for place in _siblings(Path("outputs"), name) if is_build(place))
     there = f"there is {', '.join(kin)}: name it" if kin else "build it first, or name the folder of a build"
-    msg = f"no build is in {places[0]} or {places[1]}"
+    msg = f"there is no build in {places[0]} or {places[1]}"
     raise ConfigError(msg, "bundle", there)
 
 
@@ -109,7 +112,7 @@ def _check_place(out: Path) -> None:
         msg = f"{out} cannot be written: there is no folder {out.parent}"
         raise ConfigError(msg, "bundle", "make the folder, or choose another place")
     if out.is_dir() or (out.exists() and not zipfile.is_zipfile(out)):
-        msg = f"{out} is there already, and is no zip file"
+        msg = f"{out} exists and is not a zip file"
         raise ConfigError(msg, "bundle", "choose another name: only an older bundle is replaced")
 
 
@@ -120,7 +123,7 @@ def _manifest(folder: Path) -> str:
     manifest = bundle.get("manifest") if isinstance(bundle, dict) else None
     if not isinstance(manifest, str):
         msg = "its report names no bundle: the build ended before everything was fetched"
-        raise OutputError(msg, str(folder), "build it again; what was fetched is kept")
+        raise OutputError(msg, str(folder), "build it again; replies that were fetched are kept")
     return manifest
 
 
@@ -140,9 +143,9 @@ def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, s
             data = pack(bundle)
             # What cannot be read back (too large) is no bundle; the error belongs here.
             return data, len(read(data, str(asked.out)).blobs)
-    msg = f"the cache does not have all that {folder} was built from"
+    msg = f"the cache lacks inputs of {folder}"
     hint = (
-        "build it again without cache.mode=bypass (only replies that are gone are asked for), or name the "
+        "build it again without cache.mode=bypass (only missing replies are fetched), or name the "
         "cache folder that the build used: cache.dir=FOLDER"
     )
     raise CacheError(msg, ", ".join(str(root) for root in roots), hint)

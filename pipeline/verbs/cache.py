@@ -10,6 +10,7 @@ from pipeline.caching.actions import folder
 from pipeline.errors import ConfigError
 from pipeline.lock import FOLDER as LOCKS
 from stages.fetch.onshape.api import ledger
+from stages.robot.plural import count
 
 HELP = """\
 linkwright cache: look after the cache, where builds keep what they fetched and made.
@@ -17,18 +18,18 @@ linkwright cache: look after the cache, where builds keep what they fetched and 
 usage: linkwright cache info|gc|verify [--max-size SIZE] [cache.dir=FOLDER]
 
   linkwright cache info                         where it is, its size, and the API calls counted
-  linkwright cache gc --max-size 5G             make room: drop what was used longest ago
-  linkwright cache verify                       read everything; remove what a disk has harmed
+  linkwright cache gc --max-size 5G             free space: drop what was used longest ago
+  linkwright cache verify                       check every file; remove corrupt files
 
 The calls are those that count against the yearly quota, by key and calendar year (UTC), as far as
 builds with this cache made them. A key is shown by the start of its hash, and stored nowhere.
 
---max-size is a number with K, M, G or T (powers of 1000), 20G unless said. Replies that cost API
-calls are dropped last; what was used within the hour stays. Lock files that no build holds go too, those
-beside the builds in ./outputs as well. The folder is that of cache.dir=, else
-of the environment variable LINKWRIGHT_CACHE, else the platform's.
+--max-size is a number with K, M, G or T (powers of 1000); the default is 20G. Replies that cost API
+calls are dropped last; files used within the last hour stay. Lock files that no build uses are removed
+too, also those beside the builds in ./outputs. The cache folder is cache.dir=, else the environment
+variable LINKWRIGHT_CACHE, else the platform's cache folder.
 
-exit status: 0 done, all whole; 1 verify found something harmed, or the folder cannot be used; 2 wrong usage
+exit status: 0 done; 1 verify found corrupt files, or the folder cannot be used; 2 wrong usage
 """
 
 _USAGE = "linkwright cache info|gc|verify; linkwright cache --help shows more"
@@ -50,7 +51,7 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
         "verify": _verify,
     }
     if len(rest) != 1 or rest[0] not in verbs or (most is not None and rest[0] != "gc"):
-        msg = f"one of info, gc and verify is expected, not: {' '.join(arguments) or 'nothing'}"
+        msg = f"expected info, gc or verify, got {' '.join(arguments) or 'nothing'}"
         raise ConfigError(msg, "cache", _USAGE)
     configured = dirs[-1].removeprefix(_DIR) if dirs else None
     return verbs[rest[0]](folder(configured, environ))
@@ -77,7 +78,7 @@ def _info(root: Path) -> int:
     found = maintenance.summary(root)
     print(root)
     print(
-        f"  {_size(found.size)}: {found.blobs} files and {found.records} records, "
+        f"  {_size(found.size)}: {count(found.blobs, 'file')} and {count(found.records, 'record')}, "
         f"{found.replies} of them replies that were paid for"
     )
     years = ledger.years(root / ledger.FOLDER)
@@ -96,23 +97,25 @@ def _gc(root: Path, most: int) -> int:
         maintenance.drop_locks(outputs / LOCKS)
     paid = f" ({done.paid} of them replies that were paid for)" if done.paid else ""
     print(f"{root}: {_size(done.freed)} freed, {_size(done.size)} left")
-    print(f"  dropped {done.records} records{paid} and {done.blobs} files")
+    print(f"  dropped {count(done.records, 'record')}{paid} and {count(done.blobs, 'file')}")
     if done.size > most:
-        print(f"  more than {_size(most)} is left, since the rest was used within the hour: try again later")
+        print(f"  more than {_size(most)} is left: the rest was used within the last hour; try again later")
     return 0
 
 
 def _verify(root: Path) -> int:
     found = maintenance.verify(root)
     if not found.broken and not found.records:
-        print(f"{root}: {found.blobs} files, all whole")
+        print(f"{root}: {count(found.blobs, 'file')}, all intact")
         return 0
-    print(f"{root}: {found.blobs} files, {len(found.broken)} harmed and removed")
+    print(f"{root}: {count(found.blobs, 'file')}, {len(found.broken)} corrupt and removed")
     for digest in found.broken:
         print(f"  {digest}")
-    print(f"  {found.records} records named what is gone, and were removed: it will be made again")
+    print(
+        f"  {count(found.records, 'record')} of missing files removed: the next build makes these files again"
+    )
     if found.paid:
-        print(f"  {found.paid} of them were replies: to get them again costs as many API calls")
+        print(f"  {found.paid} of them were replies: fetching them again costs as many API calls")
     return 1
 
 

@@ -59,7 +59,7 @@ def refuses(arguments, capsys):
 def test_a_hostile_robot_is_refused(tmp_path, capsys, name):
     hostile(tmp_path, name)
     said = refuses(["robot=mine"], capsys)
-    assert "fault of linkwright" not in said
+    assert "bug in linkwright" not in said
     assert "E-" in said
 
 

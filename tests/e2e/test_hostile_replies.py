@@ -56,7 +56,7 @@ def limited(here: Path, *arguments: str, **environ: str) -> str:
     )
     assert done.returncode in (1, 2), done.stderr
     assert done.stderr.count("error:") == 1
-    assert "a fault of linkwright" not in done.stderr, done.stderr
+    assert "a bug in linkwright" not in done.stderr, done.stderr
     return done.stderr
 
 

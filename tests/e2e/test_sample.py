@@ -108,7 +108,7 @@ def test_what_the_user_put_into_the_output_is_kept_or_stops_the_next_build(tmp_p
     (folder / "NOTES.md").write_text("mine")
     again = linkwright(tmp_path)
     assert again.returncode == 0
-    assert "not linkwright's, carried over: NOTES.md" in again.stderr
+    assert "kept, since not linkwright's: NOTES.md" in again.stderr
     with (folder / "scene.xml").open("a") as file:
         file.write("<!-- mine -->")
     mine = (folder / "scene.xml").read_bytes()
@@ -118,7 +118,7 @@ def test_what_the_user_put_into_the_output_is_kept_or_stops_the_next_build(tmp_p
     assert (folder / "scene.xml").read_bytes() == mine
     forced = linkwright(tmp_path, "overwrite=true")
     assert forced.returncode == 0
-    assert "was in the way, and is now outputs/sample.replaced/scene.xml" in forced.stderr
+    assert "was in the way, and was moved to outputs/sample.replaced/scene.xml" in forced.stderr
     assert (tmp_path / "outputs" / "sample.replaced" / "scene.xml").read_bytes() == mine
     assert (folder / "scene.xml").read_bytes() != mine
     assert (folder / "NOTES.md").read_text() == "mine"

@@ -151,7 +151,7 @@ def _fails(tmp_path: Path, way: str, place: str, fault: str, call: int) -> None:
         done = run(tmp_path, server, way, place)
     assert done.returncode == 1, done.stderr
     assert "\nerror: " in done.stderr
-    assert "a fault of linkwright itself" not in done.stderr
+    assert "a bug in linkwright" not in done.stderr
     assert (tmp_path / "outputs" / "sample.graph.failed").is_dir() or (
         tmp_path / "outputs" / "sample.failed"
     ).is_dir()

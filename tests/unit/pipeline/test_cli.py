@@ -114,7 +114,7 @@ def test_the_exit_status_is_the_reports(empty, status):
         (
             ZeroDivisionError("by zero"),
             1,
-            "error: a fault of linkwright itself: ZeroDivisionError: by zero\n"
+            "error: a bug in linkwright: ZeroDivisionError: by zero\n"
             "  → LINKWRIGHT_TRACEBACK=1 shows where; so does build.log in the <output>.failed folder\n",
         ),
     ],

@@ -150,7 +150,7 @@ def test_what_the_cache_no_longer_has_is_told_with_how_to_get_it(built, capsys, 
         reply.write_bytes(b"{") if lost == "harmed" else reply.unlink()
     assert run(["bundle", "arm", "arm.zip"]) == 1
     told = capsys.readouterr().err
-    assert f"{built / 'cache'}: the cache does not have all that outputs/arm was built from" in told
+    assert f"{built / 'cache'}: the cache lacks inputs of outputs/arm" in told
     assert "cache.dir=FOLDER" in told
     assert not Path("arm.zip").exists()
 
@@ -161,7 +161,7 @@ def _is_reply(path: Path) -> bool:
 
 def test_a_cache_that_is_named_is_the_one_that_is_looked_in(built, capsys):
     assert run(["bundle", "arm", "arm.zip", "cache.dir=nowhere"]) == 1
-    assert "nowhere: the cache does not have" in capsys.readouterr().err
+    assert "nowhere: the cache lacks inputs" in capsys.readouterr().err
     shutil.move("cache", "elsewhere")
     assert run(["bundle", "arm", "arm.zip", "cache.dir=elsewhere"]) == 0
 
@@ -169,7 +169,7 @@ def test_a_cache_that_is_named_is_the_one_that_is_looked_in(built, capsys):
 def test_an_older_bundle_is_replaced_and_nothing_else_is(built, capsys):
     Path("arm.txt").write_text("mine")
     assert run(["bundle", "arm", "arm.txt"]) == 2
-    assert "is there already, and is no zip file" in capsys.readouterr().err
+    assert "exists and is not a zip file" in capsys.readouterr().err
     assert Path("arm.txt").read_text() == "mine"
     assert run(["bundle", "arm", "arm.zip"]) == 0
     first = Path("arm.zip").read_bytes()
@@ -181,12 +181,12 @@ def test_an_older_bundle_is_replaced_and_nothing_else_is(built, capsys):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        ([], "0 were given"),
-        (["arm"], "1 were given"),
-        (["arm", "a.zip", "b.zip"], "3 were given"),
+        ([], "got 0 arguments"),
+        (["arm"], "got 1 argument"),
+        (["arm", "a.zip", "b.zip"], "got 3 arguments"),
         (["--fast", "arm", "a.zip"], "there is no option --fast"),
-        (["arm", "a.zip", "cache.dir="], "a folder is expected"),
-        (["leg", "a.zip"], "no build is in outputs/leg or leg"),
+        (["arm", "a.zip", "cache.dir="], "expected a folder"),
+        (["leg", "a.zip"], "there is no build in outputs/leg or leg"),
         (["arm", "no/such/a.zip"], "there is no folder no/such"),
     ],
 )

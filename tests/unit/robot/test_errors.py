@@ -33,7 +33,7 @@ def test_a_message_says_where_what_and_what_to_do_without_a_traceback():
 
 def test_a_fault_of_the_program_says_so_and_where_its_traceback_is():
     text = errors.render(ZeroDivisionError("division by zero"))
-    assert "fault of linkwright" in text
+    assert "bug in linkwright" in text
     assert "ZeroDivisionError: division by zero" in text
     assert "build.log" in text
 

@@ -440,7 +440,7 @@ def test_a_sweep_must_not_write(server):
 
 def test_without_a_lasting_cache_nothing_is_written(server, tmp_path):
     plan = onshape_plan(server, cache={"mode": "bypass"}, output=str(tmp_path / "out"))
-    with pytest.raises(ConfigError, match="variables cannot be set without a cache"):
+    with pytest.raises(ConfigError, match="variables cannot be set without the cache"):
         build(plan, environ=server.environ)
     assert server.calls == []
 

@@ -261,6 +261,6 @@ def test_one_at_a_time_is_alone_with_a_subject(cache):
     ],
 )
 def test_a_cache_in_the_home_of_nobody_is_refused(configured, environ, where):
-    with pytest.raises(ConfigError, match="nobody who is known") as caught:
+    with pytest.raises(ConfigError, match="an unknown user") as caught:
         folder(configured, environ)
     assert caught.value.where == where

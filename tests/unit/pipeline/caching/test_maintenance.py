@@ -185,13 +185,13 @@ class TestCommand:
         assert run(["cache", "verify", f"cache.dir={tmp_path / 'cache'}"]) == 1
         assert digest in capsys.readouterr().out
         assert run(["cache", "verify"]) == 0
-        assert "all whole" in capsys.readouterr().out
+        assert "all intact" in capsys.readouterr().out
         make(cache, 1)
         assert run(["cache", "gc", "--max-size=0"]) == 0
-        assert "used within the hour" in capsys.readouterr().out
+        assert "used within the last hour" in capsys.readouterr().out
         age(cache.store.root)
         assert run(["cache", "gc", "--max-size", "1.5k"]) == 0
-        assert "dropped 1 records" in capsys.readouterr().out
+        assert "dropped 1 record" in capsys.readouterr().out
 
     @pytest.mark.parametrize(
         "arguments",

@@ -145,7 +145,7 @@ def test_hydras_options_are_read(arguments, command):
         (["-m", "--cfg", "job"], "--cfg shows one configuration, and a sweep has many"),
         (["--resolve"], "--package and --resolve belong to --cfg\n  → linkwright --cfg job --resolve"),
         (["--config-name", "x"], "there is no option --config-name here\n  → a robot is a file"),
-        (["-cp", "x"], "there is no option -cp here\n  → folders of your own are added"),
+        (["-cp", "x"], "there is no option -cp here\n  → add a folder of your own"),
         (["--nope"], "there is no option --nope\n  → linkwright --help"),
     ],
 )

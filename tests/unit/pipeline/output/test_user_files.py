@@ -89,7 +89,7 @@ def test_what_is_not_ours_is_carried_over_untouched_and_named_in_one_line(output
     before = {path: os.lstat(output.target / path) for path in mine}
     output.prepare()
     assert len(heard) == 1
-    assert "carried over: NOTES.md, assets/mine.stl, assets/sub, dangling, empty, link, pipe" in heard[0]
+    assert "not linkwright's: NOTES.md, assets/mine.stl, assets/sub, dangling, empty, link, pipe" in heard[0]
     assert "\n" not in heard[0]
     output.publish(build(b"2\n"))
     assert content(output.target) == build(b"2\n") | mine
@@ -154,24 +154,24 @@ def a_link_for_a_folder(folder):
 
 def a_build(folder):
     Output(folder / "variants" / "b").publish(build(b"inside"))
-    return "variants is or holds a build of its own (variants/b)"
+    return "variants is another build, or holds one (variants/b)"
 
 
 def a_build_of_old(folder):
     (folder / "b").mkdir()
     (folder / "b" / "report.json").write_bytes(OURS)
-    return "b is or holds a build of its own (b)"
+    return "b is another build, or holds one (b)"
 
 
 def a_build_in_a_folder_of_ours(folder):
     Output(folder / "assets" / "b").publish(build(b"inside"))
-    return "assets/b is or holds a build of its own (assets/b)"
+    return "assets/b is another build, or holds one (assets/b)"
 
 
 def a_sweep(folder):
     (folder / "s").mkdir()
     (folder / "s" / "summary.json").write_text('{"linkwright-sweep": 1}')
-    return "s is or holds a build of its own (s)"
+    return "s is another build, or holds one (s)"
 
 
 IN_THE_WAY = [
