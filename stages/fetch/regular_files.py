@@ -59,7 +59,7 @@ def require(path: str, key: str, wanted: str, example: str) -> None:
         return
     what = f"is a folder, and {wanted}" if place.is_dir() else "does not exist"
     if is_special(place):
-        what = f"is no such file: {NOT_REGULAR}"
+        what = f"is not a regular file: {NOT_REGULAR}"
     raise ConfigError(
         f"{path} {what}", key, f"paths start from the working folder; give one such as {example}"
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, ClassVar
 
 from stages.fetch.source import FileSource
+from stages.robot.plural import count
 
 if TYPE_CHECKING:
     from stages.fetch.recording import Recording
@@ -38,7 +39,7 @@ class RobotFileSource(FileSource):
                 triangles.check(recording.blobs[name])
         except ProtocolError as error:
             msg = f"not readable as a bundle: {error.message}"
-            hint = "make the bundle again, or get it again from where it came"
+            hint = "make the bundle again, or copy it again from its source"
             raise SourceError(msg, where, hint) from None
         wanted = {recording.definition, *recording.requests.values()}
         return FileBundle(
@@ -57,4 +58,4 @@ class RobotFileSource(FileSource):
     @staticmethod
     def summary(bundle: Bundle) -> str:
         meshes = sum(request.startswith(MESH) for request in bundle.requests)
-        return f"{bundle.root['document']} and {meshes} {'mesh' if meshes == 1 else 'meshes'}"
+        return f"{bundle.root['document']} and {count(meshes, 'mesh', 'meshes')}"

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from stages.robot.errors import AssemblyError, Diagnostic
+from stages.robot.plural import count
 
 
 @dataclass(slots=True)
@@ -25,6 +26,5 @@ class Diagnostics:
     def raise_errors(self) -> None:
         """AssemblyError with every problem so far, if there is any."""
         if self.problems:
-            count = len(self.problems)
-            msg = f"the assembly cannot be built: {count} problem{'s' if count > 1 else ''}"
+            msg = f"the assembly cannot be built: {count(len(self.problems), 'problem')}"
             raise AssemblyError(msg, problems=sorted(self.problems, key=lambda p: (p.code, p.where)))

@@ -65,7 +65,7 @@ DEFINITION, MASS, TRIANGLES, GLTF = "/assemblies/", "/massproperties", "/tessell
 BODY = b'{"bodies":[{"id":"JHD","faces":['
 
 REPLIES = {
-    "packed twice": (MASS, TWICE, {"Content-Encoding": "gzip, gzip"}, "was not asked for"),
+    "packed twice": (MASS, TWICE, {"Content-Encoding": "gzip, gzip"}, "unexpected encoding"),
     "a definition without end": (DEFINITION, packed((b" " * MB, 2000)), GZIP, "(64 MB)"),
     "a mass reply without end": (MASS, packed((b" " * MB, 2000)), GZIP, "(32 MB)"),
     "triangles without end": (TRIANGLES, packed((b" " * MB, 2000)), GZIP, "(1024 MB)"),

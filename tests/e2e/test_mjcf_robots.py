@@ -100,7 +100,7 @@ def test_a_scene_is_called_as_the_folder_it_is_in(tmp_path: Path) -> None:
     mostly_slow(
         [
             (None, 2, "does not exist"),
-            ("hello", 1, "no XML"),
+            ("hello", 1, "not XML"),
             (ARM.replace("<worldbody>", '<asset><mesh file="gone.stl"/></asset><worldbody>'), 1, "gone.stl"),
             ('<mujoco><include file="arm.xml"/></mujoco>', 1, "already included"),
             (model(body("a", pos="nan 0 0")), 1, "NaN"),
@@ -116,7 +116,7 @@ def test_a_scene_is_called_as_the_folder_it_is_in(tmp_path: Path) -> None:
         ],
         keep=3,
     ),
-    ids=["absent", "no XML", "no mesh", "circle", "nan", "deep", "long", "entities"],
+    ids=["absent", "not XML", "no mesh", "circle", "nan", "deep", "long", "entities"],
 )
 def test_what_cannot_be_read_is_one_message_at_once(
     tmp_path: Path, text: str | None, status: int, said: str

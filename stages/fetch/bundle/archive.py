@@ -126,7 +126,7 @@ def read(data: bytes, where: str) -> Recording:
     blobs = {name.removeprefix(_FOLDER): body for name, body in entries.items()}
     for name, body in blobs.items():
         if sha256(body).hexdigest() != name:
-            raise _refused(f"its reply {name} does not have that digest: the file was changed", where)
+            raise _refused(f"its reply {name} does not match its digest: the file was changed", where)
     largest = source_class(manifest.kind).largest_reply
     for request, name in sorted({_DEFINITION: manifest.definition, **manifest.requests}.items()):
         if name not in blobs:
@@ -202,7 +202,7 @@ def _inflated(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> bytes:
         body = entry.read(info.file_size)
         # The check sum is compared where the end is met.
         if len(body) != info.file_size or entry.read(1):
-            msg = f"{info.filename} does not have the size that is announced"
+            msg = f"{info.filename} does not have the size in its header"
             raise ValueError(msg)
     return body
 
@@ -225,7 +225,7 @@ def _check_names(infos: list[zipfile.ZipInfo], where: str) -> None:
             # Other methods let a file of a few bytes ask for gigabytes of working memory.
             raise _refused(f"its entry {name!r} is packed by another method than deflate", where)
         if name in seen:
-            raise _refused(f"its entry {name!r} is there twice", where)
+            raise _refused(f"its entry {name!r} occurs twice", where)
         seen.add(name)
 
 
@@ -238,7 +238,7 @@ def _check_sizes(infos: list[zipfile.ZipInfo], where: str) -> None:
             raise _refused(f"its manifest.json would unpack to {info.file_size} bytes", where)
         bound = _MOST_RATIO * max(info.compress_size, 1)
         if info.file_size > _RATIO_MATTERS and info.file_size > bound:
-            raise _refused(f"its entry {info.filename!r} is packed too tightly to be a reply", where)
+            raise _refused(f"its entry {info.filename!r} is compressed too strongly to be a reply", where)
 
 
 def _manifest(body: bytes, where: str) -> _Manifest:
@@ -264,4 +264,4 @@ def _manifest(body: bytes, where: str) -> _Manifest:
 
 def _refused(why: str, where: str) -> SourceError:
     msg = f"not readable as a bundle: {why}"
-    return SourceError(msg, where, "make the bundle again, or get it again from where it came")
+    return SourceError(msg, where, "make the bundle again, or copy it again from its source")

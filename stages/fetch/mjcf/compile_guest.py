@@ -44,7 +44,7 @@ def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
             spec.compiler.discardvisual = False
             model = spec.compile()
         except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
-            msg = f"MuJoCo refuses it: {_in_one_line(str(error), path)}"
+            msg = f"MuJoCo cannot compile it: {_in_one_line(str(error), path)}"
             raise SourceError(msg, path.name, _HINT) from None
     return model, spec, [_in_one_line(text, path) for text in sorted(set(heard))]
 

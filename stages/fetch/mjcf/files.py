@@ -1,7 +1,7 @@
-"""The files that an MJCF is made of, found without MuJoCo: by which a change is seen.
+"""The files that an MJCF names, found without MuJoCo, to notice when one changes.
 
-MuJoCo alone reads them. Here every file on disk counts that an attribute `file...` may mean, in any of
-the folders that a `<compiler>` names: one too many only builds the robot again.
+Only MuJoCo reads them. Here every file on disk counts that an attribute `file...` may name, in any of
+the folders that a `<compiler>` names: a file too many only causes a needless build.
 """
 
 import os
@@ -17,17 +17,17 @@ from stages.fetch import regular_files
 from stages.robot.errors import SourceError
 
 LARGEST_TEXT = 1 << 25
-"""Longer XML is not read [bytes]: a model of 10,000 bodies has a tenth of that."""
+"""Largest size of an XML file [bytes]: a model of 10,000 bodies has a tenth of that."""
 
 LARGEST_FILE = 1 << 29
-"""Larger files are not read [bytes]."""
+"""Largest size of one file [bytes]."""
 
 LARGEST_MODEL = 1 << 32
-"""A model's files have no more than this together [bytes]."""
+"""Largest total size of a model's files [bytes]."""
 
 _MOST_FILES = 20_000
 _MOST_PLACES = 200_000
-"""Places at which files are looked for: names by folders."""
+"""Largest number of paths that are looked up: file names times folders."""
 
 _NO_TEXT = (".stl", ".obj", ".msh", ".png", ".hdr", ".ply", ".dae", ".skn", ".bin", ".ktx")
 _FIRST = re.compile(r"<([A-Za-z_][\w.-]*)")
@@ -37,16 +37,16 @@ _FOLDER = re.compile(r"""\b(?:meshdir|texturedir|assetdir)\s*=\s*(?:"([^"]*)"|'(
 
 @dataclass(frozen=True, slots=True)
 class ModelFiles:
-    """`digests`: SHA-256 of the model's own file and of all that it may read, by their paths from its
-    folder; `texts`: those of them that may be XML, the model's own first."""
+    """`digests`: SHA-256 of the model's own file and of all files that it may read, by their paths from its
+    folder; `texts`: the files that may be XML, the model's own first."""
 
     digests: dict[str, str]
     texts: tuple[Path, ...]
 
 
 def survey(path: Path) -> ModelFiles:
-    """The files of a model. SourceError where its own cannot be read or is no MJCF, and where one that
-    it names is no regular file, or is too large."""
+    """The files of a model. SourceError where its own file cannot be read or is not an MJCF, and where a file
+    that it names is not a regular file, or is too large."""
     found: dict[Path, str] = {}
     texts, seen = [path], 0
     folders = {""}
@@ -63,7 +63,7 @@ def survey(path: Path) -> ModelFiles:
         if len(wanted) + len(new) > _MOST_FILES:
             raise _refused(path.name, f"it names more than {_MOST_FILES} files")
         if (len(wanted) + len(new)) * len(folders) > _MOST_PLACES:
-            raise _refused(path.name, f"its files may be at more than {_MOST_PLACES} places")
+            raise _refused(path.name, f"its file names and folders give more than {_MOST_PLACES} paths")
         for (beside, name), folder in sorted(chain(product(new, folders), product(wanted, new_folders))):
             for candidate in _places(path.parent, beside, folder, name):
                 if candidate in found or not os.path.exists(candidate):  # noqa: PTH110
@@ -104,11 +104,13 @@ def _own_text(path: Path) -> str:
         raise SourceError(msg, path.name, "check source.path and its permissions") from None
     first = _FIRST.search(text)
     if first is None:
-        raise _refused(path.name, "it is no XML", "source.path is an MJCF, whose first element is <mujoco>")
+        raise _refused(
+            path.name, "it is not XML", "source.path must name an MJCF, whose first element is <mujoco>"
+        )
     if first[1] == "robot":
-        raise _refused(path.name, "it is a URDF", "source=urdf reads those")
+        raise _refused(path.name, "it is a URDF", "source=urdf reads a URDF")
     if first[1] != "mujoco":
-        raise _refused(path.name, f"its first element is <{first[1]}>", "an MJCF's is <mujoco>")
+        raise _refused(path.name, f"its first element is <{first[1]}>, expected <mujoco>")
     return text
 
 

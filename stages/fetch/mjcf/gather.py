@@ -38,9 +38,9 @@ _KEY = re.compile(r"[A-Za-z0-9_-]{1,60}")
 _LONGEST, _MOST_WARNINGS = 500, 100
 """How long a warning of MuJoCo may be, and how many of them are reported."""
 
-_LOOK = "see whether the file means what MuJoCo made of it"
+_LOOK = "check that MuJoCo read the file as intended"
 _SMALLER = (
-    "look for what makes it large (counts, sizes, models in models) or for a file that names itself; "
+    "look for large counts or sizes, models in models, or a file that includes itself; "
     "MuJoCo's own viewer may say more (python -m mujoco.viewer --mjcf=...)"
 )
 

@@ -1,4 +1,4 @@
-"""Numbers in an MJCF by which a few bytes become more than a robot has."""
+"""Size limits on an MJCF: counts by which a few bytes of XML would become a huge model."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -12,19 +12,20 @@ from stages.formats.xml import Element
 from stages.robot.errors import SourceError
 
 MOST_COPIES = 10_000
-"""Elements that those which copy may make of what is in them."""
+"""Largest number of elements that <replicate>, <composite> and <flexcomp> may make."""
 
 MOST_COUNT = 10_000
-"""The largest number of anything that an attribute makes room for."""
+"""Largest value of an attribute that allocates memory."""
 
 MOST_CELLS = 1 << 26
-"""Pixels or points that an image or a height field may have."""
+"""Largest number of pixels of an image, or of points of a height field."""
 
 MOST_BODIES = 20_000
-"""Bodies that a file may have: MuJoCo's compiler takes a minute for that many, and the square for more."""
+"""Largest number of bodies: MuJoCo's compiler takes a minute for these, and its time grows with the
+square."""
 
 MOST_LETTERS = 1000
-"""The longest name."""
+"""Largest length of a name."""
 
 _NAMES = ("name", "model", "prefix", "class")
 _COUNTS = re.compile(r"nkey|nuser\w*|dim|actdim|nsample")
@@ -33,20 +34,20 @@ _AREAS = {"hfield": ("nrow", "ncol"), "texture": ("width", "height")}
 
 
 def require(path: Path, texts: Iterable[Path]) -> None:
-    """SourceError where the XML of the model `path`, in `texts`, asks for more than is read. What takes
-    several files, or MuJoCo's own reading, to be seen is left to the guest's bounds."""
+    """SourceError where the XML of the model `path`, in `texts`, exceeds a limit. What only
+    several files, or MuJoCo's own parser, would show is left to the limits of the guest process."""
     for text in texts:
         try:
             root = xml.parse(regular_files.content(text, LARGEST_TEXT), large=True)
         except (xml.Malformed, OSError, regular_files.FileTooLarge):
-            continue  # MuJoCo's to judge
+            continue  # MuJoCo reports that
         for why in _beyond(root):
-            msg = f"it asks for more than is read: {why}"
-            raise SourceError(msg, path.name, "no robot needs so much: take it out, or lower the number")
+            msg = f"it exceeds a size limit: {why}"
+            raise SourceError(msg, path.name, "remove it, or lower the number")
 
 
 def _beyond(root: Element) -> Iterator[str]:
-    """What is beyond the bounds, as "<size nkey> is 2000000000; at most 10000"."""
+    """Violations of the limits, such as "<size nkey> is 2000000000; at most 10000 is allowed"."""
     copies: dict[Element, float] = {}
     made = bodies = 0.0
     for element in root.iter():
@@ -56,25 +57,25 @@ def _beyond(root: Element) -> Iterator[str]:
         bodies += element.tag == "body"
         if made > MOST_COPIES:
             copying = ", ".join(f"<{one}>" for one in _COPYING)
-            yield f"what it copies ({copying}) comes to {made:.6g} elements; at most {MOST_COPIES}"
+            yield f"its copies ({copying}) come to {made:.6g} elements; at most {MOST_COPIES} are allowed"
             return
         yield from _large(element)
     if bodies > MOST_BODIES:
-        yield f"it has {bodies:.0f} bodies; at most {MOST_BODIES}"
+        yield f"it has {bodies:.0f} bodies; at most {MOST_BODIES} are allowed"
 
 
 def _large(element: Element) -> Iterator[str]:
-    """What is beyond the bounds in one element."""
+    """Violations of the limits in one element."""
     name = element.tag
     for key, value in element.items():
         if _COUNTS.fullmatch(key) and _number(value) > MOST_COUNT:
-            yield f"<{name} {key}> is {_number(value):.12g}; at most {MOST_COUNT}"
+            yield f"<{name} {key}> is {_number(value):.12g}; at most {MOST_COUNT} is allowed"
         if key in _NAMES and len(value) > MOST_LETTERS:
-            yield f"the {key} of a <{name}> has {len(value)} letters; at most {MOST_LETTERS}"
+            yield f"the {key} of a <{name}> has {len(value)} letters; at most {MOST_LETTERS} are allowed"
     if name in _AREAS:
         cells = prod(_product(element, key) for key in _AREAS[name])
         if cells > MOST_CELLS:
-            yield f"<{name}> has {cells:.6g} points; at most {MOST_CELLS}"
+            yield f"<{name}> has {cells:.6g} points; at most {MOST_CELLS} are allowed"
 
 
 def _product(element: Element, key: str) -> float:
@@ -82,7 +83,7 @@ def _product(element: Element, key: str) -> float:
 
 
 def _number(text: str) -> float:
-    """A count; 1 where it is not a number, which MuJoCo refuses."""
+    """A count; 1 where it is not a number (MuJoCo reports that)."""
     try:
         return float(text)
     except ValueError:

@@ -51,7 +51,7 @@ def left_out(model: Any, spec: Any, kept: Collection[int], where: str) -> Iterat
         yield Diagnostic("W-MJCF-LEFT", text, where, "check whether the robot needs it")
     beside = [_text(one) for one in found if not one.affects_motion]
     if beside:
-        text = f"not carried over, no part of the mechanism: {'; '.join(beside)}"
+        text = f"not carried over (not part of the mechanism): {'; '.join(beside)}"
         yield Diagnostic("I-MJCF-LEFT", text, where)
 
 
@@ -111,7 +111,7 @@ def _joints(model: Any, kept: Collection[int]) -> Iterator[Omission]:
     uneven = ~np.isclose(-model.jnt_actfrcrange[:, 0], model.jnt_actfrcrange[:, 1])
     bounded = (joint for joint in joints if model.jnt_actfrclimited[joint])
     uneven_bounds = (joint for joint in bounded if uneven[joint] or joint not in scalar)
-    yield from named("joint actuatorfrcrange, where it is not the same both ways", uneven_bounds)
+    yield from named("joint actuatorfrcrange that is not symmetric", uneven_bounds)
     for word in ("damping", "armature", "frictionloss"):
         values = getattr(model, f"dof_{word}")
         acting = (joint for joint in afloat if values[model.jnt_dofadr[joint] :][:6].any())
@@ -144,7 +144,7 @@ def _geoms(model: Any, kept: Collection[int]) -> Iterator[Omission]:
     )
     yield from _some("geom contype, conaffinity", False, named(bits))
     unseen = (geom for geom in solid if not touches(model, geom) and not _alpha(model, geom))
-    yield from _some("geom that is neither seen nor touched", False, named(unseen))
+    yield from _some("geom that is neither visible nor collides", False, named(unseen))
     yield from _some("geom name", False, (name for name in named(solid) if name))
     yield from _some("site without a name", False, ("" for s in range(model.nsite) if not model.site(s).name))
     yield from _some("geom of the world", False, named(geom for geom in every if not model.geom_bodyid[geom]))

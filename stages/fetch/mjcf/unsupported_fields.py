@@ -1,8 +1,8 @@
-"""What an MJCF's elements and options set that a robot of ours does not hold, by MuJoCo's own attributes.
+"""Attributes and options of an MJCF that our robot model cannot represent, found in MuJoCo's compiled model.
 
-The compiled model is compared with an empty one of the same MuJoCo: so it does not matter where
-a value comes from (a default, an include), and what is the default anyway is nobody's loss. Fields that a
-later MuJoCo adds are named too, until they are listed here as carried over.
+The compiled model is compared with an empty model of the same MuJoCo, so it does not matter where a value
+comes from (a default, an include), and values equal to MuJoCo's default are not reported. Fields that a later
+MuJoCo adds are reported too, until they are listed here as carried over.
 """
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -21,9 +21,9 @@ _PLAIN = """<mujoco><asset><material name="m"/></asset><worldbody>
 
 @dataclass(frozen=True, slots=True)
 class Omission:
-    """What is not carried over: `words` as an MJCF has them, and the names of the elements that say it
-    ("" for one without a name; none at all for what there is one of). `affects_motion`: without it the robot
-    moves otherwise."""
+    """An attribute or option that is not carried over: `words` name it as an MJCF does, and `names` are the
+    elements that set it ("" for an element without a name; empty for an option of the whole model).
+    `affects_motion`: without it the robot may move differently."""
 
     words: str
     affects_motion: bool
@@ -45,11 +45,11 @@ _TAKEN: Mapping[str, Collection[str]] = {
     "eq": ("type", "objtype", "data", "active0"),
     "mat": ("rgba",),
 }
-"""Fields that are carried over, or follow from what is, or are named by `unsupported`."""
+"""Fields that are carried over, that follow from such fields, or that `unsupported` reports."""
 
 _PLACES = ("id", "adr", "num", "invweight0")
 _NO_PLACES = ("fluid", "texid", "matid", "dataid")
-"""What the names of fields end in that only say where something is, or follow from it; and which do not."""
+"""Endings of the names of fields that are only indices or derived values; and the exceptions."""
 
 _WORDS: Mapping[str, str] = {
     "jnt_stiffnesspoly": "joint stiffness",
@@ -64,7 +64,7 @@ _WORDS: Mapping[str, str] = {
     "site_matid": "site material",
     "site_dataid": "site mesh",
 }
-"""Fields that an MJCF calls otherwise than MuJoCo's model does."""
+"""Field of MuJoCo's model → the attribute of an MJCF, where their names differ."""
 
 _ELEMENTS = {"jnt": "joint", "dof": "joint", "eq": "equality", "mat": "material"}
 
@@ -72,13 +72,13 @@ _OF_CONTACT = (
     *("geom_condim", "geom_friction", "geom_priority", "geom_solref", "geom_solimp", "geom_solmix"),
     *("geom_margin", "geom_gap", "geom_adhesion", "geom_surfacevel"),
 )
-"""What means something to geoms that touch, and to no others."""
+"""Fields that matter only for geoms that can collide."""
 
 _LIGHT = (
     *("jnt_group", "jnt_user", "body_user", "geom_user", "geom_castshadow", *_OF_CONTACT),
     *("site_", "mat_"),
 )
-"""Fields, or what they begin with, that change nothing of how the robot moves by itself."""
+"""Fields, or beginnings of their names, that do not change how the robot itself moves."""
 
 _WORLD = ("gravity", "wind", "density", "viscosity")
 """Options that act on every body."""
@@ -87,10 +87,10 @@ _FLAGS = (
     *("constraint", "equality", "frictionloss", "limit", "contact", "passive", "spring", "damper"),
     *("gravity", "clampctrl", "actuation", "filterparent", "override"),
 )
-"""Flags that do."""
+"""Flags that change how the robot moves."""
 
 _NEAR = 0.01
-"""How far gravity [m/s²] may be from MuJoCo's: 9.8 and 9.80665 mean the same."""
+"""Largest difference of gravity [m/s²] from MuJoCo's that is not reported: 9.8 and 9.80665 mean the same."""
 
 
 @cache
@@ -99,7 +99,7 @@ def _plain() -> Any:
 
 
 def of_elements(model: Any, kept: Collection[int], carried: Collection[int]) -> Iterator[Omission]:
-    """What the elements on the bodies `kept`, and the equalities `carried`, say."""
+    """The omissions of the elements on the bodies `kept`, and of the equalities `carried`."""
     rows: Mapping[str, Sequence[int]] = {
         "jnt": [n for n in range(model.njnt) if int(model.jnt_bodyid[n]) in kept],
         "dof": [n for n in range(model.nv) if int(model.dof_bodyid[n]) in kept],
@@ -128,7 +128,7 @@ def _on_a_robot(body: int, kept: Collection[int]) -> bool:
 
 
 def touches(model: Any, geom: int) -> bool:
-    """Whether any other geom may touch this one."""
+    """Whether another geom can collide with this one."""
     return bool(model.geom_contype[geom] or model.geom_conaffinity[geom])
 
 
@@ -144,12 +144,12 @@ def _fields(kind: str) -> tuple[str, ...]:
 
 
 def _saying(model: Any, field: str, numbers: Sequence[int]) -> list[int]:
-    """Those of the elements that have another value there than in an empty model."""
+    """The elements whose value of the field differs from that in an empty model."""
     if not numbers:
         return []
     values = getattr(model, field)[list(numbers)].reshape(len(numbers), -1)
     usual = np.ravel(getattr(_plain(), field)[0])
-    if values.shape[1] != usual.size:  # of `user` each model has as many numbers as it needs
+    if values.shape[1] != usual.size:  # the length of `user` differs between models
         usual = np.zeros(1)
     says = ~np.isclose(values, usual, rtol=1e-6, atol=1e-12).all(axis=1)
     return [number for number, one in zip(numbers, says, strict=True) if one]
@@ -175,7 +175,7 @@ _NAMES: Mapping[str, Callable[[Any, int], str]] = {
 
 
 def of_options(model: Any) -> Iterator[Omission]:
-    """Options and flags that are not MuJoCo's own."""
+    """Options and flags that differ from MuJoCo's defaults."""
     for field in _members(model.opt):
         value, usual = (np.atleast_1d(getattr(one.opt, field)) for one in (model, _plain()))
         if field.endswith("flags"):
@@ -195,7 +195,7 @@ _CHOICES: Mapping[str, Any] = {
 
 
 def _value(field: str, value: Any) -> str:
-    """An option's value as an MJCF has it; "" where it has it otherwise than MuJoCo's model."""
+    """An option's value as an MJCF writes it; "" where MuJoCo's model stores it in another form."""
     if field in _CHOICES:
         return f'="{_CHOICES[field](int(value[0])).name.split("_", 1)[1].lower()}"'
     return "" if field in _OPTIONS else f'="{_text(value)}"'
@@ -212,7 +212,7 @@ def _flags(field: str, value: int, usual: int) -> Iterator[Omission]:
 
 
 def of_the_viewer(model: Any) -> Iterator[Omission]:
-    """What <visual> sets: parts of it, and what of them."""
+    """The parts of <visual> that are set, and their attributes."""
     for part in _members(model.vis):
         mine, plain = getattr(model.vis, part), getattr(_plain().vis, part)
         names = [n for n in _members(mine) if not np.array_equal(getattr(mine, n), getattr(plain, n))]
@@ -221,11 +221,11 @@ def of_the_viewer(model: Any) -> Iterator[Omission]:
 
 
 _SIZES = ("memory", "nconmax", "njmax", "nkey", "nuser")
-"""Beginnings of what <size> makes room for."""
+"""Beginnings of the attributes of <size>."""
 
 
 def of_the_file(spec: Any) -> Iterator[Omission]:
-    """What <size> and <statistic> set, which the compiled model does not separate from what follows."""
+    """What <size> and <statistic> set; the compiled model does not separate these from derived values."""
     fresh = mujoco.MjSpec()
     for name in (name for name in dir(fresh) if name.startswith(_SIZES)):
         if getattr(spec, name) != getattr(fresh, name):

@@ -1,7 +1,7 @@
-"""The plan of calls: how many a build still needs, and whether it may make them.
+"""The call budget: how many API calls a build may make (`source.max_calls`).
 
-Onshape counts calls by the year, so a build reports what it is about to spend before it does, and
-spends nothing where the user allows less.
+Onshape has a yearly quota of calls, so a build reports the number of calls before it makes them, and
+makes none where the user allows fewer.
 """
 
 from collections.abc import Iterator
@@ -9,13 +9,14 @@ from contextlib import contextmanager
 from threading import Lock
 
 from stages.robot.errors import SourceError
+from stages.robot.plural import count
 
 
 class Budget:
-    """What one build may spend, whatever has to be asked again. Safe to use from several threads.
+    """The calls that one build may make, repeated requests included. Safe to use from several threads.
 
-    A call takes its slot before it is made, so that calls on their way at the same time cannot
-    overdraw it together.
+    A call takes its slot before it is made, so that concurrent calls cannot exceed the budget
+    together.
     """
 
     def __init__(self, limit: int | None) -> None:
@@ -39,7 +40,7 @@ class Budget:
             slot.charge(0)
 
     def charge(self, calls: int) -> None:
-        """Gives up a slot for what the call came to. Both at once: nobody may see it counted twice."""
+        """Returns a slot and counts what the call cost, in one step: no thread may see it counted twice."""
         with self._lock:
             self._open -= 1
             self.made += calls
@@ -52,7 +53,7 @@ class CallSlot:
         self._budget: Budget | None = budget
 
     def charge(self, calls: int) -> None:
-        """The call came to so many `calls`; a second charge changes nothing."""
+        """Counts the `calls` that this call cost; a second charge changes nothing."""
         budget, self._budget = self._budget, None
         if budget is not None:
             budget.charge(calls)
@@ -63,12 +64,7 @@ def allow(more: int, made: int, limit: int) -> None:
     if made + more <= limit:
         return
     needs = f"made {count(made, 'call')} and needs {more} more" if made else f"needs {count(more, 'call')}"
-    msg = f"this build {needs}, but it may make {limit}"
+    msg = f"this build {needs}, but source.max_calls is {limit}"
     kept = "; what was fetched is kept" if made else ""
-    hint = f"set source.max_calls={made + more} or more to allow it{kept}"
+    hint = f"set source.max_calls={made + more} or more{kept}"
     raise SourceError(msg, "source.max_calls", hint)
-
-
-def count(number: int, noun: str) -> str:
-    """A number with its noun: "1 call", "2 calls"."""
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

@@ -72,7 +72,7 @@ def read(body: bytes) -> tuple[Parameter, ...]:
         msg = "the reply with the configuration parameters is not JSON, or was cut short"
         raise ProtocolError(msg, hint="run the same command again") from None
     except (AttributeError, KeyError, TypeError, ValueError) as error:
-        msg = f"the configuration parameters are not in the shape of the API ({error})"
+        msg = f"the reply with the configuration parameters has an unknown format ({error})"
         raise ProtocolError(msg, hint="leave source.configuration out; the API may have changed") from None
 
 
@@ -90,8 +90,8 @@ def encode(base: str, wanted: Mapping[str, Any], parameters: Sequence[Parameter]
         if parameter is None:
             continue
         if parameter.id in given:
-            text = "given twice, by name and by id"
-            log.report("E-CONFIGURATION", text, place, "leave one of the two out")
+            text = "the parameter is given twice, by name and by id"
+            log.report("E-CONFIGURATION", text, place, "remove one of the two")
             continue
         try:
             given[parameter.id] = _CHECKS[parameter.kind](parameter, value)
@@ -99,7 +99,7 @@ def encode(base: str, wanted: Mapping[str, Any], parameters: Sequence[Parameter]
             log.report("E-CONFIGURATION", str(error), place, f"allowed: {parameter.allowed}")
     if log.problems:
         count = f"{len(log.problems)} problems" if len(log.problems) > 1 else "1 problem"
-        msg = f"the assembly cannot be configured so: {count}"
+        msg = f"invalid configuration of the assembly: {count}"
         raise SourceError(msg, _KEY, problems=log.problems)
     values = split(base) | {name: encoded(value) for name, value in given.items()}
     # One order, whatever the order of the keys: the same configuration is the same request.
@@ -144,14 +144,18 @@ def _find(name: str, place: str, parameters: Sequence[Parameter], log: Diagnosti
     names = [parameter.name for parameter in parameters]
     near = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
     hint = f"did you mean {near[0]}? " if near else ""
-    hint += f"it has: {', '.join(names)}" if names else "it has none: leave source.configuration out"
+    hint += (
+        f"it has: {', '.join(names)}"
+        if names
+        else "the assembly has no parameters: leave source.configuration out"
+    )
     log.report("E-CONFIGURATION", "the assembly has no such parameter", place, hint)
     return None
 
 
 def _option(parameter: Parameter, value: Any) -> str:
     if isinstance(value, bool):
-        msg = f"must be one of the options, not {str(value).lower()} (quote it if it is text)"
+        msg = f"must be one of the options, not {str(value).lower()} (put it in quotes if it is text)"
         raise ValueError(msg)
     text = str(value)
     if text in parameter.options:

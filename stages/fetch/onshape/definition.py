@@ -57,19 +57,19 @@ def read(body: bytes) -> Definition:
         msg = f"the assembly definition lacks the key {error.args[0]!r}"
         raise ProtocolError(msg, hint=_HINT) from None
     except (AttributeError, TypeError) as error:
-        msg = f"the assembly definition is not in the shape of the API: {error}"
+        msg = f"the assembly definition has an unknown format: {error}"
         raise ProtocolError(msg, hint=_HINT) from None
 
 
 def require_parts(definition: Definition) -> None:
     """AssemblyError where the assembly has no part."""
     if not definition.parts:
-        msg = "the assembly is empty: it has no part that is not suppressed"
+        msg = "the assembly is empty: it has no unsuppressed part"
         hint = "insert parts, or choose another tab or configuration"
         raise AssemblyError(msg, f"assembly {definition.element}", hint)
 
 
-_HINT = "check that the address is one of an assembly; if it is, the API has changed"
+_HINT = "check that the address is that of an assembly; if it is, the API has changed"
 
 
 def assemblies(root: _Record, subs: Any) -> Iterator[_Record]:

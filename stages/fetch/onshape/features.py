@@ -53,7 +53,7 @@ def check(body: bytes, what: str, *, tables: bool) -> None:
     if not tables:
         data = data.get("features") if isinstance(data, dict) else None
     if not isinstance(data, list) or not all(isinstance(item, dict) for item in data):
-        msg = f"the reply with {what} holds no list of them"
+        msg = f"the reply with {what} contains no list of features"
         raise ProtocolError(msg, hint=hint)
 
 

@@ -1,8 +1,8 @@
-"""Whether a workspace changed since it was last built, and which of its tabs did.
+"""Finds whether a workspace changed since its last build, and which of its tabs did.
 
-A workspace is asked for its microversion alone; all else is asked for, and kept, at that
+A workspace is asked only for its microversion; everything else is fetched, and cached, at that
 microversion. An edit anywhere gives the whole document a new one, but each tab has a microversion of
-its own: replies about a tab that kept it still hold.
+its own: replies about a tab with the same microversion stay valid.
 """
 
 import time
@@ -16,7 +16,7 @@ from stages.robot.errors import Offline
 
 
 class Workspace:
-    """The workspace that an address names, and the microversions of it that earlier builds met."""
+    """The workspace of an address, and its microversions in earlier builds."""
 
     def __init__(self, url: AssemblyUrl, client: CachedClient) -> None:
         self._url = url
@@ -25,21 +25,21 @@ class Workspace:
         self._definition = requests.definition(url.document, url.pin, url.element, url.configuration)
 
     def last(self) -> str | None:
-        """The microversion that was last built completely, else the one first met; None at first."""
+        """The microversion of the last complete build, else the first that was seen; None without either."""
         return self._recalled(f"{self._definition}#complete") or self._recalled(f"{self._definition}#first")
 
     def completed(self, microversion: str) -> None:
-        """Takes down that all replies about this assembly are kept at `microversion`."""
+        """Records that all replies about this assembly are cached at `microversion`."""
         if self._recalled(f"{self._definition}#complete") != microversion:
             self._client.remember(f"{self._definition}#complete", {"microversion": microversion})
 
     def current(self, *, force: bool = False, began: float | None = None) -> str:
-        """The microversion that the workspace is at, for one call; the last one met when offline.
+        """The current microversion of the workspace (one call); the last known one when offline.
 
-        The first time, and with `force`, the definition itself is asked for: it names the
-        microversion. Of several builders that ask at once the first does, and the others take what
-        it was reported while they waited: since `began`, which is now unless they waited before. All jobs
-        of a sweep take what the first of them learned.
+        The first time, and with `force`, the definition itself is fetched: it names the microversion. Of
+        several builds that ask at the same time only the first calls the server; the others use its answer if
+        it is newer than `began` (default: now). All jobs of a sweep use the answer that the first of them
+        got.
         """
         client = self._client
         began = client.began or began or time.time()
@@ -48,7 +48,7 @@ class Workspace:
         # Not while another build has the variables changed: that state is not the user's.
         with client.undisturbed(), client.alone(self._place):
             known = client.recall(self._place)
-            # A time to come is one of a clock that was put back since.
+            # A time in the future comes from a clock that was set back since.
             if not force and began <= _number(known.get("at")) <= time.time():
                 client.spare(1)
                 microversion = str(known["microversion"])
@@ -60,11 +60,11 @@ class Workspace:
         return microversion
 
     def discrepancy(self) -> Mapping[str, Any]:
-        """What was last recorded of masses that differ though all is fetched again; empty for nothing."""
+        """The recorded difference of masses that remained after fetching everything again; empty for none."""
         return self._client.recall(f"{self._definition}#discrepancy")
 
     def differs(self, fact: Mapping[str, Any]) -> None:
-        """Records a discrepancy, or with an empty one that there is none."""
+        """Records a difference of masses; an empty mapping deletes the record."""
         if self.discrepancy() != fact:
             self._client.remember(f"{self._definition}#discrepancy", fact)
 
@@ -86,7 +86,7 @@ class Workspace:
     def _without_network(self) -> str:
         last = self.last()
         if last is None:
-            msg = f"nothing is known yet about the workspace of assembly {self._url.element}"
+            msg = f"no cached state of the workspace of assembly {self._url.element}"
             hint = "build it once with source.offline=false, or build from a bundle (source=bundle)"
             raise Offline(msg, "source.offline", hint)
         return last

@@ -1,4 +1,4 @@
-"""Answers from an Onshape server, in as few calls as the current state of the assembly takes."""
+"""Replies from an Onshape server, in as few calls as the changes to the assembly allow."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from stages.fetch.onshape import documents, features, mass_check, requests
 from stages.fetch.onshape.cached_client import CachedClient
-from stages.fetch.onshape.call_budget import count
 from stages.fetch.onshape.configured import Configured
 from stages.fetch.onshape.features import Owner
 from stages.fetch.onshape.freshness import Workspace, tabs_to_ask, unchanged
@@ -15,6 +14,7 @@ from stages.fetch.onshape.limits import limits_of
 from stages.fetch.onshape.triangles.requests import NOTHING, Shapes
 from stages.fetch.onshape.url import AssemblyUrl
 from stages.robot.errors import Diagnostic, NotFound, ProtocolError
+from stages.robot.plural import count
 
 if TYPE_CHECKING:
     from stages.fetch.onshape.keys import OnshapeSourceKeys
@@ -23,11 +23,11 @@ _Bodies = dict[str, bytes]
 
 
 class LiveAnswers:
-    """Answers about the assembly at `url`; `keys` are those of the source.
+    """Replies about the assembly at `url`; `keys`: the configuration of the source.
 
-    Pinned replies are kept for ever. Of a workspace that changed, replies about part studios that
-    did not are taken from the microversion that was last built, and filed under the new one once the
-    mass of the assembly proves them.
+    Pinned replies are cached for ever. After a change of the workspace, replies about part studios that
+    did not change are taken from the microversion of the last build, and stored under the new one once
+    the mass of the assembly confirms them.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class LiveAnswers:
         self._pin = url.pin
         self._definition: Reply | None = None
         self.diagnostics: tuple[Diagnostic, ...] = ()
-        """What was found about the replies."""
+        """Diagnostics about the replies."""
 
     def versions(self) -> tuple[str, str]:
         assert self._definition is not None
@@ -71,7 +71,7 @@ class LiveAnswers:
         return self._definition
 
     def _configure(self) -> None:
-        """The address, in the configuration that is wanted, and the microversion that it is at."""
+        """Sets the address to the wanted configuration, and its microversion."""
         configured = Configured(self._url, self._keys.configuration, self._client)
         if self._workspace is None:
             self._url = configured.at(self._pin)
@@ -82,7 +82,7 @@ class LiveAnswers:
         self._workspace = Workspace(self._url, self._client)
 
     def title(self) -> str:
-        """What the assembly's tab is called, where a reply of any build has it; no call is made."""
+        """The name of the assembly's tab from any cached reply, else ""; makes no call."""
         url, client = self._url, self._client
         subject = f"/documents/d/{url.document}/e/{url.element}#name"
         known = str(client.recall(subject).get("name", ""))
@@ -117,7 +117,7 @@ class LiveAnswers:
         # After the masses, which show how much of a part studio the assembly uses.
         bodies |= self._shapes.gathered(needs, bodies)
         fresh, checked = self._verified(needs, bodies, suspects)
-        # Before they are filed: a kill between the two must not make them look checked.
+        # Before they are stored: a kill between the two must not make them look checked.
         self._check_later(() if checked else suspects)
         for request in reused.keys() - fresh.keys():
             client.keep(request, reused[request])
@@ -128,7 +128,7 @@ class LiveAnswers:
         return [self._shapes.answer(need, bodies) for need in needs]
 
     def _lists(self, owners: Sequence[Owner]) -> dict[str, tuple[str, bytes]]:
-        """Lists of features that lack a reply, from the microversion `then`: request → element and body."""
+        """Feature lists that are not cached, from the microversion `then`: request → element and body."""
         found = {}
         for owner in owners:
             if (owner.key.document, owner.key.pin) != (self._url.document, self._pin):
@@ -143,7 +143,7 @@ class LiveAnswers:
         return found
 
     def _keep_lists(self, owners: Sequence[Owner]) -> None:
-        """Keeps the lists of features of assemblies that are as they were `then`, where it saves calls."""
+        """Keeps the feature lists of assemblies that did not change since `then`, where that saves calls."""
         if self._then is None or self._then == self._pin[2:]:
             return
         found = self._lists(owners)
@@ -156,7 +156,7 @@ class LiveAnswers:
                 self._client.spare(1)
 
     def _tabs_to_ask(self) -> list[str]:
-        """The requests that show which tabs changed since `then`, as far as they lack a reply."""
+        """The requests that show which tabs changed since `then`, without those that are cached."""
         assert self._then is not None
         asked = tabs_to_ask(self._url, self._then, self._pin[2:], self._client)
         return [request for request in asked if self._client.kept(request) is None]
@@ -164,14 +164,14 @@ class LiveAnswers:
     def _requests(self, need: Needs, known: Mapping[str, bytes] = NOTHING) -> tuple[str, str]:
         """The requests for the mass properties and for the triangles of a part studio.
 
-        `known`: bodies beside the kept ones; which triangles are asked for depends on what is there.
+        `known`: bodies besides the cached ones; they decide which triangles are requested.
         """
         return self._shapes.mass(need), self._shapes.request(need, known)
 
     def _reused(self, needs: Sequence[Needs], kept: Mapping[str, bytes]) -> _Bodies:
-        """Bodies of requests that lack one, from the microversion `then`, where their tab is the same.
+        """Replies that are not cached, taken from the microversion `then` where their tab did not change.
 
-        Nothing where asking which tabs are the same would cost as much as fetching all again.
+        Empty where finding the unchanged tabs would cost as many calls as fetching everything again.
         """
         then, now = self._then, self._pin[2:]
         if then is None or then == now:
@@ -179,7 +179,7 @@ class LiveAnswers:
         found = [(need.studio.element, self._earlier(need, kept, then)) for need in needs]
         spared = sum(len(bodies) for _, bodies in found)
         assert self._definition is not None
-        # What shows which tabs changed serves the lists of features too.
+        # The requests that show which tabs changed serve the feature lists too.
         lists = len(self._lists(features.owners(self._definition.body))) if spared else 0
         if spared + lists <= len(self._tabs_to_ask()) + self._to_weigh(["any"]):
             return {}
@@ -189,7 +189,7 @@ class LiveAnswers:
         }
 
     def _earlier(self, need: Needs, kept: Mapping[str, bytes], then: str) -> _Bodies:
-        """What a part studio of this very document lacks, as it was at the microversion `then`."""
+        """Replies that a part studio of this document lacks, from the microversion `then`."""
         studio = need.studio
         if (studio.document, studio.pin) != (self._url.document, self._pin):
             return {}
@@ -197,7 +197,7 @@ class LiveAnswers:
         pairs = [(self._shapes.mass(need), self._shapes.mass(before)), self._shapes.same(need, before)]
         bodies = {new: body for new, old in pairs if (body := self._client.kept(old)) is not None}
         mass = pairs[0][0]
-        # Where the masses differ the studio was found changed: its old triangles are wrong as well.
+        # Where the masses differ, the studio changed: its old triangles are wrong too.
         if mass not in bodies or kept.get(mass, bodies[mass]) != bodies[mass]:
             return {}
         return {request: body for request, body in bodies.items() if request not in kept}
@@ -205,7 +205,7 @@ class LiveAnswers:
     def _verified(self, needs: Sequence[Needs], bodies: _Bodies, suspects: set[str]) -> tuple[_Bodies, bool]:
         """The replies of `suspects`, fetched again, where the assembly's mass shows that one is stale.
 
-        And whether `suspects` need no check any more. Where that mass cannot be had, they do.
+        Also whether `suspects` need no further check; they do where that mass is not available.
         """
         client = self._client
         total = client.kept(self._total())
@@ -223,7 +223,9 @@ class LiveAnswers:
         lasting = not masses.agree and self._differed(needs, masses)
         if not masses.agree and not lasting and suspects and not client.offline:
             again = sorted(suspects)
-            self._progress(f"a part studio changed with another one: {count(len(again), 'call')}")
+            self._progress(
+                f"a part studio changed through one that it depends on:  {count(len(again), 'call')}"
+            )
             client.doubt(again)
             fresh = client.all(again)
             masses = self._masses(needs, {**bodies, **fresh}, total)
@@ -235,7 +237,7 @@ class LiveAnswers:
         return fresh, self._keys.verify
 
     def _differed(self, needs: Sequence[Needs], masses: mass_check.Masses) -> bool:
-        """Whether the masses differed by as much when all these part studios had been fetched again."""
+        """Whether the masses differed by the same amount after all these part studios were fetched again."""
         known = self._workspace.discrepancy() if self._workspace is not None else {}
         if not known or not set(_tabs(needs)) <= set(known["studios"]):
             return False
@@ -271,7 +273,7 @@ class LiveAnswers:
 
 
 def _tabs(needs: Sequence[Needs]) -> list[str]:
-    """The part studios, in whatever state of their documents."""
+    """The part studios, without the microversions of their documents."""
     return sorted({f"{n.studio.document}/{n.studio.element}/{n.studio.configuration}" for n in needs})
 
 

@@ -53,17 +53,17 @@ class Masses:
         `lasting`: it was fetched at an earlier state of the document, and they differed as much.
         """
         seen = (
-            "they differed by as much when every part studio of the document was last asked for"
+            "the difference was the same when every part studio of the document was last fetched"
             if lasting
-            else "every part studio of the document was fetched as it is now"
+            else "every part studio of the document was fetched in its present state"
         )
         return Diagnostic(
             "W-VERIFY",
-            f"the parts weigh {self.ours:.9g} kg together, but Onshape weighs the assembly at "
+            f"the parts weigh {self.ours:.9g} kg together, but Onshape gives the assembly a mass of "
             f"{self.theirs:.9g} kg; {seen}",
             f"assembly {element}",
             "compare with the mass properties that Onshape shows for the assembly (overridden masses?); "
-            "source.refresh=true asks for everything again, source.verify=false does not compare",
+            "source.refresh=true fetches everything again, source.verify=false skips the comparison",
         )
 
 
@@ -71,10 +71,10 @@ def unchecked(element: str, error: SourceError) -> Diagnostic:
     """The diagnostic where the mass of the assembly cannot be fetched."""
     return Diagnostic(
         "W-VERIFY",
-        f"whether a part studio changed with another one could not be checked: {error.message}",
+        f"the masses could not be compared, so a cached part studio may be outdated: {error.message}",
         f"assembly {element}",
-        "run the same command again to check it; source.refresh=true asks for everything again, "
-        "source.verify=false does not check",
+        "run the same command again to compare them; source.refresh=true fetches everything "
+        "again, source.verify=false skips the comparison",
     )
 
 

@@ -35,7 +35,7 @@ class Recorded:
             raise ProtocolError(error.message, self._where, "make the bundle again") from error
         named = (root["document"], root["microversion"], root["element"])
         if (found.document, found.microversion, found.element) != named:
-            msg = f"the manifest names assembly {root['element']}, but the definition is another one's"
+            msg = f"the manifest names assembly {root['element']}, but the definition is of another assembly"
             raise SourceError(msg, self._where, "make the bundle again")
         pinned = requests.definition(
             root["document"], f"m/{root['microversion']}", root["element"], root["configuration"]

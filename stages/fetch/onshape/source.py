@@ -9,6 +9,7 @@ from stages.fetch.onshape import reply_sizes
 from stages.fetch.source import FetchContext, Fetched, Source
 from stages.robot.bundle import OnshapeBundle
 from stages.robot.errors import ConfigError
+from stages.robot.plural import count
 
 if TYPE_CHECKING:
     from stages.fetch.onshape.keys import OnshapeSourceKeys
@@ -36,7 +37,7 @@ class OnshapeSource(Source):
         """
         keys, url = self._keys, self._keys.url
         if keys.offline and keys.refresh:
-            msg = "source.offline makes no call, but source.refresh makes all of them"
+            msg = "source.offline allows no call, but source.refresh fetches everything again"
             raise ConfigError(msg, "source.refresh", "set one of source.offline and source.refresh to false")
         if keys.variables and (url.pinned or keys.offline):
             why = "offline makes no call" if keys.offline else "a version or microversion never changes"
@@ -104,11 +105,7 @@ class OnshapeSource(Source):
     def summary(bundle: Bundle) -> str:
         assert isinstance(bundle, OnshapeBundle)
         replies, studios = len(bundle.blobs), len(bundle.studios)
-        return f"{replies} repl{'y' if replies == 1 else 'ies'} about {_count(studios, 'part studio')}"
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+        return f"{count(replies, 'reply', 'replies')} about {count(studios, 'part studio')}"
 
 
 SOURCE = OnshapeSource

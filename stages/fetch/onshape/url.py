@@ -75,16 +75,16 @@ def _split(text: str) -> SplitResult:
         msg = "the address is not a URL"
         raise ConfigError(msg, "source.url", _hint()) from None
     if parts.scheme not in ("https", "http") or not host:
-        msg = "an address that starts with https:// is expected"
+        msg = "expected an address that starts with https://"
         raise ConfigError(msg, "source.url", _hint())
     if "@" in parts.netloc:
         # The address is not shown: what stands before the @ may be a key.
-        msg = "the address must hold no user name or password"
+        msg = "the address must not contain a user name or password"
         raise ConfigError(msg, "source.url", "keys belong in ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY")
     if is_loopback(host):
         return parts
     if parts.scheme == "http":
-        raise _refused(parts, "plain http would send your key in the open; use https://")
+        raise _refused(parts, "plain http would send your key unencrypted; use https://")
     if host != OWNER and not host.endswith(f".{OWNER}"):
         raise _refused(parts, f"its host is not {OWNER} or below it, and no key is sent elsewhere")
     return parts

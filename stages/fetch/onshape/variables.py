@@ -1,12 +1,12 @@
-"""Variables of a document, set for one build: a write to the user's CAD, so undone at once.
+"""Sets variables of a document for one build. This writes to the user's CAD and is undone at once.
 
-Variables are changed in their variable studios, the microversion of that state is noted, and what
-was there before is put back; the build then reads that microversion, which never changes. A studio's
-table is written whole, as it stood but for the values wanted: whether the server would replace or
+The variables are changed in their variable studios, the microversion of that state is noted, and the
+previous values are restored; the build then reads that microversion, which never changes. A studio's
+table is written whole, with only the wanted values changed: whether the server would replace or
 merge a partial one is not documented.
 
-What to put back is remembered before anything is written: a process that is killed in between leaves
-it to the next build.
+The previous values are stored before anything is written: if the process is killed in between, the
+next build restores them.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -19,7 +19,6 @@ import orjson
 
 from stages.fetch.onshape import definition, documents, requests
 from stages.fetch.onshape.cached_client import CachedClient
-from stages.fetch.onshape.call_budget import count
 from stages.fetch.onshape.freshness import Workspace
 from stages.fetch.onshape.session import Session
 from stages.fetch.onshape.url import AssemblyUrl
@@ -33,12 +32,13 @@ from stages.robot.errors import (
     RateLimited,
     SourceError,
 )
+from stages.robot.plural import count
 
 _KEY = "source.variables"
 _SENT = ("name", "type", "expression", "description")
 
 Table = list[dict[str, Any]]
-"""The variables of one studio, as the API takes them."""
+"""The variables of one studio, in the format of the API."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ class _Change:
 
 
 class Variables:
-    """The variables of the workspace at `url`, and the way to write them."""
+    """Reads and writes the variables of the workspace at `url`."""
 
     def __init__(
         self, url: AssemblyUrl, client: CachedClient, session: Session, progress: Callable[[str], None]
@@ -63,17 +63,17 @@ class Variables:
         self._subject = f"/documents/d/{url.document}/{url.pin}#variables"
 
     def restore_left(self) -> None:
-        """Puts back what a build that was killed had changed."""
+        """Restores the variables that a killed build had changed."""
         if not self._url.pinned and not self._client.offline and self._left():
             with self.undisturbed():
                 pass
 
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
-        """Within it the workspace is as its users left it, and no other build changes its variables.
+        """Within this context the variables have their users' values, and no other build changes them.
 
-        Waits until a build that has them changed has put them back; what one that was killed had
-        changed is put back first.
+        Waits until another build has restored them; variables that a killed build had changed are
+        restored first.
         """
         with self._client.alone(self._subject):
             left = self._left()
@@ -85,7 +85,7 @@ class Variables:
     def applied(self, wanted: Mapping[str, Any]) -> AssemblyUrl:
         """The address, pinned to the microversion at which the variables have the values wanted.
 
-        SourceError lists the variables that the document does not have; no value is changed then.
+        SourceError lists the variables that the document lacks; in that case no value is changed.
         """
         with self.undisturbed():
             now = self._microversion()
@@ -111,11 +111,11 @@ class Variables:
             return self._pinned(made)
 
     def _plan(self, variables: int, writing: int) -> None:
-        """Tells the calls to come; SourceError before the first write where they are too many.
+        """Reports the calls to come; SourceError before the first write where they are too many.
 
-        `writing`: calls to write, to put back and to ask what the state is. What the build itself
-        needs is known from the last complete one: the definition, and two for each part studio of
-        this document, whose replies at the new state nobody has yet.
+        `writing`: calls to write, to restore and to ask for the microversion. The calls of the build itself
+        are known from the last complete build: the definition, and two for each part studio of
+        this document, whose replies are not yet cached for the new state.
         """
         workspace = Workspace(self._url, self._client)
         last = workspace.last()
@@ -126,12 +126,12 @@ class Variables:
         self._client.allow(writing + building)
         least = self._client.made + writing + building
         self._progress(
-            f"setting {count(variables, 'variable')} of the document, and putting back what was there: "
+            f"setting {count(variables, 'variable')} of the document, and restoring their previous values: "
             f"{writing} calls; with the build at least {building} more, {least} in all"
         )
 
     def _set(self, change: _Change, written: list[_Change]) -> None:
-        """Writes the wanted values of one studio; `written` grows where that may have been done."""
+        """Writes the wanted values of one studio; `written` gets the change unless it certainly failed."""
         written.append(change)
         try:
             self._write(change.studio, change.after)
@@ -147,10 +147,10 @@ class Variables:
     def _put_back(
         self, changes: Sequence[_Change], *, look: bool, first: BaseException | None = None
     ) -> None:
-        """Writes what was there before; with `look` only where it still is as we left it.
+        """Restores the previous values; with `look` only where the values are still those that we wrote.
 
-        Each studio is tried, whatever becomes of the others. SourceError where one fails, which names
-        what made the build end (`first`) as well; what is to be put back stays remembered.
+        Tries every studio, even after a failure. SourceError where one fails; it names
+        the error that ended the build (`first`) as well, and what is left to restore stays stored.
         """
         failed = [(change, error) for change in changes if (error := self._restored(change, look=look))]
         self._client.remember(self._subject, {"changes": [_plain(change) for change, _ in failed]})
@@ -163,12 +163,12 @@ class Variables:
         # A dict keeps the order and reports what several studios have in common once.
         why = "; ".join(dict.fromkeys(error.message for error in errors))
         hints = dict.fromkeys(error.hint for error in errors if error.hint)
-        msg = f"variables of the document could not be put back to {', '.join(names)}: {why}"
-        own = "run the same command again, which does it first, or set them in Onshape"
+        msg = f"variables of the document could not be restored to {', '.join(names)}: {why}"
+        own = "run the same command again, which restores them first, or set them in Onshape"
         raise SourceError(msg, _KEY, "; ".join([own, *hints])) from (first or errors[0])
 
     def _restored(self, change: _Change, *, look: bool) -> SourceError | None:
-        """Writes a studio's variables as they were; the error where that fails."""
+        """Restores one studio's variables; returns the error where that fails."""
         sent = False
         try:
             there = _values(self._table(change.studio)) if look else _values(change.after)
@@ -176,9 +176,11 @@ class Variables:
                 sent = True
                 self._write(change.studio, change.before, restoring=True)
             elif there != _values(change.before):
-                self._progress(f"variable studio {change.studio} was edited since: left as it is")
+                self._progress(
+                    f"variable studio {change.studio} was edited in the meantime and is left as it is"
+                )
         except SourceError as error:
-            what = "was not put back" if sent else "could not be looked at, so nothing was sent to it"
+            what = "was not restored" if sent else "could not be read, so it was not changed"
             msg = f"variable studio {change.studio} {what}: {error.message}"
             return SourceError(msg, error.where, error.hint)
         return None
@@ -207,13 +209,13 @@ class Variables:
             ]
             blank = [str(row["name"]) for row in before if not row.get("expression")]
             if after != before and blank:
-                what = f"its studio has variables whose values are not known, such as #{blank[0]}"
+                what = f"its variable studio has variables without a known value, such as #{blank[0]}"
                 hint = "a configured variable cannot be written back: use source.configuration"
                 problems.append(Diagnostic("E-VARIABLE", what, f"{_KEY} ({studio})", hint))
             elif after != before:
                 changes.append(_Change(studio, before, after))
         if problems:
-            msg = f"the variables cannot be set: {len(problems)} problem(s)"
+            msg = f"the variables cannot be set: {count(len(problems), 'problem')}"
             raise SourceError(msg, _KEY, problems=problems)
         return changes
 
@@ -224,7 +226,7 @@ class Variables:
         return sorted(str(tab["id"]) for tab in tabs if tab.get("elementType") == "VARIABLESTUDIO")
 
     def _table(self, studio: str) -> Table:
-        """A studio's own variables, as they are now; what it refers to is not its to write."""
+        """The present variables of a studio; those of a studio that it refers to are not written."""
         request = requests.variable_studio(self._url.document, self._url.pin[2:], studio)
         rows = [
             row
@@ -233,7 +235,7 @@ class Variables:
             for row in table.get("variables") or ()
         ]
         if any(not isinstance(row.get("name"), str) for row in rows):
-            msg = "the reply with the variables has one without a name"
+            msg = "the reply with the variables has a variable without a name"
             raise ProtocolError(msg, _KEY, "run the same command again; the API may have changed")
         return [{key: row[key] for key in _SENT if row.get(key) is not None} for row in rows]
 
@@ -249,7 +251,7 @@ class Variables:
         return replace(self._url, pin=f"m/{microversion}")
 
     def _state(self, microversion: str, wanted: Mapping[str, Any]) -> str:
-        """What names these values at one state of the document."""
+        """The key under which these values at one state of the document are stored."""
         values = orjson.dumps(dict(wanted), option=orjson.OPT_SORT_KEYS)
         return f"/documents/d/{self._url.document}/m/{microversion}#variables={sha256(values).hexdigest()}"
 
@@ -274,7 +276,7 @@ def _plain(change: _Change) -> dict[str, Any]:
 
 
 def _by_hand(change: _Change) -> list[str]:
-    """What a user has to set in a studio for it to be as it was."""
+    """The assignments that a user has to make to restore a studio by hand."""
     rows = zip(change.before, change.after, strict=True)
     return [f"{old['name']} = {old.get('expression')}" for old, new in rows if old != new]
 

@@ -31,8 +31,8 @@ EXPAND = "expand it yourself: xacro FILE > robot.urdf"
 
 _PACKAGE = "name its folder by source.packages={%s: FOLDER}"
 _HINTS = {
-    "Undefined substitution argument": "a xacro's arguments are given by source.args={name: value}",
-    "environment variable": "it sees no variables but ROS's paths: " + EXPAND,
+    "Undefined substitution argument": "give the arguments of the xacro file by source.args={name: value}",
+    "environment variable": "a xacro file can read only ROS's variables: " + EXPAND,
 }
 """Words of an error of xacro → what to do about it."""
 
@@ -97,17 +97,17 @@ def _asked(request: Mapping[str, Any], where: str, environ: Mapping[str, str]) -
     try:
         reply = guest.ask("stages.fetch.urdf.expand_guest", json.dumps(request).encode(), BOUNDS, variables)
     except guest.Ended as ended:
-        raise _refused(f"it {ended}", where, f"look for what never ends, or {EXPAND}") from None
+        raise _refused(f"it {ended}", where, f"look for an endless recursion, or {EXPAND}") from None
     head, _, made = reply.partition(b"\n")
     try:
         answer = json.loads(head)
         return made.decode(), str(answer["lacking"]), str(answer["refused"])
     except (ValueError, KeyError, TypeError, RecursionError):
-        raise _refused("its guest answers what is not text", where, f"look through it, or {EXPAND}") from None
+        raise _refused("xacro's output is not text", where, f"check the file, or {EXPAND}") from None
 
 
 def _refused(why: str, where: str, hint: str) -> SourceError:
-    return SourceError(f"xacro refuses it: {why}", where, hint)
+    return SourceError(f"xacro cannot expand it: {why}", where, hint)
 
 
 def _text(value: Any) -> str:

@@ -21,7 +21,7 @@ def answer(request: bytes) -> bytes:
     try:
         text, why = _expanded(asked["path"], asked["args"], asked["packages"], lacking), ""
     except RecursionError:
-        text, why = "", "it nests too deep, or calls itself"
+        text, why = "", "its macros are nested too deeply, or call themselves"
     except Exception as error:
         text, why = "", str(error) or type(error).__name__
     reply = {"lacking": lacking[-1] if lacking and why else "", "refused": why}

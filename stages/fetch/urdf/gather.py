@@ -25,7 +25,7 @@ ROBOT = "robot.urdf"
 """The request that stands for the robot's text."""
 
 _SKIP = (
-    "put the files where they are named, name packages by source.packages={name: FOLDER}, or build "
+    "put the files at the paths in the URDF, name packages by source.packages={name: FOLDER}, or build "
     "without them: source.missing_meshes=skip"
 )
 
@@ -109,7 +109,7 @@ class _Files:
 
     def _problem(self, name: str, why: str, *, there: bool) -> Diagnostic:
         text, where = f"mesh {name}: {why}", self._seen.document
-        hint = "export the file again" if there else "put the file there, or remove the <mesh>"
+        hint = "export the file again" if there else "put the file at that path, or remove the <mesh>"
         if self._skip:
             return Diagnostic("W-NO-MESH", text, where, hint)
         if there:

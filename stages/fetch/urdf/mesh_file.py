@@ -53,7 +53,7 @@ def read(data: bytes, name: str, companions: Mapping[str, bytes]) -> LooseMesh:
     names, as it names them. Unreadable where there are none."""
     kind = name.rpartition(".")[2].lower()
     if kind not in FORMATS:
-        msg = f"its format is not read; {', '.join(FORMATS)} are"
+        msg = f"its format is not supported; supported: {', '.join(FORMATS)}"
         raise Unreadable(msg)
     _require_content(data, kind)
     try:
@@ -85,7 +85,7 @@ def _require_content(data: bytes, kind: str) -> None:
         msg = "it is empty"
         raise Unreadable(msg)
     if data.startswith(_LFS):
-        msg = "it is only a pointer of Git LFS: run `git lfs pull` where it came from"
+        msg = "it is a Git LFS pointer, not the file itself: run `git lfs pull` in its repository"
         raise Unreadable(msg)
     if kind == "dae":
         if importlib.util.find_spec("collada") is None:
@@ -95,12 +95,12 @@ def _require_content(data: bytes, kind: str) -> None:
             msg = "it declares entities, which are not read"
             raise Unreadable(msg)
     if kind == "obj" and re.search(rb"^f[^\n]*\s-\d", data, re.MULTILINE):
-        msg = "its faces count points from the end, which is not read"
+        msg = "its faces have negative indices, which are not supported"
         raise Unreadable(msg)
     if kind == "ply":
         counts = re.findall(rb"^element\s+\w+\s+(\d+)", data[: 1 << 14], re.MULTILINE)
         if any(int(count) > len(data) for count in counts):
-            msg = "it announces more than it holds"
+            msg = "it is incomplete: its header announces more data"
             raise Unreadable(msg)
 
 
@@ -110,7 +110,7 @@ def _whole(data: bytes) -> bytes:
         size = _STL_HEAD + _STL_FACE * int.from_bytes(data[80:84], "little")
         if size > len(data):
             there = (len(data) - _STL_HEAD) // _STL_FACE
-            msg = f"it announces {(size - _STL_HEAD) // _STL_FACE} triangles and holds {there}"
+            msg = f"it announces {(size - _STL_HEAD) // _STL_FACE} triangles and contains {there}"
             raise ValueError(msg)
         return data[:size]
     return data
@@ -175,14 +175,14 @@ def _placed(scene: Any, node: str) -> LooseMesh | None:
     points = np.asarray(shape.vertices, dtype=np.float64)
     corners = np.asarray(shape.faces, dtype=np.int64)
     if corners.min() < 0 or corners.max() >= len(points):
-        msg = "a triangle has a corner that is not there"
+        msg = "a triangle refers to a vertex that does not exist"
         raise ValueError(msg)
     if not np.array_equal(transform, np.eye(4)):
         points = points @ transform[:3, :3].T + transform[:3, 3]
         if np.linalg.det(transform[:3, :3]) < 0:
             corners = corners[:, ::-1]
     if not np.isfinite(points).all():
-        msg = "a point is not finite"
+        msg = "a vertex is NaN or infinite"
         raise ValueError(msg)
     shades = _shades(shape)
     if shades is None:

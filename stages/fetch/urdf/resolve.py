@@ -47,7 +47,7 @@ class MeshPlaces:
     def find(self, name: str) -> MeshPlace:
         scheme = _SCHEME.match(name)
         if scheme and scheme.group(1).lower() not in ("package", "model", "file"):
-            return MeshPlace(None, why=f"{scheme.group(1)}:// is not read: no mesh is fetched from a network")
+            return MeshPlace(None, why=f"{scheme.group(1)}:// is not supported: meshes are not downloaded")
         for spelt in dict.fromkeys((name, unquote(name), name.replace("\\", "/"))):
             for candidate in self._meant(spelt):
                 if regular_files.is_file(candidate):
@@ -75,7 +75,7 @@ class MeshPlaces:
         """A file that is not where it should be: below a folder above, else by its name."""
         steps = [step for step in re.sub(r"^\w+://", "", name).replace("\\", "/").split("/") if step]
         if not steps:
-            return MeshPlace(None, why="it names no file")
+            return MeshPlace(None, why="it does not name a file")
         if ".." not in steps:
             inner = [steps, steps[1:]] if _SCHEME.match(name) else [steps]
             for rest in ("/".join(one) for one in inner if one):
@@ -86,12 +86,14 @@ class MeshPlaces:
                     return MeshPlace(found, searched=True)
         alike = self._by_name.get(steps[-1].casefold(), [])
         if not alike:
-            return MeshPlace(None, why="there is no such file, and none of its name in the robot's folder")
+            return MeshPlace(
+                None, why="there is no such file, and no file of that name in the robot's folder"
+            )
         shared = [_shared_tail(steps, path.parts) for path in alike]
         best = [path for path, score in zip(alike, shared, strict=True) if score == max(shared)]
         if len(best) > 1:
             named = ", ".join(sorted(_relative(path, self._packages.root) for path in best)[:3])
-            return MeshPlace(None, why=f"there is no such file, and several of its name: {named}")
+            return MeshPlace(None, why=f"there is no such file, and several files have that name: {named}")
         return MeshPlace(best[0], searched=True)
 
     @functools.cached_property

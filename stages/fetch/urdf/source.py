@@ -28,7 +28,7 @@ class UrdfSource(RobotFileSource):
         super().preflight(environ)
         for name, folder in self._keys.packages.items():
             if not Path(folder).is_dir():
-                hint = "name the folder that holds the package's own, such as meshes/"
+                hint = "name the folder of the package, which contains folders such as meshes/"
                 raise ConfigError(f"{folder} is not a folder", f"source.packages.{name}", hint)
         expand.require(self._keys)
 

@@ -51,7 +51,9 @@ class Survey:
         files = {place.file for place in self.places.values() if place.file is not None}
         if sum(_size(file) for file in files) > LARGEST_ROBOT:
             msg = f"its meshes have more than {LARGEST_ROBOT / 1e9:.3g} GB"
-            raise SourceError(msg, self.document, "a robot for simulation needs coarser ones")
+            raise SourceError(
+                msg, self.document, "use coarser meshes: a simulation does not need so many triangles"
+            )
         return [[name, *self._digest(self.places[name])] for name in sorted(self.places)]
 
     def microversion(self) -> str:

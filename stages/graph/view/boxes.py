@@ -5,8 +5,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 from stages.graph.view.canvas import fitted, text_width
-from stages.graph.view.labels import counted, frames_on, is_origin, kilograms, motions, part_names, rules
+from stages.graph.view.labels import frames_on, is_origin, kilograms, motions, part_names, rules
 from stages.robot.model import Joint, Link, Loop, Robot
+from stages.robot.plural import count
 
 ROOM = 190.0  # what a name may take
 ROW, PAD, MARK = 14.0, 7.0, 14.0  # a row of a box, the space about the rows, what a row's mark takes
@@ -119,8 +120,8 @@ def _rows(link: Link, robot: Robot) -> Iterator[BoxRow]:
         yield BoxRow("plain", "the assembly's origin")
     else:
         given = " (given)" if link.given else ""
-        counts = [counted(len(link.parts), "part")] if link.parts else []
-        counts += [counted(len(link.shapes), "shape")] if link.shapes else []
+        counts = [count(len(link.parts), "part")] if link.parts else []
+        counts += [count(len(link.shapes), "shape")] if link.shapes else []
         yield BoxRow("plain", ", ".join([kilograms(link.inertial.mass) + given, *counts]))
     if len(link.parts) > 1:
         yield from _few("part", part_names(link))

@@ -6,6 +6,7 @@ import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from stages.robot.model import Dof, Joint, Link, Relation, Robot
+from stages.robot.plural import count
 from stages.robot.printable import printable
 
 _UNITS = {"turn": (math.degrees(1.0), "deg"), "slide": (1e3, "mm")}
@@ -27,11 +28,6 @@ def shortened(text: str, room: float, measure: Callable[[str], float] = columns)
         if measure(short) <= room:
             return short
     return "…"
-
-
-def counted(number: int, one: str, many: str = "") -> str:
-    """A number with its noun: "1 part", "2 parts"."""
-    return f"{number} {one if number == 1 else many or one + 's'}"
 
 
 def decimal(value: float) -> str:
@@ -130,15 +126,15 @@ def totals(robot: Robot) -> str:
         (len(robot.loops), "loop"),
         (len(robot.frames), "frame"),
     )
-    found = [counted(number, noun) for number, noun in nouns if number or noun in ("link", "joint")]
+    found = [count(number, noun) for number, noun in nouns if number or noun in ("link", "joint")]
     return ", ".join([*found, kilograms(sum(link.inertial.mass for link in robot.links))])
 
 
 def mobility(robot: Robot) -> str:
     """How the mechanism moves, in one line."""
     how = robot.mobility
-    text = f"{counted(how.dof, 'degree')} of freedom (by rank at the saved pose; {how.gruebler} by Grübler), "
-    return text + f"{counted(how.coordinates, 'coordinate')}"
+    text = f"{count(how.dof, 'degree')} of freedom (by rank at the saved pose; {how.gruebler} by Grübler), "
+    return text + f"{count(how.coordinates, 'coordinate')}"
 
 
 def standing(robot: Robot) -> str:

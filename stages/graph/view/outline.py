@@ -10,7 +10,6 @@ from itertools import zip_longest
 
 from stages.graph.view.labels import (
     columns,
-    counted,
     frames_on,
     is_origin,
     mobility,
@@ -20,6 +19,7 @@ from stages.graph.view.labels import (
     totals,
 )
 from stages.robot.model import Joint, Robot
+from stages.robot.plural import count
 from stages.robot.printable import printable
 
 WIDTH = 100
@@ -186,15 +186,15 @@ def _frames(robot: Robot) -> list[str]:
     for link in robot.links:
         if link.name in there:
             names = there[link.name]
-            lines += _filled(f"{counted(len(names), 'frame')} on {link.name}: {', '.join(names)}")
+            lines += _filled(f"{count(len(names), 'frame')} on {link.name}: {', '.join(names)}")
     return lines
 
 
 def _mobility(robot: Robot) -> list[str]:
     lines = _filled(mobility(robot))
     for name, number in robot.mobility.redundant:
-        what = f"{counted(number, 'condition')} of the loop {name}"
-        lines += _filled(f"{what} {'say' if number > 1 else 'says'} nothing new (redundant)")
+        what = f"{count(number, 'condition')} of the loop {name}"
+        lines += _filled(f"{what} {'are' if number > 1 else 'is'} redundant")
     return lines
 
 

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from stages.graph.view.boxes import LABEL, MARK, PAD, ROOM, SIZES, Box, Kind, boxes_of, caption
 from stages.graph.view.canvas import Canvas, fitted, text_width
-from stages.graph.view.labels import counted, kilograms, mobility, rules, standing, totals
+from stages.graph.view.labels import kilograms, mobility, rules, standing, totals
 from stages.graph.view.layout import levels, tidy
 from stages.graph.view.symbols import (
     CROSS,
@@ -26,6 +26,7 @@ from stages.graph.view.symbols import (
     sign,
 )
 from stages.robot.model import Robot
+from stages.robot.plural import count
 
 PAPER, FILL, ROOT = "#ffffff", "#f6f8fa", "#e6effb"
 LOOPS = ("#b5179e", "#c2410c", "#15803d", "#6d28d9", "#b91c1c", "#0e7490", "#a16207", "#475569")
@@ -154,7 +155,7 @@ def _draw_box(canvas: Canvas, robot: Robot, box: Box) -> None:
     parts = [part.name for part in box.link.parts]
     canvas.group(
         "\n".join(
-            [box.link.name, f"{kilograms(box.link.inertial.mass)}, {counted(len(parts), 'part')}", *parts]
+            [box.link.name, f"{kilograms(box.link.inertial.mass)}, {count(len(parts), 'part')}", *parts]
         )
     )
     canvas.box(

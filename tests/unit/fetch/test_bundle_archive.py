@@ -103,7 +103,7 @@ def test_other_names_links_and_doubles_are_refused():
     refused(zipped([*GOOD.items(), (link, b"/etc/passwd")]), "is a link")
     with pytest.warns(UserWarning, match="Duplicate"):
         doubled = zipped([*GOOD.items(), ("manifest.json", b"{}")])
-    refused(doubled, "there twice")
+    refused(doubled, "occurs twice")
 
 
 @pytest.mark.parametrize("method", [zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
@@ -138,7 +138,7 @@ def test_however_a_bundle_is_harmed_it_is_refused_or_read_as_it_was():
 
 def test_bombs_are_refused_before_they_are_inflated(monkeypatch):
     bomb = zipped({**GOOD, f"replies/{'0' * 64}": bytes(8 << 20)})
-    refused(bomb, "packed too tightly")
+    refused(bomb, "compressed too strongly")
     monkeypatch.setattr(module, "LARGEST", 1000)
     refused(zipped({**GOOD, f"replies/{'0' * 64}": bytes(2000)}), "would unpack to")
     monkeypatch.setattr(module, "_MOST_ENTRIES", 2)
@@ -202,7 +202,7 @@ def test_a_manifest_is_bounded(monkeypatch):
 
 
 def test_a_reply_that_is_not_what_its_name_says_is_refused():
-    refused(zipped({**GOOD, f"replies/{DIGESTS[1]}": b'{"b": 3}'}), "does not have that digest")
+    refused(zipped({**GOOD, f"replies/{DIGESTS[1]}": b'{"b": 3}'}), "does not match its digest")
 
 
 def test_a_missing_reply_is_named_with_its_request():

@@ -236,7 +236,7 @@ class TestRecordings:
         assert caught.value.where.endswith("edited.zip")
 
     def test_a_definition_that_is_not_the_named_one_is_refused(self, tmp_path):
-        with pytest.raises(SourceError, match="another one's"):
+        with pytest.raises(SourceError, match="another assembly"):
             fetched(self.edited(tmp_path, lambda manifest: manifest["root"].update(element="0" * 24)))
 
     def test_a_definition_need_not_be_filed_under_a_request(self, tmp_path):

@@ -557,11 +557,11 @@ def test_the_identity_is_the_content_of_all_files(tmp_path):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("hello", "no XML"),
-        ("", "no XML"),
+        ("hello", "not XML"),
+        ("", "not XML"),
         ('<robot name="x"/>', "source=urdf"),
         ("<html/>", "<html>"),
-        ("<mujoco><worldbody>", "MuJoCo refuses it: XML parse error"),
+        ("<mujoco><worldbody>", "MuJoCo cannot compile it: XML parse error"),
         ("<mujoco><worldbody/></mujoco>", "no body"),
         ('<mujoco><asset><mesh file="nope.stl"/></asset></mujoco>', "nope.stl"),
         ('<mujoco><include file="nope.xml"/></mujoco>', "nope.xml"),
@@ -573,7 +573,7 @@ def test_the_identity_is_the_content_of_all_files(tmp_path):
         ("<mujoco><foo/></mujoco>", "foo"),
         ("<mujoco><worldbody>" + "<body>" * 10000 + "</body>" * 10000 + "</worldbody></mujoco>", "too deep"),
         ('<mujoco model="' + "a" * 50_000_000 + '"/>', "longer than"),
-        ("<!--" * 100_000, "no XML"),
+        ("<!--" * 100_000, "not XML"),
         ("<mujoco>" + "".join(f'<a file="{i}"/>' for i in range(30_000)), "names more than"),
     ],
 )

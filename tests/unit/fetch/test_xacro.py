@@ -165,7 +165,7 @@ def test_what_is_trusted_sees_the_paths_of_ros_and_no_other_variable(tmp_path, m
     text = made(tmp_path, f'<link name="{ESCAPED}"/>', environ)
     assert "['ROS_PACKAGE_PATH']" in text.replace("&apos;", "'")
     error = refused(tmp_path, '<link name="$(env ONSHAPE_SECRET_KEY)"/>')
-    assert "sees no variables but ROS's paths" in error.hint
+    assert "can read only ROS's variables" in error.hint
 
 
 @pytest.mark.parametrize(
@@ -174,12 +174,12 @@ def test_what_is_trusted_sees_the_paths_of_ros_and_no_other_variable(tmp_path, m
         ('<link name="$(find parts)"/>', "there is no package parts", "source.packages={parts: FOLDER}"),
         ('<link name="$(arg n)"/>', "argument n", "source.args"),
         ('<link name="${1/0}"/>', "division by zero", ""),
-        ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "calls itself", ""),
+        ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "call themselves", ""),
     ],
 )
 def test_what_xacro_refuses_is_told_as_ours(tmp_path, inside, said, hint):
     error = refused(tmp_path, inside)
-    assert error.message.startswith("xacro refuses it: ")
+    assert error.message.startswith("xacro cannot expand it: ")
     assert said in error.message
     assert hint in error.hint
 

@@ -208,7 +208,7 @@ class Client:
         if lost.trouble is not None and lost.trouble.lasting and not lost.late:
             return error
         if call.method != "GET" and lost.begun and not call.restoring:
-            hint = "it may have been carried out all the same: look at the document in the browser"
+            hint = "the server may have made the change: check the document in the browser"
             return type(error)(error.message, error.where, hint)
         return Passing(error, "billed" if billed(lost.status) else "free", self._say)
 
@@ -239,7 +239,7 @@ class Client:
                 # The other calls for this document go there directly: each stop costs a call.
                 with self._lock:
                     self._origins[document] = region
-        msg = f"the server points elsewhere for {call.what} more than {redirects.MOST} times"
+        msg = f"the server redirects the request for {call.what} more than {redirects.MOST} times"
         raise ProtocolError(msg, self.host, "use the host that the browser shows for this document")
 
     def _check(self, body: bytes, check: Callable[[bytes], None]) -> None:
@@ -282,7 +282,7 @@ class Client:
                     self.met[name] = self._credentials.scrub(headers[header])[:40]
         if self._ledger is not None and (why := self._ledger.note(kind, status, rest)):
             if not self._uncounted:
-                self._say(f"calls go uncounted: {why}")
+                self._say(f"API calls are not counted: {why}")
             self._uncounted = True
 
     def _say(self, line: str) -> None:

@@ -1,4 +1,4 @@
-"""Why a server was not reached, and what to do: its name, the connection, a proxy, its certificate."""
+"""Errors of the connection (DNS, TCP, proxy, TLS certificate), each with a hint."""
 
 import errno
 import os
@@ -16,29 +16,29 @@ _NETWORK = (
 _NAMES = {socket.EAI_NONAME: "its name is not known (DNS)", socket.EAI_AGAIN: "no name server answers (DNS)"}
 _UNREACHABLE = {
     errno.ECONNREFUSED: "nothing listens there (connection refused)",
-    errno.ENETUNREACH: "there is no network that leads there",
-    errno.EHOSTUNREACH: "there is no way to that host",
-    errno.ECONNRESET: "it hung up",
+    errno.ENETUNREACH: "the network is unreachable",
+    errno.EHOSTUNREACH: "there is no route to the host",
+    errno.ECONNRESET: "it closed the connection",
     errno.ETIMEDOUT: "it does not answer",
 }
 _SELF_SIGNED, _IN_CHAIN, _NO_ISSUER, _NO_FIRST = 18, 19, 20, 21
 _EARLY, _EXPIRED = 9, 10
 _OTHER_HOST, _OTHER_ADDRESS = 62, 64
 _CERTIFICATES = {
-    _SELF_SIGNED: "nobody vouches for its certificate (self-signed)",
-    _IN_CHAIN: "its certificate is vouched for by nobody who is trusted (self-signed)",
-    _NO_ISSUER: "its certificate is vouched for by nobody who is trusted",
-    _NO_FIRST: "its certificate is vouched for by nobody who is trusted",
+    _SELF_SIGNED: "its certificate is self-signed",
+    _IN_CHAIN: "its certificate chain ends in a self-signed certificate",
+    _NO_ISSUER: "its certificate is not signed by a trusted authority",
+    _NO_FIRST: "its certificate is not signed by a trusted authority",
     _EARLY: "its certificate is not valid yet",
     _EXPIRED: "its certificate has expired",
-    _OTHER_HOST: "its certificate is another host's",
-    _OTHER_ADDRESS: "its certificate is another host's",
+    _OTHER_HOST: "its certificate is for another host",
+    _OTHER_ADDRESS: "its certificate is for another host",
 }
 
 
 @dataclass(frozen=True, slots=True)
 class Trouble:
-    """What kept a request from its server. `lasting`: to try again changes nothing."""
+    """Why a request did not reach its server. `lasting`: another attempt will fail too."""
 
     message: str
     hint: str
@@ -46,9 +46,9 @@ class Trouble:
 
 
 def trouble(error: BaseException, host: str, met: tuple[str, int] | None) -> Trouble:
-    """What `error`, and those that caused it, say about the way to `host`.
+    """The cause of `error` as a message and a hint about the connection to `host`.
 
-    `met`: host and port that were connected to, or tried; another one than `host` is a proxy.
+    `met`: the host and port of the connection; if the host differs from `host`, it is a proxy.
     """
     causes = list(_causes(error))
     for cause in causes:
@@ -56,12 +56,12 @@ def trouble(error: BaseException, host: str, met: tuple[str, int] | None) -> Tro
             return _untrusted(cause, host)
         if isinstance(cause, ssl.SSLError):
             reason = (cause.reason or "no TLS").replace("_", " ").lower()
-            return Trouble(f"no safe connection to {host}: TLS failed ({reason})", _NETWORK)
+            return Trouble(f"no secure connection to {host}: TLS failed ({reason})", _NETWORK)
     subject, hint = host, _NETWORK
     if met is not None and met[0] != host:
         variable = proxy_variable(os.environ)
         subject = f"the proxy {met[0]}:{met[1]} ({variable})"
-        hint = f"correct or unset {variable}; NO_PROXY={host} goes there without it"
+        hint = f"correct or unset {variable}; NO_PROXY={host} bypasses the proxy"
     why = next((words for cause in causes if (words := _why(cause))), type(error).__name__)
     return Trouble(f"{subject} cannot be reached: {why}", hint)
 
@@ -73,25 +73,25 @@ def refused_by_proxy(status_line: str, host: str, met: tuple[str, int] | None) -
     status = status_line.partition(" ")[0]
     if status == "407":
         hint = f"write user and password into {variable}: http://USER:PASSWORD@HOST:PORT"
-        return Trouble(f"{subject} asks for a login (407)", hint, lasting=True)
+        return Trouble(f"{subject} requires a login (407)", hint, lasting=True)
     code = f" ({status})" if status.isdigit() else ""
-    hint = f"ask who runs it to allow {host}; NO_PROXY={host} goes there without it"
-    return Trouble(f"{subject} does not lead to {host}{code}", hint, lasting=not status.startswith("5"))
+    hint = f"ask its administrator to allow {host}; NO_PROXY={host} bypasses the proxy"
+    return Trouble(f"{subject} refuses to connect to {host}{code}", hint, lasting=not status.startswith("5"))
 
 
 def _untrusted(error: ssl.SSLCertVerificationError, host: str) -> Trouble:
     code = error.verify_code
     why = _CERTIFICATES.get(code) or f"its certificate is not accepted ({error.verify_message})"
     if code in (_EARLY, _EXPIRED):
-        hint = "check this computer's clock; if it is right, report it to those who run that server"
+        hint = "check this computer's clock; if it is right, report this to the server's administrator"
     elif code in (_OTHER_HOST, _OTHER_ADDRESS):
-        hint = "check the host in source.url, and that the network asks for no login first"
+        hint = "check the host in source.url, and whether the network requires a login first"
     else:
         hint = (
-            f"if your network reads what passes through it, name its certificate: {CERTIFICATES}=FILE.pem; "
-            "else somebody else may be answering, and your key was not sent"
+            f"if your network inspects TLS traffic, name its certificate: {CERTIFICATES}=FILE.pem;  "
+            "otherwise another server may be answering (your key was not sent)"
         )
-    return Trouble(f"no safe connection to {host}: {why}", hint, lasting=True)
+    return Trouble(f"no secure connection to {host}: {why}", hint, lasting=True)
 
 
 def _why(cause: BaseException) -> str:
@@ -105,7 +105,7 @@ def _why(cause: BaseException) -> str:
 
 
 def _causes(error: BaseException) -> Iterator[BaseException]:
-    """The error, and what caused it."""
+    """The error and the chain of its causes."""
     seen: set[int] = set()
     cause: BaseException | None = error
     while cause is not None and id(cause) not in seen:

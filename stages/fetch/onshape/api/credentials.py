@@ -159,7 +159,7 @@ def _kind(text: str) -> Kind:
 def _require_plain(text: str, names: str) -> None:
     """ConfigError for text that cannot be a key; the text itself is not shown."""
     if not text.isascii() or not text.isprintable():
-        msg = f"{names} holds characters that no Onshape key has"
+        msg = f"{names} contains characters that no Onshape key has"
         raise ConfigError(msg, hint="copy the key again, without quotes or line breaks")
 
 

@@ -52,7 +52,7 @@ def refusal(
     if status == 402:
         msg = f"the yearly quota of API calls is used up (402), so {what} was not sent{quoted}"
         hint = (
-            "no further call was made, and what was fetched is kept; look at My account > Developer in "
+            "no further call was made, and what was fetched is kept; see My account > Developer in "
             "Onshape, or build from the cache (source.offline=true) or a bundle (source=bundle)"
         )
         return QuotaExhausted(msg, host, hint)
@@ -65,15 +65,15 @@ def refusal(
         return SourceError(msg, host, _open_the_tab())
     if status in (405, 406, 415):
         msg = f"the server refuses the form of the request for {what} ({status}){quoted}"
-        return Declined(msg, host, "this is a fault of linkwright, or the API has changed: report it")
+        return Declined(msg, host, "this is a bug in linkwright, or the API has changed: report it")
     if status == 204:
-        return ProtocolError(f"the server has nothing to say about {what} (204)", host, AGAIN)
+        return ProtocolError(f"the server sent an empty reply instead of {what} (204)", host, AGAIN)
     if 300 <= status < 400:
-        msg = f"the server points elsewhere for {what} ({status}), which is not followed"
+        msg = f"the server redirects the request for {what} ({status}); this redirect is not followed"
         return ProtocolError(msg, host, "use the host that the browser shows for this document")
     if status >= 500 or status == 499:
         msg = f"the server failed to give {what} ({status}){quoted}"
-        hint = f"{AGAIN}, in a while; if it fails each time, try a smaller assembly"
+        hint = f"{AGAIN} in a while; if it fails each time, try a smaller assembly"
         return ProtocolError(msg, host, hint)
     msg = f"the server refuses to give {what} ({status}){quoted}"
     return Declined(msg, host, "check that the document opens in the browser with the same account")
@@ -82,22 +82,22 @@ def refusal(
 def rate_limited(
     what: str, text: str, host: str, *, asked: float | None, waited: float, max_wait: float
 ) -> RateLimited:
-    """The error for a closed window (429) that is not waited for any longer. Times in seconds."""
+    """The error for a rate limit (429) once the allowed waiting time is used up. Times in seconds."""
     words = server_words(text)
     quoted = f' ("{words}")' if words else ""
     bound = f"source.max_wait allows {max_wait:g} s"
-    spent = f" and {waited:.0f} s were waited already" if waited else ""
+    spent = f" and {waited:.0f}s were already spent waiting" if waited else ""
     after = f"; it asks to wait {asked:.0f} s" if asked is not None else ""
     msg = f"the server allows no more calls for {what} for now (429){after}, while {bound}{spent}{quoted}"
     when = f"in {_minutes(asked)}" if asked is not None else "later"
     hint = f"run the same command again {when}: what was fetched is kept and not paid for twice"
     if asked is not None:
-        hint += f"; or let it wait: source.max_wait={int(asked) + 10}"
+        hint += f"; or allow a longer wait: source.max_wait={int(asked) + 10}"
     return RateLimited(msg, host, hint)
 
 
 def cut_short(what: str, host: str) -> ProtocolError:
-    """The error for a reply that ended before its end."""
+    """The error for an incomplete reply."""
     return ProtocolError(f"the reply with {what} was cut short", host, AGAIN)
 
 
@@ -111,12 +111,12 @@ def offline(what: str, host: str, why: str, *, late: bool) -> Offline:
 
 
 def unreached(trouble: Trouble, host: str) -> Offline:
-    """The error for a request that did not get to its server."""
+    """The error for a request that did not reach its server."""
     return Offline(trouble.message, host, trouble.hint)
 
 
 def no_reply(lost: "Lost", what: str, host: str) -> SourceError:
-    """The error for the lack of a whole reply."""
+    """The error for a missing or incomplete reply."""
     if lost.trouble is not None and not lost.late:
         return unreached(lost.trouble, host)
     if lost.late or not lost.status:
@@ -125,28 +125,28 @@ def no_reply(lost: "Lost", what: str, host: str) -> SourceError:
 
 
 def too_large(request: str, host: str) -> ProtocolError:
-    """The error for a reply that unpacks to more than its kind may have."""
+    """The error for a reply that is larger than the limit of its kind."""
     bound = reply_sizes.in_words(reply_sizes.largest(request))
-    msg = f"the reply with {describe(request)} is larger than any that makes sense ({bound})"
+    msg = f"the reply with {describe(request)} is larger than the limit ({bound})"
     if is_triangles(request) or is_gltf(request):
         return ProtocolError(msg, host, "use a coarser source.tessellation")
-    return ProtocolError(msg, host, "check that source.url is of the assembly that you mean, and report it")
+    return ProtocolError(msg, host, "check that source.url names the right assembly; if it does, report this")
 
 
 def wrongly_packed(what: str, host: str, how: str) -> ProtocolError:
-    """The error for a reply that is packed in a way that was not asked for."""
-    msg = f"the reply with {what} is packed in a way that was not asked for ({how})"
-    return ProtocolError(msg, host, "check the host in source.url, and what a proxy in between does")
+    """The error for a reply with an unexpected content encoding."""
+    msg = f"the reply with {what} has an unexpected encoding ({how})"
+    return ProtocolError(msg, host, "check the host in source.url, and whether a proxy changes replies")
 
 
 def web_page(what: str, host: str) -> ProtocolError:
-    """The error for a web page that comes as if it were the reply."""
+    """The error for a web page in place of the reply."""
     msg = f"the server sent a web page instead of {what}"
-    return ProtocolError(msg, host, "check the host in source.url, and that no proxy asks for a login")
+    return ProtocolError(msg, host, "check the host in source.url, and whether a proxy requires a login")
 
 
 def server_words(text: str) -> str:
-    """What the server says, short and on one line; nothing for web pages and other noise."""
+    """The server's error message, short and on one line; "" for web pages and other noise."""
     try:
         data = json.loads(text)
     except (ValueError, RecursionError):
@@ -169,13 +169,13 @@ def _denied(status: int, what: str, quoted: str, host: str, kind: str, skew: flo
         return AuthError(msg, host, "set the clock, or leave out ONSHAPE_AUTH=signature")
     if status == 401 and kind == "bearer":
         msg = f"the server does not accept the bearer token (401){quoted}"
-        hint = f"tokens live for about an hour: get a new one; and is it a token for {host}?"
+        hint = f"a token is valid for about an hour: get a new one, and check that it is for {host}"
         return AuthError(msg, host, hint)
     if status == 401:
         msg = f"the server does not accept the API key (401){quoted}"
         hint = (
             f"check ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY; a key works only on the host where it was "
-            f"made: is it a key of {host}?"
+            f"made (here {host})"
         )
         return AuthError(msg, host, hint)
     mine = "bearer token" if kind == "bearer" else "API key"
@@ -190,18 +190,18 @@ def _not_so_configured(configuration: str, quoted: str, host: str) -> SourceErro
     msg = f"the server refuses the configuration {configuration!r} (400){quoted}"
     hint = (
         "choose it in the browser and copy the address again, or give the values by name in "
-        "source.configuration, which is checked against the document; if the address works without "
-        "one, it is the configuration, else the tab may not be an assembly"
+        "source.configuration, which is checked against the document; if the build works without "
+        "a configuration, the configuration is wrong; else the tab may not be an assembly"
     )
     return SourceError(msg, host, hint)
 
 
 def _absent(what: str, quoted: str, host: str, request: str, *, page: bool) -> NotFound:
     maybe = f", or {_NOT_ASSEMBLY}" if is_definition(request) else ""
-    msg = f"the server does not find {what} (404){quoted}: gone, or private to others{maybe}"
+    msg = f"the server does not find {what} (404){quoted}: deleted, not shared with you{maybe}"
     hint = _open_the_tab() if maybe else "share the linked document with the owner of the API key"
     if page:
-        hint += f"; {host} answered with a web page: is it the host that the browser shows?"
+        hint += f"; {host} answered with a web page: check that it is the host that the browser shows"
     return NotFound(msg, host, hint)
 
 
@@ -210,7 +210,7 @@ def _is_page(text: str) -> bool:
 
 
 def _skew(headers: Mapping[str, str]) -> float:
-    """How far this computer's clock is ahead [s]; 0 where it is near enough or the server is silent."""
+    """How far this computer's clock is ahead [s]; 0 where it is near enough or the server sends no date."""
     there = date(headers.get("Date", ""))
     skew = 0.0 if there is None else time.time() - there
     return skew if abs(skew) > _SKEW else 0.0
@@ -221,4 +221,4 @@ def _minutes(seconds: float) -> str:
 
 
 def _open_the_tab() -> str:
-    return "open the assembly's tab in the browser, with the account of the API key, and copy its address"
+    return "open the assembly's tab in the browser with the account of the API key, and copy its address"

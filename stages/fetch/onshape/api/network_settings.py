@@ -52,7 +52,7 @@ def _require_proxy(name: str, value: str) -> None:
         msg = "it is not the address of a proxy"
         raise ConfigError(msg, name, f"set it to an address such as {_EXAMPLE}, or unset it")
     if parts.scheme in _SOCKS and importlib.util.find_spec("socksio") is None:
-        msg = "it names a SOCKS proxy, and the package that speaks with those is not installed"
+        msg = "it names a SOCKS proxy, and the package for SOCKS proxies is not installed"
         raise ConfigError(msg, name, f"{install('socksio')}, or name a proxy such as {_EXAMPLE}")
 
 
@@ -67,7 +67,7 @@ def _require_certificates(environ: Mapping[str, str]) -> None:
             if not why:
                 ssl.create_default_context(cafile=file)
         except ssl.SSLError:
-            why = f"{file} holds no certificate"
+            why = f"{file} contains no certificate"
         except OSError as error:
             why = f"{file} cannot be read: {error.strerror or type(error).__name__}"
         if why:

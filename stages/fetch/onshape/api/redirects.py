@@ -34,10 +34,11 @@ def target(here: str, location: str, what: str) -> str:
     except ValueError:
         parts, host = urlsplit(""), ""
     if not host:
-        msg = f"the server points elsewhere for {what}, but not to an address"
+        msg = f"the server redirects the request for {what} without a valid address"
         raise ProtocolError(msg, before.netloc, "use the host that the browser shows for this document")
     if "@" in parts.netloc or not _safe(before.scheme, before.hostname or "", parts.scheme, host):
-        msg = f"the server points to {parts.scheme}://{host} for {what}, where your key is not sent"
+        to = f"{parts.scheme}://{host}"
+        msg = f"the server redirects the request for {what} to {to}; your key is not sent there"
         raise ProtocolError(msg, before.netloc, "use the host that the browser shows for this document")
     return parts._replace(fragment="").geturl()
 

@@ -86,7 +86,7 @@ def persist(once: Callable[[], bytes], patience: Patience) -> bytes:
         return caller(again, once)
     except Passing as last:
         error, times = last.error, failures.total()
-        message = error.message if times == 1 else f"{error.message}; asked {times} times"
+        message = error.message if times == 1 else f"{error.message}; tried {times} times"
         raise type(error)(message, error.where, error.hint) from last.__cause__
 
 
@@ -100,4 +100,4 @@ def _announce(details: RetryDetails) -> None:
     """Reports a coming attempt."""
     if isinstance(details.caused_by, Passing):
         error = details.caused_by.error
-        details.caused_by.progress(f"{error.message}; asking again in {details.wait_for:.0f} s")
+        details.caused_by.progress(f"{error.message}; trying again in {details.wait_for:.0f} s")

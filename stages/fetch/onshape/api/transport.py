@@ -25,7 +25,7 @@ AT_ONCE = 4
 _IN_MEMORY = 1 << 20
 _UNMET = (httpx.ConnectError, httpx.ConnectTimeout, httpx.ProxyError, httpx.UnsupportedProtocol)
 _BROKEN: Mapping[type[httpx.HTTPError], str] = {
-    httpx.RemoteProtocolError: "it hung up, or does not speak HTTP",
+    httpx.RemoteProtocolError: "it closed the connection, or does not speak HTTP",
     httpx.ReadError: "the connection broke off",
     httpx.WriteError: "the connection broke off",
 }

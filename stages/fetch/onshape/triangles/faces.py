@@ -124,7 +124,7 @@ def _named(name: str, record: _Record, shared: _Points, room: Room) -> Body:
     except MalformedError:
         raise
     except (AttributeError, IndexError, KeyError, OverflowError, TypeError, ValueError) as error:
-        msg = f"the triangles are not in a known shape ({type(error).__name__}: {error})"
+        msg = f"the reply with triangles has an unknown format ({type(error).__name__}: {error})"
         raise ProtocolError(msg, f"part {name}", _HINT) from error
 
 

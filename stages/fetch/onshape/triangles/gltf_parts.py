@@ -39,8 +39,10 @@ def compact(reply: bytes, mass: bytes) -> bytes:
         msg = f"none of the {len(nodes)} bodies of the glTF fits one of the {len(parts)} parts"
         raise ProtocolError(msg, hint=_HINT)
     if not found.certain:
-        msg = "the bodies of the glTF fit the parts whichever axis is up"
-        raise ProtocolError(msg, hint="give the parts materials in Onshape, so that their places are known")
+        msg = "the bodies of the glTF fit the parts with either axis up"
+        raise ProtocolError(
+            msg, hint="give the parts materials in Onshape, so that Onshape reports their centres of mass"
+        )
     bodies = []
     for name in sorted(found.meshes):
         node = nodes[found.meshes[name]]

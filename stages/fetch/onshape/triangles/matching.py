@@ -60,7 +60,7 @@ def assigned(meshes: Sequence[BodyFigures], parts: Mapping[str, BodyFigures]) ->
     ValueError where there are too many of both to try each with each.
     """
     if len(meshes) * len(parts) > _MOST_PAIRS:
-        msg = f"{len(meshes)} bodies and {len(parts)} parts are too many to be matched"
+        msg = f"{len(meshes)} bodies and {len(parts)} parts are too many to match"
         raise ValueError(msg)
     names = sorted(parts)
     found = []

@@ -28,7 +28,7 @@ _NO_MASS = b'{"bodies":{}}'
 
 _NOT_KEPT = (
     "run the same command again (source.refresh=true is not needed: nothing of that reply was kept); "
-    "if it fails each time, open the part studio in the browser and look whether it regenerates"
+    "if it fails each time, open the part studio in the browser and check that it regenerates without errors"
 )
 
 _MOST_NAMED = 200

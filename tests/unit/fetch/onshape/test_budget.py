@@ -9,7 +9,7 @@ from stages.robot.errors import SourceError
 def test_calls_on_their_way_cannot_overdraw_together():
     budget = Budget(2)
     with budget.slot(), budget.slot():
-        with pytest.raises(SourceError, match="may make 2"), budget.slot():
+        with pytest.raises(SourceError, match="max_calls is 2"), budget.slot():
             pass
         assert budget.made == 0
 

@@ -98,7 +98,7 @@ def test_the_address_is_the_base_and_is_kept_word_for_word():
         ({"count": 12}, ("12 is too large", "")),
         ({"ratio": "1 m"}, ("must be a plain number", "")),
         ({"label": 7}, ("must be text (given 7): quote it", "allowed: text")),
-        ({"label": "a", "Label": "b"}, ("given twice, by name and by id", "")),
+        ({"label": "a", "Label": "b"}, ("the parameter is given twice, by name and by id", "")),
     ],
 )
 def test_what_the_document_does_not_take_is_told_with_what_it_takes(wanted, told):
@@ -209,7 +209,7 @@ def test_offline_a_configuration_is_built_from_what_is_kept():
     assert (offline.calls, offline.bundle) == (0, cold.bundle)
     with pytest.raises(Offline):
         fetched(onshape(url, offline=True, **keys))
-    with pytest.raises(SourceError, match="cannot be configured so"):
+    with pytest.raises(SourceError, match="invalid configuration of the assembly"):
         fetched(onshape(url, offline=True, configuration={"Leg length": "9 m"}), kept)
 
 

@@ -69,9 +69,9 @@ def test_an_assembly_without_parts_is_named_empty(instances):
     ("body", "why"),
     [
         (b'{"rootAssembly": {"insta', "not JSON"),
-        (b"[]", "not in the shape"),
+        (b"[]", "unknown format"),
         (b'{"bodies": {}}', "lacks the key 'rootAssembly'"),
-        (b'{"rootAssembly": null}', "not in the shape"),
+        (b'{"rootAssembly": null}', "unknown format"),
         (definition([sub("arm")]), "does not describe the sub-assembly 'arm'"),
         (definition([{"type": "Part", "documentId": "d"}]), "lacks the key 'documentMicroversion'"),
         (definition([]).replace(b'"documentId": "d"', b'"documentId": 7'), "documentId is not text"),

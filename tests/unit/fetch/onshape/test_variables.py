@@ -244,7 +244,7 @@ def test_each_studio_is_put_back_whatever_becomes_of_the_others(server, kept):
     assert "yearly quota" in caught.value.message
     assert "it asks to wait 3600 s" in caught.value.message
     assert "in 60 min" in caught.value.hint
-    assert f"variable studio {posts(server)[0].split('/')[-2]} was not put back" in caught.value.message
+    assert f"variable studio {posts(server)[0].split('/')[-2]} was not restored" in caught.value.message
     server.fault = None
     server.reset()
     assert leg(fetched(onshape(server.document_url()), kept, server.environ)) == 0.18
@@ -255,7 +255,7 @@ def test_each_studio_is_put_back_whatever_becomes_of_the_others(server, kept):
 def test_what_cannot_be_looked_at_is_not_written(server, kept):
     abandoned(server, kept)
     server.fault = lambda method, target, at: Fault(429, b"{}", LATER)
-    with pytest.raises(SourceError, match="nothing was sent to it") as caught:
+    with pytest.raises(SourceError, match="could not be read, so it was not changed") as caught:
         fetched(onshape(server.document_url()), kept, server.environ)
     assert "LegLength = 200 mm" in caught.value.message
     assert "in 60 min" in caught.value.hint
@@ -265,7 +265,7 @@ def test_what_cannot_be_looked_at_is_not_written(server, kept):
 def abandoned(server, kept):
     """A build that wrote and could not put back: what is remembered is all that is left of it."""
     server.fault = lambda method, target, at: Fault(403, b"{}") if at == 6 else None
-    with pytest.raises(SourceError, match="could not be put back to LegLength = 200 mm") as caught:
+    with pytest.raises(SourceError, match="could not be restored to LegLength = 200 mm") as caught:
         fetched(keys(server), kept, server.environ)
     assert "run the same command again" in caught.value.hint
     assert tables(server)[0]["LegLength"] == ("LENGTH", "400 mm")
@@ -298,7 +298,7 @@ def test_what_was_edited_since_is_left_as_it_is(server, kept):
     made = fetched(onshape(server.document_url()), kept, server.environ, lines)
     assert leg(made) == 0.225
     assert posts(server) == []
-    assert any("was edited since: left as it is" in line for line in lines)
+    assert any("was edited in the meantime and is left as it is" in line for line in lines)
 
 
 def test_two_builds_with_other_values_do_not_disturb_each_other(server):
@@ -320,7 +320,7 @@ def test_two_builds_with_other_values_do_not_disturb_each_other(server):
 
 
 def test_what_may_not_be_spent_is_refused_before_the_write(server, kept):
-    with pytest.raises(SourceError, match="may make 6"):
+    with pytest.raises(SourceError, match="max_calls is 6"):
         fetched(keys(server, max_calls=6), kept, server.environ)
     assert posts(server) == []
 

@@ -182,7 +182,7 @@ def test_the_outline_of_a_small_robot():
         "1 frame on rod: tool",
         "",
         "1 degree of freedom (by rank at the saved pose; 0 by Grübler), 4 coordinates",
-        "1 condition of the loop tip says nothing new (redundant)",
+        "1 condition of the loop tip is redundant",
     ]
 
 

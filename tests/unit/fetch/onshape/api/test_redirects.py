@@ -99,6 +99,6 @@ def test_a_way_that_does_not_end_or_leads_away_is_left(document, location, stops
         server.fault = lambda *_: Fault(307, headers={"Location": location})
         url = AssemblyUrl(server.url, "D", "w/W", "E", "default")
         with Client(url, Credentials("a", "s"), patience=QUICK) as client:
-            with pytest.raises(ProtocolError, match="points"):
+            with pytest.raises(ProtocolError, match="redirects"):
                 client.get("/documents/d/D/w/W/currentmicroversion")
             assert client.calls == server.count == stops

@@ -108,7 +108,7 @@ def test_a_reply_that_unpacks_to_more_than_its_kind_may_have_is_left_unread():
     body = bomb(96 * MB)
     with Answering(Fault(body=body, headers={"Content-Encoding": "gzip"})) as there:
         assert peak_of(there.mass) < 8 * MB
-        with pytest.raises(ProtocolError, match="larger than any that makes sense \\(32 MB\\)"):
+        with pytest.raises(ProtocolError, match="larger than the limit \\(32 MB\\)"):
             there.mass()
         assert there.asked == 2
 
@@ -116,7 +116,7 @@ def test_a_reply_that_unpacks_to_more_than_its_kind_may_have_is_left_unread():
 def test_a_length_beyond_the_bound_is_believed():
     with (
         Answering(Fault(body=b"{}", claimed=33 * MB)) as there,
-        pytest.raises(ProtocolError, match="larger than any"),
+        pytest.raises(ProtocolError, match="larger than the limit"),
     ):
         there.mass()
 
@@ -125,7 +125,7 @@ def test_a_body_without_an_end_is_left_at_the_bound(monkeypatch):
     monkeypatch.setattr(reply_sizes, "_BY_PATH", [(r"/massproperties$", 4 * MB)])
     with (
         Answering(Fault(body=b" " * 65536, endless=True)) as there,
-        pytest.raises(ProtocolError, match="larger than any that makes sense \\(4 MB\\)"),
+        pytest.raises(ProtocolError, match="larger than the limit \\(4 MB\\)"),
     ):
         there.mass()
 
@@ -145,7 +145,7 @@ def test_a_packing_that_was_not_asked_for_is_refused(encoding):
     headers = {"Content-Encoding": encoding}
     with (
         Answering(Fault(body=bomb(8 * MB, 2), headers=headers)) as there,
-        pytest.raises(ProtocolError, match="packed in a way that was not asked for") as caught,
+        pytest.raises(ProtocolError, match="has an unexpected encoding") as caught,
     ):
         there.mass()
     assert "\x1b" not in str(caught.value)
@@ -177,7 +177,7 @@ def test_what_is_harmed_is_told():
         unpacked([packed], "gzip, gzip")
     with (
         Answering(Fault(body=packed[:-4], headers={"Content-Encoding": "gzip"})) as there,
-        pytest.raises(ProtocolError, match="cut short; asked 2 times"),
+        pytest.raises(ProtocolError, match="cut short; tried 2 times"),
     ):
         there.mass()
 

@@ -64,7 +64,7 @@ def test_a_build_is_let_in_with_each_kind_of_key(document, environ):
         (Credentials(ACCESS_KEY, "wrong"), "a key works only on the host where it was made"),
         (Credentials(ACCESS_KEY, "wrong", "signature"), "The signature is not good."),
         (Credentials("wrong", SECRET_KEY, "signature"), "API key"),
-        (Credentials(kind="bearer", token="stale"), "tokens live for about an hour"),
+        (Credentials(kind="bearer", token="stale"), "valid for about an hour"),
     ],
 )
 def test_a_wrong_key_is_refused_and_explained_after_one_call(document, key, said):

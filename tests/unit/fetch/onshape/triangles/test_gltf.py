@@ -81,7 +81,7 @@ def test_a_node_that_is_named_by_a_part_id_is_that_part():
 def test_parts_that_do_not_tell_which_way_is_up_are_refused():
     of = Document("Loose").studio("Loose")
     of.part("Cover", solids.box(0.2, 0.09, 0.002))
-    with pytest.raises(ProtocolError, match="whichever axis is up"):
+    with pytest.raises(ProtocolError, match="with either axis up"):
         gltf_parts.compact(gltf(of.parts, appearances=True), masses(of))
 
 
