@@ -83,7 +83,7 @@ def _spent() -> float:
                 ["E-MESH-MISSING", "package://p/a.stl", "source.packages"],
             ),
             ("r.urdf", meshed("/etc/passwd"), ["E-MESH-READ", "passwd", "format"]),
-            ("r.xacro", robot("", name="&l11;", before=LAUGHS, more=XACRO), ["r.xacro", "xacro cannot expand it"]),
+            ("r.xacro", robot("", name="&l11;", before=LAUGHS, more=XACRO), ["r.xacro", "cannot expand it"]),
             (
                 "r.xacro",
                 robot(ENDLESS, more=XACRO),
@@ -128,7 +128,7 @@ GLTF = """{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": 36, "uri"
             (
                 "a.stl",
                 bytes(80) + struct.pack("<I", 100) + bytes(500),
-                "announces 100 triangles and holds 10",
+                "announces 100 triangles and contains 10",
             ),
             ("a.stl", bytes(80) + struct.pack("<I", 2**32 - 1), "announces 4294967295 triangles"),
             ("a.stl", b"\0" * 80 + struct.pack("<I12fH", 1, *[float("nan")] * 12, 0), "NaN or infinite"),
