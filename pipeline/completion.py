@@ -262,5 +262,5 @@ def install(shell: str, environ: Mapping[str, str] = os.environ) -> str:
             gap = "" if not before or before.endswith("\n") else "\n"
             with start.open("a", encoding="utf-8") as file:
                 file.write(gap + line)
-        done.append(f"{start}: reads it")
+        done.append(f"{start}: loads it")
     return "\n".join([*done, "open a new shell to use it"])

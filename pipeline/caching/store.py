@@ -195,6 +195,8 @@ class Store:
             msg = f"the cache folder cannot be {done}: {reason(error)}"
             hint = "choose another with cache.dir=FOLDER or LINKWRIGHT_CACHE, or build with cache.mode=bypass"
             if error.errno in FULL:
-                hint = "make room there, say with linkwright cache gc --max-size 1G, or choose another "
-                hint += "folder with cache.dir=FOLDER or LINKWRIGHT_CACHE"
+                hint = (
+                    "free space there, for example with linkwright cache gc --max-size 1G, or choose another "
+                    "folder with cache.dir=FOLDER or LINKWRIGHT_CACHE"
+                )
             raise CacheError(msg, where=str(self.root), hint=hint) from error

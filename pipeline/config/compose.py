@@ -33,7 +33,7 @@ from pipeline.config.partial import Draft
 from pipeline.config.plain import plain
 from pipeline.config.plan import Judge, Plan
 from pipeline.config.presets import GROUPS, Presets, chosen, content, stand_in
-from pipeline.config.trust import Sweeping, not_to_say, overridden, targets, untrusted
+from pipeline.config.trust import Sweeping, not_allowed, overridden, targets, untrusted
 from pipeline.errors import ConfigError, Diagnostic, refusal
 from pipeline.key_path import Place
 from pipeline.secrets import Secrets
@@ -241,7 +241,7 @@ class Composer:
             else:
                 self._everything = everything
                 if len(config.hydra.overrides.hydra) + len(config.hydra.overrides.task) != len(everything):
-                    draft.add(not_to_say("overrides"))
+                    draft.add(not_allowed("overrides"))
                 return config, [default.config_path or "" for default in defaults]
 
     def _around(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, list[str]]:
@@ -284,7 +284,7 @@ class Composer:
             if any(one.for_hydra_itself for one in given) or self.reading.trusting(
                 one.hydra for one in given
             ):
-                problems.append(not_to_say(place, values))
+                problems.append(not_allowed(place, values))
             else:
                 added += given
             problems += [Diagnostic(one.code, one.message, f"hydra.{place}", one.hint) for one in wrong]

@@ -10,7 +10,7 @@ from omegaconf.errors import OmegaConfBaseException
 from pipeline.config.hydra_words import COMPOSING, in_words
 from pipeline.config.messages import GLOBAL
 from pipeline.config.presets import GROUPS, Presets
-from pipeline.config.trust import not_to_say
+from pipeline.config.trust import not_allowed
 from pipeline.config.yaml_file import RefusedError
 from pipeline.errors import Diagnostic
 from stages.robot.install import install
@@ -42,7 +42,7 @@ def _no_such_file(error: Any, presets: Presets) -> Diagnostic:
     if group == "hydra/launcher":
         options = ", ".join(error.options or ("basic", *presets.options(group)))
         more = install("hydra-joblib-launcher", "joblib")
-        hint = f"launchers here: {options}; more come with {more}"
+        hint = f"installed launchers: {options}; others: {more}"
         return Diagnostic("E-OPTION", f"there is no launcher {option}", f"{group}={option}", hint)
     found = presets.unknown(group, option)
     if group.startswith("hydra/") and error.options:
@@ -55,26 +55,26 @@ def _not_utf8(error: Any, presets: Presets) -> Diagnostic:
 
 
 def _too_deep(error: Any, presets: Presets) -> Diagnostic:
-    return Diagnostic("E-OVERRIDE", "nested too deeply", "", "look at the brackets of what was typed")
+    return Diagnostic("E-OVERRIDE", "nested too deeply", "", "check the brackets on the command line")
 
 
 def _not_set(error: Any, presets: Presets) -> Diagnostic:
     # Hydra looks up the variables of hydra.job.env_copy while it composes.
-    text = f"names a variable that is not set: {error.args[0]}"
-    return Diagnostic("E-OVERRIDE", text, "hydra.job.env_copy", "take it out")
+    text = f"names an environment variable that is not set: {error.args[0]}"
+    return Diagnostic("E-OVERRIDE", text, "hydra.job.env_copy", "remove it")
 
 
 def _not_composed(error: Any, presets: Presets) -> Diagnostic:
     if "hydra.searchpath" in str(error):
-        return not_to_say("searchpath")
+        return not_allowed("searchpath")
     if "@robot." in str(error):
-        return Diagnostic("E-KEY", "its file chooses options for itself alone", "robot", HEADER)
+        return Diagnostic("E-KEY", "its defaults list chooses options below `robot`", "robot", HEADER)
     causes = [str(one) for one in (error, error.__cause__) if one is not None]
     words = in_words("\n".join(causes), COMPOSING, [*GROUPS, *presets.own_groups()])
     if words is not None:
         return Diagnostic("E-OVERRIDE", *words)
     lines = [line for line in "\n".join(causes).splitlines() if line.strip() and "append to your" not in line]
-    hint = "look at the defaults lists of your files; linkwright --info defaults-tree shows those that count"
+    hint = "check the defaults lists of your files; linkwright --info defaults-tree shows those in use"
     return Diagnostic("E-OVERRIDE", f"cannot be composed: {' '.join(lines[:2])}", "", hint)
 
 

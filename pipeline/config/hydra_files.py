@@ -55,7 +55,7 @@ def guarded() -> Iterator[None]:
         try:
             count += 1
             if count > MOST_RESOLVED or letters > LONGEST:
-                msg = "its interpolations come to more than makes sense"
+                msg = "its interpolations expand to more than is allowed"
                 raise InterpolationResolutionError(msg)
             found = resolve(self, *args, **more)
             value = None if found is None else found._value()

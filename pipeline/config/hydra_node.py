@@ -102,7 +102,7 @@ class HydraNode:
         files = self._presets.own_files([f"{GROUP}/{launcher}"])
         if not files or files[0].parents[2] in self._presets.given:
             return None
-        text = f"launchers of your own count only from --config-dir, and this is {files[0]}"
+        text = f"your own launchers are used only from --config-dir, and this launcher is {files[0]}"
         command = [*self._command[:1], "--config-dir", str(files[0].parents[2]), *self._command[1:]]
         return Diagnostic(CODE, text, f"{GROUP}={launcher}", f"if you trust it: {shlex.join(command)}")
 

@@ -24,7 +24,7 @@ TREE = "linkwright --cfg job shows the tree"
 
 COMPOSING: Rules = {
     r"In '?(?P<file>[^':]+)'?: Could not override '(?P<group>[^'@]+).*'. Did you mean to override (?P=group)\?": Words(
-        "its defaults list cannot override {group} from there",
+        "its defaults list cannot override {group}",
         "{file}.yaml",
         "let a robot or an experiment choose it, in its own defaults list",
     ),
@@ -39,22 +39,22 @@ COMPOSING: Rules = {
     r"In '?(?P<file>[^':]+)'?: Multiple values for (?P<group>[^\s.]+)": Words(
         "its defaults list chooses {group}, which is chosen already",
         "{file}.yaml",
-        "write `override` before it: - override /{group}: ...",
+        "add `override`: - override /{group}: ...",
     ),
     r"(?P<group>\S+) appears more than once in the final defaults list": Words(
-        "is chosen twice in defaults lists", "{group}", "write `override` before it: - override /{group}: ..."
+        "is chosen twice in defaults lists", "{group}", "add `override`: - override /{group}: ..."
     ),
     r"Error resolving interpolation '(?P<text>[^']*)'": Words(
-        "a defaults list cannot be computed from this", "{text}", "write the name of the option itself"
+        "a defaults list cannot use this interpolation", "{text}", "write the name of the option itself"
     ),
     r"Could not append to config\. An item is already at '(?P<key>[^']+)'": Words(
-        "is there already", "+{key}", "leave out the +"
+        "exists already", "+{key}", "leave out the +"
     ),
     r"Could not delete from config\. '(?P<key>[^']+)' does not exist": Words(
-        "there is nothing to delete", "~{key}", TREE
+        "does not exist, so it cannot be deleted", "~{key}", TREE
     ),
     r"Could not delete '(?P<key>[^'=]+)[^']*'\. No match in the defaults list": Words(
-        "there is nothing to delete", "~{key}", TREE
+        "does not exist, so it cannot be deleted", "~{key}", TREE
     ),
     r"Could not delete from config\. The value of '(?P<key>[^']+)' is (?P<value>.*?) and not ": Words(
         "is not deleted: its value is {value}", "~{key}", "leave out the value: ~{key}"
@@ -64,46 +64,46 @@ COMPOSING: Rules = {
     ),
     r"Could not override '(?P<group>[^'@]+)": Words("there is no such group", "{group}", "{near}"),
     r"In '?(?P<file>[^':]+)'?: \w+ raised while composing config:\s*(?P<cause>[^\n]*)(.*full_key: (?P<key>\S+))?": Words(
-        "does not fit: {cause}", "{file}.yaml {key}", "look at what the file says there"
+        "has a value that is not allowed: {cause}", "{file}.yaml {key}", "check the file there"
     ),
     r"Error merging override (?P<line>[^\n]*)\s*(?P<cause>[^\n]*)": Words(
-        "does not fit there: {cause}", "{line}", TREE
+        "is not allowed there: {cause}", "{line}", TREE
     ),
     r"Error merging '(?P<file>[^']+)' with schema": Words(
-        "has the name of a plug-in's own settings, and does not fit them",
+        "has the name of a plug-in's settings, but other keys or types",
         "{file}.yaml",
         "give the file another name",
     ),
     r"Config '?(?P<file>[^' ]+)'? must be an OmegaConf config": Words(
-        "must be a mapping: lines of `key: value`", "{file}.yaml", "take out what is not one"
+        "must be a mapping: lines of `key: value`", "{file}.yaml", "remove everything else"
     ),
 }  # fmt: skip
 """Hydra, as it composes."""
 
 RESOLVING: Rules = {
     r"Interpolation key '(?P<key>[^']+)' not found": Words(
-        "names {key}, which is not there", hint="an interpolation names a whole key: ${{vars.reach}}"
+        "refers to {key}, which does not exist", hint="an interpolation needs the full key: ${{vars.reach}}"
     ),
     r"Environment variable '(?P<name>[^']+)' not found": Words(
-        "the environment has no {name}",
+        "the environment variable {name} is not set",
         hint="export {name}=..., or give a default: ${{oc.env:{name},0}}",
     ),
     r"Unsupported interpolation type (?P<name>\S+)": Words(
         "there is no resolver {name}",
         hint="resolvers: oc.env, oc.decode, oc.select, oc.create, oc.dict.keys, oc.dict.values, now",
     ),
-    r"[Rr]ecursi": Words("is computed from itself", hint="break the circle of ${{...}}"),
+    r"[Rr]ecursi": Words("refers to itself", hint="break the cycle of ${{...}}"),
     r"Interpolation to a missing value|Missing mandatory value|MissingMandatoryValue": Words(
-        "is computed from a value that is not given", hint="give that value"
+        "refers to a value that is not given", hint="give that value"
     ),
 }
 """OmegaConf, as it resolves interpolations."""
 
 READING: Rules = {
-    r"token recognition error at: '(?P<text>.+)'": Words("{text} must stand in quotes"),
+    r"token recognition error at: '(?P<text>.+)'": Words("{text} needs quotes"),
     r"(mismatched|extraneous) input '<EOF>'": Words("it ends too early"),
     r"(mismatched|extraneous) input '(?P<text>.*?)'( expecting|$)": Words("{text} is not expected there"),
-    r"no viable alternative at input '(?P<text>.*)'": Words("{text} makes no sense there"),
+    r"no viable alternative at input '(?P<text>.*)'": Words("{text} is not allowed there"),
     r"missing (?P<text>\S+) at": Words("{text} is missing"),
 }
 """The grammar of overrides."""

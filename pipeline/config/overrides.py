@@ -89,7 +89,7 @@ def refused(override: Override, multirun: bool) -> Diagnostic | None:
     if not override.for_hydra_itself:
         return None
     if not OF_HYDRA.fullmatch(override.key):
-        hint = "--config-dir names folders of your own; the key `output` moves what is built"
+        hint = "--config-dir adds folders of your own; the key `output` sets the output folder"
         return Diagnostic(CODE, "this part of Hydra is set by linkwright", override.typed, hint)
     if not multirun:
         text = "has no effect: a single build does not run under Hydra"
@@ -103,8 +103,8 @@ class _RefusedError(Exception):
     """(message, hint) about one argument."""
 
 
-_NOT_CARRIED = "the command line cannot carry this key"
-_NO_KEY = "key=value is expected"
+_NOT_CARRIED = "this key cannot be written on the command line"
+_NO_KEY = "expected key=value"
 _QUOTE_TWICE = "a URL needs quotes, and around them quotes for the shell"
 
 
@@ -209,7 +209,7 @@ def _parsed(argument: str, hydra: str, values: Values) -> tuple[str, ...]:
         key, _, value = argument.partition("=")
         message, *hint = error.args
         if not hint and value.lstrip()[:1] in ("{", "["):
-            hint = ["a mapping is typed so: 'joints={\"elbow*\": {damping: 1, limits: [-1, 1]}}'"]
+            hint = ["example of a mapping: 'joints={\"elbow*\": {damping: 1, limits: [-1, 1]}}'"]
         if value.startswith("~"):
             value = str(Path(value).expanduser())
         raise _RefusedError(
@@ -266,7 +266,7 @@ def _one_value(argument: str, override: Override) -> str:
 
 def _no_key(argument: str) -> tuple[str, str]:
     if argument in VERBS:
-        return f"`{argument}` is not supported yet", "linkwright --help shows what there is"
+        return f"`{argument}` is not supported yet", "linkwright --help lists the verbs"
     if "://" in argument:
         return _NO_KEY, f"linkwright source=onshape {quoted('source.url', argument)}"
     near = nearest(argument, VERBS)

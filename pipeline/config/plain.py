@@ -55,9 +55,9 @@ def plain(
             continue
         inner = (*place, name)
         if next(room, None) is None or len(inner) > DEEPEST:
-            text = f"it comes to more than {MOST_VALUES} values, or is nested deeper than {DEEPEST} levels"
+            text = f"it holds more than {MOST_VALUES} values, or is nested deeper than {DEEPEST} levels"
             if not any(problem.message == text for problem in problems):
-                hint = "look at its interpolations: ${...}"
+                hint = "check its interpolations: ${...}"
                 problems.append(Diagnostic("E-VALUE", text, key_of(place), hint))
             break
         try:

@@ -124,7 +124,7 @@ class Presets:
         listed = value.startswith("[") and group in SEVERAL
         if not listed and (len(options) != 1 or value.startswith("[")):
             hint = f"options: {', '.join(self.options(group))}"
-            return [Diagnostic("E-OPTION", "one option is expected", f"{group}={value}", hint)]
+            return [Diagnostic("E-OPTION", "expected one option", f"{group}={value}", hint)]
         return [found for option in options if (found := self.problem(group, option))]
 
     def content(self, group: str, option: str) -> dict[str, Any]:
@@ -210,9 +210,7 @@ class Presets:
         if path.endswith(".yml") and (self._here / path).is_file():
             return f"rename it: mv {shlex.quote(path)} {shlex.quote(str(other.name))}"
         places = " and ".join(str(folder / "robot") for folder in self.own)
-        return (
-            f"{near} a path is one from {self._here}{f'; robots by name: {places}' if places else ''}".strip()
-        )
+        return f"{near} paths start at {self._here}{f'; robots by name: {places}' if places else ''}".strip()
 
     def not_utf8(self) -> Path | None:
         """A file of the user's own that cannot be read as text."""
@@ -244,7 +242,7 @@ def _check_place(folder: Path, named: str) -> None:
     if any(one.is_dir() and any(one.rglob("*.yaml")) for one in folder.iterdir()):
         return
     if any(folder.glob("*.yaml")):
-        msg = f"{named} holds YAML files itself, and no folder robot/ with them"
+        msg = f"{named} contains YAML files, but no folder robot/"
         above = folder.resolve().parent
         if folder.resolve().name == "robot":
             wanted = f"name the folder above it: --config-dir {shlex.quote(str(above))}"

@@ -26,8 +26,10 @@ DEFAULTS: Mapping[str, Any] = {"source.trust": False, "plugins": []}
 
 TARGET = "_target_"
 
-MAY_SAY = "of hydra a file may say sweeper.params, sweep.dir, sweep.subdir, and of a launcher its numbers, "
-MAY_SAY += "partition and time"
+ALLOWED = (
+    "below hydra a file may set only sweeper.params, sweep.dir, sweep.subdir, and a launcher's numbers, "
+    "partition and time"
+)
 
 LAUNCHER = "launcher"
 PARAMS = "sweeper.params"
@@ -75,7 +77,7 @@ def listed(
         else:
             # A whole section that was exchanged is one problem.
             refused.setdefault(key_of(place[: 2 if place[0] in (LAUNCHER, "sweeper", "job") else 1]), value)
-    return said, [not_to_say(key, value) for key, value in refused.items()]
+    return said, [not_allowed(key, value) for key, value in refused.items()]
 
 
 _ABSENT = object()
@@ -104,10 +106,10 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def not_to_say(key: str, value: Any = None) -> Diagnostic:
+def not_allowed(key: str, value: Any = None) -> Diagnostic:
     """The problem of a key of `hydra` that a file may not set."""
     given = "" if value is None else f" (given {shown(value)})"
-    return Diagnostic(CODE, f"a file may not say this{given}", f"hydra.{key}", f"take it out; {MAY_SAY}")
+    return Diagnostic(CODE, f"a file must not set this key{given}", f"hydra.{key}", f"remove it: {ALLOWED}")
 
 
 def overridden(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnostic]:
@@ -119,7 +121,7 @@ def overridden(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnostic]:
             name = next(iter(entry), "") if isinstance(entry, Mapping) else entry
             group = str(name).removeprefix("optional ").removeprefix("override ").strip().lstrip("/")
             if group.startswith("hydra/") and group != f"hydra/{LAUNCHER}":
-                yield not_to_say(group.partition("/")[2])
+                yield not_allowed(group.partition("/")[2])
 
 
 def targets(tree: Any, place: Place = ()) -> Iterator[Diagnostic]:
@@ -132,8 +134,8 @@ def targets(tree: Any, place: Place = ()) -> Iterator[Diagnostic]:
     for name, value in pairs:
         inner = (*place, name if isinstance(name, int) and not isinstance(tree, Mapping) else str(name))
         if name == TARGET:
-            text = f"a configuration names no code (given {shown(value)})"
-            yield Diagnostic(CODE, text, key_of(inner), "take it out: a robot is data and runs nothing")
+            text = f"a configuration must not name code (given {shown(value)})"
+            yield Diagnostic(CODE, text, key_of(inner), "remove it: a robot's file is data and runs no code")
         else:
             yield from targets(value, inner)
 
@@ -158,7 +160,7 @@ def untrusted(
     return [
         Diagnostic(
             CODE,
-            f"counts only on the command line: a file cannot make itself trusted (given {shown(given[key])})",
+            f"must be set on the command line: a file cannot trust itself (given {shown(given[key])})",
             key,
             f"if you trust it: {command} {_override(key, given[key])}",
         )

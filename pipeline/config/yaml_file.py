@@ -48,7 +48,7 @@ def text(path: Path) -> str:
         content = regular_files.content(path, LARGEST)
     except regular_files.FileTooLarge as error:
         why = f"it has {error.size} bytes, and at most {LARGEST} are read"
-        raise RefusedError(why, _mark(path, 0, 0), "name the robot's own file") from None
+        raise RefusedError(why, _mark(path, 0, 0), "choose the YAML file of the robot") from None
     found = content.decode("utf-8")
     judge(found, path)
     return found
@@ -89,18 +89,18 @@ class _Count:
 
     def _repeated(self, event: yaml.AliasEvent) -> None:
         if any(anchor == event.anchor for anchor, *_ in self._open):
-            raise self._refused(f"*{event.anchor} repeats itself without end", event, "take the alias out")
+            raise self._refused(f"*{event.anchor} contains itself", event, "remove the alias")
         self._add(*self._anchors.get(event.anchor, (1, 0)), event)
 
     def _add(self, values: int, height: int, event: yaml.Event) -> None:
         """Puts values, so many levels high, into what is open."""
         if len(self._open) + height > DEEPEST:
             problem = f"it is nested deeper than {DEEPEST} levels"
-            raise self._refused(problem, event, "no key of a robot is as deep: look at its brackets")
+            raise self._refused(problem, event, "no key of a robot is that deep: check the brackets")
         total = values + sum(inside for _, inside, _ in self._open)
         if total > MOST_VALUES:
-            problem = f"it comes to more than {MOST_VALUES} values"
-            hint = "look at its aliases (*name), each of which repeats what it names"
+            problem = f"it expands to more than {MOST_VALUES} values"
+            hint = "check its aliases (*name): each repeats the value of its anchor"
             raise self._refused(problem, event, hint)
         if self._open:
             anchor, inside, most = self._open[-1]

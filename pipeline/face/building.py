@@ -34,7 +34,9 @@ class Build:
     def robot(self) -> "Robot":
         """The robot: links, joints, poses and mass matrix. LinkwrightError after `until=fetch`."""
         if self.encoded is None:
-            raise LinkwrightError("there is no robot yet: the build ended before", "until", "until=graph")
+            raise LinkwrightError(
+                "there is no robot: the build ended before the graph stage", "until", "until=graph"
+            )
         from pipeline.face.robot import Robot
         from stages.robot.codec import decode_robot
 

@@ -91,7 +91,7 @@ def launch(
 
 def _cannot_start(error: Exception) -> ConfigError:
     text = f"cannot run the jobs: {(str(error).splitlines() or [type(error).__name__])[0]}"
-    return ConfigError(text, "hydra/launcher", "look at the settings of hydra.launcher")
+    return ConfigError(text, "hydra/launcher", "check the settings of hydra.launcher")
 
 
 class _Known:

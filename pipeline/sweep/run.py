@@ -122,12 +122,12 @@ def _disagreeing(first: Sweeping, other: Sweeping, master: Sweeping) -> list[Dia
     """What is wrong where jobs, of different robots say, differ in how the sweep is to run."""
     found = []
     if (first.launcher, first.numbers) != (other.launcher, other.numbers):
-        text = "its file wants another launcher, or other numbers, than that of job 0"
-        hint = "a sweep has one: name it on the command line, hydra/launcher=basic say"
+        text = "its file sets another launcher, or other launcher settings, than the file of job 0"
+        hint = "a sweep has one launcher: choose it on the command line, for example hydra/launcher=basic"
         found.append(Diagnostic("E-OVERRIDE", text, "hydra/launcher", hint))
     if other.params != master.params:
-        text = "has no effect: the file that says it is itself swept over"
-        hint = "take it out of the file, or sweep over one robot at a time"
+        text = "has no effect: the file that sets it is itself swept"
+        hint = "remove it from the file, or sweep over one robot at a time"
         found.append(Diagnostic("E-OVERRIDE", text, "hydra.sweeper.params", hint))
     return found
 
@@ -156,7 +156,7 @@ def _placed(
             raise ConfigError(msg, "hydra.sweep.subdir", "put ${hydra.job.num} into it")
         if twin is not None:
             msg = f"jobs {twin.number} and {number} are the same: {label}"
-            raise ConfigError(msg, hint="name each value once")
+            raise ConfigError(msg, hint="give each value once")
         plan = composed.plan.model_copy(update={"output": str(folder)})
         jobs.append(Job(number, label, plan, data[number]))
     return jobs, root
@@ -167,7 +167,7 @@ def _inside(subdir: str | None) -> str:
     parts = Path(subdir or "").parts
     if subdir and (not parts or ".." in parts or Path(subdir).is_absolute()):
         msg = f"must be a folder below the sweep's (given {subdir})"
-        raise ConfigError(msg, "hydra.sweep.subdir", "${hydra.job.num}, say")
+        raise ConfigError(msg, "hydra.sweep.subdir", "for example ${hydra.job.num}")
     return subdir or ""
 
 

@@ -159,7 +159,7 @@ def test_a_mapping_may_be_given_as_a_whole(tmp_path):
         (
             "defaults:\n  - override /source: sample\njonts: {}\n",
             "the configuration has 2 problems\n"
-            "  E-KEY robot: its file chooses options for itself alone\n"
+            "  E-KEY robot: its defaults list chooses options below `robot`\n"
             "      the first line of a robot's file must be: # @package _global_\n"
             "  E-KEY jonts: unknown key (given {{}})\n"
             "      did you mean joints?",
@@ -171,8 +171,8 @@ def test_a_mapping_may_be_given_as_a_whole(tmp_path):
             "  E-MISSING source.url: must be given\n"
             "      set it in the robot's file, or on the command line: "
             "\"source.url='https://cad.onshape.com/documents/...'\"\n"
-            "  E-VALUE name: names nope.x, which is not there\n"
-            "      an interpolation names a whole key: ${{vars.reach}}\n"
+            "  E-VALUE name: refers to nope.x, which does not exist\n"
+            "      an interpolation needs the full key: ${{vars.reach}}\n"
             "  E-MISSING scene.option.timestep: must be given\n"
             "      set it in the robot's file, or on the command line: \"scene.option.timestep='...'\"\n"
             "  E-KEY meshh: unknown key (given 1)\n"
@@ -205,11 +205,11 @@ def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
     ("arguments", "told"),
     [
         (["robot=my_rm"], "did you mean my_arm? options: bare, my_arm, sample; robots of your own: {own}"),
-        (["robot=robot/my_arn.yaml"], "there is no such file\n      did you mean my_arm? a path is one from"),
+        (["robot=robot/my_arn.yaml"], "there is no such file\n      did you mean my_arm? paths start at"),
         (["robot=old"], "{own}/old.yml must end in .yaml"),
         (["robot=null"], "E-OPTION robot=null: there is no such option"),
-        (["robot=[my_arm,bare]"], "E-OPTION robot=[my_arm,bare]: one option is expected"),
-        (["export="], "E-OPTION export=: one option is expected"),
+        (["robot=[my_arm,bare]"], "E-OPTION robot=[my_arm,bare]: expected one option"),
+        (["export="], "E-OPTION export=: expected one option"),
         (["export=[urdf,sdf]"], "E-LATER export=sdf: not supported yet\n      options: mjcf, urdf"),
         (["export=[urdf,obj]"], "E-OPTION export=obj: there is no such option\n      options: mjcf, urdf"),
         (["export=[]"], "E-VALUE export: no format is chosen"),
@@ -217,8 +217,8 @@ def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
         (["actuators=position"], "E-LATER actuators=position: not supported yet"),
         (["mesh/collider=x"], "E-OVERRIDE mesh/collider=x: there is no such group\n      groups: actuators"),
         (["hydra.searchpath=[x]"], "this part of Hydra is set by linkwright"),
-        (["~nope"], "E-OVERRIDE ~nope: there is nothing to delete"),
-        (["+name=a", "+name=b"], "E-OVERRIDE +name: is there already"),
+        (["~nope"], "E-OVERRIDE ~nope: does not exist, so it cannot be deleted"),
+        (["+name=a", "+name=b"], "E-OVERRIDE +name: exists already"),
         (["hydra.run.dir=x"], "E-OVERRIDE hydra.run.dir=x: this part of Hydra is set by linkwright"),
         (["hydra={verbose: true}"], "E-OVERRIDE hydra={{verbose: true}}: this part of Hydra is set"),
         (["hydra/launcher=joblib"], "hydra/launcher=joblib: has no effect: a single build does not run"),

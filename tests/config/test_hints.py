@@ -44,7 +44,9 @@ def commands(hint, typed):
     found = []
     for text in re.findall(r"linkwright (?:[^'\";(]|'[^']*'|\"[^\"]*\")+", hint):
         found.append(shlex.split(re.split(r"\s{3}| shows | lists | tells ", text)[0])[1:])
-    for text in re.findall(r"(?:quote the value: |for one text |for a list |typed so: )(\S.*?)(?:;|$)", hint):
+    for text in re.findall(
+        r"(?:quote the value: |for one text |for a list |example of a mapping: )(\S.*?)(?:;|$)", hint
+    ):
         found.append([*typed[:-1], *shlex.split(text)])
     found += [[*typed, *shlex.split(text)] for text in re.findall(r"command line[:,] (.*)$", hint)]
     return found
@@ -117,14 +119,14 @@ ROBOTS = {
     "order": ("  - override /mesh: hull\n  - bare\n", "E-OVERRIDE robot/bad.yaml", "at the end of the list"),
     "twice": ("  - /mesh: hull\n", "E-OVERRIDE mesh", "- override /mesh: ..."),
     "computed": ("  - /${mesh}/x\n", "E-OVERRIDE ${mesh}/x", "the name of the option itself"),
-    "logging": ("  - override /hydra/job_logging: nope\n", "E-TRUST hydra.job_logging", "take it out"),
+    "logging": ("  - override /hydra/job_logging: nope\n", "E-TRUST hydra.job_logging", "remove it"),
     "launcher": ("  - override /hydra/launcher: nope\n", "E-OPTION hydra/launcher=nope", "basic"),
-    "a list": ("source: [1]\n", "E-OVERRIDE robot/bad.yaml", "look at what the file says there"),
+    "a list": ("source: [1]\n", "E-OVERRIDE robot/bad.yaml", "check the file there"),
     "text for a number": ("  - override /hydra/launcher: joblib\nhydra: {launcher: {n_jobs: many}}\n", "E-OVERRIDE robot/bad.yaml", ""),
     "a key": ("name: ${nope.x}\n", "E-VALUE name", "${vars.reach}"),
     "a variable": ("name: ${oc.env:NOT_THERE}\n", "E-VALUE name", "${oc.env:NOT_THERE,0}"),
     "a resolver": ("name: ${eval:1+1}\n", "E-VALUE name", "resolvers: oc.env"),
-    "a circle": ("vars: {a: '${vars.b}', b: '${vars.a}'}\n", "E-VALUE vars.a", "break the circle"),
+    "a circle": ("vars: {a: '${vars.b}', b: '${vars.a}'}\n", "E-VALUE vars.a", "break the cycle"),
     "nothing given": ("source: {path: '???'}\nname: ${source.path}\n", "E-VALUE name", "give that value"),
 }  # fmt: skip
 
@@ -155,9 +157,9 @@ def test_what_hydra_says_of_a_file_is_put_into_our_words(here, name):
 @pytest.mark.parametrize(
     ("typed", "where", "text"),
     [
-        (["~nope"], "~nope", "there is nothing to delete"),
-        (["~ground=none"], "~ground", "there is nothing to delete"),
-        (["+name=a", "+name=b"], "+name", "is there already"),
+        (["~nope"], "~nope", "does not exist, so it cannot be deleted"),
+        (["~ground=none"], "~ground", "does not exist, so it cannot be deleted"),
+        (["+name=a", "+name=b"], "+name", "exists already"),
         (["++mesh=hull"], "++mesh=hull", "++ is for keys, and this is a group"),
         (["mesh.visual=1"], "mesh.visual", "must be a mapping (given 1)"),
         (["name=(a"], "name=(a", "cannot be read"),
@@ -177,8 +179,8 @@ def test_what_hydra_says_of_an_override_is_put_into_our_words(here, typed, where
     [
         ([], "nope", ["nope is not a folder", "name the folder that holds robot/"]),
         (["file"], "file", ["file is a file"]),
-        (["robots/robot/a.yaml"], "robots/robot", ["and no folder robot/", "--config-dir {here}/robots"]),
-        (["robots/a.yaml"], "robots", ["holds YAML files itself", "DIR of DIR/robot/my_arm.yaml"]),
+        (["robots/robot/a.yaml"], "robots/robot", ["but no folder robot/", "--config-dir {here}/robots"]),
+        (["robots/a.yaml"], "robots", ["contains YAML files", "DIR of DIR/robot/my_arm.yaml"]),
         (["empty/x.txt"], "empty", ["has no folder robot/ with a robot in it"]),
     ],
 )

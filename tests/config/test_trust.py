@@ -83,15 +83,15 @@ def test_an_experiment_says_no_more_than_a_robot(tmp_path, capsys, name):
 @pytest.mark.parametrize(
     ("keys", "told"),
     [
-        ("hydra: {launcher: {partition: \"gpu\\ntouch x\"}}", "hydra.launcher.partition: a file may not say"),
-        ("hydra: {launcher: {partition: $(touch x)}}", "hydra.launcher.partition: a file may not say"),
-        ("hydra: {launcher: {setup: ['touch x']}}", "hydra.launcher.setup: a file may not say"),
-        ("hydra: {launcher: {python: ./mine}}", "hydra.launcher.python: a file may not say"),
+        ("hydra: {launcher: {partition: \"gpu\\ntouch x\"}}", "hydra.launcher.partition: a file must not set"),
+        ("hydra: {launcher: {partition: $(touch x)}}", "hydra.launcher.partition: a file must not set"),
+        ("hydra: {launcher: {setup: ['touch x']}}", "hydra.launcher.setup: a file must not set"),
+        ("hydra: {launcher: {python: ./mine}}", "hydra.launcher.python: a file must not set"),
         ("hydra: {launcher: {additional_parameters: {x: 1}}}", "hydra.launcher.additional_parameters: a"),
         ("hydra: {launcher: {additional_parameters: {wrap: y}}}", "hydra.launcher.additional_parameters: a"),
-        ("hydra: {launcher: {srun_args: [--x]}}", "hydra.launcher.srun_args: a file may not say"),
-        ("hydra: {launcher: {nodes: true}}", "hydra.launcher.nodes: a file may not say"),
-        ("hydra: {launcher: {folder: 5}}", "hydra.launcher.folder: a file may not say"),
+        ("hydra: {launcher: {srun_args: [--x]}}", "hydra.launcher.srun_args: a file must not set"),
+        ("hydra: {launcher: {nodes: true}}", "hydra.launcher.nodes: a file must not set"),
+        ("hydra: {launcher: {folder: 5}}", "hydra.launcher.folder: a file must not set"),
     ],
 )  # fmt: skip
 def test_of_a_launcher_a_file_says_numbers_a_partition_and_a_time(tmp_path, keys, told):
@@ -150,7 +150,7 @@ def test_a_launcher_in_the_working_folder_counts_only_where_config_dir_names_it(
 def test_trust_is_given_on_the_command_line_and_the_error_shows_how(tmp_path, robot, key, command):
     write(tmp_path, mine=robot)
     told = refused(tmp_path, "robot=mine", "ground=none")
-    assert f"E-TRUST {key}: counts only on the command line" in told
+    assert f"E-TRUST {key}: must be set on the command line" in told
     assert f"      if you trust it: {command}" in told.splitlines()
     assert "E-TRUST" not in refused(tmp_path, "robot=mine", f"{key}=[a]", "foo=1")
 
@@ -238,7 +238,7 @@ def test_each_job_has_a_folder_of_its_own_below_the_sweeps(tmp_path, capsys, sub
 
 def test_robots_of_one_sweep_agree_on_how_it_runs(tmp_path, capsys):
     write(tmp_path, a=SAMPLE, b=f"{SAMPLE}hydra: {{sweeper: {{params: {{ground: 'plane,none'}}}}}}\n")
-    assert "has no effect: the file that says it is itself swept over" in refuses(["-m", "robot=a,b"], capsys)
+    assert "has no effect: the file that sets it is itself swept" in refuses(["-m", "robot=a,b"], capsys)
 
 
 def test_hydras_account_has_what_was_typed_and_what_all_jobs_start_from(tmp_path):

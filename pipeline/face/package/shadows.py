@@ -20,9 +20,9 @@ def shadows(names: Iterable[str] = PACKAGES) -> str:
             found = str(places[0]) if places else "nothing"
             expected = str(home / name) if home else "nowhere on Python's path: install linkwright again"
             return (
-                f"the package `{name}` is another one than linkwright's\n"
+                f"the package `{name}` is not linkwright's\n"
                 f"  found: {found}\n  expected: {expected}\n"
-                "  → run from another folder, or take the other one out of PYTHONPATH or this environment"
+                "  → run from another folder, or remove the other package from PYTHONPATH or this environment"
             )
     return ""
 

@@ -81,9 +81,9 @@ def test_it_runs_as_the_command(package, tmp_path):
 
 def message(name, found):
     return (
-        f"the package `{name}` is another one than linkwright's\n"
+        f"the package `{name}` is not linkwright's\n"
         f"  found: {found}\n  expected: {PROJECT / name}\n"
-        "  → run from another folder, or take the other one out of PYTHONPATH or this environment\n"
+        "  → run from another folder, or remove the other package from PYTHONPATH or this environment\n"
     )
 
 

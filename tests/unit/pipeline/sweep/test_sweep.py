@@ -145,7 +145,7 @@ def test_hydras_account_and_the_summary_lie_beside_the_jobs(tmp_path):
         ),
         (
             ["source=sample", "root=auto,auto"],
-            "error: jobs 0 and 1 are the same: root=auto\n  → name each value once\n",
+            "error: jobs 0 and 1 are the same: root=auto\n  → give each value once\n",
         ),
         (
             ["source=sample", "output=a,b"],
@@ -166,7 +166,7 @@ def test_hydras_account_and_the_summary_lie_beside_the_jobs(tmp_path):
             ],
             "error: the sweep has 3 problems\n"
             "  E-OVERRIDE hydra.sweeper.params.x=1: this part of Hydra is set by linkwright\n"
-            "      --config-dir names folders of your own; the key `output` moves what is built\n"
+            "      --config-dir adds folders of your own; the key `output` sets the output folder\n"
             "  E-OVERRIDE hydra/launcher=basic,joblib: cannot be swept\n"
             "      give one value, for all jobs\n"
             "  E-KEY every job: x: unknown key (given 1)\n",
