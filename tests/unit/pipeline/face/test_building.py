@@ -65,7 +65,7 @@ def test_a_build_that_fails_leaves_nothing(folder):
 def test_a_build_that_ends_before_the_graph_has_no_robot():
     built = face.build("source=sample", "until=fetch")
     assert (dict(built.files), built.outline) == ({}, "")
-    with pytest.raises(face.LinkwrightError, match="there is no robot yet"):
+    with pytest.raises(face.LinkwrightError, match="ended before the graph stage"):
         _ = built.robot
 
 
