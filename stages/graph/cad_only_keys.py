@@ -16,5 +16,5 @@ def report_unused(keys: GraphKeys, source: Literal["URDF", "MJCF"], log: Diagnos
         given.append("mass.parts")
     for name in given:
         text = f"this key applies only to CAD assemblies, not to {'a' if source == 'URDF' else 'an'} {source}"
-        hint = "leave it out" if name != "mass.parts" else "its links have masses: mass: {links: {...}}"
+        hint = "remove the key" if name != "mass.parts" else "its links have masses: mass: {links: {...}}"
         log.report("E-SOURCE-KEY", text, name, hint)

@@ -87,5 +87,5 @@ class Namer:
         """W-NAME for each name that changed."""
         for kind, old, new in self._changed:
             why = "it is reserved" if old in RESERVED.get(kind, ()) else "it holds invisible characters"
-            text = f"the {kind} {old!r} is called {new!r}: {why}"
+            text = f"the {kind} {old!r} was renamed to {new!r}: {why}"
             log.report("W-NAME", text, new, "give it another name in the file; robot.json has both")

@@ -117,9 +117,9 @@ def _stand_in(
 
 
 def _check_afloat(joint: Joint, root: str, log: Diagnostics) -> None:
-    """What floats is free of all that moves: its pose is measured in the root."""
+    """E-FLOATING for a link that floats relative to a moving link: its pose is measured in the root."""
     if joint.type == "free" and joint.parent != root:
-        text = f"it floats relative to {joint.parent!r}; a link can float only relative to the root {root!r}"
+        text = f"it floats relative to the moving link {joint.parent!r}; only the root {root!r} is allowed"
         hint = f"make the root its parent, or choose the root: root.select={joint.parent}"
         log.report("E-FLOATING", text, joint.name, hint)
 

@@ -27,8 +27,10 @@ def choose_root(mechanism: Mechanism, keys: RootKeys) -> tuple[int, Array]:
     if origin is not None and root != origin:
         movers = [c.title for c in mechanism.connections if origin in c.bodies]
         move = "moves" if len(movers) == 1 else "move"
-        msg = f"{name!r} cannot be the root: {', '.join(movers)} {move} against the assembly's origin"
-        raise NoRoot(msg, "root.select", "leave it at auto, or fasten the mates to a part that is fixed")
+        msg = f"{name!r} cannot be the root: {', '.join(movers)} {move} relative to the assembly's origin"
+        raise NoRoot(
+            msg, "root.select", "leave root.select at auto, or mate to a fixed part instead of the origin"
+        )
     if marker is not None and marker.body != root:
         other = mechanism.bodies[marker.body].name
         msg = f"the frame {marker.name!r} is on the link {other!r}, but the root is {name!r}"
@@ -83,8 +85,10 @@ def base_of(mechanism: Mechanism, root: int, keys: RootKeys, log: Diagnostics) -
     """Whether the world holds the root, and why."""
     body = mechanism.bodies[root]
     if body.name == WORLD_LINK and keys.base == "free":
-        what = "the root is the assembly's origin, which other links move against: it cannot float"
-        log.report("E-BASE", what, "root.base", "leave it at auto, or mate to a part instead of the origin")
+        what = "the root is the assembly's origin, which other links are mated to: it cannot float"
+        log.report(
+            "E-BASE", what, "root.base", "leave root.base at auto, or mate to a part instead of the origin"
+        )
     elif keys.base != "auto":
         return Base(keys.base == "fixed", f"root.base is {keys.base}", body.afloat or "")
     if body.fixed_reason:

@@ -21,7 +21,7 @@ Node = TypeVar("Node", int, str)
 CUT_LAST: dict[JointType, int] = {"prismatic": 0, "revolute": 2, "ball": 3, "fixed": 4}
 """Connections go into the tree by this rank (others: 1); the last are the first to be cut."""
 
-_JOIN = "give it a joint to the rest in the file, or take it out"
+_JOIN = "connect it by a joint in the file, or remove it"
 
 LEFT_OUT = ("W-MATE-BROKEN", "W-FEATURE", "W-PEER-MATE")
 """Codes of what holds nothing: reported beside unconnected parts, as they may be the reason."""
@@ -120,8 +120,8 @@ def _report_uncut(
     for glob in wanted:
         names = [connection.title for connection in mechanism.connections if _named(connection, glob)]
         if glob != "*" and names and not any(_named(connection, glob) for connection in cut):
-            what = f"{', '.join(sorted(names))} closes no loop, so it stays in the tree"
-            log.report("W-LOOP-CUT", what, "loops.cut", "leave it out")
+            what = f"{', '.join(sorted(names))} closes no loop, so it remains in the tree"
+            log.report("W-LOOP-CUT", what, "loops.cut", "remove it from loops.cut")
 
 
 def _walk(kept: nx.MultiGraph, root: int) -> tuple[list[int], list[Edge]]:
@@ -196,7 +196,7 @@ def _disconnected(
     msg = f"{total} of {len(bodies)} bodies {verb} not connected to the root {bodies[root].name!r}"
     hint = (
         "or choose for all of them, root.disconnected: weld (fixed to the root), drop (left out), separate "
-        "(afloat on their own)"
+        "(floating on their own)"
     )
     return Disconnected(msg, hint=hint, problems=problems)
 
@@ -207,9 +207,9 @@ def _are(number: int, thing: str) -> str:
 
 def _report_island(mechanism: Mechanism, island: list[int], keys: RootKeys, log: Diagnostics) -> None:
     names = ", ".join(sorted(mechanism.bodies[body].name for body in island))
-    done = {"drop": "left out", "weld": "fixed to the root", "separate": "afloat on its own"}
+    done = {"drop": "left out", "weld": "fixed to the root", "separate": "floating on its own"}
     what = f"{names}: {done[keys.disconnected]}, as it is not connected to the root"
-    hint = "mate it in Onshape to what it belongs to, or suppress it" if mechanism.has_saved_pose else _JOIN
+    hint = "mate it to the robot in Onshape, or suppress it" if mechanism.has_saved_pose else _JOIN
     log.report("I-LOOSE", what, f"root.disconnected: {keys.disconnected}", hint)
 
 

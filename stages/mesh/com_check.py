@@ -70,7 +70,7 @@ def _check(link: Link, meshes: Mapping[MeshRef, PartMesh]) -> Diagnostic | None:
 def _diagnostic(link: Link, pairs: Sequence[tuple[Part, PartMesh]], distance: float) -> Diagnostic:
     wrong = sorted(part.name for part, mesh in pairs if link.given is None and _outside_itself(part, mesh))
     message = f"the centre of mass lies {distance:.3g} m or more outside the convex hull of the link"
-    hint = "check the frame of the mass properties, and bodies that have mass but no mesh"
+    hint = "check the frame of the mass properties, and look for bodies with a mass but no mesh"
     if link.given is not None or not link.parts:
         message += ", and the link's mass properties were given by the configuration"
         hint = "give com in the link's frame, in metres"

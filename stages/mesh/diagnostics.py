@@ -33,7 +33,7 @@ def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Fo
             problems.append(
                 Diagnostic(
                     "W-FLAT",
-                    "the link is flat, so it has no convex hull and does not collide",
+                    "the link is flat, so it has no convex hull and no collider",
                     link.name,
                     "give it thickness in CAD",
                 )

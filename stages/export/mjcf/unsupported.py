@@ -18,7 +18,7 @@ def unsupported(robot: Robot, start: Configuration) -> Iterator[Diagnostic]:
             "MuJoCo's range of a ball joint limits its twist too, which a cone does not, so the MJCF has "
             f"no limit for: {', '.join(cones)}",
             file,
-            "robot.json has the cone's half angle; keep to it in the controller",
+            "enforce the cone in the controller: robot.json has its half angle",
         )
     efforts = [dof.name for dof in balls if dof.dynamics.effort is not None]
     if efforts:
@@ -27,7 +27,7 @@ def unsupported(robot: Robot, start: Configuration) -> Iterator[Diagnostic]:
             "MuJoCo limits the force of hinges and slides only, so the MJCF has no effort limit for: "
             + ", ".join(efforts),
             file,
-            "robot.json has the effort; keep to it in the controller",
+            "limit the effort in the controller: robot.json has its value",
         )
     if balls:
         yield Diagnostic(

@@ -39,7 +39,7 @@ def _cones(robot: Robot, file: str) -> Iterator[Diagnostic]:
             "W-BALL-CONE",
             f"URDF cannot limit the tilt of a ball joint, so these tilt freely: {', '.join(cones)}",
             file,
-            "robot.json has the half angle of the cone",
+            "enforce the cone in the controller: robot.json has its half angle",
         )
 
 
@@ -59,7 +59,7 @@ def _loops(robot: Robot, file: str) -> Iterator[Diagnostic]:
     if robot.loops:
         yield Diagnostic(
             "I-URDF-LOOP",
-            "URDF has no loops, so these are open, with a frame on either side (<name>_a, <name>_b): "
+            "URDF has no loops, so these loops are open, with a frame on either side (<name>_a, <name>_b): "
             + ", ".join(loop.name for loop in robot.loops),
             file,
             "the MJCF closes them; robot.json lists them under loops",

@@ -54,10 +54,8 @@ def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[M
     found = closings(mjcf.closures)
     joined = joining(mjcf, found)
     for one in joined:
-        text = "the equality ties bodies that float apart without it: it becomes a joint between them"
-        log.report(
-            "W-MJCF-TREE", text, one.closure.name or mjcf.name, "give one of them a joint to the other"
-        )
+        text = "without this equality its bodies would float apart: it became a joint between them"
+        log.report("W-MJCF-TREE", text, one.closure.name or mjcf.name, "connect the two bodies by a joint")
     names = names_of(mjcf, found, joined, own_sites(found) | {WORLD_LINK}, log)
     chains, saved = _chains(mjcf, names)
     pose = _posed(mjcf, chains, saved)
@@ -102,7 +100,7 @@ def _require_tree(mjcf: Mjcf) -> None:
     within = all(0 <= number < len(mjcf.bodies) for number in numbers)
     within = within and all(0 <= number < joints for number in ends)
     if not within or any(not 0 <= body.parent < max(1, i) for i, body in enumerate(mjcf.bodies)):
-        msg = "it refers to what is not there"
+        msg = "it refers to an element that does not exist"
         raise ValueError(msg)
     if len(mjcf.bodies) < 2:
         msg = "it has no body"
@@ -259,5 +257,5 @@ def _markers(
         frame = frozen(pose.world_from_body[number] @ site.body_from_site)
         yield Marker(name, site.name, numbers[number], frame, site.name)
     if lost:
-        text = f"sites of the world are left out, as no link is there: {', '.join(sorted(lost))}"
+        text = f"sites of the world are left out, since the world is not a link: {', '.join(sorted(lost))}"
         log.report("W-FRAME", text, mjcf.name, "put them on a body")

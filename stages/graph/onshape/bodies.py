@@ -164,11 +164,12 @@ class _Merger:
 
 
 def _report_uncarried(merger: _Merger, log: Diagnostics) -> None:
-    """Whatever holds a sub-assembly whose frame none of its own parts carries."""
+    """Reports each feature that holds a sub-assembly whose frame is fixed to none of its parts."""
     assembly, rigid = merger.assembly, merger.rigid
     bodied = {rigid[part.path] for part in assembly.parts} | {rigid[WORLD]}
     frames = {
-        path: f"parts move against each other ({_told_parts(merger, path)}): it is unknown which is meant"
+        path: f"parts move against each other ({_first_parts(merger, path)}): it is "
+        "ambiguous which of them the mate holds"
         for path in merger.leaves
         if merger.loose(path) and not (path in merger.anchored and rigid[path] in bodied)
     }
@@ -188,7 +189,7 @@ def _report_uncarried(merger: _Merger, log: Diagnostics) -> None:
         for path in paths:
             if path in frames:
                 occurrence = assembly.occurrences[path]
-                what = f"this holds {occurrence.title} as a whole, whose {frames[path]}"
+                what = f"this holds the sub-assembly {occurrence.title} as a whole, but its {frames[path]}"
                 hint = f"mate to a part inside it, {_way_out(occurrence.names[-1])}"
                 log.report("E-MATE-SUBASSEMBLY", what, title, hint)
 
@@ -197,8 +198,8 @@ def _way_out(name: str) -> str:
     return f'fasten its base part to its own origin, or make it rigid (depth.rigid: ["{name}"])'
 
 
-def _told_parts(merger: _Merger, path: Path) -> str:
-    """The first part of each body in a sub-assembly."""
+def _first_parts(merger: _Merger, path: Path) -> str:
+    """The titles of the first part of each body in a sub-assembly."""
     first: dict[Path, str] = {}
     for leaf in merger.leaves[path]:
         first.setdefault(merger.rigid[leaf], "/".join(merger.assembly.occurrences[leaf].names[len(path) :]))
@@ -213,7 +214,9 @@ def _report_idle(merger: _Merger, mates: Sequence[Mate], log: Diagnostics) -> No
         path = mate.ref.owner
         if path not in merger.stiff:
             what = "both sides of this mate are in one link (fastened, fixed or rigid), so it moves nothing"
-            log.report("W-MATE-RIGID", what, mate.title, "suppress the mate that holds them, or this one")
+            log.report(
+                "W-MATE-RIGID", what, mate.title, "suppress this mate, or the one that makes them one link"
+            )
             continue
         while path[:-1] in merger.stiff:
             path = path[:-1]
@@ -221,7 +224,7 @@ def _report_idle(merger: _Merger, mates: Sequence[Mate], log: Diagnostics) -> No
     for path, number in sorted(frozen.items()):
         welded = path in merger.assembly.stiff
         what = f"the sub-assembly is rigid: {count(number, 'joint')} inside it cannot move"
-        hint = "mirror: joints lets it move" if welded else "depth.flexible takes it apart all the same"
+        hint = "mirror: joints lets it move" if welded else "depth.flexible makes it flexible"
         log.report("I-RIGID", what, merger.assembly.occurrences[path].title, hint)
 
 
@@ -230,5 +233,5 @@ def _report_mirrored(assembly: Assembly, moving: Sequence[Mate], log: Diagnostic
     for mate in moving:
         hands = {np.linalg.det(assembly.world_from(entity)[:3, :3]) > 0 for entity in mate.entities}
         if len(hands) == 2:
-            what = "only one side of this mate is mirrored: where its value is zero is our choice"
+            what = "only one side of this mate is mirrored, so its zero was chosen by Linkwright"
             log.report("W-MIRROR", what, mate.title, "check its zero and its limits")

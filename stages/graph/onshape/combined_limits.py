@@ -26,10 +26,10 @@ def narrowed(limits: Sequence[Limits], into: View, tie: Tie | None, dof: Dof, he
         return list(limits)
     here = dof.limits.unwrap(here, MET) if dof.kind == "turn" else here
     if tie is None or (tie.factor < 0 and into.dofs[tie.onto].kind == "ball"):
-        raise LimitLost("the joint has no coordinate of its own for it")
+        raise LimitLost("the joint has no matching coordinate")
     if not tie.factor:
         if not dof.limits.contains(here, MET):
-            raise LimitLost(f"it stays at {here:.6g}, outside of them")
+            raise LimitLost(f"its value is fixed at {here:.6g}, outside of them")
         return list(limits)
     before = limits[tie.onto]
     there = float(coordinates(into, np.eye(4))[tie.onto])

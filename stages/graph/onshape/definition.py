@@ -78,7 +78,7 @@ def read_assembly(body: bytes) -> Assembly:
         body_types=body_types,
         diagnostics=(*found.log.problems, *found.log.found),
     )
-    check_parts(assembly, "insert at least one part, or unsuppress what is there")
+    check_parts(assembly, "insert at least one part, or unsuppress an existing one")
     return assembly
 
 
@@ -105,7 +105,7 @@ def _expand(
         with shape_of("instance", title):
             occurrence = _occurrence(child, child_names, instance, placed)
             if child in found.occurrences:
-                msg = f"another instance has its id, {child[-1]!r}, too"
+                msg = f"another instance has the same id, {child[-1]!r}, too"
                 raise ValueError(msg)
             found.occurrences[child] = occurrence
         if instance["type"] == "Assembly":
@@ -202,9 +202,9 @@ def _read_mate(found: _Drawn, owner: Path, title: str, name: str, feature: Recor
     if ref.type not in JOINT_TYPES:
         found.log.report(
             "E-MATE-TYPE",
-            f"unknown mate type {ref.type}: what it holds is unknown, too",
+            f"unknown mate type {ref.type}: its degrees of freedom are unknown",
             title,
-            f"suppress it, or use one of {', '.join(JOINT_TYPES)}",
+            f"suppress it, or use one of the types {', '.join(JOINT_TYPES)}",
         )
         return
     limits = data.get("mateLimits")

@@ -163,7 +163,7 @@ def _read_limit(name: str, kind: DofKind, parameter: Record, scope: Scope, found
         found.reasons.append(f"{name} is {text!r}, which has no value: {error}")
     else:
         if empty:
-            doubt = f"{name} is {text!r} beside {empty!r}, which contradict each other: {text!r} counts"
+            doubt = f"{name} is {text!r} beside {empty!r}, which contradict each other: {text!r} is used"
             found.doubts.append(doubt)
     if scope.rounded:
         names = ", ".join(f"#{variable}" for variable in sorted(scope.rounded))
@@ -179,7 +179,9 @@ def _compare(freedom: Freedom, found: _Found) -> None:
             del found.limits[name]
     for name, other in (limit_names(freedom), limit_names(freedom)[::-1]):
         if name in found.empty and other in found.limits:
-            found.half.append(f"{name} is {found.empty[name]}, so nobody typed it: it is open on that side")
+            found.half.append(
+                f"{name} is {found.empty[name]}, so it was not typed: the joint is open on that side"
+            )
 
 
 def _configured(parameter: Record, owner: _Owner) -> Record:

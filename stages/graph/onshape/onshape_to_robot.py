@@ -118,12 +118,12 @@ def _by_meaning(assembly: Assembly, log: Diagnostics) -> dict[str, list[Mate]]:
         ),
         (
             idle,
-            "mates without a prefix do not count, as in onshape-to-robot",
+            "mates without a prefix are ignored, as by onshape-to-robot",
             "call it dof_NAME for a joint, or fix_NAME for a weld",
         ),
         (
             inside,
-            "mates inside a sub-assembly do not count, as in onshape-to-robot: it is rigid",
+            "mates inside a sub-assembly are ignored, as by onshape-to-robot: it is rigid",
             "name it in depth.flexible, or set conventions: linkwright",
         ),
     ):
@@ -173,7 +173,7 @@ def _markers(assembly: Assembly, meant: Mapping[str, Sequence[Mate]], log: Diagn
     for mate in meant[FRAME]:
         loose = [entity for entity in mate.entities if entity.path[:1] not in held]
         if len(loose) != 1:
-            what = "a frame_ mate joins a link and a part that only shows the frame: "
+            what = "a frame_ mate joins a link and a part that only marks the frame: "
             what += "both sides are parts of links" if not loose else "nothing else holds either side"
             log.report("E-PEER-FRAME", what, mate.title, "free the marker of other mates, or rename this one")
             continue
@@ -187,7 +187,7 @@ def _markers(assembly: Assembly, meant: Mapping[str, Sequence[Mate]], log: Diagn
         made.append(_Marker(Connector((), mate.ref.feature, rest(mate), (), entity), marker.path[:1]))
     if made:
         titles = listed(assembly.occurrences[one.instance].title for one in made)
-        what = f"instances that only show frames are left out: {titles}"
+        what = f"instances that only mark frames are left out: {titles}"
         log.report("I-PEER-MARKER", what, "conventions", "name a connector frame_NAME to keep the part")
     return made
 
@@ -282,6 +282,6 @@ def _held_at_the_root(
     }
     if held:
         titles = listed(one.title for one in held.values())
-        what = f"fixed in CAD, but not in the root link, so nothing holds them there: {titles}"
+        what = f"fixed in CAD, but not in the root link, so they are not fixed in the robot: {titles}"
         log.report("W-PEER-FIXED", what, "conventions", "choose the root yourself (root.select) or fix it")
     return replace(assembly, occurrences={**assembly.occurrences, **held})

@@ -132,9 +132,9 @@ def _weld(views: Sequence[View], work: _Work) -> None:
     work.welds.append((first.path, second.path))
     work.log.report(
         RIGID,
-        f"{_listed(views)} join the same two bodies, and together they hold them rigidly",
+        f"{_listed(views)} join the same two bodies, and together they leave them no motion",
         views[0].mate.title,
-        "if they should move against each other, suppress the mate that is one too many",
+        "if they should move against each other, suppress the redundant mate",
     )
 
 

@@ -61,7 +61,7 @@ class Kind:
     def called(self) -> str:
         """Its title, and how many there are of it."""
         count = len(self.occurrences)
-        return self.title if count == 1 else f"{self.title} (and {count - 1} more of its kind)"
+        return self.title if count == 1 else f"{self.title} (and {count - 1} more like it)"
 
     @property
     def volume(self) -> float:
@@ -147,7 +147,7 @@ def _supposed(kinds: Sequence[Kind], keys: MassKeys, log: Diagnostics) -> dict[P
     sheets = [kind for kind in missing if kind.type == SHEET and not kind.asked.density]
     missing = [kind for kind in missing if kind not in sheets]
     for kind in sheets:
-        text = "a sheet without mass: it is seen, but neither weighs nor collides"
+        text = "a sheet without mass is only visual: it has no mass and no collider"
         hint = "thicken it, or give it a mass override, in Onshape, or a mass in mass.parts"
         log.report("W-BODY-TYPE", text, kind.title, hint)
     if keys.missing == "ignore":
@@ -231,7 +231,7 @@ def _inertial(kind: Kind, mass: float, log: Diagnostics) -> Inertial:
         base = kind.shape.inertial
     com, inertia = kind.asked.com, kind.asked.inertia
     if base is None and (com is None or inertia is None):
-        text = "it has a mass, but no triangles that show how the mass is distributed"
+        text = "it has a mass, but no inertia, and no triangles to compute it from"
         log.report("E-MASS", text, kind.title, "give com and inertia too, in mass.parts")
         return ZERO
     spread = scaled(base, mass) if base is not None else ZERO
@@ -247,7 +247,9 @@ def _check_density(kind: Kind, log: Diagnostics) -> None:
     mass, volume = kind.mass, kind.volume
     if not mass or not volume or low <= mass / volume <= high:
         return
-    text = f"{mass:.4g} kg in {volume:.4g} m³ are {mass / volume:.4g} kg/m³: no solid has that density"
+    text = (
+        f"{mass:.4g} kg in {volume:.4g} m³ are {mass / volume:.4g} kg/m³: not a plausible density of a solid"
+    )
     hint = "correct its material or its mass override in Onshape, or its mass in mass.parts"
     log.report("W-DENSITY", text, kind.title, hint)
 

@@ -1,11 +1,11 @@
-"""What holds the seeds of a pattern, and so its copies; and what hangs on them instead.
+"""Finds what supports the seeds of a pattern, and so their copies, and what the seeds carry themselves.
 
-A copy of a wheel stands on the axle that its seed stands on, but the cap on the seed is not held by the
-copy as well. Once the seeds are taken away, one of the pieces that are left holds them: the piece with
-the assembly's origin, or with something that is fixed, else the one with the most parts. That a seed
-is fixed itself says nothing of its copies: they are not.
+A copy of a wheel is mounted on the same axle as its seed, but the cap on the seed is not mounted on the
+copy as well. Without the seeds the assembly falls into pieces, and one of them is the support: the piece
+with the assembly's origin or with a fixed instance, else the piece with the most parts. Whether a seed
+itself is fixed does not matter: its copies are not.
 
-A pattern repeats what its own assembly says of the seed. Where that says nothing, the mates of the
+A pattern repeats the mates of its own assembly. Where none of these holds the seed, the mates of the
 assembly around it place the seed, so they place its copies too.
 """
 
@@ -20,7 +20,7 @@ from stages.graph.onshape.assembly import Assembly, Path
 
 @dataclass(frozen=True, slots=True)
 class Feature:
-    """A mate or a mate group: the places that it holds together, and whether as one body."""
+    """A mate or a mate group: the occurrences that it connects, and whether rigidly (as one body)."""
 
     title: str
     places: tuple[Path, ...]
@@ -29,24 +29,24 @@ class Feature:
 
 @dataclass(frozen=True, slots=True)
 class Support:
-    """What holds the seeds of a pattern.
+    """The support of the seeds of a pattern.
 
-    `level`: the assembly whose features do; `hanging`: instances of it that hang on the seeds;
-    `fastened`: places in the seeds that are one body with what holds them; other mates of theirs tell
-    what they carry;
-    `within`, `above`: a feature that holds a seed in the pattern's own assembly, and one that
-    does in an assembly around it, where which of the two places the copies is a choice; else empty.
+    `level`: the assembly whose mates and groups support them; `dependents`: instances of it that only
+    the seeds support; `fastened`: occurrences in the seeds that are one body with the support (their
+    other mates then only carry something); `within`, `above`: a feature that holds a seed in the
+    pattern's own assembly, and one in an assembly around it, where either could place the copies; else
+    empty.
     """
 
     level: Path
-    hanging: frozenset[Path] = frozenset()
+    dependents: frozenset[Path] = frozenset()
     fastened: frozenset[Path] = frozenset()
     within: str = ""
     above: str = ""
 
 
-class Hanging:
-    """Looks at the instances of each assembly, and at what of its own holds them together."""
+class SupportSearch:
+    """Finds supports from the mates, groups and fixed instances of each assembly."""
 
     def __init__(self, assembly: Assembly) -> None:
         self.features: dict[Path, list[Feature]] = {}
@@ -71,21 +71,21 @@ class Hanging:
             self.touching.setdefault((owner, place), []).append(feature)
 
     def support(self, seeds: Collection[Path], owner: Path, rigid: Collection[Path]) -> Support:
-        """What holds `seeds`, instances of `owner`: its own features, else those of the nearest assembly
-        around it that has some. `rigid`: the assemblies inside which nothing moves, copies included."""
+        """The support of `seeds`, instances of `owner`, by its own features, else by those of the nearest
+        assembly around it that has some. `rigid`: assemblies without inner motion, copies included."""
         levels = [owner] if owner in rigid else [owner[:depth] for depth in range(len(owner), -1, -1)]
         holding = {level: tuple(self._from_outside(seeds, level)) for level in levels}
         level = next((level for level in levels if holding[level]), owner)
-        hanging = self._on(frozenset(seeds), owner, level)
-        fastened = self._fastened(seeds, owner, level, hanging, holding[level], rigid)
+        dependents = self._dependents(frozenset(seeds), owner, level)
+        fastened = self._fastened(seeds, owner, level, dependents, holding[level], rigid)
         rigidly = any(feature.rigid for feature in holding[owner])
         outer = [feature for around in levels[1:] for feature in holding[around]]
         if level != owner or rigidly or not holding[owner] or not outer:
-            return Support(level, hanging, fastened)
-        return Support(level, hanging, fastened, holding[owner][0].title, outer[0].title)
+            return Support(level, dependents, fastened)
+        return Support(level, dependents, fastened, holding[owner][0].title, outer[0].title)
 
     def _from_outside(self, seeds: Collection[Path], level: Path) -> Iterator[Feature]:
-        """The features of `level` between a seed and something that is in none."""
+        """The features of `level` between a seed and an occurrence outside all seeds."""
         for seed in sorted(seeds):
             for feature in self.touching.get((level, seed), ()):
                 if _outside(feature.places, seeds):
@@ -96,20 +96,22 @@ class Hanging:
         seeds: Collection[Path],
         owner: Path,
         level: Path,
-        hanging: Collection[Path],
+        dependents: Collection[Path],
         holding: Collection[Feature],
         rigid: Collection[Path],
     ) -> frozenset[Path]:
-        """The places in seeds that features of `level` make one body with something that does not hang on
-        them; empty where no other mate joins the seeds to anything."""
+        """The occurrences in seeds that features of `level` make one body with the support; empty where
+        the seeds have no other mates."""
         fast = [
-            feature for feature in holding if feature.rigid and _nodes(feature, owner, seeds) - set(hanging)
+            feature
+            for feature in holding
+            if feature.rigid and _nodes(feature, owner, seeds) - set(dependents)
         ]
         if not fast or all(feature.rigid for feature in holding):
             return frozenset()
 
         def within(feature: Feature) -> dict[Path, Path]:
-            """Each place that is in a seed → the rigid sub-assembly that it lies in, or itself."""
+            """Each occurrence in a seed → the rigid sub-assembly around it, or itself."""
             return {
                 place: next((place[:depth] for depth in range(len(place)) if place[:depth] in rigid), place)
                 for place in feature.places
@@ -121,13 +123,14 @@ class Hanging:
             for feature in self.features[inner]:
                 if feature.rigid:
                     bodies.union(*within(feature).values())
-        held = {bodies[node] for feature in fast for node in within(feature).values()}
+        supported = {bodies[node] for feature in fast for node in within(feature).values()}
         nodes = {place: node for feature in holding for place, node in within(feature).items()}
-        return frozenset(place for place, node in nodes.items() if bodies[node] in held)
+        return frozenset(place for place, node in nodes.items() if bodies[node] in supported)
 
     def holds(self, copy: Path, owner: Path, level: Path, others: Collection[Path]) -> bool:
-        """Whether features of `level` hold `copy`, an instance of `owner`, rather than hang things on it:
-        whether what they join to it reaches the origin or one of `others` (seeds, copies) without it."""
+        """Whether features of `level` support `copy`, an instance of `owner`, rather than only carry
+        something on it: whether what they join to it reaches the origin or one of `others` (seeds, copies)
+        without it."""
         pieces = self._pieces(frozenset([copy]), owner, level)
         ends = {pieces[level], *(pieces[one] for one in others if one != copy)}
         return any(
@@ -136,9 +139,10 @@ class Hanging:
             for node in _nodes(feature, owner, [copy])
         )
 
-    def _on(self, seeds: frozenset[Path], owner: Path, level: Path) -> frozenset[Path]:
-        """What features of `level` join to `seeds`, instances of `owner`, and hangs on them; nothing where
-        two pieces of the same size might hold them. Places are named as by `node_of`."""
+    def _dependents(self, seeds: frozenset[Path], owner: Path, level: Path) -> frozenset[Path]:
+        """The instances that features of `level` join to `seeds`, instances of `owner`, and that only the
+        seeds support; empty where two pieces of the same size could be the support. Instances as in
+        `node_of`."""
         beside = {
             node
             for seed in seeds
@@ -160,8 +164,8 @@ class Hanging:
         return frozenset(node for node in beside if pieces[node] != holder)
 
     def _pieces(self, taken: frozenset[Path], owner: Path, level: Path) -> nx.utils.UnionFind:
-        """What the assemblies from `level` down to `owner` hold together once `taken` are away; what is
-        fixed is held by the origin of `level`."""
+        """The pieces that the assemblies from `level` down to `owner` form without `taken`; fixed instances
+        belong to the piece of the origin of `level`."""
         pieces = nx.utils.UnionFind([level])
         for depth in range(len(level), len(owner) + 1):
             for feature in self.features.get(owner[:depth], ()):
@@ -173,7 +177,7 @@ class Hanging:
 
 
 def node_of(place: Path, owner: Path) -> Path:
-    """The instance that a place lies in: of `owner`, else of the innermost assembly around both."""
+    """The instance that contains an occurrence: of `owner`, else of the innermost assembly around both."""
     common = 0
     while common < min(len(place), len(owner)) and place[common] == owner[common]:
         common += 1

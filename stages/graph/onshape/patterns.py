@@ -145,7 +145,7 @@ class _Copier:
             if number < len(series.pattern.copies[seed])
         }
         beside = {node_of(place, series.pattern.owner) for at, place in enumerate(places) if at not in seeds}
-        if beside & support.hanging:
+        if beside & support.dependents:
             return None
         movers = [pair for pair in copies.values() if pair[1] in series.free]
         if not movers or any(copy in series.gone for _, copy in copies.values()):
@@ -157,7 +157,9 @@ class _Copier:
         for index, (seed, copy) in copies.items():
             moved[index] = copy + places[index][len(seed) :]
             if moved[index] not in self.assembly.occurrences:
-                message = f"{self.assembly.occurrences[copy].title} lacks what this holds on its seed"
+                message = (
+                    f"{self.assembly.occurrences[copy].title} has no counterpart of what this mate holds"
+                )
                 self.log.report("W-PATTERN", message, feature.title, "mate the copy itself")
                 return None
         fresh = frozenset(copy for _, copy in movers)
@@ -189,8 +191,8 @@ class _Copier:
         """FASTENED instead, where its sides are at the saved pose."""
         first, second = mate.entities
         second_from_world = inverse(self.assembly.world_from_path(second.path))
-        held = Entity(second.path, frozen(second_from_world @ self.assembly.world_from(first)))
-        return replace(mate, ref=replace(mate.ref, type="FASTENED"), entities=(first, held), limits={})
+        placed = Entity(second.path, frozen(second_from_world @ self.assembly.world_from(first)))
+        return replace(mate, ref=replace(mate.ref, type="FASTENED"), entities=(first, placed), limits={})
 
     def report_relations(self) -> None:
         """Names the relations of mates that act again, or lie in a copied sub-assembly."""
@@ -206,7 +208,7 @@ class _Copier:
                 for series in self.by_seed.get(path, ())
             )
             if inside or any(mate in self.repeated for mate in relation.mates):
-                message = "it relates joints that a pattern or mirror repeats: the copies' are not related"
+                message = "a pattern or mirror repeats its joints, but the copies are not related"
                 self.log.report("W-PATTERN-RELATION", message, relation.title, "mate and relate the copies")
 
     def report_joints(self, weld: bool) -> None:
@@ -214,8 +216,8 @@ class _Copier:
         for series in self.series:
             if series.carried:
                 message = (
-                    f"its seed is fastened, and so are the copies; what the seed carries is not theirs: "
-                    f"{listed(sorted(series.carried))}"
+                    f"its seed is fastened, and so are the copies; the mates of the parts "
+                    f"that the seed carries are not copied: {listed(sorted(series.carried))}"
                 )
                 hint = "mate the copies themselves to what they carry"
                 self.log.report("I-PATTERN-CARRIED", message, series.pattern.title, hint)
@@ -224,7 +226,7 @@ class _Copier:
                 continue
             instances = count(copies, "instance")
             message = (
-                f"{instances} welded in the place of {count(joints, 'joint')} (mirror: weld)"
+                f"{instances} welded in place of {count(joints, 'joint')} (mirror: weld)"
                 if weld
                 else f"{count(joints, 'joint')} copied for {instances}, independent of the seed's"
             )
@@ -238,9 +240,9 @@ def _holding(mates: Iterable[tuple[Mate, _Image]], groups: Iterable[_Image]) -> 
     between these. What is FASTENED stays so.
     """
     rest: Path = ()
-    held = nx.utils.UnionFind([rest])
+    fixed = nx.utils.UnionFind([rest])
     for image in groups:
-        held.union(*image.fresh, *(() if image.inside else (rest,)))
+        fixed.union(*image.fresh, *(() if image.inside else (rest,)))
 
     def late(copy: tuple[Mate, _Image]) -> tuple[object, ...]:
         mate, image = copy
@@ -248,7 +250,7 @@ def _holding(mates: Iterable[tuple[Mate, _Image]], groups: Iterable[_Image]) -> 
 
     found = []
     for mate, image in sorted(mates, key=late):
-        if mate.ref.type == "FASTENED" or image.inside or held[image.copy] != held[rest]:
-            held.union(*image.fresh, *(() if image.inside else (rest,)))
+        if mate.ref.type == "FASTENED" or image.inside or fixed[image.copy] != fixed[rest]:
+            fixed.union(*image.fresh, *(() if image.inside else (rest,)))
             found.append(mate)
     return found

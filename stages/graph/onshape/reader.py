@@ -68,7 +68,7 @@ def _require_mates(assembly: Assembly, keys: GraphKeys) -> None:
         and not assembly.groups
     ):
         msg = "the assembly has no mates: nothing connects its parts"
-        hint = "mate them in Onshape: FASTENED for what is one link, REVOLUTE or SLIDER for a joint"
+        hint = "mate them in Onshape: FASTENED within a link, REVOLUTE or SLIDER for a joint"
         raise AssemblyError(msg, where=assembly.root.get("elementId", ""), hint=hint)
 
 
@@ -207,8 +207,8 @@ def _markers(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log: Diag
             continue
         frame = assembly.world_from(connector.entity)
         if np.linalg.det(frame[:3, :3]) < 0:
-            what = "the connector is on a mirrored part, so it is left-handed: its y axis is turned round"
-            log.report("W-FRAME", what, connector.title, "put a connector of its own on the mirrored part")
+            what = "the connector is on a mirrored part, so it is left-handed: its y axis is reversed"
+            log.report("W-FRAME", what, connector.title, "put a new connector on the mirrored part")
             frame = frame @ np.diag([1.0, -1.0, 1.0, 1.0])
         name = names.frames[connector.owner, connector.feature]
         yield Marker(name, connector.title, body, frozen(frame), connector.name)
@@ -224,7 +224,7 @@ def _report_names(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log:
     typed += [(names.joints[m.ref.key], m.ref.name) for m in bodies.moving]
     for name, text in sorted(typed):
         if "unnamed" in name and not legal(text):
-            message = f"{text!r} has no letter that a robot file may hold: called {name!r}"
+            message = f"{text!r} has no letter or digit that a robot file allows: {name!r} is used"
             log.report("W-NAME", message, name, "give it a name with letters or digits")
     named: dict[int, str] = {}
     for connector in sorted(assembly.connectors, key=lambda c: (c.names, c.name, c.feature)):
@@ -235,8 +235,8 @@ def _report_names(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log:
             message = "the connector names no link: it is on no part"
             log.report("W-NAME", message, connector.title, "put it on a part of the link")
         elif not bodies.members[body]:
-            message = f"the connector names no link: the assembly's origin is called {WORLD_LINK!r}"
+            message = f"the connector names no link: the assembly's origin is always called {WORLD_LINK!r}"
             log.report("W-NAME", message, connector.title, "put it on a part of the link")
         elif named.setdefault(body, connector.title) != connector.title:
-            message = f"the link has its name from {named[body]} already"
+            message = f"the link already has the name of {named[body]}"
             log.report("W-NAME", message, connector.title, "remove one of the two connectors")

@@ -17,15 +17,15 @@ def shape_of(what: str, where: str) -> Iterator[None]:
     try:
         yield
     except (LookupError, TypeError, ValueError, AttributeError) as error:
-        msg = f"the {what} is not in the shape of the API ({type(error).__name__}: {error})"
-        hint = "fetch it again, or make the bundle again; if it stays so, the API has changed"
+        msg = f"the {what} has an unknown format ({type(error).__name__}: {error})"
+        hint = "fetch it again, or make the bundle again; if the error remains, the API has changed"
         raise ProtocolError(msg, where, hint) from error
 
 
 def numbers(values: Any, count: int) -> Array:
     """A list of so many finite numbers as an array (count,); else ValueError or TypeError."""
     if not isinstance(values, list) or len(values) != count:
-        msg = f"{count} numbers are due, not {values!r:.80}"
+        msg = f"expected {count} numbers, got {values!r:.80}"
         raise ValueError(msg)
     return np.array([number(value) for value in values])
 
@@ -33,7 +33,7 @@ def numbers(values: Any, count: int) -> Array:
 def number(value: Any) -> float:
     """A finite number; else ValueError or TypeError."""
     if isinstance(value, bool) or not math.isfinite(value):
-        msg = f"a finite number is due, not {value!r:.80}"
+        msg = f"expected a finite number, got {value!r:.80}"
         raise ValueError(msg)
     return float(value)
 
@@ -41,7 +41,7 @@ def number(value: Any) -> float:
 def text(value: Any) -> str:
     """A string that is not empty; else TypeError."""
     if not isinstance(value, str) or not value:
-        msg = f"a name is due, not {value!r:.80}"
+        msg = f"expected a name, got {value!r:.80}"
         raise TypeError(msg)
     return value
 
@@ -56,5 +56,5 @@ def check_rigid(transform: Array) -> None:
     rotation = transform[:3, :3]
     last = transform[3] - [0.0, 0.0, 0.0, 1.0]
     if not abs(rotation @ rotation.T - np.eye(3)).max() < 1e-6 or abs(last).max() > 1e-9:
-        msg = "its axes are not of length 1 and at right angles"
+        msg = "its axes are not orthonormal"
         raise ValueError(msg)

@@ -29,6 +29,6 @@ def _controls(mechanism: Mechanism, robot: Robot, log: Diagnostics) -> tuple[str
         found += [changed] if changed else []
         if lost:
             what = f"a <transmission> or <ros2_control> names {listed(lost)}, which the robot does not have"
-            hint = "name a joint that it has, or take it out"
+            hint = "name a joint of the robot, or remove it"
             log.report("W-URDF-CONTROL", f"{what}: left out", listed(lost), hint)
     return tuple(found)

@@ -62,9 +62,9 @@ def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], log: Dia
 
     def lost(robot: Robot, name: str, keys: AddedLinkKeys) -> None:
         if keys.child is None:
-            text, hint = f"there is no link or frame {keys.parent!r} to be its parent", _places(robot)
+            text, hint = f"its parent {keys.parent!r} is not a link or frame", _places(robot)
         elif robot.root.name == WORLD_LINK:
-            text, hint = "nothing goes above the assembly's origin, which is the root", "give it a parent"
+            text, hint = "the root is the assembly's origin, which cannot have a parent", "give it a parent"
         else:
             text, hint = f"{keys.child!r} is not the root", f"the root is {robot.root.name!r}"
         log.report("E-LINK", text, f"links.{name}", hint)
@@ -92,7 +92,7 @@ def with_added_frames(robot: Robot, wanted: Mapping[str, AddedFrameKeys], log: D
         return replace(robot, frames=tuple(sorted((*robot.frames, frame), key=lambda one: one.name)))
 
     def lost(robot: Robot, name: str, keys: AddedFrameKeys) -> None:
-        text = f"there is no link or frame {keys.link!r} to fix it to"
+        text = f"its link {keys.link!r} is not a link or frame"
         log.report("E-FRAME", text, f"frames.add.{name}", _places(robot))
 
     return _one_by_one(robot, wanted, known, add, lost)

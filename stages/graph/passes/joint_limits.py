@@ -65,8 +65,8 @@ def _report_idle(glob: str, keys: JointKeys, loops: Sequence[Loop], log: Diagnos
     idle = [dof.name for one in loops if one.type in POINTWISE for dof in one.dofs]
     idle = [name for name in idle if fits(name, glob)]
     if glob != "*" and given and idle:
-        text = f"the mate closes a loop by its point, where {', '.join(given)} of {glob!r} act on nothing"
-        hint = "let another mate close the loop (loops.cut), or leave it out"
+        text = f"the mate closes a loop by its points, where {', '.join(given)} of {glob!r} have no effect"
+        hint = "let another mate close the loop (loops.cut), or remove these keys"
         log.report("W-LOOP-DYNAMICS", text, ", ".join(idle), hint)
 
 

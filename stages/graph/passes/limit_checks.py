@@ -47,7 +47,9 @@ def _report_doubts(
             for text in connection.doubts:
                 log.report("W-LIMIT-DOUBT", text, connection.name, f"type it again on the mate, or {entry}")
             for text in connection.half_open:
-                log.report("I-LIMIT-OPEN", text, connection.name, f"if a zero is meant, type it, or {entry}")
+                log.report(
+                    "I-LIMIT-OPEN", text, connection.name, f"if 0 is meant, type it in Onshape, or {entry}"
+                )
 
 
 def _without_limits(connection: Connection, wanted: Mapping[str, JointKeys]) -> list[str]:
@@ -64,7 +66,7 @@ def check_limits(
     added: Mapping[str, AddedLinkKeys] | None = None,
     has_saved_pose: bool = True,
 ) -> Robot:
-    """Reports what limits lack or contradict; gives locked dofs the little play that engines need.
+    """Reports what limits lack or contradict; gives locked dofs the small range that engines need.
 
     `unknown`: why limits that CAD has are unknown, by dof. `wanted` and `added`: the keys `joints` and
     `links`; limits that they leave open are open on purpose. `has_saved_pose`: whether someone drew the
@@ -92,7 +94,7 @@ def report_loop_limits(robot: Robot, unknown: Mapping[str, str], log: Diagnostic
                 log.report("W-LIMIT", text, dof.name, "leave the mate that closes a loop without limits")
             if loop.type in POINTWISE and dof.limits != Limits():
                 text = "this mate closes a loop, where its limits are not enforced"
-                hint = "leave one mate of the loop without limits: it will be the one that closes it"
+                hint = "leave one mate of the loop without limits: that mate will close it"
                 log.report("W-LOOP-LIMIT", text, dof.name, hint)
 
 
@@ -160,9 +162,11 @@ def _checked(dof: Dof, log: Diagnostics, has_saved_pose: bool) -> Dof:
     value = measured(dof.saved)
     if has_saved_pose and value is not None and not dof.limits.contains(value, BEYOND):
         text = f"its value in the saved pose, {value:.6g}, is outside its limits [{low:.6g}, {high:.6g}]"
-        log.report("W-SAVED-POSE", text, dof.name, "move it back in Onshape, or correct the limits")
+        log.report(
+            "W-SAVED-POSE", text, dof.name, "move the joint into its limits in Onshape, or correct the limits"
+        )
     if low == high:
-        text = f"the joint is locked at {low:.6g}: it keeps a play of {LOCKED_PLAY:g} {UNITS[dof.kind]}"
+        text = f"the joint is locked at {low:.6g}: it gets a range of {LOCKED_PLAY:g} {UNITS[dof.kind]}"
         hint = "FASTEN the mate to make one link of it" if has_saved_pose else "make it a fixed joint"
         log.report("W-LIMIT-LOCKED", f"{text} either way", dof.name, hint)
         return replace(dof, limits=Limits(low - LOCKED_PLAY, high + LOCKED_PLAY))

@@ -13,7 +13,7 @@ from stages.robot.inertia import ZERO, is_physical, large_enough, principal, sca
 from stages.robot.model import Inertial, Link, Robot, frozen
 
 _CORRECT = "correct the material or the mass override in Onshape, or give inertia in mass."
-_LARGER = "it hardly matters to the rest; check the document's units, or FASTEN it to something larger"
+_LARGER = "check the units of the document, or FASTEN the link to a larger one"
 _CORRECT_FILE = (
     "correct it in the file, give mass: {links: {...}}, or set source.bad_inertia: recompute (from the "
     "shapes) or project (to the nearest possible one)"

@@ -264,5 +264,7 @@ def _report_rigid(
         if ring.way and not any(moving[columns[one]] for one in ring.way):
             names = dict.fromkeys(one.dof for one in ring.way)
             text = f"the loop leaves no motion to {', '.join(names)}"
-            hint = "take away a mate or a relation of the loop, or FASTEN what is meant to be rigid"
+            hint = (
+                "remove a mate or a relation of the loop, or FASTEN the links if they are meant to be rigid"
+            )
             log.report("W-RIGID-LOOP", text, ring.loop.name, hint)

@@ -166,7 +166,7 @@ def _factor(spec: RelationSpec, kinds: tuple[DofKind, DofKind]) -> float:
     by_ratio = kinds[0] == kinds[1]
     size = spec.ratio if by_ratio else spec.length
     if not (size > 0 and math.isfinite(size)):
-        msg = f"the relation has the {'ratio' if by_ratio else 'length'} {size:g}"
+        msg = f"the relation has an invalid {'ratio' if by_ratio else 'length'} {size:g}"
         raise _Unfit(msg)
     if by_ratio:
         return size

@@ -120,7 +120,7 @@ def _measured(
         child += math.tau * round((value - child) / math.tau)
     if drawn.offset is not None and not negligible(value - child, step.factor):
         moves = f"{step.child!r} moves from its saved {child:.6g} to {value:.6g}"
-        text = f"the saved pose does not have its offset of {drawn.offset:.6g}: {moves}"
+        text = f"the saved pose does not fulfil its offset of {drawn.offset:.6g}: {moves}"
         log.report("I-RELATION-MOVED", text, drawn.title)
         child = value
     saved[step.child] = child
@@ -136,12 +136,12 @@ def _report_offset(found: Step, drawn: DofRelation, opposite: bool, log: Diagnos
     if opposite:
         log.report(
             "W-RELATION-SIGN",
-            f"{text} as it is drawn, which is kept; in the opposite direction it would have none",
+            f"{text} as it is drawn, which is kept; in the opposite direction the offset would be 0",
             drawn.title,
-            f"if it goes the other way, relations: {{{name}: {{invert: true}}}}; if not, {keep}",
+            f"if it moves in the opposite direction, relations: {{{name}: {{invert: true}}}}; if not, {keep}",
         )
         return
-    hint = f"if none is meant, move the two in Onshape to where it has none; if it is, {keep}"
+    hint = f"if no offset is meant, move the two joints in Onshape; if it is meant, {keep}"
     log.report("W-RELATION-OFFSET", f"{text}, which is kept", drawn.title, hint)
 
 
@@ -170,7 +170,7 @@ def _report_limits(relations: Iterable[Relation], dofs: Mapping[str, Dof], log: 
         low, high = dofs[one.follower].limits.interval
         if image[0] > high or image[1] < low:
             text = (
-                f"its driver {one.driver!r} takes it through [{image[0]:.6g}, {image[1]:.6g}], "
+                f"its driver {one.driver!r} moves it through [{image[0]:.6g}, {image[1]:.6g}], "
                 f"all outside its own limits [{low:.6g}, {high:.6g}]"
             )
             log.report("W-RELATION-LIMIT", text, one.follower, "correct the limits of one of the two")

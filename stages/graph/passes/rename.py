@@ -60,10 +60,10 @@ def _new_names(
             log.report("E-RENAME", f"{fits} {glob!r}", where, hint)
         elif names[hits[0]] == WORLD_LINK:
             text = f"the assembly's origin is always called {WORLD_LINK!r}"
-            log.report("E-RENAME", text, where, f"leave {glob!r} out")
+            log.report("E-RENAME", text, where, f"remove {glob!r}")
         elif hits[0] in found:
-            text = f"{glob!r} means {names[hits[0]]!r}, which is called {found[hits[0]]!r} already"
-            log.report("E-RENAME", text, where, "leave one of the two out")
+            text = f"{glob!r} means {names[hits[0]]!r}, which is already renamed to {found[hits[0]]!r}"
+            log.report("E-RENAME", text, where, "remove one of the two")
         else:
             found[hits[0]] = new
     return found

@@ -27,7 +27,7 @@ def zeroed(robot: Robot, log: Diagnostics) -> Robot:
     for dof in (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)):
         if _keeps_its_zero(dof):
             text = "a ball with a cone keeps q = 0 where its mate's frames coincide"
-            hint = "the cone is about the mate's own axis: take the limit off to count from the saved pose"
+            hint = "the cone is about the mate's own axis: remove the limit to count from the saved pose"
             log.report("W-ZERO", text, dof.name, hint)
     joints, loops = [], []
     for joint in robot.joints:

@@ -46,10 +46,8 @@ def without_dummies(urdf: Urdf, log: Diagnostics) -> tuple[Urdf, tuple[UrdfFrame
     kept = [_taking_in(link, carried.get(link.name, [])) for link in urdf.links if link.name not in dummies]
     moved_joints = [_moved(joint, places) for joint in urdf.joints if joint.child not in dummies]
     if dummies:
-        text = (
-            f"{count(len(dummies), 'link')} without a body became frames of the links that they are fixed to"
-        )
-        hint = f"they are: {listed(dummies)}; the URDF that is written has them as links again"
+        text = f"{count(len(dummies), 'link')} without a body became frames of their parent links"
+        hint = f"these links: {listed(dummies)}; the exported URDF has them as links again"
         log.report("I-URDF-FRAME", text, urdf.name, hint)
     frames = tuple(UrdfFrame(name, *places[name]) for name in sorted(dummies))
     return replace(urdf, links=tuple(kept), joints=tuple(moved_joints)), frames

@@ -46,12 +46,12 @@ def _repaired(link: UrdfLink, policy: Policy, solid: Solid, log: Diagnostics) ->
     made = solid(link.visuals) or solid(link.collisions) if policy == "recompute" else None
     if made is not None:
         found = Inertial(own.mass, made.com, frozen(made.inertia * (own.mass / made.mass)))
-        how = "that of the even solid that the link's shapes make, at its centre of mass"
+        how = "that of a uniform solid of the link's shapes, about its centre of mass"
     else:
         found = Inertial(own.mass, own.com, nearest(own.inertia))
-        how = "the nearest one that a solid can have"
-        how = how if policy == "project" else f"{how}, since the link has no shape that holds a volume"
-    text = f"{why_not(own)}; it became {how}: {_moments(found.inertia)} kg m²"
+        how = "the nearest possible inertia"
+        how = how if policy == "project" else f"{how}, since no shape of the link encloses a volume"
+    text = f"{why_not(own)}; it was replaced by {how}: {_moments(found.inertia)} kg m²"
     log.report("W-INERTIA", text, link.name, "correct it in the file, or give mass: {links: {...}}")
     return found
 

@@ -143,7 +143,7 @@ def _dynamics(joint: UrdfJoint, log: Diagnostics) -> Dynamics:
     bounds = {"effort": joint.effort, "velocity": joint.velocity}
     for name, value in bounds.items():
         if value is not None and value <= 0:
-            text = f"its {name} limit is {value:g}, with which it could not move: ignored"
+            text = f"its {name} limit {value:g} would not let it move: ignored"
             log.report("W-URDF-BOUND", text, joint.name, "give it in the file or in joints:")
             bounds[name] = None
     return Dynamics(joint.damping, joint.friction, joint.armature, **bounds)
@@ -238,7 +238,7 @@ def _has_size(shape: UrdfShape, link: UrdfLink, log: Diagnostics) -> bool:
     text = (
         f"its {shape.kind} of {' x '.join(f'{length:g}' for length in shape.size)} m has no extent: left out"
     )
-    log.report("W-URDF-SHAPE", text, link.name, "give it a size, or take it out")
+    log.report("W-URDF-SHAPE", text, link.name, "give it a size, or remove it")
     return False
 
 
@@ -275,8 +275,8 @@ def _relations(urdf: Urdf, names: UrdfFileNames, log: Diagnostics) -> Iterator[R
         if joint.mimic is None:
             continue
         if joint.type not in SCALAR:
-            text = f"it is {joint.type}, which cannot follow another joint: its <mimic> is left out"
-            log.report("W-URDF-MIMIC", text, joint.name, "take it out")
+            text = f"a joint of type {joint.type} cannot follow another joint: its <mimic> is left out"
+            log.report("W-URDF-MIMIC", text, joint.name, "remove it")
             continue
         yield RelationSpec(
             title=names.relations[joint.name],

@@ -33,11 +33,11 @@ def check_structure(urdf: Urdf, disconnected: bool, log: Diagnostics) -> None:
             within[group_of[joint.parent]].append(joint.name)
     for group, names in zip(groups, within, strict=True):
         text = f"the links {listed(group)} form a circle"
-        log.report("E-URDF-CYCLE", text, listed(names), "a URDF is a tree: take one of the joints out")
+        log.report("E-URDF-CYCLE", text, listed(names), "a URDF must be a tree: remove one of the joints")
     roots = sorted(name for name in links if graph.in_degree(name) == 0)
     if len(roots) > 1 and not disconnected:
         text = f"{len(roots)} links have no parent: {listed(roots)}"
-        hint = "join them, or choose root.disconnected=weld, drop or separate"
+        hint = "connect them by joints, or choose root.disconnected=weld, drop or separate"
         log.report("E-URDF-ROOTS", text, urdf.name, hint)
     _check_mimics(urdf, log)
 
@@ -45,11 +45,11 @@ def check_structure(urdf: Urdf, disconnected: bool, log: Diagnostics) -> None:
 def _ends_are_there(joint: UrdfJoint, links: set[str], there: str, log: Diagnostics) -> bool:
     missing = [f"{side} {name!r}" for side, name in _ends(joint) if name not in links]
     if missing:
-        text = f"there is no link for its {' and '.join(missing)}"
+        text = f"these do not exist: its {' and '.join(missing)}"
         log.report("E-URDF-LINK", text, joint.name, there)
     elif joint.parent == joint.child:
         text = f"it joins the link {joint.parent!r} to itself"
-        log.report("E-URDF-SELF", text, joint.name, "a joint has two different links")
+        log.report("E-URDF-SELF", text, joint.name, "name two different links")
         return False
     return not missing
 
@@ -74,7 +74,7 @@ def _check_mimics(urdf: Urdf, log: Diagnostics) -> None:
     counts = Counter(joint.name for joint in urdf.joints)
     joints = {joint.name: joint for joint in urdf.joints if counts[joint.name] == 1}
     circles = _circles({name: joint.mimic.joint for name, joint in joints.items() if joint.mimic})
-    hint = "correct the <mimic>, or take it out"
+    hint = "correct the <mimic>, or remove it"
     for joint in sorted(joints.values(), key=lambda one: one.name):
         if joint.mimic is not None and joint.type in SCALAR:
             why = _unfollowed(joint, joint.mimic, joints, circles)

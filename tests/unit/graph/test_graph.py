@@ -189,7 +189,7 @@ def test_the_sign_of_all_four_is_as_drawn_and_a_pose_off_it_is_an_offset(
     write(robot, tmp_path)
     assert all(check.passed for check in validate(tmp_path, robot, plan_of()))
     line = next(one for one in robot.diagnostics[0].hint.split(", ") if "invert" in one)
-    told = yaml.safe_load(line.split("; ")[0].removeprefix("if it goes the other way, "))
+    told = yaml.safe_load(line.split("; ")[0].removeprefix("if it moves in the opposite direction, "))
     settled = robot_of(kit.document, plan_of(**told))
     assert settled.relations[0].multiplier == pytest.approx(-k if reverse else k)
     assert settled.relations[0].offset == 0.0
@@ -485,7 +485,7 @@ def test_an_inertia_that_no_solid_can_have_names_the_part(kit: Kit) -> None:
 @pytest.mark.parametrize("change", [{"inertia": [1, 2]}, {"mass": {"a": 1}}, {"centroid": "far"}])
 def test_a_mass_reply_in_another_shape_is_one_error(kit: Kit, change: dict) -> None:
     kit.place("Brick")
-    with pytest.raises(ProtocolError, match="shape of the API"):
+    with pytest.raises(ProtocolError, match="unknown format"):
         build_robot(edited(bundle_of(kit.document), change), plan_of())
 
 
@@ -509,7 +509,7 @@ def test_a_definition_in_another_shape_is_one_error(kit: Kit, at: tuple, value: 
         branch = branch[step]
     branch[at[-1]] = value
     broken = replace(bundle, blobs={**bundle.blobs, bundle.definition: json.dumps(definition).encode()})
-    with pytest.raises(ProtocolError, match="shape of the API"):
+    with pytest.raises(ProtocolError, match="unknown format"):
         build_robot(broken, plan_of())
 
 

@@ -99,7 +99,7 @@ def test_a_density_settles_what_has_none_with_the_inertia_of_its_solid(kit):
         np.testing.assert_allclose(inertial.com, [0, 0, 0], atol=1e-12)
         expected = box_inertia(inertial.mass, *SIZE)
         np.testing.assert_allclose(inertial.inertia, expected, rtol=1e-9, atol=1e-15)
-    assert told(log) == [("W-MASS-ESTIMATED", "Bar <1> (and 1 more of its kind)")]
+    assert told(log) == [("W-MASS-ESTIMATED", "Bar <1> (and 1 more like it)")]
     assert f"{2 * 500 * VOLUME:.3g} kg" in log.found[0].message
 
 
@@ -117,7 +117,7 @@ def test_auto_estimates_what_is_small_and_refuses_what_is_not(kit):
     found, log = weights(kit)
     assert told(log) == [
         ("E-MASS", "Bar <1>"),
-        ("W-MASS-ESTIMATED", "Screw <1> (and 4 more of its kind)"),
+        ("W-MASS-ESTIMATED", "Screw <1> (and 4 more like it)"),
     ]
     assert found["Screw <5>"][0].mass == pytest.approx(1200 * 1e-6, rel=1e-12)
 

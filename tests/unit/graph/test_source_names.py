@@ -83,9 +83,9 @@ def test_a_name_that_cannot_stay_is_mapped_and_told(tmp_path: Path) -> None:
     assert found["urdf joint"] == {"world", "tip_1_2", "tip_1"}
     told = [one.message for one in robot.diagnostics if one.code == "W-NAME"]
     assert sorted(told) == [
-        "the joint 'tip\\n1' is called 'tip_1_2': it holds invisible characters",
-        "the link 'tip\\n1' is called 'tip_1_2': it holds invisible characters",
-        "the link 'world' is called 'world_link': it is reserved",
+        "the joint 'tip\\n1' was renamed to 'tip_1_2': it holds invisible characters",
+        "the link 'tip\\n1' was renamed to 'tip_1_2': it holds invisible characters",
+        "the link 'world' was renamed to 'world_link': it is reserved",
     ]
     table = json.loads((tmp_path / "robot.json").read_text())
     assert {one["name"]: one["cad"]["name"] for one in table["joints"]}["tip_1_2"] == "tip\n1"

@@ -50,7 +50,7 @@ class Scope:
             raise UnknownVariable(name)
         if name in self._open:
             circle = " → ".join(f"#{one}" for one in (*self._open[self._open.index(name) :], name))
-            msg = f"variables are defined by each other: {circle}"
+            msg = f"variables refer to each other in a circle: {circle}"
             raise ExpressionError(msg)
         if len(self._open) >= DEEPEST:
             msg = f"variables are nested more than {DEEPEST} deep"
@@ -114,7 +114,7 @@ def measured(text: str, measure: Measure, lookup: Lookup) -> float:
         what = value.what
     else:
         what = "true or false"
-    msg = f"it is {what} where {wanted.what} is expected"
+    msg = f"expected {wanted.what}, got {what}"
     raise ExpressionError(msg)
 
 

@@ -102,7 +102,7 @@ class Quantity:
         except (OverflowError, ZeroDivisionError):
             value = math.inf
         if isinstance(value, complex):
-            msg = "a broken power of a negative number"
+            msg = "a negative number to a fractional power"
             raise ExpressionError(msg)
         result = Quantity(float(value)).checked()
         if self.dimension == NONE:
@@ -116,7 +116,7 @@ class Quantity:
     def same(self, other: "Quantity", where: str) -> None:
         """ExpressionError unless both have the same dimension."""
         if self.dimension != other.dimension:
-            msg = f"{where} takes two of a kind, not {self.what} and {other.what}"
+            msg = f"{where} needs two values of the same dimension, not {self.what} and {other.what}"
             raise ExpressionError(msg)
 
 

@@ -106,7 +106,7 @@ class _Parser:
             inner = self._expression(0)
             self._expect(")")
             return inner
-        msg = f"{token!r} is not expected there" if kind else "it ends too early"
+        msg = f"{token!r} is not expected there" if kind else "it is incomplete"
         raise ExpressionError(msg)
 
     def _literal(self, number: str) -> Expression:
@@ -197,7 +197,7 @@ def _tokens(text: str) -> list[tuple[str, str]]:
         kind = match.lastgroup or ""
         found.append((kind, match[kind]))
         if len(found) > _MOST_TOKENS:
-            msg = f"it has more than {_MOST_TOKENS} pieces"
+            msg = f"it has more than {_MOST_TOKENS} tokens"
             raise ExpressionError(msg)
         at = match.end()
     return found

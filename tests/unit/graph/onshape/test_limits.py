@@ -126,7 +126,7 @@ def test_a_length_is_no_angle() -> None:
     robot = arm(low="-5 mm")
     assert limits(robot)["turn"] == (None, pytest.approx(2 * THIRTY + math.radians(15)))
     assert "limitAxialZMin is '-5 mm'" in told(robot)["turn"]
-    assert "a length where an angle is expected" in told(robot)["turn"]
+    assert "expected an angle, got a length" in told(robot)["turn"]
 
 
 def test_limits_the_wrong_way_round_are_left_out_and_told() -> None:

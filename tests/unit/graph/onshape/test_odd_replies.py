@@ -153,7 +153,7 @@ def test_what_is_no_number_and_no_frame_is_not_taken_for_one(
     kit: Kit, at: tuple, value: object, where: str
 ) -> None:
     arm(kit)
-    with pytest.raises(ProtocolError, match="shape of the API") as caught:
+    with pytest.raises(ProtocolError, match="unknown format") as caught:
         build_robot(edited(bundle_of(kit.document), at, value), plan_of())
     assert caught.value.where == where or not where
 
@@ -162,7 +162,10 @@ def test_features_and_instances_of_one_id_are_refused(kit: Kit) -> None:
     arm(kit)
     bundle = bundle_of(kit.document)
     root = json.loads(bundle.body(bundle.definition))["rootAssembly"]
-    for key, what in (("features", "two features have the id"), ("instances", "another instance has its id")):
+    for key, what in (
+        ("features", "two features have the id"),
+        ("instances", "another instance has the same id"),
+    ):
         twice = edited(bundle, ("rootAssembly", key), [*root[key], root[key][0]])
         with pytest.raises(ProtocolError, match=what):
             build_robot(twice, plan_of())
@@ -183,7 +186,7 @@ def test_a_mass_without_a_centre_is_refused(kit: Kit, centroid: object) -> None:
     tree = json.loads(bundle.body(digest))
     part = next(name for name in tree["bodies"] if name != "-all-")
     body = changed(tree, ("bodies", part, "centroid"), centroid)
-    with pytest.raises(ProtocolError, match="mass properties is not in the shape"):
+    with pytest.raises(ProtocolError, match="mass properties has an unknown format"):
         build_robot(with_body(bundle, digest, body), plan_of())
 
 

@@ -163,10 +163,10 @@ def test_two_links_above_each_other():
 @pytest.mark.parametrize(
     ("links", "where", "text"),
     [
-        ({"load": {"parent": "leg"}}, "links.load", "no link or frame 'leg'"),
+        ({"load": {"parent": "leg"}}, "links.load", "its parent 'leg' is not a link or frame"),
         ({"load": {"child": "arm"}}, "links.load", "'arm' is not the root"),
         ({"a": {"child": "base"}, "b": {"child": "base"}}, "links.b", "'base' is not the root"),
-        ({"a": {"parent": "b"}, "b": {"parent": "a"}}, "links.a", "no link or frame 'b'"),
+        ({"a": {"parent": "b"}, "b": {"parent": "a"}}, "links.a", "its parent 'b' is not a link or frame"),
         ({"arm": {"parent": "base"}}, "links.arm", "the name 'arm' is taken"),
         ({"spot": {"parent": "base"}}, "links.spot", "the name 'spot' is taken"),
         ({"a b": {"parent": "base"}}, "links.a b", "invalid name 'a b'"),

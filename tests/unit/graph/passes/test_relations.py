@@ -90,10 +90,10 @@ def test_each_relation_joins_its_dofs_by_its_factor(kind, names, factor, driver,
         (spec("GEAR", "r1", ""), "a mate that moves nothing"),
         (spec("GEAR", "r1", "r9"), "'r9', which is not a joint"),
         (spec("GEAR", "r1"), "needs 2 mates, and this one has 1"),
-        (spec("GEAR", "r1", "r2", ratio=0.0), "has the ratio 0"),
-        (spec("GEAR", "r1", "r2", ratio=-2.0), "has the ratio -2"),
-        (spec("RACK_AND_PINION", "r1", "p1", length=0.0), "has the length 0"),
-        (spec("SCREW", "c1", length=-1.0), "has the length -1"),
+        (spec("GEAR", "r1", "r2", ratio=0.0), "has an invalid ratio 0"),
+        (spec("GEAR", "r1", "r2", ratio=-2.0), "has an invalid ratio -2"),
+        (spec("RACK_AND_PINION", "r1", "p1", length=0.0), "has an invalid length 0"),
+        (spec("SCREW", "c1", length=-1.0), "has an invalid length -1"),
         (spec("CAM", "r1", "r2"), "a CAM relation is not supported"),
     ],
 )
@@ -131,7 +131,7 @@ def test_an_offset_is_kept_and_told_and_never_traded_for_the_opposite_sign() -> 
     assert told(log) == ["W-RELATION-SIGN"]
     assert "an offset of 0.6 in this relation as it is drawn" in log.found[0].message
     assert log.found[0].hint == (
-        "if it goes the other way, relations: {gear: {invert: true}}; "
+        "if it moves in the opposite direction, relations: {gear: {invert: true}}; "
         "if not, relations: {gear: {offset: 0.6}}"
     )
 

@@ -92,7 +92,7 @@ def test_the_dof_of_a_hinge_is_called_as_the_hinge():
         ({"links": {"Head": "x"}}, ("E-RENAME", "names.links", "no link matches 'Head'")),
         ({"links": {"*Foot*": "x"}}, ("E-RENAME", "names.links", "2 links match '*Foot*'")),
         ({"joints": {"Piston": "x"}}, ("E-RENAME", "names.joints", "2 joints match 'Piston'")),
-        ({"links": {"base": "x", "Base*": "y"}}, ("E-RENAME", "names.links", "is called 'x' already")),
+        ({"links": {"base": "x", "Base*": "y"}}, ("E-RENAME", "names.links", "is already renamed to 'x'")),
         ({"links": {"world": "x"}}, ("E-RENAME", "names.links", "always called 'world'")),
         ({"links": {"base": "Oberarm 1"}}, ("E-NAME", "names", "invalid name 'Oberarm 1'")),
         ({"links": {"base": "world"}}, ("E-NAME", "names", "'world' is reserved")),
