@@ -1,9 +1,9 @@
 """A bundle as one zip file: `manifest.json` and `replies/<sha256>`.
 
-A bundle comes from anyone, so it is read with distrust: nothing is unpacked to disk, only the
-names that a bundle has are accepted, sizes are bounded before anything is inflated, no entry is inflated
-beyond the size that was judged, a reply is no larger than its kind of source allows
-(`Source.largest_reply`), and every reply must have the digest that it is named by.
+A bundle may come from anyone, so it is not trusted: nothing is unpacked to disk, only the names that a bundle
+has are accepted, sizes are bounded before anything is inflated, no entry is inflated beyond its declared
+size, a reply is no larger than its kind of source allows (`Source.largest_reply`), and every reply must match
+the digest that is its name.
 
 `manifest.json` is an object:
 
@@ -18,7 +18,7 @@ That of a robot's own file has its kind ("urdf", "mjcf"), no api, the file's nam
 digest of its text or model as the definition, a request `mesh/<key>` for each mesh, whose body is in the
 compact form of triangles, and `options`, {name: text}, for its reader.
 
-A recording of another client can be made one: the assembly definition, and of each part studio in it
+Recordings of other clients can be turned into bundles: the assembly definition, and of each part studio in it
 the mass properties, whole (`/partstudios/.../massproperties`) or of each part that is used
 (`/parts/.../partid/<id>/massproperties`); without `.../tessellatedfaces` the robot has no meshes. A
 request may hold any query: what a recording has is what there is. `pack` makes the zip.
@@ -116,8 +116,8 @@ class _Manifest(BaseModel):
 def read(data: bytes, where: str) -> Recording:
     """The recording in a zip's bytes; `where` names the file in messages.
 
-    SourceError, one for each way a file can be wrong: no zip, damaged, names that leave the folder,
-    links, too many or too large entries, digests that do not fit, missing entries, another format.
+    SourceError for every invalid file: not a zip, damaged, names that leave the folder,
+    links, too many or too large entries, wrong digests, missing entries, another format.
     """
     entries = _entries(data, where)
     if _MANIFEST not in entries:
@@ -172,7 +172,7 @@ def pack(bundle: Bundle) -> bytes:
 
 
 def _own_fields(bundle: Bundle) -> dict[str, object]:
-    """What the manifest of one kind of bundle has besides the rest; the `api` of a file is empty."""
+    """The manifest's keys for one kind of bundle only; the `api` of a file is empty."""
     if isinstance(bundle, OnshapeBundle):
         later = {"definition_api": bundle.definition_api} if bundle.definition_api else {}
         return {"api": bundle.api, **later}
@@ -181,7 +181,7 @@ def _own_fields(bundle: Bundle) -> dict[str, object]:
 
 
 def _entries(data: bytes, where: str) -> dict[str, bytes]:
-    """The zip's entries by name, once their names and sizes are ones that a bundle may have."""
+    """The zip's entries by name; SourceError for a name or size that a bundle must not have."""
     # The library makes an object of each entry before any can be counted.
     if data.count(_ENTRY) > 2 * _MOST_ENTRIES:
         raise _refused(f"it has more entries than the {_MOST_ENTRIES} that are read", where)
@@ -197,7 +197,8 @@ def _entries(data: bytes, where: str) -> dict[str, bytes]:
 
 
 def _inflated(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> bytes:
-    """An entry's bytes: read in one go, the library would inflate all there is and cut it afterwards."""
+    """An entry's bytes, read in pieces: in one go the library would inflate everything before it checks the
+    size."""
     with archive.open(info) as entry:
         body = entry.read(info.file_size)
         # The check sum is compared where the end is met.

@@ -44,7 +44,7 @@ class BundleSource(FileSource):
             raise SourceError(msg, self.label(), self.advice) from error
 
     def read(self) -> bytes:
-        """The bytes of the zip, whatever the system raises."""
+        """The bytes of the zip; errors as the system raises them."""
         return regular_files.content(Path(self._keys.path), LARGEST)
 
 

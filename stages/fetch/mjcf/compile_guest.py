@@ -1,5 +1,5 @@
-"""The guest that has MuJoCo read and compile a foreign MJCF: of its compiler any input may make a crash,
-or use up time and memory."""
+"""Guest process in which MuJoCo reads and compiles an untrusted MJCF: some inputs crash its compiler,
+or exhaust time and memory."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def answer(request: bytes) -> bytes:
     """To {"path": a model's file, "texts": its files that may be XML}: a line of JSON with MuJoCo's
     `warnings`, the length of the `model` and the `meshes` as [key, length], and after it all of these.
 
-    SourceError where the file asks for too much, or MuJoCo refuses it.
+    SourceError where the file exceeds a size limit, or MuJoCo cannot compile it.
     """
     asked = json.loads(request)
     path = Path(asked["path"])
@@ -37,7 +37,7 @@ def answer(request: bytes) -> bytes:
 
 
 def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
-    """The model, with what is only seen in it, what it was compiled from, and MuJoCo's warnings."""
+    """The model (visual geoms included), its spec, and MuJoCo's warnings."""
     with listening() as heard:
         try:
             spec = mujoco.MjSpec.from_file(str(path))
@@ -50,7 +50,7 @@ def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
 
 
 def _in_one_line(text: str, path: Path) -> str:
-    """MuJoCo's words in one line, without the folder that the model is in."""
+    """MuJoCo's message in one line, without the path of the model's folder."""
     for folder in (str(path.resolve().parent), str(path.absolute().parent), str(path.parent)):
         if len(folder) > 1:
             text = text.replace(f"{folder}/", "")

@@ -43,20 +43,20 @@ GEOMS: Mapping[int, MjcfGeomKind] = {
 }
 
 _OPEN = 1e6
-"""A bound [rad or m] from which on a range has none on that side: MuJoCo knows no half a range."""
+"""A bound [rad or m] beyond which a side counts as open: MuJoCo has no one-sided range."""
 
 _PLAIN = (0.5, 0.5, 0.5, 1.0)
-"""MuJoCo's colour of a geom that has none: its material's counts then."""
+"""MuJoCo's default colour of a geom; with it, the material's colour is used."""
 
 _SHOWN = 3
-"""Geoms of this group or above are hidden in MuJoCo's viewer until asked for."""
+"""Geoms of this group or above are hidden in MuJoCo's viewer by default."""
 
 _FINITE = (
     *("qpos0", "body_pos", "body_quat", "body_mass", "body_ipos", "body_iquat", "body_inertia"),
     *("jnt_pos", "jnt_axis", "jnt_range", "geom_pos", "geom_quat", "geom_size", "site_pos", "site_quat"),
     *("eq_data", "dof_damping", "dof_frictionloss", "dof_armature"),
 )
-"""What must be numbers: MuJoCo compiles a NaN, with a warning."""
+"""Arrays that must be finite: MuJoCo compiles a NaN with only a warning."""
 
 
 def convert(model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, where: str) -> Mjcf:
@@ -101,7 +101,7 @@ def convert(model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, where: s
 
 
 def geom_shows(model: mujoco.MjModel, geom: int) -> bool:
-    """Whether a geom is there to be looked at alone."""
+    """Whether a geom is only visual."""
     touches = model.geom_contype[geom] or model.geom_conaffinity[geom]
     return not touches and bool(model.geom_bodyid[geom]) and _rgba(model, geom)[3] > 0
 
@@ -114,7 +114,7 @@ def _require_finite(model: mujoco.MjModel, where: str) -> None:
 
 
 def _kept(model: mujoco.MjModel) -> list[int]:
-    """The bodies that no mocap body is, nor is above; the world is the first."""
+    """The bodies that are not a mocap body nor below one; the world is the first."""
     kept: dict[int, None] = {}
     for body in range(model.nbody):
         if model.body_mocapid[body] < 0 and (body == 0 or int(model.body_parentid[body]) in kept):
@@ -123,7 +123,7 @@ def _kept(model: mujoco.MjModel) -> list[int]:
 
 
 def _of_bodies(bodies: Iterable[int]) -> dict[int, list[int]]:
-    """Which of the things that are on `bodies` each of these has."""
+    """The indices of the elements on each of `bodies`."""
     found: dict[int, list[int]] = {}
     for thing, body in enumerate(bodies):
         found.setdefault(int(body), []).append(thing)
@@ -168,8 +168,8 @@ def _joint(model: mujoco.MjModel, joint: int, limits: Mapping[int, float]) -> Mj
 
 
 def _geoms(model: mujoco.MjModel, body: int, meshes: Meshes, shown: bool) -> Iterator[MjcfGeom]:
-    """A body's shapes. What collides is looked at too where the body has nothing else to look at, unless
-    it is in a hidden group of a model that has something to look at."""
+    """A body's shapes. A collision geom is visual too where the body has no other visual geom, unless
+    it is in a hidden group of a model that has visual geoms."""
     first = int(model.body_geomadr[body])
     geoms = range(first, first + int(model.body_geomnum[body]))
     dressed = any(geom_shows(model, geom) for geom in geoms)
@@ -195,7 +195,7 @@ def _geoms(model: mujoco.MjModel, body: int, meshes: Meshes, shown: bool) -> Ite
 
 
 def _size(kind: MjcfGeomKind, size: Array) -> tuple[float, ...]:
-    """MuJoCo has radii as they are and lengths halved."""
+    """The full size: MuJoCo stores radii, and half lengths."""
     x, y, z = (float(value) for value in size)
     if kind == "mesh":
         return ()

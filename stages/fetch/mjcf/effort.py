@@ -1,4 +1,4 @@
-"""The largest torque or force of each joint, by the joint's own bound and its actuators'."""
+"""The effort limit of each joint, from its own bound and those of its actuators."""
 
 import math
 from typing import Any
@@ -11,7 +11,8 @@ _OF_JOINTS = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 
 def efforts(model: Any) -> dict[int, float]:
     """By joint [N m or N], of hinges and slides that have a bound: the smaller of the joint's own
-    (`actuatorfrcrange`) and the sum of what its actuators can do. Of an uneven range the larger side."""
+    (`actuatorfrcrange`) and the sum of its actuators' largest forces. Of an asymmetric range the larger
+    side."""
     bounds: dict[int, float] = {}
     for actuator in range(len(model.actuator_trntype)):
         joint = int(model.actuator_trnid[actuator][0])
@@ -30,8 +31,8 @@ def efforts(model: Any) -> dict[int, float]:
 
 
 def _largest(model: Any, actuator: int) -> float:
-    """What an actuator can do at most at its joint: its force by the gear; a plain motor's is its gain
-    by the control."""
+    """The largest force of an actuator at its joint: force times gear; for a plain motor, gain times
+    control."""
     force = math.inf
     if model.actuator_forcelimited[actuator]:
         force = float(np.abs(model.actuator_forcerange[actuator]).max())

@@ -1,8 +1,8 @@
 """The source `mjcf`: a model file, read and compiled by MuJoCo itself, as a bundle.
 
-What is kept is what MuJoCo made of it (`stages.formats.mjcf`), exact to the bit, and the triangles of each
-mesh: neither text nor mesh files, so that nothing after this depends on how MuJoCo finds and reads them.
-MuJoCo's own way to write a model down again loses defaults, inertias and digits, and is not used.
+The bundle has the compiled model (`stages.formats.mjcf`), exact to the bit, and the triangles of each
+mesh, but neither XML nor mesh files, so later stages do not depend on how MuJoCo finds and reads files.
+MuJoCo's own export of a model is not used: it loses defaults, inertias and digits.
 """
 
 from __future__ import annotations
@@ -23,20 +23,20 @@ if TYPE_CHECKING:
     from stages.fetch.mjcf.keys import MjcfSourceKeys
 
 READER = 2
-"""Grows with every change of what is made of the same files."""
+"""Raised with every change of the result for the same files."""
 
 MODEL = "model"
 """The request that stands for the compiled model."""
 
 BOUNDS = guest.Bounds(seconds=120, memory=4 << 30, reply=1 << 30)
-"""What MuJoCo may take: a model of 10,000 bodies takes it half a minute."""
+"""Limits of the guest process: MuJoCo takes half a minute for a model of 10,000 bodies."""
 
 _ENVIRON = {"MUJOCO_GL": "disable", "OPENBLAS_NUM_THREADS": "1"}
-"""Nothing is drawn, and no large matrix multiplied: what would prepare for it takes as long as all else."""
+"""Environment without rendering and threaded linear algebra: to initialise them takes as long as all else."""
 
 _KEY = re.compile(r"[A-Za-z0-9_-]{1,60}")
 _LONGEST, _MOST_WARNINGS = 500, 100
-"""How long a warning of MuJoCo may be, and how many of them are reported."""
+"""Largest length of a reported warning of MuJoCo, and largest number of them."""
 
 _LOOK = "check that MuJoCo read the file as intended"
 _SMALLER = (
@@ -48,9 +48,10 @@ _SMALLER = (
 def gather(
     source: MjcfSourceKeys, while_waiting: Callable[[], None] = lambda: None
 ) -> tuple[FileBundle, tuple[Diagnostic, ...]]:
-    """The bundle of an MJCF, and what MuJoCo warned of. `while_waiting` is called before MuJoCo begins.
+    """The bundle of an MJCF, and MuJoCo's warnings. `while_waiting` is called before MuJoCo begins.
 
-    SourceError where it is no MJCF, a file is missing, MuJoCo refuses it, or does not get through it.
+    SourceError where the file is not an MJCF, a file is missing, or MuJoCo cannot compile it within its
+    limits.
     """
     from stages.fetch.mjcf.files import survey
 
@@ -91,9 +92,9 @@ def identity(source: MjcfSourceKeys) -> dict[str, Any]:
 
 
 def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes]]:
-    """The warnings, the model and the meshes in what the guest answers; Ended where it is no such answer.
+    """The warnings, the model and the meshes in the guest's reply; Ended where the reply is invalid.
 
-    By then the guest may run anything, so nothing is taken on trust; the model is checked by its reader.
+    The guest may run any code by then, so its reply is not trusted; the reader checks the model.
     """
     from stages.formats import triangles
 

@@ -26,7 +26,7 @@ class Meshes:
         self.blobs: dict[str, bytes] = {}
 
     def ref(self, mesh: int, colour: Colour | None) -> MeshRef:
-        """Where the triangles of a mesh in this colour are."""
+        """The reference to the triangles of a mesh in this colour."""
         model = self._model
         name = model.mesh(mesh).name
         digest = sha256(repr((mesh, name, colour)).encode()).hexdigest()[:12]

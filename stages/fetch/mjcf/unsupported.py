@@ -1,4 +1,4 @@
-"""What an MJCF has that a robot of ours does not hold: reported by name, never dropped in silence."""
+"""Reports by name every element or attribute of an MJCF that our robot model cannot represent."""
 
 from collections.abc import Collection, Iterable, Iterator
 from typing import Any
@@ -29,9 +29,9 @@ _SHOWN = 5
 
 
 def left_out(model: Any, spec: Any, kept: Collection[int], where: str) -> Iterator[Diagnostic]:
-    """W-MJCF-LEFT for what changes how the robot moves or what it touches, I-MJCF-LEFT for the rest.
+    """W-MJCF-LEFT for omissions that affect motion or contact, I-MJCF-LEFT for the rest.
 
-    `spec`: what `model` was compiled from. `kept`: the bodies that are not left out.
+    `spec`: the spec from which `model` was compiled. `kept`: the bodies that become links.
     """
     equalities = [eq for eq in range(model.neq) if carried(model, eq, kept)]
     found = [
@@ -56,7 +56,7 @@ def left_out(model: Any, spec: Any, kept: Collection[int], where: str) -> Iterat
 
 
 def _text(left: Omission) -> str:
-    """What is left, how often, and the names of the first few."""
+    """The omitted attribute, its number, and the names of the first elements."""
     if not left.names:
         return left.words
     shown = [name for name in left.names if name][:_SHOWN]
@@ -65,8 +65,8 @@ def _text(left: Omission) -> str:
 
 
 def carried(model: Any, eq: int, kept: Collection[int]) -> bool:
-    """Whether a robot of ours holds an equality: a connect, a weld, or a joint that follows another in
-    proportion; among bodies that are kept."""
+    """Whether our robot model can represent an equality: a connect, a weld, or a joint that follows another
+    in proportion, between bodies that are kept."""
     kind, first, second = (int(model.eq_type[eq]), int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq]))
     if not model.eq_active0[eq]:
         return False
@@ -81,7 +81,7 @@ def carried(model: Any, eq: int, kept: Collection[int]) -> bool:
 
 
 def _some(words: str, affects_motion: bool, names: Iterable[str]) -> Iterator[Omission]:
-    """What there is some of."""
+    """The omissions that occur."""
     every = tuple(names)
     if every:
         yield Omission(words, affects_motion, every)
@@ -96,7 +96,7 @@ def _bodies(model: Any, kept: Collection[int]) -> Iterator[Omission]:
 
 
 def _joints(model: Any, kept: Collection[int]) -> Iterator[Omission]:
-    """Springs at rest elsewhere, ranges that are not limits of ours, and what acts on a free joint."""
+    """Springs with another rest value, ranges that are not limits, and attributes of a free joint."""
     joints = [joint for joint in range(model.njnt) if int(model.jnt_bodyid[joint]) in kept]
     of = {kind: [joint for joint in joints if model.jnt_type[joint] == kind] for kind in range(4)}
     scalar = [*of[mujoco.mjtJoint.mjJNT_HINGE], *of[mujoco.mjtJoint.mjJNT_SLIDE]]
@@ -119,7 +119,7 @@ def _joints(model: Any, kept: Collection[int]) -> Iterator[Omission]:
 
 
 def _ties(model: Any, kept: Collection[int], carried_over: Collection[int]) -> Iterator[Omission]:
-    """Equalities, tendons and what bends."""
+    """Equalities, tendons and deformable bodies."""
     lost = (model.equality(eq).name for eq in range(model.neq) if eq not in carried_over)
     yield from _some("equality", True, lost)
     welds = (eq for eq in carried_over if model.eq_type[eq] == mujoco.mjtEq.mjEQ_WELD)
@@ -130,7 +130,7 @@ def _ties(model: Any, kept: Collection[int], carried_over: Collection[int]) -> I
 
 
 def _geoms(model: Any, kept: Collection[int]) -> Iterator[Omission]:
-    """Geoms that are left out, and what those that are not say in several fields."""
+    """Geoms that are left out, and combined attributes of the other geoms."""
     every = range(model.ngeom)
     own = [geom for geom in every if model.geom_bodyid[geom] and int(model.geom_bodyid[geom]) in kept]
     solid = [geom for geom in own if int(model.geom_type[geom]) in _SOLID]
@@ -172,7 +172,7 @@ _KINDS = {
     "custom tuple": ("mjOBJ_TUPLE", "ntuple"),
     "plugin": ("mjOBJ_PLUGIN", "nplugin"),
 }
-"""Elements that are left out as a whole, with what MuJoCo calls them and their number."""
+"""Elements that are left out as a whole: MuJoCo's name of each, and the field with its number."""
 
 
 def _elements(model: Any) -> Iterator[Omission]:

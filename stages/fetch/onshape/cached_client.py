@@ -1,4 +1,4 @@
-"""Kept replies first, the server for the rest: each reply is paid for once, also by many processes."""
+"""Cached replies first, then the server: each reply is billed once, also among several processes."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
@@ -23,8 +23,8 @@ _MOST_NAMED = 3
 class CachedClient:
     """Gives replies to requests, the cached ones first.
 
-    `offline`: no call is made; `refresh`: what earlier builds kept is asked for again;
-    `max_calls`: what one build may spend.
+    `offline`: no call is made; `refresh`: replies that earlier builds cached are fetched again;
+    `max_calls`: the largest number of calls of one build.
     """
 
     def __init__(
@@ -41,16 +41,18 @@ class CachedClient:
         self._checked: set[str] = set()
         self.offline = offline
         self.saved = 0
-        """Calls that kept replies made needless."""
+        """Calls that cached replies saved."""
         self.began: float | None = None
-        """The start of a sweep: since then what a workspace reported to one of its jobs holds for all."""
+        """The start of a sweep: the state of a workspace that one job found since then is valid for all its
+        jobs."""
         self.undisturbed: Callable[[], AbstractContextManager[None]] = nullcontext
-        """Within it the workspace is as its users left it: no build has its variables changed."""
+        """A context in which the workspace has its users' values: no build has changed its variables."""
         self.while_waiting: Callable[[], None] = lambda: None
-        """Called, perhaps more than once, when replies are asked for that were never there before."""
+        """Called, perhaps several times, before replies are requested for the first time."""
 
     def kept(self, request: str) -> bytes | None:
-        """The kept reply to a pinned request, or None; one that lacks what it must have is as none."""
+        """The cached reply to a pinned request, or None; a reply without its required content counts as
+        None."""
         with self._lock:
             if (self._refresh or request in self._doubted) and request not in self._asked:
                 return None
@@ -66,11 +68,11 @@ class CachedClient:
         return body
 
     def require(self, request: str, promise: Promise) -> None:
-        """Makes the reply to a request count, and be kept, only where it holds the `promise`."""
+        """Requires that the reply to a request fulfils `promise`; otherwise it is neither used nor cached."""
         self._promises[request] = promise
 
     def keep(self, request: str, body: bytes) -> None:
-        """Keeps the reply to a pinned request; of a definition also the API version that was asked."""
+        """Caches the reply to a pinned request; for a definition also the API version."""
         with self._lock:
             self._asked.add(request)
             if is_definition(request):
@@ -78,16 +80,16 @@ class CachedClient:
             self._replies.put(request, body)
 
     def api(self, request: str) -> str:
-        """The API version that the kept reply to a request for a definition was asked at."""
+        """The API version of the cached reply to a request for a definition."""
         return str(self.recall(f"{request}#api").get("api", API))
 
     def doubt(self, requests: Iterable[str]) -> None:
-        """Makes this build ask for these again, although replies are kept."""
+        """Makes this build fetch these again, although replies are cached."""
         with self._lock:
             self._doubted.update(requests)
 
     def spare(self, calls: int) -> None:
-        """Records that kept replies made `calls` needless."""
+        """Records that cached replies saved `calls`."""
         with self._lock:
             self.saved += calls
 
@@ -97,25 +99,25 @@ class CachedClient:
         return self._session.calls
 
     def allow(self, more: int) -> None:
-        """SourceError where `more` calls from now on are more than the build may make."""
+        """SourceError where `more` further calls exceed the budget of the build."""
         allow(more, self._session.calls, self._max_calls)
 
     def now(self, request: str) -> bytes:
-        """The reply to a request whose reply changes with time: asked for, and not kept."""
+        """The reply to a request whose reply changes with time: fetched, not cached."""
         self._reachable([request])
         self.allow(1)
         return self._session.ask(request)
 
     def one(self, request: str) -> bytes:
-        """The reply to a pinned request, kept or else asked for and kept."""
+        """The reply to a pinned request: cached, else fetched and cached."""
         return self.all([request])[request]
 
     def all(self, wanted: Sequence[str], refused: Refused | None = None) -> dict[str, bytes]:
         """The replies to pinned requests, a few calls at a time.
 
-        After a failure no further call begins, but those on their way are finished and kept, since
-        they are paid for. Of several failures the first in order is raised. Where `refused` is given,
-        the failures that concern a request alone are put there, and what arrived is returned.
+        After a failure no further call begins, but running calls are finished and cached, since
+        they are billed. Of several failures the first in order is raised. Where `refused` is given,
+        failures of a single request are stored there, and the replies that arrived are returned.
         """
         found = {request: self.kept(request) for request in wanted}
         bodies = {request: body for request, body in found.items() if body is not None}
@@ -146,7 +148,7 @@ class CachedClient:
         return bodies
 
     def recall(self, subject: str) -> Mapping[str, Any]:
-        """What is remembered of a subject; empty where nothing is."""
+        """The record stored for a subject; empty for none."""
         with self._lock:
             return self._replies.recall(subject) or {}
 
@@ -155,11 +157,11 @@ class CachedClient:
             self._replies.remember(subject, fact)
 
     def alone(self, subject: str) -> AbstractContextManager[None]:
-        """Only one builder at a time is inside, for each subject."""
+        """A lock for each subject: one build at a time."""
         return self._replies.alone(subject)
 
     def _once(self, request: str) -> bytes:
-        """The reply to a request, which another builder may be asking for right now."""
+        """The reply to a request, which another build may be fetching at the same time."""
         with self.alone(request):
             body = self.kept(request)
             if body is not None:

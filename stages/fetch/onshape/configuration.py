@@ -1,7 +1,7 @@
-"""The configuration of an assembly: what the user asks for, checked and in Onshape's own text.
+"""The configuration of an assembly: checks the user's values and encodes them as Onshape does.
 
-The document says which parameters it has, so every mistake is reported at once with what is allowed. The
-text is made here: the server's own encoder would cost a call.
+The document lists its parameters, so all errors are reported at once, with the allowed values. The
+text is encoded here, since the server's own encoder would cost a call.
 """
 
 import difflib
@@ -45,7 +45,7 @@ class Parameter:
 
     @property
     def allowed(self) -> str:
-        """What it may be, in words."""
+        """The allowed values, in words."""
         match self.kind:
             case "Enum":
                 return ", ".join(dict.fromkeys(self.options.values()))

@@ -1,7 +1,7 @@
-"""Which configuration of an assembly is built: the address's own, with what the user wants over it.
+"""Chooses the configuration to build: that of the address, overridden by the user's values.
 
-The document's parameters are asked for once at each microversion and kept. What they were when the
-assembly was last built shows, for the one call that sees that nothing changed, what to look for.
+The document's parameters are fetched once for each microversion and cached. Those of the last build
+tell which configuration to ask about in the one call that shows whether anything changed.
 """
 
 import time
@@ -26,7 +26,7 @@ class Configured:
         self._subject = f"/documents/d/{url.document}/{url.pin}/e/{url.element}#configuration"
 
     def at(self, pin: str) -> AssemblyUrl:
-        """The address at a version or microversion; SourceError lists what the document refuses."""
+        """The address at a version or microversion; SourceError lists the invalid values."""
         body = self._client.one(self._request(pin))
         if not self._url.pinned:
             self._client.remember(self._subject, {"microversion": pin[2:]})
@@ -36,7 +36,7 @@ class Configured:
         """The address, the microversion last built (None at first) and the one its workspace is at.
 
         One call where nothing changed, two for both parameters and definition the first time. Of
-        several builders that ask at once the first does.
+        several builds that ask at the same time only the first makes the calls.
         """
         began = time.time()
         with self._client.alone(self._subject):
@@ -51,12 +51,12 @@ class Configured:
             return self.at(f"m/{microversion}"), then, microversion
 
     def _parameters(self) -> bytes:
-        """The parameters that the workspace has now, while no build has its variables changed."""
+        """The present parameters of the workspace, while no build has changed its variables."""
         with self._client.undisturbed():
             return self._client.now(self._request(self._url.pin))
 
     def _known(self) -> AssemblyUrl | None:
-        """The address by the parameters of the last build, if they allow what is wanted now."""
+        """The address by the parameters of the last build, if they allow the wanted values."""
         microversion = self._client.recall(self._subject).get("microversion")
         body = self._client.kept(self._request(f"m/{microversion}")) if microversion else None
         if body is None:

@@ -1,4 +1,4 @@
-"""What fetch reads of an assembly definition: which assembly it is and which part studios it needs."""
+"""Reads from an assembly definition which assembly it is and which part studios it needs."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What fetch reads of a document's state: the microversions of a workspace and of its tabs."""
+"""Reads the state of a document: the microversions of a workspace and of its tabs."""
 
 from collections.abc import Mapping
 
@@ -22,7 +22,7 @@ def microversion(body: bytes) -> str:
 def tabs(body: bytes) -> Mapping[str, str]:
     """Element id → the microversion of that element alone, of an `elements` reply.
 
-    Tabs without one are left out: they count as changed. ProtocolError where it is no such list.
+    Tabs without a microversion are left out: they count as changed. ProtocolError for an invalid reply.
     """
     data = _json(body, "the tabs of a document")
     if not isinstance(data, list) or not all(isinstance(tab, dict) for tab in data):
@@ -33,7 +33,7 @@ def tabs(body: bytes) -> Mapping[str, str]:
 
 
 def tab_name(body: bytes, element: str) -> str:
-    """What a tab is called, of an `elements` reply; empty where it does not say."""
+    """The name of a tab in an `elements` reply; "" for none."""
     found = _json(body, "the tabs of a document")
     listed = found if isinstance(found, list) else []
     names = (tab.get("name") for tab in listed if isinstance(tab, dict) and tab.get("id") == element)
@@ -41,7 +41,7 @@ def tab_name(body: bytes, element: str) -> str:
 
 
 def require_tab(body: bytes, element: str) -> None:
-    """ProtocolError where an `elements` reply does not list a tab that is there for sure."""
+    """ProtocolError where an `elements` reply lacks a tab that must exist."""
     tabs(body)
     if not any(tab.get("id") == element for tab in orjson.loads(body)):
         msg = f"the reply with the tabs of a document lacks {element}, the tab of the assembly"

@@ -1,7 +1,7 @@
-"""Lists of features, and variables: what must be asked for where a definition has no limits.
+"""Finds the feature lists and variables to fetch where a definition has no limits.
 
-Before v17 of the API recorded mates have no `mateLimits`. The graph stage reads the replies; here it is
-only seen which assemblies must be asked, and whether their limits name a variable.
+Before v17 of the API recorded mates have no `mateLimits`. The graph stage reads the replies; this module
+only finds which assemblies to ask for, and whether their limits refer to a variable.
 """
 
 import re
@@ -29,7 +29,7 @@ class Owner:
 
 
 def owners(body: bytes) -> tuple[Owner, ...]:
-    """The assemblies of a definition with a mate that moves and no word of its limits, by their keys."""
+    """The assemblies of a definition with a movable mate whose limits are not given, by their keys."""
     data = orjson.loads(body)
     used = definition.assemblies(data["rootAssembly"], data.get("subAssemblies") or ())
     found = {StudioKey.of(record): record for record in used if any(map(_silent, _mates(record)))}
@@ -43,7 +43,7 @@ def name_variables(body: bytes, owner: Owner) -> bool:
 
 
 def check(body: bytes, what: str, *, tables: bool) -> None:
-    """ProtocolError where `body` is no list of features, or (`tables`) no list of variable tables."""
+    """ProtocolError where `body` is not a feature list, or (`tables`) not a list of variable tables."""
     hint = "run the same command again; if it fails each time, the API has changed"
     try:
         data = orjson.loads(body)
@@ -68,13 +68,13 @@ def _mates(record: _Record) -> Iterator[_Record]:
 
 
 def _silent(mate: _Record) -> bool:
-    """Whether a mate that moves, and has both its sides, lacks its limits."""
+    """Whether a movable mate with both its sides lacks limits."""
     whole = len(mate.get("matedEntities") or ()) == 2
     return whole and mate.get("mateType") != "FASTENED" and mate.get("mateLimits") is None
 
 
 def _names(features: Any) -> Iterator[str]:
-    """The variables in the limits of all mates whose limits are switched on."""
+    """The variables in the limits of all mates with enabled limits."""
     for feature in features:
         parameters = list(map(_open, _open(feature).get("parameters") or ()))
         switches = [one for one in parameters if one.get("parameterId") == "limitsEnabled"]

@@ -1,6 +1,6 @@
 """From an assembly to its bundle: definition, then the part studios, then their replies.
 
-The one path for all sources: the network, a bundle and the sample differ only in who answers.
+All Onshape sources use it: the server, a bundle and the sample differ only in their `Answers`.
 """
 
 from collections.abc import Mapping, Sequence
@@ -44,17 +44,17 @@ class StudioReplies:
 
 @dataclass(frozen=True, slots=True)
 class LimitReplies:
-    """What one assembly has about the limits of its mates; None where it cannot be fetched."""
+    """The replies about the limits of one assembly's mates; None where they cannot be fetched."""
 
     features: Reply | None
     variables: Reply | None = None
 
 
 class Answers(Protocol):
-    """Who answers: the network or a recording."""
+    """The origin of replies: a server or a recording."""
 
     def versions(self) -> tuple[str, str]:
-        """The API versions that were asked for the definition, once that is there, and for all else."""
+        """The API versions of the definition (once it is fetched) and of all other replies."""
         ...
 
     def definition(self) -> Reply:
@@ -70,15 +70,15 @@ class Answers(Protocol):
         ...
 
     def features(self, owners: Sequence[Owner], root: str) -> Sequence[LimitReplies]:
-        """What assemblies say about limits, in the order of `owners`; `root` is the root's document."""
+        """The replies about limits, in the order of `owners`; `root` is the root's document."""
         ...
 
 
 def gather(answers: Answers) -> OnshapeBundle:
     """The bundle of the assembly that `answers` is about.
 
-    AssemblyError where the assembly has no part; SourceError and its kinds where a reply cannot be
-    had or is not what the API promises.
+    AssemblyError where the assembly has no part; SourceError and its kinds where a reply is not
+    available or is invalid.
     """
     first = answers.definition()
     assembly = definition.read(first.body)

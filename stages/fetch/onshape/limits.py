@@ -1,8 +1,8 @@
-"""Asking an Onshape server for limits that the definition lacks.
+"""Fetches limits that the definition lacks from an Onshape server.
 
 One call for each assembly that owns a mate that moves, and one for the variables of each whose
-limits are expressions with variables. Variables can be had of a workspace or a version only; at a
-microversion the limits that need them stay unknown.
+limits are expressions with variables. The server gives variables only of a workspace or a version; at a
+microversion such limits stay unknown.
 """
 
 from collections.abc import Sequence
@@ -36,7 +36,7 @@ def limits_of(
 def _variables(
     owners: Sequence[Owner], root: str, url: AssemblyUrl, client: CachedClient
 ) -> dict[Owner, Reply]:
-    """The variables of those owners of whom they can be had."""
+    """The variables of the owners for which the server gives them."""
     found: dict[Owner, Reply] = {}
     fresh: dict[Owner, Reply] = {}
     for owner in owners:

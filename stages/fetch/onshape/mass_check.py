@@ -1,7 +1,7 @@
-"""Our sum of masses against Onshape's own: whether reused replies still describe the assembly.
+"""Compares our sum of masses with Onshape's, to check that reused replies still describe the assembly.
 
-A part studio that derives from another one can change while its own microversion stays. What it
-weighs then differs from the reply that is kept, and so does the mass of the assembly, which the
+A part studio that derives from another one can change while its own microversion stays. Its mass
+then differs from the cached reply, and so does the mass of the assembly, which the
 server gives in one call.
 """
 
@@ -43,14 +43,14 @@ class Masses:
         return self.theirs - self.ours, self.theirs - self.shown
 
     def as_before(self, excess: Sequence[float]) -> bool:
-        """Whether they differ by what they did when all replies were known to be right."""
+        """Whether they differ by the same amount as when all replies were known to be current."""
         within = _RELATIVE * max(abs(self.theirs), abs(self.ours))
         return any(abs(now - then) <= within for now, then in zip(self.excess, excess, strict=True))
 
     def diagnostic(self, element: str, *, lasting: bool = False) -> Diagnostic:
-        """The diagnostic where they differ although everything was fetched.
+        """The diagnostic for a difference that remains after fetching everything again.
 
-        `lasting`: it was fetched at an earlier state of the document, and they differed as much.
+        `lasting`: the same difference was found at an earlier state of the document.
         """
         seen = (
             "the difference was the same when every part studio of the document was last fetched"
@@ -81,7 +81,7 @@ def unchecked(element: str, error: SourceError) -> Diagnostic:
 def compare(definition: bytes, weights: Mapping[StudioKey, Mapping[str, float]], total: bytes) -> Masses:
     """The masses of an assembly: `definition` and `total` are replies, `weights` [kg] by part id.
 
-    A part without a weight counts nothing: the server's total leaves parts without mass out.
+    A part without mass is not counted, as in the server's total.
     """
     ours = shown = 0.0
     for studio, part, hidden in _occurrences(orjson.loads(definition)):

@@ -1,4 +1,4 @@
-"""A fetch from the server: variables set first, and the last complete fetch where the quota is used up."""
+"""Fetches from the server: sets variables first; uses the last complete fetch where the quota is used up."""
 
 from stages.fetch.onshape.cached_client import CachedClient
 from stages.fetch.onshape.gather import gather
@@ -47,7 +47,7 @@ def fetch(keys: OnshapeSourceKeys, context: FetchContext) -> Fetched:
 def _with_variables(
     url: AssemblyUrl, keys: OnshapeSourceKeys, client: CachedClient, session: Session, context: FetchContext
 ) -> AssemblyUrl:
-    """The address of the assembly with its variables set; what an earlier build left changed is restored."""
+    """The address of the assembly with its variables set; restores changes that an earlier build left."""
     variables = Variables(url, client, session, context.progress)
     client.undisturbed = variables.undisturbed
     variables.restore_left()
@@ -55,7 +55,7 @@ def _with_variables(
 
 
 def _fetched_last(answers: LiveAnswers, exhausted: QuotaExhausted) -> OnshapeBundle:
-    """The bundle from kept replies alone; `exhausted` is raised where they are not complete."""
+    """The bundle from cached replies only; raises `exhausted` where they are incomplete."""
     try:
         return gather(answers)
     except SourceError:

@@ -1,4 +1,4 @@
-"""Answers from a recording: a bundle that someone made, or the sample."""
+"""Replies from a recording: a bundle or the sample."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from stages.robot.errors import ProtocolError, SourceError
 
 
 class Recorded:
-    """Answers with what a recording holds. `where` names it in messages."""
+    """Gives the replies of a recording. `where` names it in messages."""
 
     def __init__(self, recording: Recording, where: str) -> None:
         self._recording = recording

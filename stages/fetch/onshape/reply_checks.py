@@ -1,4 +1,4 @@
-"""Whether a reply is what its request promises: checked before it is kept or used."""
+"""Checks the content of a reply before it is cached or used."""
 
 import orjson
 
@@ -16,7 +16,8 @@ from stages.robot.errors import ProtocolError
 
 
 def accepted(request: str, body: bytes) -> bytes:
-    """What is kept of a reply: itself, but tessellated faces in their compact form. Errors as `check`."""
+    """The form in which a reply is cached: unchanged, but tessellated faces in compact form. Errors as
+    `check`."""
     if compact.is_compact(body):
         compact.check(body)
         return body

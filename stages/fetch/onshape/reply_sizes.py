@@ -1,8 +1,8 @@
-"""How large a reply may be, by its kind [bytes unpacked].
+"""Size limits of replies, by kind [bytes, decompressed].
 
-A kind's bound is many times what the largest documents have of it, and small enough that a reply of that
-size can be read where a robot is built, be it made of the shortest JSON that there is: as Python objects
-that takes thirty times its bytes. Only triangles may be much larger, since they are read in pieces.
+Each limit is many times the size in the largest documents, and small enough that a reply of that
+size fits in memory even if it consists of the shortest possible JSON values: as Python objects
+these take thirty times their bytes. Only triangles may be much larger, since they are read in pieces.
 """
 
 import re
@@ -38,20 +38,20 @@ _BY_PATH: Sequence[tuple[str, int]] = (
     # the variables that an element may use
     (r"/variables$", 16 * _MB),
 )
-"""What the path of a request looks like → the bound of its reply; the first that fits counts."""
+"""Pattern of a request's path → the limit of its reply; the first match is used."""
 
 _ANY_OTHER = 16 * _MB
 
 REFUSAL = 64 * 1024
-"""What is read of a reply that refuses: its words are short, and the rest is left unread."""
+"""Largest part of an error reply that is read: its message is short."""
 
 
 def largest(request: str) -> int:
-    """The most that the reply to a request may unpack to [bytes]."""
+    """The size limit of the reply to a request [bytes, decompressed]."""
     path = request.partition("?")[0]
     return next((bound for pattern, bound in _BY_PATH if re.search(pattern, path)), _ANY_OTHER)
 
 
 def in_words(size: int) -> str:
-    """A bound in words: "64 MB"."""
+    """A size limit in words: "64 MB"."""
     return f"{size // _MB} MB"

@@ -1,4 +1,4 @@
-"""Interface of the store that the pipeline provides: replies kept for ever, facts until they change."""
+"""Interface of the store that the pipeline provides: replies are kept for ever, records until they change."""
 
 from collections.abc import Mapping
 from contextlib import AbstractContextManager
@@ -6,27 +6,27 @@ from typing import Any, Protocol
 
 
 class ReplyStore(Protocol):
-    """Kept replies by request. Only pinned, hence immutable, replies come here.
+    """Stores replies by request. Only pinned, hence immutable, replies are stored.
 
     Fetch calls it from one thread at a time, except for `alone`.
     """
 
     def get(self, request: str) -> bytes | None:
-        """The reply to `request`, or None where it is not kept."""
+        """The stored reply to `request`, or None."""
         ...
 
     def put(self, request: str, body: bytes) -> None:
-        """Keep `body` as the reply to `request`, in place of any other."""
+        """Stores `body` as the reply to `request`; replaces an earlier one."""
         ...
 
     def recall(self, subject: str) -> Mapping[str, Any] | None:
-        """What was last remembered of `subject`, or None."""
+        """The record stored for `subject`, or None."""
         ...
 
     def remember(self, subject: str, fact: Mapping[str, Any]) -> None:
-        """Keep `fact` (plain data) of `subject`, in place of what was remembered before."""
+        """Stores `fact` (plain data) for `subject`; replaces an earlier record."""
         ...
 
     def alone(self, subject: str) -> AbstractContextManager[None]:
-        """Only one thread of one process at a time is inside, for each `subject`."""
+        """A lock for each `subject`, between threads and processes."""
         ...

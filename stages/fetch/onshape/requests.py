@@ -170,9 +170,9 @@ def part_mass_properties(studio: StudioKey, part: str) -> str:
 
 
 def subject(request: str) -> tuple[str, tuple[tuple[str, str], ...]]:
-    """What a request is about: path and query without triangle quality, choice of parts and access.
+    """The subject of a request: path and query without triangle quality, choice of parts and access.
 
-    For recordings: what they hold is what there is, whatever quality was asked for.
+    For recordings, which have only one quality.
     """
     path, _, query = request.partition("?")
     if path.startswith("/parts/"):
@@ -224,7 +224,7 @@ def is_gltf(request: str) -> bool:
 
 
 def accept(request: str) -> str:
-    """The form in which a reply is asked for; another one than it has is refused (406)."""
+    """The Accept header of a request; the server refuses another form (406)."""
     return _GLTF if is_gltf(request) else JSON
 
 

@@ -1,4 +1,4 @@
-"""The server of one assembly: connected for the first call, its replies checked."""
+"""Connection to the server of one assembly: opened for the first call; checks the replies."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,13 +16,13 @@ from stages.fetch.source import Calls, FetchContext
 from stages.robot.errors import ProtocolError
 
 Promise = Callable[[bytes], None]
-"""Raises ProtocolError for an accepted reply that lacks something that it must have."""
+"""Raises ProtocolError for an accepted reply without its required content."""
 
 
 class Session:
     """A context manager: the connections live as long as it.
 
-    `keys`: those of the source, of which `max_wait` and `max_calls` bound what the server is asked.
+    `keys`: the configuration of the source; `max_wait` and `max_calls` limit the calls.
     """
 
     at_once = AT_ONCE
@@ -48,7 +48,7 @@ class Session:
         return self._client.calls if self._client else 0
 
     def account(self, calls: Calls) -> None:
-        """Takes down in `calls` what this server was asked so far."""
+        """Copies the number of calls made so far to `calls`."""
         calls.made = self.calls
         calls.remaining = dict(sorted(self._client.left.items())) if self._client else {}
         calls.year = self._ledger.counted() if self._ledger else None
@@ -57,7 +57,7 @@ class Session:
             calls.waited = self._client.waited
 
     def ready(self) -> Client:
-        """The client, made for the first call: a build from kept replies needs no key."""
+        """The client, made for the first call: a build from cached replies needs no key."""
         if self._client is None:
             context = self._context
             credentials = find(context.environ)
@@ -75,15 +75,15 @@ class Session:
         return self._client
 
     def stop(self) -> None:
-        """Lets no further call begin and ends all waits."""
+        """Prevents further calls and ends all waits."""
         if self._client is not None:
             self._client.stop()
 
     def ask(self, request: str, promise: Promise | None = None) -> bytes:
-        """What is kept of the reply to `request`. Safe to call from several threads once `ready`.
+        """The reply to `request` in the form that is cached. Safe to call from several threads once `ready`.
 
-        A reply that is not what was asked for, or does not hold the `promise`, is asked for once more.
-        Not so where the promise raises Declined, and the mass of an assembly: it only checks others.
+        An invalid reply, or one that does not fulfil `promise`, is fetched once more.
+        Exceptions: a promise that raises Declined, and the mass of an assembly, which only checks others.
         """
         kept = b""
         final: ProtocolError | None = None

@@ -1,1 +1,1 @@
-"""HTTP to an Onshape server: authenticated, counted, patient within bounds."""
+"""HTTP to an Onshape server: authentication, counting of calls, retries within limits."""

@@ -1,4 +1,4 @@
-"""One call of the API as it is to be made."""
+"""One API call: method, request, body and headers."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from stages.fetch.onshape.requests import describe
 
 @dataclass(frozen=True, slots=True)
 class ApiCall:
-    """`restoring`: the call undoes a change, so it is made whatever has stopped the others."""
+    """`restoring`: the call undoes a change, so it is made even after all other calls were stopped."""
 
     method: str
     request: str
@@ -19,7 +19,7 @@ class ApiCall:
 
     @property
     def what(self) -> str:
-        """What is asked for, in words."""
+        """The request in words, for messages."""
         return describe(self.request)
 
     def headers(self, credentials: Credentials, target: str) -> dict[str, str]:

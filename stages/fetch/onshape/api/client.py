@@ -1,8 +1,8 @@
-"""The one client: authenticated, counted, patient within bounds, a few calls at a time.
+"""The HTTP client of the Onshape API: authenticates, counts and retries calls, a few at a time.
 
-What a failure leads to is decided here. What passes by itself (5xx, a reply cut short or late) is
-asked again; a closed window (429) is waited for; a used-up quota (402) stops all calls at once;
-every other refusal is explained and final.
+It decides how to treat each failure. A temporary failure (5xx, a reply cut short or late) is
+retried; a rate limit (429) is waited for; a used-up quota (402) stops all calls at once;
+every other refusal raises an error.
 """
 
 import contextlib
@@ -45,11 +45,11 @@ _PATIENCE = Patience()
 
 
 class Client:
-    """Asks one host. Safe to call from several threads; a context manager.
+    """Makes the calls to one host. Safe to call from several threads; a context manager.
 
-    `ledger` records what is billed; `progress` gets a line wherever the user has to wait, and `transient`
-    how much has arrived while that is going on; `max_calls` bounds what is billed, whatever has to be
-    asked again.
+    `ledger` records billed calls; `progress` gets a line wherever the user has to wait, and `transient`
+    a line about the bytes received so far; `max_calls` limits the billed calls, retries
+    included.
     """
 
     def __init__(
@@ -106,11 +106,11 @@ class Client:
     def get(self, request: str, accept: str = JSON, check: Callable[[bytes], None] | None = None) -> bytes:
         """The body of the reply to `request`.
 
-        `check` raises ProtocolError for a body that is not what was asked for; that is paid for, so
-        it is asked for once more and no further.
+        `check` raises ProtocolError for an invalid body; such a reply is billed, so
+        the call is repeated only once.
 
         AuthError, NotFound, QuotaExhausted, RateLimited, SourceError or ProtocolError where the
-        server refuses or answers with something else; Offline where it cannot be reached.
+        server refuses or sends an invalid reply; Offline where it cannot be reached.
         """
 
         def once() -> bytes:
@@ -126,11 +126,11 @@ class Client:
         return self._persist(once)
 
     def post(self, request: str, body: bytes, *, restoring: bool = False) -> bytes:
-        """The body of the reply to what is posted (JSON); errors as for `get`.
+        """The body of the reply to a POST of JSON; errors as for `get`.
 
-        Asked again only where the server cannot have carried it out: it was not reached, or its
-        window was closed. `restoring`: what is posted undoes a change and may be done twice, so it is
-        asked again as `get` does, and sent even where all other calls were stopped.
+        Repeated only where the server cannot have made the change: it was not reached, or its rate limit
+        refused the call. `restoring`: the call undoes a change and may be repeated safely, so it is retried
+        as in `get`, and sent even where all other calls were stopped.
         """
 
         def once() -> bytes:
@@ -142,12 +142,12 @@ class Client:
         return self._persist(once, restoring=restoring)
 
     def stop(self) -> None:
-        """Lets no further call begin, and ends those on their way and all waits: they raise Offline."""
+        """Prevents further calls, and ends running calls and waits: they raise Offline."""
         self._halt.stop(Offline("the calls were stopped", self.host, "run the same command again"))
         self._wire.hang_up()
 
     def _persist(self, once: Callable[[], bytes], *, restoring: bool = False) -> bytes:
-        """What `once` gives, asked again where that may help and the calls were not stopped."""
+        """The result of `once`, retried after temporary failures unless the calls were stopped."""
 
         def unless_stopped() -> bytes:
             try:
@@ -160,7 +160,7 @@ class Client:
         return retries.persist(unless_stopped, self._patience)
 
     def _answer(self, call: ApiCall) -> HttpReply:
-        """The reply, whatever its status, once the server's window is open."""
+        """The reply with any status, after waiting for the server's rate limit."""
         kind, seconds = endpoint(call.request), self._patience.first_wait
         for _ in range(self._patience.refusals):
             self._windows.wait(kind, stoppable=not call.restoring)
@@ -188,7 +188,7 @@ class Client:
         raise error
 
     def _whole(self, call: ApiCall) -> HttpReply:
-        """A whole reply, or the error for the lack of one."""
+        """A complete reply, or the error for a missing or incomplete one."""
         try:
             return self._follow(call)
         except Lost as lost:
@@ -203,7 +203,7 @@ class Client:
             raise SourceError(msg, tempfile.gettempdir(), hint) from error
 
     def _retried(self, lost: Lost, call: ApiCall) -> Exception:
-        """The error for the lack of a whole reply; `Passing` where the call may be made again."""
+        """The error for a missing or incomplete reply; `Passing` where the call may be repeated."""
         error = no_reply(lost, call.what, self.host)
         if lost.trouble is not None and lost.trouble.lasting and not lost.late:
             return error
@@ -213,7 +213,7 @@ class Client:
         return Passing(error, "billed" if billed(lost.status) else "free", self._say)
 
     def _follow(self, call: ApiCall) -> HttpReply:
-        """The reply where it is in the end. Every stop on the way is authenticated, and billed."""
+        """The reply after all redirects. Each redirect is authenticated, and billed."""
         document = call.request.partition("/d/")[2].partition("/")[0]
         with self._lock:
             origin = self._origins.get(document, self._origin)
@@ -250,7 +250,7 @@ class Client:
             raise Passing(placed, "billed", self._say) from error
 
     def _refusal(self, answer: HttpReply, request: str, *, final: bool = False) -> Exception:
-        """The error for a refusal; `Passing` where it may pass by itself, unless it is `final`."""
+        """The error for a refusal; `Passing` for a temporary one, unless it is `final`."""
         text = self._reply_text(answer)
         error = refusal(answer.status, answer.headers, text, request, self.host, self._credentials.kind)
         if isinstance(error, QuotaExhausted):
@@ -263,7 +263,7 @@ class Client:
         return Passing(error, "free", self._say)
 
     def _reply_text(self, answer: HttpReply) -> str:
-        """The body, free of secrets, also of those that JSON hides in escapes."""
+        """The body without secrets, also without those written with JSON escapes."""
         text = answer.body.decode("utf-8", "replace")
         with contextlib.suppress(ValueError, RecursionError):
             text = json.dumps(json.loads(text), ensure_ascii=False)

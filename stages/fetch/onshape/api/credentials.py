@@ -1,4 +1,4 @@
-"""The user's key to Onshape: from the environment, or from `.env` where they work."""
+"""The user's Onshape credentials: from the environment, or from `.env` in the working folder."""
 
 import contextlib
 import html
@@ -36,8 +36,8 @@ Kind = Literal["basic", "signature", "bearer"]
 
 @dataclass(frozen=True, slots=True)
 class Credentials:
-    """An API key, or a bearer `token`. Its text never shows in `repr`, so that no log or traceback
-    holds it. `kind`: how a request shows it."""
+    """An API key, or a bearer `token`. `repr` hides its text, so that no log or traceback contains it.
+    `kind`: how a request is authenticated."""
 
     access: str = field(default="", repr=False)
     secret: str = field(default="", repr=False)
@@ -46,9 +46,9 @@ class Credentials:
 
     @property
     def who(self) -> str:
-        """A name for whose calls these are, which does not reveal the key.
+        """A name for the owner of the calls, which does not reveal the key.
 
-        Bearer tokens live for an hour, so all of them are one.
+        All bearer tokens share one name, since each is valid for only an hour.
         """
         return "bearer" if self.kind == "bearer" else sha256(self.access.encode()).hexdigest()[:16]
 
@@ -61,7 +61,7 @@ class Credentials:
         return tuple(sorted(found, key=lambda text: (-len(text), text)))
 
     def scrub(self, text: str) -> str:
-        """`text` with the key blotted out, for what a server sent back."""
+        """`text` (such as a server's reply) with the key removed."""
         for private in self.private:
             text = text.replace(private, "***")
         return text
@@ -100,7 +100,7 @@ def known(environ: Mapping[str, str], folder: Path | None = None) -> dict[str, s
 
 
 def remarks(folder: Path | None = None) -> tuple[Diagnostic, ...]:
-    """What the user should know of the file `.env`: that others can read the key in it."""
+    """I-DOTENV where other users can read the key in `.env`."""
     path = (folder or Path.cwd()) / DOTENV
     if os.name != "posix":
         return ()

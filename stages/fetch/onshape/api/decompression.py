@@ -1,28 +1,28 @@
-"""A reply's body as it comes over the wire, unpacked piece by piece: its reader may stop at a bound."""
+"""Decompresses the body of a reply piece by piece, so that its reader may stop at a size limit."""
 
 import zlib
 from collections.abc import Iterable, Iterator
 
 ACCEPTED = "gzip"
-"""What is asked for. A reply that is packed in any other way, or several times over, is not read."""
+"""The accepted encodings. A reply with another encoding, or with several, is not read."""
 
 _PIECE = 1 << 18
 _GZIP = 16 + zlib.MAX_WBITS
 
 
 class UnknownEncodingError(Exception):
-    """The reply is packed in a way that was not asked for; its text names the way."""
+    """The reply has an unexpected content encoding; the text names it."""
 
 
 class DamagedError(Exception):
-    """What came is no gzip, or ends before its end."""
+    """The body is not valid gzip, or is incomplete."""
 
 
 def unpacked(pieces: Iterable[bytes], encoding: str) -> Iterator[bytes]:
-    """The body whose packed `pieces` come one after the other, itself in pieces of 256 kB at most.
+    """The decompressed body of compressed `pieces`, in pieces of at most 256 kB.
 
-    `encoding`: the header Content-Encoding. UnknownEncodingError at once for one that was not asked
-    for; DamagedError where the body is found to be harmed.
+    `encoding`: the header Content-Encoding. UnknownEncodingError at once for an unexpected one;
+    DamagedError where the body is damaged.
     """
     name = encoding.strip().lower()
     if name in ("", "identity"):

@@ -1,4 +1,4 @@
-"""Ends all calls of one client: once stopped, none begins any more."""
+"""Stops all calls of one client: after a stop no call begins."""
 
 import threading
 

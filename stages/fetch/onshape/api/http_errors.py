@@ -1,4 +1,4 @@
-"""What a server's refusal means, and what to do about it."""
+"""Errors for HTTP status codes and unusable replies, each with a hint."""
 
 import json
 import time
@@ -30,9 +30,9 @@ _SKEW = 240.0
 
 
 class Declined(ProtocolError):
-    """The server will not answer this very request, however often it is made; another one may do.
+    """The server refuses this particular request permanently; another request may succeed.
 
-    Nothing is wrong with the connection, the key or the quota, and nothing was billed.
+    The connection, the key and the quota are fine, and nothing was billed.
     """
 
 

@@ -3,7 +3,7 @@
     ledger/<who>-<year>.json     one line of JSON a call: {"at", "endpoint", "status", "left"}
 
 `who` is a hash of the access key. A line is appended whole or not at all, by any number of
-processes; a line that a full disk cut short is passed over. Imports nothing heavy.
+processes; a line that a full disk cut short is skipped. Imports nothing heavy.
 """
 
 import contextlib
@@ -28,7 +28,7 @@ _NAMES = {"assemblies": "assembly definition", "assemblies/massproperties": "ass
 
 
 def endpoint(request: str) -> str:
-    """The kind of a request, as the server's windows count it: "massproperties" (of part studios).
+    """The endpoint of a request, as the server's rate limits count it: "massproperties" (of part studios).
 
     Only the path is looked at; ids are no part of the name.
     """
@@ -67,11 +67,11 @@ class Ledger:
         self._year = year
 
     def note(self, kind: str, status: int, left: int | None = None) -> str:
-        """Writes down a reply that was billed, or the one that reports a used-up quota (402).
+        """Records a billed reply, or the reply that reports a used-up quota (402).
 
         `left`: calls left in the window of this endpoint. A ledger that cannot be written is no
-        reason to lose a reply that was paid for: the call then goes uncounted. Returns why it does, in
-        words; nothing where the call was counted.
+        reason to lose a billed reply: the call is then not counted. Returns the reason for that in
+        words, "" where the call was counted.
         """
         if not billed(status) and status != 402:
             return ""

@@ -1,7 +1,7 @@
-"""The user's environment about the way to a server: proxies, and whose certificates count.
+"""The environment variables of the network: proxies and trusted certificates.
 
-The HTTP library takes these variables as they are, and fails on a wrong one in words of its own, or
-only when it connects. So they are looked at first. Their values are not shown: a proxy's may hold a
+The HTTP library does not check these variables, and reports an invalid one unclearly, or
+only when it connects. So they are checked first. Their values are not shown: a proxy's may contain a
 password.
 """
 
@@ -21,7 +21,7 @@ _SOCKS = ("socks5", "socks5h")
 
 
 def require(environ: Mapping[str, str], *, proxies: bool = True) -> None:
-    """ConfigError names the variable that cannot be meant so. `proxies`: whether those are used."""
+    """ConfigError for an invalid variable. `proxies`: whether proxies are used."""
     if proxies and "*" not in _either(environ, "no_proxy")[1]:
         for variable in _PROXIES:
             name, value = _either(environ, variable)
@@ -37,12 +37,12 @@ def proxy_variable(environ: Mapping[str, str]) -> str:
 
 
 def _either(environ: Mapping[str, str], name: str) -> tuple[str, str]:
-    """A variable that may be written small or large, and its value; what is written small counts."""
+    """A variable in lower or upper case, and its value; lower case has precedence."""
     return (name, environ[name]) if name in environ else (name.upper(), environ.get(name.upper(), ""))
 
 
 def _require_proxy(name: str, value: str) -> None:
-    """ConfigError where `value` is no address of a proxy; one without a scheme is of http."""
+    """ConfigError where `value` is not the address of a proxy; without a scheme, http is meant."""
     try:
         parts = urlsplit(value if "://" in value else f"http://{value}")
         fits = bool(parts.hostname) and parts.port != 0 and value.isprintable() and " " not in value

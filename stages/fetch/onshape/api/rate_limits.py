@@ -1,7 +1,7 @@
-"""The server's windows: how many calls of each kind it still allows, and waiting where it allows none.
+"""The server's rate limits: how many calls of each kind are left, and waiting where none is left.
 
-The limits are per endpoint. A wait holds back all calls of its kind, whichever thread makes them, and
-what is waited in all stays within what the user allows.
+The limits are per endpoint. A wait delays all calls of its kind in all threads, and
+the total wait stays within `source.max_wait`.
 """
 
 import time
@@ -12,7 +12,7 @@ from threading import Event, Lock
 
 
 class Windows:
-    """The windows of one server, as its replies report them. `max_wait` [s] bounds all waits together."""
+    """The rate limits of one server, as its replies report them. `max_wait` [s] limits the total wait."""
 
     def __init__(self, max_wait: float, stopped: Event) -> None:
         self._max_wait = max_wait
@@ -21,18 +21,18 @@ class Windows:
         self._closed: dict[str, float] = {}
         self._until = 0.0
         self.waited = 0.0
-        """What the waits asked for so far come to [s]; waits at the same time count once."""
+        """Total wait so far [s]; concurrent waits count once."""
         self.left: dict[str, int] = {}
         """Calls left by endpoint, where the server reports them (`X-Rate-Limit-Remaining`)."""
 
     def note(self, endpoint: str, left: int | None) -> None:
-        """Records what a reply reports of its window."""
+        """Records the calls left that a reply reports."""
         if left is not None:
             with self._lock:
                 self.left[endpoint] = left
 
     def close(self, endpoint: str, seconds: float) -> bool:
-        """Holds back calls of this kind for `seconds`; False where that is more than may be waited."""
+        """Delays calls of this kind by `seconds`; False where that exceeds the allowed wait."""
         now = time.monotonic()
         with self._lock:
             until = max(self._until, now + seconds)
@@ -56,13 +56,13 @@ class Windows:
 
 
 def left(headers: Mapping[str, str]) -> int | None:
-    """Calls left in the window of the endpoint that replied, where the server reports them."""
+    """Calls left for the endpoint that replied, where the server reports them."""
     text = headers.get("X-Rate-Limit-Remaining", "").strip()
     return int(text) if text.isascii() and text.isdigit() and len(text) < 10 else None
 
 
 def retry_after(headers: Mapping[str, str], now: Callable[[], float] = time.time) -> float | None:
-    """How long to wait [s], from seconds or an HTTP date; None where the server does not say.
+    """How long to wait [s], from seconds or an HTTP date; None without such a header.
 
     A date is compared with the server's own clock where it gives that (`Date`).
     """

@@ -1,18 +1,18 @@
-"""How much of long replies has arrived, shown a few times a second."""
+"""Shows the progress of long downloads a few times a second."""
 
 import time
 from collections.abc import Callable
 from threading import Lock
 
 _LONG = 1_000_000
-"""What arrives in no time need not be shown [bytes]."""
+"""Smaller downloads are not shown [bytes]."""
 
 _INTERVAL = 0.2
 """The least time between two lines [s]."""
 
 
 class Received:
-    """Counts what arrives, in any thread, and hands a line about it to `transient`."""
+    """Counts received bytes, in any thread, and passes a line about them to `transient`."""
 
     def __init__(self, transient: Callable[[str], None]) -> None:
         self._transient = transient

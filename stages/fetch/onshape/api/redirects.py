@@ -1,4 +1,4 @@
-"""Following the server elsewhere by hand, so that a key goes only where its owner is."""
+"""Follows redirects by hand, so that a key is sent only to hosts of its owner."""
 
 from urllib.parse import urljoin, urlsplit
 
@@ -15,7 +15,7 @@ _ANY = (301, 302, 303, *_SAME_METHOD)
 def followed(method: str, status: int) -> bool:
     """Whether a reply with this status is a redirect to follow.
 
-    301, 302 and 303 turn what was posted into a GET, which would not be what was asked for.
+    301, 302 and 303 would turn a POST into a GET, which is another request.
     """
     return status in (_ANY if method == "GET" else _SAME_METHOD)
 

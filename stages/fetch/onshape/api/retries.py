@@ -1,4 +1,4 @@
-"""Asking again: which failures pass by themselves, how often to try, and how long to wait between."""
+"""Retries: which failures are temporary, how often to try, and how long to wait in between."""
 
 import functools
 from collections import Counter
@@ -23,13 +23,13 @@ class Patience:
     """Longest wait in all that the server may ask for (`Retry-After`)."""
 
     attempts: int = 3
-    """How often one call is made that fails and is not billed (5xx, no connection, no answer)."""
+    """Attempts of a call that fails without being billed (5xx, no connection, no answer)."""
 
     billed: int = 2
-    """How often one call is made whose reply is billed but of no use (cut short, late, nonsense)."""
+    """Attempts of a call whose reply is billed but unusable (cut short, late, invalid)."""
 
     refusals: int = 8
-    """How often one call is made that the server's window refuses (429)."""
+    """Attempts of a call that the server's rate limit refuses (429)."""
 
     first_wait: float = 1.0
     """Wait before the second attempt; doubled each time."""
@@ -41,17 +41,17 @@ class Patience:
     """Up to this much is added at random, so that several callers do not come back at once."""
 
     connect: float = 30.0
-    """Limit for reaching the server."""
+    """Time limit for connecting to the server."""
 
     read: float = 300.0
-    """Limit for each pause in a reply; large assemblies make the server think for minutes."""
+    """Time limit for each pause in a reply; the server may compute large assemblies for minutes."""
 
     whole: float = 900.0
-    """Limit for a whole reply: 16 MB at 20 kB/s."""
+    """Time limit for a whole reply: 16 MB at 20 kB/s."""
 
 
 class Passing(Exception):
-    """A failure that may pass by itself. `error` is the one to raise if it does not."""
+    """A failure that may be temporary. `error`: the error to raise if it persists."""
 
     def __init__(self, error: SourceError, kind: Kind, progress: Callable[[str], None]) -> None:
         super().__init__(error.message)
@@ -61,7 +61,7 @@ class Passing(Exception):
 
 
 def persist(once: Callable[[], bytes], patience: Patience) -> bytes:
-    """What `once` gives, asked again while it raises `Passing` and `patience` lasts.
+    """The result of `once`, retried while it raises `Passing` and `patience` allows.
 
     Raises the last failure's own error, with the number of attempts; any other error at once.
     """

@@ -1,4 +1,4 @@
-"""How a request shows whose it is: Basic, signed with the secret key, or by a bearer token.
+"""Authentication of a request: Basic, signed with the secret key, or by a bearer token.
 
 A signed request never carries the secret: method, nonce, date, content type, path and query, each
 with a line feed, in lower case, go through HMAC-SHA256 with the secret key. The path and the query

@@ -1,4 +1,4 @@
-"""One request over HTTP and its reply, whole or not at all. The only module that imports httpx."""
+"""Sends one HTTP request and returns its complete reply. The only module that imports httpx."""
 
 import contextlib
 import re
@@ -41,11 +41,11 @@ class HttpReply:
 
 
 class Lost(Exception):
-    """There is no whole reply. Its text gives the reason and holds nothing that was sent.
+    """The reply is missing or incomplete. The text gives the reason and contains no secret.
 
-    `begun`: the request may have reached the server; `status`: what it answered before the rest
-    was lost, 0 where it answered nothing; `late`: it took too long; `trouble`: what kept it from the
-    server, where that is known.
+    `begun`: the request may have reached the server; `status`: the status that arrived before the rest
+    was lost, 0 for none; `late`: the reply took too long; `trouble`: the error of the connection,
+    where it is known.
     """
 
     def __init__(
@@ -59,15 +59,15 @@ class Lost(Exception):
 
 
 class ReplyTooLarge(Exception):
-    """A reply that unpacks to more than its kind may have."""
+    """A reply that is larger than the limit of its kind."""
 
 
 class Packed(Exception):
-    """A reply that is packed in a way that was not asked for; its text names the way."""
+    """A reply with an unexpected content encoding; the text names it."""
 
 
 class _Way:
-    """Where one request went: `met`, the host and port that were connected to or tried."""
+    """The connection of one request: `met`, the host and port that were tried."""
 
     def __init__(self, wire: "Wire") -> None:
         self._wire = wire
@@ -87,7 +87,7 @@ class Wire:
     def __init__(
         self, patience: Patience, *, loopback: bool, arrived: Callable[[int], None] = lambda _: None
     ) -> None:
-        """`arrived` hears of each piece of a reply, how many bytes it took."""
+        """`arrived` is called with the size [bytes] of each piece of a reply."""
         self._arrived = arrived
         self._whole = patience.whole
         self._sockets: WeakSet[socket.socket] = WeakSet()
@@ -98,7 +98,7 @@ class Wire:
         self._http.close()
 
     def hang_up(self) -> None:
-        """Ends what is on its way: whoever waits for it gets Lost at once. New requests may be sent.
+        """Closes all connections: every waiting caller gets Lost at once. New requests may be sent.
 
         To close a socket does not wake a thread that waits for it; to shut it down does.
         """
@@ -110,7 +110,7 @@ class Wire:
                 socket.socket.shutdown(connected, socket.SHUT_RDWR)
 
     def connected(self, made: socket.socket) -> None:
-        """Takes down a socket as it is made."""
+        """Records a new socket."""
         with self._lock:
             self._sockets.add(made)
 
@@ -123,7 +123,7 @@ class Wire:
         met: Callable[[int, Mapping[str, str]], None],
         most: int,
     ) -> HttpReply:
-        """The reply to one request; Lost, ReplyTooLarge or Packed where there is no usable one.
+        """The reply to one request; Lost, ReplyTooLarge or Packed where it is unusable.
 
         `headers` gets path and query as they are sent; `met` gets status and headers as soon as
         they are there, since that is when a call is billed; `most`: bytes that a reply may unpack to.
@@ -161,7 +161,7 @@ class Wire:
 
 
 def _client(patience: Patience, *, loopback: bool) -> httpx.Client:
-    """ConfigError where the library cannot take what the environment says about proxies."""
+    """ConfigError where the library rejects the proxy settings of the environment."""
     try:
         return httpx.Client(
             headers={"User-Agent": "linkwright", "Accept-Encoding": decompression.ACCEPTED},
@@ -181,14 +181,14 @@ def _client(patience: Patience, *, loopback: bool) -> httpx.Client:
 
 
 def _pieces(response: httpx.Response, arrived: Callable[[int], None]) -> Iterator[bytes]:
-    """The body as it comes, packed; `arrived` hears of each piece's size."""
+    """The compressed body in pieces; `arrived` is called with the size of each."""
     for piece in response.iter_raw():
         arrived(len(piece))
         yield piece
 
 
 def _body(response: httpx.Response, until: float, most: int, arrived: Callable[[int], None]) -> bytes:
-    """The body, gathered in a file without a name, which no kill can leave behind."""
+    """The body, collected in an unnamed file, which does not outlive the process."""
     status = response.status_code
     good = status < 300
     announced = response.headers.get("Content-Length", "")
@@ -217,7 +217,7 @@ def _body(response: httpx.Response, until: float, most: int, arrived: Callable[[
 
 
 def _lost(error: Exception, status: int) -> Exception:
-    """The error for the lack of a whole body."""
+    """The error for an incomplete body."""
     if isinstance(error, decompression.UnknownEncodingError):
         return Packed(str(error))
     if isinstance(error, decompression.DamagedError):

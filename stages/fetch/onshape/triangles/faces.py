@@ -39,14 +39,14 @@ MOST_BODIES = 1 << 16
 
 @dataclass(slots=True)
 class Room:
-    """What a reply may still come to in memory: a few bytes of text can stand for many triangles."""
+    """The memory left for a reply: a few bytes of text can describe many triangles."""
 
     triangles: int = MOST_TRIANGLES
     points: int = 3 * MOST_TRIANGLES
     bodies: int = MOST_BODIES
 
     def take(self, *, triangles: int = 0, points: int = 0, bodies: int = 0) -> None:
-        """Declined where there is no more room; nothing needs to be made before it is asked for."""
+        """Reserves memory before it is allocated; Declined where too little is left."""
         self.triangles -= triangles
         self.points -= points
         self.bodies -= bodies

@@ -3,8 +3,8 @@
 A list of Python objects takes ten to twenty times the bytes of its JSON. So the text is first
 indexed (where its outer objects and arrays begin and end: a few vectorised passes over blocks),
 and then parsed in runs of whole elements. What is small is parsed at once. A text that would take
-many times its own size, since it is made of next to nothing else than brackets or since a value that
-is read at once is huge, is refused.
+many times its own size in memory (almost only brackets, or a huge value that
+must be read at once) is refused.
 """
 
 import re
@@ -18,7 +18,7 @@ import orjson
 _BLOCK = 1 << 19
 _RUN = 1 << 17
 _AT_ONCE = 1 << 23
-"""What is parsed in one piece is no longer than this; facets and bodies without their lists are."""
+"""Longer values are parsed in pieces; facets, and bodies without their lists, are shorter."""
 
 _DEEPEST = 7
 _BYTES_EACH = 6
@@ -35,7 +35,7 @@ _Index = npt.NDArray[np.uint32]
 
 
 class MalformedError(ValueError):
-    """The text is no JSON, was cut short, or cannot be read in pieces."""
+    """The text is not JSON, was cut short, or cannot be read in pieces."""
 
 
 class Pieces:

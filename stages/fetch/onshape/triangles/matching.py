@@ -1,4 +1,4 @@
-"""Which mesh is which part, where names do not show it: by volume, area and centroid."""
+"""Matches meshes to parts by volume, area and centroid, where names do not identify them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,12 +12,12 @@ _FITS = 0.3
 """Largest sum of relative differences: chords cut a few hundredths off volume and area."""
 
 _CLEAR = 0.02
-"""How much worse every other way to assign a mesh must be."""
+"""The cost margin by which every other assignment of a mesh must be worse."""
 
 _MOST_PAIRS = 1 << 25
 
 _PLACE = 10.0
-"""What a centroid that is off by the mesh's own size costs."""
+"""The cost of a centroid error of the mesh's own size."""
 
 _AXES = (
     np.eye(3),
@@ -76,7 +76,7 @@ def assigned(meshes: Sequence[BodyFigures], parts: Mapping[str, BodyFigures]) ->
 
 
 def _costs(meshes: Sequence[BodyFigures], parts: Sequence[BodyFigures], rotation: _Array) -> _Array:
-    """(meshes, parts): how badly each fits each, as a sum of relative differences."""
+    """(meshes, parts): the cost of each pair, a sum of relative differences."""
     costs = _apart([mesh.volume for mesh in meshes], [part.volume for part in parts])
     costs += _apart([mesh.area for mesh in meshes], [part.area for part in parts])
     for row, mesh in enumerate(meshes):
@@ -98,7 +98,7 @@ def _apart(ones: Sequence[float], others: Sequence[float]) -> _Array:
 
 
 def _pairs(costs: _Array) -> tuple[list[tuple[int, int]], float]:
-    """The clear pairs (mesh, part) of the best assignment, and what the whole assignment costs."""
+    """The unambiguous pairs (mesh, part) of the best assignment, and its total cost."""
     from scipy.optimize import linear_sum_assignment
 
     if not costs.size:

@@ -1,4 +1,4 @@
-"""How the triangles of a part studio are asked for, and what stands in where they are refused.
+"""Requests the triangles of a part studio: tessellated faces, or glTF where the server refuses them.
 
 Tessellated faces are asked for: of all parts, or only of those used where the studio holds many
 others. Where they are refused for good, glTF is. As files it is half as large as faces with a table
@@ -22,7 +22,7 @@ from stages.robot.errors import Diagnostic, NotFound, ProtocolError
 NOTHING: Mapping[str, bytes] = MappingProxyType({})
 
 _FEW = 8
-"""So many parts more are no reason to ask for some only: another robot may use them."""
+"""With no more unused parts than this, all parts are requested: another robot may use them."""
 
 _NO_MASS = b'{"bodies":{}}'
 
@@ -36,7 +36,7 @@ _MOST_NAMED = 200
 
 
 class Shapes:
-    """Asks for triangles of this `quality`. `known` is always bodies by request beside the kept ones."""
+    """Requests triangles of this `quality`. `known`: bodies by request, besides the cached ones."""
 
     def __init__(self, client: CachedClient, quality: requests.Tessellation) -> None:
         self._client = client
@@ -50,23 +50,23 @@ class Shapes:
         return request
 
     def request(self, need: Needs, known: Mapping[str, bytes]) -> str:
-        """The request for its triangles: one whose reply is there, else the one to make.
+        """The request for its triangles: one with a known reply, else the one to make.
 
-        A reply for all parts comes first: one for some may lack what was asked for.
+        A reply for all parts has precedence: a reply for some parts may lack a requested part.
         """
         some, whole, gltf = self._ways(need, self._body(self.mass(need), known))
         there = (way for way in (whole, some, gltf) if self._body(way, known) is not None)
         return next(there, some)
 
     def same(self, need: Needs, before: Needs) -> tuple[str, str]:
-        """The request that is there `before`, and, first, what it is called for `need`."""
+        """The request for `need`, and the request with a known reply for `before`."""
         mass = self._body(self.mass(before), NOTHING)
         old = self.request(before, NOTHING)
         names = dict(zip(self._ways(before, mass), self._ways(need, mass), strict=True))
         return names[old], old
 
     def gathered(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> dict[str, bytes]:
-        """The replies about triangles that are not `known`; the masses must be."""
+        """Fetches the replies about triangles that are not `known`; the masses must be known."""
         wanted = {request: need for need in needs if (request := self.request(need, known)) not in known}
         refused: Refused = {}
         # After a refusal no further call begins: what lacks then is asked for one by one.
@@ -77,7 +77,7 @@ class Shapes:
         return found
 
     def answer(self, need: Needs, known: Mapping[str, bytes]) -> StudioReplies:
-        """The answer about a part studio whose replies are known."""
+        """The replies about a part studio, once they are known."""
         mass, request = self.mass(need), self.request(need, known)
         body = compacted(request, known[request], known[mass])
         return StudioReplies((Reply(mass, known[mass]),), Reply(request, body))
@@ -115,7 +115,7 @@ class Shapes:
     def _ways(self, need: Needs, mass: bytes | None) -> tuple[str, str, str]:
         """The requests for triangles: of what is needed, of all parts, as glTF.
 
-        Each must bring what is needed. Where faces of all parts lack some, no other way is tried.
+        Each must contain all needed parts. Where the faces of all parts lack some, no other request is tried.
         """
         studio, root, only = need.studio, need.root, selected(need.parts, mass)
         some = requests.tessellated_faces(studio, root, self._quality, only)
