@@ -1,4 +1,4 @@
-"""One build: five stages in order, each from the cache where nothing that it depends on changed."""
+"""One build: five stages in order; a stage whose inputs did not change comes from the cache."""
 
 import contextlib
 import functools
@@ -28,7 +28,7 @@ from pipeline.errors import (
     refusal,
 )
 from pipeline.output.folder import FAILED, Output
-from pipeline.preflight import beforehand, destination, foreseen, suffix_of
+from pipeline.preflight import destination, expected_files, plan_problems, suffix_of
 from pipeline.products import digests, products
 from pipeline.progress import Log, Progress, Quiet, Tee
 from pipeline.report import Report, StageReport, Status
@@ -59,15 +59,14 @@ def build(
     stages: tuple[Stage, ...] = STAGES,
     began: float | None = None,
 ) -> Report:
-    """Builds the robot that `plan` describes and puts it into its output folder.
+    """Builds the robot that `plan` describes and writes its output folder.
 
-    Returns the report, whose `exit_status` is 3 where a check failed or an older state had to do.
-    Raises ConfigError for what is wrong before the first stage, and any other LinkwrightError for what
-    goes wrong later; the last good output is whole then, and `<output>.failed` holds the report and the
-    log.
+    Returns the report, whose `exit_status` is 3 where a check failed or an older state was used.
+    Raises ConfigError for errors found before the first stage, and another LinkwrightError for later
+    errors; then the last good output is unchanged, and `<output>.failed` holds the report and the log.
 
-    `began` [s since the epoch]: the start of the sweep that this is a job of; its jobs share what a
-    workspace said since then, so that all build the same state of it.
+    `began` [s since the epoch]: the start of the sweep that this job belongs to; its jobs share the
+    replies of a workspace since then, so that all build the same state of it.
     """
     return build_files(plan, progress, environ, stages, began).report
 
@@ -80,7 +79,7 @@ def build_files(
     began: float | None = None,
     in_memory: bool = False,
 ) -> Built:
-    """As `build`, with the files; `in_memory`: no output folder is written, and a failure leaves none."""
+    """As `build`, and returns the files; `in_memory`: writes no output folder, even after a failure."""
     environ = os.environ if environ is None else environ
     stages = stages_until(plan.until, stages)
     suffix = suffix_of(plan)
@@ -91,7 +90,7 @@ def build_files(
     files: dict[str, bytes] = {}
     try:
         with actions.opened(plan.cache.mode, plan.cache.dir, environ) as store:
-            # Beside the cache that lasts, also where this build does not use it.
+            # Beside the permanent cache, even if this build does not use that cache.
             ledger = actions.folder(plan.cache.dir, environ) / LEDGER
             context = BuildContext(plan, store, environ, ledger=ledger, began=began)
             ahead = Ahead(module for stage in stages for module in stage.modules)
@@ -107,7 +106,7 @@ def build_files(
             if output:
                 output.publish({**files, **run.documents(done, files)}, suffix, done.outputs)
     except Exception as error:
-        # What was built and cannot be put into its place is kept there.
+        # A result that cannot be moved into the output folder is kept there.
         leave_failure(output, run, error, files if isinstance(error, InTheWay) else {})
         raise
     finally:
@@ -120,9 +119,9 @@ def build_files(
 def prepared(
     run: "Run", environ: Mapping[str, str], stages: tuple[Stage, ...], in_memory: bool
 ) -> Output | None:
-    """The output folder, ready to be written; None for a build in memory. ConfigError for everything that
-    is known to be wrong before the first stage."""
-    wrong = beforehand(run.plan, environ, stages)
+    """Prepares the output folder; None for a build in memory. ConfigError with all problems that are known
+    before the first stage."""
+    wrong = plan_problems(run.plan, environ, stages)
     output = None
     try:
         if not in_memory:
@@ -134,14 +133,14 @@ def prepared(
     if wrong:
         raise refusal(wrong)
     if output:
-        output.prepare(suffix_of(run.plan), foreseen(run.plan))
+        output.prepare(suffix_of(run.plan), expected_files(run.plan))
     return output
 
 
 def require_room(store: Cache, output: Output | None, suffix: str) -> None:
-    """CacheError or OutputError where a disk has no room for a build as large as the last one."""
+    """CacheError or OutputError where a disk lacks the space for a build as large as the last build."""
     size = max(LEAST, output.size(), output.size(suffix)) if output else LEAST
-    # Both at once, since they may lie on one disk.
+    # Both together, since they may be on one disk.
     with store.store.room(size), output.room(size) if output else contextlib.nullcontext():
         pass
 
@@ -157,7 +156,7 @@ def perform(stage: Stage, context: BuildContext) -> tuple[Files, bool]:
 
 @dataclass(slots=True)
 class Run:
-    """What a build has come to so far: the one place where its report grows."""
+    """The state of a running build, from which its report is made."""
 
     plan: Plan
     folder: str
@@ -177,11 +176,11 @@ class Run:
 
     @property
     def named(self) -> bool:
-        """Whether somebody named the robot; else its name is made of its source."""
+        """Whether the user named the robot; else its name comes from its source."""
         return self.plan.name != name_of({"url": self.source.get("url")})
 
     def stage(self, stage: Stage, context: BuildContext) -> None:
-        """Performs one stage, timed, and takes down what it found."""
+        """Runs one stage, and records its time and its findings."""
         context.detail = context.cache.on_wait = lambda line: self.progress.detail(stage.name, line)
         context.transient = lambda line: self.progress.transient(stage.name, line)
         self.calls = context.calls
@@ -206,14 +205,14 @@ class Run:
         self.progress.done(done)
 
     def note(self, found: Iterable[Diagnostic]) -> None:
-        """Takes down findings, each once."""
+        """Records diagnostics, each once."""
         for diagnostic in found:
             if diagnostic not in self.diagnostics:
                 self.diagnostics.append(diagnostic)
                 self.log.line(f"{diagnostic.code} {diagnostic.where}: {diagnostic.message}")
 
     def finished(self, context: BuildContext, files: Mapping[str, bytes]) -> Report:
-        """The report of a build whose stages all ran and that hands out `files`."""
+        """The report of a build whose stages all ran and made `files`."""
         checks: tuple[Check, ...] = ()
         if "validate" in context.files:
             checks = codec.decode_checks(context.files["validate"]["checks.json"])
@@ -242,7 +241,7 @@ class Run:
     def failed(self, error: BaseException) -> Report:
         """The report of a build that `error` ended."""
         if isinstance(error, SecretFound):
-            # What the stages found may show a part of it.
+            # The findings of the stages may contain a part of the secret.
             self.shown, self.diagnostics = {}, []
         what: dict[str, Any] = {"type": type(error).__name__, "message": str(error)}
         if isinstance(error, LinkwrightError):
@@ -269,7 +268,7 @@ class Run:
         )
 
     def documents(self, done: Report, files: Mapping[str, bytes]) -> dict[str, bytes]:
-        """What tells about the build, beside the `files` that it made."""
+        """The documents about the build, beside the `files` of the robot."""
         from pipeline.report_html import page
 
         self.log.line(f"{done.status}: exit status {done.exit_status}")
@@ -294,8 +293,8 @@ def as_yaml(plan: Mapping[str, Any]) -> bytes:
 
 
 def leave_failure(output: Output | None, run: Run, error: Exception, files: Mapping[str, bytes]) -> None:
-    """Puts the report and the log of a failed build, and the `files` that it made, beside the last good
-    output; for a build in memory only the error says what it spent."""
+    """Writes the report and the log of a failed build, and its `files`, beside the last good output; for a
+    build in memory only the error's notes list its API calls."""
     for line in str(error).splitlines():
         run.log.line(line)
     if not isinstance(error, LinkwrightError):
@@ -310,5 +309,5 @@ def leave_failure(output: Output | None, run: Run, error: Exception, files: Mapp
         # The first error is the one to raise.
         run.progress.detail("output", f"no report of this failure could be written: {second}")
     else:
-        for line in report.epitaph(failed, place):
+        for line in report.failure_lines(failed, place):
             error.add_note(line)

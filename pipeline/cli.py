@@ -84,12 +84,12 @@ def help_text() -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """The console script: runs the command line and returns the exit status."""
-    # Nearly all objects that a command makes live until it ends. Looking through them for cycles, again
-    # and again on the way and once more at the end, takes a tenth of its time.
+    # Nearly all objects live until the command ends, and the garbage collector would spend a tenth of
+    # its time on them.
     gc.set_threshold(100_000, 50, 100)
-    streams.patient()
+    streams.survive_closed_pipes()
     status = run(sys.argv[1:] if arguments is None else arguments)
-    why_not = streams.flushed()
+    why_not = streams.flush()
     if why_not and not status:
         print(f"error: the standard output cannot be written: {why_not}", file=sys.stderr)
         status = 1
@@ -98,11 +98,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = None) -> int:
-    """Runs a command line; the exit status. `build` stands in for a build without display."""
+    """Runs a command line and returns the exit status; `build` replaces the real build in tests."""
     if arguments[:1] in (["-sc"], ["--shell-completion"]):
         return _complete("".join(arguments[1:2]))
     if {"-h", "--help", "--version"}.intersection(arguments):
-        return _run(arguments, build)  # it prints nothing but our own words
+        return _run(arguments, build)  # prints only our own text, which needs no cleaning
     from pipeline.terminal import clean_streams
 
     with clean_streams():
@@ -151,7 +151,7 @@ def _verb(name: str, arguments: Sequence[str]) -> int:
 
 
 def _shown(command: Command) -> Iterable[str]:
-    """What a command prints that builds nothing."""
+    """The output of a command that builds nothing."""
     if command.show == "install-completion":
         return [_install_completion(command.what)]
     from pipeline.config.looking import configuration, information
@@ -160,7 +160,7 @@ def _shown(command: Command) -> Iterable[str]:
 
 
 def _complete(argument: str) -> int:
-    """What a shell asks for, at each press of a key: at once, and without a word of an error."""
+    """Answers a shell's request for completions; a failed query prints nothing."""
     from pipeline import completion
 
     text = completion.run(argument)
@@ -186,9 +186,9 @@ def _install_completion(shell: str) -> str:
 
 def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     from pipeline.config.compose import compose_plan
-    from pipeline.preflight import beforehand
+    from pipeline.preflight import plan_problems
 
-    plan = compose_plan(command.overrides, command.config_dirs, judge=beforehand).plan
+    plan = compose_plan(command.overrides, command.config_dirs, judge=plan_problems).plan
     if build is not None:
         return build(plan).exit_status
     from pipeline.build import build as build_robot
@@ -203,7 +203,7 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     from pipeline.config.compose import session
     from pipeline.output.folder import named
-    from pipeline.preflight import before_a_sweep
+    from pipeline.preflight import sweep_problems
     from pipeline.sweep.folder import keep, prepare
     from pipeline.sweep.launch import Account, launch
     from pipeline.sweep.outcome import Outcome, sweep_status, table
@@ -216,9 +216,9 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
         from pipeline.build import build as build_robot
 
         build = functools.partial(build_robot, began=time.time())
-    with session(command.config_dirs, judge=before_a_sweep) as composer:
+    with session(command.config_dirs, judge=sweep_problems) as composer:
         asked = composer.with_params(*composer.read(command.overrides, multirun=True))
-        sweep = jobs_of(composer, asked, before_a_sweep)
+        sweep = jobs_of(composer, asked, sweep_problems)
         judge_folders(sweep.jobs)
         prepare(sweep.root, sweep.jobs[0].plan, command.overrides)
         account = Account(asked.tree, command.overrides, sweep.overrides)

@@ -1,6 +1,7 @@
-"""Tab completion for bash, zsh and fish: scripts for the shell, and what may follow a command line.
+"""Tab completion for bash, zsh and fish: the shell scripts, and the candidates for a command line.
 
-It runs at every press of the key: it reads names of files and the list of keys, and imports nothing heavy.
+It runs at every press of the tab key, so it reads only file names and the list of keys and imports nothing
+heavy.
 """
 
 import importlib.util
@@ -79,8 +80,8 @@ REMOVALS = {
 
 
 def run(argument: str, environ: Mapping[str, str] = os.environ) -> str:
-    """What `-sc` prints for `install=SHELL`, `uninstall=SHELL` or `query=SHELL`, Hydra's own words; nothing
-    where they are others."""
+    """The output of `-sc` for `install=SHELL`, `uninstall=SHELL` or `query=SHELL`, as in Hydra; "" for other
+    arguments."""
     verb, _, shell = argument.partition("=")
     if shell not in SHELLS:
         return ""
@@ -90,14 +91,14 @@ def run(argument: str, environ: Mapping[str, str] = os.environ) -> str:
 
 
 def query(shell: str, environ: Mapping[str, str]) -> list[str]:
-    """What may follow the line in `COMP_LINE`, as the shell wants it."""
+    """The candidates for the line in `COMP_LINE`, in the format of the shell."""
     line = environ.get("COMP_LINE", "")
     point = environ.get("COMP_POINT", "")
     words = split(line[: int(point)] if point.isdigit() else line)
     found = candidates(words[-1], words[1:-1], Path.cwd()) if len(words) > 1 else []
     if shell != "bash":
         return found
-    # bash replaces only what follows the last of these letters, and is asked not to add a space.
+    # bash replaces only the text after the last of these characters, and the script asks it to add no space.
     breaks = set(environ.get("COMP_WORDBREAKS", "=:")) & set("=:")
     cut = max((words[-1].rfind(one) + 1 for one in breaks), default=0) if words else 0
     sweep = {"-m", "--multirun"} & set(words)
@@ -118,7 +119,7 @@ def split(line: str) -> list[str]:
 
 
 def candidates(word: str, before: Sequence[str], here: Path) -> list[str]:
-    """What `word`, which follows the words `before` it, may become; sorted."""
+    """The completions of `word`, which follows the words `before`; sorted."""
     option = SHORT.get(before[-1], before[-1]) if before else ""
     if option == "--config-dir":
         return [one for one in _files(word, here) if one.endswith("/")]
@@ -169,7 +170,7 @@ def _config_dirs(words: Sequence[str]) -> Iterator[str]:
 
 
 def _groups(folders: Iterable[Path]) -> set[str]:
-    """Ours, and what the user has for experiments; other folders may be anything."""
+    """The groups in `conf`, and the user's `experiment`; other folders may hold anything."""
     ours = {folder.name for folder in CONF.iterdir() if folder.is_dir() and folder.name != "hydra"}
     own = {"experiment" for folder in folders if (folder / "experiment").is_dir()}
     return {one for one in ours if not one.startswith("_")} | own | {"hydra/launcher"}
@@ -204,7 +205,7 @@ def _options(group: Path) -> Iterator[str]:
 
 
 def _files(start: str, here: Path) -> list[str]:
-    """Files and folders whose path begins so; folders end with a slash."""
+    """Files and folders whose path begins with `start`; folders end with a slash."""
     folder, slash, name = start.rpartition("/")
     place = here / Path(f"{folder}{slash}").expanduser()
     try:
@@ -219,7 +220,7 @@ def _files(start: str, here: Path) -> list[str]:
 
 
 def _keys(word: str) -> list[str]:
-    """The keys that begin so, up to the next dot."""
+    """The keys that begin with `word`, up to the next dot."""
     *typed, last = word.split(".")
     found = set()
     for entry in entries():
@@ -236,9 +237,9 @@ def _keys(word: str) -> list[str]:
 
 
 def install(shell: str, environ: Mapping[str, str] = os.environ) -> str:
-    """Writes the script of a shell (none: the one in use) to where it is read; what was done.
+    """Installs the script of a shell (default: the current shell); returns a description of the changes.
 
-    ValueError where the shell is not one of ours.
+    ValueError for an unknown shell.
     """
     shell = shell or Path(environ.get("SHELL", "")).name
     if shell not in SHELLS:

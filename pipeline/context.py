@@ -1,4 +1,4 @@
-"""What a stage reads and writes: files first, values decoded only where they are needed."""
+"""The context of a stage: files, and values that are decoded only where they are needed."""
 
 import functools
 import json
@@ -23,12 +23,12 @@ FILES = "files/"
 
 
 class BuildContext:
-    """What a stage works with: the plan, the files of earlier stages, and the cache.
+    """The context of a stage: the plan, the files of earlier stages, and the cache.
 
     `calls` counts the API calls of this build (as `Report.calls`). `detail` shows and logs a line about
-    what the stage does; `transient` shows one that the next line replaces. `ledger`: the folder that
-    records the calls of all builds, None where nothing records them; `began`: when the sweep started
-    whose job this build is [s since the epoch].
+    the work of the stage; `transient` shows a line that the next line replaces. `ledger`: the folder with
+    the recorded calls of all builds, or None; `began`: the start [s since the epoch] of the sweep that
+    this build is a job of.
     """
 
     def __init__(

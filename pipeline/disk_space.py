@@ -1,4 +1,4 @@
-"""Room on a disk: found out before work that costs, not after it."""
+"""Checks the free space of a disk before expensive work, not after it."""
 
 import contextlib
 import errno
@@ -15,10 +15,10 @@ _UNSUPPORTED = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP)
 
 
 @contextlib.contextmanager
-def taken(folder: Path, size: int) -> Iterator[None]:
-    """Inside, `size` bytes of the disk that `folder` is on are taken, and that is known to the disk
-    itself: a file system may promise what a server or a quota refuses. OSError where there are not as
-    many. Leaves nothing, also after a kill, where files without a name are known."""
+def reserved(folder: Path, size: int) -> Iterator[None]:
+    """Inside, `size` bytes are reserved on the disk of `folder` by a temporary file that is synced: a file
+    system may report free space that a server or a quota refuses. OSError where the space is missing.
+    Nothing remains, even after a kill, where the system has files without a name."""
     with tempfile.TemporaryFile(dir=folder, prefix="room-") as file:
         _reserve(file.fileno(), size)
         try:
@@ -30,7 +30,7 @@ def taken(folder: Path, size: int) -> Iterator[None]:
 
 
 def _reserve(handle: int, size: int) -> None:
-    """Takes blocks for `size` bytes, without writing them where the system can."""
+    """Allocates blocks for `size` bytes, without writing them where the system supports that."""
     if hasattr(os, "posix_fallocate"):
         try:
             os.posix_fallocate(handle, 0, size)
@@ -40,5 +40,5 @@ def _reserve(handle: int, size: int) -> None:
         else:
             return
     while size > 0:
-        # What cannot be made smaller: some file systems would.
+        # Random bytes, since some file systems compress.
         size -= os.write(handle, os.urandom(min(size, _CHUNK)))

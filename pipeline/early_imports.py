@@ -1,4 +1,4 @@
-"""Imports beside the network: what the later stages need is loaded while replies are on their way."""
+"""Imports the modules of later stages in a thread while the fetch stage waits for the network."""
 
 import contextlib
 from collections.abc import Iterable
@@ -7,7 +7,7 @@ from threading import Lock, Thread
 
 
 class Ahead:
-    """Imports `modules` in a thread of its own, from the first `start` on."""
+    """Imports `modules` in a thread, which the first `start` starts."""
 
     def __init__(self, modules: Iterable[str]) -> None:
         self._modules = tuple(modules)
@@ -15,19 +15,19 @@ class Ahead:
         self._lock = Lock()
 
     def start(self) -> None:
-        """Begins, if that was not done before; returns at once."""
+        """Starts the thread once; returns immediately."""
         with self._lock:
             if self._thread is None:
                 self._thread = Thread(target=self._run, name="imports", daemon=True)
                 self._thread.start()
 
     def wait(self) -> None:
-        """Returns when everything that was begun is imported: no import runs beside a stage."""
+        """Waits until the imports end, so that none runs during a stage."""
         if self._thread is not None:
             self._thread.join()
 
     def _run(self) -> None:
         for module in self._modules:
-            # Whoever needs the module hears what is wrong with it.
+            # The stage that needs the module reports the error.
             with contextlib.suppress(Exception):
                 import_module(module)

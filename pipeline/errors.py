@@ -1,8 +1,8 @@
-"""An error on the command line: one message and an exit status.
+"""Errors on the command line: each is one message and an exit status.
 
-Exit status: 0 built and valid; 1 failed once the stages ran; 2 wrong in a way that was knowable
-before the first stage (`ConfigError`); 3 built, but a check failed, or of an older state since the quota
-is used up; 130 interrupted.
+Exit status: 0 built and valid; 1 failed while the stages ran; 2 an error found before the first stage
+(`ConfigError`); 3 built, but a check failed, or an older state was built since the API quota is used up;
+130 interrupted.
 """
 
 import errno
@@ -73,15 +73,15 @@ class SecretFound(LinkwrightError):
 
 
 class InTheWay(OutputError):
-    """What was built cannot be put into its place, since something that is not linkwright's is there."""
+    """The result cannot be moved into the output folder: a file that is not linkwright's is in the way."""
 
 
 FULL = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the disk quota is used up"}
-"""Why a file cannot be written where that needs room: errno → words."""
+"""Errors of a full disk: errno → text."""
 
 
 def reason(error: OSError) -> str:
-    """Why the system refused, in words."""
+    """The reason that the system gives, as text."""
     return FULL.get(error.errno or 0) or error.strerror or str(error)
 
 
@@ -109,7 +109,7 @@ def exit_status(error: BaseException) -> int:
 
 
 def render(error: BaseException) -> str:
-    """The one message about `error`: what, where, why, what to do, and its notes; no traceback."""
+    """The message of `error` with its place, hint and notes; no traceback."""
     return "\n".join([_message(error), *(f"  {note}" for note in getattr(error, "__notes__", ()))])
 
 

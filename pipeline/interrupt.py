@@ -7,15 +7,15 @@ import threading
 from collections.abc import Iterator
 
 LOOK = 0.1
-"""How often [s] the watcher looks whether the sweep is over."""
+"""Interval [s] at which the watcher checks whether the sweep is over."""
 
 
 @contextlib.contextmanager
 def kept_from_workers() -> Iterator[None]:
-    """Processes that are started inside never hear of Ctrl-C; here it is a KeyboardInterrupt as ever.
+    """Processes started inside do not receive Ctrl-C; in this process it still raises KeyboardInterrupt.
 
-    The terminal sends the signal to all of them, and each worker would print a traceback. A blocked
-    signal is inherited by what is started, so it is blocked here too and waited for by a thread.
+    The terminal sends the signal to all processes, and each worker would print a traceback. Child processes
+    inherit a blocked signal, so it is blocked here, and a thread waits for it.
     """
     if not hasattr(signal, "pthread_sigmask") or threading.current_thread() is not threading.main_thread():
         yield

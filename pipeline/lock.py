@@ -1,8 +1,8 @@
-"""One holder at a time, among all threads and processes that use the same lock file.
+"""A lock file: one owner at a time, among all threads and processes that use the same file.
 
-A lock file stays where it is: whoever unlinks one splits those who wait for it, since the old file and
-the new one can each have a holder. So a holder makes sure that what it holds still lies at the path,
-and only `drop`, which holds the file too, removes one.
+A lock file must not be unlinked while others wait for it: the old file and a new one at the same path
+could each have an owner. So an owner checks that its file is still at the path, and only `drop`, which
+acquires the lock first, removes a file.
 """
 
 import contextlib
@@ -16,15 +16,15 @@ if TYPE_CHECKING:
     from filelock import BaseFileLock
 
 FOLDER = ".linkwright"
-"""The hidden folder beside outputs that has their lock files."""
+"""The hidden folder beside the outputs for their lock files."""
 
 PATIENCE = 2.0
-"""Time [s] of waiting for a lock after which the user sees that a build waits."""
+"""Time [s] after which a waiting build reports that it waits."""
 
 
 @contextlib.contextmanager
-def held(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
-    """Holds the lock `path`, whose folder must be there; `waiting` is called once if it is not free soon.
+def acquired(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
+    """Acquires the lock `path`, whose folder must exist; `waiting` is called once if it is not free soon.
 
     OSError where the file cannot be made or written, is a link, or where its file system has no locks.
     """
@@ -33,7 +33,7 @@ def held(path: Path, waiting: Callable[[], None]) -> Iterator[None]:
     lock, patience = None, PATIENCE
     while lock is None:
         try:
-            lock = _taken(path, patience)
+            lock = _acquire(path, patience)
         except filelock.Timeout:
             waiting()
             patience = -1.0
@@ -49,7 +49,7 @@ def place(target: Path) -> Path:
 
 
 def beside(target: Path) -> Path:
-    """As `place`; the folder of the lock file is made if need be. OSError where it cannot be."""
+    """As `place`, and creates the folder of the lock file. OSError where that fails."""
     path = place(target)
     if path.parent.is_symlink():
         msg = f"{path.parent} is a link"
@@ -59,13 +59,13 @@ def beside(target: Path) -> Path:
 
 
 def drop(path: Path) -> bool:
-    """Removes a lock file that nobody holds; whether it did."""
+    """Removes a lock file if no process owns it; returns whether it did."""
     import filelock
 
     try:
         if not stat.S_ISREG(path.lstat().st_mode):
             return False
-        lock = _taken(path, 0.0)
+        lock = _acquire(path, 0.0)
     except (filelock.Timeout, OSError):
         return False
     if lock is None:
@@ -79,8 +79,8 @@ def drop(path: Path) -> bool:
     return True
 
 
-def _taken(path: Path, patience: float) -> "BaseFileLock | None":
-    """The lock, taken; None where its file was removed meanwhile.
+def _acquire(path: Path, patience: float) -> "BaseFileLock | None":
+    """Acquires the lock; None where its file was removed meanwhile.
 
     filelock.Timeout where it is not free within `patience` [s]; below zero it is waited for.
     """
@@ -107,8 +107,8 @@ def _taken(path: Path, patience: float) -> "BaseFileLock | None":
 
 
 def _opened(path: Path) -> int:
-    """The lock file, made if need be. OSError at once where filelock would try for ever: the file cannot
-    be made, is a link, or lies on a file system without locks."""
+    """Opens the lock file, and creates it if needed. OSError where filelock would retry forever: the file
+    cannot be created, is a link, or its file system has no locks."""
     handle = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o666)
     try:
         import fcntl

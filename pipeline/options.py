@@ -1,4 +1,4 @@
-"""The command line, taken apart into options and overrides. Imports nothing heavy."""
+"""Parses the command line into options and overrides. Imports nothing heavy."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -26,10 +26,10 @@ SHORT = {
 
 @dataclass(frozen=True, slots=True)
 class Command:
-    """The command line, taken apart.
+    """The parsed command line.
 
-    `show`: what it asks for in place of a build: help, version, cfg, info, shell-completion or
-    install-completion; `what`: of which kind; `package` and `resolve` are those of `--cfg`.
+    `show`: the output in place of a build: help, version, cfg, info, shell-completion or
+    install-completion; `what`: its kind; `package` and `resolve` are the options of `--cfg`.
     """
 
     overrides: tuple[str, ...] = ()
@@ -46,7 +46,7 @@ class UsageError(Exception):
 
 
 def parse(arguments: Sequence[str]) -> Command:
-    """The command line taken apart; UsageError for an unknown option."""
+    """Parses the command line; UsageError for an unknown option."""
     rest = _Rest(arguments)
     command = _Reading(rest)
     for argument in rest:
@@ -67,8 +67,8 @@ def parse(arguments: Sequence[str]) -> Command:
 
 
 class _Reading:
-    """The options that were read so far. A reader takes the option as it was typed, and the value after
-    its `=`, None without one."""
+    """The options read so far. Each method takes the option as typed, and the value after its `=` or
+    None."""
 
     def __init__(self, rest: "_Rest") -> None:
         self._rest = rest
@@ -84,7 +84,7 @@ class _Reading:
         self._resolve = True
 
     def run(self, option: str, given: str | None) -> None:
-        """Hydra's option for a single build, which needs none."""
+        """Hydra's option for a single run; it has no effect here."""
 
     def config_dir(self, option: str, given: str | None) -> None:
         example = f"{option} DIR, where DIR holds robot/"
@@ -147,7 +147,7 @@ def _one_of(words: Sequence[str], word: str, option: str) -> str:
 
 
 class _Rest:
-    """The arguments that were not read yet."""
+    """The arguments that are not yet read."""
 
     def __init__(self, arguments: Sequence[str]) -> None:
         self._arguments = list(arguments)
@@ -168,5 +168,5 @@ class _Rest:
         return found
 
     def one_of(self, words: Sequence[str]) -> str:
-        """The next argument where it is one of these words; nothing, and it stays, where it is not."""
+        """Takes the next argument if it is one of these words; else returns ""."""
         return next(self) if self._arguments and self._arguments[0] in words else ""

@@ -1,4 +1,4 @@
-"""What is known to be wrong with a plan before its first stage runs."""
+"""Checks of a plan before its first stage runs."""
 
 import os
 from collections.abc import Callable, Mapping
@@ -14,10 +14,10 @@ from pipeline.stage import STAGES, Stage, stages_until
 from stages.graph.view.views import PICTURE
 
 
-def beforehand(
+def plan_problems(
     plan: Plan, environ: Mapping[str, str] = os.environ, stages: tuple[Stage, ...] = STAGES
 ) -> list[Diagnostic]:
-    """The problems that the stages of a build know of before any work: a file or a key that is missing."""
+    """The problems that the stages find before any work, such as a missing file or API key."""
     found: list[Diagnostic] = []
     for stage in stages_until(plan.until, stages):
         try:
@@ -28,29 +28,28 @@ def beforehand(
 
 
 def destination(
-    plan: Plan, environ: Mapping[str, str] = os.environ, tell: Callable[[str], None] = lambda _: None
+    plan: Plan, environ: Mapping[str, str] = os.environ, report: Callable[[str], None] = lambda _: None
 ) -> Output:
-    """Where a build puts what it makes.
+    """The output folder of a build.
 
-    ConfigError where no output can be there, or where it would replace what is not linkwright's, as far
-    as that is known beforehand; OutputError where that cannot be found out.
+    ConfigError where no output folder can be there, or where it would replace files that are not
+    linkwright's; OutputError where that cannot be checked.
     """
-    output = Output(plan.folder, tell, overwrite=plan.overwrite)
+    output = Output(plan.folder, report, overwrite=plan.overwrite)
     source = getattr(plan.source, "path", None)
     taken = {"the source": Path(source)} if source else {}
     require_free(output.target, taken, actions.folder(plan.cache.dir, environ))
-    output.judge(suffix_of(plan), foreseen(plan))
+    output.judge(suffix_of(plan), expected_files(plan))
     return output
 
 
 def suffix_of(plan: Plan) -> str:
-    """What the name of the folder has at its end: where a build stops before it has a robot's files,
-    the name of the stage."""
+    """The suffix of the output folder: `.<stage>` for a build that stops before the export, else ""."""
     return "" if plan.until in ("export", "validate") else f".{plan.until}"
 
 
-def foreseen(plan: Plan) -> list[str]:
-    """The paths of the files that a build leaves, as far as they are known before it starts."""
+def expected_files(plan: Plan) -> list[str]:
+    """The paths of the output files that are known before the build starts."""
     files = [*DOCUMENTS]
     if plan.until != "fetch":
         files += ["robot.json", PICTURE]
@@ -61,11 +60,11 @@ def foreseen(plan: Plan) -> list[str]:
     return files
 
 
-def before_a_sweep(plan: Plan) -> list[Diagnostic]:
-    """The problems of one job of a sweep: those of a build, and what jobs must not do to each other."""
+def sweep_problems(plan: Plan) -> list[Diagnostic]:
+    """The problems of one job of a sweep: those of a build, and conflicts between jobs."""
     from stages.fetch import writes
 
-    found = beforehand(plan)
+    found = plan_problems(plan)
     if writes(plan):
         text = "a sweep must not change the document: its jobs would disturb each other"
         hint = "sweep source.configuration, or build one robot at a time"

@@ -1,4 +1,4 @@
-"""The files that a build gives the user."""
+"""The robot's files in the output folder."""
 
 from collections.abc import Mapping
 
@@ -9,8 +9,8 @@ from stages.graph.view.views import PICTURE
 
 
 def products(context: BuildContext) -> dict[str, bytes]:
-    """The exported files, or `robot.json` alone where the build stops before the export; and the robot's
-    picture."""
+    """The exported files and the robot's picture; only `robot.json` and the picture for a build that stops
+    before the export."""
     files: dict[str, bytes] = {}
     if "export" in context.files:
         files = dict(context.files["export"].below(FILES))
@@ -22,7 +22,7 @@ def products(context: BuildContext) -> dict[str, bytes]:
 
 
 def digests(context: BuildContext, files: Mapping[str, bytes]) -> dict[str, str]:
-    """The SHA-256 of each product; most are known, since the cache has the files by them."""
+    """The SHA-256 of each product; the cache knows most of them."""
     known: dict[str, str] = {}
     if "export" in context.files:
         known = context.files["export"].below(FILES).digests
@@ -32,7 +32,7 @@ def digests(context: BuildContext, files: Mapping[str, bytes]) -> dict[str, str]
 
 
 def described(context: BuildContext) -> bytes:
-    """`robot.json` as the export stage writes it; cached, since making it needs imports that take time."""
+    """`robot.json` as the export stage writes it; cached, since writing it needs slow imports."""
     from stages.export import VERSION
 
     def make() -> bytes:

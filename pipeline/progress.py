@@ -1,4 +1,4 @@
-"""The progress of a build: on the terminal, and in `build.log`."""
+"""Shows the progress of a build on the terminal and in `build.log`."""
 
 import time
 from collections.abc import Mapping
@@ -54,7 +54,7 @@ class Quiet:
 
 
 class Lines(Quiet):
-    """One plain line for each stage that ended, and for each detail on the way."""
+    """One plain line for each finished stage and for each detail."""
 
     def __init__(self, stream: TextIO) -> None:
         self._stream = clean(stream)
@@ -67,7 +67,7 @@ class Lines(Quiet):
 
 
 class Terminal(Quiet):
-    """A spinner that names the stage that runs, above it the stages that ended."""
+    """A spinner that names the running stage, below the finished stages."""
 
     def __init__(self, stream: TextIO) -> None:
         from rich.console import Console
@@ -137,7 +137,7 @@ class Log(Quiet):
 
 
 class Tee(Quiet):
-    """Passes everything on to several displays."""
+    """Forwards everything to several displays."""
 
     def __init__(self, *to: Progress) -> None:
         self._to = to

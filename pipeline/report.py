@@ -19,7 +19,7 @@ Status = Literal["built", "stale", "invalid", "failed"]
 
 @dataclass(frozen=True, slots=True)
 class StageReport:
-    """One stage of a build: whether its result came from the cache, how long [s], what it made."""
+    """One stage of a build: whether its result came from the cache, its time [s], its outputs."""
 
     name: str
     cached: bool
@@ -31,19 +31,19 @@ class StageReport:
 class Report:
     """Everything about one build.
 
-    `status`: built (exit status 0), stale (built and valid, but of what was fetched last, since the quota
-    is used up: 3), invalid (built, but a check failed: 3) or failed (1 or 2).
-    `source`: its kind and what it is pinned to. `calls`: API calls `made`, and `saved` by the cache;
-    where any was made also `counted_this_year` by the ledger of this key, `remaining` in the server's
-    windows by kind of request, as it reported, `served` (its API versions and release) and the seconds
-    `waited` because it asked for that.
-    `bundle`: what was read, by the SHA-256 of its `manifest` (`linkwright bundle` finds it so).
+    `status`: built (exit status 0), stale (built and valid, but from an older state, since the API quota is
+    used up: 3), invalid (built, but a check failed: 3) or failed (1 or 2).
+    `source`: its kind and the pinned version. `calls`: API calls `made`, and `saved` by the cache;
+    after a call also `counted_this_year` (by the ledger of this key), `remaining` (calls in the server's
+    windows by kind of request, as it reported), `served` (its API versions and release) and `waited`
+    (seconds, at the server's request).
+    `bundle`: the inputs, by the SHA-256 of their `manifest`, by which `linkwright bundle` finds them.
     `figures`: counts of links, joints, dofs, loops, parts, meshes and triangles, the mass [kg], and how
     the mechanism moves: `coordinates`, `gruebler` and `dof` (see `stages.robot.model.Mobility`).
     `outline`: the lines of the kinematic tree as text. `outputs`: SHA-256 of each file of the robot, by
     path below `folder` ("" for a build in memory). `error`: of a failed build, its class, message, place,
     hint and problems.
-    `title`: what the assembly is called, where a reply has it and nobody named the robot.
+    `title`: the assembly's name, where a reply has it and the user gave the robot no name.
     """
 
     status: Status
@@ -66,7 +66,7 @@ class Report:
 
     @property
     def heading(self) -> str:
-        """The robot's name, and what its assembly is called where nobody named the robot."""
+        """The robot's name, with the assembly's name where the user gave none."""
         return f"{self.name} ({self.title})" if self.title else self.name
 
     def tree(self) -> dict[str, Any]:
@@ -96,11 +96,11 @@ def rows(report: Report) -> list[tuple[str, str, str, str]]:
 
 
 PLAIN = str.maketrans("─│├└…→×≤≥−", "-||`~>*<>-")
-"""What stands for the letters of ours that a stream may not know."""
+"""ASCII replacements of the characters that a stream's encoding may lack."""
 
 
 def fitting(text: str, encoding: str | None) -> str:
-    """`text` as a stream with this encoding can write it."""
+    """`text` with characters that a stream of this encoding can write."""
     code = encoding or "utf-8"
     try:
         text.encode(code)
@@ -110,12 +110,12 @@ def fitting(text: str, encoding: str | None) -> str:
 
 
 def found(report: Report) -> list[str]:
-    """What a build that ends at the graph found: the kinematic tree, before the closing table."""
+    """The kinematic tree, for a build that ends at the graph stage."""
     return [*report.outline, ""] if report.until == "graph" and report.outline else []
 
 
 def findings(report: Report) -> list[str]:
-    """Diagnostics, then failed checks, then where the files are: one text line each."""
+    """Diagnostics, failed checks, API calls and the output folder: one text line each."""
     lines = []
     for found in report.diagnostics:
         place = f" {found.where}:" if found.where else ""
@@ -132,7 +132,7 @@ def findings(report: Report) -> list[str]:
 
 
 def spent(report: Report) -> list[str]:
-    """The calls of a build in one line; none where it made and saved none."""
+    """A line about the API calls of a build; no line without any."""
     made, saved = report.calls.get("made", 0), report.calls.get("saved", 0)
     if not made and not saved:
         return []
@@ -141,9 +141,8 @@ def spent(report: Report) -> list[str]:
     return [f"{made} API call{'' if made == 1 else 's'} made, {saved} saved by the cache{so_far}"]
 
 
-def epitaph(report: Report, folder: Path | None) -> list[str]:
-    """What comes after the error of a failed build: its calls, its source, and where its report is (None:
-    there is none)."""
+def failure_lines(report: Report, folder: Path | None) -> list[str]:
+    """The lines after the error of a failed build: its calls, its source, and its report below `folder`."""
     url = report.source.get("url")
     return [
         *spent(report),
@@ -164,7 +163,7 @@ def render(report: Report) -> str:
 
 
 def show(report: Report, stream: TextIO) -> None:
-    """Writes the closing table: with rich on a terminal, else as plain text."""
+    """Prints the closing table: with rich on a terminal, else as plain text."""
     out = clean(stream)
     if not stream.isatty():
         out.write(fitting(render(report), stream.encoding))
@@ -188,7 +187,7 @@ def show(report: Report, stream: TextIO) -> None:
         style = "bold red" if line.startswith("FAILED ") else ""
         if line[1:2] == "-":
             style = styles.get(line[0], "")
-        # As Text: brackets in CAD names are no markup. What is to be pasted keeps its lines.
+        # As Text, since brackets in CAD names are not markup. Text to paste must not be wrapped.
         text = Text(fitting(out.clean(line), stream.encoding), style=style)
         console.print(text, soft_wrap=line.startswith(" "))
 

@@ -1,4 +1,4 @@
-"""What must never be written: the API key, in any of its forms."""
+"""Secrets that must never be written: the API keys, in any encoding."""
 
 import contextlib
 import json
@@ -9,7 +9,7 @@ from typing import Any
 from pipeline.errors import Diagnostic, SecretFound
 
 SHORTEST = 8
-"""Length below which a text is no key: blanking it would take apart words that mean something else."""
+"""Least length of a secret: a shorter text may occur in ordinary words, which must not be blanked."""
 
 BLANK = "***"
 
@@ -17,16 +17,16 @@ Place = tuple[int | str, ...]
 
 
 class Secrets:
-    """The keys in the environment and in `.env`, plain, packed (base64) and escaped."""
+    """The API keys in the environment and in `.env`: plain, base64 and escaped."""
 
     def __init__(self, environ: Mapping[str, str], folder: Path | None = None) -> None:
         """`folder` holds `.env`; default: the working folder."""
         from stages.fetch.onshape.api.credentials import known
 
         found = {text: name for text, name in known(environ, folder).items() if len(text) >= SHORTEST}
-        # The longest first: one may hold another.
+        # The longest first: a secret may contain another.
         self._forms = sorted(found, key=lambda text: (-len(text), text))
-        # What holds another of them is found with that one.
+        # A secret that contains another is found by the shorter secret.
         least = [one for one in self._forms if not any(other in one for other in found if other != one)]
         self._sought = [(text, text.encode(), found[text]) for text in least]
 
@@ -56,7 +56,7 @@ class Secrets:
         return [self._problem(name, self.blanked(key_of(place))) for place, name in self._leaks(tree)]
 
     def typed(self, arguments: Iterable[str]) -> tuple[list[str], list[Diagnostic]]:
-        """The arguments of a command line that hold no secret, and a problem for each other one."""
+        """The arguments of a command line without secrets, and a problem for each argument with one."""
         clean: list[str] = []
         problems: list[Diagnostic] = []
         for argument in arguments:
@@ -86,11 +86,11 @@ class Secrets:
         return Diagnostic("E-SECRET", text, where, hint)
 
     def _in(self, text: str) -> str:
-        """The variable whose value is in a text; empty where none is."""
+        """The name of the variable whose value is in a text, or ""."""
         return next((name for secret, _, name in self._sought if secret in text), "")
 
     def _leaks(self, tree: Any, place: Place = ()) -> Iterator[tuple[Place, str]]:
-        """The places in plain data that hold a secret, and the variable whose value it is."""
+        """The places of secrets in plain data, each with the name of its variable."""
         if isinstance(tree, str):
             name = self._in(tree)
             if name:
@@ -108,7 +108,7 @@ class Secrets:
                 yield from self._leaks(value, (*place, index))
 
     def _spot(self, data: bytes) -> str:
-        """Where in a file a secret is: the key in JSON, else the line; empty where it is the path."""
+        """The place of a secret in a file: the key in JSON, else the line; "" where it is in the path."""
         with contextlib.suppress(ValueError, RecursionError):
             from pipeline.key_path import key_of
 

@@ -1,8 +1,8 @@
-"""The five stages: what each depends on, and how it turns files into files.
+"""The five stages: the inputs of each, and how it makes files from files.
 
 A stage's result is a set of files in the cache; its value is decoded only where a later stage runs.
-Besides its value each stage leaves `notes.json`: the diagnostics, figures and one-line summary that
-the report tells, also when the stage itself was cached.
+Besides its value each stage writes `notes.json`: the diagnostics, figures and one-line summary for the
+report, which a cached stage has too.
 """
 
 import functools
@@ -32,11 +32,10 @@ def installed(library: str) -> str:
 
 
 class Stage(Protocol):
-    """One of the five.
+    """A stage of a build.
 
-    `version`, which the stage's own package declares, is raised when the same inputs give another
-    result; `libraries` are the distributions whose version may change the result; `modules` are what it
-    imports when it runs, as far as that takes time.
+    `version`, which the stage's package declares, is raised when the same inputs give another result;
+    `libraries` are the distributions whose version may change the result; `modules` are its slow imports.
     """
 
     @property
@@ -52,13 +51,13 @@ class Stage(Protocol):
     def modules(self) -> tuple[str, ...]: ...
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
-        """ConfigError for what is wrong before the first stage runs."""
+        """ConfigError for problems that can be found before the first stage runs."""
 
     def config(self, context: BuildContext) -> Any:
-        """The stage's part of the plan, as plain data; None where the result must not come from the cache."""
+        """The stage's part of the plan, as plain data; None for a result that must not be cached."""
 
     def force(self, context: BuildContext) -> bool:
-        """Whether the stage runs even where its result is in the cache, and replaces it."""
+        """Whether the stage runs even if its result is in the cache, and replaces that result."""
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
         """The digests of the files that the stage reads."""
@@ -68,7 +67,7 @@ class Stage(Protocol):
 
 
 class StageBase:
-    """What most stages have in common."""
+    """Defaults that most stages share."""
 
     name: str
     libraries: tuple[str, ...] = ()
@@ -137,7 +136,7 @@ class FetchStage(StageBase):
                 ),
             )
         finally:
-            # Also what a fetch spent that failed.
+            # Also the calls of a fetch that failed.
             context.calls |= _spent(calls)
         bundle = fetched.bundle
         context.cache.check(bundles.named(bundle))
@@ -217,8 +216,8 @@ class MeshStage(StageBase):
         return section(context.plan, MeshKeys)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
-        # The robot names each tessellation by its digest. It is taken whole: what a robot changes
-        # without touching a part costs a run of this stage, but each part's work is in the memo.
+        # The robot names each tessellation by its digest. The whole robot is the input: a change that
+        # touches no part runs this stage again, but the results of each part are in the memo.
         return context.digests("graph")
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
@@ -299,11 +298,11 @@ STAGES: tuple[Stage, ...] = (FetchStage(), GraphStage(), MeshStage(), ExportStag
 
 
 def stages_until(name: str, stages: tuple[Stage, ...] = STAGES) -> tuple[Stage, ...]:
-    """The stages up to and with the one that is named."""
+    """The stages up to and including the stage `name`."""
     last = [stage.name for stage in stages].index(name)
     return stages[: last + 1]
 
 
 def libraries(stage: Stage) -> dict[str, str]:
-    """What is installed of all that shapes the stage's result, linkwright itself included."""
+    """The installed versions of the libraries that affect the stage's result, and of linkwright."""
     return {library: installed(library) for library in ("linkwright", *stage.libraries)}

@@ -1,7 +1,7 @@
-"""Standard output and standard error, whose reader may leave before the end: `linkwright --help | head -1`.
+"""Standard streams whose reader may close them early: `linkwright --help | head -1`.
 
-What nobody reads any more is dropped in silence. The command goes on, since a build is worth its calls
-and its files whoever watches it, and its exit status is that of what it did.
+Output to a closed pipe is dropped silently. The command continues, so that a build keeps its API calls
+and its files, and the exit status is that of the build.
 """
 
 import contextlib
@@ -12,9 +12,9 @@ from typing import Any
 
 
 class _StreamFile(io.FileIO):
-    """A stream's file, which takes all that is written once it cannot be written any more.
+    """A stream's file that discards output after a write error.
 
-    `lost`: why that is, "" where only its reader has left.
+    `lost`: the reason of the error; "" where the reader closed the pipe.
     """
 
     lost = ""
@@ -31,11 +31,11 @@ class _StreamFile(io.FileIO):
             return memoryview(data).nbytes
 
 
-def patient() -> None:
-    """Makes the standard streams of this process take what cannot be written any more."""
+def survive_closed_pipes() -> None:
+    """Makes the standard streams of this process discard output after a write error."""
     for name in ("stdout", "stderr"):
         stream = getattr(sys, name)
-        # Others are in the place of ours where somebody captures them, and none at all without a terminal.
+        # A test or a caller may have replaced the stream; without a terminal it may be None.
         if not isinstance(stream, io.TextIOWrapper):
             continue
         if not isinstance(getattr(stream.buffer, "raw", stream.buffer), io.FileIO):
@@ -51,8 +51,8 @@ def patient() -> None:
             setattr(sys, name, made)
 
 
-def flushed() -> str:
-    """Writes what is held back of the standard output; why it was not written whole, "" where it was."""
+def flush() -> str:
+    """Flushes the standard output; returns the reason of a write error, or ""."""
     if sys.stdout is None:
         return ""
     try:

@@ -1,7 +1,7 @@
-"""What goes to a terminal or a pipe: no control characters of a document in it, and no key.
+"""Output to a terminal or a pipe, without control characters and API keys.
 
-Text comes from servers, files and people; an escape sequence in a part's name would let it move the
-cursor, colour or retitle the terminal, or hide the line above. All that is printed goes through here.
+Text comes from servers, files and people. An escape sequence in a part's name could move the cursor,
+change the terminal's colours or title, or hide the line above. All printed text passes through here.
 """
 
 import contextlib
@@ -17,7 +17,7 @@ from stages.robot.printable import printable_lines
 class Clean:
     """A stream on which control characters are shown as their escapes, and keys are blanked.
 
-    `raw` is the stream below, for who draws with control characters of their own and passes each text
+    `raw` is the wrapped stream, for callers that write control characters themselves and pass each text
     through `clean`.
     """
 
@@ -41,13 +41,13 @@ class Clean:
 
 
 def clean(stream: Any) -> Clean:
-    """A text stream on which nothing gets but what may be shown."""
+    """The stream wrapped in `Clean`, once."""
     return stream if isinstance(stream, Clean) else Clean(stream)
 
 
 @contextlib.contextmanager
 def clean_streams() -> Iterator[None]:
-    """Inside, all that is printed, by whomever, is clean."""
+    """Inside, everything printed to the standard streams is cleaned."""
     out, err = cast(TextIO, clean(sys.stdout)), cast(TextIO, clean(sys.stderr))
     with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
         yield

@@ -1,1 +1,1 @@
-"""What was made once from the same inputs is not made again."""
+"""The cache: a result is reused while its inputs are the same."""

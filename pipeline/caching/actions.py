@@ -1,8 +1,8 @@
-"""The cache: what was made once from the same inputs is not made again.
+"""The action cache: a result is reused while its inputs are the same.
 
-An action is keyed by everything that its outputs depend on: the stage and its version, its section
+The key of an action holds everything that its outputs depend on: the stage and its version, its section
 of the configuration, the *content* of its inputs and the versions of the libraries that make the
-result. Its record names the outputs by digest. A record whose blobs are gone or harmed is a miss.
+result. Its record names the outputs by digest. A record with missing or corrupt blobs is a miss.
 """
 
 import contextlib
@@ -36,7 +36,7 @@ def canonical(value: Any) -> bytes:
 
 @dataclass(frozen=True, slots=True)
 class Action:
-    """What a result depends on. `inputs`: digests by name; `libraries`: versions by name."""
+    """The dependencies of a result. `inputs`: digests by name; `libraries`: versions by name."""
 
     stage: str
     version: int
@@ -105,8 +105,8 @@ class Cache:
     ) -> tuple[Files, bool]:
         """The outputs of `action`, from the cache or from `make()`; and whether from the cache.
 
-        `force` makes them again and overwrites the record. Of several processes that ask at once one
-        makes them and the others wait for it.
+        `force` makes them again and overwrites the record. Of several processes with the same action
+        one runs it and the others wait.
         """
         key = action.key
         found = None if force else self._lookup(key)
@@ -134,7 +134,7 @@ class Cache:
         return files, False
 
     def keep(self, outputs: Mapping[str, bytes]) -> Files:
-        """Stores outputs that no record names: those of an action that cannot be keyed."""
+        """Stores outputs without a record: those of an action without a key."""
         self.check(outputs)
         return Files(self.store, {path: self.store.put(outputs[path]) for path in sorted(outputs)})
 
@@ -168,7 +168,7 @@ class Cache:
         return self.find(key)
 
     def find(self, key: str) -> Files | None:
-        """The outputs recorded under `key`, if all of them are there and unharmed."""
+        """The outputs recorded under `key`, if all of them exist and are intact."""
         record = self.store.record(key)
         if record is None:
             return None
@@ -185,7 +185,7 @@ class Cache:
 
 
 class Replies:
-    """What the fetch stage keeps: replies by request, and facts that change by what they are about.
+    """The store of the fetch stage: replies by request, and changing facts by subject.
 
     Replies are pinned, hence immutable: `cache.mode=refresh` spends no call on them.
     """
@@ -194,7 +194,7 @@ class Replies:
         self._cache = cache
 
     def get(self, request: str) -> bytes | None:
-        """The body of the reply to `request`, or None where it is not known yet."""
+        """The body of the reply to `request`, or None."""
         files = self._cache.find(self._action(request).key)
         return None if files is None else files.get("body")
 
@@ -205,13 +205,13 @@ class Replies:
         self._publish("reply", request, files.digests, {"body": len(body)})
 
     def recall(self, subject: str) -> Mapping[str, Any] | None:
-        """What was last remembered of `subject`."""
+        """The last fact stored for `subject`."""
         record = self._cache.store.record(self._action(subject, "fact").key)
         fact = None if record is None else record.get("fact")
         return fact if isinstance(fact, dict) else None
 
     def remember(self, subject: str, fact: Mapping[str, Any]) -> None:
-        """Keeps `fact` of `subject`, in place of what was remembered before."""
+        """Stores `fact` for `subject`, in place of the last fact."""
         self._cache.check({subject: json.dumps(fact).encode()})
         self._publish("fact", subject, {}, {}, fact=dict(fact))
 
@@ -242,9 +242,9 @@ class Replies:
 
 
 def folder(configured: str | None, environ: Mapping[str, str]) -> Path:
-    """Where the cache lies: `cache.dir`, else LINKWRIGHT_CACHE, else the platform's cache folder.
+    """The cache folder: `cache.dir`, else LINKWRIGHT_CACHE, else the platform's cache folder.
 
-    ConfigError where that is in the home of nobody who is known.
+    ConfigError for the home folder of an unknown user.
     """
     chosen = configured or environ.get("LINKWRIGHT_CACHE")
     if chosen:
@@ -277,12 +277,12 @@ def opened(
 
 @contextlib.contextmanager
 def _private() -> Iterator[Path]:
-    """A folder of this build alone, removed at the end; CacheError where none can be made."""
+    """A private folder, removed at the end; CacheError where it cannot be created."""
     with contextlib.ExitStack() as stack:
         try:
             made = tempfile.TemporaryDirectory(prefix="linkwright-", ignore_cleanup_errors=True)
         except OSError as error:
             msg = f"no temporary folder can be made: {reason(error)}"
-            hint = "make room there, or name another folder in the environment variable TMPDIR"
+            hint = "free space there, or name another folder in the environment variable TMPDIR"
             raise CacheError(msg, tempfile.tempdir or "", hint) from error
         yield Path(stack.enter_context(made))

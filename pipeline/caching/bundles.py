@@ -1,8 +1,8 @@
-"""The bundle that a build read: filed in the cache under its own digest, and found again by it.
+"""The bundle of a build: recorded in the cache under its digest, by which it is found.
 
 The digest is that of the fetch stage's manifest, which names every reply by its digest; `report.json`
-holds it as `bundle.manifest`. So what a build read is found for as long as the cache keeps it, also
-where the source was a workspace, of which no action can be recorded.
+holds it as `bundle.manifest`. So the inputs of a build can be found while the cache keeps them, also for
+a workspace, whose fetch has no key.
 """
 
 import json
@@ -18,7 +18,7 @@ _MANIFEST = "manifest.json"
 
 
 def remember(cache: Cache, fetched: Files) -> str:
-    """Files the fetch stage's `fetched` under the digest of its manifest; the digest."""
+    """Records the result of the fetch stage under the digest of its manifest; returns the digest."""
     digest = fetched.digests[_MANIFEST]
     bundle = {path: d for path, d in fetched.digests.items() if path == _MANIFEST or path.startswith(REPLIES)}
     cache.name(_action(digest), Files(cache.store, bundle))
@@ -26,7 +26,7 @@ def remember(cache: Cache, fetched: Files) -> str:
 
 
 def recall(cache: Cache, digest: str) -> "Bundle | None":
-    """The bundle with that manifest; None where the cache lacks it or any reply of it."""
+    """The bundle with that manifest; None where the cache lacks any part of it."""
     files = cache.find(_action(digest).key)
     if files is None:
         return None
@@ -36,7 +36,7 @@ def recall(cache: Cache, digest: str) -> "Bundle | None":
 
 
 def named(bundle: "Bundle") -> dict[str, bytes]:
-    """What a bundle holds, by names that people know: the robot's own file, or the request of a reply."""
+    """The content of a bundle by readable names: the robot's file, or the request of a reply."""
     from stages.robot.bundle import FileBundle
 
     names = {digest: request for request, digest in bundle.requests.items()}

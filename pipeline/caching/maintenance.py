@@ -1,7 +1,7 @@
-"""Looking after the cache folder: what is in it, making room, and finding what a disk has harmed.
+"""Maintenance of the cache folder: its content, freeing space, and finding corrupt files.
 
-Works beside builds that use the folder. What a build is at work with is spared by its age: reading
-a record, and storing a blob again, makes it new. At worst something is made or fetched twice.
+Safe while builds use the folder: recently used files stay, and reading a record or storing a blob again
+updates its time. At worst a result is made or fetched twice.
 """
 
 import contextlib
@@ -17,7 +17,7 @@ from pipeline.errors import CacheError
 from pipeline.lock import drop
 
 SPARED = 3600.0
-"""Age [s] up to which nothing is removed: a build may be at work with it."""
+"""Age [s] below which no file is removed: a running build may use it."""
 
 PAID = ("reply", "fact")
 """Records that cost API calls to make again: dropped last."""
@@ -40,7 +40,7 @@ class Record:
 
 @dataclass(frozen=True, slots=True)
 class CacheSummary:
-    """What is in the folder. `size`: of blobs and records together [bytes]."""
+    """The content of the cache folder. `size`: of blobs and records together [bytes]."""
 
     size: int
     blobs: int
@@ -50,8 +50,8 @@ class CacheSummary:
 
 @dataclass(frozen=True, slots=True)
 class Cleared:
-    """What a collection removed, and the `size` that is left [bytes]; `paid` of the `records` were
-    replies, which cost a call to get again."""
+    """The result of a collection: what was removed, and the remaining `size` [bytes]; `paid` of the `records`
+    were replies, which cost API calls to fetch again."""
 
     records: int
     paid: int
@@ -62,8 +62,8 @@ class Cleared:
 
 @dataclass(frozen=True, slots=True)
 class Verified:
-    """What a check found and removed: `broken` blobs by digest, and records that named them or
-    others that are gone; `paid` of these were replies."""
+    """The result of a check: the removed `broken` blobs by digest, and the number of removed `records` that
+    named broken or missing blobs; `paid` of these were replies."""
 
     blobs: int
     broken: tuple[str, ...]
@@ -72,7 +72,7 @@ class Verified:
 
 
 def summary(root: Path) -> CacheSummary:
-    """Counts what is in the folder; nothing where there is none yet."""
+    """Counts the content of the folder, which may not exist yet."""
     blobs, records = dict(_blobs(root)), list(_records(root))
     return CacheSummary(
         size=sum(blobs.values()) + sum(record.size for record in records),
@@ -83,10 +83,10 @@ def summary(root: Path) -> CacheSummary:
 
 
 def collect(root: Path, most: int) -> Cleared:
-    """Makes room until blobs and records take at most `most` bytes, or all that may go is gone.
+    """Removes files until blobs and records take at most `most` bytes, or only recent files are left.
 
-    First what no record names, then the records used longest ago, with what only they name. Records
-    that were paid for with API calls go after all others.
+    First blobs without a record, then the records used longest ago, with the blobs that only they name.
+    Records that cost API calls are removed last.
     """
     sizes, records = dict(_blobs(root)), list(_records(root))
     named = Counter(digest for record in records for digest in set(record.outputs))
@@ -115,18 +115,18 @@ def collect(root: Path, most: int) -> Cleared:
 
 
 def drop_locks(folder: Path) -> int:
-    """Removes the lock files in a folder that nobody holds; how many that were."""
+    """Removes the unused lock files in a folder; returns their number."""
     return sum(drop(path) for path in folder.glob("*.lock"))
 
 
 def verify(root: Path) -> Verified:
-    """Reads every blob; removes those whose bytes are not those of their name, and idle records."""
+    """Reads every blob; removes blobs with a wrong digest, and the records that name missing blobs."""
     sizes = dict(_blobs(root))
     broken = tuple(digest for digest in sorted(sizes) if not _whole(_blob(root, digest)))
     for digest in broken:
         _remove(_blob(root, digest))
     whole = sizes.keys() - broken
-    # A blob that was stored meanwhile is not in the list, but it is there.
+    # A blob that was stored meanwhile is not in the list, but it exists.
     idle = [
         record
         for record in _records(root)
@@ -149,7 +149,7 @@ def _blob(root: Path, digest: str) -> Path:
 
 
 def _records(root: Path) -> Iterator[Record]:
-    """All records; one that cannot be read names nothing and was never used."""
+    """All records; an unreadable record names no blobs and counts as never used."""
     for path in (root / "ac").glob("??/*.json"):
         try:
             status = path.stat()
@@ -165,7 +165,7 @@ def _records(root: Path) -> Iterator[Record]:
 
 
 def _whole(path: Path) -> bool:
-    """Whether the bytes are those of the name; a file that vanished meanwhile is nobody's loss."""
+    """Whether the content matches the name; a file that vanished meanwhile counts as intact."""
     try:
         with path.open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest() == path.name
@@ -176,7 +176,7 @@ def _whole(path: Path) -> bool:
 
 
 def _remove_old(path: Path, limit: float) -> bool:
-    """Removes a file that was not touched since `limit`; whether it did."""
+    """Removes a file that was not used since `limit`; returns whether it did."""
     try:
         if path.stat().st_mtime > limit:
             return False

@@ -2,12 +2,12 @@
 
     cas/ab/<sha256>     blobs, mode 0444
     ac/ab/<key>.json    records, which name blobs
-    locks/<key>.lock    so that work is not done twice
-    tmp/                what is being written
+    locks/<key>.lock    locks against doing the same work twice
+    tmp/                files that are being written
 
 Every file is written under `tmp/` and published by `os.replace`, blobs before the record that names
-them; so a kill at any moment leaves whole files only. Locks save work and carry no truth: where they
-do not function (some network filesystems), work is done twice and the result is the same.
+them; so a kill at any moment leaves only complete files. Locks only save work: without working locks
+(some network filesystems) work may be done twice, with the same result.
 """
 
 import contextlib
@@ -24,14 +24,14 @@ from typing import Any
 from pipeline import disk_space
 from pipeline.digest import sha256
 from pipeline.errors import FULL, CacheError, OutputError, reason
-from pipeline.lock import held
+from pipeline.lock import acquired
 
 STALE = 24 * 3600.0
-"""Age [s] beyond which a file in `tmp/` was left by a process that was killed."""
+"""Age [s] above which a file in `tmp/` must come from a killed process."""
 
 
 def write_tree(folder: Path, files: Mapping[str, bytes]) -> None:
-    """Writes files by relative path into a folder, which is made if need be."""
+    """Writes files by relative path into a folder, and creates the folder if needed."""
     folder.mkdir(parents=True, exist_ok=True)
     made = {folder}
     for name in sorted(files):
@@ -47,7 +47,7 @@ def write_tree(folder: Path, files: Mapping[str, bytes]) -> None:
 
 
 class Store:
-    """The files under `root`, which is made if need be; CacheError where it cannot be written."""
+    """The files under `root`, which is created if needed; CacheError where it cannot be written."""
 
     def __init__(self, root: Path) -> None:
         self.root = root
@@ -61,7 +61,7 @@ class Store:
         self._sweep()
 
     def put(self, data: bytes) -> str:
-        """Keeps a blob; its digest."""
+        """Stores a blob; returns its digest."""
         digest = sha256(data)
         path = self._blob(digest)
         if self.get(digest) is not None:
@@ -74,7 +74,7 @@ class Store:
         return digest
 
     def get(self, digest: str) -> bytes | None:
-        """The blob, or None where it is missing or its bytes are not those of its digest."""
+        """The blob, or None where it is missing or corrupt."""
         try:
             data = self._blob(digest).read_bytes()
         except OSError:
@@ -82,14 +82,14 @@ class Store:
         return data if sha256(data) == digest else None
 
     def size(self, digest: str) -> int:
-        """The length of a blob that is there [bytes]; -1, which fits none, where it is missing."""
+        """The length of a blob [bytes]; -1 where it is missing."""
         try:
             return self._blob(digest).stat().st_size
         except OSError:
             return -1
 
     def intact(self, digest: str, size: int) -> bool:
-        """Whether the blob is there, `size` bytes long and unharmed (its bytes are read once a run)."""
+        """Whether the blob exists, is `size` bytes long and intact (read once in each run)."""
         try:
             if self._blob(digest).stat().st_size != size:
                 return False
@@ -103,7 +103,7 @@ class Store:
         return True
 
     def record(self, key: str) -> dict[str, Any] | None:
-        """The record under `key`, or None where there is none or it is not JSON."""
+        """The record under `key`, or None where it is missing or not JSON."""
         path = self._record(key)
         try:
             record = json.loads(path.read_bytes())
@@ -114,25 +114,25 @@ class Store:
         return record if isinstance(record, dict) else None
 
     def publish(self, key: str, record: dict[str, Any]) -> None:
-        """Files a record; the blobs that it names must be there already."""
+        """Stores a record; the blobs that it names must already be stored."""
         with self._named("written"):
             self._write(self._record(key), json.dumps(record, indent=1).encode())
 
     @contextlib.contextmanager
     def lock(self, key: str, waiting: Callable[[], None] = lambda: None) -> Iterator[None]:
-        """Holds the one lock of `key`; holding those of other keys meanwhile is safe.
+        """Acquires the lock of `key`; a thread may own the locks of several keys.
 
-        `waiting` is called once if another process holds it for long.
+        `waiting` is called once if another process keeps the lock for long.
         """
         with contextlib.ExitStack() as stack:
-            # No locks here (some network filesystems): the work may be done twice, to the same end.
+            # Without locks (some network filesystems) the work may be done twice, with the same result.
             with contextlib.suppress(OSError):
-                stack.enter_context(held(self._locks / f"{key}.lock", waiting))
+                stack.enter_context(acquired(self._locks / f"{key}.lock", waiting))
             yield
 
     @contextlib.contextmanager
     def scratch(self, files: Mapping[str, bytes] | None = None) -> Iterator[Path]:
-        """A folder of one's own that holds `files`, removed at the end."""
+        """A private folder with `files`, removed at the end."""
         with self._named("written"):
             folder = Path(tempfile.mkdtemp(prefix="scratch-", dir=self._tmp))
         try:
@@ -144,10 +144,10 @@ class Store:
 
     @contextlib.contextmanager
     def room(self, size: int) -> Iterator[None]:
-        """Inside, so many bytes of the disk are taken; CacheError where there are not as many."""
+        """Inside, `size` bytes of the disk are reserved; CacheError where the space is missing."""
         with contextlib.ExitStack() as stack:
             with self._named("written"):
-                stack.enter_context(disk_space.taken(self._tmp, size))
+                stack.enter_context(disk_space.reserved(self._tmp, size))
             yield
 
     def _blob(self, digest: str) -> Path:
@@ -157,7 +157,7 @@ class Store:
         return self._ac / key[:2] / f"{key}.json"
 
     def _write(self, path: Path, data: bytes, mode: int = 0o644) -> Path:
-        """Writes the whole file or nothing."""
+        """Writes a file atomically."""
         handle, name = tempfile.mkstemp(dir=self._tmp)
         try:
             with os.fdopen(handle, "wb") as file:
@@ -175,7 +175,7 @@ class Store:
         return path
 
     def _sweep(self) -> None:
-        """Removes what killed processes left in `tmp/`."""
+        """Removes the files of killed processes from `tmp/`."""
         with contextlib.suppress(OSError):
             for entry in self._tmp.iterdir():
                 with contextlib.suppress(OSError):

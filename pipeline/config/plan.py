@@ -20,7 +20,7 @@ SECTIONS: tuple[type[Keys], ...] = (FetchKeys, GraphKeys, MeshKeys, ExportKeys, 
 """Each stage's part of the configuration, in the order in which the stages run."""
 
 
-HOW = (
+RUN_KEYS = (
     "cache",
     "output",
     "overwrite",
@@ -35,9 +35,9 @@ HOW = (
 part of no cache key."""
 
 
-def says_how(key: str) -> bool:
+def is_run_key(key: str) -> bool:
     """Whether a full key says how a build runs, not what it builds."""
-    return any(key == one or key.startswith(f"{one}.") for one in HOW)
+    return any(key == one or key.startswith(f"{one}.") for one in RUN_KEYS)
 
 
 class CacheKeys(Keys):

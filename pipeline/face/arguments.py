@@ -18,7 +18,7 @@ from pipeline.config.hydra_node import hydra_text
 from pipeline.config.plan import Plan
 from pipeline.config.trust import CODE
 from pipeline.errors import ConfigError, Diagnostic, refusal
-from pipeline.preflight import beforehand
+from pipeline.preflight import plan_problems
 
 HEADER = "# @package _global_\n"
 
@@ -52,7 +52,7 @@ def plan_of(
     with _ALONE, robot_file(robot) as file:
         chosen = [f"robot={file}"] if file else []
         try:
-            return compose_plan([*chosen, *overrides], folders, judge=beforehand).plan
+            return compose_plan([*chosen, *overrides], folders, judge=plan_problems).plan
         except ConfigError as error:
             if not error.problems:
                 raise

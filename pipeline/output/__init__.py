@@ -1,1 +1,1 @@
-"""The output folder: what is ours in it, what is the user's, and how one build replaces another."""
+"""The output folder: whose files are in it, and how a build replaces an earlier build."""

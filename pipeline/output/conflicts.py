@@ -1,4 +1,4 @@
-"""What in an output folder a build must leave alone: what it can carry over, and what is in its way."""
+"""Files in an output folder that a build must not replace: it keeps them, or they stop the build."""
 
 import os
 import unicodedata
@@ -14,7 +14,7 @@ from pipeline.output.manifest import DigestReader, Entry
 from stages.robot.printable import printable
 
 REPLACED = ".replaced"
-"""The suffix of the folder that takes what was in the way."""
+"""The suffix of the folder for files that were in the way."""
 
 SHOWN = 12
 """Largest number of entries that a message lists."""
@@ -22,10 +22,10 @@ SHOWN = 12
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """What in a folder is not as linkwright left it, by path.
+    """The files in a folder that linkwright did not write, or that were changed, by path.
 
-    `carried`: foreign, and no matter. `stopped`: what a build cannot leave where it is, and why; of
-    these, what is `stuck` cannot be moved either.
+    `carried`: foreign files that the build keeps. `stopped`: files that stop the build, each with the
+    reason; of these, the `stuck` files cannot be moved either.
     """
 
     carried: list[str] = field(default_factory=list)
@@ -33,12 +33,12 @@ class Found:
     stuck: dict[str, str] = field(default_factory=dict)
 
     def against(self, overwrite: bool) -> dict[str, str]:
-        """What stops a build, that may `overwrite` or not: path → why."""
+        """The files that stop a build with or without `overwrite`: path → reason."""
         return self.stuck if overwrite else self.stopped
 
 
 def look(folder: Path, coming: Iterable[str], reader: DigestReader) -> Found:
-    """What a build that writes the `coming` files, and the manifest, would meet in the folder."""
+    """Compares the folder with the `coming` files of a build and its manifest."""
     found = Found()
     if not manifest.is_folder(folder):
         return found
@@ -60,7 +60,7 @@ def look(folder: Path, coming: Iterable[str], reader: DigestReader) -> Found:
 
 
 def require_folder(folder: Path) -> None:
-    """ConfigError where the place is taken by something else than a folder, or by a sweep."""
+    """ConfigError where the path is a file, or the folder of a sweep."""
     if os.path.lexists(folder) and not manifest.is_folder(folder):
         raise ConfigError(f"{folder} is a file", "output", ELSEWHERE)
     if manifest.is_sweep(folder):
@@ -68,21 +68,21 @@ def require_folder(folder: Path) -> None:
 
 
 def why(entry: Entry) -> str:
-    """Why something stops a build that writes a file there."""
+    """The reason why an entry stops a build that writes a file to its path."""
     if entry.foreign:
         return "is not linkwright's, and the build writes a file to this path"
     return "was changed since it was built"
 
 
 def message(folder: Path, stopped: Mapping[str, str]) -> str:
-    """What stops a build, as a list."""
+    """The message with a list of the files that stop a build."""
     lines = [f"    {printable(path)} {why}" for path, why in stopped.items()]
     more = [f"    and {len(lines) - SHOWN} more"] if len(lines) > SHOWN else []
     return "\n".join([f"{folder} has files that a build must not replace:", *lines[:SHOWN], *more])
 
 
 def ways_out(folder: Path, found: Found | None = None) -> str:
-    """What a user can do about it."""
+    """The hint about files that stop a build."""
     if found is not None and found.stuck:
         return "move it elsewhere, or build into another folder with output=FOLDER"
     return (
@@ -99,7 +99,7 @@ def listed(paths: Iterable[str]) -> str:
 
 
 def _same(folder: Path) -> Callable[[str], str]:
-    """What is the same for two paths that mean one file in this folder."""
+    """A function that gives equal results for two paths of one file in this folder."""
     name = manifest.NAME
     if (folder / name).exists() and (folder / name.upper()).exists():
         return lambda path: unicodedata.normalize("NFC", path).casefold()
@@ -107,7 +107,7 @@ def _same(folder: Path) -> Callable[[str], str]:
 
 
 def _build_at(place: Path, folder: Path) -> Path | None:
-    """A build or a sweep that `place`, something in `folder`, is, holds or is a part of."""
+    """The build or sweep that the entry `place` of `folder` is, contains or belongs to."""
     if manifest.is_folder(place):
         return next(manifest.builds_in(place), None)
     within = place.parent
@@ -119,5 +119,5 @@ def _build_at(place: Path, folder: Path) -> Path | None:
 
 
 def visible(paths: Iterable[str]) -> list[str]:
-    """The paths without the folders of lock files, which nobody misses."""
+    """The paths without the folders of lock files."""
     return [path for path in paths if PurePosixPath(path).name != LOCKS]

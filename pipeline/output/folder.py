@@ -1,10 +1,10 @@
-"""The output folder: written beside its place, swapped in by renames, repaired after a kill.
+"""The output folder: written beside its path, swapped in by renames, repaired after a kill.
 
-For `outputs/arm` the names beside it are `.arm.tmp` (being written, or being removed: never of
-worth), `.arm.old` (the last build, whole, while the new one moves in), `arm.replaced` (what was in the
-way) and the lock in `.linkwright/`. Whatever moment the process is killed at, the next run finds the old
-or the new folder whole, and what is not linkwright's in it: it moves from the old folder to the new one,
-each piece by one rename, once the new one is in its place.
+For `outputs/arm` the names beside it are `.arm.tmp` (a folder that is being written or removed),
+`.arm.old` (the last build, complete, while the new folder is swapped in), `arm.replaced` (files that were
+in the way) and the lock in `.linkwright/`. If the process is killed at any moment, the next run finds the
+old or the new folder complete. Files that are not linkwright's move from the old folder to the new folder
+after the swap, each by one rename.
 """
 
 import contextlib
@@ -23,15 +23,15 @@ from pipeline.output.location import absolute
 from pipeline.output.manifest import is_folder
 
 FAILED = ".failed"
-"""The suffix of the folder that a failed build leaves its report in."""
+"""The suffix of the folder with the report of a failed build."""
 
 
 class Output:
     """A build's output folder, and beside it `<output>.failed` and `<output>.<until>`.
 
-    What is in the way of a build stops it, or with `overwrite` moves to `<folder>.replaced`. `report`
-    hears what is carried over or moved, and that another build of the same folder is waited for.
-    ConfigError where no folder can be at `target`.
+    Files in the way stop a build, or with `overwrite` move to `<folder>.replaced`. `report` is called
+    with a line about files that are kept or moved, and while the build waits for another build of the
+    same folder. ConfigError where no folder can be at `target`.
     """
 
     def __init__(
@@ -50,28 +50,27 @@ class Output:
         return self.target.with_name(self.target.name + suffix)
 
     def judge(self, suffix: str = "", coming: Iterable[str] = ()) -> None:
-        """ConfigError where a build that writes the `coming` paths, and others, would have to replace
-        what is not linkwright's. Changes nothing."""
+        """ConfigError where a build that writes the `coming` paths would replace files that are not
+        linkwright's. Changes nothing."""
         folder = self.folder(suffix)
         with contextlib.ExitStack() as stack, named(folder):
             place = lock.place(self.target)
             if place.is_file():
-                # Another build may be moving its folder in: half-way, its files look changed or gone.
+                # During the swap of another build its files would look changed or missing.
                 with contextlib.suppress(OSError):
-                    stack.enter_context(lock.held(place, self._wait))
+                    stack.enter_context(lock.acquired(place, self._wait))
             self._judge(folder, coming)
 
     def prepare(self, suffix: str = "", coming: Iterable[str] = ()) -> None:
-        """Repairs what an interrupted run left, checks the folder, and reports what will be carried over.
+        """Repairs the folder after an interrupted run, checks it, and reports the files that will be kept.
 
-        ConfigError as `judge`; OutputError where the folder cannot be written, which is found out now
-        rather than after the work.
+        ConfigError as `judge`; OutputError where the folder cannot be written.
         """
         folder = self.folder(suffix)
         with self._locked(), named(folder):
             with contextlib.suppress(OSError):
-                self._mend(self.folder(FAILED))
-            self._mend(folder)
+                self._repair(self.folder(FAILED))
+            self._repair(folder)
             kept = self._judge(folder, coming)
             _staging(folder).mkdir()
             _staging(folder).rmdir()
@@ -79,7 +78,7 @@ class Output:
             self._report(f"kept, since not linkwright's: {conflicts.listed(kept)}")
 
     def size(self, suffix: str = "") -> int:
-        """Bytes of the last build there, 0 where there is none."""
+        """The size [bytes] of the last build in the folder, 0 without a build."""
         folder = self.folder(suffix)
         with contextlib.suppress(OSError):
             files = [folder / path for path in manifest.ours(folder) or {}]
@@ -88,45 +87,44 @@ class Output:
 
     @contextlib.contextmanager
     def room(self, size: int) -> Iterator[None]:
-        """Inside, so many bytes are taken where the output goes, which must be prepared; OutputError
-        where there are not as many."""
+        """Inside, `size` bytes are reserved on the disk of the prepared output; OutputError where the
+        space is missing."""
         with contextlib.ExitStack() as stack:
             with named(self.target):
-                stack.enter_context(disk_space.taken(lock.beside(self.target).parent, size))
+                stack.enter_context(disk_space.reserved(lock.beside(self.target).parent, size))
             yield
 
     def publish(
         self, files: Mapping[str, bytes], suffix: str = "", digests: Mapping[str, str] | None = None
     ) -> Path:
-        """Puts `files` in the place of all that linkwright wrote there before; the folder.
+        """Replaces linkwright's files in the folder by `files`; returns the folder.
 
-        `digests`: the SHA-256 of those of which it is known. InTheWay where that would replace what is
-        not linkwright's.
+        `digests`: known SHA-256 digests. InTheWay where that would replace files that are not linkwright's.
         """
         folder = self.folder(suffix)
         with self._locked(), named(folder):
-            self._mend(folder)
+            self._repair(folder)
             self._require_free(folder, files)
             try:
                 _stage(_staging(folder), files, digests or {})
                 self._swap(folder)
             except BaseException:
                 with contextlib.suppress(OSError):
-                    self._mend(folder)
+                    self._repair(folder)
                 raise
         return folder
 
     def remove(self, suffix: str) -> None:
-        """Removes what linkwright wrote into a sibling, and the sibling if nothing else is in it.
+        """Removes linkwright's files from a sibling, and the sibling if it is then empty.
 
-        What cannot be removed is reported, and is no error.
+        A file that cannot be removed is reported; it is not an error.
         """
         folder = self.folder(suffix)
         try:
             if not is_folder(folder) or manifest.ours(folder) is None:
                 return
             with self._locked(), named(folder):
-                self._mend(folder)
+                self._repair(folder)
                 self._remove_ours(folder)
         except (LinkwrightError, OSError) as error:
             self._report(f"{folder} was not removed: {error}")
@@ -136,13 +134,13 @@ class Output:
         manifest.keep(folder, own)
         kept = {entry.path for entry in manifest.others(folder, own, (), self._reader)}
         if "report.json" not in kept:
-            # First of all: without it, what a kill leaves is not taken for a build.
+            # First: without it, an incomplete folder after a kill does not count as a build.
             (folder / "report.json").unlink(missing_ok=True)
         within = manifest.parents(own)
         manifest.clear(folder, own.keys() - kept, lambda path: path in within)
 
     def _judge(self, folder: Path, coming: Iterable[str]) -> list[str]:
-        """The paths that will be carried over; ConfigError where something is in the way."""
+        """The paths of files that will be kept; ConfigError where a file is in the way."""
         conflicts.require_folder(folder)
         if not folder.exists():
             return []
@@ -154,7 +152,7 @@ class Output:
         return conflicts.visible(found.carried)
 
     def _require_free(self, folder: Path, files: Iterable[str]) -> None:
-        """InTheWay where the files, all of them known now, would replace what is not linkwright's."""
+        """InTheWay where the final list of `files` would replace files that are not linkwright's."""
         try:
             conflicts.require_folder(folder)
         except ConfigError as error:
@@ -164,9 +162,9 @@ class Output:
             raise InTheWay(conflicts.message(folder, stopped), str(folder), conflicts.ways_out(folder, found))
 
     def _swap(self, folder: Path) -> None:
-        """Moves the staged folder in. A folder is only ever removed under the staging name.
+        """Renames the staged folder to the output folder. Folders are removed only under the staging name.
 
-        So what lies under `.old` is always whole and can be put back.
+        So the folder `.old` is always complete and can be restored.
         """
         if folder.exists():
             manifest.keep(folder, manifest.ours(folder) or {})
@@ -175,7 +173,7 @@ class Output:
         self._retire(folder)
 
     def _retire(self, folder: Path) -> None:
-        """Moves what is not linkwright's from the old folder to the new one, and removes the rest."""
+        """Moves files that are not linkwright's from the old to the new folder, and removes the rest."""
         old = _old(folder)
         if not old.exists():
             return
@@ -191,8 +189,8 @@ class Output:
         if moved:
             self._report(f"was in the way, and was moved to {conflicts.listed(map(os.path.relpath, moved))}")
 
-    def _mend(self, folder: Path) -> None:
-        """Finishes or undoes a swap that was cut short."""
+    def _repair(self, folder: Path) -> None:
+        """Finishes or undoes an interrupted swap."""
         self._discard(folder)
         old = _old(folder)
         if not os.path.lexists(old):
@@ -206,11 +204,11 @@ class Output:
             self._put_away(old, folder)
 
     def _discard(self, folder: Path) -> None:
-        """Removes what is staged; what no build of ours has put there is moved aside."""
+        """Removes the staging folder; files in it that are not linkwright's are moved aside."""
         staged = _staging(folder)
         if is_folder(staged):
             own = manifest.ours(staged)
-            # A kill may have come before the manifest: then there is nothing yet.
+            # Without a manifest the process was killed before it wrote any file.
             manifest.clear(staged, (own or {}).keys(), lambda _: own is not None)
         if os.path.lexists(staged):
             self._put_away(staged, folder)
@@ -224,7 +222,7 @@ class Output:
         """One lock for the folder and its siblings."""
         with contextlib.ExitStack() as stack:
             with named(self.target):
-                stack.enter_context(lock.held(lock.beside(self.target), self._wait))
+                stack.enter_context(lock.acquired(lock.beside(self.target), self._wait))
             yield
 
     def _wait(self) -> None:
@@ -246,7 +244,7 @@ def _old(folder: Path) -> Path:
 
 
 def _can_take(folder: Path, path: str) -> bool:
-    """Whether the folder has room for something at that path; makes the folders that it needs there."""
+    """Whether `path` is free in the folder; creates its parent folders."""
     place = folder
     for name in PurePosixPath(path).parts[:-1]:
         place /= name
@@ -258,8 +256,8 @@ def _can_take(folder: Path, path: str) -> bool:
 
 
 def move_aside(place: Path, folder: Path, path: str) -> Path:
-    """Moves what is at `place` to `path` below `<folder>.replaced`, numbered where that is taken; where
-    it is now."""
+    """Moves `place` to `path` below `<folder>.replaced`, with a number if that exists; returns the new
+    path."""
     to = folder.parent
     *above, last = (f"{folder.name}{conflicts.REPLACED}", *PurePosixPath(path).parts)
     for name in above:
@@ -283,5 +281,5 @@ def named(folder: Path) -> Iterator[None]:
         yield
     except OSError as error:
         msg = f"the output folder cannot be written: {reason(error)}"
-        hint = "choose another place with output=FOLDER, or make room there"
+        hint = "choose another place with output=FOLDER, or free space there"
         raise OutputError(msg, where=str(folder), hint=hint) from error

@@ -1,4 +1,4 @@
-"""Whether a folder may be an output at all: nothing that the user lives or works in is moved aside."""
+"""Checks that a folder may be an output folder: not the home, the working or the cache folder, say."""
 
 import errno
 import os
@@ -11,10 +11,10 @@ NAME_MAX = 255
 """Most bytes of a name, on all usual file systems."""
 
 LONGEST = 200
-"""Most bytes of an output folder's name: those beside it are longer."""
+"""Most bytes of an output folder's name: the names beside it are longer."""
 
 CACHED = ("ac", "cas", "ledger", "locks", "tmp")
-"""What the cache folder holds."""
+"""The folders in the cache folder."""
 
 ELSEWHERE = "choose another place with output=FOLDER"
 
@@ -22,9 +22,9 @@ _NO_PLACE = (errno.ENOTDIR, errno.ENAMETOOLONG, errno.ELOOP, errno.EINVAL)
 
 
 def absolute(folder: str | Path) -> Path:
-    """The folder that is meant: `~` is the home folder, and of a link its target.
+    """The absolute path of an output folder: `~` is the home folder; a link stands for its target.
 
-    ConfigError where no folder can be there.
+    ConfigError where no folder can be at that path.
     """
     try:
         place = Path(os.path.abspath(os.path.expanduser(folder)))  # noqa: PTH100, PTH111  (links stay)
@@ -52,7 +52,7 @@ def _check(place: Path, given: str) -> None:
             msg = f"the name {name[:20]}... is too long: {len(os.fsencode(name))} bytes"
             raise ConfigError(msg, "output", f"name a folder with output=FOLDER, in at most {most} bytes")
     for folder in (*reversed(place.parents), place):
-        # lstat raises where the path to it is wrong; a folder that does not exist yet is all right.
+        # lstat raises for an invalid path; a folder that does not exist yet is allowed.
         try:
             folder.lstat()
         except (FileNotFoundError, PermissionError):
@@ -65,8 +65,8 @@ def _check(place: Path, given: str) -> None:
 
 
 def require_free(place: Path, taken: Mapping[str, Path], cache: Path) -> None:
-    """ConfigError where `place` is or holds one of the folders or files that are `taken`, by what they
-    are, or the home, the working folder or the cache; or is where the cache keeps its files."""
+    """ConfigError where `place` is or contains one of the `taken` paths (description → path), the home, the
+    working folder or the cache, or is inside the folders of the cache."""
     real = Path(os.path.realpath(place))
     taken = {**taken, "the cache folder": cache}
     if any(Path(os.path.realpath(cache / name)) in (real, *real.parents) for name in CACHED):

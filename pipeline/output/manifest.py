@@ -1,8 +1,8 @@
-"""What in a folder is linkwright's own: the manifest that every folder begins with.
+"""The manifest of a folder: which files in it are linkwright's.
 
-`.linkwright.json` names each file that was written there and the SHA-256 of its bytes. It is the first
-file of a folder, so that after a kill our files can be distinguished from those of others. Folders of
-version 0.1 have none: there `report.json` names the robot's files.
+`.linkwright.json` lists each file that was written to the folder and the SHA-256 of its bytes. It is
+written first, so that after a kill linkwright's files can be distinguished from other files. Folders of
+version 0.1 have no manifest: there `report.json` lists the robot's files.
 """
 
 import hashlib
@@ -19,28 +19,28 @@ NAME = ".linkwright.json"
 STAGED = f"{NAME}.tmp"
 
 MARK = "linkwright-files"
-"""The key by which a manifest is known."""
+"""The key that identifies a manifest."""
 
 REPORT = "linkwright-report"
-"""The key by which `report.json` says that a folder is a build's."""
+"""The key in `report.json` that identifies the folder of a build."""
 
 SWEEP = "linkwright-sweep"
-"""The key by which `summary.json` says that a folder is a sweep's."""
+"""The key in `summary.json` that identifies the folder of a sweep."""
 
 DOCUMENTS = ("report.json", "report.html", "config.yaml", "build.log")
-"""What tells about a build, beside the files that it made."""
+"""The documents about a build, beside the files of the robot."""
 
 Digests = Mapping[str, str | None]
-"""SHA-256 by path below the folder, with forward slashes; None: whatever its bytes are."""
+"""SHA-256 by path below the folder, with forward slashes; None: any content."""
 
 _CHUNK = 1 << 20
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """Something in a folder that is not as linkwright left it: a file, a link, or a folder as a whole.
+    """An entry of a folder that linkwright did not write: a file, a link, or a whole folder.
 
-    `kind`: foreign, or changed (it has the path of a file of ours, but not its bytes).
+    `kind`: foreign, or changed (the path of a file of linkwright, with other content).
     """
 
     path: str
@@ -52,13 +52,13 @@ class Entry:
 
 
 class DigestReader:
-    """Digests of files, each read once for as long as it is not touched."""
+    """Digests of files; an unchanged file is read once."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[int, ...], str] = {}
 
     def is_same(self, file: os.DirEntry[str], digest: str | None) -> bool:
-        """Whether the entry is a file with these bytes, whatever its line ends are now."""
+        """Whether the entry is a file with this digest, also after a change of its line ends."""
         if not file.is_file(follow_symlinks=False):
             return False
         if digest is None:
@@ -78,7 +78,7 @@ class DigestReader:
 
 
 def _with_plain_line_ends(file: BinaryIO) -> str:
-    """The digest of a file as it would be with line feeds alone."""
+    """The digest of a file with its line ends converted to line feeds."""
     digest, kept = hashlib.sha256(), b""
     while chunk := file.read(_CHUNK):
         chunk = kept + chunk
@@ -89,20 +89,20 @@ def _with_plain_line_ends(file: BinaryIO) -> str:
 
 
 def write(folder: Path, digests: Digests) -> None:
-    """Writes the manifest of a folder, whole or not at all."""
+    """Writes the manifest of a folder atomically."""
     staged = folder / STAGED
     staged.write_text(json.dumps({MARK: 1, "files": dict(sorted(digests.items()))}, indent=1) + "\n")
     staged.replace(folder / NAME)
 
 
 def keep(folder: Path, digests: Digests) -> None:
-    """Writes the manifest of a folder that has none."""
+    """Writes the manifest of a folder without a manifest."""
     if not (folder / NAME).is_file():
         write(folder, digests)
 
 
 def ours(folder: Path) -> Digests | None:
-    """What linkwright wrote into the folder; None where nothing says that it wrote anything."""
+    """The files that linkwright wrote into the folder; None without a manifest or a report."""
     manifest = _json(folder / NAME)
     if MARK in manifest and isinstance(manifest.get("files"), dict):
         return _paths(manifest["files"])
@@ -114,25 +114,25 @@ def ours(folder: Path) -> Digests | None:
 
 
 def is_build(folder: Path) -> bool:
-    """Whether the folder is a build's: its `report.json` says so."""
+    """Whether the folder is the output of a build, by its `report.json`."""
     return REPORT in _json(folder / "report.json")
 
 
 def is_sweep(folder: Path) -> bool:
-    """Whether the folder is a sweep's: its `summary.json` says so."""
+    """Whether the folder is the output of a sweep, by its `summary.json`."""
     return SWEEP in _json(folder / "summary.json")
 
 
 def is_folder(path: Path) -> bool:
-    """Whether a folder is there, and no link to one."""
+    """Whether the path is a folder, and not a link to a folder."""
     return path.is_dir() and not path.is_symlink()
 
 
 def others(
     folder: Path, own: Digests, coming: Iterable[str] = (), reader: DigestReader | None = None
 ) -> Iterator[Entry]:
-    """What in the folder is not as linkwright left it, by path. A folder in which neither `own` nor
-    `coming` files lie is one entry as a whole; nothing is followed and nothing of others is opened."""
+    """The foreign and changed files in the folder, by path. A folder without `own` or `coming` files is a
+    single entry. Follows no link and opens no foreign file."""
     reader = reader or DigestReader()
     for path, entry in _leaves(folder, parents([*own, *coming])):
         if path in own:
@@ -143,13 +143,13 @@ def others(
 
 
 def parents(paths: Iterable[str]) -> set[str]:
-    """All folders that the paths lie in, the top one not among them."""
+    """All parent folders of the paths, without the top folder."""
     return {str(parent) for path in paths for parent in PurePosixPath(path).parents} - {"."}
 
 
 def clear(folder: Path, own: Collection[str], within: Callable[[str], bool] = lambda _: True) -> None:
-    """Removes `own` files and then the manifest, and the folders that this leaves empty (of those
-    `within`), the top one too. What else is there stays."""
+    """Removes the `own` files and the manifest, then empty folders (those `within`, and the top folder).
+    Other files stay."""
     _clear(folder, own, within, "")
     for name in (STAGED, NAME):
         (folder / name).unlink(missing_ok=True)
@@ -177,7 +177,7 @@ def _remove_if_empty(folder: Path) -> None:
 
 
 def _leaves(folder: Path, inside: set[str], base: str = "") -> Iterator[tuple[str, os.DirEntry[str]]]:
-    """What lies in the folder; of folders, those that are `inside` are looked into."""
+    """The entries of the folder, with the content of the subfolders that are in `inside`."""
     with os.scandir(folder) as found:
         entries = sorted(found, key=lambda entry: entry.name)
     for entry in entries:
@@ -189,7 +189,7 @@ def _leaves(folder: Path, inside: set[str], base: str = "") -> Iterator[tuple[st
 
 
 def builds_in(folder: Path) -> Iterator[Path]:
-    """Builds and sweeps at the folder or anywhere below it, also such as are being written."""
+    """Builds and sweeps at the folder or below it, also those that are being written."""
     for top, below, files in os.walk(folder):
         place = Path(top)
         if NAME in files or is_build(place) or is_sweep(place):
@@ -199,7 +199,7 @@ def builds_in(folder: Path) -> Iterator[Path]:
 
 
 def _json(file: Path) -> dict[str, Any]:
-    """The mapping in a JSON file; an empty one where there is no such file."""
+    """The mapping in a JSON file; {} without such a file."""
     try:
         # A pipe or a device of that name would block.
         found = json.loads(file.read_bytes()) if file.is_file() and not file.is_symlink() else None
@@ -209,7 +209,7 @@ def _json(file: Path) -> dict[str, Any]:
 
 
 def _paths(files: Mapping[str, Any]) -> dict[str, str | None]:
-    """The entries that name a file below the folder; a manifest may have been changed too."""
+    """The entries of a manifest whose paths are below the folder; a user may have changed the manifest."""
     found = {}
     for path, digest in files.items():
         plain = PurePosixPath(path)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pipeline.config.overrides import Override
-from pipeline.config.plan import Judge, Plan, says_how
+from pipeline.config.plan import Judge, Plan, is_run_key
 from pipeline.config.trust import Sweeping
 from pipeline.errors import as_problems, refusal
 from pipeline.preflight import destination
@@ -93,7 +93,7 @@ def jobs_of(composer: "Composer", asked: "Asked", judge: Judge) -> Sweep:
     numbers; `judge` adds what is known of a job before it starts.
     """
     swept = [override for override in asked.overrides if override.swept]
-    overrides = [one for one in asked.overrides if not (one.for_hydra_itself or says_how(one.key))]
+    overrides = [one for one in asked.overrides if not (one.for_hydra_itself or is_run_key(one.key))]
     everything = composer.reading.jobs(asked.overrides)
     labels = [_label(swept or overrides, job) for job in everything]
     made: list[Composed] = []
@@ -231,7 +231,9 @@ def _slug(label: str) -> str:
 def _digest(overrides: Iterable[str]) -> str:
     """8 hex digits of everything that makes the job what it is."""
     keys = {one: one.partition("=")[0].lstrip("+") for one in overrides}
-    identity = sorted(one for one, key in keys.items() if not (re.match(r"hydra[./]", key) or says_how(key)))
+    identity = sorted(
+        one for one, key in keys.items() if not (re.match(r"hydra[./]", key) or is_run_key(key))
+    )
     return hashlib.sha256("\n".join(identity).encode()).hexdigest()[:8]
 
 

@@ -1,7 +1,7 @@
-"""What the command does besides building: one module a verb.
+"""The verbs of the command besides building: one module for each verb.
 
 Each has `HELP` (text) and `run(arguments) -> exit status`, and raises the errors of `pipeline.errors`:
-ConfigError for wrong usage (exit status 2), any other for what fails (1).
+ConfigError for wrong usage (exit status 2), other errors for failures (1).
 """
 
 VERBS = {

@@ -1,4 +1,4 @@
-"""`linkwright bundle NAME OUT.zip`: what a build read, as one file that builds the robot anywhere."""
+"""`linkwright bundle NAME OUT.zip`: packs the inputs of a build into one file."""
 
 import contextlib
 import json
@@ -39,7 +39,7 @@ _CACHE = "cache.dir="
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What is asked for: the build, the file to write, and the cache folder if one is named."""
+    """The arguments: the build, the file to write, and the cache folder if it is given."""
 
     name: str
     out: Path
@@ -47,11 +47,11 @@ class Request:
 
 
 def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> int:
-    """Packs the bundle; the exit status.
+    """Packs the bundle and returns the exit status.
 
-    ConfigError for wrong usage and where there is no such build; CacheError where the cache no longer
-    has what the build read; OutputError where the build read nothing or the file cannot be written;
-    SecretFound where it holds an API key.
+    ConfigError for wrong usage or an unknown build; CacheError where the cache no longer has the inputs of
+    the build; OutputError where the build read nothing or the file cannot be written; SecretFound where
+    the inputs hold an API key.
     """
     asked = parse(arguments)
     folder = find(asked.name)
@@ -67,7 +67,7 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
 
 
 def parse(arguments: Sequence[str]) -> Request:
-    """The arguments taken apart; ConfigError for any that are missing or not there."""
+    """Parses the arguments; ConfigError for missing or unknown arguments."""
     places = [argument for argument in arguments if not argument.startswith((_CACHE, "-"))]
     options = [argument for argument in arguments if argument.startswith("-")]
     caches = [argument.removeprefix(_CACHE) for argument in arguments if argument.startswith(_CACHE)]
@@ -84,7 +84,7 @@ def parse(arguments: Sequence[str]) -> Request:
 
 
 def find(name: str) -> Path:
-    """The folder of a build: `outputs/<name>`, else the folder `name`; ConfigError if neither is one."""
+    """The folder of a build: `outputs/<name>`, else `name`; ConfigError if neither holds a build."""
     from pipeline.output.manifest import is_build
 
     places = [Path("outputs") / name, Path(name)]
@@ -98,7 +98,7 @@ def find(name: str) -> Path:
 
 
 def _siblings(folder: Path, name: str) -> list[Path]:
-    """What builds of that name leave beside their output: of an earlier stage, or failed."""
+    """The folders beside the output of that name: of an earlier stage, or of a failed build."""
     try:
         return [place for place in folder.iterdir() if place.name.startswith(f"{name}.")]
     except OSError:
@@ -117,7 +117,7 @@ def _check_place(out: Path) -> None:
 
 
 def _manifest(folder: Path) -> str:
-    """The digest of what the build read, from its report; OutputError where it read nothing."""
+    """The digest of the build's inputs, from its report; OutputError where it read nothing."""
     report = json.loads((folder / "report.json").read_bytes())
     bundle = report.get("bundle")
     manifest = bundle.get("manifest") if isinstance(bundle, dict) else None
@@ -141,7 +141,7 @@ def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, s
         if bundle is not None:
             Secrets(environ).check(named(bundle))
             data = pack(bundle)
-            # What cannot be read back (too large) is no bundle; the error belongs here.
+            # Read it back, so that a bundle that is too large fails here.
             return data, len(read(data, str(asked.out)).blobs)
     msg = f"the cache lacks inputs of {folder}"
     hint = (
@@ -152,7 +152,7 @@ def _packed(folder: Path, manifest: str, asked: Request, environ: Mapping[str, s
 
 
 def _caches(folder: Path, named: str | None, environ: Mapping[str, str]) -> list[Path]:
-    """The folders that may have it: the one that is named, else the build's own, then the usual one."""
+    """The cache folders to search: the given folder, else the build's, then the default folder."""
     from pipeline.caching.actions import folder as cache_folder
 
     wanted = [named] if named else [_configured(folder), None]
@@ -175,7 +175,7 @@ def _configured(folder: Path) -> str | None:
 
 
 def _write(out: Path, data: bytes) -> None:
-    """Writes the whole file or nothing; OutputError where it cannot."""
+    """Writes the file atomically; OutputError where that fails."""
     temporary = ""
     try:
         with tempfile.NamedTemporaryFile(dir=out.parent, prefix=f".{out.name}.", delete=False) as file:
@@ -187,4 +187,4 @@ def _write(out: Path, data: bytes) -> None:
         with contextlib.suppress(OSError):
             Path(temporary).unlink()
         msg = f"the bundle cannot be written: {error.strerror or error}"
-        raise OutputError(msg, str(out), "choose another place, or make room there") from error
+        raise OutputError(msg, str(out), "choose another place, or free space there") from error

@@ -1,4 +1,4 @@
-"""`linkwright cache info|gc|verify`: what the cache holds, the calls counted, making room, checking."""
+"""`linkwright cache info|gc|verify`: shows, shrinks and checks the cache."""
 
 import os
 import re
@@ -41,7 +41,7 @@ _SHOWN = 8
 
 
 def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> int:
-    """Does what is asked; the exit status. ConfigError for wrong usage, CacheError for the folder."""
+    """Runs the verb and returns the exit status. ConfigError for wrong usage, CacheError for the folder."""
     dirs = [text for text in arguments if text.startswith(_DIR)]
     rest = [text for text in arguments if text not in dirs]
     most = _max_size(rest)
@@ -58,7 +58,7 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
 
 
 def _max_size(rest: list[str]) -> int | None:
-    """Takes `--max-size SIZE` or `--max-size=SIZE` out of `rest`: bytes, None where it is not there."""
+    """Removes `--max-size SIZE` or `--max-size=SIZE` from `rest`; returns the bytes, or None."""
     for index, text in enumerate(rest):
         option, equal, value = text.partition("=")
         if option != "--max-size":

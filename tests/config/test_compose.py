@@ -3,7 +3,7 @@
 import pytest
 
 from pipeline.config.compose import compose_plan
-from pipeline.preflight import beforehand
+from pipeline.preflight import plan_problems
 from stages.robot.errors import ConfigError
 from tests.support.users import MY_ARM, URL, write
 
@@ -284,7 +284,7 @@ def test_what_is_known_before_the_first_stage_is_told_with_what_is_wrong_in_the_
         monkeypatch.delenv(name, raising=False)
     for wrong in ("foo=1", "ground=foo", "source.foo=1", "hydra.verbose=true"):
         with pytest.raises(ConfigError) as caught:
-            compose_plan(["source=onshape", f"source.url='{URL}'", wrong], cwd=tmp_path, judge=beforehand)
+            compose_plan(["source=onshape", f"source.url='{URL}'", wrong], cwd=tmp_path, judge=plan_problems)
         assert len(caught.value.problems) == 2
         assert "no Onshape API key" in caught.value.problems[1].message
 

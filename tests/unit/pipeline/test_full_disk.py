@@ -69,7 +69,7 @@ def test_no_call_is_spent_where_there_is_no_room_for_its_reply(
         with pytest.raises(kind, match=FULL[number]) as caught:
             build(asked, environ=server.environ)
         assert server.calls == []
-    assert "make room there" in caught.value.hint
+    assert "free space there" in caught.value.hint
     assert str(tmp_path / full) in caught.value.where
 
 
@@ -86,7 +86,7 @@ def test_no_call_is_spent_on_a_disk_that_is_really_full(tmp_path, full):
 
 def test_the_room_that_is_asked_for_is_that_of_the_last_build_in_both_places_at_once(tmp_path, monkeypatch):
     held, most = [], []
-    taken = disk_space.taken
+    taken = disk_space.reserved
 
     @contextlib.contextmanager
     def counted(folder, size):
@@ -96,7 +96,7 @@ def test_the_room_that_is_asked_for_is_that_of_the_last_build_in_both_places_at_
             yield
             held.pop()
 
-    monkeypatch.setattr(disk_space, "taken", counted)
+    monkeypatch.setattr(disk_space, "reserved", counted)
     with OnshapeServer(desk()) as server:
         asked = plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
         build(asked, environ=server.environ)
@@ -121,10 +121,10 @@ def test_room_is_found_by_writing_where_the_system_cannot_reserve_it(tmp_path, m
     else:
         monkeypatch.setattr(os, "posix_fallocate", refuse)
         monkeypatch.setattr(os, "fsync", refuse)
-    with disk_space.taken(tmp_path, 2_500_000):
+    with disk_space.reserved(tmp_path, 2_500_000):
         pass
     assert list(tmp_path.iterdir()) == []
-    small = disk_space.taken(tmp_path / "small", 1_000_000)
+    small = disk_space.reserved(tmp_path / "small", 1_000_000)
     with disk(tmp_path / "small", 600), pytest.raises(OSError, match="No space"), small:
         pass
 
@@ -174,7 +174,9 @@ def test_a_ledger_that_cannot_be_written_is_told_once_and_loses_no_reply(tmp_pat
         asked = plan(tmp_path, {"kind": "onshape", "url": server.document_url()})
         assert build(asked, Ears(), server.environ).exit_status == 0
         assert server.count > 1
-    assert len([line for line in told if "calls go uncounted" in line and "No space left" in line]) == 1
+    assert (
+        len([line for line in told if "API calls are not counted" in line and "No space left" in line]) == 1
+    )
 
 
 @pytest.mark.parametrize("room_for", [0, 5])

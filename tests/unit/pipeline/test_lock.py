@@ -38,7 +38,7 @@ def while_held(path, told, act):
         heard.set()
 
     thread = threading.Thread(target=act, args=(tell,))
-    with lock.held(path, silent):
+    with lock.acquired(path, silent):
         thread.start()
         assert heard.wait(10)
     thread.join(10)
@@ -46,7 +46,7 @@ def while_held(path, told, act):
 
 
 def test_a_lock_that_cannot_be_made_is_an_error_at_once(no_lock):
-    with pytest.raises(OSError, match="Is a directory"), lock.held(no_lock, silent):
+    with pytest.raises(OSError, match="Is a directory"), lock.acquired(no_lock, silent):
         pass
 
 
@@ -93,9 +93,9 @@ def test_a_build_that_waits_for_the_work_of_another_says_so_and_takes_its_own_tu
 
 
 def test_a_lock_is_free_again_after_an_error(tmp_path):
-    with pytest.raises(ZeroDivisionError), lock.held(tmp_path / "lock", silent):
+    with pytest.raises(ZeroDivisionError), lock.acquired(tmp_path / "lock", silent):
         raise ZeroDivisionError
-    with lock.held(tmp_path / "lock", silent):
+    with lock.acquired(tmp_path / "lock", silent):
         pass
 
 
@@ -116,7 +116,7 @@ def test_a_lock_that_is_a_link_is_refused_and_its_target_left_alone(tmp_path, wh
 
 def test_a_lock_file_stays_and_is_dropped_only_while_nobody_holds_it(tmp_path):
     path = lock.beside(tmp_path / "arm")
-    with lock.held(path, silent):
+    with lock.acquired(path, silent):
         assert not lock.drop(path)
         assert path.exists()
     assert path.exists()
@@ -130,7 +130,7 @@ def test_a_lock_keeps_the_mode_that_its_folder_gave_it(tmp_path):
     path = tmp_path / "shared.lock"
     path.touch()
     path.chmod(0o664)
-    with lock.held(path, silent):
+    with lock.acquired(path, silent):
         pass
     assert path.stat().st_mode & 0o777 == 0o664
 
@@ -148,7 +148,7 @@ def test_what_is_held_lies_at_the_path_also_where_the_file_is_removed_meanwhile(
         return found
 
     monkeypatch.setattr(filelock.FileLock, "acquire", late)
-    with lock.held(path, silent):
+    with lock.acquired(path, silent):
         assert removed
         assert path.exists()
         assert not lock.drop(path)

@@ -4,7 +4,7 @@ import io
 import json
 from dataclasses import replace
 
-from pipeline.report import Report, StageReport, epitaph, fitting, render, show, versions
+from pipeline.report import Report, StageReport, failure_lines, fitting, render, show, versions
 from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
 
@@ -76,14 +76,14 @@ def test_a_robot_that_nobody_named_is_called_as_its_assembly_is():
 
 def test_what_comes_after_an_error_counts_calls_and_names_source_and_report(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert epitaph(REPORT, tmp_path / "out" / "arm.failed") == [
+    assert failure_lines(REPORT, tmp_path / "out" / "arm.failed") == [
         "5 API calls made, 2 saved by the cache",
         "report: out/arm.failed/report.html",
     ]
     url = replace(REPORT, source={"kind": "onshape", "url": "https://x"}, calls={"made": 1, "saved": 0})
-    assert epitaph(url, tmp_path)[:2] == ["1 API call made, 0 saved by the cache", "source: https://x"]
+    assert failure_lines(url, tmp_path)[:2] == ["1 API call made, 0 saved by the cache", "source: https://x"]
     file = replace(REPORT, source={"kind": "urdf"}, calls={"made": 0, "saved": 0})
-    assert epitaph(file, tmp_path / "a.failed") == ["report: a.failed/report.html"]
+    assert failure_lines(file, tmp_path / "a.failed") == ["report: a.failed/report.html"]
 
 
 def test_a_pipe_gets_plain_text_and_a_terminal_the_same_facts():

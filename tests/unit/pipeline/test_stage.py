@@ -7,7 +7,7 @@ import pytest
 
 from pipeline.caching.actions import Cache
 from pipeline.caching.store import Store
-from pipeline.config.plan import HOW, Plan
+from pipeline.config.plan import RUN_KEYS, Plan
 from pipeline.context import FILES, NOTES, BuildContext, notes
 from pipeline.stage import STAGES, installed, libraries, stages_until
 from stages.fetch.keys import SOURCES
@@ -154,7 +154,7 @@ VALUES = {
 }
 
 
-@pytest.mark.parametrize("key", [key for key in HOW if key.partition(".")[2] in ("", *KEYS_OF_SOURCES)])
+@pytest.mark.parametrize("key", [key for key in RUN_KEYS if key.partition(".")[2] in ("", *KEYS_OF_SOURCES)])
 def test_how_a_build_is_run_is_no_part_of_a_cache_key(key, tmp_path):
     _, _, name = key.partition(".")
     sources = [{"kind": "sample"}]

@@ -11,7 +11,7 @@ import pytest
 
 from pipeline.build import build
 from pipeline.config.plan import Plan
-from pipeline.preflight import before_a_sweep
+from pipeline.preflight import sweep_problems
 from stages import fetch as stage
 from stages.fetch.onshape.variables import expression
 from stages.fetch.source import Calls
@@ -433,7 +433,7 @@ def onshape_plan(server, **more):
 
 
 def test_a_sweep_must_not_write(server):
-    (problem,) = [one for one in before_a_sweep(onshape_plan(server)) if one.where == "source.variables"]
+    (problem,) = [one for one in sweep_problems(onshape_plan(server)) if one.where == "source.variables"]
     assert "a sweep must not change the document" in problem.message
     assert server.calls == []
 
