@@ -1,4 +1,4 @@
-"""The graph stage: an assembly as drawn, or a robot's own file, becomes a robot."""
+"""The graph stage: turns a CAD assembly, or a robot's own file, into a robot."""
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING

@@ -106,7 +106,7 @@ JointType = Literal["fixed", "revolute", "continuous", "prismatic"]
 
 
 class AddedJointKeys(Keys):
-    """The joint between an added link and its parent. A type alone may stand for all of it."""
+    """The joint between an added link and its parent. May be given as a type alone."""
 
     type: JointType = "fixed"
     """Type of the joint."""

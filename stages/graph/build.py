@@ -44,7 +44,7 @@ def assemble(bundle: Bundle, keys: GraphKeys, read: MechanismReader) -> Robot:
 
 
 def _tree(mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Tree:
-    """The spanning tree. Without one no pass can run: the error then has the problems so far, too."""
+    """The spanning tree. Without a tree no pass can run, so its error also lists the problems so far."""
     try:
         return spanning_tree(mechanism, keys, log)
     except AssemblyError as error:

@@ -9,7 +9,7 @@ _CAD_ALONE = ("depth", "hidden", "mirror", "conventions")
 
 
 def report_unused(keys: GraphKeys, source: Literal["URDF", "MJCF"], log: Diagnostics) -> None:
-    """E-SOURCE-KEY for each key that such a file has nothing for."""
+    """E-SOURCE-KEY for each key that does not apply to such a file."""
     default = GraphKeys()
     given = [name for name in _CAD_ALONE if getattr(keys, name) != getattr(default, name)]
     if keys.mass.parts:

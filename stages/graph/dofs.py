@@ -1,4 +1,4 @@
-"""The dofs of each type of joint, their values in a pose, and the chain of them run backwards."""
+"""The dofs of each type of joint, their values in a pose, and the inverse of a chain of dofs."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -12,7 +12,7 @@ from stages.robot.poses import at_rest, inverse, quat_from_rotation
 
 @dataclass(frozen=True, slots=True)
 class Freedom:
-    """One dof of a type of joint: what its name ends in, its kind and its axis."""
+    """One dof of a type of joint: the suffix of its name, its kind and its axis."""
 
     suffix: str
     kind: DofKind
@@ -40,7 +40,8 @@ FREEDOMS: Mapping[JointType, tuple[Freedom, ...]] = {
 
 
 def value_in(relative: Array, kind: DofKind, axis: Array) -> Value:
-    """What a dof of this kind and axis explains of a pose (4, 4): rad, m, or a quaternion."""
+    """The value [rad, m, or a quaternion] of a dof of this kind and axis that comes closest to a pose (4,
+    4)."""
     if kind == "slide":
         return float(relative[:3, 3] @ axis)
     if kind == "turn":

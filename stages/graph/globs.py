@@ -1,4 +1,4 @@
-"""What users type: globs that must match something, and new names that must be free."""
+"""Globs and names that users give: a glob must match something, a new name must be free."""
 
 import json
 import re
@@ -26,24 +26,24 @@ def with_plain(titles: Collection[str]) -> set[str]:
 
 
 def escaped(name: str) -> str:
-    """The glob that matches this name only."""
+    """The glob that matches only this name."""
     return re.sub(r"([*?[])", r"[\1]", name)
 
 
 def fits(name: str, glob: str) -> bool:
-    """Whether a glob means something of this name: as it stands, or as a pattern."""
+    """Whether a glob matches this name: literally, or as a pattern."""
     return name == glob or fnmatchcase(name, glob)
 
 
 def as_key(name: str) -> str:
-    """The key of YAML that means this name only, as a glob."""
+    """The YAML key whose glob matches only this name."""
     glob = escaped(name)
     plain = re.fullmatch(r"[A-Za-z_][\w.-]*", glob, re.ASCII) and glob.lower() not in _YAML_WORDS
     return glob if plain else json.dumps(glob, ensure_ascii=False)
 
 
 _YAML_WORDS = frozenset({"true", "false", "null", "yes", "no", "on", "off"})
-"""Keys that YAML takes for something else than text."""
+"""Keys that YAML does not read as text."""
 
 
 def entries_of(
@@ -76,14 +76,14 @@ def entries_of(
 
 
 def listed(names: Iterable[str]) -> str:
-    """The names once each, sorted, as a user reads them; the first of very many."""
+    """The names as a sorted list for a message, without duplicates; a very long list is cut."""
     every = sorted(set(names))
     more = f" and {len(every) - _SHOWN} more" if len(every) > _SHOWN else ""
     return ", ".join(every[:_SHOWN]) + more
 
 
 def matching(glob: str, things: Sequence[Collection[str]]) -> list[int]:
-    """The things that have `glob` for one of their names, or else one that matches it."""
+    """The things with a name equal to `glob`, else those with a name that matches it."""
     exact = [index for index, names in enumerate(things) if glob in names]
     return exact or [
         index for index, names in enumerate(things) if any(fnmatchcase(name, glob) for name in names)
@@ -91,7 +91,7 @@ def matching(glob: str, things: Sequence[Collection[str]]) -> list[int]:
 
 
 def unusable(name: str, taken: Collection[str]) -> str:
-    """Why nothing can have this name; "" if something can."""
+    """Why this name is not allowed; "" if it is."""
     if not re.fullmatch("[A-Za-z0-9_]+", name):
         return f"invalid name {name!r}: only letters without accents, digits and _ are allowed"
     if name in RESERVED:

@@ -34,7 +34,7 @@ Inertia = Annotated[tuple[Number, ...], AfterValidator(_of_a_solid)]
 
 
 class PartMassKeys(Keys):
-    """Mass properties of the parts that a glob matches. What is left out or null stays as CAD has it."""
+    """Mass properties of the parts that a glob matches. Keys left out or null keep CAD's value."""
 
     mass: Annotated[NonNegative | None, example(0.12)] = None
     """Mass [kg]; the inertia is scaled with it. 0: the part has no mass and no inertia."""
@@ -57,7 +57,7 @@ class PartMassKeys(Keys):
 
 
 class LinkMassKeys(Keys):
-    """Mass properties of the links that a glob matches. What is left out or null is the sum of the parts."""
+    """Mass properties of the links that a glob matches. Keys left out or null: the sum of the parts."""
 
     mass: Annotated[Positive | None, example(0.2)] = None
     """Mass [kg]; the inertia is scaled with it."""

@@ -1,6 +1,6 @@
 """A mechanism at its saved pose: rigid bodies and the connections between them, without a root.
 
-Every reader makes one, and all frames in it are given in the world: the assembly's own frame, at the
+Every reader makes a mechanism. All frames in it are given in the world: the assembly's own frame, at the
 pose that the source was saved in.
 """
 
@@ -24,16 +24,16 @@ from stages.robot.model import (
 )
 
 WORLD_LINK = "world"
-"""The link that stands for the assembly's origin, where something moves against that."""
+"""The link of the assembly's origin, where something moves relative to it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RigidBody:
     """Parts that move as one. Their `link_from_part` is given in the world's frame.
 
-    `path`: the occurrence that names it. `titles`: all names that mean it, as typed in CAD.
+    `path`: the occurrence that names it. `titles`: all its names, as typed in CAD.
     `fixed_reason`: why it is fixed to the world; "" if it is not. `world_from_body` (4, 4): its own frame,
-    which it keeps where it is the root. `given`: an inertial in the world's frame in place of the parts'
+    which it keeps as the root. `given`: an inertial in the world's frame in place of the parts'
     sum. `afloat`: the name in the source of the joint by which the body floats in the world ("" for no
     name), None where the source has no such joint.
     """
@@ -51,13 +51,13 @@ class RigidBody:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Connection:
-    """What lets two bodies move against each other: a mate, or a joint of a file.
+    """A mate, or a joint of a file: lets two bodies move relative to each other.
 
     `bodies` and `world_from_frames` (4, 4 each, right-handed) are of its first and second entity; the
-    chain `dofs` leads from the second to the first, and `residual` [m or rad] is what it does not
-    explain of the saved pose. `title` is its place in CAD. `unknown`: why the limits that CAD has are
-    unknown; `doubts`: which limits contradict themselves; `half_open`: which are open on one side only.
-    `closes`: it closes a loop in the source itself, so it is cut before any other.
+    chain `dofs` leads from the second to the first, and `residual` [m or rad] is its error at
+    the saved pose. `title` is its place in CAD. `unknown`: why the limits in CAD are
+    unknown; `doubts`: limits that contradict themselves; `half_open`: limits open on one side only.
+    `closes`: it closes a loop in the source itself, so it is cut first.
     """
 
     name: str
@@ -80,7 +80,8 @@ class Connection:
 
 @dataclass(frozen=True, slots=True)
 class RelationSpec:
-    """A relation as drawn: its type and the names of its connections ("" for one that moves nothing).
+    """A relation as drawn: its type and the names of its connections ("" for a connection that moves
+    nothing).
 
     `ratio` counts for GEAR and LINEAR, `length` [m a turn] for RACK_AND_PINION and SCREW. The second
     connection follows, in the opposite direction unless `reverse`. A MIMIC is complete, and names dofs
@@ -116,9 +117,9 @@ class Mechanism:
     """Bodies and the connections between them, which refer to bodies by number. Names are unique among
     bodies, among connections and dofs, and among markers; those of a CAD assembly over all of them.
 
-    `root`: the body that is the root in the source itself, if any. `has_saved_pose`: whether someone left
-    the robot in this pose; a file has none: there all joints are at zero. `unstated_base`: what to report
-    where nothing fixes the root and the source has no way to say whether it is fixed.
+    `root`: the body that is the root in the source itself, if any. `has_saved_pose`: whether the source has
+    a saved pose; a robot file has none, so all its joints are at zero. `unstated_base`: the diagnostic
+    for a root that nothing fixes, where the source cannot express whether it is fixed.
     """
 
     bodies: tuple[RigidBody, ...]
@@ -134,10 +135,10 @@ class Mechanism:
 
 
 class MechanismReader(Protocol):
-    """Reads a bundle into a mechanism. One for each kind of source, as `stages.graph.READERS` lists them.
+    """Reads a bundle into a mechanism. There is a reader for each kind of source: `stages.graph.READERS`.
 
-    The keys come back with what the source's own conventions imply. AssemblyError for what cannot be read
-    at all; every other problem goes to the log.
+    Also returns the keys, completed by the source's own conventions. AssemblyError for a source that cannot
+    be read at all; every other problem goes to the log.
     """
 
     def __call__(self, bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]: ...

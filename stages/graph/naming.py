@@ -1,4 +1,4 @@
-"""Names from a robot's own file: each stays where the target formats allow it; the others are mapped."""
+"""Names from a robot's own file: kept where the target formats allow them, else mapped."""
 
 from collections.abc import Hashable, Iterable, Mapping
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ frame is a link of a URDF."""
 
 @dataclass(frozen=True, slots=True)
 class FileNames(Generic[Key, FrameKey]):
-    """The robot's names, by what tells the things apart in the file: a name (URDF) or a number (MJCF).
+    """The robot's names, by the identifier in the file: a name (URDF) or a number (MJCF).
 
     `joints`: of what lets a link move, by joint (URDF) or by the body that moves (MJCF); `dofs`: of its
     coordinates in order, by the same. `relations`: by the joint that follows, or by number. `loops`: of
@@ -47,7 +47,7 @@ class Namer:
         no name ("") gets none.
 
         A name changes only where it is reserved or holds invisible characters (a line's end, a control
-        character), and gives way to those that stay.
+        character); names that stay have precedence.
         """
         taken = self._taken.setdefault(kind, set())
         names: dict[Key, str] = {}
@@ -69,7 +69,7 @@ class Namer:
         return names
 
     def make(self, kind: str, wanted: str) -> str:
-        """A name for what the source does not name: `wanted`, or with a number where anything has that."""
+        """A name for something unnamed in the source: `wanted`, with a number where it is taken."""
         every = {WORLD_LINK}.union(*self._taken.values())
         name = free(wanted, every)
         self._taken.setdefault(kind, set()).add(name)

@@ -1,4 +1,4 @@
-"""From a mechanism and its tree to a robot: frames, joints, loops and links.
+"""Builds a robot from a mechanism and its tree: frames, joints, loops and links.
 
 With W₀, W₁ the world frames of a connection's first and second entity, its dofs lead from the second to
 the first. Where the first entity is the parent the chain runs backwards and every axis is negated, so
@@ -39,7 +39,7 @@ POSE_TOLERANCE = 1e-6
 
 
 def place(mechanism: Mechanism, tree: Tree, keys: GraphKeys, log: Diagnostics) -> Robot:
-    """The robot that grows along the tree, at the mechanism's saved pose."""
+    """The robot along the tree, at the mechanism's saved pose."""
     world_from_link: dict[int, Array] = {tree.root: tree.world_from_root}
     taken = {dof.name for c in mechanism.connections for dof in c.dofs} | {
         c.name for c in mechanism.connections
@@ -97,7 +97,7 @@ def _joint(
 def _stand_in(
     edge: Edge, mechanism: Mechanism, world_from_link: Mapping[int, Array], taken: set[str]
 ) -> Joint:
-    """The joint of what no connection joins to the root: rigid, or free to float."""
+    """The joint of a link that no connection joins to the root: fixed or free."""
     body = mechanism.bodies[edge.child]
     child = body.name
     name = (edge.stand_in == "free" and body.afloat) or free(f"{child}_{edge.stand_in}", taken)

@@ -1,4 +1,4 @@
-"""Which body is the root, where its frame is, and whether the world holds it."""
+"""Chooses the root body and its frame, and whether it is fixed to the world."""
 
 from dataclasses import replace
 
@@ -15,10 +15,10 @@ from stages.robot.model import Array, Base
 def choose_root(mechanism: Mechanism, keys: RootKeys) -> tuple[int, Array]:
     """The root body and the pose (4, 4) of its frame in the world.
 
-    Where something moves against the assembly's origin, that is the root. Else `select` chooses: auto
-    takes the body that `frame` is on, what the source itself has for a root, what is fixed in CAD, or the
-    heaviest; central the body nearest to all others; anything else is a name or a glob over names of links
-    and instances.
+    Where something moves relative to the assembly's origin, the origin is the root. Else `select` chooses:
+    auto takes the body that `frame` is on, what the source itself has for a root, what is fixed in CAD, or
+    the heaviest; central the body nearest to all others; anything else is a name or a glob over names of
+    links and instances.
     """
     marker = _marker(mechanism, keys.frame) if keys.frame else None
     origin = next((i for i, body in enumerate(mechanism.bodies) if body.name == WORLD_LINK), None)
@@ -82,7 +82,7 @@ def heaviest(mechanism: Mechanism, among: "list[int] | range") -> int:
 
 
 def base_of(mechanism: Mechanism, root: int, keys: RootKeys, log: Diagnostics) -> Base:
-    """Whether the world holds the root, and why."""
+    """Whether the root is fixed to the world, and why."""
     body = mechanism.bodies[root]
     if body.name == WORLD_LINK and keys.base == "free":
         what = "the root is the assembly's origin, which other links are mated to: it cannot float"

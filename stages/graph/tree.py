@@ -1,4 +1,4 @@
-"""The kinematic tree: which connections carry the tree, which close loops, and in which order it grows."""
+"""The kinematic tree: which connections are in the tree, which close loops, and the order of the bodies."""
 
 import re
 from collections.abc import Collection, Iterator, Mapping
@@ -29,7 +29,7 @@ LEFT_OUT = ("W-MATE-BROKEN", "W-FEATURE", "W-PEER-MATE")
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """From a parent body to a child body: a connection, or what stands in for one."""
+    """From a parent body to a child body: a connection, or the fixed or free joint in its place."""
 
     parent: int
     child: int
@@ -52,7 +52,7 @@ def spanning_tree(mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Tr
     """The tree that keeps what a user drives: relations, then limited mates, sliders before turns.
 
     Kruskal over a total order of the connections, so neither the root nor the order of features decides
-    what is cut; mates that nobody limits or drives close the loops, unless `loops.cut` names others.
+    the cuts; mates without limits and relations close the loops, unless `loops.cut` names others.
     """
     root, world_from_root = choose_root(mechanism, keys.root)
     kept, cut = _forest(mechanism, keys.loops.cut, log)

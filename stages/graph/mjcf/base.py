@@ -1,4 +1,4 @@
-"""What stands in the world of an MJCF, what floats in it, and which body is the root."""
+"""Finds the fixed bodies, the floating bodies and the root of an MJCF."""
 
 from collections.abc import Sequence
 
@@ -17,16 +17,16 @@ def floats(body: MjcfBody) -> bool:
 
 
 def base_of(mjcf: Mjcf) -> int | None:
-    """The one body that stands still in the world, where the file has one and nothing else moves there."""
+    """The base: the only body below the world that is fixed, where every other body floats; else None."""
     standing = [number for number in _tops(mjcf) if not floats(mjcf.bodies[number])]
     return standing[0] if len(standing) == 1 and not mjcf.bodies[standing[0]].joints else None
 
 
 def bodies_of(mjcf: Mjcf, found: Sequence[Closing], free: bool) -> list[int]:
-    """The bodies that become links, the world among them where something moves or stands against it.
+    """The bodies that become links, with the world where something is fixed to it or moves relative to it.
 
-    A single body that stands in the world's own frame is the base itself, and needs no world; wherever
-    it stands, where it shall float (`free`).
+    A single fixed body in the world's own frame is the base itself, so the world is no link; the same holds
+    for a body in any frame that shall float (`free`).
     """
     tops = _tops(mjcf)
     everything = list(range(len(mjcf.bodies)))
@@ -40,7 +40,7 @@ def bodies_of(mjcf: Mjcf, found: Sequence[Closing], free: bool) -> list[int]:
 
 
 def joining(mjcf: Mjcf, found: Sequence[Closing]) -> list[Closing]:
-    """The closures between bodies that float apart without: the tree has a joint in their place."""
+    """The closures without which bodies would float apart: each becomes a joint of the tree."""
     top = _top_of(mjcf)
     standing = {number for number in _tops(mjcf) if not floats(mjcf.bodies[number])} | {0}
     trees = ({0 if top[body] in standing else top[body] for body in one.closure.bodies} for one in found)

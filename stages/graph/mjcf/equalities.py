@@ -1,4 +1,4 @@
-"""Equalities that hold two bodies together: what closes a loop, and the hinge that two of them make."""
+"""Equalities that connect two bodies: they close loops, and a pair of connects can form a hinge."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from stages.robot.model import Array, Dof, DofKind, Dynamics, JointType, Limits,
 from stages.robot.poses import inverse, quat_from_rotation
 
 SECOND_POINT = "_axis"
-"""What the sites of a hinge's second point are called after those of its first."""
+"""Suffix of the sites of a hinge's second point."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,7 +40,7 @@ def closings(closures: Sequence[MjcfClosure]) -> tuple[Closing, ...]:
 
 
 def _axis(one: MjcfClosure, other: MjcfClosure) -> Array | None:
-    """The axis of the hinge that two connects make; None where they make none of ours."""
+    """The axis of the hinge that two connects form; None where they do not form a hinge."""
     if one.bodies != other.bodies:
         return None
     ends = ((one.a_from_frame, other.a_from_frame), (one.b_from_frame, other.b_from_frame))
@@ -52,7 +52,7 @@ def _axis(one: MjcfClosure, other: MjcfClosure) -> Array | None:
 
 
 def own_sites(found: Sequence[Closing]) -> frozenset[str]:
-    """The sites that are there for a closure alone, by their names: `<name>_a`, `<name>_b` and those of a
+    """The sites that exist only for a closure, by their names: `<name>_a`, `<name>_b` and those of a
     hinge's second point, as in our own files, where the exporter makes them again."""
     own: set[str] = set()
     for one in found:
@@ -67,7 +67,7 @@ def connections(
     numbers: Mapping[int, int],
     world_from_body: Mapping[int, Array],
 ) -> Iterator[Connection]:
-    """What the closures let move: a connect a ball, a weld nothing, a hinge's two connects a turn.
+    """The closures as connections: a connect is a ball, a weld is fixed, a hinge's two connects are a turn.
 
     `found`: each with its own name and that of its dof.
     """

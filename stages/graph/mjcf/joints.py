@@ -1,4 +1,4 @@
-"""A body's joints as one chain of dofs, and which mate such a chain is.
+"""Combines a body's joints to one chain of dofs, and finds its joint type.
 
 MuJoCo's joint i takes the body's frame by Pᵢ Mᵢ(q − q₀) Pᵢ⁻¹, with Pᵢ the shift to its anchor. A link's
 frame is that of its last joint: the body's own axes at the anchor, where that joint turns. So with the
@@ -6,7 +6,7 @@ body at B in its parent
 
     B Π Pᵢ Mᵢ(q − q₀) Pᵢ⁻¹ Pₙ = B P₁ M₁(−q₀) · M₁(q) · P₁⁻¹ P₂ M₂(−q₀) · M₂(q) ...
 
-and each dof's origin is what stands before its motion.
+and each dof's origin is the transform before its motion.
 """
 
 from collections.abc import Mapping, Sequence
@@ -48,7 +48,7 @@ class Chain:
 
 @dataclass(frozen=True, slots=True)
 class BodyJoint:
-    """What a body's joints are together. `backwards`: they run as those of a mate whose second entity is
+    """A body's joints as one joint. `backwards`: they run as those of a mate whose second entity is
     the child. `name` is "" where the joints' own names have no common part."""
 
     name: str
@@ -75,7 +75,8 @@ def chain_of(body: MjcfBody, names: Sequence[str]) -> Chain:
 
 
 def _places(joints: Sequence[MjcfJoint]) -> list[Array]:
-    """Where (4, 4) in the body each joint acts. A slide acts anywhere: where the next that turns does."""
+    """The point of action (4, 4) of each joint in the body; a slide gets that of the next joint that
+    turns."""
     places: list[Array] = []
     place = np.eye(4)
     for joint in reversed(joints):
@@ -85,7 +86,7 @@ def _places(joints: Sequence[MjcfJoint]) -> list[Array]:
 
 
 def _gathered(dofs: list[Dof]) -> Array:
-    """What stands before the first dof (4, 4), once each origin after a slide is moved to before it:
+    """The transform (4, 4) before the first dof, after each origin behind a slide is moved in front of it:
     M(a) O = O M(Oᵀ a). The dofs are changed in place."""
     origins = [dof.origin for dof in dofs]
     for index in range(len(dofs) - 1, 0, -1):
@@ -102,7 +103,7 @@ def _gathered(dofs: list[Dof]) -> Array:
 
 
 def body_joint(dofs: Sequence[Dof]) -> BodyJoint:
-    """The mate that a body's dofs make, by their kinds, axes and names; else `compound`."""
+    """The joint type of a body's dofs, by their kinds, axes and names; else `compound`."""
     names = [dof.name for dof in dofs]
     for kind, freedoms in FREEDOMS.items():
         if len(freedoms) < 2 or len(freedoms) != len(dofs):

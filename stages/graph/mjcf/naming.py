@@ -1,4 +1,4 @@
-"""Names from an MJCF: bodies, joints, sites and equalities keep theirs; what has none gets one."""
+"""Names from an MJCF: bodies, joints, sites and equalities keep their names; unnamed ones get one."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 
@@ -104,7 +104,7 @@ def _loops(
 
 
 def _joint_name(namer: Namer, link: str, dofs: Sequence[str]) -> str:
-    """What the joints of a body are called together: as the only one of them is."""
+    """The name of a body's combined joint: that of its only joint, else a new name."""
     if len(dofs) == 1:
         return dofs[0]
     return namer.make("joint", f"{link}_{'joints' if dofs else 'fixed'}")

@@ -1,4 +1,4 @@
-"""From an MJCF to a mechanism: its bodies and joints at qpos0, followers where their drivers have them."""
+"""Reads an MJCF into a mechanism: bodies and joints at qpos0, followers at the values of their drivers."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -39,7 +39,7 @@ NO_JOINT = "the MJCF has no joint between it and the world"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pose:
-    """Where everything is: poses (4, 4) of bodies and links in the world, and the values of that."""
+    """A pose: poses (4, 4) of bodies and links in the world, and the values of the dofs."""
 
     world_from_body: Mapping[int, Array]
     world_from_link: Mapping[int, Array]
@@ -47,7 +47,7 @@ class _Pose:
 
 
 def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
-    """Reads what MuJoCo made of an MJCF. ProtocolError where the bundle does not hold that."""
+    """Reads a compiled MJCF. ProtocolError where the bundle does not contain one."""
     mjcf = _decoded(bundle)
     log.add(mjcf.diagnostics)
     report_unused(keys, "MJCF", log)
@@ -108,7 +108,7 @@ def _require_tree(mjcf: Mjcf) -> None:
 
 
 def _chains(mjcf: Mjcf, names: MjcfFileNames) -> tuple[dict[int, Chain], Configuration]:
-    """Each body's dofs, saved at qpos0 and followers where their drivers have them; and those values."""
+    """Each body's dofs at qpos0 (followers at the values of their drivers), and those values."""
     chains = {number: chain_of(body, names.dofs[number]) for number, body in enumerate(mjcf.bodies)}
     saved = {dof.name: dof.saved for one in chains.values() for dof in one.dofs}
     saved |= followed_values(_relations(mjcf, names), saved)

@@ -1,1 +1,1 @@
-"""The reader of Onshape's documents: an assembly as drawn becomes a mechanism."""
+"""The reader of Onshape's documents: turns an assembly into a mechanism."""

@@ -1,4 +1,4 @@
-"""The assembly as drawn: every occurrence at any depth, and every feature in each place where it acts.
+"""The assembly as drawn: every occurrence at any depth, and every feature once for each place where it acts.
 
 The features of a sub-assembly act once for each of its occurrences, so a feature is identified by the
 occurrence path of its owner and its id.
@@ -60,7 +60,7 @@ class Mate:
 
     @property
     def key(self) -> tuple[Path, str, str]:
-        """What identifies it: (owner path, feature id, copied instance)."""
+        """Its identifier: (owner path, feature id, copied instance)."""
         return self.ref.key
 
 
@@ -116,7 +116,7 @@ class Connector:
 class Assembly:
     """Everything that is not suppressed. `occurrences` has the root's absent: its path is ().
 
-    `stiff`: sub-assemblies that are rigid whatever is drawn inside them.
+    `stiff`: sub-assemblies that are rigid in any case.
     """
 
     root: Record
@@ -152,7 +152,7 @@ def check_parts(assembly: Assembly, hint: str) -> None:
 
 
 def without_empty(occurrences: Mapping[Path, Occurrence]) -> dict[Path, Occurrence]:
-    """Occurrences without the sub-assemblies that have no part: they are as absent as what is suppressed."""
+    """Occurrences without the sub-assemblies that have no part: these are treated as suppressed."""
     parts = [path for path, one in occurrences.items() if one.is_part]
     used = {path[:depth] for path in parts for depth in range(1, len(path) + 1)}
     return {path: one for path, one in occurrences.items() if path in used}

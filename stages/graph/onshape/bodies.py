@@ -2,7 +2,7 @@
 
 Parts joined by FASTENED mates or mate groups are one body; so are all parts fixed to the world, and
 whatever lies in a rigid sub-assembly. The assembly's origin is a body of its own where something moves
-against it and nothing is fixed to it.
+relative to it and nothing is fixed to it.
 """
 
 from collections import Counter
@@ -42,11 +42,11 @@ class Bodies:
 def find_bodies(
     assembly: Assembly, keys: GraphKeys, log: Diagnostics, welds: Sequence[tuple[Path, Path]] = ()
 ) -> Bodies:
-    """Merges what is rigid, sub-assembly frames included, and what `welds` holds together besides.
+    """Merges occurrences that are rigidly connected, sub-assembly frames and `welds` included.
 
     The frame of a sub-assembly moves with its parts where they are one body, else with the part
     that is fixed inside it or fastened to its origin. A mate to a frame that no part carries is a
-    problem. Mates that move nothing are reported, unless it is for `welds` alone.
+    problem. Mates that move nothing are reported, except those that only `welds` make rigid.
     """
     merger = _Merger(assembly, rigid_subassemblies(assembly, keys.depth, log))
     merger.merge_drawn()
@@ -78,7 +78,7 @@ class _Merger:
         }
 
     def merge_drawn(self) -> None:
-        """What the drawing and the key `depth` hold together."""
+        """Merges what mates, groups and the key `depth` make rigid."""
         for occurrence in self.assembly.occurrences.values():
             if occurrence.fixed:
                 self.rigid.union(WORLD, occurrence.path)

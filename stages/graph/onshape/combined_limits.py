@@ -1,4 +1,4 @@
-"""Limits of mates that another one replaces, as limits of that one."""
+"""Converts the limits of mates that another mate replaces to limits of that mate."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -16,7 +16,7 @@ MET = 1e-6
 
 
 class LimitLost(Exception):
-    """A limit has no counterpart on the mate that stays; the text says why."""
+    """A limit has no counterpart on the remaining mate; the text gives the reason."""
 
 
 def narrowed(limits: Sequence[Limits], into: View, tie: Tie | None, dof: Dof, here: float) -> list[Limits]:

@@ -30,7 +30,7 @@ from stages.robot.model import Array, MateRef, frozen
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Drawn:
-    """What has been read so far."""
+    """The parts of the assembly read so far."""
 
     occurrences: dict[Path, Occurrence] = field(default_factory=dict)
     mates: list[Mate] = field(default_factory=list)
@@ -135,7 +135,7 @@ def _occurrence(
 
 
 def _check_ids(features: Sequence[Record]) -> None:
-    """ValueError or TypeError unless each feature has an id of its own: ids tell features apart."""
+    """ValueError or TypeError unless the ids of the features are unique."""
     seen: set[str] = set()
     for ident in (text(feature["id"]) for feature in features):
         if ident in seen:
@@ -214,7 +214,7 @@ def _read_mate(found: _Drawn, owner: Path, title: str, name: str, feature: Recor
 
 
 def _read_patterns(owner: Path, names: tuple[str, ...], record: Record) -> Iterator[Pattern]:
-    """The patterns and mirrors of one assembly, by id: what each is a copy of."""
+    """The patterns and mirrors of one assembly, by id: the copies of each seed."""
     drawn = [
         (pattern, list((pattern.get("seedToPatternInstances") or {}).items()))
         for pattern in record.get("patterns") or ()

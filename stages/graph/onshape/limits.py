@@ -27,14 +27,14 @@ from stages.robot.model import DofKind
 MateKey = tuple[Path, str]
 
 _UNTOUCHED = re.compile(r"\s*(0+(\.0*)?\s*\*?\s*([^\W\d_]+|[°'\"])?)?\s*")
-"""What stands in a field that nobody typed in: nothing, or a zero in some unit ("0 deg", "0.0*mm")."""
+"""The content of a field that was not filled in: nothing, or a zero in some unit ("0 deg", "0.0*mm")."""
 
 
 @dataclass(frozen=True, slots=True)
 class Remarks:
     """Remarks on a mate's limits. `unknown`: why they are unknown, or not known exactly; "" if they are
-    known. `doubts`: what contradicts itself, and how it was read. `open`: sides that are open where the
-    other one was typed."""
+    known. `doubts`: contradictions, and how they were resolved. `open`: the open side where only the other
+    was typed."""
 
     unknown: str = ""
     doubts: tuple[str, ...] = ()
@@ -149,7 +149,7 @@ class _Found:
 
 
 def _read_limit(name: str, kind: DofKind, parameter: Record, scope: Scope, found: _Found) -> None:
-    """Takes one limit down as a number, as open, or as not known."""
+    """Records one limit as a number, as open, or as unknown."""
     text, empty = str(parameter.get("expression") or ""), str(parameter.get("nullValue") or "")
     if parameter.get("isNull"):
         return

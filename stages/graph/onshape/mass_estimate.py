@@ -1,4 +1,4 @@
-"""The mass properties of a part's shape, for parts whose own are not known: from its triangles."""
+"""Estimates mass properties from a part's triangles, for parts without mass properties."""
 
 import math
 from collections.abc import Iterable

@@ -1,4 +1,4 @@
-"""How the coordinates of a mate follow from those of another between the same two bodies."""
+"""Expresses the coordinates of a mate by those of another mate between the same two bodies."""
 
 import math
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ _SAMPLES = 12
 
 @dataclass(frozen=True, slots=True)
 class Tie:
-    """Whatever moves, the coordinate changes by `factor` times the change of the other mate's dof number
+    """In every motion the coordinate changes by `factor` times the change of the other mate's dof number
     `onto`; a factor of 0 is a coordinate that stays as it is."""
 
     onto: int
@@ -73,7 +73,7 @@ def _near(value: Value, step: Array, unit: float) -> Value:
 
 
 def changes(one: View, displacement: Array) -> Array:
-    """What the coordinates of a mate change by (n,) as its first body is displaced against its second."""
+    """The changes (n,) of a mate's coordinates as its first body is displaced relative to its second."""
     before = coordinates(one, np.eye(4))
     after = coordinates(one, displacement)
     turns = np.array([dof.kind == "turn" for dof in one.dofs])
@@ -92,7 +92,8 @@ def coordinates(one: View, displacement: Array) -> Array:
 
 
 def carried(limits: Limits, here: float, tie: Tie, there: float) -> Limits:
-    """Limits of a coordinate that is at `here` as limits of what it is tied to, which is at `there`."""
+    """Limits of a coordinate with the value `here` as limits of the dof that it is tied to, with the value
+    `there`."""
     offset = here - tie.factor * there
     offset = 0.0 if abs(offset) < NOISE else offset
     ends = [None if end is None else (end - offset) / tie.factor for end in (limits.lower, limits.upper)]

@@ -1,9 +1,9 @@
-"""What a mate lets move, as a subspace of twists.
+"""The motions that a mate allows, as a subspace of twists.
 
-What a mate allows is a subgroup of the rigid motions (but not a PIN_SLOT's), so what several between
-the same two bodies allow together is one too, and its Lie algebra is the intersection of theirs: what
-holds for twists at the saved pose holds at every pose (Hervé, "Analyse structurelle des mécanismes par
-groupe des déplacements", 1978).
+The motions of a mate are a subgroup of the rigid motions (except a PIN_SLOT's), so the common motions of
+several mates between the same two bodies are a subgroup too, and its Lie algebra is the intersection of
+theirs: what holds for twists at the saved pose holds at every pose (Hervé, "Analyse structurelle des
+mécanismes par groupe des déplacements", 1978).
 
 Twists are (turn, shift) (6,) in the world: the shift of a `centre`, over a length `size` [m].
 """
@@ -45,12 +45,12 @@ class View:
 
     @property
     def residual(self) -> float:
-        """What the dofs do not explain of the saved pose [m or rad]."""
+        """The error of the dofs at the saved pose [m or rad]."""
         return residual(inverse(self.second) @ self.first, chain(self.dofs, self.saved))
 
 
 def view(mate: Mate, assembly: Assembly, body_of: Mapping[Path, int]) -> View:
-    """A mate of a known type as it stands in the assembly."""
+    """The view of a mate of a known type."""
     one, other = mate.entities
     first, second, mirrored = right_handed(assembly.world_from(one), assembly.world_from(other))
     dofs = dofs_of("", mate.ref.type, mate.limits or {}, inverse(second) @ first, mirrored)

@@ -1,10 +1,10 @@
-"""Documents made for onshape-to-robot: what it reads in names, put in our own terms.
+"""Documents made for onshape-to-robot: translates the conventions of its names into our own terms.
 
 There a mate is a joint because of its name: `dof_NAME`, with `_inv` for the opposite direction and
 `wheel` or `continuous` for no limits; `closing_NAME` closes a loop, `frame_NAME` marks a frame, `fix_`
 and what is FASTENED without a prefix welds, and any other mate is passed over. Only the root assembly's
 features count, and each of its instances is rigid. After the code of its release 1.8.3; what that does
-by accident (loops that nobody declared, relations of inverted mates) is not followed.
+by accident (undeclared loops, relations of inverted mates) is not reproduced.
 """
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
@@ -39,7 +39,7 @@ AnyKeys = TypeVar("AnyKeys", bound=Keys)
 
 
 def translated(assembly: Assembly, keys: GraphKeys, log: Diagnostics) -> tuple[Assembly, GraphKeys]:
-    """The assembly with names that are nothing more than names, and the keys that go with it.
+    """The assembly with plain names, and the keys that replace the conventions.
 
     To be called once limits are known, before anything is copied or merged. The root is the first
     instance, unless `root` chooses another, and is fixed where one of its occurrences is; links are
@@ -97,7 +97,7 @@ class _Marker:
 
 
 def _by_meaning(assembly: Assembly, log: Diagnostics) -> dict[str, list[Mate]]:
-    """The root assembly's mates by the meaning of their names. W-PEER-MATE for those that do not count."""
+    """The root assembly's mates by the meaning of their names. W-PEER-MATE for ignored mates."""
     meant: dict[str, list[Mate]] = {DOF: [], CLOSING: [], FRAME: [], FIX: []}
     origin, idle, inside = [], [], []
     for mate in assembly.mates:
@@ -193,7 +193,7 @@ def _markers(assembly: Assembly, meant: Mapping[str, Sequence[Mate]], log: Diagn
 
 
 def _without(assembly: Assembly, gone: Collection[Path]) -> Assembly:
-    """The assembly without some instances of its own, and all that names them."""
+    """The assembly without some of its instances, and without the features that refer to them."""
 
     def stays(path: Path) -> bool:
         return path[:1] not in gone
@@ -214,8 +214,8 @@ def _without(assembly: Assembly, gone: Collection[Path]) -> Assembly:
 
 
 def _link_names(assembly: Assembly, links: Mapping[Path, Path], joints: Sequence[Mate]) -> dict[Path, str]:
-    """What each link is called: by its `link_` connector, else after its first instance, numbered as one
-    comes to them from the root along the joints."""
+    """The name of each link: by its `link_` connector, else after its first instance, numbered in the order
+    of the joints from the root."""
     given = _given(assembly, links)
     around: dict[Path, list[Path]] = {links[path]: [] for path in _instances(assembly)}
     for mate in joints:
@@ -274,7 +274,7 @@ def _connectors(assembly: Assembly) -> Iterator[Connector]:
 def _held_at_the_root(
     assembly: Assembly, links: Mapping[Path, Path], root: Path, log: Diagnostics
 ) -> Assembly:
-    """The assembly with no other link fixed than the root."""
+    """The assembly in which only the root link is fixed (W-PEER-FIXED for others)."""
     held = {
         path: replace(one, fixed=False)
         for path, one in assembly.occurrences.items()

@@ -1,4 +1,4 @@
-"""What onshape-to-robot reads in the name of one mate: a joint, its direction, its limits."""
+"""Reads the name of one mate as onshape-to-robot does: a joint, its direction, its limits."""
 
 from collections.abc import Collection, Iterator
 from dataclasses import replace
@@ -38,12 +38,12 @@ def words(mate: Mate) -> tuple[list[str], bool]:
 
 
 def apart(mate: Mate) -> str:
-    """The mate's type, with FASTENED as what joins two links and does not make them one."""
+    """The mate with FASTENED as a fixed joint between two links, not as one link."""
     return "FIXED" if mate.ref.type == "FASTENED" else mate.ref.type
 
 
 def joint(mate: Mate, assembly: Assembly, log: Diagnostics) -> Iterator[Mate]:
-    """A `dof_` mate under its own name, turned round where it is inverted."""
+    """A `dof_` mate under its own name, reversed where it is inverted."""
     own, inverted = words(mate)
     name = "_".join(own)
     if not legal(name):

@@ -1,10 +1,10 @@
-"""Several mates between the same two bodies: what they allow together, as one mate or as a weld.
+"""Combines several mates between the same two bodies into one mate or a weld.
 
-Onshape's mates are all constraints, so two bodies move only as every mate between them allows. That is
+Onshape's mates are constraints, so two bodies move only as every mate between them allows. That is
 the motion of one of them (the second hinge of a door, a CYLINDRICAL beside a REVOLUTE), or what only
 their intersection is: a turn (two BALLs, a PLANAR across a CYLINDRICAL), a slide (two PLANARs), or
 nothing at all. No intersection of what mates allow is anything else than these or a shift in any
-direction of a plane or of space, which no mate describes: those are left as they are.
+direction of a plane or of space, which no mate describes: such mates stay as they are.
 """
 
 import math
@@ -65,7 +65,7 @@ class _Work:
 def combined(
     mates: Sequence[Mate], assembly: Assembly, body_of: Mapping[Path, int], log: Diagnostics
 ) -> CombinedMates:
-    """What mates between different bodies mean together, two bodies at a time.
+    """Combines the mates between different bodies, two bodies at a time.
 
     `body_of`: occurrence path → body. Mates of one body, or of an unknown type, are passed on. The
     result does not depend on the order of `mates`, nor on which entity of a mate is the first. Where
@@ -89,7 +89,7 @@ def combined(
 
 
 def _join(views: Sequence[View], work: _Work) -> bool:
-    """Makes one mate of several, or a weld; False where neither describes what they allow."""
+    """Replaces several mates by one mate or a weld; False where neither describes their common motion."""
     centre, size = extent(views)
     groups = [one for one in views if one.mate.ref.type != "PIN_SLOT"]
     slots = [one for one in views if one.mate.ref.type == "PIN_SLOT"]
@@ -139,7 +139,7 @@ def _weld(views: Sequence[View], work: _Work) -> None:
 
 
 def _single(views: Sequence[View], twist: Array, centre: Array, size: float, assembly: Assembly) -> View:
-    """A mate for the one motion that is left: a turn about an axis, or a slide along a direction."""
+    """A mate for a single remaining motion: a turn about an axis, or a slide along a direction."""
     turn, shift = twist[:3], twist[3:] * size
     if np.linalg.norm(turn) > ALIKE:
         axis = turn / np.linalg.norm(turn)
@@ -212,7 +212,7 @@ def _made(kept: View, kind: str, frames: Sequence[Array], assembly: Assembly) ->
 
 
 def _absorb(into: View, others: Sequence[View], views: Sequence[View], size: float, work: _Work) -> None:
-    """Lets one mate stand for all: with their limits, where they bound a coordinate of its own."""
+    """Replaces all mates by one, with their limits where these bound one of its coordinates."""
     limits = [dof.limits for dof in into.dofs]
     for one in others:
         moved: dict[str, tuple[str, float]] = {}

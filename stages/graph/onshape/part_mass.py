@@ -1,9 +1,9 @@
-"""What each part weighs: CAD's mass properties, the user's in their place, or an estimate of its shape.
+"""The mass properties of each part: CAD's, overridden by the user's, or estimated from its shape.
 
-Onshape gives each value as [nominal, min, max]; `inertia` is 27 numbers of which the first nine
-are the nominal tensor, row by row, about the centroid, in the part studio's axes, with true signs.
-A composite part has an entry of its own; its constituents have theirs, which nobody uses unless they
-stand in the assembly themselves. A sheet has no mass, unless one is given to it.
+Onshape gives each value as [nominal, min, max]; `inertia` is 27 numbers of which the first nine are the
+nominal tensor, row by row, about the centroid, in the part studio's axes, with true signs. A composite part
+has its own entry; the entries of its constituents are used only where these are in the assembly themselves. A
+sheet has no mass, unless one is given to it.
 """
 
 import json
@@ -59,7 +59,7 @@ class Kind:
 
     @property
     def called(self) -> str:
-        """Its title, and how many there are of it."""
+        """Its title and the number of its occurrences."""
         count = len(self.occurrences)
         return self.title if count == 1 else f"{self.title} (and {count - 1} more like it)"
 
@@ -71,7 +71,7 @@ class Kind:
 
     @property
     def mass(self) -> float | None:
-        """What is known of its mass: the user's word, else CAD's [kg]."""
+        """Its known mass [kg]: the user's value, else CAD's."""
         if self.asked.mass is not None:
             return self.asked.mass
         if self.asked.density is not None:
@@ -82,10 +82,10 @@ class Kind:
 def weighed(
     assembly: Assembly, bundle: OnshapeBundle, keys: MassKeys, log: Diagnostics
 ) -> dict[Path, Weight]:
-    """What every part occurrence weighs; problems are reported once for each kind of part.
+    """The mass properties of every part occurrence; problems are reported once for each kind of part.
 
     E-BODY-TYPE, E-GLOB, E-MASS; W-BODY-TYPE for a sheet that weighs nothing, W-MASS-ESTIMATED,
-    W-MASS-IGNORED, W-DENSITY. A part with a problem weighs nothing here.
+    W-MASS-IGNORED, W-DENSITY. A part with a problem has no mass here.
     """
     kinds = _kinds(assembly, read_masses(bundle), keys.parts, log)
     # Triangles are read only for what CAD knows too little of.
@@ -142,7 +142,7 @@ def _together(entries: Sequence[PartMassKeys]) -> PartMassKeys:
 
 
 def _supposed(kinds: Sequence[Kind], keys: MassKeys, log: Diagnostics) -> dict[PartKey, float]:
-    """Masses [kg] of the kinds that have none, by `mass.missing`; reports what becomes of each."""
+    """Masses [kg] of the kinds that have none, by `mass.missing`; reports the treatment of each."""
     missing = [kind for kind in kinds if kind.mass is None and kind.type in KNOWN]
     sheets = [kind for kind in missing if kind.type == SHEET and not kind.asked.density]
     missing = [kind for kind in missing if kind not in sheets]
@@ -168,7 +168,7 @@ def _supposed(kinds: Sequence[Kind], keys: MassKeys, log: Diagnostics) -> dict[P
 
 
 def _small(kinds: Sequence[Kind], missing: Sequence[Kind]) -> list[Kind]:
-    """Those of the missing that hardly count: each is small, and so are all of those together."""
+    """The negligible parts without mass: each is small, and so is their sum."""
     total = sum(kind.volume * len(kind.occurrences) for kind in kinds)
     small = [kind for kind in missing if kind.volume < SMALL * total]
     together = sum(kind.volume * len(kind.occurrences) for kind in small)
@@ -255,7 +255,7 @@ def _check_density(kind: Kind, log: Diagnostics) -> None:
 
 
 def part_key(record: Mapping[str, str]) -> PartKey:
-    """What a part instance is one of."""
+    """The part of an instance."""
     return StudioKey.of(record), record["partId"]
 
 
@@ -285,7 +285,7 @@ def _of_reply(body: Mapping[str, Any]) -> Inertial:
 
 
 def _first(values: object) -> float:
-    """The nominal one of [nominal, min, max]; 0 where there is none."""
+    """The nominal value of [nominal, min, max]; 0 without one."""
     if isinstance(values, list):
         values = values[0] if values else 0.0
     return number(values or 0.0)

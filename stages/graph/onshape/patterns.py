@@ -1,8 +1,8 @@
-"""Patterned and mirrored instances: the mates and groups of their seeds, once more for each copy.
+"""Patterned and mirrored instances: copies the mates and groups of their seeds to each copy.
 
 Onshape gives copies no mates of their own. With S the motion or reflection that takes a seed to its
-copy at the saved pose, a mate of the seed becomes one of the copy: what it holds on the seed it holds
-on the copy, at the same place, and what it holds elsewhere stays where it is, with its frame moved by S.
+copy at the saved pose, a mate of the seed becomes a mate of the copy: on the side of the seed it joins
+the copy at the same place; its other side stays on its occurrence, with its frame moved by S.
 A mate by which the seed carries something is not repeated (`carried`).
 """
 
@@ -44,9 +44,9 @@ def with_copies(assembly: Assembly, mirror: str, depth: DepthKeys, log: Diagnost
 
     `mirror`: "joints", or "weld" for copies that are fastened where the first of their seeds' mates would
     hold them, and rigid inside. A copy that has mates of its own gets nothing; no relation is copied.
-    `depth`: in which sub-assemblies nothing moves: their copies are held without mates.
+    `depth`: which sub-assemblies have no inner motion: their copies need no mates inside.
 
-    The patterns of outer assemblies come first: what they copy holds what is inside the copies.
+    The patterns of outer assemblies come first: their copied features support what is inside the copies.
     """
     patterns = sorted(assembly.patterns, key=lambda pattern: len(pattern.owner))
     for _, level in groupby(patterns, key=lambda pattern: len(pattern.owner)):
@@ -114,7 +114,7 @@ class _Copier:
                     yield copy, image
 
     def _images(self, owner: Path, feature: Feature, fresh: frozenset[Path] | None) -> Iterator[_Image]:
-        """Where a feature acts again, once for each copy of each pattern whose seeds it touches.
+        """The images of a feature, one for each copy of each pattern whose seeds it touches.
 
         `fresh`: of a feature that is a copy itself, the instances that it was moved to; only these
         lead on to further copies.
@@ -188,14 +188,14 @@ class _Copier:
         return frozen(occurrence_from_world @ motion @ self.assembly.world_from(entity))
 
     def welded(self, mate: Mate) -> Mate:
-        """FASTENED instead, where its sides are at the saved pose."""
+        """A FASTENED mate in its place, at the saved pose."""
         first, second = mate.entities
         second_from_world = inverse(self.assembly.world_from_path(second.path))
         placed = Entity(second.path, frozen(second_from_world @ self.assembly.world_from(first)))
         return replace(mate, ref=replace(mate.ref, type="FASTENED"), entities=(first, placed), limits={})
 
     def report_relations(self) -> None:
-        """Names the relations of mates that act again, or lie in a copied sub-assembly."""
+        """W-PATTERN-RELATION for relations of mates that are copied, or lie in a copied sub-assembly."""
         for relation in self.assembly.relations:
             below = [
                 path[:depth]
@@ -212,7 +212,7 @@ class _Copier:
                 self.log.report("W-PATTERN-RELATION", message, relation.title, "mate and relate the copies")
 
     def report_joints(self, weld: bool) -> None:
-        """One finding for each pattern that has copied joints, and one for joints that it has not."""
+        """I-PATTERN for each pattern with copied joints, I-PATTERN-CARRIED for joints that are not copied."""
         for series in self.series:
             if series.carried:
                 message = (
@@ -234,10 +234,10 @@ class _Copier:
 
 
 def _holding(mates: Iterable[tuple[Mate, _Image]], groups: Iterable[_Image]) -> list[Mate]:
-    """The copied mates that take part when copies are welded.
+    """The copied mates that are used when copies are welded.
 
-    Copies that are connected are welded to the rest by one mate: by more, they would freeze what lies
-    between these. What is FASTENED stays so.
+    Connected copies are welded to the rest by only one mate: several would also freeze the joints
+    between these. FASTENED mates stay.
     """
     rest: Path = ()
     fixed = nx.utils.UnionFind([rest])

@@ -1,4 +1,4 @@
-"""From an assembly as drawn to a mechanism: the reader of Onshape's documents."""
+"""The reader of Onshape's documents: reads an assembly into a mechanism."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -31,9 +31,9 @@ Weights = Mapping[Path, tuple[Inertial, float]]
 
 
 def read_mechanism(bundle: OnshapeBundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
-    """Reads an assembly definition and what belongs to it; AssemblyError for what cannot be read at all.
+    """Reads an assembly definition and its other replies; AssemblyError where they cannot be read.
 
-    The keys come back with what the document's own conventions imply.
+    Also returns the keys, completed by the document's own conventions.
     """
     assembly = read_assembly(bundle.body(bundle.definition))
     log.add(assembly.diagnostics)
@@ -75,8 +75,8 @@ def _require_mates(assembly: Assembly, keys: GraphKeys) -> None:
 def _combined_bodies(
     assembly: Assembly, keys: GraphKeys, log: Diagnostics
 ) -> tuple[Bodies, Mapping[MateKey, Absorbed]]:
-    """The bodies, once no two of them are held rigidly together by several mates; and the mates whose
-    place others have taken."""
+    """The bodies, after merging bodies that several mates hold rigidly together; and the mates that others
+    replace."""
     welds: list[tuple[Path, Path]] = []
     while True:
         found, about_mates = Diagnostics(), Diagnostics()
@@ -215,7 +215,7 @@ def _markers(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log: Diag
 
 
 def _report_names(assembly: Assembly, bodies: Bodies, names: AssemblyNames, log: Diagnostics) -> None:
-    """Names of which nothing could be kept, and `link_` connectors that name nothing."""
+    """W-NAME for names without a usable letter, and for `link_` connectors that name no link."""
     typed = [
         (name, assembly.occurrences[path].names[-1])
         for name, path in zip(names.links, names.paths, strict=True)

@@ -1,4 +1,4 @@
-"""The form of the API's replies; ProtocolError with the place where it is another."""
+"""Reads fields of the API's replies; ProtocolError names the place of an invalid field."""
 
 import math
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Which sub-assemblies may move inside: the keys `depth.max`, `depth.rigid` and `depth.flexible`."""
+"""Finds the rigid sub-assemblies: the keys `depth.max`, `depth.rigid` and `depth.flexible`."""
 
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
@@ -11,11 +11,11 @@ from stages.robot.names import legal
 
 
 def rigid_subassemblies(assembly: Assembly, depth: DepthKeys, log: Diagnostics) -> frozenset[Path]:
-    """The sub-assembly occurrences inside which nothing moves.
+    """The sub-assembly occurrences that are rigid.
 
-    Rigid is what lies deeper than `max` levels, what a glob of `rigid` names, what a mirror welds and
-    what lies in such a one; but never what a glob of `flexible` names. A glob without a slash is compared
-    with an instance's name (as typed, without its number, and as in robot files), one with a
+    A sub-assembly is rigid if it lies deeper than `max` levels, if a glob of `rigid` matches it, if a mirror
+    welds it, or if it lies in a rigid one; never if a glob of `flexible` matches it. A glob without a slash
+    is compared with an instance's name (as typed, without its number, and as in robot files), one with a
     slash against its whole title. E-GLOB for one that matches nothing.
     """
     subs = sorted((o for o in assembly.occurrences.values() if not o.is_part), key=lambda o: o.path)

@@ -1,1 +1,1 @@
-"""From one mechanism or robot to the next: names, masses, limits, relations, links of the user's own."""
+"""Passes from one mechanism or robot to the next: names, masses, limits, relations, added links."""

@@ -1,4 +1,4 @@
-"""What drives the joints: transmissions and controls of the source, by the names that joints have now."""
+"""The transmissions and controls of the source, under the present names of the joints."""
 
 from dataclasses import replace
 

@@ -42,7 +42,7 @@ Wanted = TypeVar("Wanted")
 def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], log: Diagnostics) -> Robot:
     """The robot with more links: the new ones last, in the order of their names as their parents allow.
 
-    One above the root becomes the root: it stands where the old root did not, and the base with it.
+    A link above the root becomes the root, and the base with it.
     E-LINK for a parent or a child that does not exist, E-NAME for a name that is not free.
     """
     avoid = {*wanted, *(keys.joint.name for keys in wanted.values() if keys.joint.name)}
@@ -105,7 +105,7 @@ def _one_by_one(
     add: Callable[[Robot, str, Wanted], Robot],
     lost: Callable[[Robot, str, Wanted], None],
 ) -> Robot:
-    """Adds what is wanted, each as soon as its parent is there; the rest is lost."""
+    """Adds each wanted item once its parent exists; `lost` reports the others."""
     waiting = dict(sorted(wanted.items()))
     while ready := [name for name, keys in waiting.items() if known(robot, keys)]:
         robot = add(robot, ready[0], waiting.pop(ready[0]))
@@ -117,18 +117,18 @@ def _one_by_one(
 def _with_link(robot: Robot, name: str, joint: str, keys: AddedLinkKeys) -> Robot:
     link = _link(name, keys)
     if keys.child is not None:
-        hung = _joint(joint, keys.joint, name, keys.child, _pose(keys))
-        # What floats on its own does so from the root, whichever that is.
-        below = (_floating_from(name, hung, one) if one.type == "free" else one for one in robot.joints)
+        connected = _joint(joint, keys.joint, name, keys.child, _pose(keys))
+        # A floating link floats relative to the root, so the new root becomes its parent.
+        below = (_floating_from(name, connected, one) if one.type == "free" else one for one in robot.joints)
         return replace(
             robot,
             links=(link, *robot.links),
-            joints=(hung, *below),
-            world_from_root=frozen(robot.world_from_root @ inverse(hung.parent_from_joint)),
+            joints=(connected, *below),
+            world_from_root=frozen(robot.world_from_root @ inverse(connected.parent_from_joint)),
         )
     parent, link_from_place = _place(robot, keys.parent or "") or ("", np.eye(4))
-    hung = _joint(joint, keys.joint, parent, name, link_from_place @ _pose(keys))
-    return replace(robot, links=(*robot.links, link), joints=(*robot.joints, hung))
+    connected = _joint(joint, keys.joint, parent, name, link_from_place @ _pose(keys))
+    return replace(robot, links=(*robot.links, link), joints=(*robot.joints, connected))
 
 
 def _floating_from(root: str, root_from_old: Joint, joint: Joint) -> Joint:
@@ -172,7 +172,7 @@ def _inertial(keys: AddedLinkKeys) -> Inertial | None:
 
 
 def _place(robot: Robot, name: str) -> tuple[str, Array] | None:
-    """The link and the pose in it (4, 4) that a link's or a frame's name stands for."""
+    """The link, and the pose in it (4, 4), that a link's or a frame's name refers to."""
     if any(link.name == name for link in robot.links):
         return name, np.eye(4)
     return next(((f.link, f.link_from_frame) for f in robot.frames if f.name == name), None)

@@ -1,4 +1,4 @@
-"""Limits as they came out: which are missing or unknown, contradict themselves, or act on nothing."""
+"""Checks limits: missing, unknown, contradictory, or without effect."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
@@ -19,7 +19,7 @@ UNITS: Mapping[DofKind, str] = {"turn": "rad", "slide": "m", "ball": "rad", "fre
 
 
 def with_checked_limits(robot: Robot, mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Robot:
-    """The robot with every limit checked; what is wrong, missing or doubtful with one is reported."""
+    """The robot with every limit checked; wrong, missing and doubtful limits are reported."""
     unknown = _unknown(mechanism.connections, keys.joints)
     _report_doubts(mechanism.connections, keys.joints, log)
     robot = check_limits(robot, unknown, log, keys.joints, keys.links, mechanism.has_saved_pose)
@@ -66,11 +66,11 @@ def check_limits(
     added: Mapping[str, AddedLinkKeys] | None = None,
     has_saved_pose: bool = True,
 ) -> Robot:
-    """Reports what limits lack or contradict; gives locked dofs the small range that engines need.
+    """Reports missing and contradictory limits; gives locked dofs the small range that engines need.
 
     `unknown`: why limits that CAD has are unknown, by dof. `wanted` and `added`: the keys `joints` and
-    `links`; limits that they leave open are open on purpose. `has_saved_pose`: whether someone drew the
-    robot and left it in its saved pose.
+    `links`; limits that they leave open are open on purpose. `has_saved_pose`: whether the source is an
+    assembly with a saved pose.
     """
     decided = [glob for glob, keys in (wanted or {}).items() if keys.limits is not None]
     decided += [joint.name for joint in robot.joints if joint.mate is None and _decides(joint, added or {})]
@@ -80,7 +80,7 @@ def check_limits(
 
 
 def _decides(joint: Joint, added: Mapping[str, AddedLinkKeys]) -> bool:
-    """Whether an added link's own keys say what its joint's limits are."""
+    """Whether an added link's own keys give its joint's limits."""
     keys = added.get(joint.child)
     return keys is not None and (keys.joint.type == "continuous" or keys.joint.limits is not None)
 
@@ -174,7 +174,7 @@ def _checked(dof: Dof, log: Diagnostics, has_saved_pose: bool) -> Dof:
 
 
 def measured(value: Value) -> float | None:
-    """What limits bound of a value: the number itself; of a ball the angle [rad] between the z axes
+    """The quantity that limits bound: the value itself; of a ball the angle [rad] between the z axes
     before and after, 2 asin √(x² + y²); None of free motion."""
     if isinstance(value, float):
         return value

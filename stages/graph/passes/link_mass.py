@@ -57,7 +57,7 @@ def _given(link: Link, asked: LinkMassKeys, log: Diagnostics) -> Link:
 def check_links(robot: Robot, log: Diagnostics, drawn: bool = True) -> None:
     """E-MASS for links that move without mass, E-INERTIA for inertias that no solid can have.
 
-    `drawn`: whether they are to be corrected in CAD, and not in a file.
+    `drawn`: whether the user corrects them in CAD, not in a file.
     """
     _check_masses(robot, log, drawn)
     # Parts of a kind share one inertial, which is looked at once.

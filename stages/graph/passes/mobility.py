@@ -1,7 +1,7 @@
-"""How a mechanism can move: its coordinates less the conditions of relations and loops, by rank.
+"""The mobility of a mechanism: its coordinates less the conditions of relations and loops, by rank.
 
-A loop asks that the twist of its frame by way of link a equals the one by way of link b, but for
-what its own dofs let move: 6 − f rows over the coordinates on both ways (Angeles, "Fundamentals of
+A loop requires that the twist of its frame by way of link a equals that by way of link b, except for
+the motions of its own dofs: 6 − f rows over the coordinates on both ways (Angeles, "Fundamentals of
 Robotic Mechanical Systems", on the rank of the Jacobian of a closed chain). Lengths are
 measured by the reach of connected loops, so that all entries are about 1.
 
@@ -53,7 +53,7 @@ class _Ring:
 
     @property
     def way(self) -> tuple[Coordinate, ...]:
-        """All the way round, but for its own."""
+        """The coordinates all the way round, without the loop's own."""
         return self.to_a + self.to_b
 
 
@@ -148,7 +148,7 @@ def _coordinates(dofs: Iterable[Dof], root_from_start: Array) -> Iterator[Coordi
 
 
 def _shares(robot: Robot) -> Mapping[str, Share]:
-    """What every dof of a relation takes part in, drivers too."""
+    """The share of every dof of a relation, drivers included."""
     slides = {dof.name for dof in robot.dofs if dof.kind == "slide"}
     found = {one.driver: Share(one.driver, 1.0, 0) for one in robot.relations}
     for one in robot.relations:
@@ -215,7 +215,7 @@ def _locked(ring: _Ring, reach: float) -> Array:
 
 
 def _independent(rows: Array) -> Array:
-    """As many rows as `rows` has rank, that say the same."""
+    """Independent rows with the same row space as `rows`."""
     if not rows.size:
         return rows[:0]
     _, sizes, across = np.linalg.svd(rows, full_matrices=False)

@@ -1,4 +1,4 @@
-"""Which dofs a relation joins, and by what factor: as drawn, or as the user configures it."""
+"""Finds the dofs that a relation joins, and its factor: as drawn, or as the user configures it."""
 
 import math
 from collections.abc import Collection, Mapping, Sequence
@@ -22,7 +22,7 @@ PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
 
 
 class _Unfit(Exception):
-    """A relation joins no dofs; the text says why."""
+    """A relation joins no dofs; the text gives the reason."""
 
 
 def named(robot: Robot, specs: Sequence[RelationSpec]) -> list[RelationSpec]:
@@ -78,7 +78,7 @@ def dof_relations(robot: Robot, specs: Sequence[RelationSpec], log: Diagnostics)
             hint = (
                 "correct it in the file" if spec.type == "MIMIC" else "correct it, or its mates, in Onshape"
             )
-            hint += f", or leave it out: relations: {{{as_key(spec.name)}: {{drop: true}}}}"
+            hint += f", or drop it: relations: {{{as_key(spec.name)}: {{drop: true}}}}"
             log.report("W-RELATION", f"{why}: its joints move independently", spec.title, hint)
             continue
         if one is None:

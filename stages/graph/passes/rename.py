@@ -1,4 +1,4 @@
-"""Names of the user's own for links and joints, in place of those made from CAD's."""
+"""Renames links and joints as the user wants (key `names`)."""
 
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence

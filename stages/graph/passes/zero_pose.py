@@ -1,4 +1,4 @@
-"""Where q counts from: the saved pose in place of the pose where the mates' frames coincide."""
+"""The zero of q: the saved pose in place of the pose where the mates' frames coincide."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -1,1 +1,1 @@
-"""The reader of URDF files: a file becomes a mechanism; what is wrong in it is reported or repaired."""
+"""The reader of URDF files: reads a file into a mechanism; reports or repairs its errors."""

@@ -1,4 +1,4 @@
-"""Links that are no bodies: frames that a file writes as links, and links that only carry the next joint."""
+"""Dummy links: frames that a file writes as links, and massless links between two joints."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -28,7 +28,7 @@ def without_dummies(urdf: Urdf, log: Diagnostics) -> tuple[Urdf, tuple[UrdfFrame
     """The file with each dummy on a fixed joint merged into its parent, as a frame (I-URDF-FRAME).
 
     A dummy has no mass, or has some but next to no extent: a point that its parent carries. Its shapes
-    and its joints go to the parent with it. The link `world` takes in nothing: what stands on it stays.
+    and its joints go to the parent with it. The link `world` takes in no dummies.
     """
     joints = {joint.child: joint for joint in urdf.joints}
     links = {link.name: link for link in urdf.links}
@@ -64,8 +64,7 @@ def _is_point(inertial: Inertial | None) -> bool:
 
 
 def has_world(urdf: Urdf) -> bool:
-    """Whether the link `world` is not a thing but the world that the robot is fixed to: a root without
-    mass."""
+    """Whether the link `world` is the world that the robot is fixed to: a root without mass."""
     above = {joint.child for joint in urdf.joints}
     return any(
         link.name == WORLD_LINK and link.name not in above and weighs_nothing(link.inertial)
@@ -116,7 +115,7 @@ def _moved(joint: UrdfJoint, places: Mapping[str, tuple[str, Array]]) -> UrdfJoi
 
 def with_carriers(urdf: Urdf, repair: bool, log: Diagnostics) -> Urdf:
     """The file with next to no mass (I-URDF-MASSLESS) on links that move without any, but carry others
-    that have some: such a link stands between two joints, as one of a ball's does.
+    that have some: such a link is between two joints, like the inner links of a ball.
 
     `repair`: links that move without mass and carry none get some too (W-URDF-MASSLESS).
     """

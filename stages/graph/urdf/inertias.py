@@ -21,7 +21,7 @@ Solid = Callable[[Iterable[UrdfShape]], Inertial | None]
 
 def repaired(urdf: Urdf, policy: Policy, bundle: Bundle, log: Diagnostics) -> Urdf:
     """The file with inertias that a solid can have, where `policy` allows it; W-INERTIA for
-    each change. What is refused is left as it is, for the check of all links, but for a mass below zero
+    each change. Refused inertias stay, to be reported by the check of all links, except a mass below zero
     and an inertia without mass (E-INERTIA).
     """
 
@@ -83,7 +83,7 @@ def _off_the_edge(own: Inertial) -> Inertial:
 
 
 def why_not(inertial: Inertial) -> str:
-    """What keeps an inertia from being a solid's, with its numbers."""
+    """Why no solid can have an inertia, with its numbers."""
     low, *_ = principal(inertial.inertia)
     moments = f"its principal moments are {_moments(inertial.inertia)} kg m²"
     if low <= 0:

@@ -1,4 +1,4 @@
-"""From a URDF to a mechanism: its links are the bodies, its joints the connections, all at zero."""
+"""Reads a URDF into a mechanism: links become bodies, joints become connections, all at zero."""
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
@@ -57,7 +57,7 @@ def read_mechanism(bundle: FileBundle, keys: GraphKeys, log: Diagnostics) -> tup
     """Reads a URDF and the meshes that it names; AssemblyError has all problems at once.
 
     Links without a body become frames, and impossible inertias are repaired as the source's key
-    `bad_inertia` has it. The joints are at zero, followers where their mimic has them then.
+    `bad_inertia` asks. The joints are at zero, followers at their mimic's values.
     """
     urdf = parse(bundle.body(bundle.definition), bundle.root["document"])
     log.add(urdf.diagnostics)
@@ -150,7 +150,7 @@ def _dynamics(joint: UrdfJoint, log: Diagnostics) -> Dynamics:
 
 
 def _saved(dofs: Mapping[str, tuple[Dof, ...]], urdf: Urdf) -> dict[str, tuple[Dof, ...]]:
-    """The dofs with followers where their mimic has them when what drives them is at zero."""
+    """The dofs with followers at their mimic's values for drivers at zero."""
     mimics = {joint.name: joint.mimic for joint in urdf.joints if joint.mimic and joint.type in SCALAR}
 
     values: dict[str, float] = {}

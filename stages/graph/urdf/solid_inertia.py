@@ -1,4 +1,4 @@
-"""What a link would weigh if its shapes were solid."""
+"""The inertia of a link's shapes as solids."""
 
 from collections.abc import Iterable, Iterator
 

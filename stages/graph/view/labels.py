@@ -1,4 +1,4 @@
-"""What people read of a robot: names that fit, and values in degrees, millimetres and kilograms."""
+"""Texts about a robot for people: shortened names, and values in degrees, millimetres and kilograms."""
 
 import math
 import re
@@ -111,7 +111,7 @@ def frames_on(robot: Robot) -> Mapping[str, Sequence[str]]:
 
 
 def is_origin(robot: Robot, link: Link) -> bool:
-    """Whether a link is no body, only the assembly's origin."""
+    """Whether a link is only the assembly's origin."""
     return link is robot.root and link.name == "world" and not link.parts
 
 
@@ -138,5 +138,5 @@ def mobility(robot: Robot) -> str:
 
 
 def standing(robot: Robot) -> str:
-    """How the base stands, and why."""
+    """Whether the base is fixed or free, and why."""
     return f"{'fixed' if robot.base.fixed else 'free'} base: {printable(robot.base.reason)}"

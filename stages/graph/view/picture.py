@@ -182,7 +182,7 @@ def _draw_box(canvas: Canvas, robot: Robot, box: Box) -> None:
 
 
 def _draw_base(canvas: Canvas, robot: Robot, box: Box) -> None:
-    """How the root stands: on the ground, or free."""
+    """The base: on the ground, or free."""
     canvas.group(standing(robot))
     fixed = robot.base.fixed
     canvas.path(

@@ -29,7 +29,7 @@ class Scope:
     """Variables by name, each evaluated when it is first asked for.
 
     `expressions`: name → its expression; `values`: name → its value as text ("30 deg"), which
-    stands in where the expression cannot be evaluated. `rounded` collects the names for which it did.
+    is used where the expression cannot be evaluated. `rounded` collects the names of such variables.
     """
 
     def __init__(self, expressions: Mapping[str, str], values: Mapping[str, str] | None = None) -> None:
@@ -66,7 +66,7 @@ class Scope:
         return self._known[name]
 
     def _note(self, name: str) -> None:
-        """Takes down that an inexact variable is used."""
+        """Records the use of a rounded variable."""
         if name in self._inexact:
             self._uses += 1
             self.rounded.add(name)
@@ -91,7 +91,7 @@ class Scope:
 
 
 def evaluate(text: str, lookup: Lookup) -> Value:
-    """The value of an expression; `lookup` gives variables. ExpressionError says what is wrong."""
+    """The value of an expression; `lookup` gives variables. ExpressionError for an invalid expression."""
     try:
         return _evaluated(parse(text), lookup)
     except RecursionError:

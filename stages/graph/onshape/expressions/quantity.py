@@ -1,4 +1,4 @@
-"""A number with its dimension, and what may be done to it."""
+"""A number with its dimension, and its arithmetic."""
 
 import math
 from dataclasses import dataclass
@@ -18,11 +18,11 @@ _MOST_POWER = 64
 
 
 class ExpressionError(Exception):
-    """An expression that has no value; the text says why and reads on after "…: "."""
+    """An expression without a value; the text gives the reason, to be appended to "…: "."""
 
 
 class UnknownVariable(ExpressionError):
-    """An expression names a variable that nobody defines."""
+    """An expression refers to an undefined variable."""
 
     def __init__(self, name: str) -> None:
         super().__init__(f"the variable #{name} is not known")
@@ -85,7 +85,7 @@ class Quantity:
         return {"==": a == b, "!=": a != b, "<": a < b, ">": a > b, "<=": a <= b, ">=": a >= b}[sign]
 
     def modulo(self, other: "Quantity") -> "Quantity":
-        """What is left of whole multiples of `other`, with the sign of `other`."""
+        """The remainder of a division by `other`, with the sign of `other`."""
         if other.value == 0.0:
             msg = "a division by zero"
             raise ExpressionError(msg)

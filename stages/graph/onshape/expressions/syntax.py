@@ -32,7 +32,7 @@ _CONSTANT = "PI"
 
 @dataclass(frozen=True, slots=True)
 class Expression:
-    """`kind` says what `name` is; `below` are the operands."""
+    """A node of the tree. `kind`: the kind of `name`; `below`: the operands."""
 
     kind: Literal["number", "variable", "name", "call", "unary", "binary", "choice"]
     name: str
