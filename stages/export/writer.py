@@ -1,4 +1,4 @@
-"""What every format of robot files has in common."""
+"""The interface of the writers of all formats."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Exported:
-    """`files`: path below the output folder → bytes. `diagnostics`: what the format cannot express."""
+    """`files`: path below the output folder → bytes. `diagnostics`: losses of the format."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...] = ()
@@ -22,7 +22,7 @@ class Exported:
 
 @dataclass(frozen=True, slots=True)
 class WriterInput:
-    """What a writer works with.
+    """The input of a writer.
 
     `start`: the value of every dof in a fresh simulation (qpos0). `files`: the files of the writers
     that this one names in `reads`, by path.

@@ -1,4 +1,4 @@
-"""A recording: what a bundle's zip holds, before the room of its kind makes a bundle of it."""
+"""A recording: the content of a bundle's zip, from which the source of its kind makes a bundle."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ LARGEST = 1 << 30
 
 @dataclass(frozen=True, slots=True)
 class Recording:
-    """What a zip holds, checked: every digest of `requests` and `definition` is in `blobs`.
+    """The checked content of a zip: every digest of `requests` and `definition` is in `blobs`.
 
-    `api` and `definition_api`: the versions of Onshape's API, "" where there is none; `options`: those
-    of a robot's own file.
+    `api` and `definition_api`: the versions of Onshape's API, "" for none; `options`: the reader's options of
+    a robot's own file.
     """
 
     kind: str

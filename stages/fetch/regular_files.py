@@ -1,4 +1,4 @@
-"""Files that someone else names: regular ones alone are read, and no more of them than they hold.
+"""Reads files that an untrusted file names: only regular files, and only up to a size.
 
 A pipe, a socket or a device may block for ever or never end, and so may what a kernel shows as a file
 of no length.
@@ -34,12 +34,12 @@ def is_file(path: Path) -> bool:
 
 
 def is_special(path: Path) -> bool:
-    """Whether there is something that is neither a file nor a folder."""
+    """Whether the path exists and is neither a file nor a folder."""
     return _is(path, lambda mode: not stat.S_ISREG(mode) and not stat.S_ISDIR(mode))
 
 
 def is_endless(path: Path) -> bool:
-    """Whether there is something that may block or never end where it is read whole by others."""
+    """Whether reading the path to its end could block or never finish."""
     if is_special(path):
         return True
     try:

@@ -1,4 +1,4 @@
-"""What sources have in common that are a robot's own file with its meshes."""
+"""Common base of the sources that are a robot's own file with its meshes (URDF, MJCF)."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ if TYPE_CHECKING:
     from stages.robot.bundle import Bundle
 
 MESH = "mesh/"
-"""How the request begins that stands for a mesh in a bundle."""
+"""Prefix of the requests for meshes in a bundle."""
 
 LARGEST_TEXT = 64 << 20
-"""The most that a robot's text or model may have in a bundle [bytes]."""
+"""Largest size of a robot's text or model in a bundle [bytes]."""
 
 LARGEST_TRIANGLES = 1 << 30
-"""The most that the triangles of one mesh may have in a bundle [bytes]."""
+"""Largest size of the triangles of one mesh in a bundle [bytes]."""
 
 
 class RobotFileSource(FileSource):
@@ -28,7 +28,7 @@ class RobotFileSource(FileSource):
 
     @staticmethod
     def replay(recording: Recording, where: str) -> Bundle:
-        """The bundle of a robot's own file as it was packed; SourceError where a mesh is not readable."""
+        """The bundle of a recorded robot file; SourceError where a mesh is not readable."""
         from stages.formats import triangles
         from stages.robot.bundle import FileBundle
         from stages.robot.errors import ProtocolError, SourceError

@@ -1,4 +1,4 @@
-"""What every kind of source offers to the stage, and the values that pass between them.
+"""The interface of every kind of source, and the values that it exchanges with the stage.
 
 A new source is one folder with a `keys.py` (`KEYS`) and a `source.py` (`SOURCE`), and one line in the
 table of `stages.fetch`.
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 class Calls:
     """The API calls of one build: filled in while it fetches, so that a failed fetch is counted too.
 
-    `made`: calls that count against the quota; `saved`: replies that were kept already; `year`: all
+    `made`: calls that count against the quota; `saved`: replies that were cached; `year`: all
     calls of this key in this year, None where nothing counts them; `remaining`: calls left in the
-    server's rate-limit windows, by kind of request; `served`: what the server reports of itself, its
+    server's rate-limit windows, by kind of request; `served`: the server's own report: its
     `api` version, that of definitions (`definition_api`) and its `release`; `waited`: seconds waited
     because the server asked for that.
     """
@@ -50,14 +50,14 @@ def _nothing() -> None:
 
 @dataclass(frozen=True, slots=True)
 class FetchContext:
-    """What a fetch works with besides its source.
+    """The environment of a fetch: caches, progress, retries.
 
     `replies`: where replies are kept; `environ`: the environment variables. `progress` gets lines about
     progress, and `transient` those that the next line replaces. Calls are recorded in the folder `ledger`,
-    and in `calls` also where the fetch fails. `patience`: how often and how long failed calls are
-    retried, apart from `source.max_wait`. `began`: the start of the sweep that this build belongs to
-    [s since the epoch]. `while_waiting` is called once replies are on their way, or a guest process
-    works, that make the later stages run; it must return at once.
+    and in `calls` also where the fetch fails. `patience`: how often and how long failed calls are retried,
+    apart from `source.max_wait`. `began`: the start of the sweep that this build belongs to [s since the
+    epoch]. `while_waiting` is called while a reply or a guest process is awaited, to prepare later stages; it
+    must return at once.
     """
 
     replies: ReplyStore
@@ -75,8 +75,8 @@ class FetchContext:
 class Fetched:
     """A bundle, the `calls` made for it that count against the quota, and the calls `saved`.
 
-    `title`: the name of the assembly's tab, where a reply has it. `stale`: the bundle is what was
-    fetched last, since the quota is used up, and `source.stale` does not accept that as success.
+    `title`: the name of the assembly's tab, where a reply has it. `stale`: the bundle is from the last
+    complete fetch, since the quota is used up, and `source.stale` does not accept that as success.
     """
 
     bundle: Bundle
@@ -100,7 +100,7 @@ class Source(Protocol):
         ...
 
     def preflight(self, environ: Mapping[str, str]) -> None:
-        """ConfigError for what is wrong before any work."""
+        """ConfigError for errors that are known before any work."""
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any] | None:
         """What identifies the content for ever, as plain data; None where it may change."""
@@ -130,7 +130,7 @@ class Source(Protocol):
         return ()
 
     def describe(self) -> dict[str, str]:
-        """What the report says of the source besides its kind."""
+        """The report's data about the source, besides its kind."""
         return {}
 
     @staticmethod
@@ -140,7 +140,7 @@ class Source(Protocol):
 
     @staticmethod
     def largest_reply(request: str) -> int:
-        """The most that the reply to a request of a recording may have [bytes]."""
+        """The size limit of the reply to a request in a recording [bytes]."""
         raise NotImplementedError
 
     @staticmethod

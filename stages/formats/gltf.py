@@ -1,7 +1,7 @@
 """Triangles out of glTF 2 files, binary or as JSON with their buffers in them.
 
-A few bytes of such a file can claim anything: every count, stride and offset is compared with what the
-file has before anything is made of it. Images are never looked at.
+A few bytes of such a file can claim any size, so every count, stride and offset is checked against the file's
+content before it is used. Images are not read.
 """
 
 import base64
@@ -170,7 +170,7 @@ class _GltfFile:
         return (_shown(red), _shown(green), _shown(blue), round(min(max(float(alpha), 0.0), 1.0), 6))
 
     def _take(self, numbers: int) -> None:
-        """ValueError where so many more numbers are more than a file of this size has use for."""
+        """ValueError where so many more numbers exceed the limit for a file of this size."""
         self._room -= numbers
         if self._room < 0:
             msg = "its meshes are used more often than makes sense"

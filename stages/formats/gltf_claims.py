@@ -1,7 +1,7 @@
-"""What a glTF file claims, compared with what it has, before a library that believes it reads it.
+"""Checks the sizes that a glTF file claims against its content, before a library reads it.
 
-An accessor without a buffer is as many zeros as it says, a stride of 1 makes 64 bytes of each, a node that
-two others name is there twice, and a node that names itself never ends.
+An accessor without a buffer is any number of zeros, a stride of 1 makes 64 bytes of each byte, a node with
+two parents counts twice, and a node that is its own child never ends.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,7 @@ _Record = Mapping[str, Any]
 
 
 def judge(data: bytes, companions: Mapping[str, bytes]) -> None:
-    """ValueError, or another error of plain data in no known shape, where a file claims what it has not.
+    """ValueError, or another error for an unknown structure, where a file claims more than it contains.
 
     `companions`: the files that it names, as it names them.
     """

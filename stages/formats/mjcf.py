@@ -1,7 +1,7 @@
-"""An MJCF as a value: what MuJoCo made of it, before anything is made of that.
+"""An MJCF as a value, as MuJoCo compiled it.
 
 Everything is as compiled: defaults, includes, angles, inertias from geoms and sizes from meshes are
-settled. Poses are (4, 4) float64 transforms at qpos0, named by their frames; SI units, radians. Bodies
+resolved. Poses are (4, 4) float64 transforms at qpos0, named by their frames; SI units, radians. Bodies
 and joints are referred to by their numbers, which are MuJoCo's; a name is "" where the file gives none.
 """
 

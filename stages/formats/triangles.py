@@ -1,4 +1,4 @@
-"""The triangles of a part studio in a compact form: what fetch keeps of a reply, and mesh reads.
+"""The triangles of a part studio in a compact form: fetch stores it, and mesh reads it.
 
 The form is an exact and deterministic function of the bodies. After a line that names it and its
 version: the length of the header (unsigned, 4 bytes), the header (JSON), then for each body

@@ -13,7 +13,7 @@ _MOST_LEVELS = 100
 
 
 class Malformed(ValueError):
-    """The text is no XML, or XML that nobody needs: entities, or nested or long beyond any sense."""
+    """The text is not XML, or uses entities, or exceeds the limits of nesting or length."""
 
 
 def element(parent: Element | None, tag: str, **attributes: str | None) -> Element:
@@ -43,7 +43,7 @@ def to_text(node: Element) -> str:
 
 
 def _indent(root: Element) -> None:
-    """Puts every element on a line of its own, but for those beside text that says something.
+    """Puts every element on its own line, except those beside text that is not blank.
 
     The white space of a deep tree grows with its square where every level has more.
     """
@@ -71,7 +71,7 @@ def _spaced(text: str | None, space: str) -> str:
 
 
 def parse(data: bytes, *, large: bool = False) -> Element:
-    """The root element, without comments; Malformed where there is none. `large`: texts may be longer
+    """The root element, without comments; Malformed without one. `large`: texts may be longer
     than 10 MB, as the arrays of a mesh are.
 
     No entity is expanded and nothing is fetched: a text that declares entities is refused. A prefix
@@ -120,7 +120,7 @@ _LIMITS = {
     "Resource limit": "a text or a value is longer than 10 MB",
     "amplification": "its entities grow beyond any sense",
 }
-"""The parser's words for its limits, which name switches of its own, and ours."""
+"""The parser's messages for its limits (they name the parser's own options) → our messages."""
 
 
 def tag(element: Element) -> str:

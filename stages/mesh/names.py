@@ -1,4 +1,4 @@
-"""Names of mesh files: one scheme, no two alike on any file system."""
+"""Names of mesh files: one scheme, unique on every file system."""
 
 from collections.abc import Iterable, Mapping
 

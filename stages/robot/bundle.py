@@ -43,10 +43,9 @@ class Studio:
 
 @dataclass(frozen=True, slots=True)
 class Features:
-    """What one assembly says about its mates' limits where the definition does not, by digest.
+    """The replies about the limits of one assembly's mates, where the definition lacks them, by digest.
 
-    `features`: its list of features; `variables`: its variables, None where they are not needed or
-    cannot be had.
+    `features`: its feature list; `variables`: its variables, None where they are not needed or not available.
     """
 
     key: StudioKey
@@ -56,7 +55,7 @@ class Features:
 
 @dataclass(frozen=True, slots=True)
 class Bundle:
-    """Raw replies or files, kept byte for byte: what all kinds of source have in common.
+    """Raw replies or files, byte for byte: the common part of all kinds of bundle.
 
     `root` names the robot: `document`, `microversion`, `element`, `configuration`. `definition` is the
     digest of the assembly definition, or of a robot's own text or model; `requests` maps the name of each

@@ -8,8 +8,8 @@ LinkwrightError(message, where, hint)
 ├── ExportError
 └── ValidationFailed
 
-An error says what is wrong (`message`), where (`where`: a key, a file, a CAD path) and what to do
-(`hint`). What the stages found on the way is a `Diagnostic`: its code's first letter is its level.
+An error has a `message`, a place (`where`: a key, a file, a CAD path) and a `hint` (what to do). A finding of
+a stage is a `Diagnostic`: the first letter of its code is its level.
 """
 
 from collections.abc import Iterable

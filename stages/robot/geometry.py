@@ -1,4 +1,4 @@
-"""What the mesh stage hands on: the shapes of every link and the mesh files behind them."""
+"""The result of the mesh stage: the shapes of every link and their mesh files."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Role = Literal["visual", "collision"]
 Colour = tuple[float, float, float, float]
 
 NEUTRAL: Colour = (0.7, 0.7, 0.7, 1.0)
-"""The colour of what has none of its own."""
+"""The default colour."""
 
 
 @dataclass(frozen=True, slots=True)

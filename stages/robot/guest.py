@@ -1,9 +1,9 @@
-"""Guests: code that runs on what anyone wrote, each in a process of its own and within bounds.
+"""Guest processes: code that reads untrusted input runs in its own process, within limits.
 
-A guest is a module with a function `answer(request: bytes) -> bytes`. Its process is Python's isolated
-mode with the libraries of this one, an environment of what it is given and no more, no terminal, and no
-input but the request; whatever becomes of it, this process goes on. It is ended with all that it started
-where it takes more time or memory than it may, and where this process is interrupted or ends.
+A guest is a module with a function `answer(request: bytes) -> bytes`. Its process is Python's isolated mode
+with the libraries of this one, an environment of what it is given and no more, no terminal, and no input but
+the request; a crash does not affect this process. The guest and its children are ended where they exceed a
+limit of time or memory, and where this process is interrupted or ends.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _OF_WINDOWS = ("SYSTEMROOT", "SYSTEMDRIVE", "TEMP", "TMP")
 
 _ERRORS: Mapping[str, type[LinkwrightError]] = {"SourceError": SourceError, "ConfigError": ConfigError}
 _HEAD = 9
-"""Bytes before a reply: what it is, and its length."""
+"""Bytes before a reply: its kind and its length."""
 
 _LOOK = 0.05
 """How often a guest's time and memory are looked at [s]."""
@@ -49,7 +49,7 @@ _STATM = "/proc/{}/statm"
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """What a guest may take: time by the clock [s], resident memory and the length of its reply [bytes].
+    """Limits of a guest: wall-clock time [s], resident memory and the length of its reply [bytes].
 
     Where a system does not show the memory of a process (Windows), time alone is bounded.
     """
@@ -60,14 +60,15 @@ class Bounds:
 
 
 class Ended(Exception):
-    """A guest ended without a reply; the text goes on from its name: "took longer than 60 s"."""
+    """A guest ended without a reply; the text continues a sentence after its name: "took longer than 60
+    s"."""
 
 
 def ask(module: str, request: bytes, bounds: Bounds, environ: Mapping[str, str]) -> bytes:
-    """What `module` answers to `request` in a process whose variables are `environ` and, on Windows, the
-    few that the system needs.
+    """The reply of `module` to `request`, in a process with the variables `environ` and, on Windows, the few
+    that the system needs.
 
-    Raises the guest's own SourceError or ConfigError, and Ended where it gives no whole reply.
+    Raises the guest's own SourceError or ConfigError, and Ended without a complete reply.
     """
     environ = {**_taken(_OF_WINDOWS), **environ}
     guest = _Guest(environ, bounds)
@@ -154,7 +155,7 @@ class _Guest:
                 self._said += piece
 
     def _hear_complaints(self) -> None:
-        """Keeps the end of what the guest writes otherwise."""
+        """Keeps the end of the guest's other output."""
         with contextlib.suppress(OSError), _stream(self._process.stderr) as stream:
             while piece := stream.read(1 << 16):
                 self._complained[:] = (self._complained + piece)[-4096:]
@@ -182,14 +183,14 @@ def resident(process: int) -> int:
 
 def _resident_by_ps(process: int) -> int:
     try:
-        told = subprocess.run(
+        listed = subprocess.run(
             ["ps", "-o", "rss=", "-p", str(process)],
             stdin=subprocess.DEVNULL,
             capture_output=True,
             timeout=_PATIENCE,
             check=False,
         )
-        return int(told.stdout) * 1024
+        return int(listed.stdout) * 1024
     except (OSError, ValueError, subprocess.TimeoutExpired):
         return 0
 
@@ -205,7 +206,7 @@ def _taken(names: Iterable[str]) -> dict[str, str]:
 
 
 def _libraries() -> list[str]:
-    """Where this process finds libraries, without the working folder and that of a script."""
+    """The library path of this process, without the working folder and the script's folder."""
     beside = {os.path.abspath(""), os.path.dirname(os.path.abspath(sys.argv[0]))}  # noqa: PTH100, PTH120
     found = [os.path.abspath(place) for place in sys.path if place]  # noqa: PTH100
     return list(dict.fromkeys([*(place for place in found if place not in beside), _LIBRARIES]))
@@ -214,9 +215,9 @@ def _libraries() -> list[str]:
 def _error(body: bytes) -> LinkwrightError:
     """The error that a guest reports; Ended where it is not a valid one."""
     try:
-        told = json.loads(body)
-        kind = _ERRORS[told["kind"]]
-        message, where, hint = (str(told[name])[:2000] for name in ("message", "where", "hint"))
+        fields = json.loads(body)
+        kind = _ERRORS[fields["kind"]]
+        message, where, hint = (str(fields[name])[:2000] for name in ("message", "where", "hint"))
     except (ValueError, KeyError, TypeError, RecursionError):
         raise Ended("reported an invalid error") from None
     return kind(message, where, hint)

@@ -1,5 +1,5 @@
-"""The other side of `guest`: what runs first in a guest's process. It imports nothing of ours until it
-knows where that is."""
+"""The entry point of a guest process (see `guest`). It imports none of our modules until it knows their
+folder."""
 
 import importlib
 import json
@@ -24,9 +24,9 @@ def main() -> None:
     try:
         kind, body = b"R", guest.answer(request)
     except errors.LinkwrightError as error:
-        told = {"message": error.message, "where": error.where, "hint": error.hint}
-        told["kind"] = "ConfigError" if isinstance(error, errors.ConfigError) else "SourceError"
-        kind, body = b"E", json.dumps(told).encode()
+        fields = {"message": error.message, "where": error.where, "hint": error.hint}
+        fields["kind"] = "ConfigError" if isinstance(error, errors.ConfigError) else "SourceError"
+        kind, body = b"E", json.dumps(fields).encode()
     replies.write(kind + len(body).to_bytes(8, "big"))
     replies.write(body)
     replies.close()

@@ -1,4 +1,4 @@
-"""How a package that we only sometimes need is installed."""
+"""The command that installs an optional package."""
 
 OPTIONAL = {
     "hydra-joblib-launcher": ">=1.2,<2",

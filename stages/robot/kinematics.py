@@ -25,7 +25,7 @@ def chain(dofs: Iterable[Dof], q: Configuration) -> Array:
 
 
 def saved_configuration(robot: Robot) -> Configuration:
-    """Values of the pose that CAD was left in."""
+    """Values of the saved pose."""
     return {dof.name: dof.saved for dof in robot.dofs}
 
 

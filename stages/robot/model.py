@@ -61,10 +61,9 @@ class MeshRef:
 class Part:
     """One occurrence of a part, as CAD has it.
 
-    `path`: instance ids from the root; `name`: the same in words, joined by "/".
-    `inertial` and `volume` [m³] are CAD's, in the part's own frame. `collides`: whether its shape
-    takes part in contact; a sheet without mass is only seen. `seen`: whether it is looked at; a mesh made
-    for contact alone is not.
+    `path`: instance ids from the root; `name`: the same in words, joined by "/". `inertial` and `volume` [m³]
+    are CAD's, in the part's own frame. `collides`: whether its shape takes part in contact; a sheet without
+    mass is only visual. `seen`: whether it is visual; a mesh made only for contact is not.
     """
 
     path: tuple[str, ...]
@@ -128,7 +127,7 @@ class MateRef:
 
     @property
     def key(self) -> tuple[tuple[str, ...], str, str]:
-        """What identifies it."""
+        """Its identifier."""
         return self.owner, self.feature, self.copy
 
 
@@ -154,12 +153,12 @@ class Joint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Loop:
-    """A mate that closes a loop: what the tree leaves open.
+    """A mate that closes a loop and is not in the tree.
 
-    The mate's first entity is on `link_a` at `a_from_frame`, its second on `link_b` at
-    `b_from_frame`: closed where world_from_a @ a_from_frame is world_from_b @ b_from_frame @
-    Π dof.origin @ motion(dof, q) for some q. `lever` [m] is a length on the loop's own scale;
-    `solref` is MuJoCo's. `residual` [m, rad] is how far that is from met at the saved pose.
+    The mate's first entity is on `link_a` at `a_from_frame`, its second on `link_b` at `b_from_frame`: closed
+    where world_from_a @ a_from_frame is world_from_b @ b_from_frame @ Π dof.origin @ motion(dof, q) for some
+    q. `lever` [m] is a length on the loop's own scale; `solref` is MuJoCo's. `residual` [m, rad] is the
+    closure error at the saved pose.
     """
 
     name: str
@@ -188,7 +187,7 @@ class Relation:
 
 @dataclass(frozen=True, slots=True)
 class Transmission:
-    """What drives a joint, from its source: `joint` is the name of a dof.
+    """A transmission of the source: `joint` is the name of a dof.
 
     `type` as in the source (a ros2_control's is its plugin); `reduction` 1 where it has none;
     `interfaces`: hardware or command interfaces, as the source names them.
@@ -233,9 +232,9 @@ class Provenance:
 
 @dataclass(frozen=True, slots=True)
 class Mobility:
-    """How a mechanism can move. `coordinates`: dofs of the tree. `gruebler`: those less what relations
-    and loops take away if all their conditions are independent. `dof`: the same by the rank of the
-    conditions at the saved pose. `redundant`: (loop, how many of its conditions follow from others)."""
+    """How a mechanism can move. `coordinates`: dofs of the tree. `gruebler`: these less the conditions of
+    relations and loops, counted as if all were independent. `dof`: the same by the rank of the conditions at
+    the saved pose. `redundant`: (loop, how many of its conditions follow from others)."""
 
     coordinates: int
     gruebler: int

@@ -1,4 +1,4 @@
-"""What MuJoCo warns of, in place of a log file in the working folder."""
+"""Collects MuJoCo's warnings, in place of a log file in the working folder."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

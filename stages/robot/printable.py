@@ -12,7 +12,7 @@ _UNPRINTABLE = re.compile(
     "\ud800-\udfff\ufffe\uffff"  # no characters: XML forbids them, and they cannot be written
     "]"
 )
-"""What a text of a document may hold that nobody sees, but a terminal or an XML reader obeys or refuses.
+"""Invisible characters in a text that a terminal or an XML reader interprets or refuses.
 
 Joiners (U+200C, U+200D) stay: emoji, Persian and Indic words are made of them.
 """

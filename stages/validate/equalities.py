@@ -1,4 +1,4 @@
-"""The equalities of a compiled model: how far they are from met, and the bodies that they connect."""
+"""The equalities of a compiled model: their errors, and the bodies that they connect."""
 
 from typing import Any
 
@@ -14,7 +14,7 @@ CLOSED = 1e-6
 
 
 def violation(model: Any, data: Any) -> float:
-    """How far the equalities are from met at a pose [m, rad], a relation by the joint that it moves less."""
+    """The errors of the equalities at a pose [m, rad]; for a relation at the joint that it moves less."""
     rows = np.flatnonzero(data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
     related = model.eq_type[data.efc_id[rows]] == mujoco.mjtEq.mjEQ_JOINT
     factors = np.abs(model.eq_data[data.efc_id[rows], 1])

@@ -1,4 +1,4 @@
-"""What the installed MuJoCo can do, measured: versions differ."""
+"""Features of the installed MuJoCo, found by tests, since versions differ."""
 
 import functools
 import itertools

@@ -1,4 +1,4 @@
-"""What MJCF cannot express of a robot: the cone, effort and zero of ball joints."""
+"""Reports what MJCF cannot express: the cone, effort and zero of ball joints."""
 
 import math
 from collections.abc import Iterator

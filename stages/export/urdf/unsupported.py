@@ -1,4 +1,4 @@
-"""What URDF cannot express of a robot: one diagnostic for each kind of loss."""
+"""Reports what URDF cannot express: one diagnostic for each kind of loss."""
 
 from collections.abc import Callable, Iterator
 

@@ -41,7 +41,7 @@ _LONGEST, _MOST_WARNINGS = 500, 100
 _LOOK = "check that MuJoCo read the file as intended"
 _SMALLER = (
     "look for large counts or sizes, models in models, or a file that includes itself; "
-    "MuJoCo's own viewer may say more (python -m mujoco.viewer --mjcf=...)"
+    "MuJoCo's own viewer may show more (python -m mujoco.viewer --mjcf=...)"
 )
 
 

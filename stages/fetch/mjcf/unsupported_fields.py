@@ -30,7 +30,7 @@ class Omission:
     names: tuple[str, ...] = ()
 
 
-_TAKEN: Mapping[str, Collection[str]] = {
+_CARRIED: Mapping[str, Collection[str]] = {
     "jnt": ("type", "pos", "axis", "limited", "range", "actfrclimited", "actfrcrange"),
     "dof": ("frictionloss", "armature", "damping", "M0", "length"),
     "body": (
@@ -114,7 +114,7 @@ def of_elements(model: Any, kept: Collection[int], carried: Collection[int]) -> 
         for field in _fields(kind):
             whole = f"{kind}_{field}"
             concerned = [n for n in numbers if whole not in _OF_CONTACT or touches(model, n)]
-            names = [_NAMES[kind](model, n) for n in _saying(model, whole, concerned)]
+            names = [_NAMES[kind](model, n) for n in _differing(model, whole, concerned)]
             if names:
                 words = _WORDS.get(whole, f"{_ELEMENTS.get(kind, kind)} {field}")
                 before = found[words].names if words in found else ()
@@ -139,11 +139,11 @@ def _fields(kind: str) -> tuple[str, ...]:
     return tuple(
         name
         for name in names
-        if name not in _TAKEN[kind] and (name in _NO_PLACES or not name.endswith(_PLACES))
+        if name not in _CARRIED[kind] and (name in _NO_PLACES or not name.endswith(_PLACES))
     )
 
 
-def _saying(model: Any, field: str, numbers: Sequence[int]) -> list[int]:
+def _differing(model: Any, field: str, numbers: Sequence[int]) -> list[int]:
     """The elements whose value of the field differs from that in an empty model."""
     if not numbers:
         return []
@@ -151,8 +151,8 @@ def _saying(model: Any, field: str, numbers: Sequence[int]) -> list[int]:
     usual = np.ravel(getattr(_plain(), field)[0])
     if values.shape[1] != usual.size:  # the length of `user` differs between models
         usual = np.zeros(1)
-    says = ~np.isclose(values, usual, rtol=1e-6, atol=1e-12).all(axis=1)
-    return [number for number, one in zip(numbers, says, strict=True) if one]
+    differs = ~np.isclose(values, usual, rtol=1e-6, atol=1e-12).all(axis=1)
+    return [number for number, is_set in zip(numbers, differs, strict=True) if is_set]
 
 
 def _named(kind: Any) -> Callable[[Any, int], str]:

@@ -13,8 +13,8 @@ _LARGEST = 1 << 28
 
 
 def companions(path: Path, data: bytes) -> dict[str, bytes]:
-    """The files beside `path`, which holds `data`, by the names that it gives them: those below its
-    folder that are there. Images are none of them."""
+    """The files that the mesh file `path` with the content `data` names, by these names: existing files below
+    its folder, without images."""
     kind = path.suffix.lower()
     names: list[str] = []
     if kind == ".obj":

@@ -1,7 +1,6 @@
-"""DAE without what nobody reads here: images, cameras, lights, and materials that are not whole.
+"""Cleans a DAE: removes images, cameras, lights, and incomplete materials, which are not used here.
 
-The library that reads the rest drops every shape of which it cannot follow a material to its last
-image, without a word.
+Otherwise the library silently drops every shape with a material that it cannot resolve completely.
 """
 
 from __future__ import annotations
@@ -13,7 +12,7 @@ _WHITE = "1 1 1 1"
 
 
 def cleaned(data: bytes) -> bytes:
-    """The document with its geometry and plain colours; xml.Malformed where it is no XML."""
+    """The document with its geometry and plain colours; xml.Malformed where it is not XML."""
     root = xml.parse(data, large=True)
     for name in ("images", "cameras", "lights", "animations"):
         _remove(root.findall(f"{{*}}library_{name}"))
@@ -38,7 +37,7 @@ def _without_image(texture: Element) -> None:
 
 
 def _remove_broken(root: Element) -> None:
-    """Takes away materials without an effect, and every use of a material that is not there."""
+    """Removes materials without an effect, and every use of an undefined material."""
     effects = {effect.get("id") for effect in root.iter("{*}effect")}
     materials = set()
     for material in list(root.iter("{*}material")):

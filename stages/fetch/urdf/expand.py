@@ -1,4 +1,4 @@
-"""xacro files, through ROS's own `xacro` package, in a guest and where they are trusted.
+"""Expands trusted xacro files with ROS's own `xacro` package, in a guest process.
 
 A xacro file is a program: its expressions can do what Python can. So only a file that is called .xacro
 is expanded, only with `source.trust`, and in a process that sees neither the environment nor a terminal.
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from stages.fetch.urdf.keys import UrdfSourceKeys
 
 BOUNDS = guest.Bounds(seconds=60, memory=2 << 30, reply=LARGEST + (1 << 16))
-"""What a xacro file may take: those of whole humanoids take some seconds."""
+"""Limits of the guest process: xacro files of whole humanoids take some seconds."""
 
 EXPAND = "expand it yourself: xacro FILE > robot.urdf"
 
@@ -34,7 +34,7 @@ _HINTS = {
     "Undefined substitution argument": "give the arguments of the xacro file by source.args={name: value}",
     "environment variable": "a xacro file can read only ROS's variables: " + EXPAND,
 }
-"""Words of an error of xacro → what to do about it."""
+"""Words in an error of xacro → the hint."""
 
 _FIND = re.compile(r"\$\(\s*find\s+([^\s()$]+)\s*\)")
 _MOST_PACKAGES = 100
@@ -65,7 +65,7 @@ def expanded(
     """The URDF that the source's xacro file makes, of which `text` is the content. `find`: a package's
     folder by its name.
 
-    ConfigError as `require`; SourceError where xacro refuses the file, or does not get through it.
+    ConfigError as `require`; SourceError where xacro cannot expand the file within its limits.
     """
     require(source)
     path = Path(source.path).absolute()
@@ -92,7 +92,7 @@ def expanded(
 
 
 def _asked(request: Mapping[str, Any], where: str, environ: Mapping[str, str]) -> tuple[str, str, str]:
-    """The text that xacro makes, or the package that it lacks, or why it refuses."""
+    """The expanded text, or the missing package, or xacro's error."""
     variables = {name: environ[name] for name in VARIABLES if name in environ}
     try:
         reply = guest.ask("stages.fetch.urdf.expand_guest", json.dumps(request).encode(), BOUNDS, variables)
@@ -111,5 +111,5 @@ def _refused(why: str, where: str, hint: str) -> SourceError:
 
 
 def _text(value: Any) -> str:
-    """A value as xacro's command line would get it."""
+    """A value as on xacro's command line."""
     return str(value).lower() if isinstance(value, bool) else str(value)

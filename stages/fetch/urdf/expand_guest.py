@@ -1,4 +1,4 @@
-"""The guest that expands a xacro file, by ROS's own `xacro` package."""
+"""Guest process that expands a xacro file with ROS's own `xacro` package."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from xacro import substitution_args
 
 
 class _Lacking(Exception):
-    """A package is asked for that nobody named."""
+    """A requested package is not among the given ones."""
 
 
 def answer(request: bytes) -> bytes:

@@ -100,7 +100,7 @@ class _Files:
         return place
 
     def _mesh(self, place: MeshPlace) -> LooseMesh | str:
-        """The file's mesh, or why there is none."""
+        """The file's mesh, or the reason for its absence."""
         if place.file is None:
             return place.why
         if place.file not in self._read:
@@ -117,7 +117,7 @@ class _Files:
         return Diagnostic("E-MESH-MISSING", text, where, hint)
 
     def found_elsewhere(self) -> list[Diagnostic]:
-        """The diagnostics of files that are not where they should be: one for each folder."""
+        """I-MESH-FOUND for files that were found elsewhere: one for each folder."""
         groups: dict[tuple[str, str], list[str]] = {}
         for name, file in self._moved.items():
             shown = PurePosixPath(self._seen.files.shown(file))

@@ -1,6 +1,6 @@
-"""Mesh files as triangles: STL (binary and ASCII), OBJ, DAE, glTF and GLB, PLY, through trimesh.
+"""Reads triangles from mesh files: STL (binary and ASCII), OBJ, DAE, glTF and GLB, PLY, through trimesh.
 
-Coordinates are taken as RViz and Pinocchio take them: metres, but for the unit of a DAE; the
+Coordinates are read as by RViz and Pinocchio: in metres, except for the unit of a DAE; the
 axis that a DAE or a glTF calls "up" is not turned. Colours are those of materials, faces or vertices;
 images are not read.
 """
@@ -27,14 +27,14 @@ from stages.robot.install import install
 FORMATS = ("stl", "obj", "dae", "gltf", "glb", "ply")
 
 _MOST_COLOURS = 16
-"""More different colours in one mesh are a picture of its shade; each would become a file."""
+"""Largest number of colours of one mesh: more are shading, and each would become a file."""
 
 _LFS = b"version https://git-lfs"
 _STL_HEAD, _STL_FACE = 84, 50
 
 
 class Unreadable(Exception):
-    """Why a mesh file gives no triangles."""
+    """A mesh file cannot be read; the text gives the reason."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,7 +105,7 @@ def _require_content(data: bytes, kind: str) -> None:
 
 
 def _whole(data: bytes) -> bytes:
-    """A binary STL without what some programs write behind its triangles."""
+    """A binary STL without the extra bytes that some programs append."""
     if len(data) >= _STL_HEAD and not (data.lstrip().startswith(b"solid") and b"facet" in data[:2000]):
         size = _STL_HEAD + _STL_FACE * int.from_bytes(data[80:84], "little")
         if size > len(data):
@@ -117,7 +117,7 @@ def _whole(data: bytes) -> bytes:
 
 
 def _utf8(data: bytes) -> bytes:
-    """Text as UTF-8: names in files of old programs are in anything."""
+    """Text as UTF-8: old programs write names in any encoding."""
     try:
         data.decode()
     except UnicodeDecodeError:
@@ -215,7 +215,7 @@ def _coarse(shades: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
 
 def _colour(shade: npt.NDArray[np.int64]) -> Colour:
     r, g, b, a = (round(int(channel) / 255, 6) for channel in shade)
-    # Exporters that mean opaque write 0 for it; nobody models what is not to be seen.
+    # Some exporters write 0 for opaque; invisible surfaces are not modelled.
     return r, g, b, a or 1.0
 
 

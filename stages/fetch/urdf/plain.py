@@ -1,4 +1,4 @@
-"""Whether a URDF is one as it stands, or a xacro file by another name."""
+"""Checks that a URDF is not a xacro file under another name."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ _LONGEST = 60
 
 
 def require(text: str, where: str) -> None:
-    """SourceError where xacro would make another text of this one: what it would replace is neither run
-    nor taken as it stands. What is for Gazebo is not read, and may hold anything."""
+    """SourceError where xacro would change this text: such expressions are neither run nor read literally.
+    Elements for Gazebo are not read, and may contain anything."""
     if not _MAYBE.search(text):
         return
     from stages.formats import xml
@@ -41,7 +41,7 @@ def require(text: str, where: str) -> None:
 
 
 def _for_xacro(element: Element) -> str:
-    """What of an element, its attributes and the texts in and behind it xacro would replace; "" without."""
+    """The first xacro expression in an element, its attributes or the texts in and behind it; "" for none."""
     own = element.nsmap.get("xacro")
     spaces = (_NAMED.match, lambda name: own is not None and name.startswith(f"{{{own}}}"))
     names = [element.tag, *element.keys()]

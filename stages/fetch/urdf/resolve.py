@@ -1,4 +1,4 @@
-"""Which file a mesh's name in a URDF means."""
+"""Resolves the names of meshes in a URDF to files."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ _DRIVE = re.compile(r"[A-Za-z]:[\\/]")
 
 @dataclass(frozen=True, slots=True)
 class MeshPlace:
-    """What a mesh's name means: a file, None where there is none.
+    """The file that a mesh's name refers to; None for none.
 
-    `searched`: it is not where the name says, but the only one of its name. `why` there is none.
+    `searched`: it is not at the named path, but the only file of that name. `why`: the reason for None.
     """
 
     file: Path | None
@@ -57,7 +57,7 @@ class MeshPlaces:
         return self._search(name)
 
     def _meant(self, name: str) -> Iterator[Path]:
-        """Where a file should be by its name."""
+        """The path that a name refers to."""
         rest = re.sub(r"^(?:package|model|file)://", "", name, flags=re.IGNORECASE)
         if name.lower().startswith(("package://", "model://")):
             package, _, inner = rest.partition("/")
@@ -72,7 +72,7 @@ class MeshPlaces:
             yield self._folder / self._meshdir / rest.lstrip("/")
 
     def _search(self, name: str) -> MeshPlace:
-        """A file that is not where it should be: below a folder above, else by its name."""
+        """Searches a missing file: below a folder above, else by its name."""
         steps = [step for step in re.sub(r"^\w+://", "", name).replace("\\", "/").split("/") if step]
         if not steps:
             return MeshPlace(None, why="it does not name a file")

@@ -1,4 +1,4 @@
-"""Where ROS packages lie."""
+"""Finds the folders of ROS packages."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class Packages:
         return here.parent if here.name.lower() in _INNER and here.parent.name else here
 
     def find(self, name: str) -> Path | None:
-        """The package's folder, None where it is nowhere."""
+        """The package's folder; None where it is not found."""
         if name not in self.found:
             place = next((place for place in self._places(name) if place.is_dir()), None)
             if place is None:

@@ -1,4 +1,4 @@
-"""What a robot's file is made of, without reading the robot: its text and the files that it names.
+"""Lists the files of a robot without reading the robot: its text and the files that it names.
 
 Needs no array or XML library, as it shows whether a robot was built before.
 """
@@ -57,7 +57,7 @@ class Survey:
         return [[name, *self._digest(self.places[name])] for name in sorted(self.places)]
 
     def microversion(self) -> str:
-        """What identifies the robot: the SHA-256 of all that was read."""
+        """The identity of the robot: the SHA-256 of all files read."""
         content = json.dumps([sha256(self.text).hexdigest(), self.digests()])
         return sha256(content.encode()).hexdigest()
 
@@ -87,7 +87,7 @@ def survey(source: UrdfSourceKeys, environ: Mapping[str, str]) -> Survey:
 
 
 def identity(source: UrdfSourceKeys, environ: Mapping[str, str]) -> dict[str, Any]:
-    """What identifies the source for ever, as plain data."""
+    """The permanent identity of the source, as plain data."""
     seen = survey(source, environ)
     return {
         "kind": "urdf",

@@ -31,7 +31,7 @@ _BOMS = (
 def read(path: Path, where: str) -> str:
     """The text of a file, without its comments but with all its lines; `where` names it in messages.
 
-    SourceError where it cannot be read, or is no text.
+    SourceError where it cannot be read, or is not text.
     """
     try:
         data = regular_files.content(path, LARGEST)
@@ -85,7 +85,7 @@ def meshdir(text: str) -> str:
 
 
 def renamed(text: str, names: Mapping[str, str]) -> str:
-    """The text with mesh files called otherwise: `names` from old to new."""
+    """The text with mesh files renamed: `names` from old to new."""
 
     def other(element: re.Match[str]) -> str:
         written = element.group()
@@ -99,7 +99,7 @@ def renamed(text: str, names: Mapping[str, str]) -> str:
 
 
 def without(text: str, folders: Mapping[str, str]) -> str:
-    """The text with what `folders` maps, absolute paths, called otherwise; the longest first."""
+    """The text with absolute paths replaced as in `folders`; the longest first."""
     for folder in sorted(folders, key=len, reverse=True):
         text = text.replace(f"{folder}/", f"{folders[folder]}/")
     return text

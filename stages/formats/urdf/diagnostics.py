@@ -1,4 +1,4 @@
-"""What is wrong with a URDF, by the lines of the file, and what of it is left out."""
+"""Diagnostics of a URDF, by line: errors, and elements that are left out."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ HINTS = {
     "W-URDF-SHAPE": "give it a box, cylinder, sphere, capsule or mesh with an extent, or remove it",
     "W-URDF-TWICE": "remove the others",
 }
-"""What to do about a diagnostic, by code, where it has no hint of its own."""
+"""Default hints of diagnostics, by code."""
 
 
 class FileDiagnostics:
@@ -53,15 +53,15 @@ class FileDiagnostics:
         return f"{self._where}, line {line}"
 
     def leave_out(self, what: str) -> None:
-        """Counts something that a URDF may have and a robot does not need."""
+        """Counts a valid element or attribute of URDF that is left out."""
         self._left[what] = self._left.get(what, 0) + 1
 
     def leave_out_unknown(self, what: str, element: Element) -> None:
-        """Counts something that no URDF has."""
+        """Counts an unknown element or attribute that is left out."""
         self._unknown.setdefault(what, []).append(element.sourceline)
 
     def check(self, element: Element, children: Iterable[str], attributes: Iterable[str] = ()) -> None:
-        """Counts what an element has besides these children and attributes."""
+        """Counts an element's children and attributes other than these."""
         for child in element:
             name = tag(child)
             if name in _LEFT:

@@ -23,7 +23,7 @@ def child(element: Element, name: str, log: FileDiagnostics) -> Element | None:
 def number(
     element: Element, name: str, log: FileDiagnostics, default: float | None = None, *, infinite: bool = False
 ) -> float | None:
-    """A number in an attribute; `default` where there is none or a wrong one (E-URDF-NUMBER).
+    """A number in an attribute; `default` where it is missing or invalid (E-URDF-NUMBER).
 
     `infinite`: whether it may be infinite.
     """

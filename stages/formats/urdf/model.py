@@ -1,4 +1,4 @@
-"""A URDF as a value: what the file says, before anything is made of it.
+"""A URDF as a value, exactly as in the file.
 
 Poses are (4, 4) float64 transforms, named by their frames; SI units, radians. A link's frame is the
 URDF's own. `stages.formats.urdf.parse` reads a file into these values.

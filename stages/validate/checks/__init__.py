@@ -1,1 +1,1 @@
-"""What must hold of the files that were written: one module a check."""
+"""The checks of the written files: one module for each check."""
