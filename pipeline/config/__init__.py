@@ -1,1 +1,1 @@
-"""From a command line and YAML files to a plan. The only place that knows Hydra."""
+"""Composes a plan from a command line and YAML files. Only this room and `sweep` import Hydra."""

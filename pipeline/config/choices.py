@@ -1,4 +1,4 @@
-"""What composing leaves open: which of two values wins, and the name of the robot."""
+"""Choices after composition: the precedence of values, and the default name of the robot."""
 
 import copy
 import re
@@ -16,11 +16,10 @@ UNSET = "???"
 
 @dataclass(frozen=True, slots=True)
 class Choices:
-    """How a tree came to be.
+    """The choices behind a composed tree.
 
-    `robot`: the robot's option; `formats`: the chosen options of `export`; `presets`: the content
-    of each option that the command line itself chose, by group; `keys`: the full keys that the
-    command line set.
+    `robot`: the robot's option; `formats`: the chosen options of `export`; `presets`: the content of
+    each option that the command line chose, by group; `keys`: the full keys that the command line set.
     """
 
     robot: str
@@ -29,21 +28,21 @@ class Choices:
     keys: frozenset[str] = frozenset()
 
     def sets(self, key: str) -> bool:
-        """Whether the command line set this key, or the mapping that it lies in."""
+        """Whether the command line set this key or a mapping that contains it."""
         return any(key == one or key.startswith(f"{one}.") for one in self.keys)
 
     def touches(self, key: str) -> bool:
-        """Whether the command line set this key, or anything in or around it."""
+        """Whether the command line set this key, a key below it, or a mapping that contains it."""
         return self.sets(key) or any(one.startswith(f"{key}.") for one in self.keys)
 
 
 def resolved_tree(tree: Mapping[str, Any], choices: Choices) -> dict[str, Any]:
-    """The composed tree as the plan reads it.
+    """The composed tree in the form that the plan reads.
 
-    - An option chosen on the command line wins over what the robot's file sets, as any override.
-    - Keys of another kind of source than the one chosen there are dropped.
-    - Of known formats, only the chosen ones stay.
-    - A robot without a name gets one.
+    - An option chosen on the command line overrides the values of the robot's file.
+    - Keys of other kinds of source are dropped if the command line chooses the source.
+    - Of the known formats, only the chosen formats stay.
+    - A robot without a name gets a default name.
     """
     resolved = copy.deepcopy(dict(tree))
     for group, preset in choices.presets.items():
@@ -93,14 +92,14 @@ def _keep_chosen_formats(tree: dict[str, Any], choices: Choices) -> None:
 
 
 def name_of(source: Any, robot: str = "bare") -> str:
-    """The robot file's name, else the stem of the source's path, else made of the element's id."""
+    """The name of the robot's file, else the stem of the source's path, else a name with the element's id."""
     if robot != "bare":
         return _safe(PurePath(robot).name)
     source = source if isinstance(source, dict) else {}
     if isinstance(source.get("path"), str):
         path = PurePath(source["path"])
         stem = path.stem.removesuffix(".urdf")
-        # What is around a robot is often called so, and a file of ours would take its place.
+        # `scene` is a common name of a file around the robot, and linkwright writes its own scene.xml.
         return _safe((path.parent.name or "robot") if stem.lower() == "scene" else stem)
     element = re.search(r"/e/([0-9a-fA-F]{8})", str(source.get("url")))
     if element:

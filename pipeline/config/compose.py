@@ -1,7 +1,7 @@
-"""From a command line to plans.
+"""Composes plans from a command line.
 
-Hydra composes; the composed tree, as plain data, is judged by `Plan`. A single build never runs
-under Hydra; a sweep runs under Hydra's own launcher once every job's plan is known to be good.
+Hydra composes; `Plan` validates the composed tree as plain data. A single build never runs under Hydra;
+a sweep runs under Hydra's launcher after every job's plan is validated.
 """
 
 import os
@@ -43,13 +43,13 @@ DEFAULT = "robot=sample"
 _ROBOT = re.compile(r"[+~]*(robot|source)(=|$)")
 
 HYDRA: Mapping[str, str] = {"version_base": "1.3"} if __version__.startswith("1.3.") else {}
-"""How Hydra is started with its own defaults: 1.3 must be asked for them, and 1.4 warns of being asked."""
+"""Arguments that give Hydra its current defaults: 1.3 needs `version_base`, and 1.4 warns about it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Composed:
-    """A plan, the tree that it was parsed from, the robot's option, and what files say of a sweep; and the
-    tree as Hydra composed it, with the places of its interpolations."""
+    """A plan, the tree that it was parsed from, the robot's option, and the sweep settings of files; also the
+    tree as Hydra composed it, and the places of its interpolations."""
 
     plan: Plan
     tree: dict[str, Any]
@@ -61,8 +61,8 @@ class Composed:
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """A sweep as it is asked for: its overrides, what is wrong with others, and the tree that all jobs
-    start from (None where there is none)."""
+    """A requested sweep: its overrides, the problems of invalid overrides, and the tree that all jobs start
+    from (None if it cannot be composed)."""
 
     overrides: Sequence[Override]
     problems: Sequence[Diagnostic]
@@ -77,9 +77,9 @@ def compose_plan(
     judge: Judge | None = None,
     environ: Mapping[str, str] = os.environ,
 ) -> Composed:
-    """The plan of a single build; ConfigError lists everything that is wrong.
+    """The plan of a single build; ConfigError lists all problems.
 
-    Where anything is wrong `judge` adds what it knows about the rest.
+    If there is any problem, `judge` adds the problems that it finds in the valid rest.
     """
     with session(config_dirs, cwd, judge, environ) as composer:
         overrides, problems = composer.read(arguments)
@@ -101,14 +101,14 @@ def session(
         guarded(),
         catch_warnings(),
     ):
-        # Hydra's advice to authors of programs, about a file that has the name of a launcher, say.
+        # Hydra's advice to program authors, for example about a file with the name of a launcher.
         filterwarnings("ignore", message=r"\s*'hydra/launcher/", category=UserWarning)
         yield Composer(presets, judge, environ, cwd)
 
 
 @contextmanager
 def _aside() -> Iterator[None]:
-    """Puts away the Hydra of a program that calls us while it runs under one of its own."""
+    """Sets aside the Hydra instance of a calling program that itself runs under Hydra."""
     theirs = GlobalHydra.instance().hydra
     GlobalHydra.instance().clear()
     try:
@@ -139,7 +139,7 @@ class Composer:
     def read(
         self, arguments: Sequence[str], multirun: bool = False
     ) -> tuple[list[Override], list[Diagnostic]]:
-        """The overrides of a command line, and what is wrong with the others."""
+        """The overrides of a command line, and the problems of invalid arguments."""
         clean, leaks = self._secrets.typed(arguments)
         self._typed = ["linkwright", *["-m"] * multirun, *self._presets.options_typed, *clean]
         paths = [self._by_path(one) for one in clean]
@@ -151,7 +151,7 @@ class Composer:
         return overrides, problems
 
     def _by_path(self, argument: str) -> str:
-        """An argument that chooses robots by the paths of their files, as options; others as they are."""
+        """Replaces paths of robot files in `robot=...` by options; returns other arguments unchanged."""
         sign, _, value = argument.partition("robot=")
         if sign.strip("+") or not value or value[0] in "[{":
             return argument
@@ -165,20 +165,19 @@ class Composer:
     def compose(
         self, overrides: Sequence[str], known: Iterable[Diagnostic] = (), job: tuple[int, str] | None = None
     ) -> Composed:
-        """The plan of overrides in Hydra's form, none of them swept; of a sweep's `job`, by number and
-        what sets it apart.
+        """The plan of overrides in Hydra's form, without sweeps; `job`: number and label of a sweep's job.
 
-        The sample, where neither robot nor source is chosen, by a defaults list neither.
+        The sample is built if neither the command line nor a defaults list chooses a robot or a source.
 
-        ConfigError lists the `known` problems of the command line and everything else that is wrong:
-        what cannot be composed is replaced by what `build` chooses, so that the rest is judged too.
+        ConfigError lists the `known` problems of the command line and all others: an option that cannot
+        be composed is replaced by the default of `build`, so that the rest is validated too.
         """
         good, bad = self._presets.judged(overrides)
         draft = Draft.of(known, bad)
-        # What adds or deletes a key by force may not fit; what remains is judged without it.
+        # An override that adds or deletes a key may fail; the rest is validated without it.
         sure = [one for one in good if one.startswith("++") or one[0] not in "+~"]
-        # Only what chooses an option can bring in a defaults list, and only files of the user's own choose
-        # a robot there.
+        # Only a choice of an option can add a defaults list, and only files of the user choose a robot
+        # there.
         named = any(map(_ROBOT.match, overrides))
         open_yet = self._presets.own and any(not one.startswith("++") for one in good)
         composed = self._whole(good, draft) if named or open_yet else None
@@ -213,16 +212,16 @@ class Composer:
         return Composed(plan, resolved, robot, sweeping, config, computed)
 
     def _leaks(self, config: DictConfig, tree: dict[str, Any]) -> list[Diagnostic]:
-        """The keys of a composed configuration, Hydra's own too, that hold a secret."""
+        """Problems of the keys in a composed configuration, also in Hydra's, that hold a secret."""
         if not self._secrets:
             return []
         hydra = plain(config.hydra, ("hydra",), [])
-        # Where this runs, and the command line again, which has been judged.
+        # These hold the environment, and the command line, which was checked before.
         hydra |= {"runtime": {}, "overrides": {}, "job": {**hydra["job"], "override_dirname": ""}}
         return self._secrets.problems({**tree, "hydra": hydra})
 
     def _whole(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, list[str]] | None:
-        """The composed tree and the paths of its files; None where it cannot be composed so."""
+        """The composed tree and the paths of its files; None where composition fails."""
         stand_ins: dict[str, str] = {}
         while True:
             everything = [*overrides, *stand_ins.values(), *self._node.typed, *searching(self._presets.own)]
@@ -245,7 +244,7 @@ class Composer:
                 return config, [default.config_path or "" for default in defaults]
 
     def _around(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, list[str]]:
-        """As `_whole`, with the robot's own keys, but without its defaults list, which is at fault."""
+        """As `_whole`, with the keys of the robot's file, but without its invalid defaults list."""
         robots = [one.partition("=")[2] for one in overrides if one.startswith("robot=")]
         own = self._presets.content("robot", chosen(robots[-1])[0]) if robots else {}
         own.pop("defaults", None)
@@ -263,8 +262,7 @@ class Composer:
         return config, paths
 
     def with_params(self, overrides: Sequence[Override], known: Iterable[Diagnostic]) -> Asked:
-        """The overrides of a sweep with the `hydra.sweeper.params` of files before them; what was typed
-        wins."""
+        """The overrides of a sweep after the `hydra.sweeper.params` of files; the command line wins."""
         fixed = [one.hydra for one in overrides if not one.swept and not one.for_hydra_itself]
         good, bad = self._presets.judged(fixed)
         draft = Draft.of((), bad)
@@ -275,7 +273,7 @@ class Composer:
         return Asked([*added, *overrides], list(known), found and found[0], said)
 
     def _params(self, params: Mapping[str, str]) -> tuple[list[Override], list[Diagnostic]]:
-        """The overrides that files sweep over, and what is wrong with the others."""
+        """The overrides that files sweep, and the problems of invalid entries."""
         added: list[Override] = []
         problems: list[Diagnostic] = []
         for key, values in params.items():
@@ -291,7 +289,7 @@ class Composer:
         return added, problems
 
     def show(self, kind: str, overrides: Sequence[Override], known: Iterable[Diagnostic]) -> None:
-        """Has Hydra log how a tree comes to be; also of one that is no plan. `kind`: as for `--info`."""
+        """Lets Hydra log how it composes a tree, even an invalid tree. `kind`: as for `--info`."""
         with suppress(ConfigError):
             self.compose([override.hydra for override in overrides], known)
         hydra = GlobalHydra.instance().hydra
@@ -300,16 +298,16 @@ class Composer:
         hydra.show_info(kind, PRIMARY, self._everything, RunMode.RUN)
 
     def ours(self, launcher: str) -> DictConfig:
-        """What the command line alone makes of Hydra: all that a sweep runs under."""
+        """Hydra's configuration from the command line alone, under which a sweep runs."""
         return self._node.ours(launcher)
 
 
 def _lacks_a_robot(config: DictConfig) -> bool:
-    """Whether neither the command line nor any defaults list has chosen a robot or a source."""
+    """Whether neither the command line nor a defaults list chooses a robot or a source."""
     return config.hydra.runtime.choices.get("robot") in (None, "bare") and not config.get("source")
 
 
 def _fitting(problem: Diagnostic, kind: str) -> Diagnostic:
-    """A problem of a value that is not given, with an example that fits the kind of source."""
+    """The problem of a missing value, with an example for the kind of source."""
     missing = problem.code == "E-MISSING"
     return replace(problem, hint=how_to_give(problem.where, kind)) if missing else problem

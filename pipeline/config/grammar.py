@@ -11,7 +11,7 @@ _NO_TEXT = re.compile(r"[+-]?[\d._]+(e[+-]?\d+)?|[+-]?(inf|nan)|true|false|null"
 
 
 class NoFormError(ValueError):
-    """A name has no form in the grammar."""
+    """The grammar cannot write a name."""
 
 
 def has_form(name: str) -> bool:
@@ -26,8 +26,8 @@ def name(text: str) -> str:
 
 
 def carried(value: str) -> str:
-    """A mapping or a list as YAML and JSON have it, with names in quotes, in the form that the grammar has;
-    other values as they are. NoFormError where a name has none."""
+    """Converts a mapping or a list from YAML or JSON, with quoted names, to the grammar; returns other values
+    unchanged. NoFormError for a name that the grammar cannot write."""
     if value.lstrip()[:1] not in ("{", "[") or not re.search(r"[\"']", value):
         return value
     # Imported where it is used: help and completion need no OmegaConf.
@@ -43,7 +43,7 @@ def carried(value: str) -> str:
 
 
 def _written(tree: Any) -> str:
-    """Plain data in the grammar; ValueError where it has no form there."""
+    """Plain data in the grammar; ValueError for data that the grammar cannot write."""
     if isinstance(tree, dict):
         if not all(isinstance(key, str) and has_form(key) for key in tree):
             raise NoFormError

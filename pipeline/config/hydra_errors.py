@@ -1,4 +1,4 @@
-"""Errors of Hydra and OmegaConf, in words about the user's own files."""
+"""Translates errors of Hydra and OmegaConf to diagnostics about the user's files."""
 
 from collections.abc import Callable
 from typing import Any
@@ -19,7 +19,7 @@ HEADER = f"the first line of a robot's file must be: {GLOBAL}"
 
 
 def explained(error: Exception, presets: Presets) -> Diagnostic:
-    """What the user did wrong where Hydra could not compose; raises what is a bug in Linkwright."""
+    """The diagnostic of an error of Hydra's composition; raises other errors, which are bugs."""
     for kinds, handler in _HANDLERS:
         if isinstance(error, kinds):
             return handler(error, presets)
@@ -92,4 +92,4 @@ _HANDLERS: tuple[tuple[tuple[type[Exception], ...], Callable[[Any, Presets], Dia
     ((HydraException, OmegaConfBaseException, ValueError), _not_composed),
     ((OSError,), _not_readable),
 )
-"""Types of errors → the diagnostic; the first that fits counts."""
+"""Types of errors → the handler that makes the diagnostic; the first match is used."""

@@ -1,7 +1,7 @@
-"""How Hydra reads the user's own files, and how far interpolations may grow what they say.
+"""Limits for the user's files that Hydra reads, and for their interpolations.
 
-Hydra takes any file, and OmegaConf resolves an interpolation again wherever it is named: ten lines of
-`${a}${a}...` come to as much as ten of aliases do.
+Hydra reads any file, and OmegaConf resolves an interpolation again wherever it is used: ten lines of
+`${a}${a}...` expand as far as ten lines of aliases.
 """
 
 from collections.abc import Callable, Iterator
@@ -18,18 +18,18 @@ from omegaconf.errors import InterpolationResolutionError
 from pipeline.config import yaml_file
 
 MOST_RESOLVED = 2000
-"""Interpolations that the value of one interpolation may be made of."""
+"""Most interpolations that one value may resolve."""
 
 LONGEST = 1 << 20
-"""Letters that these may come to in all."""
+"""Most characters that they may have together."""
 
 _RESOLVE = "_maybe_resolve_interpolation"
 
 
 class FileConfigSource(file_config_source.FileConfigSource):
-    """Hydra's own source of files, for files that are judged first.
+    """Hydra's file source, which checks each file first.
 
-    It has that one's name: Hydra registers its own again and again, and lets one of the same name be.
+    It has the name of Hydra's class: Hydra registers its own repeatedly, and skips an equal name.
     """
 
     def load_config(self, config_path: str) -> ConfigResult:
@@ -41,7 +41,7 @@ class FileConfigSource(file_config_source.FileConfigSource):
 
 @contextmanager
 def guarded() -> Iterator[None]:
-    """Within it Hydra, which must be ready, reads judged files only, and interpolations are counted."""
+    """Inside, Hydra (which must be initialized) reads only checked files, and interpolations are counted."""
     sources, scheme = SourcesRegistry.instance().types, FileConfigSource.scheme()
     own, sources[scheme] = sources[scheme], FileConfigSource
     resolve: Callable[..., Any] = getattr(Container, _RESOLVE)

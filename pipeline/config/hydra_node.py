@@ -1,4 +1,4 @@
-"""What a tree says of Hydra itself: launchers, the folders of a sweep, and what no file may say."""
+"""The node `hydra` of a tree: launchers, the folders of a sweep, and keys that a file must not set."""
 
 import shlex
 from collections.abc import Iterable, Sequence
@@ -35,7 +35,7 @@ class HydraNode:
         self.typed: list[str] = []
 
     def take(self, overrides: Sequence[Override], command: Sequence[str]) -> list[Diagnostic]:
-        """Keeps those overrides of a `command` that concern Hydra, and returns what is wrong with them."""
+        """Stores the overrides of a `command` that concern Hydra, and returns their problems."""
         self._command = list(command)
         self.typed = [override.hydra for override in overrides if override.for_hydra_itself]
         if not self.typed:
@@ -50,9 +50,9 @@ class HydraNode:
         return []
 
     def ours(self, launcher: str = "") -> DictConfig:
-        """What the command line alone makes of Hydra, without any robot's file: all that a sweep runs
-        under. `launcher`: an option of hydra/launcher; of launchers of one's own only those in
-        `--config-dir` are there."""
+        """Hydra's configuration from the command line alone, without a robot's file: a sweep runs under
+        it. `launcher`: an option of hydra/launcher; the user's launchers are only those in
+        `--config-dir`."""
         if launcher not in self._ours:
             chosen = [f"{GROUP}={launcher}"] if launcher else []
             everything = [*chosen, *self.typed, *searching(self._presets.given)]
@@ -62,9 +62,9 @@ class HydraNode:
     def sweeping(
         self, config: DictConfig, draft: Draft, name: Any = None, job: tuple[int, str] | None = None
     ) -> Sweeping:
-        """What is said of a sweep; what a file may not say of Hydra is a problem.
+        """The sweep settings; a key of Hydra that a file must not set is a problem.
 
-        The folders are those of a robot called `name`, in a `job`: its number, and what sets it apart.
+        The folders are for the robot `name` in a `job`: its number and its label.
         """
         launcher = str(config.hydra.runtime.choices.get(GROUP))
         said = self._said(config, launcher, draft) if self._presets.own else {}
@@ -84,7 +84,7 @@ class HydraNode:
         return Sweeping(launcher, numbers, params, *map(folders.get, FOLDERS))
 
     def _said(self, config: DictConfig, launcher: str, draft: Draft) -> dict[str, Any]:
-        """What files say of Hydra, as far as they may."""
+        """The settings of Hydra in files, without those that files must not set."""
         try:
             ours = as_written(self.ours(launcher).hydra)
         except Exception as error:
@@ -98,7 +98,7 @@ class HydraNode:
         return said
 
     def _of_ones_own(self, launcher: str) -> Diagnostic | None:
-        """What is wrong with a launcher that only the working folder has."""
+        """The problem of a launcher that exists only in the working folder."""
         files = self._presets.own_files([f"{GROUP}/{launcher}"])
         if not files or files[0].parents[2] in self._presets.given:
             return None
@@ -108,7 +108,7 @@ class HydraNode:
 
 
 def searching(folders: Iterable[Path]) -> list[str]:
-    """The override by which Hydra looks into these folders too."""
+    """The override that adds these folders to Hydra's search path."""
     named = ",".join(hydra_text(f"file://{folder}") for folder in folders)
     return [f"hydra.searchpath=[{named}]"] if named else []
 

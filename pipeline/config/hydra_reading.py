@@ -1,4 +1,4 @@
-"""Overrides, as Hydra's own parser reads them."""
+"""Reads overrides with Hydra's parser."""
 
 import re
 from collections.abc import Iterable
@@ -24,7 +24,7 @@ class Reading:
         self._parser = OverridesParser.create()
 
     def values(self, text: str) -> list[str]:
-        """The values of an override, several in a sweep; ValueError, with what is wrong and perhaps a hint,
+        """The values of an override, several in a sweep; ValueError, with the problem and perhaps a hint,
         where it cannot be read."""
         try:
             override = self._parser.parse_override(text)
@@ -59,7 +59,7 @@ class Reading:
         return _plain(self._parser.parse_override(text).value())
 
     def trusting(self, overrides: Iterable[str]) -> set[str]:
-        """Those of the keys that let code run which overrides give."""
+        """The keys in the overrides that let code run."""
         found = set()
         for override in map(self._parser.parse_override, overrides):
             value = None if override.is_delete() else override.value()
@@ -71,7 +71,7 @@ class Reading:
         return found
 
     def jobs(self, overrides: Iterable[Override]) -> list[list[str]]:
-        """The overrides of each job, as Hydra's own sweeper splits them and in its order."""
+        """The overrides of each job, split and ordered as by Hydra's sweeper."""
         wanted = [override.hydra for override in overrides if not override.for_hydra_itself]
         parsed = self._parser.parse_overrides(wanted)
         return [list(job) for batch in BasicSweeper.split_arguments(parsed, None) for job in batch]

@@ -1,5 +1,5 @@
 # ruff: noqa: E501
-"""What Hydra and OmegaConf say, in words about what the user wrote: a table of their texts and of ours."""
+"""A table of messages of Hydra and OmegaConf, and of our messages about the same error."""
 
 import re
 from collections.abc import Collection
@@ -9,7 +9,7 @@ from pipeline.config.messages import nearest
 
 
 class Words(NamedTuple):
-    """What is wrong, where, and what to do."""
+    """The text of a problem, its place and its hint."""
 
     text: str
     where: str = ""
@@ -17,8 +17,8 @@ class Words(NamedTuple):
 
 
 Rules = dict[str, Words]
-"""A text of theirs, as a pattern → ours, with the pattern's groups in braces; `near`: groups of options
-that `group` may mean."""
+"""The pattern of a message of theirs → our message, with the pattern's groups in braces; `near`: suggested
+groups for `group`."""
 
 TREE = "linkwright --cfg job shows the tree"
 
@@ -78,7 +78,7 @@ COMPOSING: Rules = {
         "must be a mapping: lines of `key: value`", "{file}.yaml", "remove everything else"
     ),
 }  # fmt: skip
-"""Hydra, as it composes."""
+"""Messages of Hydra's composition."""
 
 RESOLVING: Rules = {
     r"Interpolation key '(?P<key>[^']+)' not found": Words(
@@ -97,7 +97,7 @@ RESOLVING: Rules = {
         "refers to a value that is not given", hint="give that value"
     ),
 }
-"""OmegaConf, as it resolves interpolations."""
+"""Messages of OmegaConf's resolution of interpolations."""
 
 READING: Rules = {
     r"token recognition error at: '(?P<text>.+)'": Words("{text} needs quotes"),
@@ -106,11 +106,11 @@ READING: Rules = {
     r"no viable alternative at input '(?P<text>.*)'": Words("{text} is not allowed there"),
     r"missing (?P<text>\S+) at": Words("{text} is missing"),
 }
-"""The grammar of overrides."""
+"""Messages of the parser of overrides."""
 
 
 def in_words(text: str, rules: Rules, groups: Collection[str] = ()) -> Words | None:
-    """Our words for a text of theirs; None where the table has none."""
+    """Our message for a message of theirs; None where the table has no match."""
     for pattern, words in rules.items():
         match = re.search(pattern, text, re.DOTALL)
         if match:

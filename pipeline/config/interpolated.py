@@ -1,4 +1,5 @@
-"""Texts of interpolations, `${oc.env:SPEED,4}` say, where the schema wants a number or a truth value."""
+"""Converts texts of interpolations, such as `${oc.env:SPEED,4}`, where the schema needs a number or a
+boolean."""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -10,7 +11,7 @@ from stages.fetch.keys import SOURCES
 
 
 def decode(tree: dict[str, Any], places: Iterable[Place]) -> None:
-    """Replaces, in `tree`, the texts at these places by what they say, where no text is wanted."""
+    """Converts the texts at these places of `tree` to numbers and booleans where the schema needs them."""
     source = tree.get("source")
     kind = SOURCES.get(str(source.get("kind"))) if isinstance(source, Mapping) else None
     for place in places:
@@ -30,7 +31,7 @@ def decode(tree: dict[str, Any], places: Iterable[Place]) -> None:
 
 
 def _meant(text: str, wanted: Any, otherwise: Any) -> Any:
-    """What a text means where `wanted`, a type, is expected; `otherwise` where it does not mean that."""
+    """The text as a value of the type `wanted`; `otherwise` where it cannot be converted."""
     if wanted is bool:
         return {"true": True, "false": False}.get(text.lower(), otherwise)
     if wanted in (int, float):

@@ -1,4 +1,4 @@
-"""What `--cfg` and `--info` print: a configuration before it is built, and how it came to be."""
+"""The output of `--cfg` and `--info`: the configuration, and how it was composed."""
 
 import contextlib
 import io
@@ -21,10 +21,10 @@ from pipeline.secrets import Secrets
 
 
 def configuration(command: Command, environ: Mapping[str, str] = os.environ) -> str:
-    """The configuration that a command composes, judged, as YAML with secrets blanked.
+    """The validated configuration of a command, as YAML with secrets blanked.
 
-    Interpolations stay as they are written, but for `--resolve`. ConfigError as for a build, but for what
-    only a build needs, credentials say.
+    Interpolations stay unresolved without `--resolve`. ConfigError as for a build, without the checks that
+    only a build needs, such as credentials.
     """
     with session(command.config_dirs, environ=environ) as composer:
         overrides, problems = composer.read(command.overrides)
@@ -53,7 +53,7 @@ def _dumped(tree: Any) -> str:
 
 
 def _put_back(tree: Any, written: Any, places: Iterable[Place]) -> None:
-    """Puts interpolations back to where they were written, as far as the plan has those places."""
+    """Restores interpolations at their places, where the plan has those places."""
     for place in places:
         node, text = tree, written
         with contextlib.suppress(KeyError, IndexError, TypeError):
@@ -79,8 +79,8 @@ def _part(tree: Any, package: str) -> Any:
 
 
 def information(command: Command, environ: Mapping[str, str] = os.environ) -> Iterator[str]:
-    """How the configuration comes to be, mostly in Hydra's own words: files, defaults, plug-ins, search
-    path; at last the configuration itself, where that is asked for."""
+    """How the configuration is composed, mostly as Hydra prints it: files, defaults, plug-ins, search path;
+    last the configuration itself, if requested."""
     kinds = [kind for kind in INFO if command.what in (kind, "all") and kind not in ("all", "config")]
     with session(command.config_dirs, environ=environ) as composer:
         overrides, problems = composer.read(command.overrides)
@@ -92,7 +92,7 @@ def information(command: Command, environ: Mapping[str, str] = os.environ) -> It
 
 
 def _captured(show: Callable[[], None]) -> str:
-    """What Hydra logs to the terminal."""
+    """Hydra's log output on the terminal."""
     root = logging.getLogger()
     handlers, level = list(root.handlers), root.level
     stream = io.StringIO()

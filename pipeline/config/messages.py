@@ -1,4 +1,4 @@
-"""Errors of a configuration in words: the full key, the value given, what is allowed."""
+"""Messages about errors of a configuration: the full key, the given value, the allowed values."""
 
 import difflib
 from collections.abc import Callable, Iterable, Mapping
@@ -45,7 +45,7 @@ def diagnostics(error: ValidationError, root: type[Keys]) -> list[Diagnostic]:
 
 
 def shown(value: Any) -> str:
-    """A value as an error shows it: as YAML would, and short."""
+    """A value as an error shows it: short, and as in YAML."""
     if value is None or isinstance(value, bool):
         return str(value).lower().replace("none", "null")
     text = repr(value)
@@ -53,13 +53,13 @@ def shown(value: Any) -> str:
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:
-    """A question that suggests the names most like `name`; empty where none is."""
+    """A question that suggests the names most similar to `name`, or ""."""
     near = difflib.get_close_matches(name, sorted(candidates), n=3, cutoff=0.6)
     return f"did you mean {' or '.join(near)}?" if near else ""
 
 
 def how_to_give(key: str, kind: str = "") -> str:
-    """The hint that says how to give a missing value, for a source of this kind."""
+    """The hint how to set a missing value, for a source of this kind."""
     files = {"urdf": "arm.urdf", "mjcf": "arm.xml", "bundle": "arm.zip"}
     examples = {"source.url": "https://cad.onshape.com/documents/...", "source.path": files.get(kind)}
     example = examples.get(key) or "..."

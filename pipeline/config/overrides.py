@@ -1,7 +1,7 @@
-"""Overrides as they are typed, made into ones that Hydra can carry.
+"""Converts overrides as the user types them to overrides for Hydra.
 
 `mesh=hull` chooses a group's option and stays; `mesh.tolerance=1` becomes `++mesh.tolerance=1`, so
-that the plan alone judges keys; `joints.*.damping=1`, whose path Hydra's grammar does not know,
+that only the plan validates keys; `joints.*.damping=1`, whose path Hydra's grammar does not allow,
 becomes `++joints={*:{damping:1}}`.
 """
 
@@ -28,12 +28,12 @@ OF_HYDRA = re.compile(
     r"hydra(/launcher|\.launcher(\..*)?|\.sweep\.(dir|subdir)|\.sweeper\.max_batch_size"
     r"|[./](job|hydra)_logging(\..*)?|\.verbose)"
 )
-"""What of Hydra may be overridden, in a sweep."""
+"""The keys of Hydra that may be overridden, in a sweep."""
 
 Values = Callable[[str], list[str]]
 """Hydra's parser: an override → its values as text, several in a sweep.
 
-ValueError, with what is wrong and perhaps a hint: unreadable.
+ValueError, with the problem and perhaps a hint: unreadable.
 """
 
 
@@ -62,9 +62,9 @@ def read(
     multirun: bool,
     added: Collection[str] = (),
 ) -> tuple[list[Override], list[Diagnostic]]:
-    """The overrides of a command line, and what is wrong with the others.
+    """The overrides of a command line, and the problems of invalid arguments.
 
-    `added`: groups that no defaults list has, and that Hydra wants a `+` for.
+    `added`: groups that are in no defaults list, for which Hydra needs a `+`.
     """
     overrides, problems = [], []
     for argument in arguments:
@@ -85,7 +85,7 @@ def read(
 
 
 def refused(override: Override, multirun: bool) -> Diagnostic | None:
-    """What is wrong with an override that concerns Hydra itself."""
+    """The problem of an override that concerns Hydra itself."""
     if not override.for_hydra_itself:
         return None
     if not OF_HYDRA.fullmatch(override.key):
@@ -162,7 +162,7 @@ def _with_carried_value(typed: _Typed) -> _Typed:
 
 
 def _option(typed: _Typed, values: Values) -> Override:
-    """A choice of options of a group; a glob stands for those that it matches."""
+    """A choice of options of a group; a glob stands for the options that it matches."""
     options = _parsed(typed.text, typed.text, values)
     is_glob = re.match(r"\s*glob\(", typed.value)
     hydra = f"{typed.sign}{typed.key}={','.join(options)}" if is_glob else typed.text
@@ -175,7 +175,7 @@ def _plain_key(typed: _Typed, values: Values) -> Override:
 
 
 def _key_with_names(typed: _Typed, values: Values) -> Override:
-    """A key with a part that is no word, such as `joints.*.damping`: a mapping for its first part."""
+    """A key with a part that is not a word, such as `joints.*.damping`: a mapping for its first part."""
     head, *path = _segments(typed.key)
     given = _parsed(typed.text, f"++x={typed.value}", values)
     if not _PATH.fullmatch(head) or not all(map(grammar.has_form, path)):
@@ -221,7 +221,7 @@ _SEGMENT = re.compile(r"""\["([^"]*)"\]|\['([^']*)'\]|"([^"]*)"|((?:(?!\[["'])[^
 
 
 def _segments(key: str) -> list[str]:
-    """The names of a path; a quoted one may hold dots: joints."a.b".damping, joints["a.b"].damping."""
+    """The names of a path; a quoted name may contain dots: joints."a.b".damping, joints["a.b"].damping."""
     return ["".join(found) for found in _SEGMENT.findall(key)]
 
 

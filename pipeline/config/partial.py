@@ -9,10 +9,10 @@ from pipeline.errors import Diagnostic
 
 @dataclass(slots=True)
 class Draft:
-    """What a tree lacks on the way to its plan.
+    """The state of an incomplete composition.
 
-    `problems`: found so far; `without`: the groups whose choice has no effect; `lost`: the keys whose
-    value on the command line cannot be read.
+    `problems`: found so far; `without`: the groups whose choice was ignored; `lost`: the keys with an
+    unreadable value on the command line.
     """
 
     problems: list[Diagnostic] = field(default_factory=list)
@@ -33,7 +33,7 @@ class Draft:
             self.problems.append(problem)
 
     def unsure(self, problem: Diagnostic) -> bool:
-        """Whether a problem may only follow from what was left out."""
+        """Whether a problem may only follow from an ignored choice or an unreadable value."""
         missing = problem.code == "E-MISSING"
         if missing and problem.where in self.lost:
             return True

@@ -20,8 +20,8 @@ def as_written(node: DictConfig) -> dict[str, Any]:
 
 
 def at(config: DictConfig, place: Place, problems: list[Diagnostic]) -> Any:
-    """What stands at a place, as plain data, interpolations resolved; None, and a problem, where that
-    cannot be."""
+    """The value at a place, as plain data with interpolations resolved; None, and a problem, where that
+    fails."""
     node: Any = config
     try:
         for name in place:
@@ -39,9 +39,9 @@ def plain(
     computed: set[Place] | None = None,
     room: Iterator[int] | None = None,
 ) -> Any:
-    """The node as plain data, interpolations resolved; what is missing or cannot be resolved is a
-    problem, and left out. So is what comes to too much, since interpolations repeat what they name:
-    `room` counts what there is room for. The places of the interpolations go into `computed`."""
+    """The node as plain data with interpolations resolved. A value that is missing or cannot be resolved is a
+    problem, and is left out; so are values above the limit, since interpolations repeat the values that they
+    name: `room` counts the values that may follow. `computed` receives the places of interpolations."""
     room = iter(range(MOST_VALUES)) if room is None else room
     if isinstance(node, ListConfig):
         pairs: Iterable[tuple[Any, Any]] = enumerate(range(len(node)))
@@ -76,7 +76,7 @@ def plain(
 
 
 def _unresolved(error: Exception, place: Place) -> Diagnostic:
-    """What is wrong with an interpolation."""
+    """The problem of an interpolation."""
     unknown = Words(f"cannot be resolved: {str(error).splitlines()[0]}", hint="correct its ${...}")
     said = in_words(str(error), RESOLVING) or unknown
     return Diagnostic("E-VALUE", said.text, key_of(place), said.hint)

@@ -31,12 +31,12 @@ RUN_KEYS = (
     "source.stale",
     "source.trust",
 )
-"""Keys and sections that say how a build runs, not what it builds: they identify no job of a sweep and are
-part of no cache key."""
+"""Keys and sections about how a build runs, not about its result: they do not identify a job of a sweep and
+are not part of a cache key."""
 
 
 def is_run_key(key: str) -> bool:
-    """Whether a full key says how a build runs, not what it builds."""
+    """Whether a full key is about how a build runs, not about its result."""
     return any(key == one or key.startswith(f"{one}.") for one in RUN_KEYS)
 
 
@@ -84,9 +84,9 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
     ) -> "Plan":
         """The plan that `data`, plain mappings and lists, describes.
 
-        One ConfigError lists every problem: `known` ones, found on the way here; each key that is
-        unknown, missing, not supported yet or has a value that is not allowed, but for those that
-        may only follow from a known one (`unsure`); and what `judge` knows about the rest.
+        One ConfigError lists all problems: the `known` problems; each key that is unknown, missing, not
+        supported yet or has a value that is not allowed, except those that may only follow from a known
+        problem (`unsure`); and the problems that `judge` finds in the rest.
         """
         problems = list(known)
         plan: Plan | None
@@ -105,7 +105,7 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
 
     @classmethod
     def _of_the_rest(cls, data: Mapping[str, Any], wrong: Iterable[Sequence[int | str]]) -> "Plan | None":
-        """The plan without the sections that are wrong; None where there is none without them."""
+        """The plan without the invalid sections; None where it is invalid without them."""
         rest = dict(data)
         for head, *below in wrong:
             if head == "source" and len(below) == 2 and isinstance(rest.get("source"), dict):
@@ -134,7 +134,7 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
 
 
 Judge = Callable[[Plan], Iterable[Diagnostic]]
-"""What else is known to be wrong with a plan before it is built."""
+"""Finds further problems of a plan before it is built."""
 
 
 def section(plan: Plan, keys: type[Keys]) -> dict[str, Any]:

@@ -27,21 +27,21 @@ SEVERAL = ("export",)
 """Groups of which several options are chosen at once."""
 
 _PACKAGED = re.compile(r"(\s*#.*\n)*\s*#\s*@package\s+(?!_group_)\S")
-"""The head of a file that says where in the tree it lies."""
+"""The head of a file with its place in the tree."""
 
 LATER = {
     "mesh": LATER_COLLIDERS,
     "actuators": ("position",),
     "export": LATER_FORMATS,
 }
-"""Options that are decided but not there yet."""
+"""Planned options that are not supported yet."""
 
 
 class Presets:
-    """Options of groups, in our folder and in folders of the user's own, which hold `robot/`."""
+    """Options of groups, in `conf` and in the user's folders, which hold `robot/`."""
 
     def __init__(self, config_dirs: Iterable[str | Path] = (), cwd: Path | None = None) -> None:
-        """ConfigError where one of `config_dirs` is no folder. `./robot/` counts where it exists."""
+        """ConfigError where one of `config_dirs` is not a folder. `./robot/` is included if it exists."""
         self._here, dirs = cwd or Path.cwd(), list(config_dirs)
         here = self._here
         folders = [here] if any((here / group).is_dir() for group in ("robot", EXPERIMENT)) else []
@@ -52,13 +52,13 @@ class Presets:
             _check_place(folder, str(named))
             given.append(folder.resolve())
         self.given = tuple(dict.fromkeys(folder for folder in given if folder != OURS))
-        """The folders of `config_dirs`: who names one trusts the launchers in it."""
+        """The folders of `config_dirs`, whose launchers are trusted."""
         own = [*(folder.resolve() for folder in folders), *given]
         self.own = tuple(dict.fromkeys(folder for folder in own if folder != OURS))
 
     def named(self, value: str) -> str | None:
-        """The option that a robot's file is, where `value` is the path of one: relative to ours, so that
-        it is found wherever it lies. Its folder, or the one around `robot/`, counts from then on."""
+        """The option of a robot's file, where `value` is its path: relative to `conf/robot`, so that Hydra
+        finds it anywhere. Adds the folder of the file, or the parent of `robot/`, to the search path."""
         path = Path(value).expanduser()
         file = self._here / (path if path.suffix == ".yaml" else path.with_name(f"{path.name}.yaml"))
         by_path = path.suffix == ".yaml" or "/" in value
@@ -78,7 +78,7 @@ class Presets:
         return sorted(found)
 
     def files(self, group: str, option: str) -> list[Path]:
-        """The files that an option may mean; more than one is a clash."""
+        """The files of an option; more than one file is a conflict."""
         found = [folder / group / f"{option}.yaml" for folder in (OURS, *self.own)]
         if option.startswith("../"):
             found = found[:1]
@@ -99,7 +99,7 @@ class Presets:
         return found
 
     def problem(self, group: str, option: str) -> Diagnostic | None:
-        """What is wrong with the choice of an option, if anything is."""
+        """The problem of a choice of an option, or None."""
         files = self.files(group, option)
         if len(files) > 1:
             text = f"ambiguous: {' and '.join(str(file) for file in files)}"
@@ -107,7 +107,7 @@ class Presets:
         return None if files else self.unknown(group, option)
 
     def judged(self, overrides: Iterable[str]) -> tuple[list[str], dict[str, list[Diagnostic]]]:
-        """The overrides whose options are there, and what is wrong with the others, by group."""
+        """The overrides whose options exist, and the problems of the others, by group."""
         good, bad = [], {}
         for override in overrides:
             group, _, value = override.lstrip("+~").partition("=")
@@ -128,27 +128,27 @@ class Presets:
         return [found for option in options if (found := self.problem(group, option))]
 
     def content(self, group: str, option: str) -> dict[str, Any]:
-        """What the file of an option holds, read alone; nothing where it cannot be read."""
+        """The content of an option's file; {} where it cannot be read."""
         files = self.files(group, option)
         return content(files[0]) if files else {}
 
     def _section(self, group: str, option: str) -> dict[str, Any]:
-        """What an option gives its own group; nothing where its file lies elsewhere in the tree."""
+        """The keys that an option sets in its group; {} where its file belongs elsewhere in the tree."""
         files = self.files(group, option)
         if not files or _PACKAGED.match(files[0].read_text(encoding="utf-8", errors="replace")):
             return {}
         return {key: value for key, value in content(files[0]).items() if key != "defaults"}
 
     def own_groups(self) -> list[str]:
-        """The groups that only the user has, `experiment` say, sorted."""
+        """The groups that exist only in the user's folders, such as `experiment`; sorted."""
         folders = [folder for own in self.own for folder in own.iterdir() if any(folder.glob("*.yaml"))]
         return sorted({folder.name for folder in folders} - {*GROUPS, "hydra"})
 
     def choices(
         self, robot: str, formats: tuple[str, ...], overrides: Iterable[str], paths: Iterable[str] = ()
     ) -> Choices:
-        """How a tree came to be that was composed of these overrides, all of them good, and of the files
-        of these `paths`: what an experiment chooses counts as if it were typed."""
+        """The choices of a tree that was composed of these valid overrides and of the files at `paths`; a
+        choice of an experiment counts as a choice on the command line."""
         presets: dict[str, dict[str, Any]] = {}
         keys: set[str] = set()
         groups = self.own_groups()
@@ -167,7 +167,7 @@ class Presets:
         return Choices(robot, formats, presets, frozenset(keys))
 
     def chosen_twice(self, files: Iterable[Path]) -> list[Diagnostic]:
-        """What is wrong with files whose defaults lists override a group more than once: one would count."""
+        """The problems of files whose defaults lists override a group more than once."""
         found = []
         for file in files:
             options: dict[str, list[str]] = {}
@@ -181,7 +181,7 @@ class Presets:
         return found
 
     def unknown(self, group: str, option: str) -> Diagnostic:
-        """The problem of an option that no file is there for."""
+        """The problem of an option without a file."""
         where, options = f"{group}={option}", self.options(group)
         if not options:
             hint = f"groups: {', '.join([*GROUPS, *self.own_groups()])}"
@@ -203,7 +203,7 @@ class Presets:
         return Diagnostic("E-OPTION", "there is no such option", where, hint)
 
     def _near(self, path: str, options: Iterable[str]) -> str:
-        """What may be meant by the path of a robot's file that is not there."""
+        """Suggestions for the path of a robot's file that does not exist."""
         stem = Path(path).stem
         near = nearest(stem, options)
         other = (self._here / path).with_suffix(".yaml")
@@ -225,7 +225,7 @@ class Presets:
 
 
 def content(file: Path) -> dict[str, Any]:
-    """What a file holds, read alone; nothing where it cannot be read."""
+    """The content of a file; {} where it cannot be read."""
     try:
         read = yaml_file.read(file)
     except (OSError, UnicodeDecodeError, yaml.YAMLError):
@@ -270,7 +270,7 @@ def ends(tree: Any, place: Place = ()) -> Iterator[Place]:
 
 
 def stand_in(group: str) -> str:
-    """The option that `build` itself chooses of a group; for the source, one that needs nothing."""
+    """The default option of a group in `build`; for the source, the sample."""
     defaults = yaml.safe_load((OURS / "build.yaml").read_text(encoding="utf-8"))["defaults"]
     options = {key: one for entry in defaults if isinstance(entry, dict) for key, one in entry.items()}
     option = options.get(group) or "sample"

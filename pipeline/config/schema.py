@@ -1,4 +1,4 @@
-"""What the configuration's classes say about a key: the section it lies in, its type, its names."""
+"""The schema of a key: its section, its type, its names."""
 
 import types
 from collections.abc import Iterator
@@ -28,7 +28,7 @@ def is_section(annotation: Any) -> bool:
 
 
 def annotation_at(root: Any, place: Place) -> Any:
-    """What the schema says about a place: a section, or a type."""
+    """The annotation at a place: a section, or a type."""
     node = _bare(root)
     for part in place:
         if is_section(node):
@@ -54,7 +54,7 @@ def _bare(annotation: Any) -> Any:
 
 
 def options(annotation: Any) -> list[str]:
-    """The words that a key may be, where it is a choice of words."""
+    """The allowed words of a key that is a choice of words."""
     return [str(one) for one in get_args(annotation)] if get_origin(annotation) is Literal else []
 
 

@@ -1,7 +1,7 @@
-"""What a YAML file may not say, because it would run code: files are data, whoever wrote them.
+"""Keys that a YAML file must not set, because they would run code: files are data.
 
-Judged is what was composed, after all files, packages and interpolations, against what the command line
-alone comes to (`ours`).
+The check compares the composed tree, after all files, packages and interpolations, with the tree of the
+command line alone (`ours`).
 """
 
 import json
@@ -19,10 +19,10 @@ from stages.robot.errors import Diagnostic
 CODE = "E-TRUST"
 
 VARIABLE = "LINKWRIGHT_TRUST"
-"""The variable that names the files whose word counts as the command line's."""
+"""The variable that names the files that are trusted like the command line."""
 
 DEFAULTS: Mapping[str, Any] = {"source.trust": False, "plugins": []}
-"""Keys that let code run, and the one value of each that a file may give."""
+"""Keys that let code run, and the only value of each that a file may set."""
 
 TARGET = "_target_"
 
@@ -38,15 +38,15 @@ FOLDERS = ("sweep.dir", "sweep.subdir")
 _WORDS = ("partition", "time")
 _WORD = re.compile(r"[\w.,:-]+", re.ASCII)
 _FILLED_IN = ("overrides", "runtime.choices", "runtime.config_sources", "job.override_dirname")
-"""What Hydra itself writes down while it composes."""
+"""Keys that Hydra itself sets while it composes."""
 
 
 @dataclass(frozen=True, slots=True)
 class Sweeping:
-    """What files say of a sweep, by the list of what they may say.
+    """The sweep settings that files may set.
 
     `launcher`: the option of hydra/launcher; `numbers`: what they set of it; `params`: overrides, key →
-    values; `dir` and `subdir`: folders of the sweep and of a job, None where nothing was said.
+    values; `dir` and `subdir`: folders of the sweep and of a job, None where they are not set.
     """
 
     launcher: str = "basic"
@@ -59,8 +59,8 @@ class Sweeping:
 def listed(
     theirs: Mapping[str, Any], ours: Mapping[str, Any], resolved: Callable[[Place], Any]
 ) -> tuple[dict[str, Any], list[Diagnostic]]:
-    """Of two `hydra` nodes what differs: the settings that a file may make, by key without `hydra.`, and a
-    problem for each of the others.
+    """Compares two `hydra` nodes: returns the changed settings that a file may set, by key without `hydra.`,
+    and a problem for each other change.
 
     The nodes are as written, with interpolations; `resolved` gives a setting's value.
     """
@@ -84,7 +84,7 @@ _ABSENT = object()
 
 
 def _differences(theirs: Any, ours: Any, place: Place) -> Iterator[tuple[Place, Any, Any]]:
-    """Place, value and our value of what differs, as far down as both are mappings."""
+    """Place, value and our value of each difference between nested mappings."""
     if isinstance(theirs, Mapping) and isinstance(ours, Mapping):
         for name in {**theirs, **ours}:
             yield from _differences(theirs.get(name, _ABSENT), ours.get(name, _ABSENT), (*place, name))
@@ -94,7 +94,7 @@ def _differences(theirs: Any, ours: Any, place: Place) -> Iterator[tuple[Place, 
 
 
 def _harmless(place: Place, value: Any, known: Any) -> bool:
-    """Whether a setting is a launcher's number, or one of its words and none of a shell's."""
+    """Whether a setting is a number of a launcher, or a word that is safe in a shell."""
     if place[0] != LAUNCHER or known is _ABSENT or str(place[-1]).startswith("_"):
         return False
     if _is_number(value):
@@ -113,8 +113,8 @@ def not_allowed(key: str, value: Any = None) -> Diagnostic:
 
 
 def overridden(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnostic]:
-    """A problem for each group of Hydra's, but for the launcher, that the defaults list of a file chooses
-    from: also where that would come to nothing."""
+    """A problem for each group of Hydra, except the launcher, that a file's defaults list overrides, even
+    without effect."""
     for content in contents:
         defaults = content.get("defaults")
         for entry in defaults if isinstance(defaults, list) else ():
@@ -125,7 +125,7 @@ def overridden(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnostic]:
 
 
 def targets(tree: Any, place: Place = ()) -> Iterator[Diagnostic]:
-    """A problem for each `_target_` in a tree: it would name code to run."""
+    """A problem for each `_target_` in a tree, which would name code to run."""
     pairs: Iterable[tuple[Any, Any]] = ()
     if isinstance(tree, Mapping):
         pairs = tree.items()
@@ -147,7 +147,7 @@ def untrusted(
     environ: Mapping[str, str],
     command: str,
 ) -> list[Diagnostic]:
-    """A problem for each key that lets code run and that only a file has set.
+    """A problem for each key that lets code run and that only a file sets.
 
     `typed`: those of these keys that the command line gives; `files`: the user's own files that were
     composed; `command`: what was typed, to which the hint adds.
@@ -177,7 +177,7 @@ def _at(tree: Any, key: str, default: Any) -> Any:
 
 
 def _named(files: Iterable[Path], environ: Mapping[str, str]) -> bool:
-    """Whether the environment names every one of these files, and there is one."""
+    """Whether the environment names all of these files, and there is at least one."""
     texts = [text for text in environ.get(VARIABLE, "").split(os.pathsep) if text]
     trusted = {Path(text).expanduser().resolve() for text in texts}
     files = {file.resolve() for file in files}

@@ -1,8 +1,8 @@
-"""YAML files that users write, judged before anything is made of them.
+"""Checks YAML files of users before they are parsed.
 
-A few lines of YAML can stand for more than a computer holds, since an alias repeats what it names, and
-what is nested deeply enough ends any reader that is recursive. So a file's events are counted first,
-which costs next to nothing: its readers are a hundred times slower.
+A few lines of YAML can expand to more than the memory holds, since an alias repeats its value, and deep
+nesting ends a recursive parser. So the events of a file are counted first, which is about a hundred times
+faster than parsing.
 """
 
 from pathlib import Path
@@ -16,8 +16,8 @@ LARGEST = 4 << 20
 """Larger files are not read [bytes]."""
 
 MOST_VALUES = 20_000
-"""Values, keys included, that a file may come to, what its aliases repeat included: a robot of 500 joints
-with all that can be said of each comes to half of it."""
+"""Most values (with keys) in a file after its aliases are expanded: a robot of 500 joints with all of their
+keys has half as many."""
 
 DEEPEST = 32
 """Levels of nesting."""
@@ -26,7 +26,7 @@ _EVENTS = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class RefusedError(yaml.MarkedYAMLError):  # type: ignore[misc]
-    """A YAML file that comes to too much; `hint` says what to do."""
+    """A YAML file above the limits, with a `hint`."""
 
     def __init__(self, problem: str, mark: yaml.Mark | None, hint: str) -> None:
         super().__init__(problem=problem, problem_mark=mark)
@@ -34,7 +34,7 @@ class RefusedError(yaml.MarkedYAMLError):  # type: ignore[misc]
 
 
 def read(path: Path) -> Any:
-    """What a file holds, as plain data.
+    """The content of a file, as plain data.
 
     OSError, UnicodeDecodeError or yaml.YAMLError (RefusedError is one) where it cannot be read.
     """
@@ -42,8 +42,8 @@ def read(path: Path) -> Any:
 
 
 def text(path: Path) -> str:
-    """The text of a file, once it is known to come to no more than makes sense. Raises as `read` does,
-    but for text that is not YAML at all: its reader reports that."""
+    """The text of a file within the limits. Raises as `read`, but not for invalid YAML, which the parser
+    reports."""
     try:
         content = regular_files.content(path, LARGEST)
     except regular_files.FileTooLarge as error:
@@ -55,7 +55,7 @@ def text(path: Path) -> str:
 
 
 def judge(content: str, path: Path) -> None:
-    """RefusedError where the text of the file at `path` comes to too much."""
+    """RefusedError where the text of the file at `path` is above the limits."""
     try:
         _Count(path).all(content)
     except RefusedError:
@@ -65,7 +65,7 @@ def judge(content: str, path: Path) -> None:
 
 
 class _Count:
-    """Values and levels as they come. Of each anchor: what it comes to, and how deep it is."""
+    """Counts values and levels while events arrive; for each anchor its values and its depth."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -93,7 +93,7 @@ class _Count:
         self._add(*self._anchors.get(event.anchor, (1, 0)), event)
 
     def _add(self, values: int, height: int, event: yaml.Event) -> None:
-        """Puts values, so many levels high, into what is open."""
+        """Adds `values` with `height` levels to the open collection."""
         if len(self._open) + height > DEEPEST:
             problem = f"it is nested deeper than {DEEPEST} levels"
             raise self._refused(problem, event, "no key of a robot is that deep: check the brackets")

@@ -85,7 +85,7 @@ _PLACES = {
     "Report": "pipeline.report",
     "Robot": "pipeline.face.robot",
 }
-"""Where a name lives that is not an error."""
+"""The modules of the names that are not errors."""
 
 if not TYPE_CHECKING:  # a type checker would believe in any name at all
 

@@ -1,4 +1,4 @@
-"""From the arguments of `linkwright.build` to a plan, by the same way as from a command line."""
+"""Composes a plan from the arguments of `linkwright.build`, as from a command line."""
 
 import os
 import re
@@ -25,7 +25,7 @@ HEADER = "# @package _global_\n"
 DATA = "the robot's data"
 
 TRUSTING = {"source.trust": "trust=True", "plugins": "plugins=[...]"}
-"""Key that only its caller can give → the argument of `build` that gives it."""
+"""Key that only the caller may set → the argument of `build` for it."""
 
 _ALONE = RLock()
 """Hydra composes for one thread at a time."""
@@ -38,7 +38,7 @@ def plan_of(
     output: str | os.PathLike[str] | None,
     config_dirs: Sequence[str | os.PathLike[str]],
 ) -> Plan:
-    """The plan that the arguments of `build` describe; ConfigError lists everything that is wrong."""
+    """The plan that the arguments of `build` describe; ConfigError lists all problems."""
     robots = [one for one in what if is_robot(one)]
     if len(robots) > 1:
         given = " and ".join("a mapping" if isinstance(one, Mapping) else str(one) for one in robots)
@@ -63,7 +63,7 @@ def plan_of(
 
 
 def is_robot(one: object) -> bool:
-    """Whether an argument is a robot, as data or by the path of its file, and no override."""
+    """Whether an argument is a robot (data or the path of a file), not an override."""
     if isinstance(one, str):
         return "=" not in one and one.endswith((".yaml", ".yml"))
     return isinstance(one, Mapping | os.PathLike)
@@ -71,8 +71,8 @@ def is_robot(one: object) -> bool:
 
 @contextmanager
 def robot_file(robot: Any) -> Iterator[str]:
-    """The path of a robot's file; "" for no robot. One that is data gets a file for the time inside, so
-    that it is read, and trusted, as any file."""
+    """The path of a robot's file; "" without a robot. Data is written to a temporary file, so that it is
+    read, and trusted, like any file."""
     if not isinstance(robot, Mapping):
         yield "" if robot is None else os.fspath(robot)
         return
@@ -88,7 +88,7 @@ def robot_file(robot: Any) -> Iterator[str]:
 
 
 class _Quoting(yaml.SafeDumper):  # type: ignore[misc]
-    """Writes all texts in quotes: YAML's readers differ about what else `1e5` or `on` would be."""
+    """Writes all texts in quotes, since YAML parsers differ about `1e5` or `on` without them."""
 
 
 _Quoting.add_representer(
@@ -97,8 +97,8 @@ _Quoting.add_representer(
 
 
 def as_data(value: Any, key: str = "") -> Any:
-    """A robot's data as YAML can hold it; ConfigError where it is something else. numpy's arrays and numbers
-    become lists and numbers, and paths texts."""
+    """A robot's data in types that YAML has; ConfigError for other types. numpy arrays become lists, numpy
+    numbers become numbers, and paths become texts."""
     if isinstance(value, Mapping):
         return {str(name): as_data(one, f"{key}.{name}".lstrip(".")) for name, one in value.items()}
     if isinstance(value, list | tuple):
@@ -114,14 +114,14 @@ def as_data(value: Any, key: str = "") -> Any:
 
 
 def _in_python(problem: Diagnostic) -> Diagnostic:
-    """A problem with the way out that there is in Python."""
+    """The problem with a hint for Python."""
     if problem.code != CODE or problem.where not in TRUSTING:
         return problem
     return replace(problem, hint=f"if you trust it: linkwright.build(..., {TRUSTING[problem.where]})")
 
 
 def _without_file(problem: Diagnostic, file: Path) -> Diagnostic:
-    """A problem of a robot that is data, without the path of the file that it had for a while."""
+    """A problem of a robot given as data, without the path of its temporary file."""
     name = re.escape(f"{file.parent.name}/{file.stem}")
     path = re.compile(rf"[^\s'\"]*{re.escape(file.parent.parent.name)}/{name}(\.yaml)?|\b{name}\.yaml")
     texts = (path.sub(DATA, text) for text in (problem.message, problem.where, problem.hint))

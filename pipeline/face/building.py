@@ -1,4 +1,4 @@
-"""`linkwright.build`: a robot from its configuration, and what comes of it as values."""
+"""`linkwright.build`: builds a robot from its configuration and returns it as values."""
 
 import base64
 import functools
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Build:
-    """What a build comes to.
+    """The result of a build.
 
     `report`: status, calls, figures, diagnostics and checks. `files`: the robot's files in memory, relative
     path → bytes: the same that an output folder gets, without the report and the log.
@@ -57,12 +57,12 @@ class Build:
         return f"{report.heading}: {', '.join(parts)}"
 
     def _repr_html_(self) -> str:
-        """What a notebook shows: status, kinematic tree and picture."""
+        """The view in a notebook: status, kinematic tree and picture."""
         found = [f"<p>{escape(self._heading())}</p>"]
         if self.report.outline:
             found.append(f"<pre>{escape(self.outline)}</pre>")
         if PICTURE in self.files:
-            # As an image: whatever the names in it are, nothing in it runs.
+            # As an image, so that no script in it can run.
             data = base64.b64encode(self.files[PICTURE]).decode()
             name = escape(f"links and joints of {self.report.name}")
             style = "background: white; max-width: 100%"
@@ -87,14 +87,14 @@ def build(
     A mapping holds what a robot's YAML holds. Relative paths are those of the working folder.
 
     output: the folder that gets the files too; without it, and without the key `output`, the build writes
-        nothing but its cache.
+        only its cache.
     trust: whether a xacro file, which is a program, may run. A robot's file or mapping cannot say so.
     plugins: modules whose classes the robot may name; likewise.
     config_dirs: folders that hold `robot/`, besides the working folder.
     progress: whether the stages are shown on stderr while they run.
 
-    Raises ConfigError for what is wrong before the first stage, and another LinkwrightError for what goes
-    wrong later. A failed check raises nothing: see `report.status` and `report.failed_checks`.
+    Raises ConfigError for problems found before the first stage, and another LinkwrightError for later
+    errors. A failed check does not raise: see `report.status` and `report.failed_checks`.
     """
     from pipeline.build import build_files
     from pipeline.face.arguments import plan_of

@@ -1,1 +1,1 @@
-"""Many plans from one command line, each built into a folder of its own."""
+"""Sweeps: many plans from one command line, each built into its own folder."""

@@ -23,15 +23,15 @@ if TYPE_CHECKING:
 
 SUMMARY, ACCOUNT = "summary.json", "multirun.yaml"
 OWN = (SUMMARY, ACCOUNT)
-"""The files of a sweep's own: how its jobs ended, and Hydra's account of what it is."""
+"""The files of a sweep itself: the outcomes of its jobs, and Hydra's record of the sweep."""
 
 
 def prepare(root: Path, plan: Plan, typed: Sequence[str], environ: Mapping[str, str] = os.environ) -> None:
-    """Makes the folder of a sweep whose jobs have plans such as `plan`, and marks it as one; a run begins,
-    of the overrides that were `typed`, beside those that the folder has seen.
+    """Creates and marks the folder of a sweep, and records a new run with its `typed` overrides after earlier
+    runs; `plan`: the plan of any job.
 
-    ConfigError where no sweep can be there, or what is not linkwright's is in its way; OutputError where
-    it cannot be written.
+    ConfigError where no sweep can be there, or a file that is not linkwright's is in its way; OutputError
+    where it cannot be written.
     """
     with named(root):
         place = absolute(root)
@@ -44,14 +44,14 @@ def prepare(root: Path, plan: Plan, typed: Sequence[str], environ: Mapping[str, 
         place.mkdir(parents=True, exist_ok=True)
         for path in stopped:
             move_aside(place / path, place, path)
-        # Until the sweep is over they are ours whatever they hold: it may be killed.
+        # Any content counts as ours until the sweep ends, since it may be killed.
         manifest.write(place, dict.fromkeys(OWN))
         run = {"started": f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}", "overrides": list(typed), "jobs": []}
         _write(place, [*_runs(place), run])
 
 
 def keep(outcomes: Sequence["Outcome"], root: Path) -> None:
-    """Leaves how the jobs of the run ended in `summary.json`; OutputError where it cannot be written."""
+    """Writes the outcomes of the jobs to `summary.json`; OutputError where it cannot be written."""
     with named(root):
         *before, run = _runs(root)
         _write(root, [*before, {**run, "jobs": [asdict(outcome) for outcome in outcomes]}])
@@ -60,14 +60,14 @@ def keep(outcomes: Sequence["Outcome"], root: Path) -> None:
 
 
 def _in_the_way(root: Path) -> dict[str, str]:
-    """Of the files that a sweep writes into the folder, those that are there and are not ours: why."""
+    """Foreign or changed files at the paths that a sweep writes: path → reason."""
     own = manifest.ours(root) or dict.fromkeys(OWN if manifest.is_sweep(root) else ())
     others = manifest.others(root, own) if root.is_dir() else ()
     return {entry.path: conflicts.why(entry) for entry in others if entry.path in OWN}
 
 
 def _runs(root: Path) -> list[dict[str, Any]]:
-    """The runs that the folder has seen, the oldest first; of 0.1 the last one."""
+    """The recorded runs of the folder, the oldest first; of version 0.1 only the last run."""
     try:
         kept = json.loads((root / SUMMARY).read_bytes())
     except (OSError, ValueError):

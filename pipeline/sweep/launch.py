@@ -1,7 +1,7 @@
 """A sweep under one of Hydra's launchers.
 
-Only what the command line alone makes of Hydra runs: no file of a robot is read again, since all jobs'
-plans are known.
+Hydra's configuration comes from the command line alone; no robot's file is read again, since all plans
+are known.
 """
 
 import copy
@@ -28,13 +28,13 @@ from pipeline.secrets import Secrets
 from pipeline.sweep.folder import ACCOUNT
 
 ALONE = "basic"
-"""Hydra's launcher that runs one job after the other, in this process."""
+"""Hydra's launcher that runs the jobs one after the other in this process."""
 
 
 @dataclass(frozen=True, slots=True)
 class Account:
-    """What a sweep is, as Hydra notes it down: the tree that all jobs start from, the overrides as they
-    were typed, and those of each job."""
+    """The record of a sweep for `multirun.yaml`: the tree that all jobs start from, the typed overrides, and
+    the overrides of each job."""
 
     tree: DictConfig | None
     typed: Sequence[str]
@@ -54,7 +54,7 @@ class Account:
 def launch(
     ours: DictConfig, numbers: Mapping[str, Any], task: Callable[[int], Any], folder: Path, account: Account
 ) -> list[Any]:
-    """Runs `task(number)` for every job; what each returned. Leaves Hydra's account, `multirun.yaml`.
+    """Runs `task(number)` for every job and returns the results. Writes `multirun.yaml`.
 
     `ours`: the tree with the `hydra` node to run under; `numbers`: settings of its launcher. `task` goes to
     other processes with some launchers, and must not raise. ConfigError where the launcher cannot start.
@@ -64,7 +64,7 @@ def launch(
         with open_dict(config):
             for key, value in numbers.items():
                 OmegaConf.update(config, f"hydra.launcher.{key}", value)
-            # A folder is no interpolation, whatever it is called.
+            # Escaped, so that a folder's name is never an interpolation.
             config.hydra.sweep.dir, config.hydra.sweep.subdir = str(folder).replace("${", r"\${"), "."
         launcher = Plugins.instance().instantiate_launcher(
             config=config,
@@ -84,7 +84,7 @@ def launch(
             try:
                 done += launcher.launch(batch, initial_job_idx=start)
             except (ValueError, TypeError, HydraException, OmegaConfBaseException) as error:
-                # Jobs never raise: this is the launcher's word on its own settings.
+                # Jobs never raise, so the launcher rejects its settings.
                 raise _cannot_start(error) from error
     return [job.return_value for job in done]
 
@@ -95,7 +95,7 @@ def _cannot_start(error: Exception) -> ConfigError:
 
 
 class _Known:
-    """Stands in for Hydra's loader, which launchers ask for the configuration of each job."""
+    """Replaces Hydra's loader, from which launchers get the configuration of each job."""
 
     def load_sweep_config(self, master: DictConfig, overrides: list[str]) -> DictConfig:
         config = copy.deepcopy(master)
@@ -105,7 +105,7 @@ class _Known:
 
 
 class _Numbered:
-    """Hydra's task: hands on the number of the job; its plan is known already."""
+    """Hydra's task function: calls the task with the number of the job."""
 
     def __init__(self, task: Callable[[int], Any]) -> None:
         self._task = task

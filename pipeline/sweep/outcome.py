@@ -1,4 +1,4 @@
-"""How the jobs of a sweep ended: what is kept of each, and the closing table."""
+"""The outcomes of the jobs of a sweep, and the closing table."""
 
 import json
 import os
@@ -18,9 +18,9 @@ REPORT = "report.json"
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How a job ended: its exit status, what it says about that, and its folder.
+    """The outcome of a job: its exit status, its message, and its folder.
 
-    `overrides`: what makes the job what it is, key → value; `figures`, `checks` (how many `passed`, and the
+    `overrides`: the overrides of the job, key → value; `figures`, `checks` (how many `passed`, and the
     names of those that `failed`) and `calls` are those of its report, as far as there is one.
     """
 
@@ -36,7 +36,7 @@ class Outcome:
 
 
 def built(number: int, label: str, overrides: Mapping[str, Any], report: "Report") -> Outcome:
-    """The outcome of a job that left this report."""
+    """The outcome of a job with this report."""
     message = "valid" if report.until == "validate" else f"built up to {report.until}"
     if report.exit_status != 0:
         message = "not the newest state" if report.status == "stale" else "a check failed"
@@ -52,8 +52,7 @@ def built(number: int, label: str, overrides: Mapping[str, Any], report: "Report
 def failed(
     number: int, label: str, overrides: Mapping[str, Any], folder: str, error: BaseException
 ) -> Outcome:
-    """The outcome of a job for this folder that an error ended; what it cost is in the report that it
-    left."""
+    """The outcome of a job that ended with an error; its API calls are in the report of the failure."""
     name = "" if isinstance(error, LinkwrightError) else f"{type(error).__name__}: "
     message = f"{name}{error}".splitlines()[0]
     left = Path(f"{folder}.failed")

@@ -1,4 +1,4 @@
-"""A sweep: many plans from one command line, each built into a folder of its own."""
+"""The jobs of a sweep: a plan, a label and a folder for each."""
 
 import contextlib
 import hashlib
@@ -26,15 +26,15 @@ if TYPE_CHECKING:
     from pipeline.report import Report
 
 Build = Callable[[Plan], "Report"]
-"""What a job does: `pipeline.build.build`, or a stand-in for it."""
+"""The function that a job calls: `pipeline.build.build`, or a replacement in tests."""
 
 LONGEST_SLUG = 60
 
 
 @dataclass(frozen=True, slots=True)
 class Job:
-    """One plan of a sweep; `label` says what sets it apart; `plan.output` is a folder of its own;
-    `overrides`: what makes it what it is, key → value."""
+    """One plan of a sweep. `label`: its swept overrides as text; `plan.output`: its own folder;
+    `overrides`: key → value."""
 
     number: int
     label: str
@@ -44,7 +44,7 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Sweep:
-    """All jobs of a sweep, its folder, the overrides of each job, and how files want it to run."""
+    """All jobs of a sweep, its folder, the overrides of each job, and the sweep settings of files."""
 
     jobs: Sequence[Job]
     root: Path
@@ -53,7 +53,7 @@ class Sweep:
 
 
 class Task:
-    """What a job does, in whatever process: it builds, prints when it starts and ends, and never raises."""
+    """Runs a job in any process: builds, prints its start and its end, and never raises."""
 
     def __init__(self, jobs: Sequence[Job], build: Build) -> None:
         self._jobs = tuple(jobs)
@@ -79,7 +79,7 @@ class Task:
 
 
 def _print(line: str) -> None:
-    # In one piece: other processes write there too. In these nobody may be left who reads it.
+    # In one write, since other processes write there too; a worker's pipe may be closed.
     with contextlib.suppress(BrokenPipeError):
         err = clean(sys.stderr)
         err.write(f"{printable(line)}\n")
@@ -87,10 +87,10 @@ def _print(line: str) -> None:
 
 
 def jobs_of(composer: "Composer", asked: "Asked", judge: Judge) -> Sweep:
-    """Every job of a sweep, composed and judged, and the sweep's folder.
+    """Every job of a sweep, composed and validated, and the sweep's folder.
 
-    ConfigError lists the known problems of the command line and those of all jobs, each with its jobs'
-    numbers; `judge` adds what is known of a job before it starts.
+    ConfigError lists the known problems of the command line and those of all jobs, each with the numbers
+    of its jobs; `judge` adds problems of a job before it starts.
     """
     swept = [override for override in asked.overrides if override.swept]
     overrides = [one for one in asked.overrides if not (one.for_hydra_itself or is_run_key(one.key))]
@@ -119,7 +119,7 @@ def jobs_of(composer: "Composer", asked: "Asked", judge: Judge) -> Sweep:
 
 
 def _disagreeing(first: Sweeping, other: Sweeping, master: Sweeping) -> list[Diagnostic]:
-    """What is wrong where jobs, of different robots say, differ in how the sweep is to run."""
+    """The problems of jobs, for example of different robots, with different sweep settings."""
     found = []
     if (first.launcher, first.numbers) != (other.launcher, other.numbers):
         text = "its file sets another launcher, or other launcher settings, than the file of job 0"
@@ -163,7 +163,7 @@ def _placed(
 
 
 def _inside(subdir: str | None) -> str:
-    """The folder of a job, below the sweep's; ConfigError where it would not be."""
+    """The folder of a job below the sweep's folder; ConfigError for a folder elsewhere."""
     parts = Path(subdir or "").parts
     if subdir and (not parts or ".." in parts or Path(subdir).is_absolute()):
         msg = f"must be a folder below the sweep's (given {subdir})"
@@ -172,7 +172,7 @@ def _inside(subdir: str | None) -> str:
 
 
 def judge_folders(jobs: Sequence[Job], environ: Mapping[str, str] = os.environ) -> None:
-    """ConfigError where what is not linkwright's is in the way of any job."""
+    """ConfigError where a file that is not linkwright's is in the way of any job."""
     found: dict[Diagnostic, list[int]] = {}
     for job in jobs:
         try:
@@ -204,7 +204,7 @@ def _data(overrides: Iterable[Override], job: Sequence[str], composer: "Composer
 
 
 def _label(named: Sequence[Override], job: Sequence[str]) -> str:
-    """What sets a job apart, as it was typed: `mesh.tolerance=0.001 root=free`."""
+    """The label of a job, from its typed overrides: `mesh.tolerance=0.001 root=free`."""
     words = []
     for override in named:
         sign = override.hydra.partition("=")[0]
@@ -215,8 +215,7 @@ def _label(named: Sequence[Override], job: Sequence[str]) -> str:
 
 
 def _inner(value: str, override: Override) -> str:
-    """The value itself of an override that had to be nested, `{*:{damping:1}}` → `1`, and of a robot's path
-    its name."""
+    """The inner value of a nested override, `{*:{damping:1}}` → `1`; for a robot's path its name."""
     if override.key == "robot" and "/" in value:
         return Path(value.strip("'")).name
     if override.hydra.partition("=")[0].lstrip("+") == override.key:
@@ -229,7 +228,7 @@ def _slug(label: str) -> str:
 
 
 def _digest(overrides: Iterable[str]) -> str:
-    """8 hex digits of everything that makes the job what it is."""
+    """8 hex digits that identify the overrides of a job."""
     keys = {one: one.partition("=")[0].lstrip("+") for one in overrides}
     identity = sorted(
         one for one, key in keys.items() if not (re.match(r"hydra[./]", key) or is_run_key(key))

@@ -1,4 +1,4 @@
-"""Whether our top-level packages are the ones that Python finds."""
+"""Checks that Python finds linkwright's own top-level packages."""
 
 import importlib.util
 import sys
@@ -9,7 +9,7 @@ PACKAGES = ("conf", "pipeline", "stages")
 
 
 def shadows(names: Iterable[str] = PACKAGES) -> str:
-    """The message about the first of `names` that is another package than ours; "" if all are ours."""
+    """The message about the first of `names` that is not linkwright's package, or ""."""
     for name in names:
         spec = importlib.util.find_spec(name)
         places = [Path(place).resolve() for place in (spec.submodule_search_locations or ())] if spec else []
