@@ -84,7 +84,7 @@ class _GltfFile:
     def __init__(self, data: bytes) -> None:
         text, self._chunk = chunks(data)
         if values(text) > MOST_VALUES:
-            msg = "its JSON is larger than any that makes sense"
+            msg = "its JSON is larger than the limit"
             raise ValueError(msg)
         self._room = room(len(data))
         self._json = orjson.loads(text)
@@ -173,7 +173,7 @@ class _GltfFile:
         """ValueError where so many more numbers exceed the limit for a file of this size."""
         self._room -= numbers
         if self._room < 0:
-            msg = "its meshes are used more often than makes sense"
+            msg = "its meshes are used too often"
             raise ValueError(msg)
 
     def _accessor(self, index: int, kind: str) -> npt.NDArray[Any]:

@@ -26,7 +26,7 @@ def judge(data: bytes, companions: Mapping[str, bytes]) -> None:
     """
     text, chunk = chunks(data)
     if values(text) > MOST_VALUES:
-        msg = "its JSON is larger than any that makes sense"
+        msg = "its JSON is larger than the limit"
         raise ValueError(msg)
     root = orjson.loads(text)
     lengths = [_length(record, len(chunk), companions) for record in root.get("buffers") or ()]
@@ -87,7 +87,7 @@ def _require_few(
     sizes = [sum(_numbers(one, accessors) for one in mesh.get("primitives") or ()) for mesh in meshes]
     total = sum(sizes) + sum(sizes[natural(node, "mesh")] for node in nodes if "mesh" in node)
     if total > 2 * most:
-        msg = "its meshes are used more often than makes sense"
+        msg = "its meshes are used too often"
         raise ValueError(msg)
 
 

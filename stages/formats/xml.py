@@ -118,7 +118,7 @@ def _why(error: Any, found: list[Any]) -> str:
 _LIMITS = {
     "Excessive depth": "elements are nested more than 256 deep",
     "Resource limit": "a text or a value is longer than 10 MB",
-    "amplification": "its entities grow beyond any sense",
+    "amplification": "its entities expand beyond the limit",
 }
 """The parser's messages for its limits (they name the parser's own options) → our messages."""
 

@@ -37,7 +37,7 @@ def test_what_has_what_it_claims_is_read():
         ({"nodes": [{"children": [0]}], "scenes": [{"nodes": [0]}]}, "no tree"),
         ({"nodes": [*({"children": [n, n]} for n in range(1, 60)), {"mesh": 0}]}, "no tree"),
         ({"nodes": [{"children": [1, 2]}, {"children": [3]}, {"children": [3]}, {"mesh": 0}]}, "no tree"),
-        ({"nodes": [{"mesh": 0}] * 500, "scenes": []}, "used more often than makes sense"),
+        ({"nodes": [{"mesh": 0}] * 500, "scenes": []}, "used too often"),
         ({"meshes": 7}, "damaged"),
     ],
 )
