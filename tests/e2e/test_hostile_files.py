@@ -98,8 +98,8 @@ def nest(depth: int) -> dict[str, str]:
     [
         ({"m0.xml": f'<mujoco><asset><model name="m" file="m0.xml"/></asset>'
                     f'<worldbody><body>{ATTACH.format("a")}</body></worldbody></mujoco>'}, "MuJoCo"),
-        ({"m0.xml": model("", '<asset><mesh name="m" file="m0.xml"/></asset>')}, "MuJoCo refuses it"),
-        ({"m0.xml": '<mujoco><include file="m0.xml"/></mujoco>'}, "MuJoCo refuses it"),
+        ({"m0.xml": model("", '<asset><mesh name="m" file="m0.xml"/></asset>')}, "MuJoCo cannot compile it"),
+        ({"m0.xml": '<mujoco><include file="m0.xml"/></mujoco>'}, "MuJoCo cannot compile it"),
         (nest(26), "MuJoCo's compiler"),
         ({"m0.xml": "<mujoco>" + COPIES.format(20_000, "<body/>") + "</mujoco>"}, "come to 20000"),
         (
@@ -112,13 +112,13 @@ def nest(depth: int) -> dict[str, str]:
         ),
         ({"m0.xml": model("<body/>", '<size nkey="2000000000"/>')}, "<size nkey>"),
         ({"m0.xml": model("<body/>", '<size nuser_geom="2000000000"/>')}, "<size nuser_geom>"),
-        ({"m0.xml": model("<body/>", '<size memory="1000T"/>')}, "MuJoCo refuses it"),
+        ({"m0.xml": model("<body/>", '<size memory="1000T"/>')}, "MuJoCo cannot compile it"),
         ({"m0.xml": model("<body/>", '<sensor><user dim="2000000000"/></sensor>')}, "<user dim>"),
         ({"m0.xml": model("<body/>", '<asset><hfield nrow="60000" ncol="60000"/></asset>')},
          "<hfield> has"),
         ({"m0.xml": model('<body><flexcomp type="grid" count="300 300 300"/></body>')},
          "come to 2.7e+07"),
-        ({"m0.xml": model("<body>" * 20_000 + "</body>" * 20_000)}, "MuJoCo refuses it"),
+        ({"m0.xml": model("<body>" * 20_000 + "</body>" * 20_000)}, "MuJoCo cannot compile it"),
         ({"m0.xml": model(f'<body name="{"a" * 30_000_000}"/>')}, "letters"),
         ({"m0.xml": model("<body/>" * 1_000_000)}, "1000000 bodies"),
         ({"m0.xml": model("<body/>", '<asset><mesh file="/proc/kmsg"/></asset>')}, "/proc/kmsg"),
