@@ -108,7 +108,7 @@ def test_a_mapping_may_be_given_as_a_whole(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("robot", "told"),
+    ("robot", "shown"),
     [
         (
             "name: x\n",
@@ -181,9 +181,9 @@ def test_a_mapping_may_be_given_as_a_whole(tmp_path):
     ],
     ids=["no header", "broken", "duplicate", "no option", "no group", "no header, but defaults", "missing"],
 )
-def test_a_fault_in_the_robots_file_is_told(tmp_path, robot, told):
+def test_a_fault_in_the_robots_file_is_reported(tmp_path, robot, shown):
     write(tmp_path, mine=robot)
-    assert refused(tmp_path, "robot=mine") == told.format(file=tmp_path / "robot" / "mine.yaml")
+    assert refused(tmp_path, "robot=mine") == shown.format(file=tmp_path / "robot" / "mine.yaml")
 
 
 def test_a_file_that_is_not_utf8_is_named(tmp_path):
@@ -195,14 +195,14 @@ def test_a_file_that_is_not_utf8_is_named(tmp_path):
 
 def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
     write(tmp_path, sample=MY_ARM)
-    told = refused(tmp_path, "robot=sample")
-    assert "conf/robot/sample.yaml and " in told
-    assert str(tmp_path / "robot" / "sample.yaml") in told
+    shown = refused(tmp_path, "robot=sample")
+    assert "conf/robot/sample.yaml and " in shown
+    assert str(tmp_path / "robot" / "sample.yaml") in shown
     assert "ambiguous" in refused(tmp_path)
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "shown"),
     [
         (["robot=my_rm"], "did you mean my_arm? options: bare, my_arm, sample; robots of your own: {own}"),
         (["robot=robot/my_arn.yaml"], "there is no such file\n      did you mean my_arm? paths start at"),
@@ -229,13 +229,13 @@ def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
         (["robott=x"], "E-KEY robott: unknown key (given 'x')\n      did you mean robot or root?"),
     ],
 )  # fmt: skip
-def test_a_choice_that_cannot_be_made_is_told(tmp_path, arguments, told):
+def test_a_choice_that_cannot_be_made_is_reported(tmp_path, arguments, shown):
     write(tmp_path, my_arm=MY_ARM)
     (tmp_path / "robot" / "old.yml").write_text("")
-    assert told.format(own=tmp_path / "robot") in refused(tmp_path, *arguments)
+    assert shown.format(own=tmp_path / "robot") in refused(tmp_path, *arguments)
 
 
-def test_everything_wrong_with_a_command_line_is_told_at_once(tmp_path):
+def test_everything_wrong_with_a_command_line_is_reported_at_once(tmp_path):
     assert codes(refused(tmp_path, "robot=nope", "mesh=hul", "source.url=https://x?a=b", "new", "foo=1")) == [
         "E-OVERRIDE source.url=https://x?a=b:",
         "E-OVERRIDE new:",
@@ -245,9 +245,9 @@ def test_everything_wrong_with_a_command_line_is_told_at_once(tmp_path):
     ]
 
 
-def codes(told):
+def codes(shown):
     """The code and the place of each problem."""
-    return [" ".join(line.split()[:2]) for line in told.splitlines() if line.startswith("  E-")]
+    return [" ".join(line.split()[:2]) for line in shown.splitlines() if line.startswith("  E-")]
 
 
 @pytest.mark.parametrize(
@@ -276,7 +276,7 @@ def test_a_choice_that_cannot_be_made_does_not_hide_what_else_is_wrong(tmp_path,
     assert sorted(codes(refused(tmp_path, *arguments))) == sorted(found)
 
 
-def test_what_is_known_before_the_first_stage_is_told_with_what_is_wrong_in_the_configuration(
+def test_what_is_known_before_the_first_stage_is_reported_with_what_is_wrong_in_the_configuration(
     tmp_path, monkeypatch
 ):
     monkeypatch.chdir(tmp_path)
@@ -289,16 +289,16 @@ def test_what_is_known_before_the_first_stage_is_told_with_what_is_wrong_in_the_
         assert "no Onshape API key" in caught.value.problems[1].message
 
 
-def test_an_id_that_is_read_as_a_number_is_told_to_be_quoted(tmp_path):
-    told = refused(tmp_path, "source=onshape", "source.url=61234567890123456789e012")
-    assert "source.url: must be text (given 6.123456789012345e+31)\n      quote it" in told
+def test_an_id_that_is_read_as_a_number_is_reported_to_be_quoted(tmp_path):
+    shown = refused(tmp_path, "source=onshape", "source.url=61234567890123456789e012")
+    assert "source.url: must be text (given 6.123456789012345e+31)\n      quote it" in shown
     write(tmp_path, mine="# @package _global_\nsource: {kind: onshape, url: 012345670123456701234567}\n")
     assert "source.url: must be text (given 96374504495306324343)\n      quote it" in refused(
         tmp_path, "robot=mine"
     )
 
 
-def test_a_config_dir_that_is_not_there_is_told(tmp_path):
+def test_a_config_dir_that_is_not_there_is_reported(tmp_path):
     assert refused(tmp_path, config_dirs=["nope"]).startswith("--config-dir: nope is not a folder")
 
 

@@ -97,7 +97,7 @@ def test_keys_of_the_robots_source_are_dropped_where_an_experiment_chooses_anoth
     assert composed(tmp_path, "robot=my_arm", "+experiment=e1").plan.source.path == "a.zip"
 
 
-def test_experiments_lie_in_the_working_folder_or_where_config_dir_says(tmp_path):
+def test_experiments_lie_in_the_working_folder_or_in_config_dir(tmp_path):
     there = experiment(tmp_path / "there", e1="name: other\n")
     (tmp_path / "here").mkdir()
     assert composed(tmp_path / "here", "experiment=e1", config_dirs=[there]).plan.name == "other"
@@ -117,7 +117,7 @@ def test_experiments_are_swept_over(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("typed", "told"),
+    ("typed", "shown"),
     [
         (
             "experiment=e2",
@@ -130,11 +130,11 @@ def test_experiments_are_swept_over(tmp_path, monkeypatch):
         ("other=e2", "E-KEY other: unknown key (given 'e2')"),
     ],
 )
-def test_an_experiment_that_is_not_there_is_told(tmp_path, typed, told):
-    assert told in refused(experiment(tmp_path, e1="name: x\n"), typed)
+def test_an_experiment_that_is_not_there_is_reported(tmp_path, typed, shown):
+    assert shown in refused(experiment(tmp_path, e1="name: x\n"), typed)
 
 
-def test_where_experiments_belong_is_told(tmp_path):
+def test_where_experiments_belong_is_reported(tmp_path):
     assert "an experiment is a file ./experiment/NAME.yaml" in refused(tmp_path, "experiment=e1")
     experiment(tmp_path, e1="").joinpath("experiment/e1.yaml").write_text("name: x\n")
     assert "the keys of the experiment's file lie under `experiment`" in refused(tmp_path, "experiment=e1")
@@ -183,12 +183,12 @@ def test_it_is_a_truth_value_or_a_number_on_the_command_line_too(tmp_path, monke
     assert (source.offline, source.max_calls) == (True, 7)
 
 
-def test_what_is_no_number_is_told_as_it_stands_in_the_environment(tmp_path, monkeypatch):
+def test_what_is_no_number_is_reported_as_it_stands_in_the_environment(tmp_path, monkeypatch):
     monkeypatch.setenv("DENSITY", "heavy")
     monkeypatch.setenv("LEVELS", "2.5")
-    told = refused(write(tmp_path, my_arm=VARS), "robot=my_arm")
-    assert "E-VALUE mass.density: must be a number (given 'heavy')" in told
-    assert "E-VALUE depth.max: must be a whole number (given '2.5')" in told
+    shown = refused(write(tmp_path, my_arm=VARS), "robot=my_arm")
+    assert "E-VALUE mass.density: must be a number (given 'heavy')" in shown
+    assert "E-VALUE depth.max: must be a whole number (given '2.5')" in shown
 
 
 def test_text_in_a_file_that_is_no_interpolation_stays_text(tmp_path):
@@ -201,6 +201,6 @@ def test_a_file_chooses_one_option_of_a_group(tmp_path):
     twice = "  - override /source: sample\n  - override /source: urdf\n"
     write(experiment(tmp_path, e1=f"defaults:\n{twice}"), my_arm=f"# @package _global_\ndefaults:\n{twice}")
     for typed, file in (("experiment=e1", "experiment/e1.yaml"), ("robot=my_arm", "robot/my_arm.yaml")):
-        told = refused(tmp_path, typed)
-        assert f"E-OPTION {file}: its defaults list overrides source more than once: sample, urdf" in told
-        assert "keep one line, override /source: urdf" in told
+        shown = refused(tmp_path, typed)
+        assert f"E-OPTION {file}: its defaults list overrides source more than once: sample, urdf" in shown
+        assert "keep one line, override /source: urdf" in shown

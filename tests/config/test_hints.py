@@ -80,17 +80,17 @@ def commands(hint, typed):
     ids=" ".join,
 )  # fmt: skip
 def test_a_hint_can_be_pasted(here, typed):
-    told = problems(here, *typed)
-    assert told
-    lines = [line for problem in told for line in commands(problem.hint, typed)]
+    shown = problems(here, *typed)
+    assert shown
+    lines = [line for problem in shown for line in commands(problem.hint, typed)]
     for line in lines:
         after = [one for one in problems(here, *line) if one.code in ("E-OVERRIDE", "E-MISSING", "E-OPTION")]
         # The address of a hint is one that nobody has.
         assert after == [], (line, after)
-    assert lines or typed[-1] in ("foo=1", "source=onshape"), told
+    assert lines or typed[-1] in ("foo=1", "source=onshape"), shown
 
 
-def test_what_is_pasted_says_what_was_meant(here):
+def test_a_pasted_hint_does_what_was_meant(here):
     typed = ["source=urdf", "source.path=~/my (1) arm.urdf"]
     (line,) = commands(problems(here, *typed)[0].hint, typed)
     assert compose_plan(line, cwd=here).plan.source.path == f"{Path.home()}/my (1) arm.urdf"
@@ -132,7 +132,7 @@ ROBOTS = {
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_what_hydra_says_of_a_file_is_put_into_our_words(here, name):
+def test_an_error_of_hydra_about_a_file_is_translated(here, name):
     if name == "text for a number":
         pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
     text, where, hint = ROBOTS[name]
@@ -146,12 +146,12 @@ def test_what_hydra_says_of_a_file_is_put_into_our_words(here, name):
     else:
         text = first + keys
     write(here, bad=f"{GLOBAL}defaults:\n{text}")
-    told = problems(here, "robot=bad")
-    lines = [f"{one.code} {one.where}" for one in told]
-    assert any(line.startswith(where) for line in lines), told
-    assert any(hint in one.hint for one in told), told
-    assert not [one for one in told if THEIRS.search(one.message + one.hint)]
-    assert not [one for one in told if one.code == "E-OPTION" and one.hint.rstrip().endswith(":")]
+    shown = problems(here, "robot=bad")
+    lines = [f"{one.code} {one.where}" for one in shown]
+    assert any(line.startswith(where) for line in lines), shown
+    assert any(hint in one.hint for one in shown), shown
+    assert not [one for one in shown if THEIRS.search(one.message + one.hint)]
+    assert not [one for one in shown if one.code == "E-OPTION" and one.hint.rstrip().endswith(":")]
 
 
 @pytest.mark.parametrize(
@@ -166,16 +166,16 @@ def test_what_hydra_says_of_a_file_is_put_into_our_words(here, name):
         (["name=a:b:"], "name", ""),
     ],
 )
-def test_what_hydra_says_of_an_override_is_put_into_our_words(here, typed, where, text):
-    told = problems(here, "source=sample", *typed)
-    found = [one for one in told if one.where.startswith(where)]
-    assert found, told
-    assert any(text in one.message for one in found), told
-    assert not [one for one in told if THEIRS.search(one.message + one.hint)]
+def test_an_error_of_hydra_about_an_override_is_translated(here, typed, where, text):
+    shown = problems(here, "source=sample", *typed)
+    found = [one for one in shown if one.where.startswith(where)]
+    assert found, shown
+    assert any(text in one.message for one in found), shown
+    assert not [one for one in shown if THEIRS.search(one.message + one.hint)]
 
 
 @pytest.mark.parametrize(
-    ("make", "named", "told"),
+    ("make", "named", "shown"),
     [
         ([], "nope", ["nope is not a folder", "name the folder that holds robot/"]),
         (["file"], "file", ["file is a file"]),
@@ -184,13 +184,13 @@ def test_what_hydra_says_of_an_override_is_put_into_our_words(here, typed, where
         (["empty/x.txt"], "empty", ["has no folder robot/ with a robot in it"]),
     ],
 )
-def test_a_wrong_folder_for_config_dir_says_which_it_wants(tmp_path, make, named, told):
+def test_a_wrong_folder_for_config_dir_says_which_it_wants(tmp_path, make, named, shown):
     for file in make:
         (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / file).write_text(SAMPLE)
     with pytest.raises(ConfigError) as caught:
         compose_plan([], [named], tmp_path)
-    assert [words for words in told if words.format(here=tmp_path) not in str(caught.value)] == []
+    assert [words for words in shown if words.format(here=tmp_path) not in str(caught.value)] == []
 
 
 @pytest.mark.parametrize("folder", ["robot", "plain", "some where"])

@@ -24,7 +24,7 @@ def problem(**data):
     return only
 
 
-def test_two_errors_are_told_in_one_message():
+def test_two_errors_are_reported_in_one_message():
     with pytest.raises(ConfigError) as caught:
         Plan.parse({"source": SAMPLE, "mesh": {"tolerence": 1}, "until": "grph"})
     assert str(caught.value) == (
@@ -37,7 +37,7 @@ def test_two_errors_are_told_in_one_message():
 
 
 @pytest.mark.parametrize(
-    ("data", "told"),
+    ("data", "shown"),
     [
         ({"jonts": {}}, ("E-KEY", "jonts", "unknown key (given {})", "did you mean joints?")),
         ({"tolerance": 3}, ("E-KEY", "tolerance", "unknown key (given 3)", "did you mean mesh.tolerance?")),
@@ -93,8 +93,8 @@ def test_two_errors_are_told_in_one_message():
         ),
     ],
 )
-def test_an_unknown_key_is_named_with_what_may_be_meant(data, told):
-    assert problem(**data) == told
+def test_an_unknown_key_is_named_with_what_may_be_meant(data, shown):
+    assert problem(**data) == shown
 
 
 KINDS = ("onshape", "urdf", "mjcf", "bundle", "sample")
@@ -102,7 +102,7 @@ CHOOSE = f"choose one: {', '.join(f'source={kind}' for kind in KINDS)}"
 
 
 @pytest.mark.parametrize(
-    ("source", "told"),
+    ("source", "shown"),
     [
         (None, ("E-MISSING", "source", "the robot has no source", CHOOSE)),
         ({}, ("E-MISSING", "source", "the robot has no source", CHOOSE)),
@@ -115,8 +115,8 @@ CHOOSE = f"choose one: {', '.join(f'source={kind}' for kind in KINDS)}"
         ),
     ],
 )
-def test_a_source_that_is_none_is_told(source, told):
-    assert problem(source=source) == told
+def test_a_source_that_is_invalid_is_reported(source, shown):
+    assert problem(source=source) == shown
 
 
 def test_a_plan_without_source_is_no_plan():
@@ -163,7 +163,7 @@ def test_a_plan_without_source_is_no_plan():
         ),
     ],
 )
-def test_a_wrong_value_is_told_with_the_value_and_what_is_allowed(data, key, message):
+def test_a_wrong_value_is_reported_with_the_value_and_what_is_allowed(data, key, message):
     assert problem(**data) == ("E-VALUE", key, message, "")
 
 
@@ -184,7 +184,7 @@ def test_a_name_whose_file_would_take_the_place_of_the_scene_is_refused(name):
 @pytest.mark.parametrize(
     "url", ["arm", "https://example.com/robot", "http://cad.onshape.com/documents/x", "https://u:hidden@x/y"]
 )
-def test_an_address_that_can_be_no_assembly_is_told_without_what_it_may_hide(url):
+def test_an_address_that_can_be_no_assembly_is_reported_without_what_it_may_hide(url):
     code, where, message, hint = problem(source={"kind": "onshape", "url": url})
     assert (code, where) == ("E-VALUE", "source.url")
     assert "address" in message
@@ -193,7 +193,7 @@ def test_an_address_that_can_be_no_assembly_is_told_without_what_it_may_hide(url
 
 
 @pytest.mark.parametrize("value", [6.123456789012345e31, 96374504495306324343, True])
-def test_a_number_where_text_is_expected_is_told_to_be_quoted(value):
+def test_a_number_where_text_is_expected_is_reported_to_be_quoted(value):
     code, where, message, hint = problem(source={"kind": "onshape", "url": value})
     assert (code, where) == ("E-VALUE", "source.url")
     assert message.startswith("must be text (given ")
@@ -205,7 +205,7 @@ def test_a_number_where_text_is_expected_is_told_to_be_quoted(value):
     )
 
 
-def test_a_number_as_the_name_of_a_joint_is_told_to_be_quoted():
+def test_a_number_as_the_name_of_a_joint_is_reported_to_be_quoted():
     assert problem(joints={3: {}}) == (
         "E-VALUE",
         "joints",
@@ -215,7 +215,7 @@ def test_a_number_as_the_name_of_a_joint_is_told_to_be_quoted():
 
 
 @pytest.mark.parametrize(
-    ("data", "told"),
+    ("data", "shown"),
     [
         ({"mesh": {"collider": "coacd"}}, ("mesh.collider", "'coacd' is not supported yet", "allowed: hull")),
         ({"contact": {"self": "auto"}}, ("contact.self", "'auto' is not supported yet", "allowed: none")),
@@ -258,8 +258,8 @@ def test_a_number_as_the_name_of_a_joint_is_told_to_be_quoted():
         ),
     ],
 )
-def test_what_is_not_there_yet_is_refused_by_name(data, told):
-    assert problem(**data) == ("E-LATER", *told)
+def test_what_is_not_there_yet_is_refused_by_name(data, shown):
+    assert problem(**data) == ("E-LATER", *shown)
 
 
 LATER = [

@@ -104,11 +104,11 @@ def test_the_keys_of_the_kinematics_make_a_robot_of_the_sample(tmp_path: Path) -
 
 
 def test_every_key_of_the_kinematics_is_in_the_readme() -> None:
-    told: set[str] = set()
+    printed: set[str] = set()
     for line in README.splitlines():
         if line.startswith("| `"):
             first, *more = re.findall("`([^`]+)`", line.split(" | ")[0])
-            told |= {first, *(first.partition(".")[0] + key for key in more)}
+            printed |= {first, *(first.partition(".")[0] + key for key in more)}
     wanted = set()
     for name, field in GraphKeys.model_fields.items():
         inside = field.annotation
@@ -116,7 +116,7 @@ def test_every_key_of_the_kinematics_is_in_the_readme() -> None:
             wanted |= {f"{name}.{key}" for key in inside.model_fields}
         elif name != "name":
             wanted.add(name)
-    assert told >= wanted
+    assert printed >= wanted
 
 
 def test_the_python_example_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

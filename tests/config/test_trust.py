@@ -58,9 +58,9 @@ def refuses(arguments, capsys):
 @pytest.mark.parametrize("name", mostly_slow(ROBOTS, keep=12))
 def test_a_hostile_robot_is_refused(tmp_path, capsys, name):
     hostile(tmp_path, name)
-    said = refuses(["robot=mine"], capsys)
-    assert "bug in linkwright" not in said
-    assert "E-" in said
+    output_text = refuses(["robot=mine"], capsys)
+    assert "bug in linkwright" not in output_text
+    assert "E-" in output_text
 
 
 SWEPT = ["a callback", "logging of jobs", "a variable for the job", "a launcher's class", "a sweep of Hydra"]
@@ -74,14 +74,14 @@ def test_so_it_is_in_a_sweep_and_where_it_is_itself_swept_over(tmp_path, capsys,
 
 
 @pytest.mark.parametrize("name", mostly_slow(SWEPT, keep=2))
-def test_an_experiment_says_no_more_than_a_robot(tmp_path, capsys, name):
+def test_an_experiment_may_set_no_more_than_a_robot(tmp_path, capsys, name):
     write(tmp_path, other=SAMPLE)
     hostile(tmp_path, name, "experiment/mine.yaml")
     assert "E-TRUST" in refuses(["robot=other", "+experiment=mine"], capsys)
 
 
 @pytest.mark.parametrize(
-    ("keys", "told"),
+    ("keys", "shown"),
     [
         ("hydra: {launcher: {partition: \"gpu\\ntouch x\"}}", "hydra.launcher.partition: a file must not"),
         ("hydra: {launcher: {partition: $(touch x)}}", "hydra.launcher.partition: a file must not"),
@@ -94,12 +94,12 @@ def test_an_experiment_says_no_more_than_a_robot(tmp_path, capsys, name):
         ("hydra: {launcher: {folder: 5}}", "hydra.launcher.folder: a file must not"),
     ],
 )  # fmt: skip
-def test_of_a_launcher_a_file_says_numbers_a_partition_and_a_time(tmp_path, keys, told):
+def test_a_file_sets_only_a_launchers_numbers_partition_and_time(tmp_path, keys, shown):
     cluster(tmp_path)
     write(tmp_path, mine=f"{SAMPLE}  - override /hydra/launcher: cluster\n{keys}\n")
     with pytest.raises(ConfigError, match="E-TRUST") as caught:
         compose_plan(["robot=mine"], [tmp_path / "trusted"], tmp_path)
-    assert told in str(caught.value)
+    assert shown in str(caught.value)
 
 
 def cluster(folder: Path) -> None:
@@ -112,14 +112,14 @@ def cluster(folder: Path) -> None:
     file.write_text(f"# @package hydra.launcher\n{basic}{fields}")
 
 
-def test_what_a_file_may_say_of_a_launcher_counts(tmp_path, monkeypatch):
+def test_allowed_settings_of_a_launcher_in_a_file_are_used(tmp_path, monkeypatch):
     cluster(tmp_path)
     monkeypatch.setenv("NODES", "3")
     keys = "hydra: {launcher: {nodes: '${oc.decode:${oc.env:NODES}}', partition: gpu-2, time: '1:30:00'}}\n"
     write(tmp_path, mine=f"{SAMPLE}  - override /hydra/launcher: cluster\n{keys}")
-    said = compose_plan(["robot=mine"], [tmp_path / "trusted"], tmp_path).sweeping
-    assert said.launcher == "cluster"
-    assert said.numbers == {"nodes": 3, "partition": "gpu-2", "time": "1:30:00"}
+    output_text = compose_plan(["robot=mine"], [tmp_path / "trusted"], tmp_path).sweeping
+    assert output_text.launcher == "cluster"
+    assert output_text.numbers == {"nodes": 3, "partition": "gpu-2", "time": "1:30:00"}
 
 
 def test_numbers_of_a_file_reach_the_launcher(tmp_path):
@@ -133,10 +133,10 @@ def test_numbers_of_a_file_reach_the_launcher(tmp_path):
 
 def test_a_launcher_in_the_working_folder_counts_only_where_config_dir_names_it(tmp_path, capsys):
     hostile(tmp_path, "a launcher of one's own")
-    said = refuses(["robot=mine"], capsys)
-    assert f"if you trust it: linkwright --config-dir {tmp_path} robot=mine" in said
-    said = refuses(["-m", "robot=sample", "root=auto,free", "hydra/launcher=mine"], capsys)
-    assert f"if you trust it: linkwright --config-dir {tmp_path} -m robot=sample" in said
+    output_text = refuses(["robot=mine"], capsys)
+    assert f"if you trust it: linkwright --config-dir {tmp_path} robot=mine" in output_text
+    output_text = refuses(["-m", "robot=sample", "root=auto,free", "hydra/launcher=mine"], capsys)
+    assert f"if you trust it: linkwright --config-dir {tmp_path} -m robot=sample" in output_text
     assert compose_plan(["robot=mine"], [tmp_path], tmp_path).sweeping.launcher == "mine"
 
 
@@ -149,9 +149,9 @@ def test_a_launcher_in_the_working_folder_counts_only_where_config_dir_names_it(
 )
 def test_trust_is_given_on_the_command_line_and_the_error_shows_how(tmp_path, robot, key, command):
     write(tmp_path, mine=robot)
-    told = refused(tmp_path, "robot=mine", "ground=none")
-    assert f"E-TRUST {key}: must be set on the command line" in told
-    assert f"      if you trust it: {command}" in told.splitlines()
+    shown = refused(tmp_path, "robot=mine", "ground=none")
+    assert f"E-TRUST {key}: must be set on the command line" in shown
+    assert f"      if you trust it: {command}" in shown.splitlines()
     assert "E-TRUST" not in refused(tmp_path, "robot=mine", f"{key}=[a]", "foo=1")
 
 
@@ -179,7 +179,7 @@ def test_a_file_env_trusts_nothing(tmp_path):
     assert "E-TRUST" in refused(tmp_path, "robot=mine")
 
 
-def test_what_a_file_may_say_of_a_sweep_is_let_through_and_the_rest_is_named():
+def test_allowed_settings_of_a_sweep_pass_and_others_are_reported():
     ours = {
         "sweep": {"dir": "outputs"},
         "callbacks": {},
@@ -187,8 +187,8 @@ def test_what_a_file_may_say_of_a_sweep_is_let_through_and_the_rest_is_named():
         "launcher": {"n": 1, "_target_": "A"},
     }
     theirs = {"sweep": {"dir": "x"}, "callbacks": {"a": 1}, "verbose": 0, "launcher": {"n": 2, "_target_": 3}}
-    said, problems = listed(theirs, ours, lambda place: theirs[place[0]][place[1]])
-    assert said == {"sweep.dir": "x", "launcher.n": 2}
+    output_text, problems = listed(theirs, ours, lambda place: theirs[place[0]][place[1]])
+    assert output_text == {"sweep.dir": "x", "launcher.n": 2}
     assert [one.where for one in problems] == ["hydra.callbacks", "hydra.verbose", "hydra.launcher._target_"]
 
 
@@ -198,7 +198,7 @@ def sweep(arguments):
     return build.plans
 
 
-def test_a_file_says_what_is_swept_over_and_the_command_line_wins(tmp_path):
+def test_a_file_sets_the_swept_values_and_the_command_line_wins(tmp_path):
     keys = "hydra: {sweeper: {params: {root: 'auto,free', joints.*.damping: '0.1,0.2'}}}\n"
     write(tmp_path, mine=SAMPLE + keys)
     plans = sweep(["robot=mine"])
@@ -211,7 +211,7 @@ def test_a_file_says_what_is_swept_over_and_the_command_line_wins(tmp_path):
     assert len(build.plans) == 1
 
 
-def test_a_file_says_where_a_sweep_and_its_jobs_go(tmp_path):
+def test_a_file_sets_the_folders_of_a_sweep_and_its_jobs(tmp_path):
     keys = (
         "hydra: {sweep: {dir: 'sweeps/${name}', subdir: '${hydra.job.num}_${hydra.job.override_dirname}'}}\n"
     )
@@ -224,16 +224,16 @@ def test_a_file_says_where_a_sweep_and_its_jobs_go(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("subdir", "told"),
+    ("subdir", "shown"),
     [
         ("same", "hydra.sweep.subdir: jobs 0 and 1 have the same folder"),
         ("../${hydra.job.num}", "hydra.sweep.subdir: must be a folder below the sweep's"),
         ("/tmp/${hydra.job.num}", "hydra.sweep.subdir: must be a folder below the sweep's"),
     ],
 )
-def test_each_job_has_a_folder_of_its_own_below_the_sweeps(tmp_path, capsys, subdir, told):
+def test_each_job_has_a_folder_of_its_own_below_the_sweeps(tmp_path, capsys, subdir, shown):
     write(tmp_path, mine=f"{SAMPLE}hydra: {{sweep: {{subdir: '{subdir}'}}}}\n")
-    assert told in refuses(["-m", "robot=mine", "root=auto,free"], capsys)
+    assert shown in refuses(["-m", "robot=mine", "root=auto,free"], capsys)
 
 
 def test_robots_of_one_sweep_agree_on_how_it_runs(tmp_path, capsys):

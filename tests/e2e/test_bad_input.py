@@ -18,20 +18,22 @@ from tests.support.command import environment, linkwright, tree
 WEB = "https://cad.onshape.com/documents/" + "a" * 24 + "/w/" + "b" * 24 + "/e/" + "c" * 24
 
 
-def refused(here: Path, status: int, arguments: list[str], *said: str, environ: dict | None = None) -> str:
+def refused(
+    here: Path, status: int, arguments: list[str], *output_text: str, environ: dict | None = None
+) -> str:
     """Runs and expects this exit status and these words, once, without a traceback or an output."""
     done = linkwright(here, *arguments, environ=environ)
     assert done.returncode == status, done.stdout + done.stderr
     assert "Traceback" not in done.stdout + done.stderr
     assert done.stderr.count("error:") == 1
-    for words in said:
+    for words in output_text:
         assert words in done.stderr
     assert not [name for name in tree(here) if ".tmp" in name or ".old" in name]
     return done.stderr
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "output_text"),
     mostly_slow(
         [
             (["mesh.colider=hull"], ["mesh.colider", "collider"]),
@@ -59,9 +61,9 @@ def refused(here: Path, status: int, arguments: list[str], *said: str, environ: 
     ),
 )
 def test_what_is_known_beforehand_is_refused_with_2_and_leaves_nothing(
-    tmp_path: Path, arguments: list[str], said: list[str]
+    tmp_path: Path, arguments: list[str], output_text: list[str]
 ) -> None:
-    refused(tmp_path, 2, arguments, *said)
+    refused(tmp_path, 2, arguments, *output_text)
     assert not tree(tmp_path)
 
 
@@ -75,13 +77,15 @@ def small(**more: object) -> Document:
     return document
 
 
-def over_http(here: Path, document: Document, *said: str, element: str | None = None, **more: str) -> str:
+def over_http(
+    here: Path, document: Document, *output_text: str, element: str | None = None, **more: str
+) -> str:
     with OnshapeServer(document) as server:
         url = server.document_url()
         if element:
             url = url.rpartition("/e/")[0] + f"/e/{element}"
         environ = environment(here, **{**server.environ, **more})
-        return refused(here, 1, ["source=onshape", f"source.url='{url}'"], *said, environ=environ)
+        return refused(here, 1, ["source=onshape", f"source.url='{url}'"], *output_text, environ=environ)
 
 
 def test_a_part_studio_is_no_assembly(tmp_path: Path) -> None:
@@ -93,16 +97,18 @@ def test_an_empty_assembly_is_named(tmp_path: Path) -> None:
     over_http(tmp_path, small(how={"suppressed": True}), "no part")
 
 
-def test_an_assembly_without_mates_is_told_what_to_do(tmp_path: Path) -> None:
+def test_an_assembly_without_mates_is_reported_what_to_do(tmp_path: Path) -> None:
     over_http(tmp_path, small(arm=True), "no mates", "FASTENED")
 
 
-def test_a_failed_build_says_what_it_cost_what_it_read_and_where_its_report_is(tmp_path: Path) -> None:
+def test_a_failed_build_reports_what_it_cost_what_it_read_and_where_its_report_is(tmp_path: Path) -> None:
     with OnshapeServer(small(arm=True)) as server:
         url = server.document_url()
         environ = environment(tmp_path, **server.environ)
-        said = refused(tmp_path, 1, ["source=onshape", f"source.url='{url}'"], "no mates", environ=environ)
-    lines = [line.strip() for line in said.splitlines()]
+        output_text = refused(
+            tmp_path, 1, ["source=onshape", f"source.url='{url}'"], "no mates", environ=environ
+        )
+    lines = [line.strip() for line in output_text.splitlines()]
     assert "3 API calls made, 0 saved by the cache; 3 of this key counted this year" in lines
     assert f"source: {url}" in lines
     place = next(line.removeprefix("report: ") for line in lines if line.startswith("report: "))
@@ -113,8 +119,8 @@ def test_a_failed_build_says_what_it_cost_what_it_read_and_where_its_report_is(t
 
 
 def test_a_wrong_key_is_named_without_showing_it(tmp_path: Path) -> None:
-    said = over_http(tmp_path, small(), "401", ONSHAPE_SECRET_KEY="not-the-secret")
-    assert "not-the-secret" not in said
+    output_text = over_http(tmp_path, small(), "401", ONSHAPE_SECRET_KEY="not-the-secret")
+    assert "not-the-secret" not in output_text
     left = b"".join(path.read_bytes() for path in tmp_path.rglob("*") if path.is_file())
     assert b"not-the-secret" not in left
 
@@ -185,7 +191,7 @@ def test_an_output_that_is_a_file_is_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("sweep", "output", "told"),
+    ("sweep", "output", "shown"),
     [
         ([], "'~'", "your home folder"),
         ([], "x" * 300, "too long"),
@@ -194,14 +200,14 @@ def test_an_output_that_is_a_file_is_refused(tmp_path: Path) -> None:
     ],
 )
 def test_an_output_that_would_take_the_place_of_what_the_user_works_in_is_refused(
-    tmp_path: Path, sweep: list[str], output: str, told: str
+    tmp_path: Path, sweep: list[str], output: str, shown: str
 ) -> None:
     (tmp_path / "home").mkdir()
     (tmp_path / "work").mkdir()
     environ = environment(tmp_path / "work", HOME=str(tmp_path / "home"))
     done = linkwright(tmp_path / "work", *sweep, f"output={output}", environ=environ)
     assert done.returncode == 2
-    assert told in done.stderr
+    assert shown in done.stderr
     assert "Traceback" not in done.stderr
     assert tree(tmp_path) == {"home", "work"}
 

@@ -27,10 +27,10 @@ def refused(here: Path, *arguments: str, status: int = 1, mine: str = "outputs")
     before = tree(here)
     environ = environment(here, ONSHAPE_SECRET_KEY=SECRET, ONSHAPE_ACCESS_KEY=SECRET)
     done = linkwright(here, "until=graph", "name=r", *arguments, environ=environ, timeout=400)
-    told = done.stdout + done.stderr
-    assert done.returncode == status, told
-    assert len([line for line in done.stderr.splitlines() if line.startswith("error:")]) == 1, told
-    assert not [word for word in ("Traceback", SECRET, "root:", str(here)) if word in told], told
+    shown = done.stdout + done.stderr
+    assert done.returncode == status, shown
+    assert len([line for line in done.stderr.splitlines() if line.startswith("error:")]) == 1, shown
+    assert not [word for word in ("Traceback", SECRET, "root:", str(here)) if word in shown], shown
     assert {Path(path).parts[0] for path in tree(here) - before} <= {mine}
     return done.stderr
 
@@ -51,13 +51,13 @@ def refused(here: Path, *arguments: str, status: int = 1, mine: str = "outputs")
 @pytest.mark.parametrize(("name", "status"), [("r.urdf", 1), ("r.urdf.xacro", 2)])
 def test_no_file_runs_that_nobody_trusts(tmp_path, inside, name, status):
     (tmp_path / name).write_text(f'<robot {XMLNS} name="r">{inside}</robot>')
-    said = refused(tmp_path, "source=urdf", f"source.path={name}", status=status)
-    assert "xacro FILE > robot.urdf" in said
-    assert "source.trust=true" in said
+    output_text = refused(tmp_path, "source=urdf", f"source.path={name}", status=status)
+    assert "xacro FILE > robot.urdf" in output_text
+    assert "source.trust=true" in output_text
 
 
 @pytest.mark.parametrize(
-    ("inside", "said"),
+    ("inside", "output_text"),
     [
         ('<link name="$(env ONSHAPE_SECRET_KEY)"/>', "ONSHAPE_SECRET_KEY"),
         ('<link name="${python.sum(python.range(10**12))}"/>', "took longer than 60 s"),
@@ -69,10 +69,10 @@ def test_no_file_runs_that_nobody_trusts(tmp_path, inside, name, status):
         ("<xacro:include filename='x.pipe'/><link name='a'/>", "took longer than 60 s"),
     ],
 )
-def test_what_is_trusted_has_bounds(tmp_path, inside, said):
+def test_what_is_trusted_has_bounds(tmp_path, inside, output_text):
     (tmp_path / "r.xacro").write_text(f'<robot {XMLNS} name="r">{inside}</robot>')
     os.mkfifo(tmp_path / "x.pipe")
-    assert said in refused(tmp_path, "source=urdf", "source.path=r.xacro", "source.trust=true")
+    assert output_text in refused(tmp_path, "source=urdf", "source.path=r.xacro", "source.trust=true")
 
 
 # MJCF.
@@ -94,7 +94,7 @@ def nest(depth: int) -> dict[str, str]:
 
 
 @pytest.mark.parametrize(
-    ("files", "said"),
+    ("files", "output_text"),
     [
         ({"m0.xml": f'<mujoco><asset><model name="m" file="m0.xml"/></asset>'
                     f'<worldbody><body>{ATTACH.format("a")}</body></worldbody></mujoco>'}, "MuJoCo"),
@@ -129,11 +129,11 @@ def nest(depth: int) -> dict[str, str]:
     ],
     ids=lambda value: "",
 )  # fmt: skip
-def test_a_hostile_mjcf_is_one_error(tmp_path, files, said):
+def test_a_hostile_mjcf_is_one_error(tmp_path, files, output_text):
     for name, text in files.items():
         (tmp_path / name).write_text(text)
     _with_odd_files(tmp_path)
-    assert said in refused(tmp_path, "source=mjcf", "source.path=m0.xml")
+    assert output_text in refused(tmp_path, "source=mjcf", "source.path=m0.xml")
 
 
 @pytest.mark.parametrize("name", ["/dev/zero", "/proc/kmsg", "x.pipe", "x.socket", "x.huge"])
@@ -141,8 +141,8 @@ def test_a_mesh_of_a_urdf_that_is_no_file_is_one_error(tmp_path, name):
     shape = f'<visual><geometry><mesh filename="{name}"/></geometry></visual>'
     (tmp_path / "r.urdf").write_text(f'<robot name="r"><link name="a">{shape}</link></robot>')
     _with_odd_files(tmp_path)
-    said = refused(tmp_path, "source=urdf", "source.path=r.urdf")
-    assert "E-MESH" in said
+    output_text = refused(tmp_path, "source=urdf", "source.path=r.urdf")
+    assert "E-MESH" in output_text
 
 
 @pytest.mark.parametrize("kind", ["urdf", "mjcf", "bundle"])
@@ -184,9 +184,9 @@ def test_an_interrupt_while_a_guest_works_leaves_nothing(tmp_path):
             time.sleep(0.05)
         assert guests
         run.send_signal(signal.SIGINT)
-        _, said = run.communicate(timeout=60)
-    assert run.returncode == 130, said
-    assert "Traceback" not in said
+        _, output_text = run.communicate(timeout=60)
+    assert run.returncode == 130, output_text
+    assert "Traceback" not in output_text
     assert not any(Path(f"/proc/{pid}").exists() for pid in guests)
 
 

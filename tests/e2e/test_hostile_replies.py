@@ -120,7 +120,7 @@ REPLIES = {
 
 @pytest.mark.parametrize("name", REPLIES)
 def test_a_reply_that_would_fill_the_memory_is_one_message(tmp_path: Path, name: str) -> None:
-    place, body, headers, said = REPLIES[name]
+    place, body, headers, output_text = REPLIES[name]
 
     def fault(_: str, target: str, __: int) -> Fault | None:
         if GLTF in target:  # which stands in for triangles that are declined
@@ -129,7 +129,7 @@ def test_a_reply_that_would_fill_the_memory_is_one_message(tmp_path: Path, name:
 
     with OnshapeServer(desk(), fault=fault) as server:
         url = f"source.url='{server.document_url()}'"
-        assert said in limited(tmp_path, "source=onshape", url, **server.environ)
+        assert output_text in limited(tmp_path, "source=onshape", url, **server.environ)
 
 
 def gltf_of(count: int, **more: object) -> bytes:
@@ -175,8 +175,8 @@ def test_a_gltf_that_claims_what_it_has_not_is_one_message(tmp_path: Path, name:
 
     with OnshapeServer(desk(), fault=fault) as server:
         url = f"source.url='{server.document_url()}'"
-        said = limited(tmp_path, "source=onshape", url, **server.environ)
-        assert "(400)" in said or "glTF" in said
+        output_text = limited(tmp_path, "source=onshape", url, **server.environ)
+        assert "(400)" in output_text or "glTF" in output_text
 
 
 @pytest.mark.parametrize("name", GLTFS)
@@ -184,9 +184,9 @@ def test_a_gltf_of_a_robots_own_file_is_one_message(tmp_path: Path, name: str) -
     (tmp_path / "mesh.gltf").write_bytes(GLTFS[name])
     mesh = '<visual><geometry><mesh filename="mesh.gltf"/></geometry></visual>'
     (tmp_path / "arm.urdf").write_text(f'<robot name="arm"><link name="base">{mesh}</link></robot>')
-    said = limited(tmp_path, "source=urdf", "source.path=arm.urdf")
-    assert "E-MESH-READ" in said
-    assert "mesh.gltf" in said
+    output_text = limited(tmp_path, "source=urdf", "source.path=arm.urdf")
+    assert "E-MESH-READ" in output_text
+    assert "mesh.gltf" in output_text
 
 
 def test_a_robot_of_aliases_is_one_message(tmp_path: Path) -> None:

@@ -55,7 +55,7 @@ def _spent() -> float:
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "said"),
+    ("name", "text", "output_text"),
     mostly_slow(
         [
             ("r.urdf", robot("", name="&l11;", before=LAUGHS), ["r.urdf", "entities"]),
@@ -97,10 +97,12 @@ def _spent() -> float:
     ),
     ids=lambda value: "",
 )
-def test_a_hostile_file_is_one_error_at_once(tmp_path: Path, name: str, text: Text, said: list[str]) -> None:
+def test_a_hostile_file_is_one_error_at_once(
+    tmp_path: Path, name: str, text: Text, output_text: list[str]
+) -> None:
     (tmp_path / name).write_bytes(text if isinstance(text, bytes) else text.encode())
     found = timed(tmp_path, name)
-    assert [words for words in said if words not in found] == []
+    assert [words for words in output_text if words not in found] == []
 
 
 PLY = """ply
@@ -121,7 +123,7 @@ GLTF = """{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": 36, "uri"
 
 
 @pytest.mark.parametrize(
-    ("name", "data", "said"),
+    ("name", "data", "output_text"),
     mostly_slow(
         [
             ("a.stl", b"", "it is empty"),
@@ -154,12 +156,14 @@ GLTF = """{{"asset": {{"version": "2.0"}}, "buffers": [{{"byteLength": 36, "uri"
     ),
     ids=lambda value: "",
 )
-def test_a_hostile_mesh_is_one_error_at_once(tmp_path: Path, name: str, data: bytes, said: str) -> None:
+def test_a_hostile_mesh_is_one_error_at_once(
+    tmp_path: Path, name: str, data: bytes, output_text: str
+) -> None:
     (tmp_path / "r.urdf").write_text(meshed(name))
     (tmp_path / name).write_bytes(data)
     found = timed(tmp_path, "r.urdf")
     assert "E-MESH-READ" in found
-    assert said in found
+    assert output_text in found
 
 
 @pytest.mark.parametrize("path", ["gone.urdf", "."])

@@ -96,7 +96,7 @@ def test_a_scene_is_called_as_the_folder_it_is_in(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "status", "said"),
+    ("text", "status", "output_text"),
     mostly_slow(
         [
             (None, 2, "does not exist"),
@@ -119,13 +119,13 @@ def test_a_scene_is_called_as_the_folder_it_is_in(tmp_path: Path) -> None:
     ids=["absent", "not XML", "no mesh", "circle", "nan", "deep", "long", "entities"],
 )
 def test_what_cannot_be_read_is_one_message_at_once(
-    tmp_path: Path, text: str | None, status: int, said: str
+    tmp_path: Path, text: str | None, status: int, output_text: str
 ) -> None:
     if text is not None:
         written(tmp_path, text, "arm.xml")
     done = linkwright(tmp_path, "source=mjcf", "source.path=arm.xml", "until=graph")
     assert done.returncode == status, done.stdout + done.stderr
-    assert said in done.stderr
+    assert output_text in done.stderr
     assert "Traceback" not in done.stderr
     assert done.stderr.count("error:") == (status > 0)
     assert str(tmp_path) not in done.stderr

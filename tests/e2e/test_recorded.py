@@ -271,8 +271,10 @@ def test_a_recorded_sub_assembly_used_twice_has_a_joint_in_each_place() -> None:
     }
 
 
-def test_what_hangs_on_nothing_by_the_peers_rules_is_told_with_the_mates_that_did_not_count() -> None:
+def test_parts_that_are_not_connected_by_the_peers_rules_is_reported_with_the_mates_that_did_not_count() -> (
+    None
+):
     with pytest.raises(Disconnected) as caught:
         recorded("nb", conventions="onshape_to_robot")
-    told = [problem for problem in caught.value.problems if problem.code == "W-PEER-MATE"]
-    assert any("dof_NAME" in problem.hint for problem in told)
+    shown = [problem for problem in caught.value.problems if problem.code == "W-PEER-MATE"]
+    assert any("dof_NAME" in problem.hint for problem in shown)

@@ -11,20 +11,20 @@ from tests.support.faulty import CALLS, desk
 
 
 @pytest.mark.parametrize(
-    ("fault", "said"),
+    ("fault", "output_text"),
     [
         (Fault(402), "the yearly quota of API calls is used up (402)"),
         (Fault(429, headers={"Retry-After": "5623"}), "source.max_wait allows 120 s"),
     ],
 )
-def test_a_build_that_is_stopped_says_how_to_go_on_and_goes_on(tmp_path, fault, said):
+def test_a_stopped_build_shows_how_to_go_on_and_goes_on(tmp_path, fault, output_text):
     with OnshapeServer(desk()) as server:
         environ = environment(tmp_path, **server.environ)
         arguments = ["source=onshape", f"source.url='{server.document_url()}'", "until=fetch", "output=desk"]
         server.fault = lambda method, target, number: fault if number == 4 else None
         stopped = linkwright(tmp_path, *arguments, environ=environ)
         assert stopped.returncode == 1
-        assert said in stopped.stderr
+        assert output_text in stopped.stderr
         assert "kept" in stopped.stderr
         assert "Traceback" not in stopped.stderr
         report = json.loads((tmp_path / "desk.failed" / "report.json").read_bytes())
@@ -33,6 +33,6 @@ def test_a_build_that_is_stopped_says_how_to_go_on_and_goes_on(tmp_path, fault, 
         assert linkwright(tmp_path, *arguments, environ=environ).returncode == 0
         arrived = [target for _, target, status in server.calls if status == 200 and "/w/" not in target]
         assert len(set(arrived)) == len(arrived) == CALLS - 1
-        told = linkwright(tmp_path, "cache", "info", environ=environ).stdout
-        assert f" {server.count} " in told
-        assert not any(secret in told for secret in server.keys)
+        shown = linkwright(tmp_path, "cache", "info", environ=environ).stdout
+        assert f" {server.count} " in shown
+        assert not any(secret in shown for secret in server.keys)

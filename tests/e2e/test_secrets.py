@@ -65,23 +65,23 @@ def escaped(echo: str) -> bytes:
 def faults(way: str) -> dict[str, Fault]:
     """Replies of a server that repeats the key, by name."""
     echo = ECHOES[way]
-    said = json.dumps({"message": f"You sent Authorization: {echo}", "status": 0}).encode()
+    refusal = json.dumps({"message": f"You sent Authorization: {echo}", "status": 0}).encode()
     page = f"<html><title>{echo}</title><body>{echo}</body></html>".encode()
     return {
-        "401": Fault(401, said, {"WWW-Authenticate": echo}),
-        "403": Fault(403, said),
+        "401": Fault(401, refusal, {"WWW-Authenticate": echo}),
+        "403": Fault(403, refusal),
         "403, in escapes": Fault(403, escaped(echo)),
         "400, in escapes": Fault(400, escaped(echo)),
-        "402": Fault(402, said),
+        "402": Fault(402, refusal),
         "404, a page": Fault(404, page),
-        "429": Fault(429, said, {"Retry-After": "3600", "X-Echo": echo}),
-        "429, nonsense": Fault(429, said, {"Retry-After": echo}),
+        "429": Fault(429, refusal, {"Retry-After": "3600", "X-Echo": echo}),
+        "429, nonsense": Fault(429, refusal, {"Retry-After": echo}),
         "a redirect": Fault(307, b"", {"Location": f"https://example.com/?key={quote(echo)}"}),
         "a redirect with a user": Fault(307, b"", {"Location": f"https://{ACCESS}:{SECRET}@example.com/"}),
-        "500": Fault(500, said),
+        "500": Fault(500, refusal),
         "200, a page": Fault(200, page),
         "200, no definition": Fault(200, json.dumps({"rootAssembly": {echo: echo}}).encode()),
-        "200, cut short": Fault(200, said, cut=30),
+        "200, cut short": Fault(200, refusal, cut=30),
     }
 
 
@@ -101,12 +101,12 @@ def left(here: Path) -> Iterator[tuple[str, bytes]]:
                     yield from ((f"{name}: {one}", archive.read(one)) for one in archive.namelist())
 
 
-def told(here: Path, done: subprocess.CompletedProcess[str]) -> list[str]:
+def printed(here: Path, done: subprocess.CompletedProcess[str]) -> list[str]:
     """Which secret is where, in what a command said and left."""
-    said = {"stdout": done.stdout.encode(), "stderr": done.stderr.encode()}
+    output_text = {"stdout": done.stdout.encode(), "stderr": done.stderr.encode()}
     return [
         f"{what} in {name}"
-        for name, content in [*said.items(), *left(here)]
+        for name, content in [*output_text.items(), *left(here)]
         for what, secret in PRIVATE.items()
         if secret.encode() in content
     ]
@@ -127,21 +127,21 @@ def run(
 
 @pytest.mark.parametrize("place", ["environment", ".env"])
 @pytest.mark.parametrize("way", mostly_slow(WAYS, keep=1))
-def test_a_build_that_passes_and_its_bundle_tell_no_secret(tmp_path: Path, way: str, place: str) -> None:
+def test_a_build_that_passes_and_its_bundle_show_no_secret(tmp_path: Path, way: str, place: str) -> None:
     with OnshapeServer(sample_document(), keys=(ACCESS, SECRET), token=TOKEN) as server:
         done = run(tmp_path, server, way, place)
         assert done.returncode == 0, done.stderr
-        assert told(tmp_path, done) == []
+        assert printed(tmp_path, done) == []
         host = server.url.partition("//")[2]
     bundled = linkwright(tmp_path, "bundle", "sample.graph", "arm.zip")
     assert bundled.returncode == 0, bundled.stderr
-    assert told(tmp_path, bundled) == []
+    assert printed(tmp_path, bundled) == []
     with zipfile.ZipFile(tmp_path / "arm.zip") as archive:
         contents = b"".join(archive.read(name) for name in archive.namelist())
     assert not any(text.encode() in contents for text in (host, "127.0.0.1", str(tmp_path)))
     counted = linkwright(tmp_path, "cache", "info")
     assert counted.returncode == 0, counted.stderr
-    assert told(tmp_path, counted) == []
+    assert printed(tmp_path, counted) == []
 
 
 def _fails(tmp_path: Path, way: str, place: str, fault: str, call: int) -> None:
@@ -155,7 +155,7 @@ def _fails(tmp_path: Path, way: str, place: str, fault: str, call: int) -> None:
     assert (tmp_path / "outputs" / "sample.graph.failed").is_dir() or (
         tmp_path / "outputs" / "sample.failed"
     ).is_dir()
-    assert told(tmp_path, done) == []
+    assert printed(tmp_path, done) == []
 
 
 REFUSALS = sorted(faults("basic").keys() - TRANSIENT)
@@ -168,7 +168,7 @@ EACH_REFUSED = [
 
 
 @pytest.mark.parametrize(("way", "fault"), EACH_REFUSED)
-def test_a_build_that_a_server_refuses_tells_no_secret(tmp_path: Path, way: str, fault: str) -> None:
+def test_a_build_that_a_server_refuses_shows_no_secret(tmp_path: Path, way: str, fault: str) -> None:
     _fails(tmp_path, way, ".env" if fault == "403" else "environment", fault, call=0)
 
 
@@ -176,24 +176,24 @@ def test_a_build_that_a_server_refuses_tells_no_secret(tmp_path: Path, way: str,
 @pytest.mark.parametrize("call", [0, 1])
 @pytest.mark.parametrize("fault", sorted(TRANSIENT))
 @pytest.mark.parametrize("way", WAYS)
-def test_a_build_that_a_server_fails_tells_no_secret(tmp_path: Path, way: str, fault: str, call: int) -> None:
+def test_a_build_that_a_server_fails_shows_no_secret(tmp_path: Path, way: str, fault: str, call: int) -> None:
     _fails(tmp_path, way, "environment", fault, call)
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_a_wrong_key_is_not_told_either(tmp_path: Path, way: str) -> None:
+def test_a_wrong_key_is_not_shown_either(tmp_path: Path, way: str) -> None:
     with OnshapeServer(sample_document(), keys=("another", "one"), token="and-another") as server:
         done = run(tmp_path, server, way, "environment")
     assert done.returncode == 1
     assert "(401)" in done.stderr
-    assert told(tmp_path, done) == []
+    assert printed(tmp_path, done) == []
 
 
 def test_a_key_in_the_address_is_refused_without_being_repeated(tmp_path: Path) -> None:
     for secret in (f"{ACCESS}:{SECRET}@cad.onshape.com/documents/x", f"cad.onshape.com/?token={TOKEN}"):
         done = linkwright(tmp_path, "source=onshape", f"source.url='https://{secret}'")
         assert done.returncode == 2
-        assert told(tmp_path, done) == []
+        assert printed(tmp_path, done) == []
 
 
 def holding(secret: str) -> Document:
@@ -212,7 +212,7 @@ def test_a_document_that_holds_the_key_is_not_kept_anywhere(tmp_path: Path, unti
     assert done.returncode == 1
     assert "would hold the value of ONSHAPE_SECRET_KEY; nothing was written" in done.stderr
     assert ", rootAssembly" in done.stderr or ", parts[" in done.stderr
-    assert told(tmp_path, done) == []
+    assert printed(tmp_path, done) == []
 
 
 def test_a_robot_that_was_made_before_the_key_was_known_is_not_handed_out_with_it(tmp_path: Path) -> None:
@@ -249,23 +249,23 @@ def test_a_key_that_comes_by_an_interpolation_is_refused_and_leaves_nothing(tmp_
     assert done.returncode == 2
     assert f"E-SECRET {key}: holds the value of ONSHAPE_ACCESS_KEY" in done.stderr
     assert list(tmp_path.iterdir()) == []
-    assert told(tmp_path, done) == []
+    assert printed(tmp_path, done) == []
 
 
 def test_the_search_finds_what_is_there(tmp_path: Path) -> None:
     """What the tests above rely on: a secret in a file, a name, a zip or a message is found."""
     silent = subprocess.CompletedProcess([], 0, "", "")
-    assert told(tmp_path, silent) == []
+    assert printed(tmp_path, silent) == []
     (tmp_path / ".env").write_text(SECRET)
-    assert told(tmp_path, silent) == []
+    assert printed(tmp_path, silent) == []
     (tmp_path / "log").write_text(f"Basic {packed(f'{ACCESS}:{SECRET}')}")
     (tmp_path / TOKEN).mkdir()
     with zipfile.ZipFile(tmp_path / "a.zip", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("x", f"{USER} " * 50)
-    assert told(tmp_path, silent) == [
+    assert printed(tmp_path, silent) == [
         f"the token in the name {TOKEN}",
         "the user's name in a.zip: x",
         "both in base64 in log",
         "the access key in base64 in log",
     ]
-    assert told(tmp_path, subprocess.CompletedProcess([], 0, SECRET, ""))[0] == "the secret key in stdout"
+    assert printed(tmp_path, subprocess.CompletedProcess([], 0, SECRET, ""))[0] == "the secret key in stdout"

@@ -37,14 +37,14 @@ def test_ctrl_c_ends_a_build_whose_server_does_not_answer(tmp_path: Path) -> Non
         time.sleep(0.3)
         began = time.monotonic()
         build.send_signal(signal.SIGINT)
-        _, said = build.communicate(timeout=20)
+        _, output_text = build.communicate(timeout=20)
         ended = time.monotonic() - began
         slow.set()
         assert build.returncode == 130
         assert ended < 5
-        assert said.count("error:") == 1
-        assert "interrupted" in said
-        assert "asking again" not in said
+        assert output_text.count("error:") == 1
+        assert "interrupted" in output_text
+        assert "asking again" not in output_text
         server.reset()
         done = linkwright(tmp_path, *line[1:], environ=environ)
         assert done.returncode == 0, done.stderr

@@ -141,7 +141,7 @@ def test_the_config_that_is_left_behind_is_the_plan(make, folder):
     assert left["name"] == "arm"
 
 
-def test_a_second_build_runs_no_stage_and_tells_the_same(make):
+def test_a_second_build_runs_no_stage_and_reports_the_same(make):
     stages = fakes()
     first, second = make(stages), make(stages)
     assert [stage.runs for stage in stages] == [1] * 5
@@ -278,7 +278,7 @@ def test_a_new_path_that_is_taken_ends_the_build_and_keeps_both(make, folder):
     assert not failed.exists()
 
 
-def test_a_report_that_cannot_be_left_is_told_and_the_failure_is_the_one_to_raise(make, folder, capsys):
+def test_a_report_that_cannot_be_left_is_reported_and_the_failure_is_the_one_to_raise(make, folder, capsys):
     folder.with_name("arm.failed").mkdir(parents=True)
     (folder.with_name("arm.failed") / "build.log").write_text("mine")
     assert make(fakes()).exit_status == 0
@@ -428,7 +428,7 @@ def test_a_report_stays_whole_and_ours_whatever_the_key_is(make, folder, key):
     assert make(fakes(), environ=environ).exit_status == 0
 
 
-def test_everything_that_is_known_before_the_first_stage_is_told_at_once(make, folder):
+def test_everything_that_is_known_before_the_first_stage_is_reported_at_once(make, folder):
     folder.mkdir(parents=True)
     (folder / "config.yaml").write_text("x")
     wrong = {name: {"wrong": ConfigError(f"no {name}", name)} for name in ("fetch", "mesh")}
@@ -443,7 +443,7 @@ def test_build_and_its_report_can_be_sent_to_another_process(make):
     assert pickle.loads(pickle.dumps(report)) == report
 
 
-def test_the_log_tells_stages_findings_and_checks(make, folder, capsys):
+def test_the_log_lists_stages_findings_and_checks(make, folder, capsys):
     make(fakes(), Lines(sys.stdout))
     log = (folder / "build.log").read_text()
     for text in (

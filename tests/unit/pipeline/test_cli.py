@@ -85,14 +85,14 @@ def test_the_command_line_is_taken_apart():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "shown"),
     [(["--nope", "job"], "there is no option --nope"), (["--config-dir"], "--config-dir needs a folder")],
 )
-def test_an_option_that_is_not_there_is_told(arguments, told, capsys):
+def test_an_option_that_is_not_there_is_reported(arguments, shown, capsys):
     with pytest.raises(UsageError):
         parse(arguments)
     assert run(arguments) == 2
-    assert capsys.readouterr().err.startswith(f"error: {told}\n  → ")
+    assert capsys.readouterr().err.startswith(f"error: {shown}\n  → ")
 
 
 @pytest.mark.parametrize("status", [0, 3])
@@ -101,7 +101,7 @@ def test_the_exit_status_is_the_reports(empty, status):
 
 
 @pytest.mark.parametrize(
-    ("error", "status", "told"),
+    ("error", "status", "shown"),
     [
         (
             ConfigError("is wrong", "source.url", "change it"),
@@ -119,12 +119,12 @@ def test_the_exit_status_is_the_reports(empty, status):
         ),
     ],
 )
-def test_an_error_is_one_message_and_an_exit_status(empty, capsys, error, status, told):
+def test_an_error_is_one_message_and_an_exit_status(empty, capsys, error, status, shown):
     def failing(plan):
         raise error
 
     assert run(["source=sample"], failing) == status
-    assert capsys.readouterr().err == told
+    assert capsys.readouterr().err == shown
 
 
 def test_a_traceback_is_shown_when_asked_for(empty, capsys, monkeypatch):

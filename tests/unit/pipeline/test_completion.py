@@ -149,7 +149,7 @@ def test_installing_twice_is_installing_once_and_keeps_what_was_there(tmp_path, 
         assert len(lines) == 2
 
 
-def test_another_shell_is_told(capsys, monkeypatch):
+def test_another_shell_is_reported(capsys, monkeypatch):
     monkeypatch.setenv("SHELL", "/bin/tcsh")
     assert run(["--install-completion"]) == 2
     assert capsys.readouterr().err.startswith(

@@ -104,10 +104,10 @@ def test_the_room_that_is_asked_for_is_that_of_the_last_build_in_both_places_at_
         Output(asked.folder).publish({"report.json": OURS, "assets/a": b"x" * 2_000_000})
         build(asked, environ=server.environ)
         assert most[-1] == [2_000_000 + len(OURS)] * 2
-        told = len(most)
+        shown = len(most)
         build(plan(tmp_path, {"kind": "onshape", "url": server.document_url(), "offline": True}), environ={})
         build(plan(tmp_path, {"kind": "sample"}, output=str(tmp_path / "sample")), environ={})
-        assert len(most) == told, "no call, no probe"
+        assert len(most) == shown, "no call, no probe"
     assert not [path for path in tmp_path.rglob("*") if path.name.startswith("room-")]
 
 
@@ -129,7 +129,7 @@ def test_room_is_found_by_writing_where_the_system_cannot_reserve_it(tmp_path, m
         pass
 
 
-def test_a_store_and_an_output_on_a_full_disk_say_so_and_lose_nothing(tmp_path):
+def test_a_store_and_an_output_on_a_full_disk_report_it_and_lose_nothing(tmp_path):
     place = tmp_path / "small"
     with disk(place, 600):
         store, output = Store(place / "cache"), Output(place / "arm")
@@ -159,15 +159,15 @@ def test_a_temporary_folder_that_cannot_be_made_is_named(tmp_path, monkeypatch):
     assert "TMPDIR" in caught.value.hint
 
 
-def test_a_ledger_that_cannot_be_written_is_told_once_and_loses_no_reply(tmp_path, monkeypatch):
+def test_a_ledger_that_cannot_be_written_is_reported_once_and_loses_no_reply(tmp_path, monkeypatch):
     def refuse(*_):
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
-    told = []
+    shown = []
 
     class Ears:
         def __getattr__(self, name):
-            return lambda *words: told.append(" ".join(map(str, words)))
+            return lambda *words: shown.append(" ".join(map(str, words)))
 
     monkeypatch.setattr("stages.fetch.onshape.api.ledger._append", refuse)
     with OnshapeServer(desk()) as server:
@@ -175,7 +175,7 @@ def test_a_ledger_that_cannot_be_written_is_told_once_and_loses_no_reply(tmp_pat
         assert build(asked, Ears(), server.environ).exit_status == 0
         assert server.count > 1
     assert (
-        len([line for line in told if "API calls are not counted" in line and "No space left" in line]) == 1
+        len([line for line in shown if "API calls are not counted" in line and "No space left" in line]) == 1
     )
 
 
@@ -192,7 +192,7 @@ def test_a_line_of_the_ledger_that_was_cut_short_is_not_counted_and_told(tmp_pat
 
 
 @pytest.mark.parametrize("kilobytes", [4, 12, 40])
-def test_a_sweep_on_a_full_disk_says_so_and_shows_how_its_jobs_ended(
+def test_a_sweep_on_a_full_disk_reports_it_and_shows_how_its_jobs_ended(
     tmp_path, monkeypatch, capsys, kilobytes
 ):
     monkeypatch.chdir(tmp_path)

@@ -29,12 +29,12 @@ def silent():
     pytest.fail("nothing is waited for")
 
 
-def while_held(path, told, act):
+def while_held(path, shown, act):
     """Runs `act` while the lock is held elsewhere, until something was told."""
     heard = threading.Event()
 
     def tell(*line):
-        told.extend(line)
+        shown.extend(line)
         heard.set()
 
     thread = threading.Thread(target=act, args=(tell,))
@@ -64,31 +64,31 @@ def test_a_cache_without_locks_works_all_the_same(tmp_path):
 
 
 @pytest.mark.usefixtures("_impatient")
-def test_a_build_that_waits_for_another_of_its_folder_says_so_and_goes_on(tmp_path):
-    told = []
-    while_held(lock.beside(tmp_path / "arm"), told, lambda tell: Output(tmp_path / "arm", tell).prepare())
-    assert told == ["waiting for another build of arm"]
+def test_a_build_that_waits_for_another_of_its_folder_reports_it_and_goes_on(tmp_path):
+    shown = []
+    while_held(lock.beside(tmp_path / "arm"), shown, lambda tell: Output(tmp_path / "arm", tell).prepare())
+    assert shown == ["waiting for another build of arm"]
 
 
 @pytest.mark.usefixtures("_impatient")
 def test_a_folder_that_another_build_moves_in_is_not_judged_half_way(tmp_path):
-    output, told = Output(tmp_path / "arm"), []
+    output, shown = Output(tmp_path / "arm"), []
     output.prepare()
-    while_held(lock.place(output.target), told, lambda tell: Output(output.target, tell).judge())
-    assert told == ["waiting for another build of arm"]
+    while_held(lock.place(output.target), shown, lambda tell: Output(output.target, tell).judge())
+    assert shown == ["waiting for another build of arm"]
 
 
 @pytest.mark.usefixtures("_impatient")
-def test_a_build_that_waits_for_the_work_of_another_says_so_and_takes_its_own_turn(tmp_path):
-    action, told, made = Action("mesh", 1), [], []
+def test_a_build_that_waits_for_the_work_of_another_reports_it_and_takes_its_own_turn(tmp_path):
+    action, shown, made = Action("mesh", 1), [], []
     cache = Cache(Store(tmp_path))
 
     def act(tell):
         cache.on_wait = tell
         made.append(cache.run(action, lambda: {"a": b"alpha"}))
 
-    while_held(tmp_path / "locks" / f"{action.key}.lock", told, act)
-    assert told == ["waiting for another build of the same mesh"]
+    while_held(tmp_path / "locks" / f"{action.key}.lock", shown, act)
+    assert shown == ["waiting for another build of the same mesh"]
     assert made[0][0]["a"] == b"alpha"
 
 
@@ -135,7 +135,9 @@ def test_a_lock_keeps_the_mode_that_its_folder_gave_it(tmp_path):
     assert path.stat().st_mode & 0o777 == 0o664
 
 
-def test_what_is_held_lies_at_the_path_also_where_the_file_is_removed_meanwhile(tmp_path, monkeypatch):
+def test_an_acquired_lock_is_the_file_at_the_path_also_where_the_file_is_removed_meanwhile(
+    tmp_path, monkeypatch
+):
     path = tmp_path / "arm.lock"
     acquire, removed = filelock.FileLock.acquire, []
 

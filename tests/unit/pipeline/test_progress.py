@@ -33,7 +33,7 @@ def test_a_terminal_gets_the_same_sentence():
     assert "0.12 s (cached)  2 links" in screen.getvalue()
 
 
-def test_the_log_holds_what_the_terminal_was_told_without_secrets():
+def test_the_log_holds_what_the_terminal_showed_without_secrets():
     stream, log = io.StringIO(), Log({"ONSHAPE_ACCESS_KEY": "acc355-key"})
     both = Tee(log, Lines(stream))
     both.start("fetch")
@@ -53,7 +53,7 @@ def test_a_key_from_the_env_file_is_blanked_too(tmp_path, monkeypatch):
     assert log.content().endswith(b"*** and ***\n")
 
 
-def test_a_terminal_is_told_what_comes_before_the_first_stage():
+def test_a_terminal_is_reported_what_comes_before_the_first_stage():
     screen = Screen()
     progress_for(screen).detail("output", "waiting for another build of [arm]")
     assert "output: waiting for another build of [arm]" in screen.getvalue()

@@ -48,7 +48,7 @@ def test_the_json_holds_every_part_under_the_format_key():
     assert data["error"] is None
 
 
-def test_plain_text_is_aligned_and_tells_findings_and_place():
+def test_plain_text_is_aligned_and_shows_findings_and_place():
     assert render(REPORT).splitlines() == [
         "stage          seconds  outputs",
         "fetch  cached     0.00  3 replies",
@@ -62,7 +62,7 @@ def test_plain_text_is_aligned_and_tells_findings_and_place():
     ]
 
 
-def test_without_findings_calls_or_checks_nothing_is_said_of_them():
+def test_without_findings_calls_or_checks_nothing_is_printed_about_them():
     bare = replace(REPORT, diagnostics=(), checks=(), calls={"made": 0, "saved": 0})
     assert render(bare).splitlines()[3:] == ["arm: outputs/arm"]
 

@@ -143,8 +143,8 @@ def test_no_line_runs_more_often_than_the_assembly_grows(make: Callable[[int], B
     grown = {line: (before[line], count) for line, count in after.items() if count > FEW}
     assert grown, "nothing was counted"
     beyond = {line: pair for line, pair in grown.items() if pair[1] > MOST * pair[0]}
-    told = [f"{file}:{line} {first} -> {then}" for (file, line), (first, then) in sorted(beyond.items())]
-    assert not told, "\n".join(told)
+    shown = [f"{file}:{line} {first} -> {then}" for (file, line), (first, then) in sorted(beyond.items())]
+    assert not shown, "\n".join(shown)
 
 
 def test_a_file_is_read_in_proportion_to_its_length() -> None:

@@ -80,7 +80,7 @@ def test_a_file_that_holds_a_secret_in_any_form_is_refused_with_its_place(form):
         assert part not in blanked
 
 
-def test_the_key_in_a_json_file_and_the_name_of_a_file_are_told():
+def test_the_key_in_a_json_file_and_the_name_of_a_file_are_reported():
     secrets = Secrets(ENVIRON)
     tree = {"links": [{"cad": "x"}, {"cad": {"name": f"Arm {SECRET}"}}]}
     with pytest.raises(SecretFound) as caught:
@@ -123,13 +123,13 @@ WAYS = {
 def test_a_configuration_with_a_secret_is_refused_by_its_key(environ, key):
     with pytest.raises(ConfigError) as caught:
         compose_plan(["source=bundle", WAYS[key]])
-    told = str(caught.value)
+    shown = str(caught.value)
     assert "E-SECRET" in [problem.code for problem in caught.value.problems]
-    assert not any(secret in told for secret in ENVIRON.values())
+    assert not any(secret in shown for secret in ENVIRON.values())
 
 
 @pytest.mark.parametrize("key", [key for key in WAYS if "*" not in key])
-def test_the_key_is_named_and_nothing_else_is_said_of_it(environ, key):
+def test_the_key_is_named_and_nothing_else_is_printed_about_it(environ, key):
     with pytest.raises(ConfigError) as caught:
         compose_plan(["source=bundle", WAYS[key]])
     of_it = [problem for problem in caught.value.problems if problem.where == key]
@@ -137,7 +137,7 @@ def test_the_key_is_named_and_nothing_else_is_said_of_it(environ, key):
     assert "holds the value of ONSHAPE_" in of_it[0].message
 
 
-def test_a_robots_file_is_judged_too_and_what_it_says_to_hydra(environ, tmp_path):
+def test_a_robots_file_is_judged_too_and_its_hydra_keys(environ, tmp_path):
     (tmp_path / "robot").mkdir()
     (tmp_path / "robot" / "mine.yaml").write_text(
         "# @package _global_\ndefaults: [override /source: sample]\n"
@@ -172,7 +172,7 @@ def test_the_cache_keeps_no_secret(tmp_path):
             replies.put("/documents/d/x", json.dumps({"parts": [{"name": SECRET}]}).encode())
         assert caught.value.where == "/documents/d/x, parts[0].name"
         with pytest.raises(SecretFound):
-            replies.remember("state", {"said": [TOKEN]})
+            replies.remember("state", {"state": [TOKEN]})
         with pytest.raises(SecretFound):
             cache.memo("graph", 1, {})("view", {}, lambda: ACCESS.encode())
         with pytest.raises(SecretFound):

@@ -123,7 +123,7 @@ def test_a_workspace_is_asked_again_and_a_version_is_not(tmp_path):
     assert configs["m"] not in (None, configs["v"])
 
 
-def test_notes_hold_what_the_report_tells():
+def test_notes_hold_what_the_report_shows():
     found = json.loads(notes("2 links", (Diagnostic("W-X", "odd", "a/b", "fix"),), {"links": 2}, calls=3))
     assert found == {
         "summary": "2 links",

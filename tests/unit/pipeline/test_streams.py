@@ -23,8 +23,8 @@ def piped(folder, *arguments, read=1, both=False):
     for _ in range(read):
         assert command.stdout.readline()
     command.stdout.close()
-    said = "" if both else command.stderr.read()
-    return command.wait(timeout=120), said
+    output_text = "" if both else command.stderr.read()
+    return command.wait(timeout=120), output_text
 
 
 @pytest.mark.parametrize(

@@ -85,7 +85,7 @@ def test_outside_of_the_command_the_streams_are_as_they_were(capsys):
     assert capsys.readouterr().out == "\x1b[0m\n"
 
 
-def test_the_command_cleans_what_it_says(capsys):
+def test_the_command_cleans_its_output(capsys):
     assert run(["robot=\x1b[2Jnobody\x9b", f"ground={KEY}"]) == 2
     err = capsys.readouterr().err
     assert bad(err) == []

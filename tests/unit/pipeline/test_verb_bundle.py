@@ -124,13 +124,13 @@ def test_the_same_build_gives_the_same_zip_wherever_and_from_whatever_it_was_mad
 
 def test_nothing_of_the_key_the_user_the_host_or_the_place_is_inside(built):
     assert run(["bundle", "arm", "arm.zip"]) == 0
-    told = [b"acc-distinct", b"sec-distinct", USER.encode(), b"127.0.0.1", str(built).encode()]
-    told += [socket.gethostname().encode(), os.path.expanduser("~").encode()]  # noqa: PTH111
+    shown = [b"acc-distinct", b"sec-distinct", USER.encode(), b"127.0.0.1", str(built).encode()]
+    shown += [socket.gethostname().encode(), os.path.expanduser("~").encode()]  # noqa: PTH111
     with zipfile.ZipFile("arm.zip") as archive:
         contents = [archive.read(info) + info.filename.encode() + info.extra for info in archive.infolist()]
         assert all(info.date_time == (1980, 1, 1, 0, 0, 0) for info in archive.infolist())
         assert archive.comment == b""
-    assert [secret for secret in told if any(secret in content for content in contents)] == []
+    assert [secret for secret in shown if any(secret in content for content in contents)] == []
 
 
 def test_a_build_that_failed_after_fetch_can_be_bundled_too(here):
@@ -141,7 +141,7 @@ def test_a_build_that_failed_after_fetch_can_be_bundled_too(here):
 
 
 @pytest.mark.parametrize("lost", ["all", "a reply", "harmed"])
-def test_what_the_cache_no_longer_has_is_told_with_how_to_get_it(built, capsys, lost):
+def test_what_the_cache_no_longer_has_is_reported_with_how_to_get_it(built, capsys, lost):
     if lost == "all":
         shutil.rmtree("cache")
     else:
@@ -149,9 +149,9 @@ def test_what_the_cache_no_longer_has_is_told_with_how_to_get_it(built, capsys, 
         reply.chmod(0o644)
         reply.write_bytes(b"{") if lost == "harmed" else reply.unlink()
     assert run(["bundle", "arm", "arm.zip"]) == 1
-    told = capsys.readouterr().err
-    assert f"{built / 'cache'}: the cache lacks inputs of outputs/arm" in told
-    assert "cache.dir=FOLDER" in told
+    shown = capsys.readouterr().err
+    assert f"{built / 'cache'}: the cache lacks inputs of outputs/arm" in shown
+    assert "cache.dir=FOLDER" in shown
     assert not Path("arm.zip").exists()
 
 
@@ -179,7 +179,7 @@ def test_an_older_bundle_is_replaced_and_nothing_else_is(built, capsys):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "shown"),
     [
         ([], "got 0 arguments"),
         (["arm"], "got 1 argument"),
@@ -190,9 +190,9 @@ def test_an_older_bundle_is_replaced_and_nothing_else_is(built, capsys):
         (["arm", "no/such/a.zip"], "there is no folder no/such"),
     ],
 )
-def test_wrong_usage_is_told_and_ends_with_2(built, capsys, arguments, told):
+def test_wrong_usage_is_reported_and_ends_with_2(built, capsys, arguments, shown):
     assert run(["bundle", *arguments]) == 2
-    assert told in capsys.readouterr().err
+    assert shown in capsys.readouterr().err
     assert not list(Path().glob("*.zip"))
 
 
@@ -203,7 +203,7 @@ def test_a_build_that_stands_beside_under_another_name_is_named(here, capsys):
     assert run(["bundle", "arm.fetch", "arm.zip"]) == 0
 
 
-def test_a_build_that_read_nothing_is_told(here, capsys):
+def test_a_build_that_read_nothing_is_reported(here, capsys):
     Path("broken.zip").write_text("no zip")
     with pytest.raises(Exception, match="not a zip file"):
         make("bad", {"kind": "bundle", "path": "broken.zip"})

@@ -81,7 +81,7 @@ def test_a_second_run_makes_nothing_and_gives_the_same_files(cache):
     assert dict(first) == dict(second) == {"a": b"alpha", "b": b"beta"}
 
 
-def test_a_record_tells_stage_version_outputs_and_seconds(cache):
+def test_a_record_holds_stage_version_outputs_and_seconds(cache):
     cache.run(ACTION, Maker())
     record = json.loads(record_path(cache).read_bytes())
     assert record["stage"] == "mesh"
@@ -136,7 +136,7 @@ def test_a_corrupt_record_is_a_miss(cache, text):
     assert make.calls == 1
 
 
-def test_a_blob_lost_between_lookup_and_reading_is_an_error_that_says_so(cache):
+def test_a_blob_lost_between_lookup_and_reading_is_an_error_that_says_it(cache):
     files, _ = cache.run(ACTION, Maker())
     blob_of(cache, "a").unlink()
     with pytest.raises(CacheError, match="a was lost from the cache"):

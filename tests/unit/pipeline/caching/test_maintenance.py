@@ -160,7 +160,7 @@ class TestCommand:
     def _own_cache(self, tmp_path, monkeypatch):
         monkeypatch.setenv("LINKWRIGHT_CACHE", str(tmp_path / "cache"))
 
-    def test_info_tells_calls_by_a_key_that_is_not_shown(self, cache, tmp_path, capsys):
+    def test_info_shows_calls_by_a_key_that_is_not_shown(self, cache, tmp_path, capsys):
         assert run(["cache", "info"]) == 0
         assert "no API call counted" in capsys.readouterr().out
         make(cache, 1)
@@ -169,12 +169,12 @@ class TestCommand:
             ledger.note(kind, 200)
         ledger.note("elements", 402)
         assert run(["cache", "info"]) == 0
-        told = capsys.readouterr().out
-        assert str(tmp_path / "cache") in told
-        assert "01234567  2026      3  2 elements, 1 massproperties; the quota is used up (402)" in told
-        assert "89abcdef" not in told
+        shown = capsys.readouterr().out
+        assert str(tmp_path / "cache") in shown
+        assert "01234567  2026      3  2 elements, 1 massproperties; the quota is used up (402)" in shown
+        assert "89abcdef" not in shown
 
-    def test_gc_and_verify_tell_what_they_did(self, cache, tmp_path, capsys):
+    def test_gc_and_verify_report_their_results(self, cache, tmp_path, capsys):
         digest = make(cache, 1).digests["own"]
         age(cache.store.root)
         assert run(["cache", "gc"]) == 0
@@ -206,7 +206,7 @@ class TestCommand:
             ["info", "--json"],
         ],
     )
-    def test_wrong_usage_is_told_with_2(self, arguments, capsys):
+    def test_wrong_usage_is_reported_with_2(self, arguments, capsys):
         assert run(["cache", *arguments]) == 2
         assert "linkwright cache" in capsys.readouterr().err
 

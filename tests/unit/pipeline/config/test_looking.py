@@ -59,9 +59,9 @@ def test_it_needs_no_credentials_but_a_configuration_that_is_right(here, capsys)
     )
     assert "kind: onshape" in printed(capsys, "--cfg", "job", "source=onshape", url)
     assert run(["--cfg", "job", "robot=my_arm", "foo=1", "root=fred"]) == 2
-    told = capsys.readouterr().err
-    assert "E-KEY foo: unknown key" in told
-    assert "E-OPTION root=fred" in told
+    shown = capsys.readouterr().err
+    assert "E-KEY foo: unknown key" in shown
+    assert "E-OPTION root=fred" in shown
 
 
 @pytest.mark.parametrize(
@@ -78,7 +78,7 @@ def test_a_part_of_it_is_printed_by_its_key(here, capsys, package, text):
     assert printed(capsys, "--cfg", "job", "--package", package, "robot=my_arm").startswith(text)
 
 
-def test_a_part_that_is_not_there_is_told(here, capsys):
+def test_a_part_that_is_not_there_is_reported(here, capsys):
     printed(capsys, "--cfg", "job", "-p", "mass.densty", "robot=my_arm", status=2)
     printed(capsys, "--cfg", "job", "-p", "mas", status=2)
 
@@ -95,8 +95,8 @@ def test_a_secret_is_not_printed(here, capsys, monkeypatch):
     write(here, my_arm=MY_ARM.replace("0.3}", "'${oc.env:ONSHAPE_SECRET_KEY}'}"))
     for option in (["--cfg", "job"], ["--cfg", "job", "--resolve"], ["--cfg", "all"], ["--info", "all"]):
         run([*option, "robot=my_arm", "vars.x=x9-secret-of-mine"])
-        told = capsys.readouterr()
-        assert "x9-secret-of-mine" not in told.out + told.err
+        shown = capsys.readouterr()
+        assert "x9-secret-of-mine" not in shown.out + shown.err
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_a_secret_is_not_printed(here, capsys, monkeypatch):
         ("all", ["Defaults Tree", "Config search path", "BasicLauncher", "kind: sample"]),
     ],
 )
-def test_info_tells_how_it_came_to_be(here, capsys, kind, words):
+def test_info_shows_how_it_came_to_be(here, capsys, kind, words):
     text = printed(capsys, "--info", kind, "robot=my_arm")
     assert [word for word in words if word not in text] == []
 
@@ -137,7 +137,7 @@ def test_hydras_options_are_read(arguments, command):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "shown"),
     [
         (["--cfg"], "--cfg needs a word\n  → --cfg job"),
         (["--cfg", "jobs"], "--cfg knows no jobs\n  → --cfg job, or one of: job, hydra, all"),
@@ -149,10 +149,10 @@ def test_hydras_options_are_read(arguments, command):
         (["--nope"], "there is no option --nope\n  → linkwright --help"),
     ],
 )
-def test_an_option_that_cannot_be_is_told(arguments, told):
+def test_an_option_that_cannot_be_is_reported(arguments, shown):
     with pytest.raises(UsageError) as caught:
         parse(arguments)
-    assert str(caught.value).startswith(told)
+    assert str(caught.value).startswith(shown)
 
 
 def test_info_speaks_also_after_a_sweep_in_the_same_process(here, capsys):

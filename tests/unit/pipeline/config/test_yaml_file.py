@@ -24,14 +24,14 @@ def laughing(each: str) -> str:
     return "\n".join(["vars:", "  a: &a [1, 1]", *lines, ""])
 
 
-def told(folder, text):
+def shown(folder, text):
     with pytest.raises(ConfigError) as caught:
         compose_plan(["robot=bad"], cwd=write(folder, bad=HEAD + text))
     return str(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "output_text"),
     [
         (laughing("*{}"), ["line 9", "more than 20000 values", "aliases"]),
         ("vars: &a [*a]\n", ["line 4, column 11", "*a contains itself"]),
@@ -47,14 +47,14 @@ def told(folder, text):
     ],
     ids=["laughs", "itself", "below itself", "lists", "mappings", "deep by an alias", "many", "large"],
 )
-def test_a_robot_that_comes_to_too_much_is_told_by_its_place(tmp_path, text, said):
-    message = told(tmp_path, text)
-    for words in ["E-YAML", "bad.yaml", *said]:
+def test_a_robot_that_comes_to_too_much_is_reported_by_its_place(tmp_path, text, output_text):
+    message = shown(tmp_path, text)
+    for words in ["E-YAML", "bad.yaml", *output_text]:
         assert words in message
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "output_text"),
     [
         (laughing('"${{vars.{}}}"'), "it holds more than 300 values"),
         (
@@ -68,13 +68,13 @@ def test_a_robot_that_comes_to_too_much_is_told_by_its_place(tmp_path, text, sai
     ],
     ids=["lists", "texts", "long"],
 )
-def test_interpolations_that_come_to_too_much_are_told(tmp_path, monkeypatch, text, said):
+def test_interpolations_that_come_to_too_much_are_reported(tmp_path, monkeypatch, text, output_text):
     monkeypatch.setattr(plain, "MOST_VALUES", 300)
     monkeypatch.setattr(hydra_files, "MOST_RESOLVED", 50)
-    assert said in told(tmp_path, text)
+    assert output_text in shown(tmp_path, text)
 
 
-def test_what_is_nested_too_deeply_on_the_command_line_is_told(tmp_path):
+def test_what_is_nested_too_deeply_on_the_command_line_is_reported(tmp_path):
     for value in ("[" * 400 + "]" * 400, "{a:" * 400 + "1" + "}" * 400):
         with pytest.raises(ConfigError, match="nested too deeply"):
             compose_plan(["robot=sample", f"joints={value}"], cwd=tmp_path)
@@ -86,7 +86,7 @@ def test_aliases_and_merges_that_make_sense_are_read(tmp_path):
     assert plan.joints["*finger"].damping == 1
 
 
-def test_what_is_no_yaml_is_its_readers_to_tell(tmp_path):
+def test_what_is_no_yaml_is_reported_by_its_parser(tmp_path):
     file = tmp_path / "x.yaml"
     for text in ("a: [1\n", "a: *nobody\n", "\t: :\n", "&a a: &a b\n"):
         yaml_file.judge(text, file)

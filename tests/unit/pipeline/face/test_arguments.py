@@ -86,7 +86,7 @@ def test_data_may_interpolate():
     assert plan(robot).joints["*"].damping == 0.25
 
 
-def test_data_that_is_none_is_refused_with_its_key():
+def test_values_that_are_no_data_is_refused_with_its_key():
     error = refused({"joints": {"elbow": {"limits": [0, object()]}}})
     assert [problem.where for problem in error.problems] == ["joints.elbow.limits[1]"]
     assert "got object" in error.problems[0].message

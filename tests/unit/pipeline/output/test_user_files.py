@@ -194,12 +194,12 @@ COMING = [*build(b""), "scene.xml"]
 @pytest.mark.parametrize("suffix", ["", ".graph"])
 def test_what_is_in_the_way_stops_a_build_before_it_starts_with_the_ways_out(output, put, suffix):
     output.publish(build(b"1\n"), suffix)
-    told = put(output.folder(suffix))
+    shown = put(output.folder(suffix))
     before = content(output.target.parent)
     for act in (output.judge, output.prepare):
         with pytest.raises(ConfigError) as caught:
             act(suffix, COMING)
-        assert told in caught.value.message
+        assert shown in caught.value.message
         assert all(way in caught.value.hint for way in ("overwrite=true", "output=FOLDER", "move it"))
     assert content(output.target.parent) == before
 
@@ -295,7 +295,7 @@ def test_a_manifest_that_is_harmed_makes_nothing_ours(output, text):
         output.judge("", COMING)
 
 
-def test_a_manifest_that_names_what_is_outside_has_no_say_there(tmp_path, output):
+def test_a_manifest_that_names_what_is_outside_has_no_effect_there(tmp_path, output):
     (tmp_path / "mine").write_text("mine")
     (tmp_path / "far").mkdir()
     (tmp_path / "far" / "a").write_text("mine")
@@ -364,7 +364,7 @@ def test_what_is_no_folder_in_the_place_of_the_failed_one_never_fails_a_good_bui
 
 
 @pytest.mark.parametrize(
-    ("folder", "told"),
+    ("folder", "shown"),
     [
         ("/", "cannot be an output folder"),
         ("~", "your home folder"),
@@ -387,7 +387,7 @@ def test_what_is_no_folder_in_the_place_of_the_failed_one_never_fails_a_good_bui
         ("robots/arm", "holds the source"),
     ],
 )
-def test_a_place_that_no_output_can_have_is_refused_with_a_way_out(tmp_path, monkeypatch, folder, told):
+def test_a_place_that_no_output_can_have_is_refused_with_a_way_out(tmp_path, monkeypatch, folder, shown):
     here = tmp_path / "home" / "work"
     here.mkdir(parents=True)
     monkeypatch.chdir(here)
@@ -398,7 +398,7 @@ def test_a_place_that_no_output_can_have_is_refused_with_a_way_out(tmp_path, mon
     before = sorted(tmp_path.rglob("*"))
     taken = {"the source": here / "robots" / "arm" / "arm.urdf"}
     cache = here / ("holds-cache/inside" if folder == "holds-cache" else "cache")
-    with pytest.raises(ConfigError, match=told) as caught:
+    with pytest.raises(ConfigError, match=shown) as caught:
         location.require_free(Output(folder).target, taken, cache)
     assert "output=" in caught.value.hint
     assert sorted(tmp_path.rglob("*")) == before

@@ -57,7 +57,7 @@ def test_the_exit_status_is_that_of_the_worst_job(values, status):
     assert run(["-m", "source=sample", f"root={values}"], ending) == status
 
 
-def test_a_job_that_fails_or_exits_stops_no_other_and_is_told_in_the_table(capsys):
+def test_a_job_that_fails_or_exits_stops_no_other_and_is_reported_in_the_table(capsys):
     run(["-m", "source=sample", "root=free,fixed,auto", "ground=plane,none"], ending)
     out, err = capsys.readouterr()
     rows = [re.split(r"\s{2,}", line) for line in out.splitlines()]
@@ -70,10 +70,10 @@ def test_a_job_that_fails_or_exits_stops_no_other_and_is_told_in_the_table(capsy
         ("1", "upper_arm: no triangles", "root=auto ground=none"),
     ]
     assert out.splitlines()[-1] == "1 of 6 jobs built and valid: outputs/sample.sweep"
-    told = [re.sub(r"[0-9.]+ s:", "# s:", line) for line in err.splitlines()]
-    assert told[:2] == ["job 0 starts: root=free ground=plane", "job 0 ended after # s: SystemExit: 5"]
-    assert told[-1] == "job 5 ended after # s: upper_arm: no triangles"
-    assert len(told) == 12
+    shown = [re.sub(r"[0-9.]+ s:", "# s:", line) for line in err.splitlines()]
+    assert shown[:2] == ["job 0 starts: root=free ground=plane", "job 0 ended after # s: SystemExit: 5"]
+    assert shown[-1] == "job 5 ended after # s: upper_arm: no triangles"
+    assert len(shown) == 12
 
 
 def test_each_job_has_a_folder_of_its_own_named_by_what_sets_it_apart():
@@ -116,7 +116,7 @@ def test_hydras_account_and_the_summary_lie_beside_the_jobs(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "shown"),
     [
         (
             ["source=sample", "ground.size=[1,2],[3,-1]", "until=graph,grph", "jonts=1"],
@@ -177,10 +177,10 @@ def test_hydras_account_and_the_summary_lie_beside_the_jobs(tmp_path):
         ),
     ],
 )
-def test_a_bad_job_is_told_and_nothing_is_built(arguments, told, capsys, tmp_path):
+def test_a_bad_job_is_reported_and_nothing_is_built(arguments, shown, capsys, tmp_path):
     build = Recorder()
     assert run(["-m", *arguments], build) == 2
-    assert capsys.readouterr().err.startswith(told)
+    assert capsys.readouterr().err.startswith(shown)
     assert build.plans == []
     assert list(tmp_path.iterdir()) == []
 
@@ -215,7 +215,7 @@ def test_jobs_may_be_launched_in_batches(size, batches, monkeypatch):
     assert launched == [0, 2][:batches]
 
 
-def test_a_launcher_that_cannot_run_is_told(capsys):
+def test_a_launcher_that_cannot_run_is_reported(capsys):
     pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
     arguments = ["source=sample", "root=auto,free", "hydra/launcher=joblib", "hydra.launcher.n_jobs=0"]
     assert run(["-m", *arguments], Recorder()) == 2
@@ -267,7 +267,7 @@ def test_a_glob_sweeps_over_the_options_of_a_group():
 
 
 @pytest.mark.parametrize(
-    ("make", "status", "told"),
+    ("make", "status", "shown"),
     [
         (lambda place: place.write_text("mine"), 2, "/taken is a file\n"),
         (
@@ -288,12 +288,14 @@ def test_a_glob_sweeps_over_the_options_of_a_group():
     ],
     ids=["a file", "a file of others", "a build", "cannot be made"],
 )
-def test_a_place_that_a_sweep_cannot_have_is_told_and_nothing_is_built(tmp_path, capsys, make, status, told):
+def test_a_place_that_a_sweep_cannot_have_is_reported_and_nothing_is_built(
+    tmp_path, capsys, make, status, shown
+):
     make(tmp_path / "taken")
     before = sorted(tmp_path.rglob("*"))
     build = Recorder()
     assert run(["-m", "source=sample", "root=auto,free", "output=taken"], build) == status
-    assert told in capsys.readouterr().err
+    assert shown in capsys.readouterr().err
     assert build.plans == []
     assert sorted(tmp_path.rglob("*")) == before
 
@@ -325,11 +327,11 @@ def test_what_is_in_the_way_of_any_job_stops_the_sweep_before_its_first_job(tmp_
     before = sorted(tmp_path.rglob("*"))
     build = Recorder()
     assert run(sweep, build) == 2
-    told = capsys.readouterr().err
-    assert "2 of 3 jobs cannot be built; nothing was built" in told
-    assert "job 1 (root=free): output:" in told
-    assert "job 2 (root=fixed): output:" in told
-    assert told.count("scene.xml is not linkwright's") == told.count("overwrite=true") == 2
+    shown = capsys.readouterr().err
+    assert "2 of 3 jobs cannot be built; nothing was built" in shown
+    assert "job 1 (root=free): output:" in shown
+    assert "job 2 (root=fixed): output:" in shown
+    assert shown.count("scene.xml is not linkwright's") == shown.count("overwrite=true") == 2
     assert build.plans == []
     assert sorted(tmp_path.rglob("*")) == before
     assert run([*sweep, "overwrite=true"], build) == 0
@@ -404,8 +406,8 @@ def measured(plan):
     if plan.root.base == "free":
         left = Path(f"{plan.folder}.failed")
         left.mkdir(parents=True, exist_ok=True)
-        told = {"figures": {"links": 2}, "calls": CALLS, "error": {"message": "no triangles"}}
-        (left / "report.json").write_text(json.dumps(told))
+        shown = {"figures": {"links": 2}, "calls": CALLS, "error": {"message": "no triangles"}}
+        (left / "report.json").write_text(json.dumps(shown))
         msg = "no triangles"
         raise MeshError(msg)
     return Report(
