@@ -94,7 +94,7 @@ def test_a_part_studio_is_no_assembly(tmp_path: Path) -> None:
 
 
 def test_an_empty_assembly_is_named(tmp_path: Path) -> None:
-    over_http(tmp_path, small(how={"suppressed": True}), "no part")
+    over_http(tmp_path, small(how={"suppressed": True}), "the assembly is empty")
 
 
 def test_an_assembly_without_mates_is_reported_what_to_do(tmp_path: Path) -> None:
