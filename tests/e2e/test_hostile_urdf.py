@@ -69,7 +69,7 @@ def _spent() -> float:
             ("r.urdf", robot("<mesh filename " * 500_000), ["r.urdf", "line 1"]),
             ("r.urdf", robot("<link/>" * 300_000), ["r.urdf", "300000 elements"]),
             ("r.urdf", "", ["r.urdf", "empty"]),
-            ("r.urdf", bytes(range(256)) * 1000, ["r.urdf", "no text"]),
+            ("r.urdf", bytes(range(256)) * 1000, ["r.urdf", "not text"]),
             ("r.urdf", "once upon a time", ["r.urdf", "line 1"]),
             ("r.urdf", "<sdf/>", ["r.urdf", "<sdf>"]),
             (

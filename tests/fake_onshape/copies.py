@@ -4,9 +4,8 @@ A mate of the same assembly that touches a seed, at any depth below it, acts onc
 side on a seed moves to that one's copy, with the same frame on it; any other side stays on its
 occurrence, and its frame goes where the pattern's transform takes it at the saved pose. So the copy's
 saved pose is the seed's, moved, at the same values. Where nothing of that assembly holds the seeds, the
-mates of the nearest assembly around it do that. A mate between the seeds of two patterns acts once for each
-copy of either, not for each pair of them: a copied mate is copied again only for what it was moved to. A
-seed that is fastened to something else takes its other joints to nothing else: they are what it carries.
+mates of the nearest assembly around it do that. A seed that is fastened to something else takes its other
+joints to nothing else: they are what it carries.
 """
 
 from dataclasses import replace
@@ -36,8 +35,6 @@ def copy_edges(tree, owner, pattern, level):
     for number in range(len(pattern.transforms)):
         moved, onto = world_transform(poses, owner, pattern, number), _onto(owner, pattern, number)
         for edge, redundant in held:
-            if edge.onto and not any("/".join(seed[len(level) :]) in edge.onto for seed in seeds):
-                continue
             if edge.moves and _holds(edge, seeds) and fastened.issuperset(_ends_within(edge, seeds)):
                 continue
             ends = [_end(path, frame, onto, poses, moved) for path, frame in _sides(edge)]
