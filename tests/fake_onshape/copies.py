@@ -69,20 +69,21 @@ def _fastened(tree, held, seeds):
     bodies = weld_leaders(tree.places, inside)
     outer = [edge for edge, _ in held if not edge.moves and _holds(edge, seeds)]
     leaders = {bodies(path) for edge in outer for path in _ends_within(edge, seeds)}
-    return {path for path in tree.places if _within(path, seeds) and bodies(path) in leaders}
+    return {path for path in tree.places if within(path, seeds) and bodies(path) in leaders}
 
 
 def _ends_within(edge, seeds):
-    return [path for path, _ in _sides(edge) if _within(path, seeds)]
+    return [path for path, _ in _sides(edge) if within(path, seeds)]
 
 
 def _holds(edge, seeds):
     """Whether an edge is between a seed and something that is in none."""
-    inside = [_within(path, seeds) for path, _ in _sides(edge)]
+    inside = [within(path, seeds) for path, _ in _sides(edge)]
     return any(inside) and not all(inside)
 
 
-def _within(path, seeds):
+def within(path, seeds):
+    """Whether a path is one of the `seeds` or lies in one."""
     return any(path[: len(seed)] == seed for seed in seeds)
 
 

@@ -21,6 +21,7 @@ from stages.robot.codec import decode_robot, encode_robot
 from stages.robot.dynamics import mass_matrix
 from stages.robot.model import Configuration, Joint, Robot, Value
 from stages.validate import validate
+from tests.fake_onshape.copies import within
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.truth import Truth
@@ -86,13 +87,9 @@ def is_undecided(truth: Truth) -> bool:
             continue
         earlier, later = ([one.owner + tuple(path.split("/")) for path in one.onto] for one in (before, edge))
         ends = edge.first, edge.second
-        if any(_within(end, earlier) and not _within(end, later) for end in ends):
+        if any(within(end, earlier) and not within(end, later) for end in ends):
             return True
     return False
-
-
-def _within(path: tuple[str, ...], places: list[tuple[str, ...]]) -> bool:
-    return any(path[: len(place)] == place for place in places)
 
 
 def as_cut(truth: Truth, robot: Robot) -> Truth:
