@@ -15,12 +15,16 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 6
+VERSION = 7
 """Grows with every change of what this stage makes of the same input."""
 
-COLLIDERS = ("hull",)
+COLLIDERS: Mapping[str, tuple[str, ...]] = {
+    "hull": (),
+    "raw": (),
+    "visual": (),
+}
 """The values of `mesh.collider`: modules of `stages/mesh/colliders`, each with a function `make` (a
-`ColliderMaker`)."""
+`ColliderMaker`); and the names of the `ColliderSettings` that each reads."""
 
 Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]
 """memo(kind, key, make): the bytes that were made before for this kind and key, else `make()`.
@@ -31,7 +35,7 @@ The caller adds this stage's version and those of numpy and scipy to the key.
 
 def make_geometry(robot: Robot, bundle: Bundle, keys: MeshKeys, memo: Memo) -> Geometry:
     """The shapes of all links and their files. Diagnostics: W-NO-MESH, W-FLAT,
-    W-MESH-VOLUME, W-COM-OUTSIDE.
+    W-MESH-VOLUME, W-COM-OUTSIDE, I-RAW.
 
     Each link is made through `memo`, by the content of its parts: renaming one makes nothing again.
     """

@@ -13,8 +13,11 @@ Found = Mapping[str, Sequence[tuple[Part, Finding]]]
 """Link → its parts, in order, and the finding of each."""
 
 
-def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Found) -> list[Diagnostic]:
-    """All findings, in the order of the links; `meshes` and `found` are by link name."""
+def diagnostics(
+    links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Found, collider: str
+) -> list[Diagnostic]:
+    """All findings, in the order of the links; `meshes` and `found` are by link name. `collider`: what makes
+    the colliders."""
     every = [pair for link in links for pair in found[link.name]]
     if every and not any(finding.found for _, finding in every):
         return [
@@ -29,7 +32,7 @@ def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Fo
     for link in links:
         problems += _missing(link, found[link.name])
         collides = any(part.collides and finding.found for part, finding in found[link.name])
-        if collides and not meshes[link.name].colliders:
+        if collides and collider != "visual" and not meshes[link.name].colliders:
             problems.append(
                 Diagnostic(
                     "W-FLAT",
@@ -38,7 +41,7 @@ def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Fo
                     "give it thickness in CAD",
                 )
             )
-    return problems + _volumes(every)
+    return problems + _volumes(every) + _raw(meshes, collider)
 
 
 def _missing(link: Link, found: Sequence[tuple[Part, Finding]]) -> list[Diagnostic]:
@@ -52,6 +55,22 @@ def _missing(link: Link, found: Sequence[tuple[Part, Finding]]) -> list[Diagnost
             f"no triangles for {len(names)} of {count(len(found), 'part')}: {shown}",
             link.name,
             "check in Onshape that each is a solid without errors",
+        )
+    ]
+
+
+def _raw(meshes: Mapping[str, LinkMesh], collider: str) -> list[Diagnostic]:
+    """I-RAW where links collide by the meshes of their parts."""
+    files = sum(len(mesh.colliders) for mesh in meshes.values())
+    if collider != "raw" or not files:
+        return []
+    return [
+        Diagnostic(
+            "I-RAW",
+            f"{count(files, 'mesh', 'meshes')} of parts serve as colliders as they are; MuJoCo takes the "
+            "convex hull of each, which fills its hollows",
+            "mesh.collider",
+            "choose another mesh option where hollows matter",
         )
     ]
 

@@ -4,7 +4,8 @@ from collections.abc import Iterable, Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from stages.mesh import link_mesh, primitives, tessellation
+from stages.mesh import COLLIDERS, link_mesh, primitives, tessellation
+from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.com_check import unbalanced
 from stages.mesh.diagnostics import diagnostics
 from stages.mesh.link_mesh import ColliderMaker, Finding, LinkMesh, Use
@@ -17,7 +18,7 @@ from stages.robot.model import Link, MeshRef, Part, Robot
 
 if TYPE_CHECKING:
     from stages.mesh import Memo
-    from stages.mesh.keys import MeshKeys
+    from stages.mesh.keys import MeshKeys, MeshSection
 
 
 def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo") -> Geometry:
@@ -33,24 +34,30 @@ def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo") -> Ge
             if part.mesh
         ]
         uses.sort(key=lambda pair: pair[0].key())
-        meshes[link.name] = mesh = _link_mesh([use for use, _ in uses], library, keys.mesh.collider, memo)
+        meshes[link.name] = mesh = _link_mesh([use for use, _ in uses], library, keys.mesh, memo)
         lacking = [(part, Finding(False, None)) for part in link.parts if part.mesh is None]
         found[link.name] = [*zip((part for _, part in uses), mesh.findings, strict=True), *lacking]
     named, files = _named(meshes)
     shapes = [shape for link in robot.links for shape in (*named[link.name], *primitives.shapes(link))]
-    problems = diagnostics(robot.links, meshes, found) + unbalanced(robot.links, meshes, library.of_parts)
+    problems = diagnostics(robot.links, meshes, found, keys.mesh.collider) + unbalanced(
+        robot.links, meshes, library.of_parts
+    )
     return Geometry(tuple(shapes), files, tuple(problems))
 
 
-def _link_mesh(uses: list[Use], library: "_Library", collider: str, memo: "Memo") -> LinkMesh:
+def _link_mesh(uses: list[Use], library: "_Library", section: "MeshSection", memo: "Memo") -> LinkMesh:
     if not uses:
         return LinkMesh((), (), ())
+    collider, settings = section.collider, ColliderSettings.of(section)
 
     def make() -> bytes:
         maker: ColliderMaker = import_module(f"stages.mesh.colliders.{collider}").make
-        return link_mesh.encode(link_mesh.make(uses, library.meshes(use.mesh for use in uses), maker))
+        return link_mesh.encode(
+            link_mesh.make(uses, library.meshes(use.mesh for use in uses), maker, settings)
+        )
 
-    key = {"collider": collider, "parts": [use.key() for use in uses]}
+    used = settings.used(COLLIDERS[collider])
+    key = {"collider": collider, "settings": used, "parts": [use.key() for use in uses]}
     return link_mesh.decode(memo("mesh.link", key, make))
 
 

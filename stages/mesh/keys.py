@@ -7,14 +7,14 @@ from pydantic import Field
 from stages.mesh import COLLIDERS
 from stages.robot.keys import Count, Keys, Later, NonNegative, Positive, Text, not_yet
 
-LATER_COLLIDERS = ("visual", "primitives", "coacd", "raw", "ladder")
+LATER_COLLIDERS = ("primitives", "spheres", "coacd", "ladder")
 """Colliders that are decided but not supported yet."""
 
 
 if TYPE_CHECKING:
     ColliderName = str
 else:
-    ColliderName = Literal[COLLIDERS]
+    ColliderName = Literal[tuple(COLLIDERS)]
 
 
 class VisualKeys(Keys):
@@ -31,7 +31,8 @@ class MeshSection(Keys):
     """Meshes of the links."""
 
     collider: Annotated[ColliderName, Later(*LATER_COLLIDERS)] = "hull"
-    """Collision geometry. hull: the convex hull of each link."""
+    """Collision geometry. hull: the convex hull of each link; raw: the mesh of each part as it is, of which
+    MuJoCo and most other engines take the convex hull; visual: none, the links touch nothing."""
 
     tolerance: Positive | None = not_yet(None)
     """Largest distance of the collider from the part [m]."""
@@ -47,6 +48,12 @@ class MeshSection(Keys):
 
     colliders: dict[Text, Text] = not_yet(dict)
     """Glob on link names → its own collider."""
+
+    target: Literal["mujoco", "mjx"] = not_yet("mujoco")
+    """The engine that the colliders are made for."""
+
+    coacd: dict[Text, Any] = not_yet(dict)
+    """Parameters of CoACD, by its own names."""
 
     visual: VisualKeys = VisualKeys()
     """Visual meshes."""

@@ -10,6 +10,7 @@ import numpy as np
 import orjson
 
 from stages.mesh import mesh_file
+from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.mesh_file import MeshFile
 from stages.mesh.surface import Surface, compacted, moved
 from stages.mesh.tessellation import PartMesh
@@ -19,7 +20,7 @@ from stages.robot.model import Array, MeshRef, Primitive
 
 Collider = MeshFile | Primitive
 
-ColliderMaker = Callable[[Sequence[Surface]], tuple[Collider, ...]]
+ColliderMaker = Callable[[Sequence[Surface], ColliderSettings], tuple[Collider, ...]]
 """Makes the colliders of a link from the surfaces of its parts (at least one), all in the link's frame."""
 
 
@@ -62,7 +63,12 @@ class LinkMesh:
     findings: tuple[Finding, ...]
 
 
-def make(uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh], maker: ColliderMaker) -> LinkMesh:
+def make(
+    uses: Sequence[Use],
+    meshes: Mapping[MeshRef, PartMesh],
+    maker: ColliderMaker,
+    settings: ColliderSettings,
+) -> LinkMesh:
     """The meshes of a link; the order of `uses` is that of the findings."""
     placed = [
         (moved(mesh.surface, use.link_from_part), mesh)
@@ -77,7 +83,7 @@ def make(uses: Sequence[Use], meshes: Mapping[MeshRef, PartMesh], maker: Collide
     ]
     return LinkMesh(
         visuals=tuple(visuals),
-        colliders=maker(solid) if solid else (),
+        colliders=maker(solid, settings) if solid else (),
         findings=tuple(_finding(meshes.get(use.mesh)) for use in uses),
     )
 

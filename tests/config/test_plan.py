@@ -217,7 +217,10 @@ def test_a_number_as_the_name_of_a_joint_is_reported_to_be_quoted():
 @pytest.mark.parametrize(
     ("data", "shown"),
     [
-        ({"mesh": {"collider": "coacd"}}, ("mesh.collider", "'coacd' is not supported yet", "allowed: hull")),
+        (
+            {"mesh": {"collider": "coacd"}},
+            ("mesh.collider", "'coacd' is not supported yet", "allowed: hull, raw, visual"),
+        ),
         ({"contact": {"self": "auto"}}, ("contact.self", "'auto' is not supported yet", "allowed: none")),
         ({"scene": {"pose": "touch"}}, ("scene.pose", "'touch' is not supported yet", "allowed: xyz, rpy")),
         (

@@ -4,42 +4,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stages.formats.triangles import distinct
 from stages.mesh import mesh_file
+from stages.mesh.collider_settings import ColliderSettings
+from stages.mesh.convex_hull import convex_hull
 from stages.mesh.link_mesh import Collider
-from stages.mesh.surface import Points, Surface, compacted, weld
-
-_THIN = 1e-6
-"""A hull of less mean thickness [m], or a millionth of its size, has no inside to collide with."""
+from stages.mesh.surface import Surface
 
 
-def make(surfaces: Sequence[Surface]) -> tuple[Collider, ...]:
+def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> tuple[Collider, ...]:
     """One mesh; none where the surfaces lie in a plane."""
     hull = convex_hull(np.concatenate([surface.vertices for surface in surfaces]))
     return () if hull is None else (mesh_file.collider(hull),)
-
-
-def convex_hull(points: Points) -> Surface | None:
-    """The hull of (n, 3) points, facing outwards; None where they are flat.
-
-    Points and faces are sorted, and Qhull sees the points sorted, so that their order in the input
-    does not matter.
-    """
-    from scipy.spatial import ConvexHull, QhullError
-
-    corners, _ = distinct(points)
-    if len(corners) < 4:
-        return None
-    try:
-        hull = ConvexHull(corners)
-    except QhullError:
-        return None
-    size = float(np.linalg.norm(np.ptp(corners, axis=0)))
-    if hull.volume <= hull.area / 2 * _THIN * min(1.0, size):
-        return None
-    surface = compacted(Surface(corners, hull.simplices.astype(np.int64)))
-    # Qhull gives each face the outward normal of its plane, but its corners in any sense.
-    inward = np.einsum("ij,ij->i", surface.normals(), hull.equations[:, :3]) < 0
-    triangles = np.where(inward[:, None], surface.triangles[:, ::-1], surface.triangles)
-    welded, _ = weld(surface.vertices, triangles)
-    return welded

@@ -1,17 +1,20 @@
 """Colliders: a link may have several, meshes and primitives, whatever makes them."""
 
+import math
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
 from stages.formats.xml import parse
-from stages.mesh import COLLIDERS, link_mesh, make_geometry
-from stages.mesh.colliders import hull
+from stages.mesh import COLLIDERS, link_mesh, make_geometry, stl
+from stages.mesh.collider_settings import ColliderSettings
+from stages.mesh.colliders import hull, raw
 from stages.mesh.keys import MeshSection
 from stages.mesh.link_mesh import Collider, LinkMesh
 from stages.mesh.mesh_file import MeshFile
@@ -26,8 +29,8 @@ from tests.support.places import PROJECT
 BALL = Primitive("sphere", (0.02,), frozen(np.eye(4)))
 
 
-def hull_ball_hull(surfaces: Sequence[Surface]) -> tuple[Collider, ...]:
-    (whole,) = hull.make(surfaces)
+def hull_ball_hull(surfaces: Sequence[Surface], settings: ColliderSettings) -> tuple[Collider, ...]:
+    (whole,) = hull.make(surfaces, settings)
     return whole, BALL, whole
 
 
@@ -37,6 +40,57 @@ def test_every_collider_of_the_table_is_a_module_and_an_option() -> None:
     for name in COLLIDERS:
         assert MeshSection.model_validate({"collider": name}).collider == name
         assert (PROJECT / "conf/mesh" / f"{name}.yaml").is_file()
+
+
+def tetrahedron(size: float) -> Surface:
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]) * size
+    return Surface(corners, np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]]))
+
+
+def test_raw_colliders_are_the_surfaces_as_they_are() -> None:
+    surfaces = [tetrahedron(0.5), tetrahedron(0.25)]
+    files = raw.make(surfaces, ColliderSettings())
+    for file, surface in zip(files, surfaces, strict=True):
+        assert isinstance(file, MeshFile)
+        corners = surface.corners.reshape(-1, 9).tolist()
+        assert sorted(stl.read(file.data).reshape(-1, 9).tolist()) == sorted(corners)
+        assert file.colour is None
+
+
+def test_the_tolerance_is_what_the_key_says_else_by_the_size() -> None:
+    small, large = tetrahedron(0.01), tetrahedron(1.0)
+    assert ColliderSettings().tolerance_of([small]) == 0.001
+    assert ColliderSettings().tolerance_of([small, large]) == pytest.approx(0.015 * math.sqrt(3))
+    assert ColliderSettings(tolerance=0.004).tolerance_of([large]) == 0.004
+
+
+@pytest.mark.parametrize(("collider", "codes"), [("visual", []), ("raw", ["I-RAW"])])
+def test_without_colliders_nothing_is_missing_and_raw_meshes_are_reported(
+    kit: Kit, collider: str, codes: list[str]
+) -> None:
+    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
+    kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), limits=(-1, 1))
+    plan = plan_of(mesh={"collider": collider})
+    robot = robot_of(kit.document)
+    geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
+    assert [problem.code for problem in geometry.diagnostics] == codes
+    assert bool(geometry.of("arm", "collision")) == (collider == "raw")
+
+
+def test_the_settings_that_a_maker_reads_are_part_of_its_key(
+    kit: Kit, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
+    kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), limits=(-1, 1))
+    monkeypatch.setitem(COLLIDERS, "hull", ("extra_volume", "max_vertices"))  # type: ignore[arg-type]
+    keys: list[object] = []
+
+    def memo(kind: str, key: Mapping[str, Any], make: Callable[[], bytes]) -> bytes:
+        keys.append(key["settings"])
+        return make()
+
+    make_geometry(robot_of(kit.document), bundle_of(kit.document), plan_of(), memo)
+    assert keys == [{"extra_volume": 0.15, "max_vertices": 64}] * 2
 
 
 def test_colliders_of_both_kinds_are_kept_as_bytes() -> None:

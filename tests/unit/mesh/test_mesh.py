@@ -5,7 +5,6 @@ import math
 from dataclasses import replace
 from hashlib import sha256
 from io import BytesIO
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,6 +12,7 @@ import trimesh
 
 from stages.fetch.onshape.triangles.faces import compact
 from stages.mesh import make_geometry
+from stages.mesh.keys import MeshKeys
 from stages.robot.bundle import OnshapeBundle
 from stages.robot.geometry import NEUTRAL
 from stages.robot.inertia import merged, moved
@@ -29,7 +29,7 @@ from stages.robot.model import (
     frozen,
 )
 
-KEYS = SimpleNamespace(mesh=SimpleNamespace(collider="hull"))
+KEYS = MeshKeys()
 INERTIAL = Inertial(1.0, frozen([0.25, 0.25, 0.25]), frozen(np.eye(3)))
 """Inside of every block."""
 FLAT = replace(INERTIAL, com=frozen([0.25, 0.25, 0.0]))

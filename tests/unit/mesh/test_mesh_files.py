@@ -9,7 +9,7 @@ import trimesh
 
 from stages.mesh import mesh_file as module
 from stages.mesh import stl
-from stages.mesh.colliders.hull import convex_hull
+from stages.mesh.convex_hull import convex_hull
 from stages.mesh.mesh_file import collider, visuals
 from stages.mesh.names import file_names
 from stages.mesh.surface import Surface, moved

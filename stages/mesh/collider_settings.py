@@ -1,0 +1,48 @@
+"""What the makers of colliders are told, beside the surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from stages.mesh.keys import MeshSection
+    from stages.mesh.surface import Surface
+
+LEAST_TOLERANCE = 0.001
+"""The tolerance [m] of a small part where `mesh.tolerance` says nothing."""
+
+TOLERANCE_OF_SIZE = 0.015
+"""The same of a larger part, as a share of the diagonal of its bounding box."""
+
+
+@dataclass(frozen=True, slots=True)
+class ColliderSettings:
+    """The keys of `mesh` that makers of colliders read, with the same meanings and units."""
+
+    tolerance: float | None = None
+    extra_volume: float = 0.15
+    max_vertices: int = 64
+    target: Literal["mujoco", "mjx"] = "mujoco"
+    coacd: Mapping[str, Any] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, section: MeshSection) -> ColliderSettings:
+        """The settings that the configuration gives."""
+        return cls(
+            section.tolerance, section.extra_volume, section.max_vertices, section.target, section.coacd
+        )
+
+    def used(self, names: Iterable[str]) -> dict[str, Any]:
+        """The settings of these names as plain data, for a cache key."""
+        return {name: getattr(self, name) for name in names}
+
+    def tolerance_of(self, surfaces: Sequence[Surface]) -> float:
+        """The largest distance [m] of a collider from a part that consists of these surfaces."""
+        if self.tolerance is not None:
+            return self.tolerance
+        points = np.concatenate([surface.vertices for surface in surfaces])
+        return max(LEAST_TOLERANCE, TOLERANCE_OF_SIZE * float(np.linalg.norm(np.ptp(points, axis=0))))
