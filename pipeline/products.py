@@ -37,7 +37,7 @@ def described(context: BuildContext) -> bytes:
 
     def make() -> bytes:
         from stages.export.robot_json import describe
-        from stages.export.start_pose import starting_point
+        from stages.robot.start_pose import starting_point
 
         return describe(context.robot, starting_point(context.robot))
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 6
+VERSION = 7
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -38,7 +38,7 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     """The robot's files in every chosen format, sorted by path. A diagnostic names each thing that a
     format cannot express."""
     from stages.export.robot_json import describe
-    from stages.export.start_pose import starting_point
+    from stages.robot.start_pose import starting_point
 
     start = starting_point(robot)
     written: dict[str, Exported] = {}

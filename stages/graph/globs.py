@@ -1,49 +1,16 @@
 """Globs and names that users give: a glob must match something, a new name must be free."""
 
-import json
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from fnmatch import fnmatchcase, translate
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from fnmatch import translate
 from typing import TypeVar
 
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import listed
 from stages.robot.model import Joint, Loop, Robot
 from stages.robot.names import RESERVED
 
 Entry = TypeVar("Entry")
-
-_SHOWN = 20
-
-
-def unnumbered(name: str) -> str:
-    """The name of an instance without its number: "Foot <2>" → "Foot"."""
-    return re.sub(r"\s*<\d+>\s*\Z", "", name)
-
-
-def with_plain(titles: Collection[str]) -> set[str]:
-    """Titles of instances, and the same without their numbers."""
-    return {*titles, *(unnumbered(title) for title in titles)}
-
-
-def escaped(name: str) -> str:
-    """The glob that matches only this name."""
-    return re.sub(r"([*?[])", r"[\1]", name)
-
-
-def fits(name: str, glob: str) -> bool:
-    """Whether a glob matches this name: literally, or as a pattern."""
-    return name == glob or fnmatchcase(name, glob)
-
-
-def as_key(name: str) -> str:
-    """The YAML key whose glob matches only this name."""
-    glob = escaped(name)
-    plain = re.fullmatch(r"[A-Za-z_][\w.-]*", glob, re.ASCII) and glob.lower() not in _YAML_WORDS
-    return glob if plain else json.dumps(glob, ensure_ascii=False)
-
-
-_YAML_WORDS = frozenset({"true", "false", "null", "yes", "no", "on", "off"})
-"""Keys that YAML does not read as text."""
 
 
 def entries_of(
@@ -73,21 +40,6 @@ def entries_of(
             hint = f"{kind}s are: {known or 'none'}"
             log.report("E-GLOB", f"no {kind} matches {glob!r}", where, hint)
     return iter(found)
-
-
-def listed(names: Iterable[str]) -> str:
-    """The names as a sorted list for a message, without duplicates; a very long list is cut."""
-    every = sorted(set(names))
-    more = f" and {len(every) - _SHOWN} more" if len(every) > _SHOWN else ""
-    return ", ".join(every[:_SHOWN]) + more
-
-
-def matching(glob: str, things: Sequence[Collection[str]]) -> list[int]:
-    """The things with a name equal to `glob`, else those with a name that matches it."""
-    exact = [index for index, names in enumerate(things) if glob in names]
-    return exact or [
-        index for index, names in enumerate(things) if any(fnmatchcase(name, glob) for name in names)
-    ]
 
 
 def unusable(name: str, taken: Collection[str]) -> str:

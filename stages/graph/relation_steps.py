@@ -6,9 +6,9 @@ from heapq import heappop, heappush
 
 import networkx as nx
 
-from stages.graph.globs import as_key
 from stages.graph.mechanism import RelationSpec
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import as_key
 from stages.robot.model import Value
 
 

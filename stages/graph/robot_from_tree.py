@@ -11,12 +11,12 @@ from dataclasses import replace
 import numpy as np
 
 from stages.graph.dofs import backwards
-from stages.graph.globs import fits, listed
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Connection, Mechanism, RigidBody
 from stages.graph.root import base_of
 from stages.graph.tree import Edge, Tree, ways_up
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import fits, listed
 from stages.robot.inertia import merged, moved
 from stages.robot.model import (
     Array,

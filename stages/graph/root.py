@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import networkx as nx
 
-from stages.graph.globs import matching, with_plain
 from stages.graph.keys import RootKeys
 from stages.graph.mechanism import WORLD_LINK, Marker, Mechanism
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import NoRoot
+from stages.robot.globs import matching, with_plain
 from stages.robot.model import Array, Base
 
 

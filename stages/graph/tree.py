@@ -7,12 +7,12 @@ from typing import Literal, TypeVar
 
 import networkx as nx
 
-from stages.graph.globs import fits, listed
 from stages.graph.keys import GraphKeys, RootKeys
 from stages.graph.mechanism import Connection, Mechanism
 from stages.graph.root import choose_root, heaviest
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic, Disconnected
+from stages.robot.globs import fits, listed
 from stages.robot.model import Array, JointType
 from stages.robot.plural import count
 

@@ -15,11 +15,11 @@ import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 
-from stages.export.start_pose import starting_point
 from stages.graph.dofs import conjugate
 from stages.robot.codec import decode_robot, encode_robot
 from stages.robot.dynamics import mass_matrix
 from stages.robot.model import Configuration, Joint, Robot, Value
+from stages.robot.start_pose import starting_point
 from stages.validate import validate
 from tests.fake_onshape.copies import within
 from tests.fake_onshape.document import Document

@@ -12,7 +12,6 @@ import numpy as np
 from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos, write_joints
 from stages.export.mjcf.loops import STIFF, Closures
 from stages.export.mjcf.placement import placement, scene_pose
-from stages.export.start_pose import home, saved
 from stages.formats.numbers import number, rounded, spaced
 from stages.formats.xml import Element, element, to_bytes
 from stages.robot.geometry import Colour, Geometry, Shape
@@ -21,6 +20,7 @@ from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Primitive, Relation, Robot, Value
 from stages.robot.names import free
 from stages.robot.poses import from_parts
+from stages.robot.start_pose import home, saved
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys

@@ -14,7 +14,6 @@ from typing import TypeVar
 import networkx as nx
 import numpy as np
 
-from stages.graph.globs import escaped, listed, unnumbered
 from stages.graph.keys import GraphKeys
 from stages.graph.onshape.assembly import Assembly, Connector, Entity, Mate, Path
 from stages.graph.onshape.naming import LINK_PREFIX, is_link_name
@@ -30,6 +29,7 @@ from stages.graph.onshape.onshape_to_robot_names import (
     words,
 )
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import escaped, listed, unnumbered
 from stages.robot.keys import Keys
 from stages.robot.model import frozen
 from stages.robot.names import legal, legal_or_unnamed

@@ -13,13 +13,14 @@ from typing import Any
 
 import orjson
 
-from stages.graph.globs import entries_of, escaped, listed, unnumbered
+from stages.graph.globs import entries_of
 from stages.graph.mass_keys import MassKeys, PartMassKeys, tensor
 from stages.graph.onshape.assembly import Assembly, Occurrence, Path
 from stages.graph.onshape.mass_estimate import PartShape, shapes_of
 from stages.graph.onshape.reply_fields import number, numbers, shape_of
 from stages.robot.bundle import OnshapeBundle, StudioKey
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import escaped, listed, unnumbered
 from stages.robot.inertia import ZERO, scaled
 from stages.robot.model import Inertial, frozen
 from stages.robot.plural import count

@@ -13,13 +13,13 @@ from itertools import groupby
 
 import networkx as nx
 
-from stages.graph.globs import listed
 from stages.graph.keys import DepthKeys
 from stages.graph.onshape.assembly import Assembly, Entity, Mate, MateGroup, Path, Pattern
 from stages.graph.onshape.pattern_copies import Series, series_of
 from stages.graph.onshape.pattern_supports import Feature, node_of
 from stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import listed
 from stages.robot.model import Array, frozen
 from stages.robot.plural import count
 from stages.robot.poses import inverse

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from fnmatch import fnmatchcase
 
-from stages.graph.globs import listed, unnumbered
 from stages.graph.keys import DepthKeys
 from stages.graph.onshape.assembly import Assembly, Occurrence, Path
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import listed, unnumbered
 from stages.robot.names import legal
 
 

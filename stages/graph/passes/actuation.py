@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 from stages.formats.urdf.transmissions import with_joints
-from stages.graph.globs import listed
 from stages.graph.mechanism import Mechanism
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import listed
 from stages.robot.model import Robot, Transmission
 
 

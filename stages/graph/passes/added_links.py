@@ -7,10 +7,11 @@ from typing import TypeVar
 import numpy as np
 
 from stages.graph.added_keys import AddedFrameKeys, AddedJointKeys, AddedLinkKeys
-from stages.graph.globs import listed, names_in, unusable
+from stages.graph.globs import names_in, unusable
 from stages.graph.mass_keys import tensor
 from stages.graph.mechanism import WORLD_LINK
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import listed
 from stages.robot.inertia import ZERO, primitive_inertial
 from stages.robot.model import (
     Array,

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.globs import fits, listed
 from stages.graph.keys import JointKeys
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import fits, listed
 from stages.robot.model import Dof, Dynamics, Joint, Limits, Loop, Robot
 
 BEYOND = 1e-6

@@ -5,10 +5,11 @@ from dataclasses import replace
 
 import networkx as nx
 
-from stages.graph.globs import as_key, entries_of, listed
+from stages.graph.globs import entries_of
 from stages.graph.mass_keys import LinkMassKeys, tensor
 from stages.graph.mechanism import WORLD_LINK
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import as_key, listed
 from stages.robot.inertia import ZERO, is_physical, large_enough, principal, scaled
 from stages.robot.model import Inertial, Link, Robot, frozen
 

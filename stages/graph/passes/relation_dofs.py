@@ -4,11 +4,12 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.globs import as_key, entries_of, listed
+from stages.graph.globs import entries_of
 from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import RelationSpec
 from stages.graph.relation_steps import DofRelation
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import as_key, listed
 from stages.robot.model import DofKind, Joint, Robot
 from stages.robot.names import free, legal
 

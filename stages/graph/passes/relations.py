@@ -10,13 +10,13 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.globs import as_key
 from stages.graph.keys import RelationKeys
 from stages.graph.mechanism import RelationSpec
 from stages.graph.passes.joint_limits import unwrapped, with_each_dof
 from stages.graph.passes.relation_dofs import configured, dof_relations, named
 from stages.graph.relation_steps import DofRelation, Step, driver_of, steps_of, trees_of, walk
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import as_key
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.model import Dof, DofKind, Link, Relation, Robot, frozen
 

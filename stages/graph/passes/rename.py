@@ -4,10 +4,11 @@ from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-from stages.graph.globs import listed, matching, unusable, with_plain
+from stages.graph.globs import unusable
 from stages.graph.keys import NamesKeys
 from stages.graph.mechanism import WORLD_LINK, Connection, Mechanism
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import listed, matching, with_plain
 
 
 def renamed(mechanism: Mechanism, wanted: NamesKeys, log: Diagnostics) -> Mechanism:

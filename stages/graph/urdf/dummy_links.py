@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfLink, UrdfShape
-from stages.graph.globs import listed
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.urdf.structure import tops
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import listed
 from stages.robot.inertia import LEAST_MOMENT, NEXT_TO_NOTHING, SPECK, merged, moved
 from stages.robot.model import Array, Inertial, frozen
 from stages.robot.plural import count

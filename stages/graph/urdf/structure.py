@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 import networkx as nx
 
 from stages.formats.urdf.model import Urdf, UrdfJoint, UrdfMimic
-from stages.graph.globs import listed
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import listed
 
 SCALAR = ("revolute", "continuous", "prismatic")
 """Types of joints that have one number for their value."""

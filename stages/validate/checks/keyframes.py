@@ -1,21 +1,20 @@
-"""The keyframe `cad` is the saved pose, where loops and relations hold; `home` is the same within limits."""
+"""The keyframe `cad` is the saved pose, where loops and relations hold; `home` the nearest within limits."""
 
 import math
 from collections.abc import Iterator
 from typing import Any
 
 import mujoco
-import numpy as np
 
 from stages.robot.check import Check
-from stages.robot.kinematics import link_poses, saved_configuration
-from stages.robot.model import Array, Robot
+from stages.robot.kinematics import link_poses
+from stages.robot.model import Configuration, Robot
 from stages.robot.poses import inverse
+from stages.robot.start_pose import home, saved
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import (
     SAME,
     distance,
-    every_saved,
     joint_index,
     joints_of,
     link_pose,
@@ -36,36 +35,37 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, key)
     mujoco.mj_kinematics(model, data)
-    off = _difference(model, data, compiled.robot)
+    off = _difference(model, data, compiled.robot, saved(compiled.robot))
     yield compiled.within("keyframe cad", off, SAME, "values and links against the saved pose")
-    yield _home(compiled, data.qpos)
     mujoco.mj_forward(model, data)
     detail = "loops and relations in the saved pose, distance from closed [m, rad]"
-    yield compiled.within("closed in keyframe cad", violation(model, data), CLOSED, detail)
+    closed = compiled.within("closed in keyframe cad", violation(model, data), CLOSED, detail)
+    yield _home(compiled, data)
+    yield closed
 
 
-def _home(compiled: CompiledModel, cad: Array) -> Check:
-    """The keyframe `home` is the keyframe `cad`, clipped to the limits."""
+def _home(compiled: CompiledModel, data: Any) -> Check:
+    """The keyframe `home` is the pose nearest to the saved one within the limits."""
     model = compiled.model
-    expected = np.array(cad)
-    for index in np.flatnonzero(model.jnt_limited):
-        at = model.jnt_qposadr[index]
-        expected[at] = np.clip(expected[at], *model.jnt_range[index])
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    off = float(np.abs(model.key_qpos[key] - expected).max(initial=0.0)) if key >= 0 else math.inf
-    return compiled.within("keyframe home", off, SAME, "values against the saved pose, clipped to the limits")
+    detail = "values and links against the pose nearest to the saved one within the limits"
+    if key < 0:
+        return compiled.within("keyframe home", math.inf, SAME, detail)
+    mujoco.mj_resetDataKeyframe(model, data, key)
+    mujoco.mj_kinematics(model, data)
+    off = _difference(model, data, compiled.robot, home(compiled.robot))
+    return compiled.within("keyframe home", off, SAME, detail)
 
 
-def _difference(model: Any, data: Any, robot: Robot) -> float:
-    """The largest difference from the saved pose: of values [rad, m] and of links [m, rad]."""
-    saved = every_saved(robot)
-    scalars = [(name, saved[dof.name]) for name, _, dof in joints_of(robot, urdf=False)]
+def _difference(model: Any, data: Any, robot: Robot, pose: Configuration) -> float:
+    """The largest difference from the values `pose`: of values [rad, m] and of links [m, rad]."""
+    scalars = [(name, pose[dof.name]) for name, _, dof in joints_of(robot, urdf=False)]
     off = [
         abs(float(data.qpos[model.jnt_qposadr[joint_index(model, name)]]) - value)
         for name, value in scalars
         if not isinstance(value, tuple)
     ]
     root_from_world = inverse(root_pose(model, data, robot))
-    for name, pose in link_poses(robot, saved_configuration(robot)).items():
-        off.append(distance(root_from_world @ link_pose(model, data, robot, name), pose))
+    for name, expected in link_poses(robot, pose).items():
+        off.append(distance(root_from_world @ link_pose(model, data, robot, name), expected))
     return max(off, default=0.0)

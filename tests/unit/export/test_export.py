@@ -11,9 +11,9 @@ import pytest
 
 import stages.export
 from stages.export import WRITERS, Exported, WriterInput, export, writer_of
-from stages.export.start_pose import starting_point
 from stages.formats.xml import parse
 from stages.robot.kinematics import saved_configuration
+from stages.robot.start_pose import starting_point
 from stages.validate.mujoco_abilities import reads_mimic
 from tests.fake_onshape.frames import frame, turn
 from tests.support.building import NO_MESHES, plan_of, robot_of, write

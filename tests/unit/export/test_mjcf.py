@@ -11,9 +11,9 @@ import pytest
 from stages.export.mjcf.model import write_mjcf
 from stages.export.mjcf.scene import write_scene
 from stages.export.mjcf.unsupported import unsupported
-from stages.export.start_pose import gap, starting_point
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.kinematics import chain, link_poses, saved_configuration
+from stages.robot.loops import gap
 from stages.robot.model import (
     Array,
     Dynamics,
@@ -28,6 +28,7 @@ from stages.robot.model import (
     frozen,
 )
 from stages.robot.poses import inverse, motion, quat_from_rotation, rotation_from_quat, rotation_from_rpy
+from stages.robot.start_pose import starting_point
 from tests.support import robots
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.kit import SIDE, TOP, Kit, four_bar

@@ -7,7 +7,6 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.export.start_pose import starting_point
 from stages.fetch.bundle.archive import pack, read
 from stages.fetch.mjcf.gather import gather, identity
 from stages.fetch.mjcf.keys import MjcfSourceKeys
@@ -22,6 +21,7 @@ from stages.robot.bundle import FileBundle
 from stages.robot.errors import AssemblyError, ProtocolError, SourceError
 from stages.robot.kinematics import chain, link_poses
 from stages.robot.model import Limits
+from stages.robot.start_pose import starting_point
 from stages.validate import validate
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, write

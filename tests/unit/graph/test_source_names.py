@@ -9,10 +9,10 @@ import pytest
 import yaml
 from lxml import etree
 
-from stages.graph.globs import as_key
 from stages.graph.tree import natural
 from stages.mesh import make_geometry
 from stages.mesh.names import file_names
+from stages.robot.globs import as_key
 from stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.mjcfs import body, model

@@ -8,10 +8,10 @@ import pytest
 
 from pipeline.errors import LinkwrightError
 from pipeline.face.robot import Robot
-from stages.export.start_pose import starting_point
 from stages.robot.codec import decode_robot, encode_robot
 from stages.robot.inertia import SPECK
 from stages.robot.model import Dof, Dynamics, Inertial, Joint, Limits, Link, frozen
+from stages.robot.start_pose import starting_point
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write
 from tests.support.engines import Mujoco, Pinocchio

@@ -1,46 +1,16 @@
-"""The start of a model: values at which a fresh simulation has all its loops closed."""
+"""Loops at given poses of the links: how far each is from closed, and the values of its own dofs."""
 
 import math
 from collections.abc import Mapping
 
 import numpy as np
 
-from stages.robot.kinematics import chain, link_poses, saved_configuration
-from stages.robot.model import Array, Configuration, Dof, Loop, Robot, Value
+from stages.robot.kinematics import chain
+from stages.robot.model import Array, Dof, Loop, Value
 from stages.robot.poses import at_rest, inverse, quat_from_rotation
 
 CLOSED = 1e-6
 """A loop counts as closed when its frames meet within this [m, and rad]."""
-
-
-def starting_point(robot: Robot) -> Configuration:
-    """qpos0: mate zero if every loop and relation holds there, else the saved pose.
-
-    Values of the tree's dofs and of the loops' own. A free joint has no mate, and so no zero: it starts at
-    its saved pose.
-    """
-    zero = {dof.name: dof.saved if dof.kind == "free" else at_rest(dof.kind) for dof in robot.dofs}
-    holds = all(abs(relation.offset) == 0.0 for relation in robot.relations)
-    poses = link_poses(robot, zero)
-    if holds and all(gap(loop, poses) <= CLOSED for loop in robot.loops):
-        for loop in robot.loops:
-            zero |= closing(loop, across(loop, poses))
-        return zero
-    return saved(robot)
-
-
-def saved(robot: Robot) -> dict[str, Value]:
-    """Values of the pose that was saved in CAD: the tree's dofs and the loops' own."""
-    return {
-        **saved_configuration(robot),
-        **{dof.name: dof.saved for loop in robot.loops for dof in loop.dofs},
-    }
-
-
-def home(robot: Robot) -> dict[str, Value]:
-    """The saved pose, clipped to the limits."""
-    dofs = [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]
-    return {dof.name: _clipped(dof) for dof in dofs}
 
 
 def gap(loop: Loop, poses: Mapping[str, Array]) -> float:
@@ -86,9 +56,3 @@ def _rotation(dof: Dof, rotation: Array) -> Value:
         return tuple(float(x) for x in quat)
     angle = 2.0 * math.atan2(float(quat[1:] @ dof.axis), float(quat[0]))
     return angle + 2.0 * math.pi * round((dof.saved - angle) / (2.0 * math.pi))
-
-
-def _clipped(dof: Dof) -> Value:
-    if isinstance(dof.saved, tuple):
-        return dof.saved
-    return dof.limits.clip(dof.saved)
