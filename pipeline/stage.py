@@ -207,7 +207,7 @@ class GraphStage(StageBase):
 
 class MeshStage(StageBase):
     name = "mesh"
-    libraries = ("numpy", "scipy")
+    libraries = ("numpy", "scipy", "mujoco")
     modules = ("stages.mesh.geometry", "scipy.spatial", "scipy.sparse.csgraph")
 
     def config(self, context: BuildContext) -> Any:
@@ -223,7 +223,9 @@ class MeshStage(StageBase):
     def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.mesh import make_geometry
 
-        memo = context.cache.memo(self.name, self.version, libraries(self))
+        # MuJoCo makes no mesh: what it decides has its version in the key.
+        versions = {name: found for name, found in libraries(self).items() if name != "mujoco"}
+        memo = context.cache.memo(self.name, self.version, versions)
         geometry = make_geometry(context.robot, context.bundle, context.plan, memo)
         triangles = sum(shape.faces for shape in geometry.shapes)
         figures = {"meshes": len(geometry.files), "triangles": triangles}

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from stages.mesh import COLLIDERS, link_mesh, primitives, tessellation
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.com_check import unbalanced
+from stages.mesh.contacts.analysis import self_contacts
 from stages.mesh.diagnostics import diagnostics
 from stages.mesh.link_mesh import ColliderMaker, Finding, LinkMesh, Use
 from stages.mesh.mesh_file import MeshFile
@@ -42,7 +43,9 @@ def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo") -> Ge
     problems = diagnostics(robot.links, meshes, found, keys.mesh.collider) + unbalanced(
         robot.links, meshes, library.of_parts
     )
-    return Geometry(tuple(shapes), files, tuple(problems))
+    contacts = self_contacts(robot, shapes, files, keys.contact, memo)
+    problems += contacts.diagnostics
+    return Geometry(tuple(shapes), files, tuple(problems), contacts.on, contacts.excludes)
 
 
 def _link_mesh(uses: list[Use], library: "_Library", section: "MeshSection", memo: "Memo") -> LinkMesh:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field
 
 from stages.mesh import COLLIDERS
-from stages.robot.keys import Count, Keys, Later, NonNegative, Positive, Text, not_yet
+from stages.robot.keys import Count, Keys, Later, NonNegative, Positive, Text, example, not_yet
 
 LATER_COLLIDERS = ("primitives", "spheres", "coacd", "ladder")
 """Colliders that are decided but not supported yet."""
@@ -62,12 +62,14 @@ class MeshSection(Keys):
 class ContactKeys(Keys):
     """Contact between the links of the robot."""
 
-    exclude: tuple[Any, ...] = not_yet(())
-    """Pairs of links that never touch."""
+    exclude: Annotated[tuple[tuple[Text, Text], ...], example([["*_finger", "palm"]])] = ()
+    """Pairs of globs on link names: links that do not collide with each other."""
 
-    self_: Annotated[Literal["none"], Later("auto")] = Field(default="none", alias="self")
-    """Contact of the robot with itself. none: its links do not touch each other; all of them touch the
-    ground and other objects."""
+    self_: Annotated[Literal["auto", "none", "all"], Field(alias="self")] = "none"
+    """Contact of the robot with itself. auto: links collide with each other, except those next to each other
+    and those that touch in every pose; none: they do not; all: they do, except the pairs of `exclude`, and
+    except the links on either side of a joint, which MuJoCo leaves out by itself unless one of them is
+    fixed to the world. All collide with the ground and other objects."""
 
 
 class MeshKeys(Keys):

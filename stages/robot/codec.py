@@ -122,7 +122,7 @@ def decode_robot(data: bytes) -> "Robot":
 
 def encode_geometry(geometry: Geometry) -> dict[str, bytes]:
     """`geometry.json` and one file per mesh."""
-    table = {"shapes": geometry.shapes, "diagnostics": geometry.diagnostics}
+    table = {name: getattr(geometry, name) for name in hints(Geometry) if name != "files"}
     files = {ASSETS + name: data for name, data in geometry.files.items()}
     return {"geometry.json": dump(table), **files}
 
@@ -131,9 +131,8 @@ def decode_geometry(files: Mapping[str, bytes]) -> Geometry:
     table = orjson.loads(files["geometry.json"])
     known = hints(Geometry)
     return Geometry(
-        shapes=typed(known["shapes"], table["shapes"]),
         files={name.removeprefix(ASSETS): files[name] for name in files if name.startswith(ASSETS)},
-        diagnostics=typed(known["diagnostics"], table["diagnostics"]),
+        **{name: typed(known[name], value) for name, value in table.items()},
     )
 
 

@@ -38,14 +38,34 @@ class Shape:
     primitive: Primitive | None = None
 
 
+ExcludeReason = Literal["Adjacent", "Always", "User"]
+"""Why two links do not collide: a joint or a rigid connection between them; they touch in whatever pose; the
+configuration says so."""
+
+
+@dataclass(frozen=True, slots=True)
+class Exclude:
+    """Two links that do not collide, in the order of the robot's links. `depth` [m]: how deep their
+    colliders are in each other at `home`, 0 where they do not touch."""
+
+    link_a: str
+    link_b: str
+    reason: ExcludeReason
+    depth: float
+
+
 @dataclass(frozen=True, slots=True)
 class Geometry:
     """Shapes in the order of the links; of a link its colliders, then its visual meshes, then the primitives
-    that the user gave it, in their own order. `files`: binary STL by name, metres."""
+    that the user gave it, in their own order. `files`: binary STL by name, metres. `self_contact`: whether
+    the robot's links collide with each other; then `excludes` are the pairs that do not, in the order of the
+    links: also those that an engine leaves out by itself."""
 
     shapes: tuple[Shape, ...]
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...] = ()
+    self_contact: bool = False
+    excludes: tuple[Exclude, ...] = ()
 
     def of(self, link: str, role: Role) -> tuple[Shape, ...]:
         return tuple(shape for shape in self.shapes if shape.link == link and shape.role == role)

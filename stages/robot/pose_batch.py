@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 
 import numpy as np
+import numpy.typing as npt
 
 from stages.robot.model import Array, Configuration, Dof, Joint, Robot
 from stages.robot.poses import at_rest
@@ -19,7 +20,7 @@ def repeated(q: Configuration, count: int) -> dict[str, Array]:
     }
 
 
-def chosen(values: Values, rows: Array) -> dict[str, Array]:
+def chosen(values: Values, rows: npt.NDArray[np.intp] | npt.NDArray[np.bool_]) -> dict[str, Array]:
     """Some of the configurations, by index or by a mask."""
     return {name: value[rows] for name, value in values.items()}
 

@@ -221,7 +221,6 @@ def test_a_number_as_the_name_of_a_joint_is_reported_to_be_quoted():
             {"mesh": {"collider": "coacd"}},
             ("mesh.collider", "'coacd' is not supported yet", "allowed: hull, raw, visual"),
         ),
-        ({"contact": {"self": "auto"}}, ("contact.self", "'auto' is not supported yet", "allowed: none")),
         ({"scene": {"pose": "touch"}}, ("scene.pose", "'touch' is not supported yet", "allowed: xyz, rpy")),
         (
             {"export": {"urdf": {"fixed_joints": "merge"}}},
@@ -268,7 +267,7 @@ def test_what_is_not_there_yet_is_refused_by_name(data, shown):
 LATER = [
     {"mesh": {"extra_volume": 0.5}}, {"mesh": {"max_vertices": 8}}, {"mesh": {"effort": "high"}},
     {"mesh": {"colliders": {"a": "box"}}}, {"mesh": {"visual": {"merge": "part"}}},
-    {"mesh": {"visual": {"max_faces": 9}}}, {"geoms": {"a": {}}}, {"contact": {"exclude": [["a", "b"]]}},
+    {"mesh": {"visual": {"max_faces": 9}}}, {"geoms": {"a": {}}},
     {"scene": {"lights": {"a": {}}}}, {"scene": {"cameras": {"a": {}}}}, {"scene": {"compiler": {"a": 1}}},
     {"actuators": {"*": {}}}, {"sensors": {"imu": {}}}, {"keyframes": {"home": {"a": 1}}},
     {"elements": {"a": {}}}, {"attributes": {"a": {}}}, {"plugins": ["mine"]},

@@ -14,7 +14,12 @@ HOMES = {
     "httpx": ("stages/fetch/onshape/api/",),
     "stamina": ("stages/fetch/onshape/api/",),
     "dotenv": ("stages/fetch/onshape/api/",),
-    "mujoco": ("stages/validate/", "stages/fetch/mjcf/", "stages/robot/mujoco_warnings.py"),
+    "mujoco": (
+        "stages/validate/",
+        "stages/fetch/mjcf/",
+        "stages/mesh/contacts/",
+        "stages/robot/mujoco_warnings.py",
+    ),
     "trimesh": ("stages/mesh/", "stages/fetch/urdf/"),
     "xacro": ("stages/fetch/urdf/",),
     "collada": (),

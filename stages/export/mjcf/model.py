@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stages.export.mjcf.excludes import write_excludes
 from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos, write_joints
 from stages.export.mjcf.loops import STIFF, Closures
 from stages.export.mjcf.placement import placement, scene_pose
@@ -43,25 +44,28 @@ def write_mjcf(
     element(root, "compiler", angle="radian", meshdir="assets", autolimits="true")
     element(root, "option", timestep=number(keys.scene.option.timestep), integrator="implicitfast")
     top = free(robot.name, {"main", "visual", "collision"})
-    _defaults(root, top)
+    _defaults(root, top, geometry.self_contact)
     colours = _assets(root, geometry)
     closures = Closures(robot)
     world = element(root, "worldbody")
     _Bodies(world, robot, geometry, start, scene_pose(keys), colours, closures).write()
     for body in world.iterchildren("body"):
         body.set("childclass", top)
+    write_excludes(root, robot, geometry)
     _equalities(root, robot, start, closures)
     _keyframes(root, world, robot, start, scene_pose(keys))
     return to_bytes(root)
 
 
-def _defaults(root: Element, top: str) -> None:
-    """Visual and collision classes. Bits: the robot meets the world (1), but not itself (1 & 2 = 0)."""
+def _defaults(root: Element, top: str, self_contact: bool) -> None:
+    """Visual and collision classes. Bits: the robot meets the world (1), and itself only where it shall: else
+    1 & 2 = 0."""
     robot = element(element(root, "default"), "default", class_=top)
     visual = element(robot, "default", class_="visual")
     element(visual, "geom", type="mesh", group="2", contype="0", conaffinity="0", density="0")
     collision = element(robot, "default", class_="collision")
-    element(collision, "geom", type="mesh", group="3", contype="1", conaffinity="2", density="0")
+    bits = "1" if self_contact else "2"
+    element(collision, "geom", type="mesh", group="3", contype="1", conaffinity=bits, density="0")
 
 
 def _assets(root: Element, geometry: Geometry) -> dict[Colour, str]:

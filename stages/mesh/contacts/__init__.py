@@ -1,0 +1,1 @@
+"""Contact of the robot with itself: which of its links do not collide, and which touch where it starts."""

@@ -1,0 +1,138 @@
+"""The robot's colliders in MuJoCo: how deep those of two links are in each other, at any pose.
+
+MuJoCo takes a mesh as its convex hull, here as in a simulation.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from stages.formats.numbers import spaced
+from stages.formats.xml import Element, element, to_bytes
+from stages.robot.adjacency import Pair
+from stages.robot.errors import MeshError
+from stages.robot.geometry import Shape
+from stages.robot.model import Array
+from stages.robot.poses import from_parts, quat_from_rotation, rotation_from_quat
+
+TOUCHING = 1e-6
+"""Colliders touch that are no further apart than this [m]: single precision moves faces that much."""
+
+
+class Colliders:
+    """The colliders of all links, compiled once."""
+
+    def __init__(self, shapes: Sequence[Shape], files: Mapping[str, bytes]) -> None:
+        """MeshError where MuJoCo refuses one."""
+        import mujoco
+
+        self._distance = mujoco.mj_geomDistance
+        self._model = _compiled(shapes, files)
+        self._data = mujoco.MjData(self._model)
+        self._geoms: dict[str, list[int]] = {}
+        for index, shape in enumerate(shapes):
+            self._geoms.setdefault(shape.link, []).append(index)
+        model = self._model
+        self._link_from_geom = [
+            from_parts(rotation_from_quat(quat), place)
+            for quat, place in zip(model.geom_quat, model.geom_pos, strict=True)
+        ]
+
+    @property
+    def links(self) -> tuple[str, ...]:
+        """The links that have a collider, in the order of the shapes."""
+        return tuple(self._geoms)
+
+    def place(self, link: str, pose: Array) -> None:
+        """Puts the colliders of a link where its frame is at `pose` (4, 4)."""
+        for geom in self._geoms[link]:
+            where = pose @ self._link_from_geom[geom]
+            self._data.geom_xpos[geom] = where[:3, 3]
+            self._data.geom_xmat[geom] = where[:3, :3].ravel()
+
+    def depths(self, pairs: Sequence[Pair]) -> dict[Pair, float]:
+        """Of each pair that touches where the links were placed last, its depth [m]: that of the two
+        colliders which are deepest in each other; 0 where they only touch."""
+        low, high = self._boxes()
+        found: dict[Pair, float] = {}
+        for pair in pairs:
+            for one, other in self._near(pair, low, high):
+                depth = -self._apart(one, other)
+                if depth >= -TOUCHING:
+                    found[pair] = max(found.get(pair, 0.0), depth)
+        return found
+
+    def touch(self, pair: Pair) -> bool:
+        """Whether two links touch where they were placed last."""
+        low, high = self._boxes(self._geoms[pair[0]] + self._geoms[pair[1]])
+        return any(self._apart(one, other) <= TOUCHING for one, other in self._near(pair, low, high))
+
+    def span(self) -> float:
+        """The diagonal [m] of the box around all colliders."""
+        low, high = self._boxes()
+        return float(np.linalg.norm(high.max(axis=0) - low.min(axis=0)))
+
+    def _apart(self, one: int, other: int) -> float:
+        """The distance [m] of two colliders, negative where they overlap; no more than 1 mm."""
+        return float(self._distance(self._model, self._data, one, other, 1e-3, None))
+
+    def _near(self, pair: Pair, low: Array, high: Array) -> Iterator[tuple[int, int]]:
+        """The colliders of two links whose boxes meet."""
+        first, second = (np.array(self._geoms[link]) for link in pair)
+        meet = (low[first][:, None] <= high[second]) & (low[second] <= high[first][:, None])
+        for row, column in np.argwhere(meet.all(axis=2)):
+            yield int(first[row]), int(second[column])
+
+    def _boxes(self, geoms: Sequence[int] | None = None) -> tuple[Array, Array]:
+        """The lower and upper corners (n, 3) of the boxes around all colliders; only those of `geoms`
+        are right, where they are given."""
+        rows: npt.NDArray[np.intp] = np.arange(self._model.ngeom) if geoms is None else np.array(geoms)
+        turned = self._data.geom_xmat[rows].reshape(-1, 3, 3)
+        box = self._model.geom_aabb[rows]
+        middle = self._data.geom_xpos[rows] + np.einsum("nij,nj->ni", turned, box[:, :3])
+        half = np.einsum("nij,nj->ni", np.abs(turned), box[:, 3:]) + TOUCHING
+        low, high = np.full((2, self._model.ngeom, 3), np.nan)
+        low[rows], high[rows] = middle - half, middle + half
+        return low, high
+
+
+def _compiled(shapes: Sequence[Shape], files: Mapping[str, bytes]) -> Any:
+    """The model of the colliders, each where it is in its link's frame."""
+    import mujoco
+
+    root = element(None, "mujoco")
+    asset, world = element(root, "asset"), element(root, "worldbody")
+    used = sorted({shape.file for shape in shapes if shape.file is not None})
+    names = {file: f"mesh_{index}" for index, file in enumerate(used)}
+    for file, name in names.items():
+        # A shell, so that MuJoCo asks nothing of a volume which does not matter here.
+        element(asset, "mesh", name=name, file=file, inertia="shell")
+    for shape in shapes:
+        _geom(world, shape, names)
+    try:
+        meshes = {file: files[file] for file in used}
+        return mujoco.MjSpec.from_string(to_bytes(root).decode(), assets=meshes).compile()
+    except ValueError as error:
+        msg = f"MuJoCo refuses the colliders: {str(error).strip()}"
+        raise MeshError(msg, "contact.self", "contact.self=none needs no analysis of contact") from None
+
+
+def _geom(world: Element, shape: Shape, names: Mapping[str, str]) -> None:
+    if shape.file is not None:
+        element(world, "geom", type="mesh", mesh=names[shape.file])
+        return
+    primitive = shape.primitive
+    assert primitive is not None
+    radii = 0 if primitive.kind == "box" else 1
+    sizes = [*primitive.size[:radii], *(length / 2 for length in primitive.size[radii:])]
+    pose = primitive.link_from_shape
+    element(
+        world,
+        "geom",
+        type=primitive.kind,
+        size=spaced(sizes),
+        pos=spaced(pose[:3, 3]),
+        quat=spaced(quat_from_rotation(pose[:3, :3])),
+    )

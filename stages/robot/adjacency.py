@@ -1,0 +1,94 @@
+"""Which links are next to each other, so that their contact means nothing: joints hold them together."""
+
+from collections.abc import Collection, Iterator
+from dataclasses import dataclass
+
+from stages.robot.model import Robot
+
+Pair = tuple[str, str]
+"""Two links, in the order of the robot's links."""
+
+
+def adjacent_pairs(robot: Robot, colliding: Collection[str]) -> tuple[Pair, ...]:
+    """The pairs of `colliding` links that never collide, in the order of the links:
+
+    - links that cannot move against each other: joined rigidly, or both fixed to the world;
+    - links joined by a joint or a loop, and what is joined rigidly to the one or the other; of links that
+      are fixed to the world only the one that has the joint, since the rest of a workplace is an obstacle;
+    - links on either side of links without a collider, as if one joint were there. Where more than two
+      joints meet in such a link, that holds between what is above it and each below: two fingers of a hand
+      without a collider are not next to each other.
+
+    A free joint joins nothing.
+    """
+    bodies = _bodies(robot)
+    solid = {bodies.of[link] for link in colliding}
+    near = {frozenset(pair) for body in solid for pair in _neighbours(body, solid, bodies)}
+    order = [link.name for link in robot.links if link.name in set(colliding)]
+    return tuple(
+        (one, other)
+        for index, one in enumerate(order)
+        for other in order[index + 1 :]
+        if _together(bodies.of[one], bodies.of[other], bodies, near)
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _RigidBodies:
+    """Links that are one body, named by its first link; a link that is fixed to the world is one of its own.
+
+    `edges`: by body, the numbers of the connections with what is on the other side; `above`: by body, the
+    number of the joint to what it hangs on.
+    """
+
+    of: dict[str, str]
+    fixed: frozenset[str]
+    edges: dict[str, list[tuple[int, str]]]
+    above: dict[str, int]
+
+
+def _bodies(robot: Robot) -> _RigidBodies:
+    root = robot.root.name
+    of = {root: root}
+    fixed = {root} if robot.base.fixed else set[str]()
+    connections: list[Pair] = []
+    above: dict[str, int] = {}
+    for joint in robot.joints:
+        body = of[joint.child] = joint.child
+        if not joint.dofs and joint.parent in fixed:
+            fixed.add(joint.child)
+        elif not joint.dofs:
+            of[joint.child] = of[joint.parent]
+            continue
+        if joint.type != "free":
+            above[body] = len(connections)
+            connections.append((of[joint.parent], body))
+    connections += [(of[loop.link_a], of[loop.link_b]) for loop in robot.loops if loop.type != "free"]
+    edges: dict[str, list[tuple[int, str]]] = {body: [] for body in of.values()}
+    for number, (one, other) in enumerate(connections):
+        if one != other:
+            edges[one].append((number, other))
+            edges[other].append((number, one))
+    return _RigidBodies(of, frozenset(fixed), edges, above)
+
+
+def _neighbours(body: str, solid: Collection[str], bodies: _RigidBodies) -> Iterator[Pair]:
+    """The body with each that has a collider and is next to it."""
+    waiting = list(bodies.edges[body])
+    seen: set[tuple[int, str]] = set()
+    while waiting:
+        came, other = step = waiting.pop()
+        if step in seen:
+            continue
+        seen.add(step)
+        if other in solid:
+            yield body, other
+            continue
+        ways = bodies.edges[other]
+        over = bodies.above.get(other, -1)
+        waiting += [way for way in ways if way[0] != came and (len(ways) == 2 or over in (came, way[0]))]
+
+
+def _together(one: str, other: str, bodies: _RigidBodies, near: Collection[frozenset[str]]) -> bool:
+    both_fixed = one in bodies.fixed and other in bodies.fixed
+    return one == other or both_fixed or frozenset((one, other)) in near

@@ -1,0 +1,105 @@
+"""Random trees of boxes and balls: the exported MJCF has the contacts of a search in closed form, less the
+excludes."""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from stages.export.mjcf.excludes import LeftOut
+from stages.mesh.contacts.analysis import POSES
+from stages.robot.geometry import Geometry, Shape
+from stages.robot.model import Limits
+from stages.robot.pose_samples import sampled_poses
+from stages.robot.start_pose import home
+from tests.support.robots import EVERY, joint, pose, robot_with
+from tests.support.touching import apart, ball, box, geometry_of, in_mujoco, model_of
+
+SEEDS = [*range(2), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 30))]
+CLEAR = 1e-5
+"""Links that are nearer than this [m] to just touching may count as either."""
+
+
+def random_robot(seed: int):
+    """A tree of up to eight links with shapes near their joints; some have none."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(4, 9))
+    kinds = [kind for kind in EVERY if kind != "free"]
+    names = [f"l{index}" for index in range(count)]
+    joints = []
+    for index in range(1, count):
+        name = f"{names[index]}_joint"
+        limits = {
+            f"{name}{suffix}": Limits(-0.4, 0.5) for suffix in ("", "_turn", "_slide", "_x", "_y", "_z")
+        }
+        above = names[int(rng.integers(max(0, index - 3), index))]
+        kind = str(rng.choice(kinds))
+        joints.append(
+            joint(
+                kind,
+                above,
+                names[index],
+                place=pose(rng, 0.12),
+                limits=limits,
+                backwards=bool(rng.integers(2)),
+            )
+        )
+    shapes = {
+        name: tuple(
+            box(*rng.uniform(0.03, 0.2, 3), pose(rng, 0.05))
+            if rng.random() < 0.7
+            else ball(rng.uniform(0.03, 0.08), pose(rng, 0.05))
+            for _ in range(rng.integers(1, 3))
+        )
+        if rng.random() < 0.8
+        else ()
+        for name in names
+    }
+    return robot_with(
+        joints, shapes=shapes, root=names[0], fixed=bool(rng.integers(2)), world_from_root=pose(rng)
+    )
+
+
+def row(values, index):
+    return {n: float(v[index]) if v.ndim == 1 else tuple(v[index]) for n, v in values.items()}
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_contacts_are_those_of_all_that_touch_but_for_the_excludes(seed, tmp_path):
+    robot = random_robot(seed)
+    geometry = geometry_of(robot)
+    reasons = {(one.link_a, one.link_b): one for one in geometry.excludes}
+    model = model_of(robot, geometry, tmp_path)
+    values = sampled_poses(robot, POSES, 1.0, home(robot))
+    every = [home(robot), *(row(values, index) for index in range(POSES))]
+    distances = [apart(robot, q) for q in every]
+    for q, distance in list(zip(every, distances, strict=True))[:40]:
+        touching = {pair for pair, off in distance.items() if off < -CLEAR}
+        unclear = {pair for pair, off in distance.items() if abs(off) <= CLEAR}
+        found = in_mujoco(model, robot, q)
+        assert found - unclear == touching - set(reasons)
+    start = distances[0]
+    for pair, off in start.items():
+        always = all(distance[pair] < 0 for distance in distances)
+        exclude = reasons.get(pair)
+        if exclude is not None:
+            assert exclude.depth == pytest.approx(max(0.0, -off), abs=2e-5), pair
+            assert exclude.reason == "Adjacent" or always, pair
+        else:
+            assert not always, pair
+    told = [found.message for found in geometry.diagnostics if found.code == "W-SELF-CONTACT"]
+    free = [pair for pair, off in start.items() if off < -CLEAR and pair not in reasons]
+    assert all(f"{one} and {other} (" in told[0] for one, other in free)
+    assert bool(free) == bool(told)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_what_mujoco_leaves_out_by_itself_is_known(seed, tmp_path):
+    """All links in one place: pairs without a contact are those for which no exclude is written."""
+    bare = random_robot(100 + seed)
+    names = [link.name for link in bare.links]
+    shapes = tuple(Shape(name, "collision", None, None, 0, 0, 1.0, 1.0, ball(50.0)) for name in names)
+    model = model_of(bare, Geometry(shapes, {}, (), True), tmp_path)
+    found = in_mujoco(model, bare, home(bare))
+    left_out = LeftOut(bare)
+    assert found == {pair for pair in combinations(names, 2) if not left_out.contains(*pair)}

@@ -1,0 +1,110 @@
+"""Which links of a robot touch: of boxes and spheres in closed form, and of an MJCF by MuJoCo."""
+
+from collections.abc import Mapping
+from itertools import combinations
+from pathlib import Path
+
+import mujoco
+import numpy as np
+
+from stages.export import export
+from stages.mesh import make_geometry
+from stages.robot.geometry import Geometry
+from stages.robot.kinematics import link_poses
+from stages.robot.model import Primitive, Robot, frozen
+from stages.validate.coordinates import set_values
+from tests.support.building import plan_of
+
+Pairs = dict[tuple[str, str], float]
+
+
+def box(x, y, z, pose=None):
+    """A box of these lengths."""
+    return Primitive("box", (x, y, z), frozen(np.eye(4) if pose is None else pose))
+
+
+def ball(radius, pose=None):
+    return Primitive("sphere", (radius,), frozen(np.eye(4) if pose is None else pose))
+
+
+def no_memo(kind, key, make):
+    return make()
+
+
+def geometry_of(robot: Robot, memo=no_memo, **contact) -> Geometry:
+    """The geometry of a robot of primitives alone; `self` is auto unless said."""
+    return make_geometry(robot, None, plan_of(contact={"self": "auto", **contact}), memo)
+
+
+def model_of(robot: Robot, geometry: Geometry, folder: Path) -> mujoco.MjModel:
+    """The exported MJCF, compiled."""
+    for name, data in export(robot, geometry, plan_of()).files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(data)
+    return mujoco.MjModel.from_xml_path(str(folder / f"{robot.name}.xml"))
+
+
+def in_mujoco(model, robot: Robot, q) -> set[tuple[str, str]]:
+    """The pairs of links that are in contact at the values `q` of the tree's dofs and of the loops' own."""
+    data = mujoco.MjData(model)
+    set_values(model, data, robot, q, urdf=False)
+    mujoco.mj_collision(model, data)
+    return contacts(model, data, robot)
+
+
+def contacts(model, data, robot: Robot) -> set[tuple[str, str]]:
+    """The pairs of links in contact now, in the order of the links."""
+    place = {link.name: index for index, link in enumerate(robot.links)}
+    found = set()
+    for contact in data.contact[: data.ncon]:
+        names = [model.body(model.geom_bodyid[geom]).name for geom in contact.geom]
+        found.add(tuple(sorted(names, key=place.__getitem__)))
+    return found
+
+
+def apart(robot: Robot, q: Mapping) -> Pairs:
+    """The distance of each two links with shapes at `q`: negative by the depth where they overlap; where
+    boxes are apart only a lower bound of it."""
+    poses = link_poses(robot, q)
+    found = {}
+    for one, other in combinations([link for link in robot.links if link.shapes], 2):
+        found[one.name, other.name] = min(
+            _between(a, poses[one.name] @ a.link_from_shape, b, poses[other.name] @ b.link_from_shape)
+            for a in one.shapes
+            for b in other.shapes
+        )
+    return found
+
+
+def _between(a: Primitive, at: np.ndarray, b: Primitive, bt: np.ndarray) -> float:
+    if a.kind == b.kind == "sphere":
+        return float(np.linalg.norm(at[:3, 3] - bt[:3, 3])) - a.size[0] - b.size[0]
+    if "sphere" in (a.kind, b.kind):
+        return _ball_and_box(a, at, b, bt) if a.kind == "sphere" else _ball_and_box(b, bt, a, at)
+    return _boxes(a, at, b, bt)
+
+
+def _ball_and_box(ball, at, box, bt) -> float:
+    local = bt[:3, :3].T @ (at[:3, 3] - bt[:3, 3])
+    beyond = np.abs(local) - np.array(box.size) / 2
+    outside = float(np.linalg.norm(np.maximum(beyond, 0)))
+    return (outside if outside else float(beyond.max())) - ball.size[0]
+
+
+def _boxes(a, at, b, bt) -> float:
+    """By the separating axes of two boxes (Gottschalk, Lin and Manocha, 1996): normals, and products of
+    edges."""
+    axes = [*at[:3, :3].T, *bt[:3, :3].T]
+    axes += [np.cross(u, v) for u in at[:3, :3].T for v in bt[:3, :3].T]
+    worst = -np.inf
+    for axis in axes:
+        length = np.linalg.norm(axis)
+        if length < 1e-9:
+            continue
+        axis = axis / length
+        reach = sum(
+            float(np.abs(pose[:3, :3].T @ axis) @ np.array(shape.size)) / 2
+            for shape, pose in ((a, at), (b, bt))
+        )
+        worst = max(worst, abs(float((at[:3, 3] - bt[:3, 3]) @ axis)) - reach)
+    return worst

@@ -1,0 +1,323 @@
+"""Contact of a robot with itself: which pairs of links do not collide, and what is reported."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from pipeline.errors import ConfigError
+from stages.mesh.contacts import analysis
+from stages.robot import codec
+from stages.robot.errors import MeshError
+from stages.robot.geometry import Exclude
+from stages.robot.kinematics import link_poses
+from stages.robot.model import Limits, Relation
+from stages.robot.poses import turn
+from stages.robot.start_pose import home, saved
+from tests.support.building import plan_of
+from tests.support.robots import EVERY, at, joint, loop, robot_with
+from tests.support.touching import apart, ball, box, geometry_of, in_mujoco, model_of
+from tests.unit.robot.test_home import four_bar
+
+X = np.array([1.0, 0.0, 0.0])
+
+
+def reasons(geometry):
+    return {(one.link_a, one.link_b): one.reason for one in geometry.excludes}
+
+
+def said(geometry, code):
+    return [found for found in geometry.diagnostics if found.code == code]
+
+
+def base_arm_hand(**shapes):
+    """A fixed base, an arm that turns on it about z, and a hand that turns about the arm's axis too."""
+    joints = [joint("revolute", "base", "arm", limits={"arm_joint": Limits(-3.0, 3.0)})]
+    joints += [
+        joint("revolute", "arm", "hand", place=at(0, 0, 0.1), limits={"hand_joint": Limits(-3.0, 3.0)})
+    ]
+    every = {"base": box(0.2, 0.2, 0.1), "arm": box(0.05, 0.05, 0.2), "hand": ball(0.05), **shapes}
+    return robot_with(joints, shapes={name: (shape,) for name, shape in every.items() if shape})
+
+
+def test_a_fixed_base_that_overlaps_its_child_is_excluded_as_adjacent(tmp_path):
+    """The base's box reaches 50 mm up, the arm's 100 mm down: 93 mm in the sample, 150 mm here."""
+    robot = base_arm_hand(hand=None)
+    geometry = geometry_of(robot)
+    assert geometry.self_contact
+    (exclude,) = geometry.excludes
+    assert (exclude.link_a, exclude.link_b, exclude.reason) == ("base", "arm", "Adjacent")
+    assert exclude.depth == pytest.approx(-apart(robot, home(robot))["base", "arm"], abs=1e-6)
+    model = model_of(robot, geometry, tmp_path)
+    assert in_mujoco(model, robot, home(robot)) == set()
+    assert in_mujoco(model_of(robot, replace(geometry, excludes=()), tmp_path), robot, home(robot)) == {
+        ("base", "arm")
+    }
+
+
+def test_a_pair_that_touches_in_every_pose_is_excluded_and_reported_with_its_depth():
+    robot = base_arm_hand(hand=ball(0.06))
+    geometry = geometry_of(robot)
+    assert reasons(geometry)["base", "hand"] == "Always"
+    (always,) = [one for one in geometry.excludes if one.reason == "Always"]
+    assert always.depth == pytest.approx(0.01, abs=1e-6)
+    (found,) = said(geometry, "I-ALWAYS-CONTACT")
+    assert "base and hand (10.00 mm deep)" in found.message
+    assert not said(geometry, "W-SELF-CONTACT")
+
+
+def test_a_pair_that_does_not_touch_has_no_exclude():
+    geometry = geometry_of(base_arm_hand(hand=ball(0.049)))
+    assert set(reasons(geometry)) == {("base", "arm"), ("arm", "hand")}
+    assert not [found for found in geometry.diagnostics if "CONTACT" in found.code]
+
+
+def test_faces_that_lie_on_each_other_touch():
+    geometry = geometry_of(base_arm_hand(hand=ball(0.05)))
+    (always,) = [one for one in geometry.excludes if one.reason == "Always"]
+    assert always.depth == pytest.approx(0.0, abs=1e-6)
+
+
+def slide(direction):
+    """A frame whose z axis, along which it slides, is `direction`."""
+    pose = at(*(0.06 * direction))
+    pose[:3, :3] = turn(np.array([0.0, 1.0, 0.0]), math.copysign(math.pi / 2, direction[0]))
+    return pose
+
+
+def test_fingers_that_touch_at_home_keep_touching_and_the_yaml_that_settles_it_is_shown(tmp_path):
+    joints = [
+        joint(
+            "prismatic",
+            "palm",
+            name,
+            place=slide(sign * X),
+            limits={f"{name}_joint": Limits(-0.06, 0.0)},
+            saved=[-0.058],
+        )
+        for name, sign in (("left", 1), ("right", -1))
+    ]
+    finger = box(0.01, 0.01, 0.01)
+    shapes = {"palm": (box(0.01, 0.2, 0.01, at(0, 0.2, 0)),), "left": (finger,), "right": (finger,)}
+    robot = robot_with(
+        joints,
+        shapes=shapes,
+        root="palm",
+        relations=[Relation("gear", "right_joint", "left_joint", 1.0, 0.0)],
+    )
+    geometry = geometry_of(robot)
+    assert ("left", "right") not in reasons(geometry)
+    (found,) = said(geometry, "W-SELF-CONTACT")
+    assert "left and right (6.00 mm deep)" in found.message
+    assert "`contact: {exclude: [[left, right]]}`" in found.hint
+    model = model_of(robot, geometry, tmp_path)
+    assert in_mujoco(model, robot, home(robot)) == {("left", "right")}
+    settled = geometry_of(robot, exclude=[["left", "right"]])
+    assert reasons(settled)["left", "right"] == "User"
+    assert not said(settled, "W-SELF-CONTACT")
+    assert in_mujoco(model_of(robot, settled, tmp_path), robot, home(robot)) == set()
+
+
+def test_poses_satisfy_relations():
+    """Fingers that would part if each moved alone, but follow each other."""
+    joints = [
+        joint("prismatic", "palm", name, limits={f"{name}_joint": Limits(-0.1, 0.1)})
+        for name in ("left", "right")
+    ]
+    shapes = {"left": (ball(0.01),), "right": (ball(0.01, at(0.015, 0, 0)),)}
+    shapes["palm"] = (ball(0.01, at(0, 1, 0)),)
+    bare = robot_with(joints, shapes=shapes, root="palm")
+    assert not [one for one in geometry_of(bare).excludes if one.reason == "Always"]
+    tied = replace(bare, relations=(Relation("gear", "right_joint", "left_joint", 1.0, 0.0),))
+    assert reasons(geometry_of(tied))["left", "right"] == "Always"
+
+
+def test_poses_close_loops():
+    """The end of the coupler stays near its place as long as the rocker holds it."""
+    four = four_bar({"drive": Limits(1.0, 1.2)})
+    end = (link_poses(four, home(four))["coupler"] @ at(0.13, 0, 0))[:3, 3]
+    shapes = {
+        "base": (box(0.06, 0.06, 0.06, at(*end)),),
+        "coupler": (ball(0.01, at(0.13, 0, 0)),),
+        "crank": (ball(0.01, at(0, 0, 1)),),
+        "rocker": (ball(0.01, at(0, 0, 2)),),
+    }
+    robot = replace(four, links=tuple(replace(link, shapes=shapes[link.name]) for link in four.links))
+    assert reasons(geometry_of(robot))["base", "coupler"] == "Always"
+    assert ("base", "coupler") not in reasons(geometry_of(replace(robot, loops=())))
+
+
+def test_poses_stay_within_limits():
+    shapes = {
+        "base": (box(0.1, 0.1, 0.1),),
+        "one": (box(0.01, 0.01, 0.01),),
+        "two": (ball(0.02, at(0, 0, 0.06)),),
+    }
+
+    def robot(upper):
+        joints = [joint("revolute", "base", "one")]
+        joints += [joint("prismatic", "one", "two", limits={"two_joint": Limits(-0.005, upper)})]
+        return robot_with(joints, shapes=shapes)
+
+    assert reasons(geometry_of(robot(0.009)))["base", "two"] == "Always"
+    assert ("base", "two") not in reasons(geometry_of(robot(0.05)))
+
+
+def test_all_lets_everything_collide_but_what_the_user_names(tmp_path):
+    robot = base_arm_hand(hand=ball(0.06))
+    geometry = geometry_of(robot, self="all", exclude=[["ha*", "base"]])
+    assert [(one.link_a, one.link_b, one.reason) for one in geometry.excludes] == [("base", "hand", "User")]
+    assert not said(geometry, "W-SELF-CONTACT")
+    assert in_mujoco(model_of(robot, geometry, tmp_path), robot, home(robot)) == {("base", "arm")}
+
+
+def test_none_writes_what_was_written_before(tmp_path):
+    robot = base_arm_hand(hand=ball(0.06))
+    geometry = geometry_of(robot, self="none")
+    assert (geometry.self_contact, geometry.excludes) == (False, ())
+    assert not [one for one in geometry.diagnostics if "CONTACT" in one.code]
+    model = model_of(robot, geometry, tmp_path)
+    text = (tmp_path / "robot.xml").read_text()
+    assert 'contype="1" conaffinity="2"' in text
+    assert "<contact" not in text
+    assert in_mujoco(model, robot, home(robot)) == set()
+
+
+def test_the_ground_and_other_objects_collide_whether_the_robot_meets_itself_or_not(tmp_path):
+    import mujoco
+
+    robot = base_arm_hand(hand=ball(0.3))
+    for on in ("auto", "none", "all"):
+        geometry = geometry_of(robot, self=on)
+        model_of(robot, geometry, tmp_path)
+        spec = mujoco.MjSpec.from_file(str(tmp_path / "scene.xml"))
+        thing = spec.worldbody.add_body(name="thing", pos=[0, 0, 0.4])
+        thing.add_freejoint()
+        thing.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.05, 0, 0])
+        model = spec.compile()
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        bodies = {
+            frozenset(model.body(model.geom_bodyid[geom]).name for geom in one.geom)
+            for one in data.contact[: data.ncon]
+        }
+        assert {frozenset({"world", "hand"}), frozenset({"thing", "hand"})} <= bodies, on
+
+
+@pytest.mark.parametrize("self", ["auto", "all", "none"])
+def test_globs_that_match_nothing_are_errors_that_list_the_links(self):
+    with pytest.raises(MeshError) as caught:
+        geometry_of(base_arm_hand(), self=self, exclude=[["arm", "leg*"], ["fo?t", "ar*"], ["hand", "h*"]])
+    texts = [problem.message for problem in caught.value.problems]
+    assert texts == [
+        "no link matches 'leg*'",
+        "no link matches 'fo?t'",
+        "'hand' and 'h*' match the same link, which cannot touch itself",
+    ]
+    assert {problem.hint for problem in caught.value.problems} == {"links are: arm, base, hand"}
+
+
+@pytest.mark.parametrize("wrong", [[["a"]], [["a", "b", "c"]], ["ab"], [["a", 1]], [["", "b"]]])
+def test_what_is_no_pair_of_globs_is_refused(wrong):
+    with pytest.raises(ConfigError, match=r"contact\.exclude"):
+        plan_of(contact={"exclude": wrong})
+
+
+def test_the_reason_is_that_of_the_joint_where_the_user_names_the_pair_too():
+    geometry = geometry_of(base_arm_hand(hand=ball(0.049)), exclude=[["arm", "*"]])
+    assert set(reasons(geometry).values()) == {"Adjacent"}
+
+
+@pytest.mark.parametrize("kind", EVERY)
+def test_no_type_of_joint_lets_its_links_collide(kind, tmp_path):
+    """Nor the links that a format puts between them."""
+    for fixed in (True, False):
+        root = "world" if kind == "free" else "base"
+        joints = [joint(kind, root, "one"), joint("revolute", "one", "two")]
+        shapes = {name: (ball(0.05),) for name in ("base", "one", "two") if name != root or kind != "free"}
+        robot = robot_with(joints, shapes=shapes, fixed=fixed or kind == "free", root=root)
+        geometry = geometry_of(robot)
+        touching = in_mujoco(model_of(robot, geometry, tmp_path), robot, home(robot))
+        rigid_or_held = set(reasons(geometry))
+        assert (
+            touching == {pair for pair, off in apart(robot, home(robot)).items() if off < 0} - rigid_or_held
+        )
+        joined = [(one.parent, one.child) for one in joints if one.type != "free"]
+        assert set(joined) <= rigid_or_held
+
+
+@pytest.mark.parametrize("kind", [kind for kind in EVERY if kind != "free"])
+def test_no_type_of_loop_lets_its_links_collide(kind, tmp_path):
+    joints = [joint("revolute", "base", "one"), joint("revolute", "base", "two")]
+    shapes = {name: (ball(0.05, at(0.2, 0, 0)),) for name in ("one", "two")}
+    robot = robot_with(joints, loops=[loop(kind, "one", "two", np.eye(4), np.eye(4))], shapes=shapes)
+    geometry = geometry_of(robot)
+    assert reasons(geometry) == {("one", "two"): "Adjacent"}
+    q = saved(robot)
+    assert in_mujoco(model_of(robot, geometry, tmp_path), robot, q) == set()
+    assert in_mujoco(model_of(robot, replace(geometry, excludes=()), tmp_path), robot, q) == {("one", "two")}
+
+
+def test_the_same_excludes_whatever_the_order_of_links():
+    def made(names):
+        joints = [joint("revolute", "base", name, place=at(0, 0, 0.1)) for name in names]
+        shapes = {"base": (ball(0.02),), **{name: (ball(0.03, at(0, 0.0, 0)),) for name in names}}
+        return geometry_of(robot_with(joints, shapes=shapes))
+
+    first, second = made(["a", "b", "c"]), made(["c", "a", "b"])
+    assert {(frozenset((e.link_a, e.link_b)), e.reason, e.depth) for e in first.excludes} == {
+        (frozenset((e.link_a, e.link_b)), e.reason, e.depth) for e in second.excludes
+    }
+    assert [e.reason for e in first.excludes].count("Always") == 3
+
+
+def test_the_work_is_done_again_only_where_the_motion_or_a_collider_changes():
+    keys = []
+
+    def memo(kind, key, make):
+        if kind == "mesh.contacts":
+            keys.append(codec.dump(key))
+        return make()
+
+    robot = base_arm_hand()
+    geometry_of(robot, memo)
+    heavier = tuple(replace(link, inertial=replace(link.inertial, mass=5.0)) for link in robot.links)
+    geometry_of(replace(robot, links=heavier), memo)
+    geometry_of(base_arm_hand(hand=ball(0.06)), memo)
+    geometry_of(robot, memo, self="all")
+    geometry_of(robot, memo, exclude=[["base", "hand"]])
+    arm, hand = robot.joints
+    moved = replace(
+        robot, joints=(arm, replace(hand, dofs=(replace(hand.dofs[0], limits=Limits(0.0, 1.0)),)))
+    )
+    geometry_of(moved, memo)
+    assert keys[0] == keys[1]
+    assert len(set(keys)) == 5
+
+
+def test_the_geometry_travels_with_its_excludes():
+    geometry = geometry_of(base_arm_hand(hand=ball(0.06)))
+    again = codec.decode_geometry(codec.encode_geometry(geometry))
+    assert again.excludes == geometry.excludes
+    assert again.self_contact
+    assert Exclude("base", "hand", "Always", 0.01) in again.excludes
+
+
+def test_a_robot_without_colliders_has_no_excludes():
+    robot = robot_with([joint("revolute", "base", "one")])
+    assert geometry_of(robot).excludes == ()
+
+
+def test_pairs_that_touch_are_found_however_few_poses_part_them(monkeypatch):
+    """One of `POSES` poses suffices."""
+    touched = []
+
+    def touch(self, pair):
+        touched.append(pair)
+        return len(touched) != analysis.POSES
+
+    monkeypatch.setattr("stages.mesh.contacts.colliders.Colliders.touch", touch)
+    geometry = geometry_of(base_arm_hand(hand=ball(0.06)))
+    assert len(touched) == analysis.POSES
+    assert ("base", "hand") not in reasons(geometry)
