@@ -64,12 +64,12 @@ def page(report: Report, shown: Mapping[str, str], sizes: Mapping[str, int], sec
 def _head(tree: Mapping[str, Any], heading: str) -> str:
     """What was built, how it went, and the files."""
     seconds = sum(stage["seconds"] for stage in tree["stages"])
-    said = f"exit status {tree['exit_status']}, {seconds:.2f} s, {tree['folder']}"
+    summary = f"exit status {tree['exit_status']}, {seconds:.2f} s, {tree['folder']}"
     status = f'<span class="{text(tree["status"])}">{text(tree["status"])}</span>'
     files = [path for path in tree["outputs"] if not path.startswith(ASSETS)]
     links = "\n".join(file_link(path) for path in [*files, *BESIDE])
     return (
-        f'<header>\n<h1>{text(heading)}: {status}</h1>\n<p class="soft">{text(said)}</p>\n'
+        f'<header>\n<h1>{text(heading)}: {status}</h1>\n<p class="soft">{text(summary)}</p>\n'
         f"<nav>\n{links}\n</nav>\n</header>"
     )
 
@@ -139,7 +139,7 @@ def _picture(svg: str, secrets: Secrets, is_file: bool) -> str:
     if not svg:
         return ""
     bare = re.sub(r"^<\?xml.*?\?>\s*", "", svg)
-    drawn = re.sub(r">([^<]+)<", lambda said: f">{escape(secrets.blanked(unescape(said[1])))}<", bare)
+    drawn = re.sub(r">([^<]+)<", lambda match: f">{escape(secrets.blanked(unescape(match[1])))}<", bare)
     full = f'\n<p class="soft screen">in full: {file_link(PICTURE)}</p>' if is_file else ""
     return f'<div class="picture">{drawn}</div>{full}'
 
@@ -162,11 +162,11 @@ def _facts(tree: Mapping[str, Any]) -> str:
 
 
 def _source(source: Mapping[str, Any]) -> str:
-    told = {key.replace("_", " "): text(value) for key, value in source.items()}
+    rows = {key.replace("_", " "): text(value) for key, value in source.items()}
     address = str(source.get("url", ""))
     if address.startswith(("https://", "http://")):
-        told["url"] = link(address, address)
-    return pairs(told)
+        rows["url"] = link(address, address)
+    return pairs(rows)
 
 
 def _stages(stages: Sequence[Mapping[str, Any]]) -> str:

@@ -33,7 +33,7 @@ from pipeline.config.partial import Draft
 from pipeline.config.plain import plain
 from pipeline.config.plan import Judge, Plan
 from pipeline.config.presets import GROUPS, Presets, chosen, content, stand_in
-from pipeline.config.trust import Sweeping, not_allowed, overridden, targets, untrusted
+from pipeline.config.trust import SweepSettings, not_allowed, overridden, targets, untrusted
 from pipeline.errors import ConfigError, Diagnostic, refusal
 from pipeline.key_path import Place
 from pipeline.secrets import Secrets
@@ -54,20 +54,20 @@ class Composed:
     plan: Plan
     tree: dict[str, Any]
     robot: str
-    sweeping: Sweeping
+    sweeping: SweepSettings
     config: DictConfig
     computed: Collection[Place]
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
+class SweepRequest:
     """A requested sweep: its overrides, the problems of invalid overrides, and the tree that all jobs start
     from (None if it cannot be composed)."""
 
     overrides: Sequence[Override]
     problems: Sequence[Diagnostic]
     tree: DictConfig | None = None
-    sweeping: Sweeping = field(default_factory=Sweeping)
+    sweeping: SweepSettings = field(default_factory=SweepSettings)
 
 
 def compose_plan(
@@ -261,16 +261,16 @@ class Composer:
             raise refusal(draft.problems) from None
         return config, paths
 
-    def with_params(self, overrides: Sequence[Override], known: Iterable[Diagnostic]) -> Asked:
+    def with_params(self, overrides: Sequence[Override], known: Iterable[Diagnostic]) -> SweepRequest:
         """The overrides of a sweep after the `hydra.sweeper.params` of files; the command line wins."""
         fixed = [one.hydra for one in overrides if not one.swept and not one.for_hydra_itself]
         good, bad = self._presets.judged(fixed)
         draft = Draft.of((), bad)
         found = self._whole(good, draft)
-        said = Sweeping() if found is None else self._node.sweeping(found[0], draft)
+        settings = SweepSettings() if found is None else self._node.sweeping(found[0], draft)
         known_keys = {one.key for one in overrides}
-        added = [one for one in self._params(said.params)[0] if one.key not in known_keys]
-        return Asked([*added, *overrides], list(known), found and found[0], said)
+        added = [one for one in self._params(settings.params)[0] if one.key not in known_keys]
+        return SweepRequest([*added, *overrides], list(known), found and found[0], settings)
 
     def _params(self, params: Mapping[str, str]) -> tuple[list[Override], list[Diagnostic]]:
         """The overrides that files sweep, and the problems of invalid entries."""

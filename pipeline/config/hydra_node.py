@@ -14,7 +14,7 @@ from pipeline.config.overrides import Override
 from pipeline.config.partial import Draft
 from pipeline.config.plain import as_written, at
 from pipeline.config.presets import Presets
-from pipeline.config.trust import CODE, FOLDERS, LAUNCHER, PARAMS, Sweeping, listed
+from pipeline.config.trust import CODE, FOLDERS, LAUNCHER, PARAMS, SweepSettings, listed
 from pipeline.errors import Diagnostic
 
 PRIMARY = "build"
@@ -61,13 +61,13 @@ class HydraNode:
 
     def sweeping(
         self, config: DictConfig, draft: Draft, name: Any = None, job: tuple[int, str] | None = None
-    ) -> Sweeping:
+    ) -> SweepSettings:
         """The sweep settings; a key of Hydra that a file must not set is a problem.
 
         The folders are for the robot `name` in a `job`: its number and its label.
         """
         launcher = str(config.hydra.runtime.choices.get(GROUP))
-        said = self._said(config, launcher, draft) if self._presets.own else {}
+        changed = self._set_by_files(config, launcher, draft) if self._presets.own else {}
         typed = [key for key in FOLDERS if any(f"hydra.{key}=" in one for one in self.typed)]
         folders: dict[str, str] = {}
         if job is not None:
@@ -76,14 +76,14 @@ class HydraNode:
                 config.hydra.job.num, config.hydra.job.id = job[0], str(job[0])
                 config.hydra.job.override_dirname = job[1].replace(" ", ",")
             HydraConfig.instance().set_config(config)
-            for key in {*typed, *said} & {*FOLDERS}:
+            for key in {*typed, *changed} & {*FOLDERS}:
                 folders[key] = str(at(config, ("hydra", *key.split(".")), draft.problems))
         prefix = f"{LAUNCHER}."
-        numbers = {key.removeprefix(prefix): one for key, one in said.items() if key.startswith(prefix)}
-        params = {str(key): str(one) for key, one in (said.get(PARAMS) or {}).items()}
-        return Sweeping(launcher, numbers, params, *map(folders.get, FOLDERS))
+        numbers = {key.removeprefix(prefix): one for key, one in changed.items() if key.startswith(prefix)}
+        params = {str(key): str(one) for key, one in (changed.get(PARAMS) or {}).items()}
+        return SweepSettings(launcher, numbers, params, *map(folders.get, FOLDERS))
 
-    def _said(self, config: DictConfig, launcher: str, draft: Draft) -> dict[str, Any]:
+    def _set_by_files(self, config: DictConfig, launcher: str, draft: Draft) -> dict[str, Any]:
         """The settings of Hydra in files, without those that files must not set."""
         try:
             ours = as_written(self.ours(launcher).hydra)
@@ -92,10 +92,10 @@ class HydraNode:
             return {}
         theirs = as_written(config.hydra)
         ours["searchpath"] = [f"file://{folder}" for folder in self._presets.own]
-        said, problems = listed(theirs, ours, lambda place: at(config, ("hydra", *place), draft.problems))
+        changed, problems = listed(theirs, ours, lambda place: at(config, ("hydra", *place), draft.problems))
         known = {problem.where for problem in draft.problems}
         draft.problems += [problem for problem in problems if problem.where not in known]
-        return said
+        return changed
 
     def _of_ones_own(self, launcher: str) -> Diagnostic | None:
         """The problem of a launcher that exists only in the working folder."""

@@ -30,8 +30,8 @@ class Reading:
             override = self._parser.parse_override(text)
         except HydraException as error:
             text = str(error).splitlines()[0]
-            said = in_words(text, READING)
-            raise ValueError(said.text if said else text) from None
+            words = in_words(text, READING)
+            raise ValueError(words.text if words else text) from None
         except RecursionError:
             msg = "it is nested too deeply"
             raise ValueError(msg) from None

@@ -78,5 +78,5 @@ def plain(
 def _unresolved(error: Exception, place: Place) -> Diagnostic:
     """The problem of an interpolation."""
     unknown = Words(f"cannot be resolved: {str(error).splitlines()[0]}", hint="correct its ${...}")
-    said = in_words(str(error), RESOLVING) or unknown
-    return Diagnostic("E-VALUE", said.text, key_of(place), said.hint)
+    words = in_words(str(error), RESOLVING) or unknown
+    return Diagnostic("E-VALUE", words.text, key_of(place), words.hint)

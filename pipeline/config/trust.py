@@ -42,7 +42,7 @@ _FILLED_IN = ("overrides", "runtime.choices", "runtime.config_sources", "job.ove
 
 
 @dataclass(frozen=True, slots=True)
-class Sweeping:
+class SweepSettings:
     """The sweep settings that files may set.
 
     `launcher`: the option of hydra/launcher; `numbers`: what they set of it; `params`: overrides, key →
@@ -64,7 +64,7 @@ def listed(
 
     The nodes are as written, with interpolations; `resolved` gives a setting's value.
     """
-    said: dict[str, Any] = {}
+    changed: dict[str, Any] = {}
     refused: dict[str, Any] = {}
     for place, value, known in _differences(theirs, ours, ()):
         key = key_of(place)
@@ -73,11 +73,11 @@ def listed(
         if key == PARAMS or (place[0] == LAUNCHER and known is not _ABSENT):
             value = resolved(place)
         if key == PARAMS or key in FOLDERS or _harmless(place, value, known):
-            said[key] = value
+            changed[key] = value
         else:
             # A whole section that was exchanged is one problem.
             refused.setdefault(key_of(place[: 2 if place[0] in (LAUNCHER, "sweeper", "job") else 1]), value)
-    return said, [not_allowed(key, value) for key, value in refused.items()]
+    return changed, [not_allowed(key, value) for key, value in refused.items()]
 
 
 _ABSENT = object()

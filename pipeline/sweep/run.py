@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from pipeline.config.overrides import Override
 from pipeline.config.plan import Judge, Plan, is_run_key
-from pipeline.config.trust import Sweeping
+from pipeline.config.trust import SweepSettings
 from pipeline.errors import as_problems, refusal
 from pipeline.preflight import destination
 from pipeline.sweep.outcome import Outcome, built, failed
@@ -22,7 +22,7 @@ from stages.robot.errors import ConfigError, Diagnostic
 from stages.robot.printable import printable
 
 if TYPE_CHECKING:
-    from pipeline.config.compose import Asked, Composed, Composer
+    from pipeline.config.compose import Composed, Composer, SweepRequest
     from pipeline.report import Report
 
 Build = Callable[[Plan], "Report"]
@@ -49,7 +49,7 @@ class Sweep:
     jobs: Sequence[Job]
     root: Path
     overrides: Sequence[Sequence[str]]
-    sweeping: Sweeping
+    sweeping: SweepSettings
 
 
 class Task:
@@ -86,7 +86,7 @@ def _print(line: str) -> None:
         err.flush()
 
 
-def jobs_of(composer: "Composer", asked: "Asked", judge: Judge) -> Sweep:
+def jobs_of(composer: "Composer", asked: "SweepRequest", judge: Judge) -> Sweep:
     """Every job of a sweep, composed and validated, and the sweep's folder.
 
     ConfigError lists the known problems of the command line and those of all jobs, each with the numbers
@@ -118,7 +118,7 @@ def jobs_of(composer: "Composer", asked: "Asked", judge: Judge) -> Sweep:
     return Sweep(jobs, root, everything, made[0].sweeping)
 
 
-def _disagreeing(first: Sweeping, other: Sweeping, master: Sweeping) -> list[Diagnostic]:
+def _disagreeing(first: SweepSettings, other: SweepSettings, master: SweepSettings) -> list[Diagnostic]:
     """The problems of jobs, for example of different robots, with different sweep settings."""
     found = []
     if (first.launcher, first.numbers) != (other.launcher, other.numbers):

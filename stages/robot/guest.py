@@ -90,8 +90,8 @@ class _Guest:
 
     def __init__(self, environ: Mapping[str, str], bounds: Bounds) -> None:
         self._bounds = bounds
-        self._said = bytearray()
-        self._complained = bytearray()
+        self._output = bytearray()
+        self._error_output = bytearray()
         try:
             self._process = subprocess.Popen(
                 [sys.executable, "-I", "-X", "utf8", str(_MAIN)],
@@ -108,9 +108,9 @@ class _Guest:
 
     def reply(self, request: bytes) -> bytes:
         started = time.monotonic()
-        reader = self._thread(self._listen)
-        complaints = self._thread(self._hear_complaints)
-        self._thread(self._tell, request)
+        reader = self._thread(self._read_output)
+        errors = self._thread(self._read_errors)
+        self._thread(self._send, request)
         look = _LOOK if os.path.exists(_STATM.format("self")) else _LOOK_BY_PS  # noqa: PTH110
         while reader.is_alive():
             reader.join(look)
@@ -118,15 +118,15 @@ class _Guest:
                 raise Ended(f"took longer than {self._bounds.seconds:g} s")
             if resident(self._process.pid) > self._bounds.memory:
                 raise Ended(f"needed more than {self._bounds.memory / 1e9:.3g} GB of memory")
-        kind, length = self._said[:1], int.from_bytes(self._said[1:_HEAD], "big")
-        body = bytes(self._said[_HEAD:])
+        kind, length = self._output[:1], int.from_bytes(self._output[1:_HEAD], "big")
+        body = bytes(self._output[_HEAD:])
         if len(body) > self._bounds.reply:
             raise Ended(f"made more than {self._bounds.reply / 1e6:.3g} MB")
         if kind == b"R" and len(body) == length:
             return body
         if kind == b"E" and len(body) == length:
             raise _error(body)
-        complaints.join(_PATIENCE)
+        errors.join(_PATIENCE)
         raise Ended(self._how_it_ended())
 
     def end(self) -> None:
@@ -143,22 +143,22 @@ class _Guest:
         thread.start()
         return thread
 
-    def _tell(self, request: bytes) -> None:
+    def _send(self, request: bytes) -> None:
         with contextlib.suppress(OSError), _stream(self._process.stdin) as stream:
             rest = memoryview(request)
             while rest:
                 rest = rest[stream.write(rest) :]
 
-    def _listen(self) -> None:
+    def _read_output(self) -> None:
         with contextlib.suppress(OSError), _stream(self._process.stdout) as stream:
-            while len(self._said) <= self._bounds.reply + _HEAD and (piece := stream.read(1 << 20)):
-                self._said += piece
+            while len(self._output) <= self._bounds.reply + _HEAD and (piece := stream.read(1 << 20)):
+                self._output += piece
 
-    def _hear_complaints(self) -> None:
+    def _read_errors(self) -> None:
         """Keeps the end of the guest's other output."""
         with contextlib.suppress(OSError), _stream(self._process.stderr) as stream:
             while piece := stream.read(1 << 16):
-                self._complained[:] = (self._complained + piece)[-4096:]
+                self._error_output[:] = (self._error_output + piece)[-4096:]
 
     def _how_it_ended(self) -> str:
         try:
@@ -168,7 +168,7 @@ class _Guest:
         if status < 0:
             name = signal.Signals(-status).name if -status in list(signal.Signals) else str(-status)
             return f"crashed ({name})"
-        lines = self._complained.decode("utf-8", "replace").strip().splitlines()
+        lines = self._error_output.decode("utf-8", "replace").strip().splitlines()
         return f"failed ({lines[-1][:_LONGEST_LINE]})" if lines else f"ended with status {status}"
 
 

@@ -77,7 +77,7 @@ def test_the_table_is_complete() -> None:
     assert sorted(code for code, *_ in written()) == sorted(spoken())
 
 
-def test_each_row_says_where_it_is_told_what_it_means_and_what_to_do() -> None:
+def test_each_row_says_where_it_is_reported_what_it_means_and_what_to_do() -> None:
     said = spoken()
     for code, place, meaning, remedy in written():
         assert set(place.split(", ")) == said[code], code
@@ -116,7 +116,7 @@ def test_the_table_is_in_order_and_the_readme_leads_to_it() -> None:
 
 
 @pytest.mark.parametrize(("kind", "place"), [("GEAR", "in Onshape"), ("MIMIC", "in the file")])
-def test_a_relation_is_mended_where_it_was_said(kind: str, place: str) -> None:
+def test_a_relation_is_corrected_where_it_was_said(kind: str, place: str) -> None:
     log = Diagnostics()
     robot = robot_with([joint("revolute", "base", "arm", [0.0], name="r1")])
     dof_relations(robot, [RelationSpec("Gear", kind, ("r1", "gone"), 1.0, 0.0, False)], log)
@@ -137,7 +137,7 @@ def loose(has_saved_pose: bool) -> list[Diagnostic]:
     return [*caught.value.problems, *log.found]
 
 
-def test_what_hangs_on_nothing_is_mended_where_it_was_drawn() -> None:
+def test_what_hangs_on_nothing_is_corrected_where_it_was_drawn() -> None:
     for has_saved_pose, place in ((True, "in Onshape"), (False, "in the file")):
         found = loose(has_saved_pose)
         assert [one.code for one in found] == ["E-LOOSE", *["I-LOOSE"] * 3]

@@ -110,17 +110,17 @@ def _naming_paths(assembly: Assembly, bodies: Bodies, volume: Mapping[Path, floa
         for depth in range(1, len(part.path)):
             inside.setdefault(part.path[:depth], set()).add(bodies.of[part.path])
             filled[part.path[:depth]] = filled.get(part.path[:depth], 0.0) + volume[part.path]
-    held: dict[int, list[Path]] = {}
+    within: dict[int, list[Path]] = {}
     for path, found in inside.items():
         if len(found) == 1:
-            held.setdefault(next(iter(found)), []).append(path)
+            within.setdefault(next(iter(found)), []).append(path)
     named: list[Path] = []
     for body, members in enumerate(bodies.members):
         if not members:
             named.append(())
             continue
         total = sum(volume[path] for path in members)
-        candidates = [path for path in held.get(body, ()) if filled[path] >= MAIN_SHARE * total]
+        candidates = [path for path in within.get(body, ()) if filled[path] >= MAIN_SHARE * total]
         if candidates and len(members) > 1:
             named.append(min(candidates, key=lambda path: (len(path), assembly.occurrences[path].names)))
         else:

@@ -140,7 +140,7 @@ def test_a_linked_document_needs_the_document_it_is_linked_from(server, document
     assert get(server, f"/api/v16{request}".replace("linkDocumentId", "configuration"))[0] == 403
 
 
-def test_microversion_and_elements_are_told(server, document):
+def test_microversion_and_elements_are_reported(server, document):
     base = f"/api/v16/documents/d/{document.id}/w/{document.workspace}"
     assert get(server, f"{base}/currentmicroversion")[1] == {"microversion": document.microversion}
     listed = get(server, f"{base}/elements?elementType=ASSEMBLY")[1]

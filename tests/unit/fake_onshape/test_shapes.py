@@ -110,7 +110,7 @@ def test_every_key_and_type_that_is_sent_is_in_the_description(api, document):
     check("features", document.root.element)
 
 
-def test_what_can_be_set_is_told_as_the_description_has_it(api):
+def test_what_can_be_set_is_reported_as_the_description_has_it(api):
     def check(made, endpoint, element, **query):
         path = PATHS[endpoint]
         responses = next(iter(api["paths"][path]["get"]["responses"].values()))

@@ -119,7 +119,7 @@ def test_a_reply_that_is_not_what_was_asked_for_is_not_kept(body):
     assert body not in kept.values()
 
 
-def test_a_part_studio_instead_of_an_assembly_is_told():
+def test_a_part_studio_instead_of_an_assembly_is_reported():
     document = two_studios()
     with OnshapeServer(document) as server:
         keys = onshape(server.document_url(element=document.studios[0].element))
@@ -129,7 +129,7 @@ def test_a_part_studio_instead_of_an_assembly_is_told():
             fetched(onshape(server.document_url(element="f" * 24)), environ=server.environ)
 
 
-def test_an_empty_assembly_is_told_after_one_call():
+def test_an_empty_assembly_is_reported_after_one_call():
     document = Document("Nothing")
     document.assembly("Nothing")
     with OnshapeServer(document) as server:
@@ -180,7 +180,7 @@ class TestBeforeTheFirstStage:
         with pytest.raises(ConfigError, match="ONSHAPE_ACCESS_KEY"):
             fetched(pinned)
 
-    def test_a_malformed_address_and_a_missing_file_are_told(self):
+    def test_a_malformed_address_and_a_missing_file_are_reported(self):
         with pytest.raises(ValidationError, match="24 hex"):
             onshape("https://cad.onshape.com/x")
         with pytest.raises(ConfigError, match=r"arm\.zip does not exist"):

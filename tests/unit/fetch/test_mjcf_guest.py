@@ -144,14 +144,14 @@ def test_bounds_take_time_in_proportion(tmp_path):
     assert max(after[line] / before[line] for line in after if after[line] > FEW) < 5
 
 
-def test_warnings_are_told_in_bounds(tmp_path, monkeypatch):
+def test_warnings_are_reported_in_bounds(tmp_path, monkeypatch):
     head = {"warnings": ["x" * 1000] * 1000, "model": 2, "meshes": []}
     monkeypatch.setattr(guest, "ask", lambda *_: json.dumps(head).encode() + b"\n{}")
     _, found = gather.gather(MjcfSourceKeys(path=str(written(tmp_path, MESHED))))
     assert (len(found), {len(one.message) for one in found}) == (100, {500})
 
 
-def test_a_guest_that_cannot_start_is_told(tmp_path, monkeypatch):
+def test_a_guest_that_cannot_start_is_reported(tmp_path, monkeypatch):
     def never(*_):
         raise Ended("could not be started (no memory)")
 

@@ -128,7 +128,7 @@ def test_what_the_world_holds(tmp_path, world, root, fixed, joints):
     assert [one.name for one in robot.joints] == [name for name, _ in joints]
 
 
-def test_a_base_that_stands_off_the_origin_floats_where_it_is_told_to(tmp_path):
+def test_a_base_that_stands_off_the_origin_floats_where_it_is_asked_to(tmp_path):
     path = written(tmp_path, model(body("base", pos="0 0 .1")))
     robot = robot_of(path, root={"base": "free"})
     assert (robot.root.name, robot.base.fixed) == ("base", False)
@@ -405,7 +405,7 @@ ACTUATED = """<actuator><motor joint="a" gear="10" ctrlrange="-2 2"/><position j
   <keyframe><key name="stand"/></keyframe>"""
 
 
-def test_actuators_bound_efforts_and_what_is_left_is_told_by_name(tmp_path):
+def test_actuators_bound_efforts_and_what_is_left_is_reported_by_name(tmp_path):
     joints = "".join(
         body(f"arm_{name}", f'<joint name="{name}" {more}/>')
         for name, more in {"a": "", "b": "", "c": 'actuatorfrcrange="-7 7" stiffness="2"'}.items()

@@ -162,7 +162,7 @@ def test_a_mesh_in_a_comment_is_no_mesh_and_lines_keep_their_numbers(tmp_path):
     assert "line 4" in str(refused(tmp_path / "r.urdf"))
 
 
-def test_problems_of_the_text_and_of_meshes_are_told_together(tmp_path):
+def test_problems_of_the_text_and_of_meshes_are_reported_together(tmp_path):
     put(tmp_path, **{"r.urdf": urdf("a.stl", "b.stl", inside="<origin xyz='x'/>"), "b.stl": b""})
     told = [(one.code, one.message) for one in refused(tmp_path / "r.urdf").problems]
     assert [code for code, _ in told] == ["E-URDF-NUMBER"] * 2 + ["E-MESH-MISSING", "E-MESH-READ"]
@@ -232,7 +232,7 @@ def test_the_folder_that_mujocos_extension_names_is_looked_in(tmp_path):
     assert (len(bundle.requests), found) == (2, ())
 
 
-def test_moved_and_misspelt_files_are_found_by_a_unique_name_and_told(tmp_path):
+def test_moved_and_misspelt_files_are_found_by_a_unique_name_and_reported(tmp_path):
     names = ("package://gone/meshes/a.stl", "meshes/B.STL", "visual/c.stl", "/home/nobody/d.stl")
     put(tmp_path, **{"urdf/r.urdf": urdf(*names), "meshes/a.stl": block(), "other/b.stl": block()})
     put(tmp_path, **{"m/visual/c.stl": block(), "m/collision/c.stl": block("ply"), "d.stl": block()})

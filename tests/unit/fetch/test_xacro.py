@@ -177,7 +177,7 @@ def test_what_is_trusted_sees_the_paths_of_ros_and_no_other_variable(tmp_path, m
         ('<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>', "call themselves", ""),
     ],
 )
-def test_what_xacro_refuses_is_told_as_ours(tmp_path, inside, said, hint):
+def test_what_xacro_refuses_is_reported_as_ours(tmp_path, inside, said, hint):
     error = refused(tmp_path, inside)
     assert error.message.startswith("xacro cannot expand it: ")
     assert said in error.message

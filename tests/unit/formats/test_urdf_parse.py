@@ -96,7 +96,7 @@ def test_a_mimic_has_multiplier_1_and_offset_0_unless_it_says_otherwise():
     assert one.mimic.multiplier == 0
 
 
-def test_an_inertial_is_told_in_the_links_frame():
+def test_an_inertial_is_reported_in_the_links_frame():
     inertia = '<inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="4"/>'
     origin = '<origin xyz="1 0 0" rpy="0 0 1.5707963267948966"/>'
     robot = sound(f'<link name="a"><inertial>{origin}<mass value="3"/>{inertia}</inertial></link>')
@@ -112,7 +112,7 @@ def test_the_tensor_has_its_six_numbers_where_they_belong():
     assert robot.links[0].inertial.inertia.tolist() == [[1, 2, 3], [2, 4, 5], [3, 5, 6]]
 
 
-def test_what_an_inertial_lacks_is_zero_and_told():
+def test_what_an_inertial_lacks_is_zero_and_reported():
     robot = read('<link name="a"><inertial/></link><link name="b"/>')
     assert robot.links[0].inertial.mass == 0
     assert robot.links[1].inertial is None
@@ -167,7 +167,7 @@ def test_materials_are_the_visuals_own_or_named_from_anywhere_in_the_file():
     assert colours(visual(box, '<material name=""><color rgba="0 1 0"/></material>')) == [(0, 1, 0, 1)]
 
 
-def test_what_is_doubtful_about_a_material_is_told():
+def test_what_is_doubtful_about_a_material_is_reported():
     box = '<box size="1 1 1"/>'
     assert told(visual(box, '<material name="red"/>')) == [("W-URDF-MATERIAL", 'there is no material "red"')]
     ((code, message),) = told(visual(box, '<material><color rgba="255 0 -1 1"/></material>'))
@@ -212,7 +212,7 @@ def test_what_is_doubtful_about_a_material_is_told():
         ('<link name="a"><contact/></link><gazebo/><gazebo/>', "I-URDF-LEFT", "<contact> (1), <gazebo> (2)"),
     ],
 )
-def test_what_is_wrong_or_left_out_is_told_with_its_line(body, code, words):
+def test_what_is_wrong_or_left_out_is_reported_with_its_line(body, code, words):
     found = [one for one in read(body).diagnostics if one.code == code]
     assert len(found) == 1
     assert words in found[0].message
@@ -224,7 +224,7 @@ def test_commas_and_any_whitespace_part_numbers():
     assert one.parent_from_joint[:3, 3].tolist() == [1, 2, 3]
 
 
-def test_everything_wrong_is_told_at_once_in_the_order_of_lines():
+def test_everything_wrong_is_reported_at_once_in_the_order_of_lines():
     body = f"""
         {joint('<origin xyz="x"/>', "hinge")}
         <link name="a"><inertial><mass value="nan"/></inertial></link>"""

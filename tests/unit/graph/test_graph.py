@@ -196,7 +196,7 @@ def test_the_sign_of_all_four_is_as_drawn_and_a_pose_off_it_is_an_offset(
     assert codes(settled) == []
 
 
-def test_an_offset_of_a_gear_is_kept_and_told(kit: Kit) -> None:
+def test_an_offset_of_a_gear_is_kept_and_reported(kit: Kit) -> None:
     base, one, two = kit.place("Base", fixed=True), kit.place("One"), kit.place("Two")
     first = kit.root.revolute("First", (one, TOP), (base, SIDE), value=0.2, limits=(-1, 1))
     second = kit.root.revolute("Second", (two, TOP), (base, TOP), value=0.5, limits=(-2, 2))
@@ -266,7 +266,7 @@ def test_a_loop_is_kept_as_a_loop_and_the_driven_mate_stays_in_the_tree(kit: Kit
     assert 0.04 < loop.lever < 0.06
 
 
-def test_limits_of_the_closing_mate_are_told_as_not_enforced(kit: Kit) -> None:
+def test_limits_of_the_closing_mate_are_reported_as_not_enforced(kit: Kit) -> None:
     four_bar(kit, limits=True)
     assert "W-LOOP-LIMIT" in codes(robot_of(kit.document))
 
@@ -288,7 +288,7 @@ def test_a_root_that_does_not_exist_lists_the_links(kit: Kit) -> None:
         robot_of(kit.document, plan_of(root={"select": "hip*"}))
 
 
-def test_floating_a_robot_that_cad_fixes_is_told(kit: Kit) -> None:
+def test_floating_a_robot_that_cad_fixes_is_reported(kit: Kit) -> None:
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), limits=(0, 1))
     assert codes(robot_of(kit.document, plan_of(root={"select": "arm"}))) == ["W-BASE"]
@@ -359,7 +359,7 @@ def test_suppressed_things_are_as_absent(kit: Kit) -> None:
     assert not codes(robot)
 
 
-def test_a_moving_mate_between_rigid_parts_is_told(kit: Kit) -> None:
+def test_a_moving_mate_between_rigid_parts_is_reported(kit: Kit) -> None:
     base, plate = kit.place("Base", fixed=True), kit.place("Plate")
     kit.root.fasten("Bolt", (plate, TOP), (base, TOP))
     kit.root.revolute("Stuck", (plate, SIDE), (base, SIDE), closing=True)
@@ -465,7 +465,7 @@ def test_adding_an_instance_renames_none_of_those_that_were_there(kit: Kit) -> N
     assert names[one.path + tip.path] == "finger_11_fingertip"
 
 
-def test_names_without_a_legal_letter_are_told(kit: Kit) -> None:
+def test_names_without_a_legal_letter_are_reported(kit: Kit) -> None:
     base = kit.place("Base", fixed=True)
     arm = kit.root.add(kit.bar("机械臂"))
     kit.root.revolute("关节", (arm, TOP), (base, SIDE), limits=(0, 1))
@@ -525,7 +525,7 @@ def edited(bundle: Bundle, change: dict) -> Bundle:
     return replace(bundle, blobs=blobs)
 
 
-def test_problems_of_parts_joints_and_names_are_told_together(kit: Kit) -> None:
+def test_problems_of_parts_joints_and_names_are_reported_together(kit: Kit) -> None:
     base, arm = kit.place("Base", fixed=True), kit.root.add(kit.bar("Arm", density=None))
     kit.root.revolute("Hinge", (arm, TOP), (base, SIDE), limits=(1.0, -1.0))
     plan = plan_of(
@@ -547,7 +547,7 @@ def test_problems_of_parts_joints_and_names_are_told_together(kit: Kit) -> None:
     ]
 
 
-def test_what_leaves_no_tree_is_told_with_all_that_is_known_by_then(kit: Kit) -> None:
+def test_what_leaves_no_tree_is_reported_with_all_that_is_known_by_then(kit: Kit) -> None:
     kit.place("Base", fixed=True)
     crate, lid = kit.root.add(kit.bar("Crate", density=None)), kit.place("Lid")
     kit.root.fasten("Shut", (lid, TOP), (crate, TOP))

@@ -90,7 +90,7 @@ def test_masses_of_cad_are_taken_as_they_are(kit):
     assert told(log) == []
 
 
-def test_a_density_settles_what_has_none_with_the_inertia_of_its_solid(kit):
+def test_a_density_resolves_what_has_none_with_the_inertia_of_its_solid(kit):
     add(kit, "Bar", count=2)
     found, log = weights(kit, missing="density", density=500)
     for title in ("Bar <1>", "Bar <2>"):
@@ -136,7 +136,7 @@ def test_error_refuses_all_and_ignore_none(kit):
     assert told(log) == [("W-MASS-IGNORED", "Screw <1>")]
 
 
-def test_what_is_to_be_pasted_settles_every_missing_mass(kit):
+def test_what_is_to_be_pasted_resolves_every_missing_mass(kit):
     add(kit, "Bar [x]", count=2)
     add(kit, "Rod")
     nested = kit.document.assembly("Sub")
@@ -166,7 +166,7 @@ def test_a_mass_of_the_users_scales_the_inertia(kit, glob):
     assert found["Bar <1>"][0].mass == (0.3 if glob != "Bar <2>" else pytest.approx(1000 * VOLUME))
 
 
-def test_a_mass_of_the_users_settles_a_part_without_material(kit):
+def test_a_mass_of_the_users_resolves_a_part_without_material(kit):
     add(kit, "Bar")
     found, log = weights(kit, parts={"Bar": {"mass": 0.3}})
     expected = box_inertia(0.3, *SIZE)
@@ -250,7 +250,7 @@ def test_a_sheet_weighs_nothing_but_what_the_user_says(kit):
     assert found["Sticker <1>"][0].inertia[0, 0] == pytest.approx(0.01 * about_x, rel=1e-9)
 
 
-def test_a_density_that_no_solid_has_is_told_once_for_a_kind(kit):
+def test_a_density_that_no_solid_has_is_reported_once_for_a_kind(kit):
     add(kit, "Bar", density=1000, count=3)
     _, log = weights(kit, parts={"Bar": {"mass": 42}})
     assert told(log) == [("W-DENSITY", "Bar <1>")]
@@ -392,7 +392,7 @@ def test_an_inertia_that_no_solid_can_have_names_the_part():
     assert told(log) == [("E-INERTIA", "arm")]
 
 
-def test_an_impossible_part_in_a_possible_link_is_told_once_for_its_kind():
+def test_an_impossible_part_in_a_possible_link_is_reported_once_for_its_kind():
     robot = arm()
     link = robot.link("arm")
     (part,) = link.parts
@@ -419,7 +419,7 @@ def test_an_estimate_is_in_the_parts_own_frame():
     np.testing.assert_allclose(inertial.com, [0.5, 0, 0], rtol=1e-12, atol=1e-12)
 
 
-def test_a_robot_two_millimetres_long_gets_the_least_inertia_and_is_told(tmp_path) -> None:
+def test_a_robot_two_millimetres_long_gets_the_least_inertia_and_is_reported(tmp_path) -> None:
     kit = Kit()
     sizes = {"Base": 2e-3, "Link": 5e-4, "Tip": 1e-4}
     parts = (kit.bar(name, (size, size, size)) for name, size in sizes.items())

@@ -70,7 +70,7 @@ def test_the_gripper_of_an_so101_stays_the_gripper(tmp_path: Path) -> None:
     assert "W-NAME" not in codes(robot)
 
 
-def test_a_name_that_cannot_stay_is_mapped_and_told(tmp_path: Path) -> None:
+def test_a_name_that_cannot_stay_is_mapped_and_reported(tmp_path: Path) -> None:
     text = robot_text(
         *(link(name) for name in ("Base", "world", "tip&#10;1", "tip_1")),
         joint("world", "Base", "world"),

@@ -180,7 +180,7 @@ def test_a_ledger_that_cannot_be_written_is_reported_once_and_loses_no_reply(tmp
 
 
 @pytest.mark.parametrize("room_for", [0, 5])
-def test_a_line_of_the_ledger_that_was_cut_short_is_not_counted_and_told(tmp_path, monkeypatch, room_for):
+def test_a_line_of_the_ledger_that_was_cut_short_is_not_counted_and_reported(tmp_path, monkeypatch, room_for):
     ledger = Ledger(tmp_path, "0123456789abcdef", 2026)
     assert ledger.note("elements", 200) == ""
     write = os.write

@@ -101,7 +101,7 @@ def test_its_errors_come_back_as_ours(asked, kind):
         ("import os\nos.write(3, b'E' + bytes(7) + b'\\x02{}')\nos._exit(0)", "reported an invalid error"),
     ],
 )
-def test_however_it_ends_it_is_told_in_words(asked, lines, said):
+def test_however_it_ends_it_is_reported_in_words(asked, lines, said):
     with pytest.raises(Ended) as caught:
         asked(lines)
     assert said in str(caught.value)

@@ -144,7 +144,7 @@ class Client:
     def stop(self) -> None:
         """Prevents further calls, and ends running calls and waits: they raise Offline."""
         self._halt.stop(Offline("the calls were stopped", self.host, "run the same command again"))
-        self._wire.hang_up()
+        self._wire.disconnect()
 
     def _persist(self, once: Callable[[], bytes], *, restoring: bool = False) -> bytes:
         """The result of `once`, retried after temporary failures unless the calls were stopped."""

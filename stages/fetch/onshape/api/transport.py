@@ -97,7 +97,7 @@ class Wire:
     def close(self) -> None:
         self._http.close()
 
-    def hang_up(self) -> None:
+    def disconnect(self) -> None:
         """Closes all connections: every waiting caller gets Lost at once. New requests may be sent.
 
         To close a socket does not wake a thread that waits for it; to shut it down does.

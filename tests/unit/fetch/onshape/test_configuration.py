@@ -101,7 +101,7 @@ def test_the_address_is_the_base_and_is_kept_word_for_word():
         ({"label": "a", "Label": "b"}, ("the parameter is given twice, by name and by id", "")),
     ],
 )
-def test_what_the_document_does_not_take_is_told_with_what_it_takes(wanted, told):
+def test_what_the_document_does_not_take_is_reported_with_what_it_takes(wanted, told):
     with pytest.raises(SourceError) as caught:
         encode("default", wanted, parameters())
     (problem,) = caught.value.problems
@@ -110,7 +110,7 @@ def test_what_the_document_does_not_take_is_told_with_what_it_takes(wanted, told
     assert problem.where.startswith("source.configuration.")
 
 
-def test_all_mistakes_are_told_at_once():
+def test_all_mistakes_are_reported_at_once():
     with pytest.raises(SourceError) as caught:
         encode("default", {"Gripper": "Wide", "count": 12, "nothing": 1}, parameters())
     assert [problem.where for problem in caught.value.problems] == [
@@ -213,7 +213,7 @@ def test_offline_a_configuration_is_built_from_what_is_kept():
         fetched(onshape(url, offline=True, configuration={"Leg length": "9 m"}), kept)
 
 
-def test_a_wrong_value_is_told_before_the_definition_is_paid_for():
+def test_a_wrong_value_is_reported_before_the_definition_is_paid_for():
     with OnshapeServer(configured_stand()) as server:
         with pytest.raises(SourceError, match="allowed: narrow, wide grip"):
             fetched(onshape(server.document_url(), configuration={"Gripper": "x"}), environ=server.environ)

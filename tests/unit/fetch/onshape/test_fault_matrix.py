@@ -92,7 +92,7 @@ def test_what_passes_ends_with_the_right_bundle(fetching, right, fault, place):
 
 
 @pytest.mark.parametrize(("fault", "place"), FINAL_AT)
-def test_what_does_not_pass_is_told_and_what_arrived_is_kept(fetching, right, fault, place):
+def test_what_does_not_pass_is_reported_and_what_arrived_is_kept(fetching, right, fault, place):
     error, met = fetching.run({PLACES[place]: FINAL[fault]})
     assert isinstance(error, TOLD[fault])
     assert error.where == fetching.server.url.removeprefix("http://")
@@ -102,7 +102,7 @@ def test_what_does_not_pass_is_told_and_what_arrived_is_kept(fetching, right, fa
 
 @pytest.mark.parametrize("place", PLACES)
 @pytest.mark.parametrize("fault", {**PASSING, **SLOW})
-def test_what_never_passes_is_told_after_a_few_attempts(fetching, right, fault, place):
+def test_what_never_passes_is_reported_after_a_few_attempts(fetching, right, fault, place):
     error, met = fetching.run({PLACES[place]: {**PASSING, **SLOW}[fault]}, stubborn=True)
     assert type(error) is TOLD.get(fault, ProtocolError)
     assert_resumes(fetching, right, met)

@@ -145,7 +145,7 @@ def test_two_edits_between_builds_are_one(server, kept):
     assert same_as_cold(server, made.bundle)
 
 
-def test_with_one_studio_asking_anew_costs_less_than_asking_what_changed(kept):
+def test_with_one_studio_asking_again_costs_less_than_asking_what_changed(kept):
     document = Document("One")
     part = document.studio("S").part("P", solids.box(0.1, 0.1, 0.1), density=1000)
     document.assembly("One").add(part)
@@ -397,7 +397,7 @@ class TestMostCalls:
             build(server, kept, max_calls=1)
 
 
-def test_what_a_failed_fetch_spent_is_told(server, kept):
+def test_what_a_failed_fetch_spent_is_reported(server, kept):
     spent = Calls()
     server.fault = lambda method, path, number: Fault(403) if number == 5 else None
     with pytest.raises(SourceError):
@@ -406,7 +406,7 @@ def test_what_a_failed_fetch_spent_is_told(server, kept):
     assert spent.remaining["assembly definition"] < 1000
 
 
-def test_the_plan_is_told_before_the_first_call_beyond_the_definition(server, kept):
+def test_the_plan_is_reported_before_the_first_call_beyond_the_definition(server, kept):
     lines = []
     build(server, kept, lines)
     assert lines == ["asking for the assembly definition", "5 part studios: 10 calls, 0 kept"]

@@ -119,7 +119,7 @@ def test_bare_numbers_are_si(value, kind, text):
     assert expression(value, kind) == text
 
 
-def test_all_variables_that_the_document_lacks_are_told_and_nothing_is_written(server, kept):
+def test_all_variables_that_the_document_lacks_are_reported_and_nothing_is_written(server, kept):
     with pytest.raises(SourceError) as caught:
         fetched(keys(server, {**TALL, "Leglength": 1, "Width": 2}), kept, server.environ)
     assert [problem.where for problem in caught.value.problems] == [

@@ -136,7 +136,7 @@ def test_inverted_limits_change_sides_and_sign_but_those_along_x_do_not(kit: Kit
     }  # fmt: skip
 
 
-def test_a_cylindrical_joint_only_turns_about_where_its_first_side_is_and_that_is_told(kit: Kit) -> None:
+def test_a_cylindrical_joint_only_turns_about_where_its_first_side_is_and_that_is_reported(kit: Kit) -> None:
     base, arm = (kit.place(name) for name in ("Base", "Arm"))
     limits = ((-1, 1), (-2, 2))
     kit.root.cylindrical("dof_a", (arm, SIDE), (base, TOP), value=(0.2, 0.3), limits=limits)
@@ -154,7 +154,7 @@ def test_a_joint_without_a_name_is_refused(kit: Kit) -> None:
     assert codes(read(kit)[2]) == ["E-PEER-NAME"]
 
 
-def test_mates_that_the_tool_passes_over_are_passed_over_and_told(kit: Kit) -> None:
+def test_mates_that_the_tool_passes_over_are_passed_over_and_reported(kit: Kit) -> None:
     base, arm = (kit.place(name) for name in ("Base", "Arm"))
     kit.root.revolute("dof_a", (arm, HERE), (base, TOP))
     kit.root.revolute("Hinge", (arm, HERE), (base, TOP), redundant=True)

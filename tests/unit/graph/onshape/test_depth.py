@@ -209,7 +209,7 @@ def test_without_a_mate_to_it_the_origin_is_no_body(kit: Kit) -> None:
     assert len(bodies.members) == 2
 
 
-def test_welds_from_outside_join_bodies_and_their_mates_are_not_told_again(kit: Kit) -> None:
+def test_welds_from_outside_join_bodies_and_their_mates_are_not_reported_again(kit: Kit) -> None:
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE))
     kit.root.revolute("Other", (arm, SIDE), (base, TOP), closing=True)
@@ -219,7 +219,7 @@ def test_welds_from_outside_join_bodies_and_their_mates_are_not_told_again(kit: 
     assert told(log) == []
 
 
-def test_a_mate_inside_one_body_is_told(kit: Kit) -> None:
+def test_a_mate_inside_one_body_is_reported(kit: Kit) -> None:
     base, plate = kit.place("Base", fixed=True), kit.place("Plate")
     kit.root.fasten("Bolt", (plate, TOP), (base, TOP))
     kit.root.revolute("Stuck", (plate, SIDE), (base, SIDE), closing=True)
@@ -306,13 +306,13 @@ def test_an_assembly_that_is_all_hidden_has_no_parts(kit: Kit) -> None:
         hidden(kit, "Base <1>")
 
 
-def test_nothing_is_told_where_nothing_is_hidden(nested: Kit) -> None:
+def test_nothing_is_reported_where_nothing_is_hidden(nested: Kit) -> None:
     assembly, log = hidden(nested)
     assert not told(log)
     assert len(assembly.mates) == 8
 
 
-def test_hidden_instances_are_told_by_name_up_to_ten(kit: Kit) -> None:
+def test_hidden_instances_are_reported_by_name_up_to_ten(kit: Kit) -> None:
     kit.place("Base", fixed=True)
     for number in range(14):
         kit.place(f"Bolt {number:02}", hidden=True)

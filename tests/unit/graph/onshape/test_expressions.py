@@ -177,7 +177,7 @@ def test_lengths(text: str, metres: float) -> None:
         ("+".join(["1"] * 999), "it has more than 400 tokens"),
     ],
 )
-def test_what_has_no_value_is_told(text: str, told: str) -> None:
+def test_what_has_no_value_is_reported(text: str, told: str) -> None:
     with pytest.raises(ExpressionError) as caught:
         angle(text)
     assert told in str(caught.value)
@@ -190,7 +190,7 @@ def test_an_unknown_variable_is_named_however_deep_it_lies() -> None:
     assert caught.value.name == "lost"
 
 
-def test_variables_that_define_each_other_are_told() -> None:
+def test_variables_that_define_each_other_are_reported() -> None:
     scope = Scope({"a": "#b", "b": "#c", "c": "#b"})
     with pytest.raises(ExpressionError, match="#b → #c → #b"):
         evaluate("#a", scope)

@@ -116,7 +116,7 @@ def test_a_variable_that_nobody_gives_is_named_with_its_expression() -> None:
     assert "the variable #Reach is not known" in message
 
 
-def test_what_the_user_says_settles_limits_that_are_not_known() -> None:
+def test_what_the_user_says_resolves_limits_that_are_not_known() -> None:
     robot = arm(variables=False, keys={"joints": {"turn": {"limits": [-1, 1]}}})
     assert limits(robot)["turn"] == (-1, 1)
     assert told(robot).keys() == {"curl"}
@@ -129,20 +129,20 @@ def test_a_length_is_no_angle() -> None:
     assert "expected an angle, got a length" in told(robot)["turn"]
 
 
-def test_limits_the_wrong_way_round_are_left_out_and_told() -> None:
+def test_limits_the_wrong_way_round_are_left_out_and_reported() -> None:
     robot = arm(low="90 deg", high="-90 deg")
     assert limits(robot)["turn"] == (None, None)
     assert "its lower limit 1.5708 lies above the upper one, -1.5708" in told(robot)["turn"]
 
 
-def test_a_mate_that_the_list_lacks_is_told() -> None:
+def test_a_mate_that_the_list_lacks_is_reported() -> None:
     def drop(body: dict) -> None:
         body["features"] = [one for one in body["features"] if one["name"] != "Turn"]
 
     assert told(arm(drop)) == {"turn": "its limits in CAD are unknown: the list of features lacks this mate"}
 
 
-def test_without_a_list_every_joint_of_it_is_told() -> None:
+def test_without_a_list_every_joint_of_it_is_reported() -> None:
     definition, replies = arm_replies()
     masses = {request: body for request, body in replies.items() if "massproperties" in request}
     robot = build_robot(recorded(definition, masses), plan_of())
@@ -338,7 +338,7 @@ def test_an_expression_counts_beside_a_field_that_calls_itself_empty_with_a_word
     assert f"limitZMax is {text!r} beside 'No maximum'" in said
 
 
-def test_a_doubtful_limit_is_told_until_yaml_settles_it() -> None:
+def test_a_doubtful_limit_is_reported_until_yaml_resolves_it() -> None:
     def contradict(body: dict) -> None:
         parameter(body, "Push", "limitZMax")["nullValue"] = "No maximum"
         parameter(body, "Push", "limitZMin")["nullValue"] = "No minimum"

@@ -201,7 +201,7 @@ def test_a_negative_mass_names_the_part(kit: Kit) -> None:
         build_robot(with_body(bundle, digest, json.dumps(tree).encode()), plan_of())
 
 
-def test_limits_that_are_not_known_are_told_for_the_mate_that_stands_for_theirs(kit: Kit) -> None:
+def test_limits_that_are_not_known_are_reported_for_the_mate_that_stands_for_theirs(kit: Kit) -> None:
     base, one = arm(kit)
     kit.root.revolute("Second", (one, ON), (base, SIDE), limits=(-0.5, 0.5), redundant=True)
     at = ("rootAssembly", "features", 1, "featureData", "mateLimits")
@@ -211,7 +211,7 @@ def test_limits_that_are_not_known_are_told_for_the_mate_that_stands_for_theirs(
     assert "Second" in told.message
 
 
-def test_a_connector_that_would_name_the_origin_is_told(kit: Kit) -> None:
+def test_a_connector_that_would_name_the_origin_is_reported(kit: Kit) -> None:
     one = kit.place("Arm")
     kit.root.revolute("Elbow", (one, ON), (ORIGIN, SIDE), limits=(-1, 1))
     kit.root.connector("link_ground", ORIGIN, np.eye(4))

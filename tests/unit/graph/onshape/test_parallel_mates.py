@@ -345,7 +345,7 @@ def test_a_slide_that_follows_in_proportion_bounds_the_joint() -> None:
     assert limits_of(pair.only()) == {"limitZMin": -0.5, "limitZMax": 1.5}
 
 
-def test_limits_that_nothing_in_the_joint_follows_are_told() -> None:
+def test_limits_that_nothing_in_the_joint_follows_are_reported() -> None:
     pair = Pair()
     pair.mate("a", "REVOLUTE", frame())
     pair.mate("b", "PLANAR", frame(Z, (1, 0, 0)), 0.3, 0.2, 0.4, limits={"limitXMax": 0.6})
@@ -355,14 +355,14 @@ def test_limits_that_nothing_in_the_joint_follows_are_told() -> None:
 
 
 @pytest.mark.parametrize(("limit", "codes"), [(0.6, ["I-COMPOSED"]), (0.2, ["I-COMPOSED", "W-LIMIT-LOST"])])
-def test_limits_of_what_stays_as_it_is_are_told_only_where_they_are_not_met(limit, codes) -> None:
+def test_limits_of_what_stays_as_it_is_are_reported_only_where_they_are_not_met(limit, codes) -> None:
     pair = Pair()
     pair.mate("a", "REVOLUTE", frame())
     pair.mate("b", "CYLINDRICAL", frame(), 0.3, 0.2, limits={"limitZMax": limit})
     assert pair.combined()[1] == codes
 
 
-def test_limits_that_exclude_each_other_are_told() -> None:
+def test_limits_that_exclude_each_other_are_reported() -> None:
     pair = Pair()
     pair.mate("a", "REVOLUTE", frame(), limits={"limitAxialZMin": -2.0, "limitAxialZMax": -1.0})
     pair.mate("b", "REVOLUTE", frame(), limits={"limitAxialZMin": 1.0, "limitAxialZMax": 2.0})
@@ -383,7 +383,7 @@ def test_of_two_balls_in_one_place_the_narrower_cone_holds() -> None:
     assert limits_of(pair.only()) == {"limitEulerConeAngleMax": 0.4}
 
 
-def test_a_cone_about_other_axes_is_told_as_lost() -> None:
+def test_a_cone_about_other_axes_is_reported_as_lost() -> None:
     pair = Pair()
     pair.mate("a", "BALL", frame(), (1, 0.1, 0, 0))
     pair.mate("b", "BALL", frame(X), (1, 0, 0.2, 0), limits={"limitEulerConeAngleMax": 0.4})

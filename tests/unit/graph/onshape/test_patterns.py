@@ -289,7 +289,7 @@ def test_mirror_weld_does_not_freeze_what_lies_between_two_mates_of_a_copy(kit: 
     assert codes(log) == ["I-PATTERN"]
 
 
-def test_relations_of_seeds_are_not_copied_and_that_is_told(kit: Kit) -> None:
+def test_relations_of_seeds_are_not_copied_and_that_is_reported(kit: Kit) -> None:
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     other = kit.place("Other")
     joint = kit.root.revolute("Joint", (arm, TOP), (base, SIDE))
@@ -313,7 +313,7 @@ def _without(ident: str):
     return edit
 
 
-def test_a_suppressed_copy_is_absent_and_a_suppressed_seed_is_told(kit: Kit) -> None:
+def test_a_suppressed_copy_is_absent_and_a_suppressed_seed_is_reported(kit: Kit) -> None:
     _, arm = draw(kit, "revolute", 0.4)
     ((second, third),) = kit.root.pattern("Row", [arm], [frame((0.2, 0, 0)), frame((0.4, 0, 0))])
     assembly, log = drawn(kit, edit=_without(second.last.id))
@@ -360,7 +360,7 @@ def test_a_copy_that_is_listed_twice_counts_once_and_missing_keys_do_not_matter(
     assert codes(log) == ["I-PATTERN"]
 
 
-def test_a_mirror_that_made_another_part_is_told(kit: Kit) -> None:
+def test_a_mirror_that_made_another_part_is_reported(kit: Kit) -> None:
     _, arm = draw(kit, "revolute", 0.4)
     (image,) = kit.root.mirror("Image", [arm], PLANE)
 
@@ -372,7 +372,7 @@ def test_a_mirror_that_made_another_part_is_told(kit: Kit) -> None:
     assert [(told.code, told.where) for told in log.found] == [("W-PATTERN", "Image")]
 
 
-def test_a_mate_with_one_mirrored_side_is_told(kit: Kit) -> None:
+def test_a_mate_with_one_mirrored_side_is_reported(kit: Kit) -> None:
     _, arm = draw(kit, "revolute", 0.4)
     (image,) = kit.root.mirror("Image", [arm], PLANE)
     assembly, log = drawn(kit, edit=_mated(image.path))

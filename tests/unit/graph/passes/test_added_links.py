@@ -120,7 +120,7 @@ def test_an_added_joint_moves_its_link_about_its_axis(asked, kind, limits):
     assert problems(log) == []
 
 
-def test_what_moves_without_mass_is_told():
+def test_what_moves_without_mass_is_reported():
     robot, log = added(arm(), wheel={"parent": "arm", "joint": "revolute"})
     check_links(robot, log)
     assert problems(log) == [("E-MASS", "wheel")]
@@ -179,7 +179,7 @@ def test_two_links_above_each_other():
         ({"a": {"parent": "base", "joint": {"name": "a"}}}, "links.a", "the name 'a' is taken"),
     ],
 )
-def test_a_link_that_cannot_be_is_told(links, where, text):
+def test_a_link_that_cannot_be_is_reported(links, where, text):
     _, log = added(arm(), **links)
     assert where in [one.where for one in log.problems]
     assert text in " ".join(one.message for one in log.problems)
@@ -238,5 +238,5 @@ def test_an_added_frame_is_where_it_is_said_to_be():
         ({"arm_joint": {"link": "base"}}, ("E-NAME", "frames.add.arm_joint")),
     ],
 )
-def test_a_frame_that_cannot_be_is_told(frames, told):
+def test_a_frame_that_cannot_be_is_reported(frames, told):
     assert problems(framed(arm(), **frames)[1]) == [told]

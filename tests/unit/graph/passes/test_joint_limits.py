@@ -110,7 +110,7 @@ def test_a_saved_turn_is_taken_into_its_limits(saved, low, high, want) -> None:
     assert given(robot, {})[0].dofs[0].saved == pytest.approx(want, abs=1e-12)
 
 
-def test_dynamics_that_act_on_nothing_are_told_unless_meant_for_all() -> None:
+def test_dynamics_that_act_on_nothing_are_reported_unless_meant_for_all() -> None:
     robot = robot_with(
         [joint("revolute", "base", "arm", name="elbow")],
         loops=[loop("revolute", "arm", "base", at(0), at(0), name="close")],
@@ -120,7 +120,7 @@ def test_dynamics_that_act_on_nothing_are_told_unless_meant_for_all() -> None:
     assert not told(given(robot, wanted(**{"*": {"damping": 1}}))[1])
 
 
-def test_missing_limits_are_told_with_one_block_that_settles_them(arm: Robot) -> None:
+def test_missing_limits_are_reported_with_one_block_that_resolves_them(arm: Robot) -> None:
     _, log = checked(arm, {"left_hip": "the list of features is not there"})
     assert told(log) == [("W-LIMIT", "left_hip"), ("W-LIMIT", "lift_turn"), ("W-LIMIT", "lift_slide")]
     assert [one.message for one in log.found] == [
@@ -146,12 +146,12 @@ def test_what_follows_another_is_bounded_by_its_driver(arm: Robot) -> None:
     assert told(log) == [("W-LIMIT", "lift_turn"), ("W-LIMIT", "lift_slide")]
 
 
-def test_a_joint_that_cad_does_not_have_is_not_mended_there() -> None:
+def test_a_joint_that_cad_does_not_have_is_not_corrected_there() -> None:
     robot = robot_with([replace(joint("revolute", "base", "arm", name="elbow"), mate=None)])
     assert checked(robot)[1].found[0].hint == "joints: {elbow: {limits: [low, high]}}  # rad"
 
 
-def test_an_added_joint_that_is_to_be_open_is_not_told() -> None:
+def test_an_added_joint_that_is_to_be_open_is_not_reported() -> None:
     asked = {
         "wheel": "continuous",
         "drawer": {"type": "prismatic", "limits": [None, None]},
@@ -181,7 +181,7 @@ def test_equal_limits_lock_with_a_little_play(kind, unit) -> None:
     assert robot.dofs[0].limits == Limits(0.5 - LOCKED_PLAY, 0.5 + LOCKED_PLAY)
 
 
-def test_a_saved_pose_outside_its_limits_is_told() -> None:
+def test_a_saved_pose_outside_its_limits_is_reported() -> None:
     assert told(checked(limited("prismatic", 0.5, 0.0, 0.4))[1]) == [("W-SAVED-POSE", "elbow")]
     assert not told(checked(limited("prismatic", 0.4 + 1e-7, 0.0, 0.4))[1])
     tilted = (math.cos(0.4), math.sin(0.4) * 0.6, math.sin(0.4) * 0.8, 0.0)
@@ -199,7 +199,7 @@ def test_a_cone_that_is_none_is_refused(cone) -> None:
 
 
 @pytest.mark.parametrize("kind", LOOPS)
-def test_a_loops_limits_are_told_where_no_simulation_has_them(kind) -> None:
+def test_a_loops_limits_are_reported_where_no_simulation_has_them(kind) -> None:
     bare = loop(kind, "arm", "base", at(0), at(0), name="close")
     limits = {dof.name: Limits(None if dof.kind == "ball" else -1.0, 1.0) for dof in bare.dofs}
     closing = loop(kind, "arm", "base", at(0), at(0), name="close", limits=limits)

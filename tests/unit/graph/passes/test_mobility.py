@@ -223,7 +223,7 @@ def drawn_with(robot: Robot, relations) -> Robot:
     return robot_with(robot.joints, loops=robot.loops, relations=relations)
 
 
-def test_redundancy_is_told_of_the_later_loop_by_name() -> None:
+def test_redundancy_is_reported_the_later_loop_by_name() -> None:
     """Two equal mates close one ring: the second says nothing at all."""
     four = polygon((0, 0), (0.1, 0.3), (0.5, 0.4), (0.6, 0))
     (one,) = four.loops

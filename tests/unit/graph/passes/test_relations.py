@@ -97,7 +97,7 @@ def test_each_relation_joins_its_dofs_by_its_factor(kind, names, factor, driver,
         (spec("CAM", "r1", "r2"), "a CAM relation is not supported"),
     ],
 )
-def test_what_a_relation_cannot_mean_is_told_by_name(one: RelationSpec, why: str) -> None:
+def test_what_a_relation_cannot_mean_is_reported_by_name(one: RelationSpec, why: str) -> None:
     robot = robot_of(r1=[0.0], r2=[0.0], p1=[0.0], c1=[0.0] * 2, c2=[0.0] * 2, q1=[0.0] * 3, b1=None)
     closing = loop("revolute", "link_r1", "link_r2", at(0), at(0), name="close")
     found, log = related(robot_with(robot.joints, loops=[closing]), one)
@@ -121,7 +121,7 @@ def test_a_relation_that_contradicts_itself_is_refused(one: RelationSpec, why: s
     assert [(p.code, p.message) for p in log.problems] == [("E-RELATION", why)]
 
 
-def test_an_offset_is_kept_and_told_and_never_traded_for_the_opposite_sign() -> None:
+def test_an_offset_is_kept_and_reported_and_never_traded_for_the_opposite_sign() -> None:
     found, log = related(robot_of(r1=[0.2], r2=[0.5]), spec("GEAR", "r1", "r2"))
     assert rules(found) == [("r2", "r1", -1.0, pytest.approx(0.7))]
     assert told(log) == ["W-RELATION-OFFSET"]
@@ -197,7 +197,7 @@ def test_a_glob_without_a_relation_is_an_error_that_lists_them() -> None:
 @pytest.mark.parametrize(
     ("kind", "names"), [("CAM", "r1 r2"), ("SCREW", "r1"), ("GEAR", "r1 r1"), ("GEAR", "r2 r1")]
 )
-def test_what_is_dropped_is_not_told_of(kind: str, names: str) -> None:
+def test_what_is_dropped_is_not_reported(kind: str, names: str) -> None:
     robot, right = robot_of(r1=[0.0], r2=[0.0]), spec("GEAR", "r1", "r2", title="Right")
     wrong = spec(kind, *names.split())
     assert told(related(robot, right, wrong)[1])
@@ -330,7 +330,7 @@ def test_names_are_free_and_do_not_depend_on_the_order() -> None:
         assert [one.name for one in found.relations] == ["r1_2", "relation"]
 
 
-def test_limits_that_exclude_what_the_driver_gives_are_told() -> None:
+def test_limits_that_exclude_what_the_driver_gives_are_reported() -> None:
     def limited(name, low, high):
         return joint("revolute", "base", f"link_{name}", [0.0], name=name, limits={name: Limits(low, high)})
 

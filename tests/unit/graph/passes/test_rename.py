@@ -103,7 +103,7 @@ def test_the_dof_of_a_hinge_is_called_as_the_hinge():
         ({"joints": {"Revolute 3": "leg_2_piston_slide"}}, ("E-NAME", "names", "_slide' is taken")),
     ],
 )
-def test_a_name_that_cannot_be_given_is_told(asked, told):
+def test_a_name_that_cannot_be_given_is_reported(asked, told):
     _, log = called(**asked)
     (problem,) = log.problems
     assert (problem.code, problem.where) == told[:2]

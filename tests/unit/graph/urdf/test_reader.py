@@ -61,7 +61,7 @@ def refused(text: str, **keys: object) -> list[tuple[str, str]]:
     return [(one.code, one.where) for one in caught.value.problems]
 
 
-def test_everything_that_is_no_tree_is_told_at_once() -> None:
+def test_everything_that_is_no_tree_is_reported_at_once() -> None:
     text = robot_text(
         *(link(name) for name in ("a", "b", "c", "d", "e", "f")),
         joint("twice", "a", "b"),
@@ -222,7 +222,7 @@ def test_the_nearest_inertia_changes_nothing_but_what_must() -> None:
 
 
 @pytest.mark.parametrize("where", ["visual", "collision"])
-def test_an_inertia_made_anew_is_that_of_the_even_solid(where: str) -> None:
+def test_an_inertia_made_again_is_that_of_the_even_solid(where: str) -> None:
     box = f'<{where}><origin xyz="0.1 0 0"/><geometry><box size="0.2 0.4 0.6"/></geometry></{where}>'
     text = robot_text(link("a"), link("b", box + inertial(3.0, 1, 1, 3)), joint("j", "a", "b"))
     robot = urdf_robot(text, policy="recompute")
@@ -441,7 +441,7 @@ def test_keys_about_assemblies_are_refused_by_name() -> None:
     assert problems == [("E-SOURCE-KEY", key) for key in ("depth", "mass.parts", "mirror")]
 
 
-def test_a_mass_of_the_users_own_settles_an_inertia() -> None:
+def test_a_mass_of_the_users_own_resolves_an_inertia() -> None:
     text = robot_text(link("a", inertial(1.0, 1, 1, 3)))
     mass = {"links": {"a": {"inertia": [1, 1, 1.5, 0, 0, 0]}}}
     assert urdf_robot(text, plan_of(mass=mass)).root.inertial.inertia[2, 2] == 1.5

@@ -109,13 +109,13 @@ def test_subtrees_of_unlike_depth_move_together():
         ("free", Limits(), "free"),
     ],
 )
-def test_limits_are_told_in_degrees_and_millimetres(kind, given, words):
+def test_limits_are_reported_in_degrees_and_millimetres(kind, given, words):
     made = joint(kind, "base", "arm", limits={"arm_joint": given})
     assert limits(made.dofs[0]) == words
 
 
 @pytest.mark.parametrize(("value", "words"), [(-1e-15, "0"), (90.00000000001, "90"), (-1.5, "-1.5")])
-def test_numbers_are_told_without_noise(value, words):
+def test_numbers_are_reported_without_noise(value, words):
     assert decimal(value) == words
 
 
@@ -128,7 +128,7 @@ def test_numbers_are_told_without_noise(value, words):
         ("prismatic", "revolute", math.pi / 0.18, 0.0, "1 deg/mm × a_joint"),
     ],
 )
-def test_a_follower_is_told_in_the_units_of_its_range(driver, follower, multiplier, offset, words):
+def test_a_follower_is_reported_in_the_units_of_its_range(driver, follower, multiplier, offset, words):
     relation = Relation("r", "b_joint", "a_joint", multiplier, offset)
     robot = robot_with([joint(driver, "base", "a"), joint(follower, "a", "b")], relations=[relation])
     assert rules(robot)[relation.follower] == words

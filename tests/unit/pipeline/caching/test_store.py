@@ -35,7 +35,7 @@ def test_a_blob_with_other_bytes_than_its_digest_is_missing(store):
     assert not store.intact(digest, 5)
 
 
-def test_putting_a_harmed_blob_again_mends_it(store):
+def test_putting_a_harmed_blob_again_repairs_it(store):
     digest = store.put(b"hello")
     blob_path(store, digest).chmod(0o644)
     blob_path(store, digest).write_bytes(b"hell")

@@ -118,7 +118,7 @@ def test_a_certificate_that_the_user_names_is_trusted(monkeypatch):
         ("elsewhere.pem", "elsewhere.pem", ["for another host", "source.url"]),
     ],
 )
-def test_a_certificate_that_is_not_to_be_trusted_is_told_once(monkeypatch, certificate, trusted, said):
+def test_a_certificate_that_is_not_to_be_trusted_is_reported_once(monkeypatch, certificate, trusted, said):
     monkeypatch.delenv("SSL_CERT_FILE", raising=False)
     if trusted:
         monkeypatch.setenv("SSL_CERT_FILE", str(TLS / trusted))
@@ -130,7 +130,7 @@ def test_a_certificate_that_is_not_to_be_trusted_is_told_once(monkeypatch, certi
         assert words in message
 
 
-def test_a_server_without_tls_is_told():
+def test_a_server_without_tls_is_reported():
     with serving(well) as (port, _):
         message = told(f"https://127.0.0.1:{port}")
     assert "no secure connection to 127.0.0.1: TLS failed" in message
@@ -144,7 +144,7 @@ def test_a_server_without_tls_is_told():
         (socket.EAI_FAIL, "cad.onshape.com cannot be reached: its name is not found (DNS: it failed)"),
     ],
 )
-def test_a_name_that_leads_nowhere_is_told(monkeypatch, number, said):
+def test_a_name_that_leads_nowhere_is_reported(monkeypatch, number, said):
     def unknown(*_, **__):
         raise socket.gaierror(number, "it failed")
 
@@ -163,7 +163,7 @@ def test_a_name_that_leads_nowhere_is_told(monkeypatch, number, said):
         (errno.EACCES, "permission denied"),
     ],
 )
-def test_a_connection_that_is_not_made_is_told(monkeypatch, number, said):
+def test_a_connection_that_is_not_made_is_reported(monkeypatch, number, said):
     def refused(*_, **__):
         raise OSError(number, "Permission denied")
 
@@ -171,7 +171,7 @@ def test_a_connection_that_is_not_made_is_told(monkeypatch, number, said):
     assert said in told(WORLD)
 
 
-def test_a_server_that_hangs_up_is_told():
+def test_a_server_that_hangs_up_is_reported():
     def hang_up(handler):
         handler.close_connection = True
 
@@ -189,7 +189,7 @@ def test_a_proxy_that_is_not_there_is_named_without_its_password(monkeypatch, na
     assert "hunter22" not in message
 
 
-def test_a_word_that_is_taken_for_a_proxy_is_told(monkeypatch):
+def test_a_word_that_is_taken_for_a_proxy_is_reported(monkeypatch):
     def unknown(*_, **__):
         raise socket.gaierror(socket.EAI_NONAME, "Name or service not known")
 
@@ -206,7 +206,7 @@ def test_a_word_that_is_taken_for_a_proxy_is_told(monkeypatch):
         (502, 3, ["refuses to connect to cad.onshape.com (502)", "tried 3 times"]),
     ],
 )
-def test_a_proxy_that_lets_nothing_through_is_told(monkeypatch, code, times, said):
+def test_a_proxy_that_lets_nothing_through_is_reported(monkeypatch, code, times, said):
     with serving(status(code)) as (port, asked):
         monkeypatch.setenv("HTTPS_PROXY", f"http://user:hunter22@127.0.0.1:{port}")
         message = told(WORLD)
@@ -280,13 +280,13 @@ def test_this_computers_own_servers_need_no_proxy():
     network_settings.require({"HTTPS_PROXY": "ftp://x"}, proxies=False)
 
 
-def test_exceptions_from_proxies_that_cannot_be_read_are_told(monkeypatch):
+def test_exceptions_from_proxies_that_cannot_be_read_are_reported(monkeypatch):
     monkeypatch.setenv("NO_PROXY", "[::1")
     with pytest.raises(ConfigError, match="the proxy settings cannot be read"):
         asked_of(WORLD)
 
 
-def test_a_build_that_will_call_is_told_before_it_begins():
+def test_a_build_that_will_call_is_reported_before_it_begins():
     key = {"ONSHAPE_ACCESS_KEY": "access-key", "ONSHAPE_SECRET_KEY": "secret-key"}
     wrong = {**key, "HTTPS_PROXY": "ftp://x"}
     with pytest.raises(ConfigError, match="HTTPS_PROXY: it is not the address of a proxy"):

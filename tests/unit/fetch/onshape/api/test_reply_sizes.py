@@ -168,7 +168,7 @@ def test_gzip_of_one_member_or_several_is_unpacked(pieces):
     assert max(map(len, unpacked([bomb(16 * MB)], "gzip"))) <= 1 << 18
 
 
-def test_what_is_harmed_is_told():
+def test_what_is_harmed_is_reported():
     packed = gzip.compress(b"{}" * 1000)
     for harmed in (packed[:-1], packed[:-9], packed[:3], b"no gzip at all", packed + b"and more"):
         with pytest.raises(DamagedError):
@@ -235,7 +235,7 @@ def test_few_triangles_that_are_many_are_refused(monkeypatch):
     assert len(faces.read(json.dumps(parts[:4]).encode())) == 4
 
 
-def test_more_colours_than_are_kept_are_told(monkeypatch):
+def test_more_colours_than_are_kept_are_reported(monkeypatch):
     monkeypatch.setattr(codec, "_MOST_COLOURS", 100)
     drawn = [
         {"appearance": {"color": [n >> 16, n >> 8 & 255, n & 255]}, "facets": [{"indices": [0, 1, 2]}]}

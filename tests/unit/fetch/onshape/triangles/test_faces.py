@@ -164,7 +164,7 @@ def test_bodies_are_found_by_name_and_only_those_wanted_are_read():
         ),
     ],
 )
-def test_what_is_no_reply_with_triangles_is_told(reply, why):
+def test_what_is_no_reply_with_triangles_is_reported(reply, why):
     with pytest.raises(ProtocolError) as caught:
         faces.compact(reply)
     assert why in str(caught.value)

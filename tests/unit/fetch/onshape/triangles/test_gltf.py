@@ -61,7 +61,7 @@ def corners(body, row):
 
 
 @pytest.mark.parametrize("up", ["z", "y"])
-def test_bodies_are_told_apart_by_their_figures_whichever_axis_is_up(up):
+def test_bodies_are_distinguished_by_their_figures_whichever_axis_is_up(up):
     of = studio()
     for order in ([0, 1, 2, 3], [3, 1, 0, 2]):
         reply = gltf(of.parts, appearances=True, up=up, order=order)

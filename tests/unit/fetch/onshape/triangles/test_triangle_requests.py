@@ -158,7 +158,7 @@ def test_gltf_stands_in_for_tessellated_faces_that_are_refused(fault, tmp_path):
     assert fetched(zipped_source(tmp_path / "rack.zip")).bundle == found.bundle
 
 
-def test_where_gltf_is_refused_too_the_first_refusal_is_told():
+def test_where_gltf_is_refused_too_the_first_refusal_is_reported():
     kept = Kept()
     with OnshapeServer(rack(2, 0)) as server:
         server.fault = lambda method, path, number: (
