@@ -1,5 +1,6 @@
 """The generated reference is that of the schema, whole, and its examples are valid."""
 
+import functools
 import json
 import re
 from collections.abc import Iterator
@@ -65,17 +66,19 @@ def test_an_example_is_valid(key, annotation, value):
 
 @pytest.mark.parametrize("entry", KEYS, ids=lambda entry: f"{entry.source}.{entry.key}")
 def test_the_schema_takes_each_example(entry):
-    jsonschema.validate(yaml.safe_load(entry.example), schema())
+    validator().validate(yaml.safe_load(entry.example))
 
 
-def schema():
-    return json.loads(SCHEMA.read_text(encoding="utf-8"))
+@functools.cache
+def validator():
+    schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
 
 
 @pytest.mark.parametrize("name", ["robot.sample", "robot.bare", "build"])
 def test_the_schema_takes_a_whole_configuration(name):
-    jsonschema.Draft202012Validator.check_schema(schema())
-    jsonschema.validate(yaml.safe_load((GOLDEN / f"{name}.yaml").read_text(encoding="utf-8")), schema())
+    validator().validate(yaml.safe_load((GOLDEN / f"{name}.yaml").read_text(encoding="utf-8")))
 
 
 @pytest.mark.parametrize(
@@ -87,7 +90,7 @@ def test_the_schema_takes_a_whole_configuration(name):
     ],
 )
 def test_the_schema_accepts_every_valid_robot(text):
-    jsonschema.validate(yaml.safe_load(text), schema())
+    validator().validate(yaml.safe_load(text))
 
 
 @pytest.mark.parametrize(
@@ -96,7 +99,7 @@ def test_the_schema_accepts_every_valid_robot(text):
 )
 def test_the_schema_refuses_what_the_configuration_does(text):
     with pytest.raises(jsonschema.ValidationError):
-        jsonschema.validate(yaml.safe_load(text), schema())
+        validator().validate(yaml.safe_load(text))
 
 
 def test_the_help_lists_every_key_and_variable():
