@@ -10,6 +10,7 @@ import pytest
 from pipeline.config.compose import compose_plan
 from pipeline.options import UsageError, parse
 from stages.robot.errors import ConfigError
+from tests.support.cases import mostly_slow
 from tests.support.users import URL, write
 
 GLOBAL = "# @package _global_\n"
@@ -54,7 +55,7 @@ def commands(hint, typed):
 
 @pytest.mark.parametrize(
     "typed",
-    [
+    mostly_slow([
         ["my_arm"],
         ["robot/my_arm.yaml"],
         ["arm.urdf"],
@@ -76,7 +77,7 @@ def commands(hint, typed):
         ["source=bundle"],
         ["source=onshape"],
         ["source=sample", "vars.x=a b (c) ~"],
-    ],
+    ], keep=12),
     ids=" ".join,
 )  # fmt: skip
 def test_a_hint_can_be_pasted(here, typed):

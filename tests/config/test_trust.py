@@ -211,6 +211,7 @@ def test_a_file_sets_the_swept_values_and_the_command_line_wins(tmp_path):
     assert len(build.plans) == 1
 
 
+@pytest.mark.slow
 def test_a_file_sets_the_folders_of_a_sweep_and_its_jobs(tmp_path):
     keys = (
         "hydra: {sweep: {dir: 'sweeps/${name}', subdir: '${hydra.job.num}_${hydra.job.override_dirname}'}}\n"
@@ -241,6 +242,7 @@ def test_robots_of_one_sweep_agree_on_how_it_runs(tmp_path, capsys):
     assert "has no effect: the file that sets it is itself swept" in refuses(["-m", "robot=a,b"], capsys)
 
 
+@pytest.mark.slow
 def test_hydras_account_has_what_was_typed_and_what_all_jobs_start_from(tmp_path):
     import yaml
 

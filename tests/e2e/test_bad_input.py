@@ -157,6 +157,7 @@ def test_a_zip_that_climbs_out_of_its_folder_writes_nothing(tmp_path: Path) -> N
     assert not (tmp_path / "evil.txt").exists()
 
 
+@pytest.mark.slow
 def test_a_failed_build_leaves_the_last_good_one_and_its_own_report(tmp_path: Path) -> None:
     bundle = tmp_path / "arm.zip"
     bundle.write_bytes(bundle_bytes(sample_document()))
@@ -178,6 +179,7 @@ def test_a_folder_in_which_nothing_can_be_made_is_one_message(tmp_path: Path, sw
     refused(tmp_path, 1, [*sweep, "output=/proc/robot"], "/proc/robot", "cannot be written")
 
 
+@pytest.mark.slow
 def test_a_sweep_over_a_file_is_refused_before_its_jobs(tmp_path: Path) -> None:
     (tmp_path / "taken").write_text("mine")
     assert "job 0" not in refused(tmp_path, 2, ["-m", "root=auto,free", "output=taken"], "taken is a file")

@@ -16,8 +16,9 @@ SO101 = SHARED / "data/robots/so101/Simulation/SO101"
 REAL = pytest.mark.skipif(not SO101.exists(), reason="needs the real robots in ../shared")
 
 
+@pytest.mark.slow
 @REAL
-@pytest.mark.parametrize("name", mostly_slow(["scene.xml", "so101_old_calib.xml"], keep=1))
+@pytest.mark.parametrize("name", ["scene.xml", "so101_old_calib.xml"])
 def test_a_real_arm_passes_every_check_and_moves_as_it_did(tmp_path: Path, name: str) -> None:
     done = linkwright(tmp_path, "source=mjcf", f"source.path={SO101 / name}", "output=out")
     assert done.returncode == 0, done.stdout + done.stderr
@@ -58,6 +59,7 @@ BALL = '<geom size=".1" rgba=".2 .4 .6 1"/>'
 ARM = model(body("base", BALL + body("arm", BALL + '<joint name="elbow" range="-1 1"/>', pos="0 0 .5")))
 
 
+@pytest.mark.slow
 def test_a_bundle_of_an_mjcf_builds_the_same_bytes_elsewhere_and_again(tmp_path: Path) -> None:
     (tmp_path / "mine").mkdir()
     written(tmp_path / "mine", ARM, "arm.xml")

@@ -48,7 +48,7 @@ def test_a_second_build_runs_no_stage_and_gives_the_same_bytes(built: Path) -> N
     assert robot_files(built / "outputs" / "sample") == before
 
 
-@pytest.mark.parametrize("seed", ["0", "4711"])
+@pytest.mark.parametrize("seed", ["0", pytest.param("4711", marks=pytest.mark.slow)])
 def test_hash_seed_process_and_bypass_change_no_byte(built: Path, tmp_path: Path, seed: str) -> None:
     done = linkwright(tmp_path, "cache.mode=bypass", environ=environment(tmp_path, PYTHONHASHSEED=seed))
     assert done.returncode == 0, done.stderr
@@ -77,7 +77,7 @@ def test_over_http_the_same_bytes_come_with_one_plus_two_p_calls(built: Path, tm
     assert robot_files(tmp_path / "outputs" / "sample") == robot_files(built / "outputs" / "sample")
 
 
-@pytest.mark.parametrize("kills", [6, pytest.param(20, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kills", [2, pytest.param(20, marks=pytest.mark.slow)])
 def test_killed_at_any_moment_the_next_build_is_whole(built: Path, tmp_path: Path, kills: int) -> None:
     """Kills of the installed command, each followed by a normal build."""
     expected = robot_files(built / "outputs" / "sample")
@@ -102,6 +102,7 @@ def test_killed_at_any_moment_the_next_build_is_whole(built: Path, tmp_path: Pat
     assert killed >= kills // 4
 
 
+@pytest.mark.slow
 def test_what_the_user_put_into_the_output_is_kept_or_stops_the_next_build(tmp_path):
     assert linkwright(tmp_path).returncode == 0
     folder = tmp_path / "outputs" / "sample"

@@ -125,7 +125,7 @@ def run(
     return linkwright(here, "robot=sample", *source, "until=graph", *more, environ=environment(here, **given))
 
 
-@pytest.mark.parametrize("place", ["environment", ".env"])
+@pytest.mark.parametrize("place", mostly_slow([".env", "environment"], keep=1))
 @pytest.mark.parametrize("way", mostly_slow(WAYS, keep=1))
 def test_a_build_that_passes_and_its_bundle_show_no_secret(tmp_path: Path, way: str, place: str) -> None:
     with OnshapeServer(sample_document(), keys=(ACCESS, SECRET), token=TOKEN) as server:
@@ -215,6 +215,7 @@ def test_a_document_that_holds_the_key_is_not_kept_anywhere(tmp_path: Path, unti
     assert printed(tmp_path, done) == []
 
 
+@pytest.mark.slow
 def test_a_robot_that_was_made_before_the_key_was_known_is_not_handed_out_with_it(tmp_path: Path) -> None:
     """Its files come from the cache; neither a build nor a bundle gives them on."""
     (tmp_path / "arm.urdf").write_text(

@@ -51,6 +51,7 @@ def test_ctrl_c_ends_a_build_whose_server_does_not_answer(tmp_path: Path) -> Non
         assert server.count <= 1 + STUDIOS
 
 
+@pytest.mark.slow
 def test_max_calls_bounds_what_is_asked_again_too(tmp_path: Path) -> None:
     """Every reply with triangles is cut short once, which costs a call each."""
     cut: set[str] = set()
@@ -74,6 +75,7 @@ def test_max_calls_bounds_what_is_asked_again_too(tmp_path: Path) -> None:
         assert server.count <= limit
 
 
+@pytest.mark.slow
 def test_an_edit_that_the_quota_does_not_allow_builds_what_was_fetched_last_with_exit_status_3(
     tmp_path: Path,
 ) -> None:

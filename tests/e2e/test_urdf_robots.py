@@ -65,6 +65,7 @@ def test_a_real_robot_is_its_file_and_valid(name: str, tmp_path: Path) -> None:
     assert not [check for check in validate(tmp_path, robot, plan_of()) if not check.passed]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not ROBOTS.exists(), reason="there are no shared data")
 def test_a_real_robot_by_the_command(tmp_path: Path) -> None:
     path = ROBOTS / FILES["reachy2"]

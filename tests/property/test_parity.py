@@ -197,13 +197,14 @@ def test_both_files_are_the_document(
     agree(document, root, shuffle, seed, api)
 
 
+@pytest.mark.slow
 @settings(max_examples=25, **slowly)
 @given(documents(loops=True), places, places, places)
 def test_loops_change_nothing_about_the_tree(document: Document, root: int, shuffle: int, seed: int) -> None:
     agree(document, root, shuffle, seed)
 
 
-@settings(max_examples=40, **slowly)
+@settings(max_examples=15, **slowly)
 @given(documents(everything=True), places, places, places, versions)
 def test_everything_that_can_be_drawn(
     document: Document, root: int, shuffle: int, seed: int, api: int

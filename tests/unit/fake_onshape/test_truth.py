@@ -214,6 +214,7 @@ def test_a_random_document_closes_its_loops_keeps_its_gears_and_counts_its_bodie
     assert sorted(parts) == sorted(truth.leaves)
 
 
+@pytest.mark.slow
 @QUICK
 @given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)), st.data())
 def test_a_random_document_with_everything_holds_together(document, data):

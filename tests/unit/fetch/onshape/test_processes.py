@@ -80,6 +80,7 @@ def together(folder, server, number):
     return [finish(process) for process in processes]
 
 
+@pytest.mark.slow
 def test_three_processes_at_once_make_each_call_once(tmp_path):
     # Slow enough that all are up before the first reply.
     with OnshapeServer(shelf(), latency_s=0.5) as server:

@@ -456,6 +456,7 @@ def test_a_build_of_its_own_cache_sets_and_puts_back(server, tmp_path):
     assert server.count == 1
 
 
+@pytest.mark.slow
 def test_what_a_killed_process_left_is_put_back_by_the_next(server, tmp_path):
     before = tables(server)
     command = [

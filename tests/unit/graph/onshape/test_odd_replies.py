@@ -115,11 +115,13 @@ def test_a_definition_broken_anywhere_is_refused_or_understood(kit: Kit) -> None
     hurt(bundle, bundle.definition, 500)
 
 
+@pytest.mark.slow
 def test_mass_properties_broken_anywhere_are_refused_or_understood(kit: Kit) -> None:
     bundle = rich(kit)
     hurt(bundle, bundle.studios[0].mass[0], 200)
 
 
+@pytest.mark.slow
 def test_features_and_variables_broken_anywhere_are_refused_or_understood() -> None:
     bundle = recorded(*arm_replies())
     for features in bundle.features:

@@ -83,6 +83,7 @@ def test_writers_killed_at_random_leave_whole_files_and_the_next_finishes(tmp_pa
     process.communicate()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 def test_a_kill_at_every_step_of_an_action_leaves_a_miss_or_a_whole_hit(tmp_path):
     action = Action("test", 1)

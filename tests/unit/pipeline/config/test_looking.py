@@ -90,6 +90,7 @@ def test_what_concerns_hydra_is_printed_too(here, capsys):
     assert {"hydra", "mass"} <= set(yaml.safe_load(printed(capsys, "-c", "all", "robot=my_arm")))
 
 
+@pytest.mark.slow
 def test_a_secret_is_not_printed(here, capsys, monkeypatch):
     monkeypatch.setenv("ONSHAPE_SECRET_KEY", "x9-secret-of-mine")
     write(here, my_arm=MY_ARM.replace("0.3}", "'${oc.env:ONSHAPE_SECRET_KEY}'}"))

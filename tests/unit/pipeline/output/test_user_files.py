@@ -421,6 +421,7 @@ def mixed(output, text):
     return {"NOTES.md": b"mine", "assets/mine.stl": b"mine too", "runs/log": b"7", "link": "NOTES.md"}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 def test_a_kill_at_every_step_loses_nothing_of_the_users(tmp_path):
     mixed(Output(tmp_path / "warm" / "arm"), b"0")
@@ -455,6 +456,7 @@ def test_a_kill_at_every_step_loses_nothing_of_the_users(tmp_path):
     assert outcomes == {True, False}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs fork")
 def test_a_kill_at_every_step_of_removing_loses_nothing_of_the_users(tmp_path):
     for step in range(1, 100):

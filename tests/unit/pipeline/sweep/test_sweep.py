@@ -87,6 +87,7 @@ def test_each_job_has_a_folder_of_its_own_named_by_what_sets_it_apart():
     assert [plan.joints["*"].damping for plan in build.plans] == [0.1, 0.2]
 
 
+@pytest.mark.slow
 def test_the_folders_are_the_same_in_the_next_run_and_differ_where_anything_differs():
     first, again, other = Recorder(), Recorder(), Recorder()
     run(["-m", "source=sample", "root=auto,free"], first)
@@ -192,6 +193,7 @@ def test_jobs_run_side_by_side_with_joblib(capsys):
     assert [line.split()[1] for line in capsys.readouterr().out.splitlines()[1:-1]] == ["0", "3", "1"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("size", "batches"), [("-1", 1), ("2", 2), ("null", 1)])
 def test_jobs_may_be_launched_in_batches(size, batches, monkeypatch):
     from hydra.core.plugins import Plugins
@@ -238,6 +240,7 @@ def test_an_interrupt_ends_the_sweep(capsys):
     assert capsys.readouterr().err == "job 0 starts: root=auto\nerror: interrupted\n"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="needs signal masks")
 def test_an_interrupt_of_many_processes_is_one_message(tmp_path):
     pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
@@ -317,6 +320,7 @@ def test_a_sweep_over_robots_lies_in_a_folder_of_its_own(tmp_path):
     assert {plan.folder.parent.as_posix() for plan in build.plans} == {"outputs/robots.sweep"}
 
 
+@pytest.mark.slow
 def test_what_is_in_the_way_of_any_job_stops_the_sweep_before_its_first_job(tmp_path, capsys):
     sweep = ["-m", "source=sample", "root=auto,free,fixed", "output=there"]
     first = Recorder()
@@ -363,6 +367,7 @@ def test_how_a_job_is_run_does_not_move_its_folder(how, values, monkeypatch):
     assert [plan.folder for plan in again.plans] == [plan.folder for plan in first.plans]
 
 
+@pytest.mark.slow
 def test_what_the_user_keeps_in_a_sweep_stays_and_an_account_that_was_changed_stops_it(tmp_path, capsys):
     sweep = ["-m", "source=sample", "root=auto,free", "output=there"]
     (tmp_path / "there").mkdir()
@@ -379,6 +384,7 @@ def test_what_the_user_keeps_in_a_sweep_stays_and_an_account_that_was_changed_st
     assert (tmp_path / "there" / "NOTES.md").read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_a_sweep_that_is_cut_short_may_be_run_again(tmp_path):
     sweep = ["-m", "source=sample", "root=auto,free", "output=there"]
 
@@ -390,6 +396,7 @@ def test_a_sweep_that_is_cut_short_may_be_run_again(tmp_path):
     assert run(sweep, Recorder()) == 0
 
 
+@pytest.mark.slow
 def test_a_single_build_into_a_sweep_is_refused(tmp_path, capsys):
     assert run(["-m", "source=sample", "root=auto,free", "output=there"], Recorder()) == 0
     assert run(["source=sample", "output=there"]) == 2
@@ -446,6 +453,7 @@ def test_the_summary_has_overrides_as_data_and_figures(tmp_path, capsys):
     assert rows[2][1:5] == ["1", "no triangles", "root=free", "5"]
 
 
+@pytest.mark.slow
 def test_what_an_earlier_build_left_is_no_figure_of_a_failed_job(tmp_path):
     def refused(plan):
         msg = "is wrong"
@@ -456,6 +464,7 @@ def test_what_an_earlier_build_left_is_no_figure_of_a_failed_job(tmp_path):
     assert [one["jobs"][0]["calls"] for one in runs_of(tmp_path / "there")] == [{"made": 5, "saved": 2}, {}]
 
 
+@pytest.mark.slow
 def test_a_sweep_keeps_all_its_runs_also_those_of_other_values(tmp_path):
     for values in ("auto,fixed", "free", "auto"):
         run(["-m", "source=sample", f"root={values}", "output=there"], ending)
@@ -468,6 +477,7 @@ def test_a_sweep_keeps_all_its_runs_also_those_of_other_values(tmp_path):
     assert [[job["status"] for job in one["jobs"]] for one in runs] == [[0, 3], [1], [0]]
 
 
+@pytest.mark.slow
 def test_a_run_that_is_cut_short_is_kept_and_so_is_one_of_an_older_version(tmp_path):
     def cut_short(plan):
         raise KeyboardInterrupt

@@ -34,6 +34,7 @@ values = st.recursive(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=300, deadline=None)
 @given(value=values, run=st.integers(1, 60), block=st.integers(1, 70), spaced=st.booleans())
 def test_a_text_read_in_pieces_is_what_it_is_read_at_once(value, run, block, spaced):
