@@ -1,0 +1,71 @@
+"""Primitives and hulls of few vertices that fit a part, or a convex piece of one.
+
+A fit is best where the larger of protrusion and bareness is least, weighted as the tolerance weighs them: it
+may stand out of the part, or leave a little of it bare. It depends neither on the order of the vertices and
+triangles nor on the axes, but for directions within 0.5° of a coordinate axis, which become that axis.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from stages.mesh.surface import Surface
+    from stages.robot.model import Primitive, PrimitiveKind
+
+Engine = Literal["mujoco", "mjx"]
+
+CHEAPEST: dict[Engine, tuple[PrimitiveKind, ...]] = {
+    "mujoco": ("sphere", "capsule", "box", "cylinder"),
+    "mjx": ("sphere", "capsule", "box"),
+}
+"""The kinds by what a contact costs, the cheapest first.
+
+MuJoCo has formulas for all pairs of the first three (0.2 to 0.7 µs a pair on one processor), but not for
+a cylinder against what is neither a plane nor a sphere: that costs as much as a hull (2.7 to 6 µs). MJX has
+no contact of cylinders with meshes.
+"""
+
+
+def primitives(surface: Surface, target: Engine = "mujoco") -> tuple[Primitive, ...]:
+    """The best fit of each kind, the cheapest kind first; none of what lies in a plane."""
+    from stages.mesh.fit import kinds
+
+    subject = kinds.subject_of(surface)
+    return tuple(kinds.best(kind, subject).primitive for kind in CHEAPEST[target]) if subject else ()
+
+
+def fittest(surface: Surface, target: Engine = "mujoco") -> Primitive | None:
+    """Of the best fits of all kinds the one with the least error, of equal ones the cheapest; None of what
+    lies in a plane."""
+    from stages.mesh.fit import kinds
+
+    subject = kinds.subject_of(surface)
+    if subject is None:
+        return None
+    return kinds.least([kinds.best(kind, subject) for kind in CHEAPEST[target]], subject.outline).primitive
+
+
+def fit_one(
+    kind: PrimitiveKind, surface: Surface, size: Sequence[float | None] | None = None
+) -> Primitive | None:
+    """The best fit of one kind; None of what lies in a plane.
+
+    `size`: lengths as a `Primitive` has them, where the user says them; None among them is free. A box of
+    given lengths stands along x, y and z.
+    """
+    from stages.mesh.fit import kinds
+
+    subject = kinds.subject_of(surface)
+    if subject is None:
+        return None
+    return kinds.given(kind, subject, size) if size else kinds.best(kind, subject).primitive
+
+
+def capped_hull(surface: Surface, max_vertices: int = 64) -> Surface | None:
+    """The convex hull with at most `max_vertices` (≥ 4) vertices, of least error; None where it is flat."""
+    from stages.mesh.fit import capped
+
+    return capped.capped_hull(surface, max_vertices)

@@ -1,0 +1,63 @@
+"""The smallest ball around points, in two or three dimensions."""
+
+import numpy as np
+import numpy.typing as npt
+
+from stages.mesh.fit.outline import Floats
+
+_WITHIN = 1e-12
+_ROUNDS = 1000
+
+
+def smallest_ball(points: npt.NDArray[np.float64]) -> tuple[Floats, float]:
+    """Centre (d,) and radius of the smallest ball around points (n, d), d = 2 or 3.
+
+    The support grows by the farthest point, and is the smallest of the balls through some of it that holds
+    the rest, as in Gärtner's pivoting ("Fast and robust smallest enclosing balls", 1999).
+    """
+    middle = points.mean(axis=0)
+    local = points - middle
+    size = float(np.sqrt((local**2).sum(axis=1).max()))
+    if size == 0.0:
+        return middle, 0.0
+    local = local / size
+    support = [int((local**2).sum(axis=1).argmax())]
+    centre, radius = local[support[0]], 0.0
+    for _ in range(_ROUNDS):
+        squares = ((local - centre) ** 2).sum(axis=1)
+        farthest = int(squares.argmax())
+        if squares[farthest] <= radius**2 + _WITHIN or farthest in support:
+            break
+        support, centre, radius = _through(local, [*support, farthest])
+    radius = float(np.sqrt(((local - centre) ** 2).sum(axis=1).max()))
+    return centre * size + middle, radius * size
+
+
+def _through(points: npt.NDArray[np.float64], indices: list[int]) -> tuple[list[int], Floats, float]:
+    """Of the smallest balls with some of these points on them, the last among them, the smallest that holds
+    all of them."""
+    best: tuple[list[int], Floats, float] | None = None
+    count = len(indices)
+    for mask in range(1 << count - 1):
+        chosen = [indices[k] for k in range(count - 1) if mask >> k & 1] + indices[-1:]
+        if len(chosen) > points.shape[1] + 1:
+            continue
+        centre = _circumcentre(points[chosen])
+        squares = ((points[indices] - centre) ** 2).sum(axis=1)
+        radius = float(np.sqrt(((points[chosen] - centre) ** 2).sum(axis=1).max()))
+        if squares.max() <= radius**2 + _WITHIN and (best is None or radius < best[2] - _WITHIN):
+            best = chosen, centre, radius
+    assert best is not None
+    return best
+
+
+def _circumcentre(points: npt.NDArray[np.float64]) -> Floats:
+    """The point of their span that is as far from each."""
+    edges = points[1:] - points[0]
+    if not len(edges):
+        return np.asarray(points[0], dtype=np.float64)
+    try:
+        steps = np.linalg.solve(2 * edges @ edges.T, (edges**2).sum(axis=1))
+    except np.linalg.LinAlgError:  # points on a line, or twice the same
+        steps = np.zeros(len(edges))
+    return np.asarray(points[0] + steps @ edges, dtype=np.float64)
