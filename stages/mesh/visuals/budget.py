@@ -1,0 +1,120 @@
+"""A number of triangles for the visual meshes of a link, shared among its parts by their need."""
+
+import math
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from stages.mesh.surface import Surface
+from stages.mesh.tessellation import PartMesh
+from stages.mesh.visuals.error import apart
+from stages.mesh.visuals.simplify import simplified
+from stages.robot.model import MeshRef
+
+LEAST_BOUND = 2e-4
+"""The error that every part may have [m]."""
+
+BOUND_OF_SIZE = 3e-3
+"""The error that a part may have, as a share of its diagonal, where that is more."""
+
+_FINEST = 1e-6
+"""The tolerance of the first level [m]; each level has twice the one before."""
+
+_ENOUGH = 1 / 4
+"""Below this share of the bound an error is not measured more closely."""
+
+
+@dataclass(frozen=True, slots=True)
+class Decimation:
+    """What became of a link's visual meshes: triangles before and after, the largest `error` [m] of a part
+    (at least as large as the distance of the surfaces), and whether fewer triangles would have been too far
+    away."""
+
+    before: int
+    after: int
+    error: float
+    limited: bool
+
+
+class Decimator:
+    """Decimates parts, each once for each level, however many links have it."""
+
+    def __init__(self) -> None:
+        self._made: dict[tuple[MeshRef, int], PartMesh] = {}
+        self._errors: dict[tuple[MeshRef, int], float] = {}
+        self._top: dict[MeshRef, int] = {}
+
+    def fitted(
+        self, uses: Iterable[MeshRef], meshes: Mapping[MeshRef, PartMesh], most: int
+    ) -> tuple[dict[MeshRef, PartMesh], Decimation | None]:
+        """The parts of a link with at most `most` triangles together, counting each use, or with the fewest
+        that the bound of each part allows; None where they have no more to begin with.
+
+        All parts have one tolerance, as far as it is within their bounds: triangles go where the surface
+        needs them.
+        """
+        counts = Counter(ref for ref in uses if ref in meshes)
+        before = sum(len(meshes[ref].surface.triangles) * count for ref, count in counts.items())
+        if before <= most:
+            return dict(meshes), None
+        for ref in counts:
+            self._top.setdefault(ref, _levels(meshes[ref].surface) - 1)
+
+        def faces(level: int) -> int:
+            found = (len(self._at(ref, meshes[ref], level).surface.triangles) for ref in counts)
+            return sum(one * count for one, count in zip(found, counts.values(), strict=True))
+
+        while True:
+            levels = range(max(self._top[ref] for ref in counts) + 1)
+            level = bisect_left(levels, True, key=lambda one: faces(one) <= most)
+            chosen = {ref: self._at(ref, meshes[ref], level) for ref in counts}
+            if all([self._holds(ref, meshes[ref], level) for ref in counts]):
+                break
+        after = sum(len(chosen[ref].surface.triangles) * count for ref, count in counts.items())
+        error = max(self._errors.get((ref, min(level, self._top[ref])), 0.0) for ref in counts)
+        return {**meshes, **chosen}, Decimation(before, after, error, after > most)
+
+    def _at(self, ref: MeshRef, mesh: PartMesh, level: int) -> PartMesh:
+        """The part at a level, or at its last one; the part itself where it has none."""
+        level = min(level, self._top[ref])
+        if level < 0:
+            return mesh
+        if (ref, level) not in self._made:
+            made = simplified(mesh, _FINEST * 2.0**level)
+            if made is None:
+                self._top[ref] = -1
+                return mesh
+            fewer = len(made.surface.triangles) < len(mesh.surface.triangles)
+            self._made[ref, level] = made if fewer else mesh
+        return self._made[ref, level]
+
+    def _holds(self, ref: MeshRef, mesh: PartMesh, level: int) -> bool:
+        """Whether the part is within its bound at a level; if not, its last level is a lower one."""
+        level = min(level, self._top[ref])
+        if level < 0:
+            return True
+        if self._error(ref, mesh, level) <= bound(mesh.surface):
+            return True
+        # Where even the first level is too far away the mesh is no sound surface, and no level helps.
+        self._top[ref] = level - 1 if self._error(ref, mesh, 0) <= bound(mesh.surface) else -1
+        return False
+
+    def _error(self, ref: MeshRef, mesh: PartMesh, level: int) -> float:
+        made = self._at(ref, mesh, level)
+        if (ref, level) not in self._errors:
+            most = bound(mesh.surface)
+            self._errors[ref, level] = 0.0 if made is mesh else apart(mesh, made, _ENOUGH * most, most)
+        return self._errors[ref, level]
+
+
+def bound(surface: Surface) -> float:
+    """How far [m] the surface of a part may move."""
+    return max(LEAST_BOUND, BOUND_OF_SIZE * float(np.linalg.norm(np.ptp(surface.vertices, axis=0))))
+
+
+def _levels(surface: Surface) -> int:
+    """How many levels have a tolerance within the bound."""
+    return 1 + int(math.log2(bound(surface) / _FINEST))
