@@ -207,7 +207,7 @@ class GraphStage(StageBase):
 
 class MeshStage(StageBase):
     name = "mesh"
-    libraries = ("numpy", "scipy", "mujoco")
+    libraries = ("numpy", "scipy", "manifold3d", "mujoco")
     modules = ("stages.mesh.geometry", "scipy.spatial", "scipy.sparse.csgraph")
 
     def config(self, context: BuildContext) -> Any:

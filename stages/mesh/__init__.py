@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 8
+VERSION = 9
 """Grows with every change of what this stage makes of the same input."""
 
 COLLIDERS: Mapping[str, tuple[str, ...]] = {
@@ -29,14 +29,14 @@ COLLIDERS: Mapping[str, tuple[str, ...]] = {
 Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]
 """memo(kind, key, make): the bytes that were made before for this kind and key, else `make()`.
 
-The caller adds this stage's version and those of numpy and scipy to the key.
+The caller adds this stage's version and those of its libraries to the key.
 """
 
 
 def make_geometry(robot: Robot, bundle: Bundle, keys: MeshKeys, memo: Memo) -> Geometry:
     """The shapes of all links and their files. Diagnostics: W-NO-MESH, W-FLAT,
-    W-MESH-VOLUME, W-COM-OUTSIDE, I-RAW, I-ALWAYS-CONTACT, W-SELF-CONTACT. MeshError where `contact.exclude`
-    matches no links, or MuJoCo refuses a collider.
+    W-MESH-VOLUME, W-COM-OUTSIDE, W-VISUAL-FACES, I-DECIMATED, I-RAW, I-ALWAYS-CONTACT, W-SELF-CONTACT.
+    MeshError where `contact.exclude` matches no links, or MuJoCo refuses a collider.
 
     Each link is made through `memo`, by the content of its parts: renaming one makes nothing again.
     """

@@ -8,6 +8,7 @@ from stages.robot.model import Link, MeshRef, Part
 from stages.robot.plural import count
 
 _APART = 0.02
+_SHOWN = 20
 
 Found = Mapping[str, Sequence[tuple[Part, Finding]]]
 """Link → its parts, in order, and the finding of each."""
@@ -41,7 +42,7 @@ def diagnostics(
                     "give it thickness in CAD",
                 )
             )
-    return problems + _volumes(every) + _raw(meshes, collider)
+    return problems + _volumes(every) + _raw(meshes, collider) + _decimated(links, meshes)
 
 
 def _missing(link: Link, found: Sequence[tuple[Part, Finding]]) -> list[Diagnostic]:
@@ -73,6 +74,43 @@ def _raw(meshes: Mapping[str, LinkMesh], collider: str) -> list[Diagnostic]:
             "choose another mesh option where hollows matter",
         )
     ]
+
+
+def _decimated(links: Sequence[Link], meshes: Mapping[str, LinkMesh]) -> list[Diagnostic]:
+    """W-VISUAL-FACES for each link with more triangles than it may have, I-DECIMATED for all others that have
+    fewer than their parts."""
+    problems, fewer = [], []
+    for link in links:
+        decimation = meshes[link.name].decimation
+        if decimation is None:
+            continue
+        if decimation.limited:
+            faces = sum(file.faces for file in meshes[link.name].visuals)
+            problems.append(
+                Diagnostic(
+                    "W-VISUAL-FACES",
+                    f"the visual meshes have {faces} triangles (their parts {decimation.before}), more than "
+                    "mesh.visual.max_faces: with fewer, the surface of a part would move by more than 0.2 mm "
+                    "or 0.3 % of its diagonal",
+                    link.name,
+                    "simplify the meshes at their source, or raise mesh.visual.max_faces",
+                )
+            )
+        else:
+            moved = f"{1e3 * decimation.error:.2g} mm"
+            fewer.append(f"{link.name} {decimation.before} → {decimation.after} ({moved})")
+    if fewer:
+        more = f" and {len(fewer) - _SHOWN} more" if len(fewer) > _SHOWN else ""
+        problems.append(
+            Diagnostic(
+                "I-DECIMATED",
+                f"the visual meshes of {count(len(fewer), 'link')} have fewer triangles than their parts; "
+                f"their surfaces moved by at most the lengths here: {', '.join(fewer[:_SHOWN])}{more}",
+                "mesh.visual.max_faces",
+                "raise it for more detail",
+            )
+        )
+    return problems
 
 
 def _volumes(found: Sequence[tuple[Part, Finding]]) -> list[Diagnostic]:

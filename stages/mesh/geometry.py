@@ -13,6 +13,7 @@ from stages.mesh.link_mesh import ColliderMaker, Finding, LinkMesh, Use
 from stages.mesh.mesh_file import MeshFile
 from stages.mesh.names import file_names
 from stages.mesh.tessellation import PartMesh
+from stages.mesh.visuals.budget import Decimator
 from stages.robot.bundle import Bundle
 from stages.robot.geometry import Geometry, Role, Shape
 from stages.robot.model import Link, MeshRef, Part, Robot
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
 def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo") -> Geometry:
     """The shapes of all links. ProtocolError where triangles cannot be read."""
-    library = _Library(robot.links, bundle)
+    library, decimator = _Library(robot.links, bundle), Decimator()
     meshes: dict[str, LinkMesh] = {}
     found = {}
     for link in robot.links:
@@ -35,7 +36,7 @@ def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo") -> Ge
             if part.mesh
         ]
         uses.sort(key=lambda pair: pair[0].key())
-        meshes[link.name] = mesh = _link_mesh([use for use, _ in uses], library, keys.mesh, memo)
+        meshes[link.name] = mesh = _link_mesh([use for use, _ in uses], library, decimator, keys.mesh, memo)
         lacking = [(part, Finding(False, None)) for part in link.parts if part.mesh is None]
         found[link.name] = [*zip((part for _, part in uses), mesh.findings, strict=True), *lacking]
     named, files = _named(meshes)
@@ -48,19 +49,26 @@ def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo") -> Ge
     return Geometry(tuple(shapes), files, tuple(problems), contacts.on, contacts.excludes)
 
 
-def _link_mesh(uses: list[Use], library: "_Library", section: "MeshSection", memo: "Memo") -> LinkMesh:
+def _link_mesh(
+    uses: list[Use], library: "_Library", decimator: Decimator, section: "MeshSection", memo: "Memo"
+) -> LinkMesh:
     if not uses:
         return LinkMesh((), (), ())
     collider, settings = section.collider, ColliderSettings.of(section)
 
     def make() -> bytes:
         maker: ColliderMaker = import_module(f"stages.mesh.colliders.{collider}").make
-        return link_mesh.encode(
-            link_mesh.make(uses, library.meshes(use.mesh for use in uses), maker, settings)
-        )
+        meshes = library.meshes(use.mesh for use in uses)
+        most = section.visual.max_faces
+        return link_mesh.encode(link_mesh.make(uses, meshes, maker, settings, most, decimator))
 
     used = settings.used(COLLIDERS[collider])
-    key = {"collider": collider, "settings": used, "parts": [use.key() for use in uses]}
+    key = {
+        "collider": collider,
+        "settings": used,
+        "visual": section.visual.identity(),
+        "parts": [use.key() for use in uses],
+    }
     return link_mesh.decode(memo("mesh.link", key, make))
 
 

@@ -6,16 +6,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import numpy as np
 import orjson
 
-from stages.mesh import mesh_file
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.mesh_file import MeshFile
-from stages.mesh.surface import Surface, compacted, moved
+from stages.mesh.surface import Surface, moved
 from stages.mesh.tessellation import PartMesh
+from stages.mesh.visuals.budget import Decimation, Decimator
+from stages.mesh.visuals.make import visuals
 from stages.robot import codec
-from stages.robot.geometry import Colour
 from stages.robot.model import Array, MeshRef, Primitive
 
 Collider = MeshFile | Primitive
@@ -56,11 +55,12 @@ class Finding:
 @dataclass(frozen=True, slots=True)
 class LinkMesh:
     """A link's visual meshes, sorted by colour, its colliders, all in its own frame, and a finding for each
-    use."""
+    use, and what decimation made of the visual meshes."""
 
     visuals: tuple[MeshFile, ...]
     colliders: tuple[Collider, ...]
     findings: tuple[Finding, ...]
+    decimation: Decimation | None = None
 
 
 def make(
@@ -68,23 +68,23 @@ def make(
     meshes: Mapping[MeshRef, PartMesh],
     maker: ColliderMaker,
     settings: ColliderSettings,
+    max_faces: int,
+    decimator: Decimator,
 ) -> LinkMesh:
-    """The meshes of a link; the order of `uses` is that of the findings."""
-    placed = [
-        (moved(mesh.surface, use.link_from_part), mesh)
-        for use in uses
-        if use.seen and (mesh := meshes.get(use.mesh))
-    ]
-    visuals = [part for colour, surface in _by_colour(placed) for part in mesh_file.visuals(surface, colour)]
+    """The meshes of a link; the order of `uses` is that of the findings. `max_faces`: triangles of its visual
+    meshes."""
+    drawn = [(use.mesh, use.link_from_part) for use in uses if use.seen]
+    seen = visuals(drawn, meshes, max_faces, decimator)
     solid = [
         moved(mesh.surface, use.link_from_part)
         for use in uses
         if use.collides and (mesh := meshes.get(use.mesh))
     ]
     return LinkMesh(
-        visuals=tuple(visuals),
+        visuals=seen.files,
         colliders=maker(solid, settings) if solid else (),
         findings=tuple(_finding(meshes.get(use.mesh)) for use in uses),
+        decimation=seen.decimation,
     )
 
 
@@ -94,29 +94,6 @@ def _finding(mesh: PartMesh | None) -> Finding:
     return Finding(True, mesh.volume if mesh.closed else None)
 
 
-def _by_colour(placed: Sequence[tuple[Surface, PartMesh]]) -> list[tuple[Colour, Surface]]:
-    """The triangles of all parts as one surface a colour, colours sorted."""
-    if not placed:
-        return []
-    palette = sorted({colour for _, mesh in placed for colour in mesh.palette})
-    rank = {colour: index for index, colour in enumerate(palette)}
-    vertices = np.concatenate([surface.vertices for surface, _ in placed])
-    offsets = np.cumsum([0, *(len(surface.vertices) for surface, _ in placed)])
-    triangles = np.concatenate(
-        [surface.triangles + offset for (surface, _), offset in zip(placed, offsets, strict=False)]
-    )
-    colours = np.concatenate(
-        [np.array([rank[colour] for colour in mesh.palette])[mesh.colours] for _, mesh in placed]
-    )
-    order = np.argsort(colours, kind="stable")
-    bounds = np.searchsorted(colours[order], np.arange(len(palette) + 1))
-    return [
-        (colour, compacted(Surface(vertices, triangles[order[begin:end]])))
-        for colour, begin, end in zip(palette, bounds, bounds[1:], strict=False)
-        if end > begin
-    ]
-
-
 def encode(link: LinkMesh) -> bytes:
     """A link's meshes as bytes: the length of a JSON header, the header, the files."""
     header = orjson.dumps(
@@ -124,6 +101,7 @@ def encode(link: LinkMesh) -> bytes:
             "visuals": [_record(file) for file in link.visuals],
             "colliders": [_record(collider) for collider in link.colliders],
             "findings": [asdict(finding) for finding in link.findings],
+            "decimation": asdict(link.decimation) if link.decimation else None,
         }
     )
     files = [one.data for one in (*link.visuals, *link.colliders) if isinstance(one, MeshFile)]
@@ -138,6 +116,7 @@ def decode(data: bytes) -> LinkMesh:
         visuals=tuple(_mesh_file(record, files) for record in header["visuals"]),
         colliders=tuple(_collider(record, files) for record in header["colliders"]),
         findings=tuple(Finding(**finding) for finding in header["findings"]),
+        decimation=Decimation(**header["decimation"]) if header["decimation"] else None,
     )
 
 

@@ -71,7 +71,9 @@ class Decimator:
             levels = range(max(self._top[ref] for ref in counts) + 1)
             level = bisect_left(levels, True, key=lambda one: faces(one) <= most)
             chosen = {ref: self._at(ref, meshes[ref], level) for ref in counts}
-            if all([self._holds(ref, meshes[ref], level) for ref in counts]):
+            # Of all of them, so that the parts that are too far away all get a lower level at once.
+            holding = [self._holds(ref, meshes[ref], level) for ref in counts]
+            if all(holding):
                 break
         after = sum(len(chosen[ref].surface.triangles) * count for ref, count in counts.items())
         error = max(self._errors.get((ref, min(level, self._top[ref])), 0.0) for ref in counts)

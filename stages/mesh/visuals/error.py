@@ -79,7 +79,7 @@ def farthest(points: Points, surface: Surface, enough: float, limit: float) -> f
 
     middles, owners, reach = _pieces(surface)
     tree = cKDTree(middles)
-    # The distance from any triangles is a bound; the nearest one lies within that bound and the pieces' reach.
+    # The distance from any triangles is a bound; the nearest lies within that bound and the pieces' reach.
     near = min(_NEAREST, len(owners))
     _, index = tree.query(points, list(range(1, near + 1)))
     bound = _from_triangles(np.repeat(points, near, axis=0), surface, owners[index.ravel()])
@@ -104,8 +104,8 @@ def farthest(points: Points, surface: Surface, enough: float, limit: float) -> f
 
 
 def _pieces(surface: Surface) -> tuple[Points, npt.NDArray[np.int64], float]:
-    """Middles (k, 3) and triangles (k,) of pieces that cover the surface, and how far [m] a piece reaches from
-    its middle at most: triangles, halved across their longest side until that is short."""
+    """Middles (k, 3) and triangles (k,) of pieces that cover the surface, and how far [m] a piece reaches
+    from its middle at most: triangles, halved across their longest side until that is short."""
     corners, owners = surface.corners, np.arange(len(surface.triangles))
     size = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
     while True:

@@ -1,12 +1,11 @@
 """A part's mesh with fewer triangles, its colours and the borders between them kept together.
 
 Of fast-simplification and manifold3d on the parts of real robots, the second leaves half the triangles at a
-tenth of the error: CAD's long thin triangles make the first one stop or tear. It takes manifolds only, and one
-without a border, so that every other mesh is cut along its bad edges and each border is closed by a cone of
-triangles, which are left out again.
+tenth of the error: CAD's long thin triangles make the first one stop or tear. It takes closed manifolds only:
+every other mesh is cut along its bad edges, and each border is closed by a cone of triangles, which is left
+out again.
 """
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -47,7 +46,8 @@ def simplified(mesh: PartMesh, tolerance: float) -> PartMesh | None:
         return None
     found = body.simplify(tolerance).to_mesh64()
     corners = np.asarray(found.tri_verts).astype(np.int64).reshape(-1, 3)
-    lengths = np.diff(np.asarray(found.run_index).astype(np.int64)) // 3
+    ends = np.asarray(found.run_index, dtype=np.int64)
+    lengths = (ends[1:] - ends[:-1]) // 3
     colours = np.repeat(np.asarray(found.run_original_id).astype(np.int64) - first, lengths)
     seen = np.flatnonzero(colours < len(mesh.palette))
     vertices = _snapped(np.asarray(found.vert_properties, dtype=np.float64)[:, :3], mesh.surface)
@@ -108,7 +108,7 @@ def _cut(surface: Surface) -> tuple[Triangles, Triangles]:
 
 
 def _apexes(points: Points, border: Triangles, surface: Surface) -> tuple[Points, npt.NDArray[np.int64]]:
-    """A point beside each loop of the border, as far away as the surface is large, and the loop of each edge."""
+    """A point beside each loop of the border, as far away as the surface is large; the loop of each edge."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

@@ -1,0 +1,217 @@
+"""Decimation: fewer triangles, one surface, borders between colours closed, the error measured."""
+
+import numpy as np
+import pytest
+import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stages.mesh.surface import Surface, weld
+from stages.mesh.tessellation import PartMesh
+from stages.mesh.visuals import simplify
+from stages.mesh.visuals.budget import LEAST_BOUND, Decimator, bound
+from stages.mesh.visuals.error import apart, farthest, spread
+from stages.mesh.visuals.make import visuals
+from stages.mesh.visuals.simplify import simplified
+from stages.robot.model import MeshRef
+
+RED, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
+ONE, TWO = MeshRef("reply", "one"), MeshRef("reply", "two")
+
+
+def part(mesh: trimesh.Trimesh, split: float | None = None) -> PartMesh:
+    """A mesh as a part; where `split` is given, faces above that height are blue."""
+    surface, _ = weld(np.asarray(mesh.vertices), np.asarray(mesh.faces).astype(np.int64))
+    if split is None:
+        return PartMesh(surface, (RED,), np.zeros(len(surface.triangles), dtype=np.int64), True, 1.0)
+    above = surface.corners[:, :, 2].mean(axis=1) > split
+    return PartMesh(surface, (BLUE, RED), np.where(above, 0, 1), True, 1.0)
+
+
+def ball(radius: float = 0.05, subdivisions: int = 5) -> trimesh.Trimesh:
+    return trimesh.creation.icosphere(subdivisions=subdivisions, radius=radius)
+
+
+def loaded(mesh: PartMesh) -> trimesh.Trimesh:
+    return trimesh.Trimesh(mesh.surface.vertices, mesh.surface.triangles, process=False)
+
+
+def border(mesh: PartMesh, colour: int) -> set[tuple[bytes, ...]]:
+    """The edges of one colour that have no other side within it, as sets of exact points."""
+    triangles = mesh.surface.triangles[mesh.colours == colour]
+    edges = np.sort(
+        np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1
+    )
+    single, count = np.unique(edges, axis=0, return_counts=True)
+    points = mesh.surface.vertices
+    return {(points[a].tobytes(), points[b].tobytes()) for a, b in single[count == 1]}
+
+
+def test_a_ball_keeps_its_shape_within_the_tolerance():
+    mesh = part(ball())
+    made = simplified(mesh, 1e-3)
+    assert len(made.surface.triangles) < len(mesh.surface.triangles) / 10
+    result = loaded(made)
+    assert result.is_watertight
+    assert result.volume > 0
+    # The distance from a sphere is known in closed form, whatever measures it.
+    samples, _ = trimesh.sample.sample_surface(result, 20000, seed=1)
+    away = np.abs(np.linalg.norm(samples, axis=1) - 0.05).max()
+    assert away < 2.5e-3
+    assert away == pytest.approx(apart(mesh, made, 0.0, 1.0), rel=0.15)
+
+
+def test_two_colours_meet_in_one_line_on_a_curved_and_on_a_flat_side():
+    angles = np.linspace(-np.pi / 2, np.pi / 2, 65)
+    lump = np.stack([0.05 * np.cos(angles), 0.05 * np.sin(angles)], axis=1)
+    lump[[0, -1], 0] = 0.0
+    heights = np.linspace(-0.05, 0.05, 33)
+    drum = [(0.0, -0.05), *((0.03, height) for height in heights), (0.0, 0.05)]
+    for profile, split in ((lump, 0.0), (np.array(drum), 0.0)):
+        shape = trimesh.creation.revolve(profile, sections=128)
+        mesh = part(shape, split)
+        assert len(border(mesh, 0)) > 40
+        made = simplified(mesh, 3e-4)
+        assert loaded(made).is_watertight
+        assert border(made, 0) == border(made, 1)
+        assert 3 <= len(border(made, 0)) < len(border(mesh, 0))
+        assert apart(mesh, made, 0.0, 1.0) < 1e-3
+
+
+def test_an_open_sheet_keeps_its_edges():
+    x, y = np.meshgrid(np.linspace(0, 0.1, 41), np.linspace(0, 0.2, 41), indexing="ij")
+    points = np.stack([x, y, 0.01 * np.sin(40 * x)], axis=-1).reshape(-1, 3)
+    corner = (np.arange(40)[:, None] * 41 + np.arange(40)).ravel()
+    faces = np.concatenate(
+        [np.stack([corner, corner + 41, corner + 42], 1), np.stack([corner, corner + 42, corner + 1], 1)]
+    )
+    mesh = part(trimesh.Trimesh(points, faces, process=False))
+    made = simplified(mesh, 2e-4)
+    assert len(made.surface.triangles) < 800
+    assert made.surface.vertices.min(axis=0).tolist() == pytest.approx(points.min(axis=0).tolist(), abs=2e-4)
+    assert loaded(made).bounds[1].tolist() == pytest.approx(points.max(axis=0).tolist(), abs=2e-4)
+    assert loaded(made).area == pytest.approx(loaded(mesh).area, rel=2e-3)
+    assert apart(mesh, made, 0.0, 1.0) < 6e-4
+
+
+def test_three_sheets_on_one_edge_and_turned_triangles_stay_where_they_are():
+    sheet = trimesh.creation.box((0.1, 0.1, 0.001)).subdivide().subdivide().subdivide()
+    upright = sheet.copy().apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0]))
+    both = trimesh.util.concatenate([sheet, upright])
+    surface, _ = weld(np.asarray(both.vertices), np.asarray(both.faces).astype(np.int64))
+    turned = surface.triangles.copy()
+    turned[::7] = turned[::7, ::-1]
+    mesh = PartMesh(
+        Surface(surface.vertices, turned), (RED,), np.zeros(len(turned), dtype=np.int64), False, 0.0
+    )
+    made = simplified(mesh, 1e-4)
+    assert made is None or apart(mesh, made, 0.0, 1.0) < 1e-3
+
+
+def test_the_distance_is_that_of_a_slow_reference():
+    rng = np.random.default_rng(3)
+    surface = part(ball(1.0, 2)).surface
+    points = rng.normal(size=(40, 3))
+    slow = max(
+        np.linalg.norm(
+            trimesh.triangles.closest_point(surface.corners, np.repeat(one[None], len(surface.triangles), 0))
+            - one,
+            axis=1,
+        ).min()
+        for one in points
+    )
+    assert farthest(points, surface, 0.0, 9.0) == pytest.approx(slow, abs=1e-12)
+
+
+def test_the_distance_from_a_sliver_is_exact():
+    sliver = Surface(np.array([[0, 0, 0], [1, 0, 0], [0.5, 1e-9, 0]]), np.array([[0, 1, 2]]))
+    assert farthest(np.array([[0.3, 0.0, 0.2]]), sliver, 0.0, 9.0) == pytest.approx(0.2)
+    assert farthest(np.array([[1.5, 0.0, 0.0]]), sliver, 0.0, 9.0) == pytest.approx(0.5)
+
+
+def test_a_colour_that_is_gone_is_infinitely_far():
+    mesh = part(ball(), 0.01)
+    one = PartMesh(mesh.surface, mesh.palette, np.ones_like(mesh.colours), True, 1.0)
+    assert apart(mesh, one, 0.0, 1.0) == np.inf
+
+
+def test_points_are_spread_by_area():
+    mesh = part(trimesh.creation.box((1.0, 1.0, 0.1))).surface
+    inside = np.abs(np.abs(spread(mesh, 10000)[:, 2]) - 0.05) < 1e-12
+    assert inside.mean() == pytest.approx(2 / 2.4, abs=0.01)
+
+
+def test_triangles_go_where_the_surface_needs_them():
+    # The cube needs 12 of its triangles, the ball all that it can get.
+    cube = trimesh.creation.box((0.1, 0.1, 0.1))
+    for _ in range(5):
+        cube = cube.subdivide()
+    meshes = {ONE: part(cube), TWO: part(ball())}
+    fitted, decimation = Decimator().fitted([ONE, TWO, TWO], meshes, 8000)
+    faces = {ref: len(mesh.surface.triangles) for ref, mesh in fitted.items()}
+    assert faces[ONE] == 12
+    assert 4000 < 12 + 2 * faces[TWO] <= 8000
+    assert (decimation.before, decimation.after) == (12288 + 2 * 20480, 12 + 2 * faces[TWO])
+    assert not decimation.limited
+    assert 0 < decimation.error <= bound(meshes[TWO].surface)
+
+
+def test_what_the_bound_forbids_is_kept_and_said():
+    mesh = part(ball())
+    fitted, decimation = Decimator().fitted([ONE], {ONE: mesh}, 10)
+    assert decimation.limited
+    assert decimation.after > 10
+    assert bound(mesh.surface) > LEAST_BOUND
+    assert apart(mesh, fitted[ONE], 0.0, 1.0) <= decimation.error + 1e-12 <= bound(mesh.surface) + 1e-12
+
+
+def test_few_triangles_stay_exactly_as_they_are():
+    mesh = part(ball())
+    fitted, decimation = Decimator().fitted([ONE], {ONE: mesh}, len(mesh.surface.triangles))
+    assert decimation is None
+    assert fitted[ONE] is mesh
+
+
+def test_a_mesh_that_does_not_simplify_stays(monkeypatch):
+    monkeypatch.setattr("stages.mesh.visuals.budget.simplified", lambda mesh, tolerance: None)
+    mesh = part(ball())
+    fitted, decimation = Decimator().fitted([ONE], {ONE: mesh}, 10)
+    assert fitted[ONE] is mesh
+    assert (decimation.after, decimation.limited, decimation.error) == (20480, True, 0.0)
+
+
+def test_flat_colours_count_with_their_backs():
+    x, y = np.meshgrid(np.linspace(0, 0.1, 31), np.linspace(0, 0.1, 31), indexing="ij")
+    points = np.stack([x, y, np.zeros_like(x)], axis=-1).reshape(-1, 3)
+    corner = (np.arange(30)[:, None] * 31 + np.arange(30)).ravel()
+    faces = np.stack([corner, corner + 31, corner + 32], 1), np.stack([corner, corner + 32, corner + 1], 1)
+    mesh = part(trimesh.Trimesh(points, np.concatenate(faces), process=False))
+    made = visuals([(ONE, np.eye(4))], {ONE: mesh}, 1800, Decimator())
+    assert sum(file.faces for file in made.files) <= 1800
+    assert made.decimation is not None
+
+
+@pytest.mark.slow
+@settings(max_examples=10, deadline=None)
+@given(seed=st.integers(0, 10**6), most=st.integers(50, 320))
+def test_any_lump_fits_its_number_or_its_bound_whatever_the_order(seed, most):
+    rng = np.random.default_rng(seed)
+    shape = trimesh.creation.icosphere(subdivisions=2, radius=0.05)
+    shape.vertices *= 1 + 0.15 * np.sin(rng.uniform(5, 60, 3) * shape.vertices).sum(axis=1, keepdims=True)
+    mesh = part(shape, 0.0)
+    shuffled = trimesh.Trimesh(shape.vertices, shape.faces[rng.permutation(len(shape.faces))], process=False)
+    again = part(shuffled, 0.0)
+    fitted, decimation = Decimator().fitted([ONE], {ONE: mesh}, most)
+    other, _ = Decimator().fitted([ONE], {ONE: again}, most)
+    assert np.array_equal(fitted[ONE].surface.vertices, other[ONE].surface.vertices)
+    assert np.array_equal(fitted[ONE].surface.triangles, other[ONE].surface.triangles)
+    if decimation is None:
+        return
+    assert decimation.limited == (len(fitted[ONE].surface.triangles) > most)
+    most_apart = bound(mesh.surface)
+    assert apart(mesh, fitted[ONE], most_apart / 2, 1.0) <= most_apart + 1e-12
+    assert loaded(fitted[ONE]).is_watertight == loaded(mesh).is_watertight
+    step = simplify.SNAP * np.linalg.norm(np.ptp(mesh.surface.vertices, axis=0))
+    if fitted[ONE] is not mesh:
+        multiples = fitted[ONE].surface.vertices / step
+        assert np.abs(multiples - np.round(multiples)).max() < 1e-3
