@@ -4,7 +4,7 @@ LinkwrightError(message, where, hint)
 ├── ConfigError
 ├── SourceError ── AuthError · NotFound · QuotaExhausted · RateLimited · ProtocolError · Offline
 ├── AssemblyError ── NoRoot · Disconnected · MissingMass
-├── MeshError ── EmptyMesh
+├── MeshError ── EmptyMesh · DecompositionFailed
 ├── ExportError
 └── ValidationFailed
 
@@ -122,6 +122,10 @@ class MeshError(LinkwrightError):
 
 class EmptyMesh(MeshError):
     """A mesh has no triangle."""
+
+
+class DecompositionFailed(MeshError):
+    """A mesh could not be decomposed into convex pieces."""
 
 
 class ExportError(LinkwrightError):

@@ -64,11 +64,18 @@ class Ended(Exception):
     s"."""
 
 
-def ask(module: str, request: bytes, bounds: Bounds, environ: Mapping[str, str]) -> bytes:
+def ask(
+    module: str,
+    request: bytes,
+    bounds: Bounds,
+    environ: Mapping[str, str],
+    halt: threading.Event | None = None,
+) -> bytes:
     """The reply of `module` to `request`, in a process with the variables `environ` and, on Windows, the few
     that the system needs.
 
-    Raises the guest's own SourceError or ConfigError, and Ended without a complete reply.
+    Raises the guest's own SourceError or ConfigError, and Ended without a complete reply, which includes
+    that another thread sets `halt`.
     """
     environ = {**_taken(_OF_WINDOWS), **environ}
     guest = _Guest(environ, bounds)
@@ -80,7 +87,7 @@ def ask(module: str, request: bytes, bounds: Bounds, environ: Mapping[str, str])
         "environ": sorted(environ),
     }
     try:
-        return guest.reply(json.dumps(head).encode() + b"\n" + request)
+        return guest.reply(json.dumps(head).encode() + b"\n" + request, halt)
     finally:
         guest.end()
 
@@ -106,7 +113,7 @@ class _Guest:
             msg = f"could not be started ({error.strerror or type(error).__name__})"
             raise Ended(msg) from None
 
-    def reply(self, request: bytes) -> bytes:
+    def reply(self, request: bytes, halt: threading.Event | None) -> bytes:
         started = time.monotonic()
         reader = self._thread(self._read_output)
         errors = self._thread(self._read_errors)
@@ -114,6 +121,8 @@ class _Guest:
         look = _LOOK if os.path.exists(_STATM.format("self")) else _LOOK_BY_PS  # noqa: PTH110
         while reader.is_alive():
             reader.join(look)
+            if halt is not None and halt.is_set():
+                raise Ended("was interrupted")
             if time.monotonic() - started > self._bounds.seconds:
                 raise Ended(f"took longer than {self._bounds.seconds:g} s")
             if resident(self._process.pid) > self._bounds.memory:

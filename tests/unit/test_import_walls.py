@@ -21,6 +21,7 @@ HOMES = {
         "stages/robot/mujoco_warnings.py",
     ),
     "trimesh": ("stages/mesh/", "stages/fetch/urdf/"),
+    "coacd": ("stages/mesh/decompose/coacd_guest.py",),
     "xacro": ("stages/fetch/urdf/",),
     "collada": (),
     "networkx": ("stages/graph/",),

@@ -8,10 +8,10 @@ from tests.support.face import python, shipped
 from tests.support.places import PROJECT
 
 NAMES = """
-AssemblyError AuthError Build CacheError Check ConfigError Diagnostic Disconnected Dof EmptyMesh ExportError
-Frame InTheWay Joint Link LinkwrightError MeshError MissingMass NoRoot NotFound Offline OutputError
-ProtocolError QuotaExhausted RateLimited Report Robot SecretFound SourceError ValidationFailed __version__
-build
+AssemblyError AuthError Build CacheError Check ConfigError DecompositionFailed Diagnostic Disconnected Dof
+EmptyMesh ExportError Frame InTheWay Joint Link LinkwrightError MeshError MissingMass NoRoot NotFound
+Offline OutputError ProtocolError QuotaExhausted RateLimited Report Robot SecretFound SourceError
+ValidationFailed __version__ build
 """
 
 

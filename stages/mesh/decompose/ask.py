@@ -1,0 +1,99 @@
+"""Asks the guest for a decomposition, within limits of time and memory."""
+
+from __future__ import annotations
+
+import hashlib
+import threading
+from dataclasses import dataclass
+from functools import cache
+from importlib import metadata
+from typing import Any
+
+import numpy as np
+
+from stages.mesh.decompose import wire
+from stages.mesh.decompose.options import DecomposeOptions
+from stages.mesh.decompose.wire import refusal
+from stages.mesh.snapping import snapped
+from stages.mesh.surface import Surface
+from stages.robot import guest
+from stages.robot.errors import DecompositionFailed
+from stages.robot.guest import Bounds
+
+GUEST = "stages.mesh.decompose.coacd_guest"
+
+BOUNDS = Bounds(seconds=60, memory=2 << 30, reply=64 << 20)
+"""Limits of one decomposition."""
+
+_ENVIRON = dict.fromkeys(
+    (
+        "OMP_NUM_THREADS",
+        "OPENBLAS_NUM_THREADS",
+        "MKL_NUM_THREADS",
+        "BLIS_NUM_THREADS",
+        "VECLIB_MAXIMUM_THREADS",
+        "NUMEXPR_NUM_THREADS",
+    ),
+    "1",
+)
+"""One thread in each guest: more of them gain nothing, and the order of their sums is not ours."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Guest:
+    """Who is asked, within which limits; it ends where `halt` is set."""
+
+    module: str = GUEST
+    bounds: Bounds = BOUNDS
+    halt: threading.Event | None = None
+
+
+def decomposition(surface: Surface, options: DecomposeOptions, by: Guest | None = None) -> bytes:
+    """The decomposition of a surface as bytes, to cache by `decomposition_key`; `wire.read` reads them.
+
+    Raises DecompositionFailed where the guest takes too long, needs too much memory, crashes, or gives a
+    reply that is none: nothing to keep, since it may not happen again. What follows from the mesh itself is
+    a result, with `refused`.
+    """
+    by = by or Guest()
+    if not np.isfinite(surface.vertices).all():
+        return wire.write(refusal("a coordinate of the mesh is not a number"))
+    canonical = snapped(surface)
+    if not len(canonical.triangles):
+        return wire.write(refusal("the mesh has no triangle"))
+    head = {"tolerance": options.tolerance, "arguments": options.search.arguments(options.tolerance)}
+    request = wire.request(canonical, head)
+    try:
+        reply = guest.ask(by.module, request, by.bounds, _ENVIRON, by.halt)
+        wire.read(reply)
+    except guest.Ended as ended:
+        msg = f"the decomposition {ended}"
+    except ValueError:
+        msg = "the decomposition gave a reply that is none"
+    else:
+        return reply
+    raise DecompositionFailed(msg, hint="a larger tolerance, or mesh.effort: low, makes it faster")
+
+
+def decomposition_key(surface: Surface, options: DecomposeOptions) -> dict[str, Any]:
+    """What a decomposition depends on, as plain data: the shape, the options and the libraries.
+
+    How many pieces and vertices are asked for is no part of it: they are joined afterwards.
+    """
+    canonical = snapped(surface)
+    shape = hashlib.sha256(canonical.vertices.astype("<f8").tobytes())
+    shape.update(canonical.triangles.astype("<i8").tobytes())
+    return {
+        "shape": shape.hexdigest(),
+        "tolerance": options.tolerance.hex(),
+        "arguments": {
+            name: value.hex() if isinstance(value, float) else value
+            for name, value in options.search.arguments(options.tolerance).items()
+        },
+        "libraries": _versions(),
+    }
+
+
+@cache
+def _versions() -> dict[str, str]:
+    return {name: metadata.version(name) for name in ("coacd", "manifold3d", "numpy", "scipy")}

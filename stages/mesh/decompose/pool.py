@@ -1,0 +1,77 @@
+"""Several decompositions side by side, each in its own guest process."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass
+from typing import Generic, TypeVar
+
+from stages.robot.errors import DecompositionFailed
+
+Made = TypeVar("Made")
+
+_SHOWN_EVERY = 0.2  # s
+
+Shown = Callable[[Sequence[str], int, int], None]
+"""shown(running, done, total): the names of the makings that run, and how many of all are done."""
+
+
+@dataclass(frozen=True, slots=True)
+class Making(Generic[Made]):
+    """What is to be made, and the name by which a user knows it.
+
+    `make` gets an event that is set where the work is to end early: it hands it to its `Guest`.
+    """
+
+    name: str
+    make: Callable[[threading.Event], Made]
+
+
+def side_by_side(
+    makings: Sequence[Making[Made]], shown: Shown | None = None, workers: int | None = None
+) -> list[Made | DecompositionFailed]:
+    """What each makes, or how it failed, in the order of the makings, whoever is done first.
+
+    As many run at once as this process may use processors, or `workers`; those given first start first.
+    `shown` is called in this thread. Where this thread is interrupted, or one raises another error, all
+    guests end at once.
+    """
+    halt = threading.Event()
+    running: dict[int, str] = {}
+
+    def result(number: int, one: Making[Made]) -> Made | DecompositionFailed:
+        running[number] = one.name
+        try:
+            return one.make(halt)
+        except DecompositionFailed as failed:
+            return failed
+        finally:
+            del running[number]
+
+    with ThreadPoolExecutor(max(1, workers or processors()), thread_name_prefix="decompose") as pool:
+        futures: list[Future[Made | DecompositionFailed]] = []
+        try:
+            futures += (pool.submit(result, *numbered) for numbered in enumerate(makings))
+            waiting = set(futures)
+            while waiting:
+                done, waiting = wait(waiting, _SHOWN_EVERY, FIRST_COMPLETED)
+                for future in done:
+                    future.result()
+                if shown is not None:
+                    # Copied in one step: the threads change it meanwhile.
+                    shown(sorted(running.copy().values()), len(makings) - len(waiting), len(makings))
+        except BaseException:
+            halt.set()
+            pool.shutdown(wait=True, cancel_futures=True)
+            raise
+    return [future.result() for future in futures]
+
+
+def processors() -> int:
+    """How many processors this process may use."""
+    if hasattr(os, "process_cpu_count"):
+        return os.process_cpu_count() or 1
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
