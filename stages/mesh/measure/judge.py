@@ -1,0 +1,134 @@
+"""The measures of a collider: samples, then a search for what lies between them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from stages.mesh.measure.measures import Measures
+from stages.mesh.measure.samples import even
+from stages.mesh.measure.target import SAMPLES, Target
+from stages.mesh.measure.tree import Indices, Numbers, Value, largest
+from stages.mesh.measure.union import Union
+from stages.mesh.pieces import Piece
+from stages.mesh.surface import Points, Surface
+
+WITHIN = 1.5e-3
+"""Of the diagonal: how far a maximum may be from the true one; a tenth of the default tolerance. One that is
+far above the tolerance may be off by a fiftieth."""
+
+_CRACK = 3e-4  # of the diagonal: nothing reaches into one as narrow
+_INSET = 1e-3
+_MOST_CORNERS = 2000  # triangles of one piece
+_DIGITS = 1e-6  # of the diagonal
+
+
+def measure(target: Target, pieces: Sequence[Piece]) -> Measures:
+    """How the union of `pieces` (at least one) differs from the part; ValueError without pieces.
+
+    The part's inside is what its winding number says. A point of one piece within another, or within 0.03 %
+    of the part's diagonal of it straight ahead, is no point of the outer surface, so that seams do not count.
+    Maxima are right to 0.15 % of the diagonal or to a fiftieth, shares by booleans to rounding; figures are
+    rounded to 1e-6 of the diagonal and to 1e-6.
+    """
+    union = Union.of(sorted(pieces, key=_order))
+    shares = target.shares(union)
+    protrusion = _protrusion(target, union)
+    bareness = _bareness(target, union)
+    grain = _DIGITS * target.diagonal
+    rounded = [round(value / grain) * grain for value in (*protrusion, *bareness)]
+    return Measures(round(shares.extra, 6), round(shares.missing, 6), shares.by, *rounded)
+
+
+def _order(piece: Piece) -> tuple[str, bytes, bytes]:
+    """Pieces in an order of their own: the same figures in whatever order they come."""
+    if isinstance(piece, Surface):
+        return "", piece.vertices.tobytes(), piece.triangles.tobytes()
+    return piece.kind, np.array(piece.size).tobytes(), piece.link_from_shape.tobytes()
+
+
+def _protrusion(target: Target, union: Union) -> tuple[float, float]:
+    """The p95 and the maximum [m]."""
+
+    def value(points: Points, triangles: Indices, from_on: Numbers) -> Value:
+        buried, outer = _outer(target, union, points, union.owners[triangles], union.normals[triangles])
+        far, exact = _outside_part(target, points, from_on)
+        return Value(far, outer & exact, np.maximum(buried, 0.0))
+
+    samples = even(union.tree, SAMPLES)
+    _, outer = _outer(
+        target, union, samples.points, union.owners[samples.triangles], union.normals[samples.triangles]
+    )
+    population, _ = _outside_part(target, samples.points[outer], 0.0)
+    known = float(population.max(initial=0.0))
+    corners = _outer_corners(target, union)
+    far, exact = _outside_part(target, corners, known)
+    known = max(known, float(far[exact].max(initial=0.0)))
+    return _p95(population), largest(union.tree, value, known, _within(target, known))
+
+
+def _outer(
+    target: Target, union: Union, points: Points, owners: Indices, normals: Points
+) -> tuple[Numbers, npt.NDArray[np.bool_]]:
+    """How deep points of the pieces `owners` are in other pieces, and whether they are on the outer surface,
+    which faces along the normals."""
+    if len(union.bodies) == 1:
+        return np.full(len(points), -np.inf), np.ones(len(points), dtype=bool)
+    buried = union.depth(points, owners)
+    outer = buried <= 0
+    some = np.flatnonzero(outer)
+    ahead = points[some] + normals[some] * (_CRACK * target.diagonal)
+    outer[some] = union.depth(ahead, owners[some]) <= 0
+    return buried, outer
+
+
+def _outside_part(
+    target: Target, points: Points, from_on: Numbers | float
+) -> tuple[Numbers, npt.NDArray[np.bool_]]:
+    """How far points are outside the part, and whether that is exact; see `Nearest`."""
+    far, exact = np.zeros(len(points)), np.ones(len(points), dtype=bool)
+    some = np.flatnonzero(~target.inside(points))
+    far[some], exact[some] = target.nearest(points[some], np.broadcast_to(from_on, len(points))[some])
+    return far, exact
+
+
+def _outer_corners(target: Target, union: Union) -> Points:
+    """The corners of the pieces on the outer surface: those where a point of some face near by is."""
+    corners, whose, normals = union.corners(_MOST_CORNERS)
+    if not len(corners):
+        return corners.reshape(-1, 3)
+    points = corners.reshape(-1, 3)
+    inset = points + (np.repeat(corners.mean(axis=1), 3, axis=0) - points) * _INSET
+    _, outer = _outer(target, union, inset, np.repeat(whose, 3), np.repeat(normals, 3, axis=0))
+    return np.unique(points[outer], axis=0)
+
+
+def _bareness(target: Target, union: Union) -> tuple[float, float]:
+    """The p95 and the maximum [m]."""
+
+    def value(points: Points, triangles: Indices, from_on: Numbers) -> Value:
+        return _outside_union(union, points, from_on)
+
+    population = _outside_union(union, target.samples.points, np.zeros(SAMPLES)).value
+    known = float(population.max(initial=0.0))
+    found = _outside_union(union, target.corners, np.full(len(target.corners), known))
+    known = max(known, float(found.value[found.counts].max(initial=0.0)))
+    return _p95(population), largest(target.tree, value, known, _within(target, known))
+
+
+def _outside_union(union: Union, points: Points, from_on: Numbers) -> Value:
+    """How far points are outside the union."""
+    depth = union.depth(points)
+    far, exact = np.zeros(len(points)), np.ones(len(points), dtype=bool)
+    some = np.flatnonzero(depth <= 0)
+    far[some], exact[some] = union.distance(points[some], from_on[some])
+    return Value(far, exact, np.maximum(depth, 0.0))
+
+
+def _within(target: Target, known: float) -> float:
+    return max(WITHIN * target.diagonal, known / 50)
+
+
+def _p95(population: npt.NDArray[np.float64]) -> float:
+    """The least value that 95 % of the population do not exceed."""
+    return float(np.quantile(population, 0.95, method="inverted_cdf")) if len(population) else 0.0

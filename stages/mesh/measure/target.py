@@ -1,0 +1,73 @@
+"""A part made ready to be compared with colliders."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stages.mesh.measure.samples import Samples, even, thinned
+from stages.mesh.measure.tree import BoxTree, Nearest
+from stages.mesh.measure.union import Union
+from stages.mesh.measure.volumes import Cloud, Shares, Solid
+from stages.mesh.rays import Inside
+from stages.mesh.surface import Points, Surface
+
+SAMPLES = 3000
+_GRID = 1 / 100  # of the diagonal
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Target:
+    """A part: its triangles in a tree, what is inside, and points all over it.
+
+    `diagonal` [m] of its bounds; `volume` [m³] of all that it encloses, 0 where it is not closed; `manifold`:
+    whether booleans with it are possible.
+    """
+
+    surface: Surface
+    diagonal: float
+    closed: bool
+    volume: float
+    tree: BoxTree
+    nearest: Nearest
+    inside: Inside
+    samples: Samples
+    corners: Points
+    solid: Solid | None
+    _cloud: list[Cloud] = field(default_factory=list)
+
+    @property
+    def manifold(self) -> bool:
+        return self.solid is not None
+
+    @staticmethod
+    def of(surface: Surface) -> "Target":
+        """Of a surface with at least one triangle, closed or not; ValueError where it has no extent."""
+        used = surface.vertices[np.unique(surface.triangles)] if len(surface.triangles) else np.zeros((1, 3))
+        diagonal = float(np.linalg.norm(np.ptp(used, axis=0)))
+        if not diagonal > 0 or not np.isfinite(used).all():
+            msg = "there is nothing to measure: the surface has no extent, or not all of it is finite"
+            raise ValueError(msg)
+        tree = BoxTree.of(surface)
+        closed = surface.closed()
+        solid = Solid.of([surface]) if closed else None
+        return Target(
+            surface,
+            diagonal,
+            closed,
+            solid.volume if solid else surface.volume(),
+            tree,
+            Nearest.of(tree),
+            Inside.of(surface),
+            even(tree, SAMPLES),
+            thinned(Surface(used, surface.triangles), _GRID * diagonal),
+            solid,
+        )
+
+    def shares(self, union: Union) -> Shares:
+        """What the collider has too much and too little: by booleans where they are possible."""
+        found = self.solid.shares(union) if self.solid else None
+        if found is not None:
+            return found
+        if not self._cloud:
+            self._cloud.append(Cloud.of(self.surface, self.inside))
+        return self._cloud[0].shares(union)
