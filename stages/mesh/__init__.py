@@ -1,7 +1,7 @@
 """Mesh: a `Robot` and the triangles of its parts in, a `Geometry` out.
 
-Every link gets one visual mesh a colour and the colliders that `mesh.collider` chooses, in its own frame.
-The primitives that the user gave it stay as they are.
+Every link gets one visual mesh a colour, or a part, and the colliders that `mesh.collider` chooses, in its
+own frame. The primitives that the user gave it stay as they are.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 9
+VERSION = 10
 """Grows with every change of what this stage makes of the same input."""
 
 COLLIDERS: Mapping[str, tuple[str, ...]] = {
@@ -35,7 +35,8 @@ The caller adds this stage's version and those of its libraries to the key.
 
 def make_geometry(robot: Robot, bundle: Bundle, keys: MeshKeys, memo: Memo) -> Geometry:
     """The shapes of all links and their files. Diagnostics: W-NO-MESH, W-FLAT,
-    W-MESH-VOLUME, W-COM-OUTSIDE, W-VISUAL-FACES, I-DECIMATED, I-RAW, I-ALWAYS-CONTACT, W-SELF-CONTACT.
+    W-MESH-VOLUME, W-COM-OUTSIDE, W-VISUAL-FACES, I-DECIMATED, I-NO-ASSETS,
+    W-NO-COLLIDER, I-RAW, I-ALWAYS-CONTACT, W-SELF-CONTACT.
     MeshError where `contact.exclude` matches no links, or MuJoCo refuses a collider.
 
     Each link is made through `memo`, by the content of its parts: renaming one makes nothing again.

@@ -1,17 +1,18 @@
 """The robot's geometry: each link's meshes made once, then named."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING
 
 from stages.mesh import COLLIDERS, link_mesh, primitives, tessellation
+from stages.mesh.assets import written
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.com_check import unbalanced
 from stages.mesh.contacts.analysis import self_contacts
 from stages.mesh.diagnostics import diagnostics
 from stages.mesh.link_mesh import ColliderMaker, Finding, LinkMesh, Use
 from stages.mesh.mesh_file import MeshFile
-from stages.mesh.names import file_names
+from stages.mesh.names import file_names, part_words
 from stages.mesh.tessellation import PartMesh
 from stages.mesh.visuals.budget import Decimator
 from stages.robot.bundle import Bundle
@@ -27,7 +28,7 @@ def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo") -> Ge
     """The shapes of all links. ProtocolError where triangles cannot be read."""
     library, decimator = _Library(robot.links, bundle), Decimator()
     meshes: dict[str, LinkMesh] = {}
-    found = {}
+    found, owners = {}, {}
     for link in robot.links:
         # Sorted by content: neither a new name nor another order of instances makes the work again.
         uses = [
@@ -37,16 +38,18 @@ def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo") -> Ge
         ]
         uses.sort(key=lambda pair: pair[0].key())
         meshes[link.name] = mesh = _link_mesh([use for use, _ in uses], library, decimator, keys.mesh, memo)
+        owners[link.name] = [uses[index][1] for index in mesh.owners]
         lacking = [(part, Finding(False, None)) for part in link.parts if part.mesh is None]
         found[link.name] = [*zip((part for _, part in uses), mesh.findings, strict=True), *lacking]
-    named, files = _named(meshes)
+    named, files = _named(meshes, owners)
     shapes = [shape for link in robot.links for shape in (*named[link.name], *primitives.shapes(link))]
     problems = diagnostics(robot.links, meshes, found, keys.mesh.collider) + unbalanced(
         robot.links, meshes, library.of_parts
     )
     contacts = self_contacts(robot, shapes, files, keys.contact, memo)
     problems += contacts.diagnostics
-    return Geometry(tuple(shapes), files, tuple(problems), contacts.on, contacts.excludes)
+    (shown, assets), left_out = written(shapes, files, keys.mesh)
+    return Geometry(shown, assets, (*problems, *left_out), contacts.on, contacts.excludes)
 
 
 def _link_mesh(
@@ -59,8 +62,7 @@ def _link_mesh(
     def make() -> bytes:
         maker: ColliderMaker = import_module(f"stages.mesh.colliders.{collider}").make
         meshes = library.meshes(use.mesh for use in uses)
-        most = section.visual.max_faces
-        return link_mesh.encode(link_mesh.make(uses, meshes, maker, settings, most, decimator))
+        return link_mesh.encode(link_mesh.make(uses, meshes, maker, settings, section.visual, decimator))
 
     used = settings.used(COLLIDERS[collider])
     key = {
@@ -100,11 +102,17 @@ class _Library:
         return result
 
 
-def _named(meshes: Mapping[str, LinkMesh]) -> tuple[dict[str, list[Shape]], dict[str, bytes]]:
-    """The shapes of each link's meshes and colliders, and their files by name."""
+def _named(
+    meshes: Mapping[str, LinkMesh], owners: Mapping[str, Sequence[Part]]
+) -> tuple[dict[str, list[Shape]], dict[str, bytes]]:
+    """The shapes of each link's meshes and colliders, and their files by name. `owners`: the part of each
+    visual mesh, by link, where each has one of its own."""
     names = file_names(
         {
-            link: (len(mesh.visuals), sum(isinstance(one, MeshFile) for one in mesh.colliders))
+            link: (
+                part_words([part.name for part in owners[link]]) or len(mesh.visuals),
+                sum(isinstance(one, MeshFile) for one in mesh.colliders),
+            )
             for link, mesh in meshes.items()
         }
     )

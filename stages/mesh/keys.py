@@ -20,8 +20,9 @@ else:
 class VisualKeys(Keys):
     """Visual meshes."""
 
-    merge: Literal["colour"] = not_yet("colour")
-    """colour: one mesh per link and colour."""
+    merge: Literal["colour", "part"] = "colour"
+    """colour: one mesh per link and colour; part: one mesh per part, and one for each of its colours where it
+    has several."""
 
     max_faces: Count = 20000
     """Largest number of triangles of a link. A part's surface never moves by more than 0.2 mm or 0.3 % of
@@ -58,6 +59,13 @@ class MeshSection(Keys):
 
     visual: VisualKeys = VisualKeys()
     """Visual meshes."""
+
+    format: Literal["stl", "obj"] = "stl"
+    """Format of the mesh files. stl: binary STL; obj: Wavefront OBJ."""
+
+    assets: Literal["files", "none"] = "files"
+    """files: meshes are written beside the model; none: the model has masses and
+    primitives, but no meshes."""
 
 
 class ContactKeys(Keys):

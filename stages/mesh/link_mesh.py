@@ -4,7 +4,7 @@ import io
 import struct
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import orjson
 
@@ -13,9 +13,12 @@ from stages.mesh.mesh_file import MeshFile
 from stages.mesh.surface import Surface, moved
 from stages.mesh.tessellation import PartMesh
 from stages.mesh.visuals.budget import Decimation, Decimator
-from stages.mesh.visuals.make import visuals
+from stages.mesh.visuals.make import Drawn, visuals
 from stages.robot import codec
 from stages.robot.model import Array, MeshRef, Primitive
+
+if TYPE_CHECKING:
+    from stages.mesh.keys import VisualKeys
 
 Collider = MeshFile | Primitive
 
@@ -55,12 +58,16 @@ class Finding:
 @dataclass(frozen=True, slots=True)
 class LinkMesh:
     """A link's visual meshes, sorted by colour, its colliders, all in its own frame, and a finding for each
-    use, and what decimation made of the visual meshes."""
+    use, and what decimation made of the visual meshes.
+
+    `owners`: the use of each visual mesh, where each has one of its own.
+    """
 
     visuals: tuple[MeshFile, ...]
     colliders: tuple[Collider, ...]
     findings: tuple[Finding, ...]
     decimation: Decimation | None = None
+    owners: tuple[int, ...] = ()
 
 
 def make(
@@ -68,13 +75,12 @@ def make(
     meshes: Mapping[MeshRef, PartMesh],
     maker: ColliderMaker,
     settings: ColliderSettings,
-    max_faces: int,
+    keys: "VisualKeys",
     decimator: Decimator,
 ) -> LinkMesh:
-    """The meshes of a link; the order of `uses` is that of the findings. `max_faces`: triangles of its visual
-    meshes."""
-    drawn = [(use.mesh, use.link_from_part) for use in uses if use.seen]
-    seen = visuals(drawn, meshes, max_faces, decimator)
+    """The meshes of a link; the order of `uses` is that of the findings. `keys`: of its visual meshes."""
+    drawn = [Drawn(index, use.mesh, use.link_from_part) for index, use in enumerate(uses) if use.seen]
+    seen = visuals(drawn, meshes, keys, decimator)
     solid = [
         moved(mesh.surface, use.link_from_part)
         for use in uses
@@ -85,6 +91,7 @@ def make(
         colliders=maker(solid, settings) if solid else (),
         findings=tuple(_finding(meshes.get(use.mesh)) for use in uses),
         decimation=seen.decimation,
+        owners=seen.owners,
     )
 
 
@@ -101,6 +108,7 @@ def encode(link: LinkMesh) -> bytes:
             "visuals": [_record(file) for file in link.visuals],
             "colliders": [_record(collider) for collider in link.colliders],
             "findings": [asdict(finding) for finding in link.findings],
+            "owners": list(link.owners),
             "decimation": asdict(link.decimation) if link.decimation else None,
         }
     )
@@ -116,6 +124,7 @@ def decode(data: bytes) -> LinkMesh:
         visuals=tuple(_mesh_file(record, files) for record in header["visuals"]),
         colliders=tuple(_collider(record, files) for record in header["colliders"]),
         findings=tuple(Finding(**finding) for finding in header["findings"]),
+        owners=tuple(header["owners"]),
         decimation=Decimation(**header["decimation"]) if header["decimation"] else None,
     )
 

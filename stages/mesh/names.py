@@ -1,17 +1,21 @@
 """Names of mesh files: one scheme, unique on every file system."""
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 
-from stages.robot.names import plain
+from stages.robot.names import plain, shortest_unique
 
 _LONGEST = 200
 """Letters of a link's name in that of a file, which may have 255."""
 
 
-def file_names(files: Mapping[str, tuple[int, int]]) -> dict[str, tuple[list[str], list[str]]]:
+def file_names(
+    files: Mapping[str, tuple[int | Sequence[str], int]],
+) -> dict[str, tuple[list[str], list[str]]]:
     """For each link, in order: the names of its visual files and of its collision files.
 
-    `files`: for each link, the numbers of its visual and collision files. They are named `<link>.stl`, or
+    `files`: for each link, the number of its visual files, or a word for each, and that of its collision
+    files. With words they are named `<link>_<word>.stl`, else `<link>.stl`, or
     `<link>_<k>.stl` with k from 1 for several, and `<link>_collision.stl`, or `<link>_collision_<k>.stl`.
     Where another link has a file of that name (links `arm` and `arm_1`), underscores are added until none
     has. Names that differ only in case count as the same. Letters that some file systems lack are left out,
@@ -23,14 +27,33 @@ def file_names(files: Mapping[str, tuple[int, int]]) -> dict[str, tuple[list[str
     names = {}
     for link, (visuals, colliders) in files.items():
         stem = stem_of[link]
-        suffixes = _numbered("", visuals) + _numbered("collision", colliders)
+        words = _numbered("", visuals) if isinstance(visuals, int) else list(visuals)
+        suffixes = words + _numbered("collision", colliders)
         gap = "_"
         while any(_key(stem, gap, suffix) in stems | taken for suffix in suffixes if suffix):
             gap += "_"
         taken |= {_key(stem, gap, suffix) for suffix in suffixes if suffix}
         own = [f"{stem}{gap}{suffix}.stl" if suffix else f"{stem}.stl" for suffix in suffixes]
-        names[link] = (own[:visuals], own[visuals:])
+        names[link] = (own[: len(words)], own[len(words) :])
     return names
+
+
+def part_words(names: Sequence[str]) -> list[str]:
+    """A word for each visual file of a link by the name of its part, unique within the link: the shortest end
+    of the name that no other part has, and a number where a part has several files."""
+    counts = Counter(names)
+    paths = {name: name.split("/") for name in counts}
+    # Colliders have the word "collision".
+    short = {
+        name: f"part_{word}" if word.startswith("collision") else word
+        for name, word in shortest_unique(paths).items()
+    }
+    numbers: Counter[str] = Counter()
+    words = []
+    for name in names:
+        numbers[name] += 1
+        words.append(short[name] if counts[name] == 1 else f"{short[name]}__{numbers[name]}")
+    return words
 
 
 def _numbered(word: str, count: int) -> list[str]:

@@ -57,9 +57,9 @@ class Exclude:
 @dataclass(frozen=True, slots=True)
 class Geometry:
     """Shapes in the order of the links; of a link its colliders, then its visual meshes, then the primitives
-    that the user gave it, in their own order. `files`: binary STL by name, metres. `self_contact`: whether
-    the robot's links collide with each other; then `excludes` are the pairs that do not, in the order of the
-    links: also those that an engine leaves out by itself."""
+    that the user gave it, in their own order. `files`: binary STL or OBJ by name, metres. `self_contact`:
+    whether the robot's links collide with each other; then `excludes` are the pairs that do not, in the
+    order of the links: also those that an engine leaves out by itself."""
 
     shapes: tuple[Shape, ...]
     files: Mapping[str, bytes]

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,38 +14,54 @@ from stages.mesh.visuals.budget import Decimation, Decimator
 from stages.robot.geometry import Colour
 from stages.robot.model import Array, MeshRef
 
+if TYPE_CHECKING:
+    from stages.mesh.keys import VisualKeys
+
 _ATTEMPTS = 4
 
-Drawn = Sequence[tuple[MeshRef, Array]]
-"""The parts that are drawn: the mesh of each and its `link_from_part` (4, 4)."""
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drawn:
+    """A part that is drawn: its number among the parts of the link, its mesh and `link_from_part` (4, 4)."""
+
+    index: int
+    mesh: MeshRef
+    link_from_part: Array
 
 
 @dataclass(frozen=True, slots=True)
 class LinkVisuals:
-    """The visual meshes of a link, sorted by colour, and what decimation made of them; None where they are
-    as the parts have them."""
+    """The visual meshes of a link, sorted by colour, or by part and colour: then `owners` has the number of
+    the part of each. `decimation`: None where the meshes are as the parts have them."""
 
     files: tuple[MeshFile, ...]
+    owners: tuple[int, ...]
     decimation: Decimation | None
 
 
-def visuals(drawn: Drawn, meshes: Mapping[MeshRef, PartMesh], most: int, decimator: Decimator) -> LinkVisuals:
-    """The visual meshes with at most `most` triangles together, or the fewest that the bound of the error
-    allows."""
-    allowed = most
+def visuals(
+    drawn: Sequence[Drawn], meshes: Mapping[MeshRef, PartMesh], keys: "VisualKeys", decimator: Decimator
+) -> LinkVisuals:
+    """The visual meshes with at most `max_faces` triangles together, or the fewest that the bound of the
+    error allows; one a colour, or one a part and colour."""
+    allowed = most = keys.max_faces
     for _ in range(_ATTEMPTS):
-        fitted, decimation = decimator.fitted([ref for ref, _ in drawn], meshes, allowed)
-        files = _files(drawn, fitted)
-        faces = sum(file.faces for file in files)
+        fitted, decimation = decimator.fitted([one.mesh for one in drawn], meshes, allowed)
+        groups = [[one] for one in drawn] if keys.merge == "part" else [drawn]
+        found = [(group[0].index, file) for group in groups if group for file in _files(group, fitted)]
+        faces = sum(file.faces for _, file in found)
         # A flat surface gets a back, so that files may have more triangles than their parts.
         if faces <= most or (decimation is not None and decimation.limited):
             break
         allowed = max(0, allowed - (faces - most))
-    return LinkVisuals(files, decimation)
+    owners = tuple(index for index, _ in found) if keys.merge == "part" else ()
+    return LinkVisuals(tuple(file for _, file in found), owners, decimation)
 
 
-def _files(drawn: Drawn, meshes: Mapping[MeshRef, PartMesh]) -> tuple[MeshFile, ...]:
-    placed = [(moved(mesh.surface, pose), mesh) for ref, pose in drawn if (mesh := meshes.get(ref))]
+def _files(drawn: Sequence[Drawn], meshes: Mapping[MeshRef, PartMesh]) -> tuple[MeshFile, ...]:
+    placed = [
+        (moved(mesh.surface, one.link_from_part), mesh) for one in drawn if (mesh := meshes.get(one.mesh))
+    ]
     return tuple(
         file for colour, surface in _by_colour(placed) for file in mesh_file.visuals(surface, colour)
     )

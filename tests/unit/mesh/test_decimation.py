@@ -6,12 +6,13 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from stages.mesh.keys import VisualKeys
 from stages.mesh.surface import Surface, weld
 from stages.mesh.tessellation import PartMesh
 from stages.mesh.visuals import simplify
 from stages.mesh.visuals.budget import LEAST_BOUND, Decimator, bound
 from stages.mesh.visuals.error import apart, farthest, spread
-from stages.mesh.visuals.make import visuals
+from stages.mesh.visuals.make import Drawn, visuals
 from stages.mesh.visuals.simplify import simplified
 from stages.robot.model import MeshRef
 
@@ -186,7 +187,7 @@ def test_flat_colours_count_with_their_backs():
     corner = (np.arange(30)[:, None] * 31 + np.arange(30)).ravel()
     faces = np.stack([corner, corner + 31, corner + 32], 1), np.stack([corner, corner + 32, corner + 1], 1)
     mesh = part(trimesh.Trimesh(points, np.concatenate(faces), process=False))
-    made = visuals([(ONE, np.eye(4))], {ONE: mesh}, 1800, Decimator())
+    made = visuals([Drawn(0, ONE, np.eye(4))], {ONE: mesh}, VisualKeys(max_faces=1800), Decimator())
     assert sum(file.faces for file in made.files) <= 1800
     assert made.decimation is not None
 

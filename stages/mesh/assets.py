@@ -1,0 +1,74 @@
+"""The mesh files of a robot in the form that `mesh.format` and `mesh.assets` ask for."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stages.formats.triangles import distinct
+from stages.mesh import obj, stl
+from stages.mesh.surface import Surface
+from stages.robot.errors import Diagnostic
+from stages.robot.geometry import Shape
+from stages.robot.plural import count
+
+if TYPE_CHECKING:
+    from stages.mesh.keys import MeshSection
+
+Assets = tuple[tuple[Shape, ...], Mapping[str, bytes]]
+"""Shapes, and the files that they name."""
+
+
+def written(
+    shapes: Sequence[Shape], files: Mapping[str, bytes], section: "MeshSection"
+) -> tuple[Assets, list[Diagnostic]]:
+    """Shapes and files as they are written, out of those in STL; I-NO-ASSETS and W-NO-COLLIDER where meshes
+    are left out."""
+    if section.assets == "none":
+        kept = tuple(shape for shape in shapes if shape.file is None)
+        return (kept, {}), _left_out(shapes)
+    if section.format == "stl":
+        return (tuple(shapes), files), []
+    renamed = tuple(
+        shape if shape.file is None else replace(shape, file=_obj(shape.file)) for shape in shapes
+    )
+    return (renamed, {_obj(name): obj.write(surface(data)) for name, data in files.items()}), []
+
+
+def surface(data: bytes) -> Surface:
+    """The surface of a file that `stl.write` made: its points, sorted, and its triangles."""
+    corners = stl.read(data)
+    vertices, index = distinct(corners.reshape(-1, 3))
+    return Surface(vertices, index.reshape(-1, 3).astype(np.int64))
+
+
+def _obj(name: str) -> str:
+    return f"{name.removesuffix('.stl')}.obj"
+
+
+def _left_out(shapes: Sequence[Shape]) -> list[Diagnostic]:
+    meshes = [shape for shape in shapes if shape.file is not None]
+    visuals = sum(shape.role == "visual" for shape in meshes)
+    colliders = len(meshes) - visuals
+    found = []
+    if meshes:
+        found.append(
+            Diagnostic(
+                "I-NO-ASSETS",
+                f"{count(visuals, 'visual mesh', 'visual meshes')} and {count(colliders, 'collider')} that "
+                "are meshes are left out; masses and primitives stay",
+                "mesh.assets",
+                "mesh.assets=files writes them",
+            )
+        )
+    if not any(shape.role == "collision" and shape.file is None for shape in shapes):
+        found.append(
+            Diagnostic(
+                "W-NO-COLLIDER",
+                "nothing of the robot collides: all of its colliders are meshes, which are left out",
+                "mesh.assets",
+                "mesh.assets=files writes them; or give links primitives",
+            )
+        )
+    return found
