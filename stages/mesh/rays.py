@@ -17,8 +17,8 @@ _PAIRS = 1 << 18  # pairs of a point and a triangle looked at in one go
 _LEVELS = 24
 _SIDE = 1 << 25  # cells of a level, at most, along each axis
 _DIRECTIONS = 6
-_MOST_STRIPS = 64
-_FINEST = 256  # strips over the whole size, at most
+_MOST_STRIPS = 16
+_FINEST = 128  # strips over the whole size, at most
 _TURN = (3 - math.sqrt(5)) * math.pi  # between neighbours of a Fibonacci lattice
 
 
