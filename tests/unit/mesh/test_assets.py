@@ -65,7 +65,7 @@ def test_every_reader_takes_the_obj_files(kit: Kit, tmp_path: Path) -> None:
     assert by_mjcf.nmesh == by_urdf.nmesh == len(geometry.files)
     model = pinocchio.buildModelFromUrdf(str(tmp_path / "robot.urdf"))
     for kind in (pinocchio.VISUAL, pinocchio.COLLISION):
-        shapes = pinocchio.buildGeomFromUrdf(model, str(tmp_path / "robot.urdf"), kind)
+        shapes = pinocchio.buildGeomFromUrdf(model, str(tmp_path / "robot.urdf"), kind, package_dirs=[str(tmp_path)])
         assert shapes.ngeoms == 2
     assert [check for check in validate(tmp_path, robot, plan) if not check.passed] == []
 
