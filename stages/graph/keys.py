@@ -14,6 +14,7 @@ from stages.robot.keys import (
     NonNegative,
     Number,
     Positive,
+    Solref,
     Text,
     example,
     invalid,
@@ -32,12 +33,6 @@ def _file_name(name: str) -> str:
             "must be another word: <name>.xml would overwrite scene.xml, the world around the robot"
         )
     return name
-
-
-def _of_one_form(solref: tuple[float, float]) -> tuple[float, float]:
-    if not (min(solref) > 0 or max(solref) < 0):
-        raise invalid("must be [time constant, damping ratio] above 0, or [-stiffness, -damping]")
-    return solref
 
 
 class RootKeys(Keys):
@@ -140,7 +135,7 @@ class LoopsKeys(Keys):
     """Names or globs of mates that close a loop instead of becoming a joint of the tree; for other loops
     Linkwright chooses the mate."""
 
-    solref: Annotated[tuple[Number, Number], AfterValidator(_of_one_form)] = (0.005, 1)
+    solref: Solref = (0.005, 1)
     """MuJoCo's solref of the constraints that close loops: [time constant, damping ratio] in s and without
     unit, or [-stiffness, -damping]."""
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 10
+VERSION = 11
 """Grows with every change of what this stage makes of the same input."""
 
 COLLIDERS: Mapping[str, tuple[str, ...]] = {
@@ -37,7 +37,7 @@ def make_geometry(robot: Robot, bundle: Bundle, keys: MeshKeys, memo: Memo) -> G
     """The shapes of all links and their files. Diagnostics: W-NO-MESH, W-FLAT,
     W-MESH-VOLUME, W-COM-OUTSIDE, W-VISUAL-FACES, I-DECIMATED, I-NO-ASSETS,
     W-NO-COLLIDER, I-RAW, I-ALWAYS-CONTACT, W-SELF-CONTACT.
-    MeshError where `contact.exclude` matches no links, or MuJoCo refuses a collider.
+    MeshError where `geoms` or `contact.exclude` match no links, or MuJoCo refuses a collider.
 
     Each link is made through `memo`, by the content of its parts: renaming one makes nothing again.
     """

@@ -10,6 +10,7 @@ from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.com_check import unbalanced
 from stages.mesh.contacts.analysis import self_contacts
 from stages.mesh.diagnostics import diagnostics
+from stages.mesh.geoms import contact_properties, with_properties
 from stages.mesh.link_mesh import ColliderMaker, Finding, LinkMesh, Use
 from stages.mesh.mesh_file import MeshFile
 from stages.mesh.names import file_names, part_words
@@ -25,7 +26,9 @@ if TYPE_CHECKING:
 
 
 def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo") -> Geometry:
-    """The shapes of all links. ProtocolError where triangles cannot be read."""
+    """The shapes of all links. ProtocolError where triangles cannot be read, MeshError where a glob of
+    `geoms` matches no link."""
+    properties = contact_properties([link.name for link in robot.links], keys.geoms)
     library, decimator = _Library(robot.links, bundle), Decimator()
     meshes: dict[str, LinkMesh] = {}
     found, owners = {}, {}
@@ -48,7 +51,7 @@ def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo") -> Ge
     )
     contacts = self_contacts(robot, shapes, files, keys.contact, memo)
     problems += contacts.diagnostics
-    (shown, assets), left_out = written(shapes, files, keys.mesh)
+    (shown, assets), left_out = written(with_properties(shapes, properties), files, keys.mesh)
     return Geometry(shown, assets, (*problems, *left_out), contacts.on, contacts.excludes)
 
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from pydantic import Field
 
 from stages.mesh import COLLIDERS
+from stages.mesh.geom_keys import GeomKeys
 from stages.robot.keys import Count, Keys, Later, NonNegative, Positive, Text, example, not_yet
 
 LATER_COLLIDERS = ("primitives", "spheres", "coacd", "ladder")
@@ -87,8 +88,10 @@ class MeshKeys(Keys):
     mesh: MeshSection = MeshSection()
     """Meshes of the links."""
 
-    geoms: dict[Text, Any] = not_yet(dict)
-    """Glob on link names → properties of its geoms."""
+    geoms: Annotated[
+        dict[Text, GeomKeys], example({"*foot*": {"collision": {"friction": [1.2, 0.005, 0.0001]}}})
+    ] = Field(default_factory=dict)
+    """Glob on link names → properties of their geoms in the MJCF; later entries win, property by property."""
 
     contact: ContactKeys = ContactKeys()
     """Contact between the links of the robot."""

@@ -19,12 +19,25 @@ NEUTRAL: Colour = (0.7, 0.7, 0.7, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
+class ContactProperties:
+    """MuJoCo's properties of a geom in contact, in its own words and units; None for its default."""
+
+    friction: tuple[float, float, float] | None = None
+    condim: int | None = None
+    solref: tuple[float, float] | None = None
+    solimp: tuple[float, float, float, float, float] | None = None
+    margin: float | None = None
+    priority: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Shape:
     """One shape of a link: a mesh in the link's frame, or a primitive; the other one is None.
 
     `file` names an entry of `Geometry.files`; `colour` is RGBA in 0..1 (visual shapes only);
     `area` [m²] and `volume` [m³] are the shape's own (volume 0 where a mesh is not closed). A
     primitive has neither `vertices` nor `faces`, and is a shape once for each role that it has.
+    `contact`: what the configuration says of its contacts.
     """
 
     link: str
@@ -36,6 +49,7 @@ class Shape:
     area: float
     volume: float
     primitive: Primitive | None = None
+    contact: ContactProperties | None = None
 
 
 ExcludeReason = Literal["Adjacent", "Always", "User"]

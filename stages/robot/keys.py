@@ -88,6 +88,16 @@ Interval = Annotated[tuple[Number | None, Number | None], AfterValidator(_ascend
 """[lower, upper]; null is an open side."""
 
 
+def _of_one_form(solref: tuple[float, float]) -> tuple[float, float]:
+    if not (min(solref) > 0 or max(solref) < 0):
+        raise invalid("must be [time constant, damping ratio] above 0, or [-stiffness, -damping]")
+    return solref
+
+
+Solref = Annotated[tuple[Number, Number], AfterValidator(_of_one_form)]
+"""MuJoCo's solref: [time constant, damping ratio] in s and without unit, or [-stiffness, -damping]."""
+
+
 class Keys(BaseModel):
     """A section of the configuration: frozen, closed, strict about text and numbers."""
 

@@ -266,8 +266,7 @@ def test_what_is_not_there_yet_is_refused_by_name(data, shown):
 
 LATER = [
     {"mesh": {"extra_volume": 0.5}}, {"mesh": {"max_vertices": 8}}, {"mesh": {"effort": "high"}},
-    {"mesh": {"colliders": {"a": "box"}}}, {"mesh": {"visual": {"merge": "part"}}},
-    {"mesh": {"visual": {"max_faces": 9}}}, {"geoms": {"a": {}}},
+    {"mesh": {"colliders": {"a": "box"}}},
     {"scene": {"lights": {"a": {}}}}, {"scene": {"cameras": {"a": {}}}}, {"scene": {"compiler": {"a": 1}}},
     {"actuators": {"*": {}}}, {"sensors": {"imu": {}}}, {"keyframes": {"home": {"a": 1}}},
     {"elements": {"a": {}}}, {"attributes": {"a": {}}}, {"plugins": ["mine"]},

@@ -15,7 +15,7 @@ from stages.export.mjcf.loops import STIFF, Closures
 from stages.export.mjcf.placement import placement, scene_pose
 from stages.formats.numbers import number, rounded, spaced
 from stages.formats.xml import Element, element, to_bytes
-from stages.robot.geometry import Colour, Geometry, Shape
+from stages.robot.geometry import Colour, ContactProperties, Geometry, Shape
 from stages.robot.inertia import principal_axes
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Primitive, Relation, Robot, Value
@@ -150,12 +150,14 @@ class _Bodies:
     def _geoms(self, body: Element, link: str, place: Array) -> None:
         for shape in self.geometry.of(link, "visual"):
             colour = None if shape.colour is None else self.colours[shape.colour]
-            element(body, "geom", class_="visual", **_form(shape, place), material=colour)
+            form = {**_form(shape, place), **_contact(shape)}
+            element(body, "geom", class_="visual", **form, material=colour)
         collisions = self.geometry.of(link, "collision")
         for count, shape in enumerate(collisions):
             suffix = f"_{count}" if len(collisions) > 1 else ""
             name = f"{link}_collision{suffix}"
-            element(body, "geom", name=name, class_="collision", **_form(shape, place))
+            form = {**_form(shape, place), **_contact(shape)}
+            element(body, "geom", name=name, class_="collision", **form)
 
 
 def _inertial(body: Element, inertial: Inertial) -> None:
@@ -183,6 +185,18 @@ def _form(shape: Shape, body_from_link: Array) -> dict[str, str]:
     primitive = shape.primitive
     pose = placement(body_from_link @ primitive.link_from_shape)
     return {"type": primitive.kind, "size": spaced(_half_sizes(primitive)), **pose}
+
+
+def _contact(shape: Shape) -> dict[str, str]:
+    """The attributes of a geom's contacts, as far as the configuration gives them."""
+    if shape.contact is None:
+        return {}
+    given = {key: getattr(shape.contact, key) for key in ContactProperties.__dataclass_fields__}
+    return {
+        key: " ".join(number(one) for one in value) if isinstance(value, tuple) else number(value)
+        for key, value in given.items()
+        if value is not None
+    }
 
 
 def _half_sizes(primitive: Primitive) -> list[float]:

@@ -6,14 +6,16 @@ from stages.export.urdf.lowering import lower, unset
 from stages.formats.numbers import number
 from stages.formats.urdf.names import urdf_names
 from stages.robot.errors import Diagnostic
+from stages.robot.geometry import ContactProperties, Geometry
 from stages.robot.inertia import NEXT_TO_NOTHING
 from stages.robot.model import Robot
 
 
-def unsupported(robot: Robot) -> Iterator[Diagnostic]:
+def unsupported(robot: Robot, geometry: Geometry) -> Iterator[Diagnostic]:
     """A diagnostic for each kind of loss that this robot has, in the order of the table."""
     for loss in LOSSES:
         yield from loss(robot, f"{robot.name}.urdf")
+    yield from _contacts(geometry, f"{robot.name}.urdf")
 
 
 def _several_dofs(robot: Robot, file: str) -> Iterator[Diagnostic]:
@@ -99,6 +101,24 @@ def _frame_names(robot: Robot, file: str) -> Iterator[Diagnostic]:
                 file,
                 "the MJCF keeps the name; robot.json has the URDF's name, under urdf",
             )
+
+
+def _contacts(geometry: Geometry, file: str) -> Iterator[Diagnostic]:
+    lost = {
+        shape.link: [
+            key for key in ContactProperties.__dataclass_fields__ if getattr(shape.contact, key) is not None
+        ]
+        for shape in geometry.shapes
+        if shape.contact is not None and shape.role == "collision"
+    }
+    if lost:
+        yield Diagnostic(
+            "I-URDF-CONTACT",
+            "URDF has no properties of contact, so these are left out: "
+            + "; ".join(f"{link}: {', '.join(keys)}" for link, keys in lost.items()),
+            file,
+            "use the MJCF",
+        )
 
 
 LOSSES: tuple[Callable[[Robot, str], Iterator[Diagnostic]], ...] = (

@@ -17,7 +17,7 @@ class UrdfWriter:
         from stages.export.urdf.unsupported import unsupported
 
         (path,) = self.paths(given.robot.name)
-        diagnostics = tuple(unsupported(given.robot))
+        diagnostics = tuple(unsupported(given.robot, given.geometry))
         return Exported({path: write_urdf(given.robot, given.geometry)}, diagnostics)
 
 

@@ -18,6 +18,7 @@ from stages.robot.inertia import primitive_volume
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
 from stages.validate.mujoco_abilities import reads_mimic
+from tests.support.building import NO_MESHES
 from tests.support.pinocchio import pin
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
 
@@ -36,7 +37,7 @@ def urdf(robot: Robot, geometry: Geometry = NO_SHAPES) -> bytes:
 
 
 def losses(robot: Robot) -> dict[str, str]:
-    found = list(unsupported(robot))
+    found = list(unsupported(robot, NO_MESHES))
     assert all(diagnostic.where == "robot.urdf" for diagnostic in found)
     return {diagnostic.code: diagnostic.message for diagnostic in found}
 

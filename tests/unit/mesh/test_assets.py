@@ -5,7 +5,6 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-import pinocchio
 import pytest
 import trimesh
 
@@ -19,6 +18,7 @@ from stages.robot.model import Robot
 from stages.validate import validate
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.kit import SIDE, TOP, Kit
+from tests.support.pinocchio import pin
 
 
 def built(kit: Kit, **mesh: object) -> tuple[Robot, Geometry, object]:
@@ -63,9 +63,11 @@ def test_every_reader_takes_the_obj_files(kit: Kit, tmp_path: Path) -> None:
     by_mjcf = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     by_urdf = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.urdf"))
     assert by_mjcf.nmesh == by_urdf.nmesh == len(geometry.files)
-    model = pinocchio.buildModelFromUrdf(str(tmp_path / "robot.urdf"))
-    for kind in (pinocchio.VISUAL, pinocchio.COLLISION):
-        shapes = pinocchio.buildGeomFromUrdf(model, str(tmp_path / "robot.urdf"), kind, package_dirs=[str(tmp_path)])
+    model = pin.buildModelFromUrdf(str(tmp_path / "robot.urdf"))
+    for kind in (pin.VISUAL, pin.COLLISION):
+        shapes = pin.buildGeomFromUrdf(
+            model, str(tmp_path / "robot.urdf"), kind, package_dirs=[str(tmp_path)]
+        )
         assert shapes.ngeoms == 2
     assert [check for check in validate(tmp_path, robot, plan) if not check.passed] == []
 
