@@ -14,6 +14,7 @@ from pipeline import report
 from pipeline.caching import actions, bundles
 from pipeline.caching.actions import Action, Cache, Files
 from pipeline.config.choices import name_of
+from pipeline.config.file_text import as_yaml
 from pipeline.config.plan import Plan
 from pipeline.context import NOTES, ROBOT, BuildContext
 from pipeline.disk_space import LEAST
@@ -39,7 +40,6 @@ from stages.graph.view.views import OUTLINE, VIEWS
 from stages.robot import codec
 from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
-from stages.robot.printable import printable_lines
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,6 +167,7 @@ class Run:
     calls: dict[str, Any] = field(default_factory=lambda: {"made": 0, "saved": 0})
     bundle: dict[str, str] = field(default_factory=dict)
     figures: dict[str, float] = field(default_factory=dict)
+    details: dict[str, Any] = field(default_factory=dict)
     diagnostics: list[Diagnostic] = field(default_factory=list)
     stale: bool = False
     shown: dict[str, str] = field(default_factory=dict)
@@ -195,6 +196,7 @@ class Run:
             self.shown = {name: files[name].decode() for name in VIEWS if name in files}
         found = json.loads(files[NOTES])
         self.figures |= found["figures"]
+        self.details |= found.get("details", {})
         self.source |= found.get("source", {})
         self.stale = self.stale or found.get("stale", False)
         if cached:
@@ -261,6 +263,7 @@ class Run:
             bundle=self.bundle,
             stages=tuple(self.stages),
             figures=self.figures,
+            details=self.details,
             diagnostics=tuple(self.diagnostics),
             outline=tuple(self.shown.get(OUTLINE, "").splitlines()),
             versions=report.versions(installed),
@@ -280,16 +283,6 @@ class Run:
             "config.yaml": as_yaml(plan),
             "build.log": self.log.content(),
         }
-
-
-def as_yaml(plan: Mapping[str, Any]) -> bytes:
-    """The content of `config.yaml`, control characters in it escaped."""
-    import yaml
-
-    text: str = yaml.safe_dump(plan, sort_keys=False, allow_unicode=True)
-    if printable_lines(text) != text:
-        text = yaml.safe_dump(plan, sort_keys=False)
-    return text.encode()
 
 
 def leave_failure(output: Output | None, run: Run, error: Exception, files: Mapping[str, bytes]) -> None:

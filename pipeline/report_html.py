@@ -47,6 +47,7 @@ def page(report: Report, shown: Mapping[str, str], sizes: Mapping[str, int], sec
         section("Kinematic graph", _picture(shown.get(PICTURE, ""), secrets, PICTURE in tree["outputs"])),
         section("Outline", _preformatted(tree["outline"])),
         *(section(text(one["title"]), plain_table(one["header"], one["rows"])) for one in tables),
+        _excludes(tree["details"].get("excludes", [])),
         _facts(tree),
         _outputs(tree["outputs"], sizes),
         _codes(tree),
@@ -147,6 +148,14 @@ def _picture(svg: str, secrets: Secrets, is_file: bool) -> str:
 def _preformatted(lines: Sequence[str]) -> str:
     whole = "\n".join(lines)
     return f"<pre>{text(whole)}</pre>" if whole else ""
+
+
+def _excludes(excludes: Sequence[Mapping[str, Any]]) -> str:
+    """The pairs of links that do not collide, those whose reason is not a joint first."""
+    order = sorted(excludes, key=lambda one: str(one["reason"]) == "Adjacent")
+    rows = [[*one["links"], one["reason"], f"{one['depth']:.2f}"] for one in order]
+    header = ["link", "other link", "reason", "depth at home, mm"]
+    return section("Links that do not collide", plain_table(header, rows)) if rows else ""
 
 
 def _facts(tree: Mapping[str, Any]) -> str:

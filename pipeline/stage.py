@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from pipeline.caching import bundles
 from pipeline.config.plan import Plan, section
 from pipeline.context import FILES, NOTES, ROBOT, BuildContext, notes
+from pipeline.mesh_details import details
 from stages.robot import codec
 from stages.robot.errors import ConfigError
 from stages.robot.plural import count
@@ -232,7 +233,7 @@ class MeshStage(StageBase):
         summary = f"{count(len(geometry.files), 'mesh', 'meshes')}, {count(triangles, 'triangle')}"
         return {
             **codec.encode_geometry(geometry),
-            NOTES: notes(summary, geometry.diagnostics, figures),
+            NOTES: notes(summary, geometry.diagnostics, figures, details=details(geometry)),
         }
 
 

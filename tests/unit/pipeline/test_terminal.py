@@ -10,8 +10,8 @@ from dataclasses import replace
 import pytest
 import yaml
 
-from pipeline.build import as_yaml
 from pipeline.cli import run
+from pipeline.config.file_text import as_yaml
 from pipeline.progress import Lines, Log, Terminal
 from pipeline.report import Report, StageReport, show
 from pipeline.report_html import page

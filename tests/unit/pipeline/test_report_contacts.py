@@ -1,0 +1,43 @@
+"""The pairs of links that do not collide, in the report of the sample's build."""
+
+import json
+
+import pytest
+
+from pipeline.build import build
+from pipeline.config.compose import compose_plan
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("contacts")
+    told = ["robot=sample", "contact.self=auto", f"output={folder}/out", f"cache.dir={folder}/cache"]
+    plan = compose_plan(told, cwd=folder).plan
+    first = build(plan)
+    return first, build(plan), folder / "out"
+
+
+def test_the_report_has_each_pair_with_its_reason_and_depth(built):
+    first, _, folder = built
+    rows = json.loads((folder / "report.json").read_text())["details"]["excludes"]
+    assert rows == first.details["excludes"]
+    known = {tuple(row["links"]): row for row in rows}
+    base = known["base_plate", "lift_column"]
+    assert base["reason"] == "Adjacent"
+    # They overlap by 93 mm along the column; the shortest way apart is across it.
+    assert 60 < base["depth"] < 94
+    assert {tuple(sorted(joint)) for joint in JOINED} <= {tuple(sorted(pair)) for pair in known}
+    page = (folder / "report.html").read_text()
+    assert "Links that do not collide" in page
+    assert all(name in page for name in ("base_plate", "lift_column", "Adjacent"))
+
+
+JOINED = [("lift_column", "turret"), ("elbow_plate", "parallel_rod")]
+"""A joint's links, and a loop's."""
+
+
+def test_an_unchanged_robot_is_not_analysed_again(built):
+    first, second, _ = built
+    assert all(stage.cached for stage in second.stages if stage.name != "fetch")
+    assert second.details == first.details
+    assert all(check.passed for check in first.checks)
