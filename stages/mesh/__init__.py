@@ -20,7 +20,9 @@ VERSION = 11
 
 COLLIDERS: Mapping[str, tuple[str, ...]] = {
     "hull": (),
+    "primitives": ("target",),
     "raw": (),
+    "spheres": ("tolerance",),
     "visual": (),
 }
 """The values of `mesh.collider`: modules of `stages/mesh/colliders`, each with a function `make` (a

@@ -8,7 +8,7 @@ from stages.mesh import COLLIDERS
 from stages.mesh.geom_keys import GeomKeys
 from stages.robot.keys import Count, Keys, Later, NonNegative, Positive, Text, example, not_yet
 
-LATER_COLLIDERS = ("primitives", "spheres", "coacd", "ladder")
+LATER_COLLIDERS = ("coacd", "ladder")
 """Colliders that are decided but not supported yet."""
 
 
@@ -34,11 +34,14 @@ class MeshSection(Keys):
     """Meshes of the links."""
 
     collider: Annotated[ColliderName, Later(*LATER_COLLIDERS)] = "hull"
-    """Collision geometry. hull: the convex hull of each link; raw: the mesh of each part as it is, of which
-    MuJoCo and most other engines take the convex hull; visual: none, the links touch nothing."""
+    """Collision geometry. hull: the convex hull of each link; primitives: of each part the box, sphere,
+    capsule or cylinder that fits it best, however well; raw: the mesh of each part as it is, of which MuJoCo
+    and most other engines take the convex hull; spheres: at most 64 spheres for each part, fewer where they
+    meet mesh.tolerance; visual: none, the links touch nothing."""
 
-    tolerance: Positive | None = not_yet(None)
-    """Largest distance of the collider from the part [m]."""
+    tolerance: Annotated[Positive | None, example(0.002)] = None
+    """Largest distance between a part's surface and its collider's [m], for the colliders that can follow it;
+    null: 1.5 % of the diagonal of the part's bounding box, at least 0.001."""
 
     extra_volume: NonNegative = not_yet(0.15)
     """Largest share of volume that a collider may add."""
@@ -52,8 +55,8 @@ class MeshSection(Keys):
     colliders: dict[Text, Text] = not_yet(dict)
     """Glob on link names → its own collider."""
 
-    target: Literal["mujoco", "mjx"] = not_yet("mujoco")
-    """The engine that the colliders are made for."""
+    target: Literal["mujoco", "mjx"] = "mujoco"
+    """The engine that the colliders are made for. mjx: without cylinders, which MJX collides with no mesh."""
 
     coacd: dict[Text, Any] = not_yet(dict)
     """Parameters of CoACD, by its own names."""

@@ -137,7 +137,7 @@ def test_a_mapping_may_be_given_as_a_whole(tmp_path):
             "  - override /source: sampel\nsource: {url: x}\nroot: {bse: free}\nmeshh: 1\n",
             "the configuration has 5 problems\n"
             "  E-OPTION mesh=hul: there is no such option\n"
-            "      did you mean hull? options: hull\n"
+            "      did you mean hull? options: hull, primitives, raw, spheres, visual\n"
             "  E-OPTION ground=foo: there is no such option\n"
             "      options: none, plane\n"
             "  E-OPTION source=sampel: there is no such option\n"

@@ -95,7 +95,7 @@ def test_the_schema_accepts_every_valid_robot(text):
 
 @pytest.mark.parametrize(
     "text",
-    ["jionts: {}", "joints: {a: {dampin: 1}}", "root: {base: fix}", "mesh: {tolerance: 0.1}", "name: 1"],
+    ["jionts: {}", "joints: {a: {dampin: 1}}", "root: {base: fix}", "scene: {lights: {a: {}}}", "name: 1"],
 )
 def test_the_schema_refuses_what_the_configuration_does(text):
     with pytest.raises(jsonschema.ValidationError):
@@ -137,7 +137,7 @@ def test_everything_can_be_explained(name):
         ("joints.elbow.damping", "joints.<glob>.damping"),
         ("source.path", "source.path (of source=mjcf)"),
         ("mass.", "mass.missing"),
-        ("mesh.tolerance", "Not supported yet."),
+        ("scene.lights", "Not supported yet."),
         ("onshape_auth", "ONSHAPE_AUTH"),
     ],
 )

@@ -64,6 +64,16 @@ def fit_one(
     return kinds.given(kind, subject, size) if size else kinds.best(kind, subject).primitive
 
 
+def spheres(surface: Surface, tolerance: float, most: int = 64) -> tuple[Primitive, ...]:
+    """At most `most` spheres whose union neither stands out of a part nor leaves it bare by more than
+    `tolerance` [m], or by as little more as so many can; none of what lies in a plane."""
+    from stages.mesh.fit import balls
+    from stages.mesh.fit.outline import outline_of
+
+    outline = outline_of(surface)
+    return balls.spheres(outline, surface.closed(), tolerance, most) if outline else ()
+
+
 def capped_hull(surface: Surface, max_vertices: int = 64) -> Surface | None:
     """The convex hull with at most `max_vertices` (≥ 4) vertices, of least error; None where it is flat."""
     from stages.mesh.fit import capped

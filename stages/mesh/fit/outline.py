@@ -50,9 +50,17 @@ class Outline:
 
     def protrusion(self, points: Points) -> Floats:
         """(n,): how far [m] each point (n, 3) is outside of the part; 0 inside."""
+        distances, ahead = self._nearest(points)
+        return np.where(ahead, distances, 0.0)
+
+    def distance(self, points: Points) -> Floats:
+        """(n,): how far [m] each point (n, 3) is from the surface."""
+        return self._nearest(points)[0]
+
+    def _nearest(self, points: Points) -> tuple[Floats, npt.NDArray[np.bool_]]:
         _, near = self.tree.query(points, k=min(_NEAREST, len(self.sample_faces)))
         faces = self.sample_faces[np.asarray(near).reshape(len(points), -1)]
-        return _outside(points, self.faces[faces], self.normals[faces])
+        return _apart(points, self.faces[faces], self.normals[faces])
 
 
 def outline_of(surface: Surface) -> Outline | None:
@@ -122,11 +130,11 @@ def _divided(
     return np.concatenate(parts), np.concatenate([*[owners[~tied]] * 2, *[owners[tied]] * 4])
 
 
-def _outside(points: Points, faces: npt.NDArray[np.float64], normals: npt.NDArray[np.float64]) -> Floats:
-    """(n,): the distance of each point from the nearest of its triangles (n, k, 3, 3), 0 behind them.
-
-    A point is behind where it is so by the sum of the normals of the triangles that are nearest.
-    """
+def _apart(
+    points: Points, faces: npt.NDArray[np.float64], normals: npt.NDArray[np.float64]
+) -> tuple[Floats, npt.NDArray[np.bool_]]:
+    """(n,): the distance of each point from the nearest of its triangles (n, k, 3, 3), and whether it is in
+    front of it; of several that are as near, in front of them together."""
     offset = points[:, None, None] - faces
     edges = np.roll(faces, -1, axis=2) - faces
     squares = np.maximum((edges * edges).sum(axis=3), 1e-300)
@@ -138,4 +146,4 @@ def _outside(points: Points, faces: npt.NDArray[np.float64], normals: npt.NDArra
     least = squared.min(axis=1, keepdims=True)
     nearest = squared <= least * (1 + 1e-6) + 1e-24
     ahead = (heights * nearest).sum(axis=1) > 0
-    return np.where(ahead, np.sqrt(least[:, 0]), 0.0)
+    return np.sqrt(least[:, 0]), ahead

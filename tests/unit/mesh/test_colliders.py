@@ -5,26 +5,36 @@ import sys
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Literal
 
 import mujoco
 import numpy as np
 import pytest
+import trimesh
 
 from stages.formats.xml import parse
-from stages.mesh import COLLIDERS, link_mesh, make_geometry, stl
+from stages.mesh import COLLIDERS, fit, link_mesh, make_geometry, pieces, stl
 from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.colliders import hull, raw
+from stages.mesh.colliders import hull, primitives, raw, spheres
 from stages.mesh.keys import MeshSection
 from stages.mesh.link_mesh import Collider, LinkMesh
 from stages.mesh.mesh_file import MeshFile
-from stages.mesh.surface import Surface
+from stages.mesh.surface import Surface, moved
 from stages.robot import codec
-from stages.robot.model import Primitive, frozen
+from stages.robot.kinematics import link_poses
+from stages.robot.model import Primitive, PrimitiveKind, frozen
+from stages.robot.poses import from_parts, rotation_from_rpy
 from stages.validate import validate
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.kit import SIDE, TOP, Kit
 from tests.support.places import PROJECT
+
+KINDS: dict[int, PrimitiveKind] = {
+    int(mujoco.mjtGeom.mjGEOM_SPHERE): "sphere",
+    int(mujoco.mjtGeom.mjGEOM_CAPSULE): "capsule",
+    int(mujoco.mjtGeom.mjGEOM_BOX): "box",
+    int(mujoco.mjtGeom.mjGEOM_CYLINDER): "cylinder",
+}
 
 BALL = Primitive("sphere", (0.02,), frozen(np.eye(4)))
 
@@ -124,3 +134,104 @@ def test_a_link_with_several_colliders_has_them_all_in_every_file(
     shapes = parse((tmp_path / "robot.urdf").read_bytes()).findall("link[@name='arm']/collision/geometry/*")
     assert [shape.tag for shape in shapes] == ["mesh", "sphere", "mesh"]
     assert [check for check in validate(tmp_path, robot, plan) if not check.passed] == []
+
+
+def skewed(surfaces: Sequence[Surface], settings: ColliderSettings) -> tuple[Collider, ...]:
+    """A fit of each kind of a part that is turned out of the axes."""
+    turn = rotation_from_rpy((0.4, -0.7, 1.1))
+    stretched = Surface(surfaces[0].vertices * [1, 1.5, 2.5], surfaces[0].triangles)
+    return fit.primitives(moved(stretched, from_parts(turn, np.zeros(3))))
+
+
+def test_fitted_primitives_are_in_the_mjcf_and_the_urdf_where_they_were_fitted(
+    kit: Kit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
+    kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), limits=(-1, 1))
+    monkeypatch.setitem(sys.modules, "stages.mesh.colliders.hull", SimpleNamespace(make=skewed))
+    robot, plan = robot_of(kit.document), plan_of()
+    geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
+    write(robot, tmp_path, plan, geometry)
+    ours = [shape.primitive for shape in geometry.of("arm", "collision")]
+    assert [one.kind for one in ours if one] == ["sphere", "capsule", "box", "cylinder"]
+    where = robot.world_from_root @ link_poses(robot)["arm"]
+    written = shapes_of(tmp_path / "robot.xml", "arm")
+    assert len(written) == len(ours)
+    from_urdf = shapes_of(tmp_path / "robot.urdf", "arm")
+    assert [one.kind for one in from_urdf] == ["sphere", "cylinder", "sphere", "sphere", "box", "cylinder"]
+    points = where[:3, 3] + np.random.default_rng(0).uniform(-0.2, 0.2, (300, 3))
+    for index, one in enumerate(ours):
+        placed = pieces.placed(one, where)
+        assert isinstance(placed, Primitive)
+        distances = pieces.signed_distance(placed, points)
+        assert np.abs(distances - pieces.signed_distance(written[index], points)).max() < 1e-9
+        parts = {0: (0,), 1: (1, 2, 3), 2: (4,), 3: (5,)}[index]
+        # URDF has a cylinder and two balls for a capsule: outside, the nearest of them is as far.
+        near = np.min([pieces.signed_distance(from_urdf[part], points) for part in parts], axis=0)
+        outside = distances > 0
+        assert np.abs(distances - near)[outside].max() < 1e-9
+
+
+def shapes_of(file: Path, link: str) -> list[Primitive]:
+    """The colliding primitives of a link as MuJoCo reads a file, in the world."""
+    spec = mujoco.MjSpec.from_file(str(file))
+    spec.compiler.fusestatic = False
+    spec.compiler.discardvisual = False
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    found = []
+    for index in range(model.ngeom):
+        geom = model.geom(index)
+        kind = KINDS.get(int(geom.type[0]))
+        if kind is None or (not geom.contype[0] and not geom.conaffinity[0]):
+            continue
+        if model.body(int(geom.bodyid[0])).name != link:
+            continue
+        pose = from_parts(data.geom_xmat[index].reshape(3, 3), data.geom_xpos[index])
+        radii = geom.size
+        size = {"sphere": radii[:1], "box": 2 * radii}.get(kind, radii[:2] * [1, 2])
+        found.append(Primitive(kind, tuple(map(float, size)), frozen(pose)))
+    return found
+
+
+@pytest.mark.parametrize("target", ["mujoco", "mjx"])
+def test_each_part_has_the_primitive_that_fits_it_best(target: Literal["mujoco", "mjx"]) -> None:
+    rod = Surface(*solid(trimesh.creation.cylinder(0.01, 0.05)))
+    box = Surface(*solid(trimesh.creation.box((0.1, 0.05, 0.01))))
+    made = primitives.make([rod, box], ColliderSettings(target=target))
+    kinds = [one.kind for one in made if isinstance(one, Primitive)]
+    assert kinds[1] == "box"
+    assert (kinds[0] == "cylinder") == (target == "mujoco")
+
+
+def test_spheres_keep_the_tolerance_where_they_can() -> None:
+    surface = Surface(*solid(trimesh.creation.box((0.03, 0.01, 0.01))))
+    for tolerance, count in ((0.001, 64), (0.0005, 64), (0.003, 12)):
+        made = spheres.make([surface], ColliderSettings(tolerance=tolerance))
+        balls = [one for one in made if isinstance(one, Primitive)]
+        assert 0 < len(balls) <= count
+        if tolerance >= 0.001:
+            assert_within(balls, surface, tolerance)
+
+
+def assert_within(balls: Sequence[Primitive], surface: Surface, tolerance: float) -> None:
+    """The balls neither stand out of a convex surface nor leave it bare by more than this [m]."""
+    mesh = trimesh.Trimesh(surface.vertices, surface.triangles)
+    points, _ = trimesh.sample.sample_surface(mesh, 4000, seed=1)
+    assert np.min([pieces.signed_distance(one, points) for one in balls], axis=0).max() <= tolerance
+    normals, heights = pieces.half_spaces(surface)
+    for ball in balls:
+        reach = (normals @ ball.link_from_shape[:3, 3] - heights).max() + ball.size[0]
+        assert reach <= tolerance
+
+
+def test_the_order_of_triangles_does_not_matter_to_spheres() -> None:
+    surface = Surface(*solid(trimesh.creation.annulus(0.01, 0.02, 0.01)))
+    shuffled = Surface(surface.vertices, np.random.default_rng(1).permutation(surface.triangles))
+    one, other = (spheres.make([it], ColliderSettings()) for it in (surface, shuffled))
+    assert [codec.plain(ball) for ball in one] == [codec.plain(ball) for ball in other]
+
+
+def solid(mesh: trimesh.Trimesh) -> tuple[Any, Any]:
+    return np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int64)
