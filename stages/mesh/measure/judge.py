@@ -1,6 +1,6 @@
 """The measures of a collider: samples, then a search for what lies between them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +21,11 @@ _CRACK = 3e-4  # of the diagonal: nothing reaches into one as narrow
 _INSET = 1e-3
 _MOST_CORNERS = 2000  # triangles of one piece
 _DIGITS = 1e-6  # of the diagonal
+
+
+Distance = Callable[[Points, Numbers | float], tuple[Numbers, npt.NDArray[np.bool_]]]
+"""Of points (n, 3): a distance [m], and whether it is exact, as it has to be from the second argument on; else
+it is no less than the exact one."""
 
 
 def measure(target: Target, pieces: Sequence[Piece]) -> Measures:
@@ -59,12 +64,11 @@ def _protrusion(target: Target, union: Union) -> tuple[float, float]:
     _, outer = _outer(
         target, union, samples.points, union.owners[samples.triangles], union.normals[samples.triangles]
     )
-    population, _ = _outside_part(target, samples.points[outer], 0.0)
-    known = float(population.max(initial=0.0))
+    p95, known = _tail(lambda points, from_on: _outside_part(target, points, from_on), samples.points[outer])
     corners = _outer_corners(target, union)
     far, exact = _outside_part(target, corners, known)
     known = max(known, float(far[exact].max(initial=0.0)))
-    return _p95(population), largest(union.tree, value, known, _within(target, known))
+    return p95, largest(union.tree, value, known, _within(target, known))
 
 
 def _outer(
@@ -109,19 +113,22 @@ def _bareness(target: Target, union: Union) -> tuple[float, float]:
     def value(points: Points, triangles: Indices, from_on: Numbers) -> Value:
         return _outside_union(union, points, from_on)
 
-    population = _outside_union(union, target.samples.points, np.zeros(SAMPLES)).value
-    known = float(population.max(initial=0.0))
-    found = _outside_union(union, target.corners, np.full(len(target.corners), known))
+    def far(points: Points, from_on: Numbers | float) -> tuple[Numbers, npt.NDArray[np.bool_]]:
+        found = _outside_union(union, points, from_on)
+        return found.value, found.counts
+
+    p95, known = _tail(far, target.samples.points)
+    found = _outside_union(union, target.corners, known)
     known = max(known, float(found.value[found.counts].max(initial=0.0)))
-    return _p95(population), largest(target.tree, value, known, _within(target, known))
+    return p95, largest(target.tree, value, known, _within(target, known))
 
 
-def _outside_union(union: Union, points: Points, from_on: Numbers) -> Value:
+def _outside_union(union: Union, points: Points, from_on: Numbers | float) -> Value:
     """How far points are outside the union."""
     depth = union.depth(points)
     far, exact = np.zeros(len(points)), np.ones(len(points), dtype=bool)
     some = np.flatnonzero(depth <= 0)
-    far[some], exact[some] = union.distance(points[some], from_on[some])
+    far[some], exact[some] = union.distance(points[some], np.broadcast_to(from_on, len(points))[some])
     return Value(far, exact, np.maximum(depth, 0.0))
 
 
@@ -129,6 +136,18 @@ def _within(target: Target, known: float) -> float:
     return max(WITHIN * target.diagonal, known / 50)
 
 
-def _p95(population: npt.NDArray[np.float64]) -> float:
-    """The least value that 95 % of the population do not exceed."""
-    return float(np.quantile(population, 0.95, method="inverted_cdf")) if len(population) else 0.0
+def _tail(distance: Distance, points: Points) -> tuple[float, float]:
+    """The least distance [m] that 95 % of points do not exceed, and the largest; exact where few are looked at:
+    those that may be far, first."""
+    if not len(points):
+        return 0.0, 0.0
+    bounds, _ = distance(points, np.inf)
+    order = np.argsort(-bounds, kind="stable")
+    beyond = len(points) // 20
+    looked_at = 3 * beyond + 1
+    while True:
+        far, _ = distance(points[order[:looked_at]], 0.0)
+        p95 = float(np.sort(far)[::-1][beyond])
+        if looked_at >= len(points) or p95 >= bounds[order[looked_at]]:
+            return p95, float(far.max())
+        looked_at = min(2 * looked_at, len(points))

@@ -1,14 +1,17 @@
 """A part made ready to be compared with colliders."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from stages.mesh.clean import clean
 from stages.mesh.measure.samples import Samples, even, thinned
 from stages.mesh.measure.tree import BoxTree, Nearest
 from stages.mesh.measure.union import Union
 from stages.mesh.measure.volumes import Cloud, Shares, Solid
 from stages.mesh.rays import Inside
+from stages.mesh.shells import Shells
 from stages.mesh.surface import Points, Surface
 
 SAMPLES = 3000
@@ -19,8 +22,8 @@ _GRID = 1 / 100  # of the diagonal
 class Target:
     """A part: its triangles in a tree, what is inside, and points all over it.
 
-    `diagonal` [m] of its bounds; `volume` [m³] of all that it encloses, 0 where it is not closed; `manifold`:
-    whether booleans with it are possible.
+    `diagonal` [m] of its bounds; `volume` [m³] of the union of its solids, 0 where it is not closed;
+    `manifold`: whether booleans with it are possible.
     """
 
     surface: Surface
@@ -49,7 +52,7 @@ class Target:
             raise ValueError(msg)
         tree = BoxTree.of(surface)
         closed = surface.closed()
-        solid = Solid.of([surface]) if closed else None
+        solid = Solid.of(_solids(surface)) if closed else None
         return Target(
             surface,
             diagonal,
@@ -71,3 +74,8 @@ class Target:
         if not self._cloud:
             self._cloud.append(Cloud.of(self.surface, self.inside))
         return self._cloud[0].shares(union)
+
+
+def _solids(surface: Surface) -> Sequence[Surface]:
+    """The solids of a closed surface, which may overlap."""
+    return clean(surface).solids if len(Shells.of(surface).closed) > 1 else (surface,)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from stages.mesh.colliders.hull import convex_hull
 from stages.mesh.measure import Target, measure
 from stages.mesh.pieces import placed, surface_of
-from stages.mesh.surface import Surface, moved
+from stages.mesh.surface import Surface, moved, weld
 from stages.robot.model import Primitive, frozen
 from tests.support.solids import box, joined, of_mesh
 from tests.unit.mesh.test_rays import winding
@@ -243,6 +243,27 @@ def test_an_open_part_is_judged_by_sampling_and_hardly_differently():
     assert other.missing == pytest.approx(0, abs=0.02)
     assert other.protrusion_max == pytest.approx(one.protrusion_max, rel=0.1)
     assert other.protrusion_p95 == pytest.approx(one.protrusion_p95, rel=0.1)
+
+
+def test_solids_of_a_part_that_overlap_count_once():
+    part = joined(box(0.1, 0.1, 0.1), box(0.1, 0.1, 0.1, at=(0.05, 0, 0)))
+    target = Target.of(part)
+    assert target.volume == pytest.approx(0.0015)
+    found = measure(target, [box(0.15, 0.1, 0.1, at=(0.025, 0, 0))])
+    assert found.by == "boolean"
+    assert (found.extra, found.missing) == pytest.approx((0, 0), abs=1e-6)
+    # The walls within the part are of its surface, and covered.
+    assert (found.protrusion_max, found.bareness_max) == pytest.approx((0, 0), abs=NOTHING)
+
+
+def test_solids_that_share_an_edge_are_judged_by_booleans():
+    pair, _ = weld(
+        *(lambda one: (one.vertices, one.triangles))(joined(box(1, 1, 1), box(1, 1, 1, at=(1, 1, 0))))
+    )
+    found = judged(pair, box(2, 2, 1, at=(0.5, 0.5, 0)))
+    assert found.by == "boolean"
+    assert found.extra == pytest.approx(1, abs=1e-6)
+    assert found.protrusion_max == pytest.approx(1, rel=0.02)
 
 
 def test_sampled_shares_are_those_of_booleans():
