@@ -17,6 +17,7 @@ _PAIRS = 1 << 18  # pairs of a point and a triangle looked at in one go
 _LEVELS = 24
 _SIDE = 1 << 25  # cells of a level, at most, along each axis
 _DIRECTIONS = 6
+_ASKED = 3
 _MOST_STRIPS = 16
 _FINEST = 128  # strips over the whole size, at most
 _TURN = (3 - math.sqrt(5)) * math.pi  # between neighbours of a Fibonacci lattice
@@ -218,9 +219,9 @@ class Inside:
             return np.asarray(twice > _DIRECTIONS)
         result = np.zeros(len(points), dtype=bool)
         # A line all the way through a closed surface enters as often as it leaves. Where it does not, it met
-        # a corner, where rounding decides: another direction is asked.
+        # a corner, where rounding decides: another direction is asked. Points on corners never get better.
         asked = np.arange(len(points))
-        for number in range(_DIRECTIONS):
+        for number in range(_ASKED):
             twice, through = self._winding(points[asked], number)
             result[asked] = twice > 1
             asked = asked[through != 0]

@@ -23,11 +23,6 @@ _MOST_CORNERS = 2000  # triangles of one piece
 _DIGITS = 1e-6  # of the diagonal
 
 
-Distance = Callable[[Points, Numbers | float], tuple[Numbers, npt.NDArray[np.bool_]]]
-"""Of points (n, 3): a distance [m], and whether it is exact, as it has to be from the second argument on; else
-it is no less than the exact one."""
-
-
 def measure(target: Target, pieces: Sequence[Piece]) -> Measures:
     """How the union of `pieces` (at least one) differs from the part; ValueError without pieces.
 
@@ -64,7 +59,9 @@ def _protrusion(target: Target, union: Union) -> tuple[float, float]:
     _, outer = _outer(
         target, union, samples.points, union.owners[samples.triangles], union.normals[samples.triangles]
     )
-    p95, known = _tail(lambda points, from_on: _outside_part(target, points, from_on), samples.points[outer])
+    points = samples.points[outer]
+    bounds = np.where(target.inside(points), 0.0, target.nearest(points, np.inf)[0])
+    p95, known = _tail(bounds, lambda some: _outside_part(target, points[some], 0.0)[0])
     corners = _outer_corners(target, union)
     far, exact = _outside_part(target, corners, known)
     known = max(known, float(far[exact].max(initial=0.0)))
@@ -90,9 +87,13 @@ def _outside_part(
     target: Target, points: Points, from_on: Numbers | float
 ) -> tuple[Numbers, npt.NDArray[np.bool_]]:
     """How far points are outside the part, and whether that is exact; see `Nearest`."""
-    far, exact = np.zeros(len(points)), np.ones(len(points), dtype=bool)
-    some = np.flatnonzero(~target.inside(points))
-    far[some], exact[some] = target.nearest(points[some], np.broadcast_to(from_on, len(points))[some])
+    far, _ = target.nearest(points, np.inf)
+    exact = np.zeros(len(points), dtype=bool)
+    some = np.flatnonzero(far >= from_on)
+    within = target.inside(points[some])
+    far[some[within]], exact[some] = 0.0, True
+    some = some[~within]
+    far[some], _ = target.nearest(points[some], 0.0)
     return far, exact
 
 
@@ -113,11 +114,9 @@ def _bareness(target: Target, union: Union) -> tuple[float, float]:
     def value(points: Points, triangles: Indices, from_on: Numbers) -> Value:
         return _outside_union(union, points, from_on)
 
-    def far(points: Points, from_on: Numbers | float) -> tuple[Numbers, npt.NDArray[np.bool_]]:
-        found = _outside_union(union, points, from_on)
-        return found.value, found.counts
-
-    p95, known = _tail(far, target.samples.points)
+    points = target.samples.points
+    bounds = _outside_union(union, points, np.inf).value
+    p95, known = _tail(bounds, lambda some: _outside_union(union, points[some], 0.0).value)
     found = _outside_union(union, target.corners, known)
     known = max(known, float(found.value[found.counts].max(initial=0.0)))
     return p95, largest(target.tree, value, known, _within(target, known))
@@ -136,18 +135,17 @@ def _within(target: Target, known: float) -> float:
     return max(WITHIN * target.diagonal, known / 50)
 
 
-def _tail(distance: Distance, points: Points) -> tuple[float, float]:
-    """The least distance [m] that 95 % of points do not exceed, and the largest; exact where few are looked at:
-    those that may be far, first."""
-    if not len(points):
+def _tail(bounds: Numbers, distances: Callable[[Indices], Numbers]) -> tuple[float, float]:
+    """The least distance [m] that 95 % of points do not exceed, and the largest. No distance is above its
+    bound (n,); so both are exact, though only points that may be far are asked for theirs."""
+    if not len(bounds):
         return 0.0, 0.0
-    bounds, _ = distance(points, np.inf)
     order = np.argsort(-bounds, kind="stable")
-    beyond = len(points) // 20
-    looked_at = 3 * beyond + 1
+    beyond = len(bounds) // 20
+    asked = 3 * beyond + 1
     while True:
-        far, _ = distance(points[order[:looked_at]], 0.0)
+        far = distances(order[:asked])
         p95 = float(np.sort(far)[::-1][beyond])
-        if looked_at >= len(points) or p95 >= bounds[order[looked_at]]:
+        if asked >= len(bounds) or p95 >= bounds[order[asked]]:
             return p95, float(far.max())
-        looked_at = min(2 * looked_at, len(points))
+        asked = min(2 * asked, len(bounds))
