@@ -15,10 +15,11 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 11
+VERSION = 12
 """Grows with every change of what this stage makes of the same input."""
 
 COLLIDERS: Mapping[str, tuple[str, ...]] = {
+    "coacd": ("tolerance", "max_vertices", "coacd"),
     "hull": (),
     "primitives": ("target",),
     "raw": (),

@@ -2,13 +2,15 @@
 
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from stages.mesh import COLLIDERS
+from stages.mesh.decompose_options import search
 from stages.mesh.geom_keys import GeomKeys
-from stages.robot.keys import Count, Keys, Later, NonNegative, Positive, Text, example, not_yet
+from stages.robot.errors import ConfigError
+from stages.robot.keys import Count, Keys, Later, NonNegative, Positive, Text, example, invalid, not_yet
 
-LATER_COLLIDERS = ("coacd", "ladder")
+LATER_COLLIDERS = ("ladder",)
 """Colliders that are decided but not supported yet."""
 
 
@@ -16,6 +18,15 @@ if TYPE_CHECKING:
     ColliderName = str
 else:
     ColliderName = Literal[tuple(COLLIDERS)]
+
+
+def _of_coacd(given: dict[str, Any]) -> dict[str, Any]:
+    try:
+        search("normal", given)
+    except ConfigError as error:
+        hint = f"; {error.hint}" if error.hint else ""
+        raise invalid(f"{error.where.rpartition('.')[2]}: {error.message}{hint}") from None
+    return given
 
 
 class VisualKeys(Keys):
@@ -34,10 +45,11 @@ class MeshSection(Keys):
     """Meshes of the links."""
 
     collider: Annotated[ColliderName, Later(*LATER_COLLIDERS)] = "hull"
-    """Collision geometry. hull: the convex hull of each link; primitives: of each part the box, sphere,
-    capsule or cylinder that fits it best, however well; raw: the mesh of each part as it is, of which MuJoCo
-    and most other engines take the convex hull; spheres: at most 64 spheres for each part, fewer where they
-    meet mesh.tolerance; visual: none, the links touch nothing."""
+    """Collision geometry. hull: the convex hull of each link; coacd: at most 16 convex pieces of each
+    part; primitives: of each part the box, sphere, capsule or cylinder that fits it best, however well;
+    raw: the mesh of each part as it is, of which MuJoCo and most other engines take the convex hull;
+    spheres: at most 64 spheres for each part, fewer where they meet mesh.tolerance; visual: none, the
+    links touch nothing."""
 
     tolerance: Annotated[Positive | None, example(0.002)] = None
     """Largest distance between a part's surface and its collider's [m], for the colliders that can follow it;
@@ -58,8 +70,11 @@ class MeshSection(Keys):
     target: Literal["mujoco", "mjx"] = "mujoco"
     """The engine that the colliders are made for. mjx: without cylinders, which MJX collides with no mesh."""
 
-    coacd: dict[Text, Any] = not_yet(dict)
-    """Parameters of CoACD, by its own names."""
+    coacd: Annotated[dict[Text, Any], AfterValidator(_of_coacd), example({"mcts_iterations": 100})] = Field(
+        default_factory=dict
+    )
+    """Parameters of CoACD, by its own names, wherever a part is decomposed. Without a `threshold` it is twice
+    the tolerance, in metres; pieces are merged by the volume that it adds, unless `merge` is true."""
 
     visual: VisualKeys = VisualKeys()
     """Visual meshes."""

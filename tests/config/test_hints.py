@@ -115,7 +115,7 @@ def test_the_example_of_a_hint_fits_the_source(here, kind, file):
 
 ROBOTS = {
     "no group": ("  - override /mehs: hull\n", "E-OVERRIDE robot/bad.yaml", "did you mean mesh?"),
-    "no option": ("  - override /mesh: hul\n", "E-OPTION mesh=hul", "did you mean hull? options: hull"),
+    "no option": ("  - override /mesh: hul\n", "E-OPTION mesh=hul", "did you mean hull? options: coacd, hull"),
     "no folder": ("  - /extra: x\n", "E-OPTION extra=x", "groups: actuators"),
     "order": ("  - override /mesh: hull\n  - bare\n", "E-OVERRIDE robot/bad.yaml", "at the end of the list"),
     "twice": ("  - /mesh: hull\n", "E-OVERRIDE mesh", "- override /mesh: ..."),

@@ -218,11 +218,11 @@ def test_a_number_as_the_name_of_a_joint_is_reported_to_be_quoted():
     ("data", "shown"),
     [
         (
-            {"mesh": {"collider": "coacd"}},
+            {"mesh": {"collider": "ladder"}},
             (
                 "mesh.collider",
-                "'coacd' is not supported yet",
-                "allowed: hull, primitives, raw, spheres, visual",
+                "'ladder' is not supported yet",
+                "allowed: coacd, hull, primitives, raw, spheres, visual",
             ),
         ),
         ({"scene": {"pose": "touch"}}, ("scene.pose", "'touch' is not supported yet", "allowed: xyz, rpy")),

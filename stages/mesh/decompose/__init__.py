@@ -11,25 +11,33 @@ import numpy as np
 from stages.mesh.convex_hull import convex_hull
 from stages.mesh.decompose import wire
 from stages.mesh.decompose.ask import BOUNDS, Guest, decomposition, decomposition_key
+from stages.mesh.decompose.cost import estimated_cost
 from stages.mesh.decompose.joining import groups
-from stages.mesh.decompose.options import EFFORTS, DecomposeOptions, Search, search
+from stages.mesh.decompose.pool import Making, side_by_side
+from stages.mesh.decompose.seams import containing
 from stages.mesh.decompose.wire import Decomposition, read
+from stages.mesh.decompose_options import EFFORTS, MOST_PIECES, DecomposeOptions, Search, search
+from stages.mesh.fit import capped_hull
 from stages.mesh.surface import Surface
 from stages.robot.errors import DecompositionFailed
 
 __all__ = [
     "BOUNDS",
     "EFFORTS",
+    "MOST_PIECES",
     "DecomposeOptions",
     "Decomposition",
     "Guest",
+    "Making",
     "Search",
     "decompose",
     "decomposition",
     "decomposition_key",
+    "estimated_cost",
     "pieces",
     "read",
     "search",
+    "side_by_side",
 ]
 
 
@@ -38,11 +46,17 @@ def decompose(surface: Surface, options: DecomposeOptions, by: Guest | None = No
     made = wire.read(decomposition(surface, options, by))
     if made.refused:
         raise DecompositionFailed(made.refused)
-    return pieces(made, options.most_pieces)
+    return pieces(made, options.most_pieces, options.most_vertices)
 
 
-def pieces(made: Decomposition, most: int) -> tuple[Surface, ...]:
-    """At most so many convex pieces, sorted; fewer where joining them adds no volume to speak of."""
+def pieces(made: Decomposition, most: int, most_vertices: int = 64) -> tuple[Surface, ...]:
+    """At most so many convex pieces, sorted; fewer where joining them adds no volume to speak of.
+
+    A piece with too many vertices becomes one with fewer that contains it, so that no seam opens; a piece
+    that is alone the one of least error.
+    """
     joined = groups(len(made.pieces), made.joinings, most, made.volume)
     hulls = [convex_hull(np.concatenate([made.pieces[one] for one in group])) for group in joined]
-    return tuple(sorted((hull for hull in hulls if hull), key=lambda hull: hull.vertices.tobytes()))
+    capped = capped_hull if len(joined) == 1 else containing
+    plain = (capped(hull, most_vertices) for hull in hulls if hull)
+    return tuple(sorted((hull for hull in plain if hull), key=lambda hull: hull.vertices.tobytes()))

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from stages.mesh.decompose import wire
-from stages.mesh.decompose.options import DecomposeOptions
 from stages.mesh.decompose.wire import refusal
+from stages.mesh.decompose_options import DecomposeOptions
 from stages.mesh.snapping import snapped
 from stages.mesh.surface import Surface
 from stages.robot import guest

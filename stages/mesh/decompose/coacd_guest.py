@@ -31,6 +31,8 @@ def answer(request: bytes) -> bytes:
 
 
 def _decomposition(surface: Surface, tolerance: float, arguments: dict[str, Any]) -> Decomposition:
+    if convex_hull(surface.vertices) is None:
+        return refusal("the mesh is flat")
     made = prepared(surface, tolerance)
     if isinstance(made, str):
         return refusal(made)

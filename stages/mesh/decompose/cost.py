@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from stages.mesh.decompose.options import DecomposeOptions, Search
+from stages.mesh.decompose_options import DecomposeOptions, Search
 
 _START = 0.5
 """CPU seconds of a guest that has nothing to do."""

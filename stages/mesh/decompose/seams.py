@@ -1,9 +1,16 @@
-"""Pieces that touch along a cut: CoACD leaves them up to 4e-5 of the part's size apart."""
+"""Pieces that touch along a cut, and keep touching.
+
+CoACD leaves them up to 4e-5 of the part's size apart, and a hull of fewer vertices would draw back from its
+neighbour.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
+from stages.mesh.convex_hull import convex_hull
+from stages.mesh.fit import capped_hull
+from stages.mesh.pieces import along, half_spaces
 from stages.mesh.surface import Points, Surface
 
 OVERLAP_OF_SIZE = 4e-5
@@ -11,6 +18,18 @@ OVERLAP_OF_SIZE = 4e-5
 
 _FURTHEST = 8.0
 """A corner moves at most so many times as far as its faces; a sharper one would run away."""
+
+
+def containing(hull: Surface, most: int) -> Surface:
+    """A convex hull with at most `most` vertices that contains this one, as near to it as they allow."""
+    if len(hull.vertices) <= most:
+        return hull
+    capped = capped_hull(hull, most)
+    if capped is None:
+        return hull
+    normals, heights = half_spaces(capped)
+    beyond = float((along(normals, hull.vertices) - heights[:, None]).max())
+    return convex_hull(grown(capped, beyond)) or capped if beyond > 0 else capped
 
 
 def grown(hull: Surface, distance: float) -> Points:

@@ -10,16 +10,19 @@ import pytest
 
 from stages.mesh.decompose import (
     BOUNDS,
+    EFFORTS,
     DecomposeOptions,
     Guest,
     decompose,
     decomposition,
     decomposition_key,
+    estimated_cost,
     pieces,
     read,
     search,
     wire,
 )
+from stages.mesh.decompose.seams import containing, grown
 from stages.mesh.surface import Surface, weld
 from stages.robot.errors import ConfigError, DecompositionFailed, MeshError
 from stages.robot.guest import Bounds
@@ -214,6 +217,8 @@ def test_two_bodies_are_two_pieces() -> None:
         ([[0, 0, 0], [1, 0, 0], [0, np.inf, 0]], [[0, 1, 2]], "a coordinate of the mesh is not a number"),
         (np.zeros((0, 3)), np.zeros((0, 3)), "the mesh has no triangle"),
         ([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [[0, 0, 2]], "the mesh has no triangle"),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]], "the mesh is flat"),
+        ([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], [[0, 1, 2], [1, 3, 2], [0, 2, 1]], "the mesh is flat"),
     ],
 )
 def test_what_has_no_pieces_is_refused_in_words_and_that_is_a_result(vertices, triangles, said) -> None:
@@ -382,3 +387,48 @@ def test_a_wrong_parameter_is_told_with_its_key(given, where, said) -> None:
 def test_what_is_given_to_coacd_gives_pieces(given) -> None:
     found = decompose(BRACKET, DecomposeOptions(0.001, search=search("low", given)))
     assert 1 <= len(found) <= 16
+
+
+def test_the_collider_coacd_is_the_pieces_of_every_part(monkeypatch) -> None:
+    from stages.mesh.collider_settings import ColliderSettings
+    from stages.mesh.colliders import coacd
+
+    flat = Surface(BRACKET.vertices * [1, 1, 0], BRACKET.triangles)
+    settings = ColliderSettings(coacd={"seed": 1})
+    files = coacd.make([BRACKET, flat, CLAMP], settings)
+    assert len(files) == 5
+    volumes = [sum(file.volume for file in part) for part in (files[:2], files[2:])]
+    assert volumes == pytest.approx([BRACKET.volume(), CLAMP.volume()], rel=0.02)
+    monkeypatch.setattr(coacd, "decomposition", lambda *_: (_ for _ in ()).throw(DecompositionFailed("no")))
+    with pytest.raises(DecompositionFailed, match="no"):
+        coacd.make([BRACKET], settings)
+
+
+def test_a_wrong_parameter_in_the_configuration_is_an_error_of_its_key() -> None:
+    from stages.mesh.keys import MeshSection
+
+    with pytest.raises(ValueError, match=r"coacd\n\s+treshold: .*did you mean threshold\?"):
+        MeshSection.model_validate({"coacd": {"treshold": 0.1}})
+    assert MeshSection.model_validate({"coacd": {"threshold": 0.1}}).coacd == {"threshold": 0.1}
+
+
+def test_the_dearer_search_and_the_larger_mesh_are_estimated_dearer() -> None:
+    costs = [estimated_cost(2000, DecomposeOptions(0.001, search=search(effort, {}))) for effort in EFFORTS]
+    assert costs == sorted(costs)
+    assert costs[0] < costs[-1]
+    assert estimated_cost(500, OPTIONS) < estimated_cost(2500, OPTIONS) < estimated_cost(10**6, OPTIONS)
+    assert estimated_cost(10**6, OPTIONS) < 60
+
+
+def test_a_hull_of_fewer_vertices_contains_the_one_it_stands_for() -> None:
+    ball = surface_of(solids.ball(0.03, 32, 16))
+    plain = containing(ball, 40)
+    assert len(plain.vertices) <= 40
+    assert (body(ball) - body(plain)).volume() < 1e-9 * ball.volume()
+    assert plain.volume() < 1.35 * ball.volume()
+    assert containing(ball, 10_000) is ball
+
+
+def test_grown_faces_lie_further_out_by_the_distance() -> None:
+    (cube,) = decompose(surface_of(solids.box(0.02, 0.03, 0.04)), OPTIONS)
+    assert np.ptp(grown(cube, 0.001), axis=0) == pytest.approx([0.022, 0.032, 0.042], abs=1e-7)

@@ -10,6 +10,9 @@ from typing import Any
 
 from stages.robot.errors import ConfigError
 
+MOST_PIECES = 16
+"""How many pieces a part has at most, where nothing else is said."""
+
 _OF_TOLERANCE = 2.0
 """CoACD's threshold, where none is given, in tolerances: its measure is the largest distance anywhere, and
 what counts of a collider is that of 95 % of its surface."""
@@ -115,6 +118,6 @@ class DecomposeOptions:
     vertices each, and CoACD's parameters."""
 
     tolerance: float
-    most_pieces: int = 16
+    most_pieces: int = MOST_PIECES
     most_vertices: int = 64
     search: Search = field(default_factory=Search)
