@@ -1,0 +1,95 @@
+"""Robots that collide with themselves, in MuJoCo: at `home` and in a thousand random poses nothing touches
+that is neither excluded with a reason nor free to touch."""
+
+import re
+
+import mujoco
+import numpy as np
+import pytest
+
+from pipeline.build import build_files
+from pipeline.config.compose import compose_plan
+from stages.robot import codec
+from stages.robot.model import Robot
+from stages.robot.pose_samples import sampled_poses
+from stages.robot.start_pose import home
+from stages.validate.coordinates import set_values
+from tests.support.places import SHARED
+from tests.support.touching import contacts
+
+ROBOTS = SHARED / "data" / "robots"
+SO101 = ROBOTS / "so101/Simulation/SO101/so101_new_calib.urdf"
+DUCK = ROBOTS / "open_duck_mini_bdx/mini_bdx/robots/bdx/robot.urdf"
+REACHY = ROBOTS / "reachy2/reachy2_mujoco/description/mjcf/reachy2.xml"
+
+FOUND = {
+    "sample": [("base_plate", "lift_column", "Adjacent"), ("parallel_rod", "elbow_plate", "Adjacent")],
+    "so101": [("base_link", "shoulder_link", "Adjacent")],
+    "duck": [("head_link", "head_assembly", "Always")],
+    "reachy": [],
+}
+"""By robot: some of the pairs that it must have."""
+
+COMPARED = 100
+"""In so many of the poses all contacts are looked for: of hulls deep in each other that takes long."""
+
+WHERE = {"so101": ("urdf", SO101), "duck": ("urdf", DUCK), "reachy": ("mjcf", REACHY)}
+
+
+def built(name: str, folder):
+    """The robot, its report, and its model; and a model with every contact, whatever is excluded."""
+    told = [f"cache.dir={folder}/cache", "contact.self=auto", f"output={folder}/out", "until=export"]
+    if name == "sample":
+        told.append("robot=sample")
+    else:
+        kind, path = WHERE[name]
+        if not path.exists():
+            pytest.skip("needs the robots of others")
+        told += [f"source={kind}", f"source.path={path}"]
+    made = build_files(compose_plan(told, cwd=folder).plan, in_memory=True)
+    files = {path: data for path, data in made.files.items() if path.startswith("assets/")}
+    (file,) = [path for path in made.files if path.endswith(".xml") and path != "scene.xml"]
+    text = made.files[file].decode()
+    free = re.sub(r"<contact>.*?</contact>", "", text, flags=re.DOTALL)
+    free = free.replace("<option ", "<option><flag filterparent='disable'/></option><option ")
+    meshes = {path.removeprefix("assets/"): data for path, data in files.items()}
+    models = [mujoco.MjSpec.from_string(one, assets=assets(one, meshes)).compile() for one in (text, free)]
+    return codec.decode_robot(made.robot), made.report, *models
+
+
+def assets(text: str, meshes):
+    return {f"assets/{name}": data for name, data in meshes.items()} | dict(meshes)
+
+
+def touching(model, robot: Robot, q):
+    data = mujoco.MjData(model)
+    set_values(model, data, robot, q, urdf=False)
+    mujoco.mj_collision(model, data)
+    return contacts(model, data, robot)
+
+
+@pytest.mark.parametrize("name", ["sample", *(pytest.param(one, marks=pytest.mark.slow) for one in WHERE)])
+def test_nothing_touches_that_is_neither_excluded_nor_free_to(name, tmp_path):
+    robot, report, model, free = built(name, tmp_path)
+    excludes = {tuple(one["links"]): one["reason"] for one in report.details.get("excludes", [])}
+    for one, other, reason in FOUND[name]:
+        assert excludes[one, other] == reason
+    start = home(robot)
+    values = sampled_poses(robot, 1000, 0.3, start)
+    poses = [{n: float(v[i]) if v.ndim == 1 else tuple(v[i]) for n, v in values.items()} for i in range(1000)]
+    rigid = {pair for pair, reason in excludes.items() if reason == "Adjacent"}
+    seen = dict.fromkeys(excludes, 0)
+    for q in poses:
+        assert not touching(model, robot, q) & set(excludes)
+    for q in poses[:COMPARED]:
+        raw = touching(free, robot, q)
+        assert touching(model, robot, q) == raw - set(excludes)
+        for pair in raw & set(excludes):
+            seen[pair] += 1
+    for pair, reason in excludes.items():
+        assert reason != "Always" or seen[pair] >= 0.99 * COMPARED, pair
+    told = " ".join(one.message for one in report.diagnostics if one.code == "W-SELF-CONTACT")
+    for one, other in touching(model, robot, start):
+        assert f"{one} and {other} (" in told
+    assert rigid or not robot.joints
+    assert np.isfinite(model.key_qpos).all()
