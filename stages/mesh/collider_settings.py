@@ -1,4 +1,4 @@
-"""What the makers of colliders are told, beside the surfaces."""
+"""The settings of the makers of colliders."""
 
 from __future__ import annotations
 

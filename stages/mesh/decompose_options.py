@@ -1,4 +1,4 @@
-"""What a decomposition may cost and how near it has to come: the options, and CoACD's own parameters."""
+"""Options of a decomposition, CoACD's own parameters among them."""
 
 from __future__ import annotations
 

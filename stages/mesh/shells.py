@@ -1,4 +1,4 @@
-"""The shells of a surface: faces that hang together by edges, which are closed, and which is in which."""
+"""The shells of a surface: faces connected by edges; which are closed, and which lies within which."""
 
 from dataclasses import dataclass
 

@@ -19,7 +19,7 @@ Kind = Literal["name", "plain", "part", "frame", "loop"]
 
 @dataclass(frozen=True, slots=True)
 class BoxRow:
-    """A line of a box. `full` is shown where the mouse rests on it; `loop`: which one it marks."""
+    """A line of a box. `full`: its tooltip; `loop`: the loop that it marks."""
 
     kind: Kind
     text: str
@@ -63,7 +63,7 @@ class Box:
 
     @property
     def band(self) -> float:
-        """The height that box and label take about their middle."""
+        """The height of the box or of the label, whichever is larger."""
         return max(self.height, 2 * LABEL + 4, 2 * (LINE * len(self.lines) + 6))
 
     @property
@@ -128,7 +128,7 @@ def _rows(link: Link, robot: Robot) -> Iterator[BoxRow]:
 
 
 def _few(kind: Kind, names: Sequence[str]) -> Iterator[BoxRow]:
-    """A row for each name; of many only the first."""
+    """A row for each name; of many names only the first ones."""
     shown = names if len(names) <= SHOWN else names[: SHOWN - 1]
     for name in shown:
         yield BoxRow(kind, fitted(name, SIZES[kind], ROOM), name)

@@ -12,7 +12,7 @@ _NARROW, _BROAD = frozenset(" ijlft.,:;'|()[]!I-"), frozenset("mwMW@%—…+=×�
 
 
 def text_width(text: str, size: float, *, bold: bool = False) -> float:
-    """How wide `text` may be [px] in any of the usual fonts: a bound, since no font is at hand."""
+    """An upper bound of the width of `text` [px] in the usual fonts; no font is read."""
     em = 0.0
     for letter in text:
         if unicodedata.east_asian_width(letter) in "WF":
@@ -27,12 +27,12 @@ def text_width(text: str, size: float, *, bold: bool = False) -> float:
 
 
 def px(value: float) -> str:
-    """A length as short as a tenth of a pixel allows."""
+    """A length [px] with one decimal."""
     return f"{round(value, 1) + 0.0:g}" if abs(value) < 1e5 else f"{value:.0f}"
 
 
 class Canvas:
-    """A sheet of `width` x `height` [px]; what is drawn later lies on top."""
+    """A sheet of `width` x `height` [px]; a later shape covers an earlier one."""
 
     def __init__(self, width: float, height: float, paper: str, title: str) -> None:
         width, height = math.ceil(width), math.ceil(height)
@@ -52,7 +52,7 @@ class Canvas:
         self._into = self._root
 
     def group(self, title: str = "") -> None:
-        """What follows belongs together; `title` (its lines) shows where the mouse rests on it."""
+        """Groups the shapes that are drawn next; the lines of `title` are their tooltip."""
         self._into = self._add(self._root, "g")
         if title:
             self._add(self._into, "title").text = printable_lines(title)
@@ -135,7 +135,7 @@ class Canvas:
         fill: str = "none",
         at: tuple[float, float] | None = None,
     ) -> None:
-        """A path in SVG's own words, moved to `at`."""
+        """A path in SVG's syntax, moved to `at`."""
         self._add(
             self._into,
             "path",
@@ -158,5 +158,5 @@ class Canvas:
 
 
 def fitted(text: str, size: float, room: float, *, bold: bool = False) -> str:
-    """`text`, its middle left out where it is wider than `room` [px]."""
+    """`text`, without its middle where it is wider than `room` [px]."""
     return shortened(text, room, lambda part: text_width(part, size, bold=bold))

@@ -13,12 +13,12 @@ _UNITS = {"turn": (math.degrees(1.0), "deg"), "slide": (1e3, "mm")}
 
 
 def columns(text: str) -> int:
-    """How many columns of a terminal `text` takes."""
+    """The number of columns that `text` takes in a terminal."""
     return sum(2 if unicodedata.east_asian_width(letter) in "WF" else 1 for letter in text)
 
 
 def shortened(text: str, room: float, measure: Callable[[str], float] = columns) -> str:
-    """`text` with as much of its middle left out as fits `room`, in the unit of `measure`."""
+    """`text` without as much of its middle as must go to fit `room`, in the unit of `measure`."""
     text = printable(text)
     if measure(text) <= room:
         return text
@@ -31,7 +31,7 @@ def shortened(text: str, room: float, measure: Callable[[str], float] = columns)
 
 
 def decimal(value: float) -> str:
-    """Four significant digits, without noise of rounding."""
+    """A number with four significant digits."""
     return f"{round(value, 9) + 0.0:.4g}"
 
 
@@ -40,7 +40,7 @@ def kilograms(mass: float) -> str:
 
 
 def value(dof: Dof, amount: float) -> str:
-    """An amount of a turn [rad] in degrees, of a slide [m] in millimetres."""
+    """An angle [rad] in degrees, or a length [m] in millimetres."""
     factor, unit = _UNITS[dof.kind]
     return f"{decimal(amount * factor)} {unit}"
 
@@ -61,7 +61,7 @@ def limits(dof: Dof) -> str:
 
 
 def coordinate(joint: Joint, dof: Dof) -> str:
-    """What a dof is called within its joint: "turn", "x"; "" where it is the only one."""
+    """The name of a dof within its joint: "turn", "x"; "" where it is the only one."""
     return "" if dof.name == joint.name else dof.name.removeprefix(f"{joint.name}_")
 
 
@@ -71,7 +71,7 @@ def motions(joint: Joint) -> list[tuple[Dof, str]]:
 
 
 def rules(robot: Robot, room: float = math.inf) -> dict[str, str]:
-    """What each follower does: "-1.5 × drive + 3 deg", the driver's name within `room` columns; where
+    """The rule of each follower: "-1.5 × drive + 3 deg", the driver's name within `room` columns; where
     turns and slides meet the factor has its unit."""
     dofs = {dof.name: dof for dof in robot.dofs}
     return {one.follower: _rule(one, dofs[one.follower], dofs[one.driver], room) for one in robot.relations}
@@ -89,12 +89,12 @@ def _rule(relation: Relation, follower: Dof, driver: Dof, room: float) -> str:
 
 
 def leaf(name: str) -> str:
-    """The part itself of a part's path in words."""
+    """The part's own name, without the sub-assemblies before it."""
     return name.rsplit("/", 1)[-1]
 
 
 def part_names(link: Link) -> list[str]:
-    """The parts that are welded into a link, the heaviest first; alike ones are counted."""
+    """The parts of a link, the heaviest first; equal ones are counted."""
     weights: dict[str, list[float]] = {}
     for part in link.parts:
         weights.setdefault(re.sub(r" <\d+>$", "", leaf(part.name)), []).append(part.inertial.mass)
@@ -131,7 +131,7 @@ def totals(robot: Robot) -> str:
 
 
 def mobility(robot: Robot) -> str:
-    """How the mechanism moves, in one line."""
+    """The degrees of freedom of the mechanism, in one line."""
     how = robot.mobility
     text = f"{count(how.dof, 'degree')} of freedom (by rank at the saved pose; {how.gruebler} by Grübler), "
     return text + f"{count(how.coordinates, 'coordinate')}"

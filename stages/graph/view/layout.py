@@ -75,7 +75,7 @@ def _together(above: Contour, below: Contour, shared: int) -> Contour:
 
 
 def levels(order: Sequence[str], parents: Mapping[str, str]) -> dict[str, int]:
-    """How many edges each node is from the root."""
+    """The number of edges from the root to each node."""
     found = {order[0]: 0}
     for name in order[1:]:
         found[name] = found[parents[name]] + 1

@@ -77,7 +77,7 @@ def _rows(robot: Robot) -> Iterator[Row]:
 
 
 def _ranges(joint: Joint, follows: Mapping[str, str]) -> Iterator[str]:
-    """What each dof may do, and after it what it follows."""
+    """The range of each dof, and after it the rule that it follows."""
     for dof, words in motions(joint):
         yield words
         if dof.name in follows:
@@ -102,7 +102,7 @@ def _table(rows: Sequence[Row]) -> Iterator[str]:
 
 
 def _widths(rows: Sequence[Row]) -> tuple[int, list[int]]:
-    """Columns of a level of the tree, and of each cell but the ranges: as much as there is room for."""
+    """The columns of a level of the tree, and those of each cell but the ranges, by the room there is."""
     table = [_HEADER, *(row.cells for row in rows)]
     widths = [max(columns(cells[column]) for cells in table) for column in range(5)]
     ranges = min(_RANGES, max(map(columns, ["range", *(text for row in rows for text in row.ranges)])))
@@ -171,7 +171,7 @@ def _padded(text: str, width: int) -> str:
 
 
 def _loops(robot: Robot) -> list[str]:
-    """The mates that close loops, which links they join and how far they are from met."""
+    """The mates that close loops, the links that they join, and their closure errors."""
     lines = []
     for loop in robot.loops:
         head = f"loop {loop.name}: {loop.type}, mate {loop.mate.name}"

@@ -37,7 +37,7 @@ BUS = 18.0  # from a parent to where its edges part
 
 
 def draw(robot: Robot) -> bytes:
-    """The picture as SVG: the same bytes for the same robot, and a ground of its own."""
+    """The picture as SVG with its own background; the same bytes for the same robot."""
     boxes = _placed(robot, boxes_of(robot))
     curves = [_curve(robot, boxes, index) for index in range(len(robot.loops))]
     heads = (totals(robot), mobility(robot), standing(robot))

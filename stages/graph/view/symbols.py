@@ -1,4 +1,4 @@
-"""The signs of the picture: one for each type of joint, and the legend that explains them."""
+"""The symbols of the picture: one for each type of joint, and the legend that explains them."""
 
 from collections.abc import Mapping
 
@@ -47,7 +47,7 @@ def legend(robot: Robot, width: float) -> tuple[list[Place], float]:
 
 
 def _entries(robot: Robot) -> list[tuple[str, str]]:
-    """What the picture shows, of the kinds that it has."""
+    """The kinds of entries of the legend that the picture needs."""
     types = {joint.type for joint in robot.joints}
     found: list[tuple[str, str]] = [
         (kind, f"{kind.replace('_', ' ')} joint") for kind in JOINTS if kind in types

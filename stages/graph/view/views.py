@@ -1,4 +1,4 @@
-"""What people see of a robot: files of the graph stage beside its value."""
+"""The views of a robot: files of the graph stage beside its value."""
 
 from typing import TYPE_CHECKING
 
