@@ -3,6 +3,7 @@
 Every rung of the ladder, and every figure of a report, is judged by `measure(Target.of(part), pieces)`.
 """
 
+from stages.mesh.measure.judge import hopeless as hopeless
 from stages.mesh.measure.judge import measure as measure
 from stages.mesh.measure.measures import Measures as Measures
 from stages.mesh.measure.target import Target as Target

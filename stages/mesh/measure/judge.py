@@ -17,6 +17,8 @@ WITHIN = 1.5e-3
 """Of the diagonal: how far a maximum may be from the true one; a tenth of the default tolerance. One that is
 far above the tolerance may be off by a fiftieth."""
 
+FEW = 300
+_SKIPPED = SAMPLES // FEW
 _CRACK = 3e-4  # of the diagonal: nothing reaches into one as narrow
 _INSET = 1e-3
 _MOST_CORNERS = 2000  # triangles of one piece
@@ -38,6 +40,25 @@ def measure(target: Target, pieces: Sequence[Piece]) -> Measures:
     grain = _DIGITS * target.diagonal
     rounded = [round(value / grain) * grain for value in (*protrusion, *bareness)]
     return Measures(round(shares.extra, 6), round(shares.missing, 6), shares.by, *rounded)
+
+
+def hopeless(target: Target, pieces: Sequence[Piece], tolerance: float) -> bool:
+    """Whether a look at 300 points says already that the pieces miss the tolerance [m]: a point of the part
+    is further outside than that, one of the collider three times as far, or 12 % of those as far.
+
+    A quick no before `measure`, for about a tenth of its time; never of what is well within the tolerance.
+    """
+    union = Union.of(sorted(pieces, key=_order))
+    points = target.samples.points[::_SKIPPED]
+    found = _outside_union(union, points, tolerance)
+    if (found.value[found.counts] > tolerance).any():
+        return True
+    samples = even(union.tree, FEW)
+    some = samples.triangles
+    _, outer = _outer(target, union, samples.points, union.owners[some], union.normals[some])
+    far, exact = _outside_part(target, samples.points[outer], tolerance)
+    far = far[exact]
+    return bool((far > 3 * tolerance).any() or (far > tolerance).sum() > 0.12 * outer.sum())
 
 
 def _order(piece: Piece) -> tuple[str, bytes, bytes]:

@@ -13,7 +13,7 @@ from stages.mesh.measure.union import Union
 from stages.mesh.rays import Inside
 from stages.mesh.surface import Points, Surface
 
-_POINTS = 1 << 14
+_POINTS = 1 << 13
 _NEGLIGIBLE = 1e-12
 _STEPS = (0.8191725133961645, 0.6710436067037893, 0.5497004779019703)
 """The steps of the R3 sequence: 1/p, 1/p², 1/p³ with p⁴ = p + 1."""

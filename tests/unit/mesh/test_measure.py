@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stages.mesh.colliders.hull import convex_hull
-from stages.mesh.measure import Target, measure
+from stages.mesh.measure import Target, hopeless, measure
 from stages.mesh.pieces import placed, surface_of
 from stages.mesh.surface import Surface, moved, weld
 from stages.robot.model import Primitive, frozen
@@ -231,6 +231,24 @@ def test_place_and_size_do_not_matter(seed, scale):
     assert (other.extra, other.missing) == pytest.approx((one.extra, one.missing), abs=1e-5)
     for name in ("protrusion_p95", "protrusion_max", "bareness_p95", "bareness_max"):
         assert getattr(other, name) / scale == pytest.approx(getattr(one, name), abs=slack, rel=0.03), name
+
+
+@pytest.mark.parametrize("far", [-0.02, -0.011, -0.005, 0.0, 0.009, 0.011, 0.02])
+def test_what_is_hopeless_misses_the_tolerance_and_what_misses_it_by_far_is_hopeless(far):
+    target = Target.of(box(1, 1, 1))
+    piece = box(1 + 2 * far, 1 + 2 * far, 1 + 2 * far)
+    assert hopeless(target, [piece], 0.01) == (abs(far) > 0.01)
+
+
+@settings(max_examples=20)
+@given(st.integers(0, 10_000), st.integers(1, 4), st.floats(0.001, 0.5))
+def test_nothing_within_the_tolerance_is_hopeless(seed, count, tolerance):
+    random = np.random.default_rng(seed)
+    target, pieces = Target.of(a_part(random)), hulls_of(random, count)
+    if hopeless(target, pieces, tolerance):
+        found = measure(target, pieces)
+        worst = max(found.bareness_max, found.protrusion_p95, found.protrusion_max / 3)
+        assert worst > 0.98 * tolerance
 
 
 def test_an_open_part_is_judged_by_sampling_and_hardly_differently():
