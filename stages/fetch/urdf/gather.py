@@ -62,7 +62,7 @@ def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[FileBund
         blobs=bodies,
         options={"bad_inertia": source.bad_inertia},
     )
-    return bundle, (*files.found_elsewhere(), *files.missing)
+    return bundle, (*files.found_elsewhere(), *files.missing, *files.textures(robot))
 
 
 class _Files:
@@ -115,6 +115,18 @@ class _Files:
         if there:
             return Diagnostic("E-MESH-READ", text, where, hint)
         return Diagnostic("E-MESH-MISSING", text, where, hint)
+
+    def textures(self, robot: Urdf) -> list[Diagnostic]:
+        """I-URDF-TEXTURE for the images of the visual meshes."""
+        lost: dict[str, tuple[str, ...]] = {}
+        for shape in (shape for link in robot.links for shape in link.visuals if shape.kind == "mesh"):
+            mesh = self._mesh(self._place(shape))
+            if not isinstance(mesh, str) and mesh.images:
+                lost[shape.filename] = mesh.images
+        shown = [f"{PurePosixPath(name).name} ({', '.join(found[:3])})" for name, found in lost.items()]
+        more = f" and {len(shown) - 5} more" if len(shown) > 5 else ""
+        text = f"images of meshes are not carried over, only colours: {', '.join(shown[:5])}{more}"
+        return [Diagnostic("I-URDF-TEXTURE", text, self._seen.document)] if lost else []
 
     def found_elsewhere(self) -> list[Diagnostic]:
         """I-MESH-FOUND for files that were found elsewhere: one for each folder."""

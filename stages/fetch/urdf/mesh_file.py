@@ -12,13 +12,14 @@ import io
 import re
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from stages.fetch.urdf.dae import cleaned
+from stages.fetch.urdf.images import images
 from stages.formats import gltf_claims
 from stages.formats.triangles import Body, merged
 from stages.robot.geometry import NEUTRAL, Colour
@@ -40,12 +41,14 @@ class Unreadable(Exception):
 @dataclass(frozen=True, slots=True, eq=False)
 class LooseMesh:
     """Loose triangles: `points` (n, 3) float64 [m], `triangles` (m, 3) indices into them counter-clockwise
-    seen from outside, `colours` and which of them each triangle has (m,)."""
+    seen from outside, `colours` and which of them each triangle has (m,); `images`: names of images,
+    which are not read."""
 
     points: npt.NDArray[np.float64]
     triangles: npt.NDArray[np.int64]
     colours: tuple[Colour, ...]
     which: npt.NDArray[np.int64]
+    images: tuple[str, ...] = ()
 
 
 def read(data: bytes, name: str, companions: Mapping[str, bytes]) -> LooseMesh:
@@ -67,7 +70,8 @@ def read(data: bytes, name: str, companions: Mapping[str, bytes]) -> LooseMesh:
     except Exception as error:
         why = " ".join(str(error).split())[:200] or type(error).__name__
         raise Unreadable(f"it is damaged, or is not a {kind.upper()} file ({why})") from None
-    return _joined([piece for piece in pieces if piece is not None], scale)
+    joined = _joined([piece for piece in pieces if piece is not None], scale)
+    return replace(joined, images=images(data, kind, companions))
 
 
 def body(mesh: LooseMesh, key: str, scale: tuple[float, float, float], colour: Colour | None) -> Body:

@@ -324,6 +324,31 @@ f 2 3 4
     body = only_body(tmp_path / "r.urdf")
     assert {tuple(colour[:3]) for colour in body.palette} == {(1, 0, 0), (0, 0, 1)}
     assert volume(body) == pytest.approx(1 / 6)
+    (lost,) = gathered(tmp_path / "r.urdf")[1]
+    assert (lost.code, lost.message.rpartition(": ")[2]) == ("I-URDF-TEXTURE", "a.obj (secret.png)")
+
+
+def test_images_of_a_gltf_are_reported_as_lost(tmp_path):
+    file = json.loads(trimesh.creation.box().export(file_type="gltf")["model.gltf"])
+    buffers = trimesh.creation.box().export(file_type="gltf")
+    file["images"] = [
+        {"uri": "wood.png"},
+        {"uri": "data:image/png;base64,AA==", "name": "logo"},
+        {"bufferView": 0},
+    ]
+    files = {name: data for name, data in buffers.items() if name != "model.gltf"}
+    put(tmp_path, **{"r.urdf": urdf("a.gltf"), "a.gltf": json.dumps(file).encode()}, **files)
+    (lost,) = gathered(tmp_path / "r.urdf")[1]
+    assert lost.code == "I-URDF-TEXTURE"
+    assert "a.gltf (an image in it, logo, wood.png)" in lost.message
+
+
+def test_a_collision_mesh_shows_no_image(tmp_path):
+    text = urdf("a.obj").replace(b"visual>", b"collision>")
+    mtl = b"newmtl red\nKd 1 0 0\nmap_Kd a.png\n"
+    obj = b"mtllib m.mtl\nusemtl red\n" + trimesh.creation.box().export(file_type="obj").encode()
+    put(tmp_path, **{"r.urdf": text, "a.obj": obj, "m.mtl": mtl})
+    assert gathered(tmp_path / "r.urdf")[1] == ()
 
 
 def test_a_shaded_mesh_has_few_colours(tmp_path):
