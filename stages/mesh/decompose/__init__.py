@@ -2,6 +2,15 @@
 
 The guest makes more pieces than are wanted and the order in which to join them, and that is what is cached:
 `pieces` takes from it as many as are asked for, at no cost, so trying 8 pieces and then 16 decomposes once.
+
+CoACD 1.0.14 makes the pieces, since it is better than miniacd 0.1.5 with its threshold 0.1. Measured on 44
+parts: those of so101 and open_duck_mini whose hull is at least 10 % larger than they, simplified by
+manifold3d 3.5.4, and their pieces joined as here:
+
+| | CPU s in all | the longest | failed | within the tolerance in 16 pieces | in 8 | extra volume in 16 |
+| --- | --- | --- | --- | --- | --- | --- |
+| CoACD, effort normal | 123 | 13 | 0 | 40 | 29 | 11 % |
+| miniacd | 213 | 55 | 3 | 15 | 12 | 38 % |
 """
 
 from __future__ import annotations
