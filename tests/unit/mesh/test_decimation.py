@@ -6,6 +6,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from stages.mesh import stl
 from stages.mesh.keys import VisualKeys
 from stages.mesh.surface import Surface, weld
 from stages.mesh.tessellation import PartMesh
@@ -216,3 +217,20 @@ def test_any_lump_fits_its_number_or_its_bound_whatever_the_order(seed, most):
     if fitted[ONE] is not mesh:
         multiples = fitted[ONE].surface.vertices / step
         assert np.abs(multiples - np.round(multiples)).max() < 1e-3
+
+
+def test_a_mirrored_part_is_the_mirror_image_of_the_other():
+    mesh = part(ball(), 0.0)
+    mirror = np.diag([-1.0, 1.0, 1.0, 1.0])
+    drawn = [Drawn(0, ONE, np.eye(4)), Drawn(1, ONE, mirror)]
+    made = visuals(drawn, {ONE: mesh}, VisualKeys(max_faces=8000, merge="part"), Decimator())
+    assert made.owners == (0, 0, 1, 1)
+    assert made.decimation.after <= 8000
+    for plain, turned in zip(made.files[:2], made.files[2:], strict=True):
+        assert plain.colour == turned.colour
+        points, mirrored = stl.read(plain.data), stl.read(turned.data)
+        flipped = (points * [-1, 1, 1])[:, ::-1] + 0.0
+        assert {tuple(sorted(map(tuple, one))) for one in flipped.tolist()} == {
+            tuple(sorted(map(tuple, one))) for one in mirrored.tolist()
+        }
+        assert turned.area == pytest.approx(plain.area, rel=1e-12)
