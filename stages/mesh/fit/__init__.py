@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from stages.mesh.fit.kinds import Fitted
     from stages.mesh.surface import Surface
     from stages.robot.model import Primitive, PrimitiveKind
 
@@ -29,12 +30,21 @@ no contact of cylinders with meshes.
 """
 
 
-def primitives(surface: Surface, target: Engine = "mujoco") -> tuple[Primitive, ...]:
-    """The best fit of each kind, the cheapest kind first; none of what lies in a plane."""
+def fits(surface: Surface, target: Engine = "mujoco") -> tuple[Fitted, ...]:
+    """The best fit of each kind and its error, the cheapest kind first; none of what lies in a plane.
+
+    The error [m] is the least tolerance that the fit meets, as some hundred points of its surface tell:
+    of a narrow deep hole they may miss the depth.
+    """
     from stages.mesh.fit import kinds
 
     subject = kinds.subject_of(surface)
-    return tuple(kinds.best(kind, subject).primitive for kind in CHEAPEST[target]) if subject else ()
+    return tuple(kinds.best(kind, subject) for kind in CHEAPEST[target]) if subject else ()
+
+
+def primitives(surface: Surface, target: Engine = "mujoco") -> tuple[Primitive, ...]:
+    """The best fit of each kind, the cheapest kind first; none of what lies in a plane."""
+    return tuple(fitted.primitive for fitted in fits(surface, target))
 
 
 def fittest(surface: Surface, target: Engine = "mujoco") -> Primitive | None:

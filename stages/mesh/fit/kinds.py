@@ -21,6 +21,8 @@ _ALIKE = 1e-3
 
 _AXES = 3
 _LOOKED_AT = 3
+_WORTH_IT = 4.0
+"""Of an error of more than so many times the usual tolerance no second fit is looked at closely."""
 _DECIMALS = 12
 _SHORTEST = 0.02
 
@@ -67,7 +69,8 @@ def best(kind: PrimitiveKind, subject: Subject) -> Fitted:
     outline = subject.outline
     found = [Fitted(one, error(one, outline, fine=False)) for one in _MAKERS[kind](subject)]
     found.sort(key=lambda one: one.error)
-    looked = [Fitted(one.primitive, error(one.primitive, outline)) for one in found[:_LOOKED_AT]]
+    closer = _LOOKED_AT if found[0].error < _WORTH_IT * outline.tolerance else 1
+    looked = [Fitted(one.primitive, error(one.primitive, outline)) for one in found[:closer]]
     first = least(looked, outline)
     return Fitted(*refined(first.primitive, first.error, outline))
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from stages.mesh.collider_settings import LEAST_TOLERANCE, TOLERANCE_OF_SIZE
 from stages.mesh.convex_hull import convex_hull
 from stages.mesh.pieces import signed_distance
 from stages.mesh.surface import Points, Surface
@@ -43,6 +44,11 @@ class Outline:
     tree: cKDTree
     sample_faces: npt.NDArray[np.int64]
     size: float
+
+    @property
+    def tolerance(self) -> float:
+        """The usual tolerance of a part of this size [m]."""
+        return max(LEAST_TOLERANCE, TOLERANCE_OF_SIZE * self.size)
 
     def bareness(self, primitive: Primitive) -> float:
         """How far [m] the part stands out of a primitive, at most: that is at a vertex of its hull."""

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from stages.mesh.collider_settings import LEAST_TOLERANCE, TOLERANCE_OF_SIZE
 from stages.mesh.fit.outline import Outline
 from stages.mesh.fit.score import error
 from stages.robot.model import Primitive, frozen
@@ -28,8 +27,7 @@ def refined(primitive: Primitive, first: float, outline: Outline) -> tuple[Primi
     All sides that are better moved alone are moved together, so that neither their order nor their sense
     matters; where that is worse, the best of them is moved alone.
     """
-    usual = max(LEAST_TOLERANCE, TOLERANCE_OF_SIZE * outline.size)
-    if not _GOOD * usual < first < _WORTH_IT * usual:
+    if not _GOOD * outline.tolerance < first < _WORTH_IT * outline.tolerance:
         return primitive, first
     least = first
     for share in _STEPS:

@@ -12,10 +12,9 @@ from stages.robot.poses import from_parts
 MOST_OF_TOLERANCE = 3.0
 """How many times the tolerance a collider may stand out at most, where 95 % of it stay within."""
 
-_MOST = 0.95 * (1 - 1e-9)  # of two points at the border always the lower one
-_FINE = (7, 24)
-_COARSE = (3, 8)
-"""Points along a side, or a generating line, and around an axis."""
+_FINE = (7, 23)
+_COARSE = (3, 7)
+"""Points along a side, or a generating line, and around an axis: as many as gears seldom have teeth."""
 
 
 def error(primitive: Primitive, outline: Outline, fine: bool = True) -> float:
@@ -25,8 +24,9 @@ def error(primitive: Primitive, outline: Outline, fine: bool = True) -> float:
     pose = _sampled(primitive, outline)
     protrusion = outline.protrusion(local @ pose[:3, :3].T + pose[:3, 3])
     order = np.argsort(protrusion, kind="stable")
-    covered = np.cumsum(weights[order])
-    most = protrusion[order[np.searchsorted(covered, _MOST * covered[-1])]]
+    # Each point stands for a share of the surface around it, half of which is below it.
+    covered = np.cumsum(weights[order]) - weights[order] / 2
+    most = np.interp(0.95 * weights.sum(), covered, protrusion[order])
     return max(outline.bareness(primitive), float(most), float(protrusion.max()) / MOST_OF_TOLERANCE)
 
 
@@ -39,12 +39,21 @@ def _sampled(primitive: Primitive, outline: Outline) -> Array:
     apart = outline.corners - pose[:3, 3]
     axis = pose[:3, 2]
     if primitive.kind == "sphere":
-        axis = apart[(apart**2).sum(axis=1).argmax()]
+        axis = apart[_farthest(apart, outline)]
         axis = axis / np.linalg.norm(axis)
     sideways = apart - np.outer(apart @ axis, axis)
-    first = sideways[(sideways**2).sum(axis=1).argmax()]
+    first = sideways[_farthest(sideways, outline)]
     first = first / np.linalg.norm(first)
     return from_parts(np.stack([first, np.cross(axis, first), axis], axis=1), pose[:3, 3])
+
+
+def _farthest(vectors: Points, outline: Outline) -> int:
+    """Index of the longest of the vectors that belong to the hull's vertices; of several, as a symmetric hull
+    has them, that of the vertex that is farthest from the middle of the surface itself."""
+    squares = (vectors**2).sum(axis=1)
+    longest = squares >= squares.max() * (1 - 1e-6)
+    middle = np.average(outline.centroids, axis=0, weights=outline.areas)
+    return int(np.where(longest, ((outline.corners - middle) ** 2).sum(axis=1), -1.0).argmax())
 
 
 def _points(primitive: Primitive, along: int, around: int) -> tuple[Points, Floats]:
@@ -81,16 +90,17 @@ def _rings(primitive: Primitive, along: int) -> Iterator[tuple[float, float, flo
 
 
 def _box(lengths: tuple[float, ...], along: int) -> tuple[Points, Floats]:
-    steps = np.linspace(-0.5, 0.5, along)
-    share = np.ones(along)
-    share[[0, -1]] = 0.5
-    points, weights = [], []
+    """The middles of cells, and the corners, which stand out most but have no area."""
+    steps = (np.arange(along) + 0.5) / along - 0.5
+    ends = np.array([-0.5, 0.5])
+    points = [np.stack(np.meshgrid(ends, ends, ends), axis=-1).reshape(-1, 3) * lengths]
+    weights = [np.zeros(len(points[0]))]
     for axis in range(3):
         u, v = (axis + 1) % 3, (axis + 2) % 3
-        for side in (-0.5, 0.5):
+        for side in ends:
             face = np.empty((along, along, 3))
             face[:, :, axis] = side
             face[:, :, u], face[:, :, v] = np.meshgrid(steps, steps)
             points.append(face.reshape(-1, 3) * lengths)
-            weights.append(np.outer(share, share).ravel() * lengths[u] * lengths[v])
+            weights.append(np.full(along * along, lengths[u] * lengths[v]))
     return np.concatenate(points), np.concatenate(weights)
