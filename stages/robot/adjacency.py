@@ -15,9 +15,10 @@ def adjacent_pairs(robot: Robot, colliding: Collection[str]) -> tuple[Pair, ...]
     - links that cannot move against each other: joined rigidly, or both fixed to the world;
     - links joined by a joint or a loop, and what is joined rigidly to the one or the other; of links that
       are fixed to the world only the one that has the joint, since the rest of a workplace is an obstacle;
-    - links on either side of links without a collider, as if one joint were there. Where more than two
-      joints meet in such a link, that holds between what is above it and each below: two fingers of a hand
-      without a collider are not next to each other.
+    - links on either side of a link without a collider, as if one joint were there, and of any number of them
+      that are not seen either. Where more than two joints meet in such a link, that holds between what is
+      above it and each below: two fingers of a hand without a collider are not next to each other. A hand
+      at the end of an arm of seen links without colliders is not next to what carries the arm.
 
     A free joint joins nothing.
     """
@@ -37,12 +38,13 @@ def adjacent_pairs(robot: Robot, colliding: Collection[str]) -> tuple[Pair, ...]
 class _RigidBodies:
     """Links that are one body, named by its first link; a link that is fixed to the world is one of its own.
 
-    `edges`: by body, the numbers of the connections with what is on the other side; `above`: by body, the
-    number of the joint to what it hangs on.
+    `seen`: those that have a mesh or a primitive. `edges`: by body, the numbers of the connections with what
+    is on the other side; `above`: by body, the number of the joint to what it hangs on.
     """
 
     of: dict[str, str]
     fixed: frozenset[str]
+    seen: frozenset[str]
     edges: dict[str, list[tuple[int, str]]]
     above: dict[str, int]
 
@@ -69,24 +71,29 @@ def _bodies(robot: Robot) -> _RigidBodies:
         if one != other:
             edges[one].append((number, other))
             edges[other].append((number, one))
-    return _RigidBodies(of, frozenset(fixed), edges, above)
+    seen = {of[link.name] for link in robot.links if link.shapes or any(part.mesh for part in link.parts)}
+    return _RigidBodies(of, frozenset(fixed), frozenset(seen), edges, above)
 
 
 def _neighbours(body: str, solid: Collection[str], bodies: _RigidBodies) -> Iterator[Pair]:
     """The body with each that has a collider and is next to it."""
-    waiting = list(bodies.edges[body])
-    seen: set[tuple[int, str]] = set()
+    waiting = [(*edge, 0) for edge in bodies.edges[body]]
+    done: set[tuple[int, str, int]] = set()
     while waiting:
-        came, other = step = waiting.pop()
-        if step in seen:
+        came, other, passed = step = waiting.pop()
+        if step in done:
             continue
-        seen.add(step)
+        done.add(step)
         if other in solid:
             yield body, other
             continue
+        passed += other in bodies.seen
+        if passed > 1:
+            continue
         ways = bodies.edges[other]
         over = bodies.above.get(other, -1)
-        waiting += [way for way in ways if way[0] != came and (len(ways) == 2 or over in (came, way[0]))]
+        onwards = [way for way in ways if way[0] != came and (len(ways) == 2 or over in (came, way[0]))]
+        waiting += [(*way, passed) for way in onwards]
 
 
 def _together(one: str, other: str, bodies: _RigidBodies, near: Collection[frozenset[str]]) -> bool:

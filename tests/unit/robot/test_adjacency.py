@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from stages.robot.adjacency import adjacent_pairs
+from stages.robot.model import MeshRef
 from tests.support.robots import EVERY, LOOPS, joint, loop, robot_with
 
 HELD = tuple(kind for kind in EVERY if kind != "free")
@@ -44,6 +45,19 @@ def test_links_without_a_collider_are_passed_through():
     robot = chain("a", "b", "c", "d")
     assert pairs(robot, "b") == {("a", "c"), ("c", "d")}
     assert pairs(robot, "b", "c") == {("a", "d")}
+
+
+def test_of_links_that_are_seen_but_have_no_collider_only_one_is_passed_through():
+    robot = chain("trunk", "upper", "fore", "hand")
+
+    def seen(names):
+        parts = {link.name: replace(link.parts[0], mesh=MeshRef("r", "p")) for link in robot.links}
+        links = (replace(one, parts=(parts[one.name],)) if one.name in names else one for one in robot.links)
+        return replace(robot, links=tuple(links))
+
+    assert pairs(seen(["upper"]), "upper", "fore") == {("trunk", "hand")}
+    assert pairs(seen(["upper", "fore"]), "upper", "fore") == set()
+    assert pairs(seen(["upper", "fore"]), "fore") == {("trunk", "upper"), ("upper", "hand")}
 
 
 def test_of_a_chain_it_does_not_matter_which_end_is_the_root():
