@@ -66,6 +66,16 @@ def test_a_fixed_base_that_overlaps_its_child_is_excluded_as_adjacent(tmp_path):
     }
 
 
+def test_a_root_called_world_is_the_world_and_its_child_is_excluded_too(tmp_path):
+    bare = robot_with([joint("revolute", "world", "arm", place=OFF)], root="world")
+    robot = replace(bare, links=tuple(replace(link, shapes=(ball(0.1),)) for link in bare.links))
+    geometry = geometry_of(robot)
+    assert reasons(geometry) == {("world", "arm"): "Adjacent"}
+    assert in_mujoco(model_of(robot, geometry, tmp_path), robot, home(robot)) == set()
+    free = model_of(robot, replace(geometry, excludes=()), tmp_path)
+    assert in_mujoco(free, robot, home(robot)) == {("world", "arm")}
+
+
 def test_the_depth_of_shapes_with_the_same_middle_is_known():
     shapes = {"base": (box(0.2, 0.2, 0.1),), "arm": (box(0.05, 0.05, 0.2),)}
     (exclude,) = geometry_of(robot_with([joint("revolute", "base", "arm")], shapes=shapes)).excludes
