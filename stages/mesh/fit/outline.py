@@ -76,6 +76,8 @@ def outline_of(surface: Surface) -> Outline | None:
     hull = convex_hull(surface.vertices)
     if hull is None:
         return None
+    if surface.volume() < 0:
+        surface = surface.flipped()
     doubled = surface.normals()
     lengths = np.linalg.norm(doubled, axis=1)
     real = lengths > 0

@@ -221,3 +221,20 @@ def test_the_error_is_about_what_the_measures_say(mesh: trimesh.Trimesh) -> None
         measures = measure(Target.of(surface), [fitted.primitive])
         told = max(measures.protrusion_p95, measures.protrusion_max / 3, measures.bareness_max)
         assert fitted.error == pytest.approx(told, rel=0.25, abs=5e-4)
+
+
+def test_an_inside_out_part_has_the_fits_of_the_part() -> None:
+    surface = welded(bracket())
+    for one, other in zip(fits(surface), fits(surface.flipped()), strict=True):
+        assert one.primitive.size == other.primitive.size
+        assert one.error == other.error
+
+
+@pytest.mark.parametrize("scale", [1e-4, 1.0, 1e3])
+def test_an_open_or_doubled_box_of_any_size_is_a_box(scale: float) -> None:
+    mesh = trimesh.creation.box((0.1, 0.05, 0.02))
+    points, triangles = np.asarray(mesh.vertices) * scale, np.asarray(mesh.faces, dtype=np.int64)
+    for some in (triangles[:7], np.concatenate([triangles, triangles])):
+        found = fittest(Surface(points, some))
+        assert found is not None
+        assert found.size == pytest.approx((0.1 * scale, 0.05 * scale, 0.02 * scale), rel=1e-6)
