@@ -16,6 +16,7 @@ from stages.mesh.surface import Points, Surface
 
 SAMPLES = 3000
 _GRID = 1 / 100  # of the diagonal
+_TANGLE = 1000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,13 +45,17 @@ class Target:
 
     @staticmethod
     def of(surface: Surface) -> "Target":
-        """Of a surface with at least one triangle, closed or not; ValueError where it has no extent."""
+        """Of a surface with at least one triangle, closed or not; ValueError where it has no extent, or its
+        faces are a tangle: where thousands lie across each other everywhere, no order of them helps."""
         used = surface.vertices[np.unique(surface.triangles)] if len(surface.triangles) else np.zeros((1, 3))
         diagonal = float(np.linalg.norm(np.ptp(used, axis=0)))
         if not diagonal > 0 or not np.isfinite(used).all():
             msg = "there is nothing to measure: the surface has no extent, or not all of it is finite"
             raise ValueError(msg)
         tree = BoxTree.of(surface)
+        if _overlap(tree) > _TANGLE:
+            msg = "the mesh is a tangle: its faces lie across each other in too many places to measure"
+            raise ValueError(msg)
         closed = surface.closed()
         solid = Solid.of(_solids(surface)) if closed else None
         return Target(
@@ -74,6 +79,13 @@ class Target:
         if not self._cloud:
             self._cloud.append(Cloud.of(self.surface, self.inside))
         return self._cloud[0].shares(union)
+
+
+def _overlap(tree: BoxTree) -> float:
+    """In how many of the boxes around single triangles a place is, on average."""
+    lows, highs = tree.boxes[0]
+    whole = np.maximum(highs.max(axis=0) - lows.min(axis=0), 1e-9 * tree.diagonal)
+    return float(np.prod(np.maximum(highs - lows, 1e-9 * tree.diagonal) / whole, axis=1).sum())
 
 
 def _solids(surface: Surface) -> Sequence[Surface]:

@@ -306,6 +306,15 @@ def test_a_sheet_has_no_inside():
     assert found.bareness_max == pytest.approx(0, abs=NOTHING)
 
 
+def test_a_tangle_is_an_error_and_not_a_wait():
+    random = np.random.default_rng(1)
+    corners = random.uniform(size=(150_000, 3))
+    with pytest.raises(ValueError, match="a tangle"):
+        Target.of(Surface(corners, np.arange(150_000).reshape(-1, 3)))
+    few = Target.of(Surface(corners[:300], np.arange(300).reshape(-1, 3)))
+    assert measure(few, [box(1, 1, 1, at=(0.5, 0.5, 0.5))]).bareness_max == 0
+
+
 def test_what_cannot_be_measured_is_an_error():
     part = box(1, 1, 1)
     with pytest.raises(ValueError, match="without pieces"):
