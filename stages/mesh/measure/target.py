@@ -16,7 +16,7 @@ from stages.mesh.surface import Points, Surface
 
 SAMPLES = 3000
 _GRID = 1 / 100  # of the diagonal
-_TANGLE = 1000
+_TANGLE = 10  # where it takes seconds; parts of robots have less than 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +46,7 @@ class Target:
     @staticmethod
     def of(surface: Surface) -> "Target":
         """Of a surface with at least one triangle, closed or not; ValueError where it has no extent, or its
-        faces are a tangle: where thousands lie across each other everywhere, no order of them helps."""
+        faces are a tangle: where many lie across each other everywhere, no order of them helps."""
         used = surface.vertices[np.unique(surface.triangles)] if len(surface.triangles) else np.zeros((1, 3))
         diagonal = float(np.linalg.norm(np.ptp(used, axis=0)))
         if not diagonal > 0 or not np.isfinite(used).all():
