@@ -198,6 +198,7 @@ def sweep(arguments):
     return build.plans
 
 
+@pytest.mark.slow
 def test_a_file_sets_the_swept_values_and_the_command_line_wins(tmp_path):
     keys = "hydra: {sweeper: {params: {root: 'auto,free', joints.*.damping: '0.1,0.2'}}}\n"
     write(tmp_path, mine=SAMPLE + keys)

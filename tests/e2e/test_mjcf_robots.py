@@ -81,6 +81,7 @@ def stages(folder: Path) -> list[dict]:
     return json.loads((folder / "report.json").read_text())["stages"]
 
 
+@pytest.mark.slow
 def test_a_changed_file_is_read_again(tmp_path: Path) -> None:
     written(tmp_path, ARM, "arm.xml")
     assert linkwright(tmp_path, "source=mjcf", "source.path=arm.xml", "until=graph").returncode == 0

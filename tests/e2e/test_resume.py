@@ -6,16 +6,20 @@ import pytest
 
 from tests.fake_onshape.faults import Fault
 from tests.fake_onshape.server import OnshapeServer
+from tests.support.cases import mostly_slow
 from tests.support.command import environment, linkwright
 from tests.support.faulty import CALLS, desk
 
 
 @pytest.mark.parametrize(
     ("fault", "output_text"),
-    [
-        (Fault(402), "the yearly quota of API calls is used up (402)"),
-        (Fault(429, headers={"Retry-After": "5623"}), "source.max_wait allows 120 s"),
-    ],
+    mostly_slow(
+        [
+            (Fault(402), "the yearly quota of API calls is used up (402)"),
+            (Fault(429, headers={"Retry-After": "5623"}), "source.max_wait allows 120 s"),
+        ],
+        keep=1,
+    ),
 )
 def test_a_stopped_build_shows_how_to_go_on_and_goes_on(tmp_path, fault, output_text):
     with OnshapeServer(desk()) as server:

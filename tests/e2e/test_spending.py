@@ -103,6 +103,7 @@ def test_an_edit_that_the_quota_does_not_allow_builds_what_was_fetched_last_with
         assert linkwright(tmp_path, *line, environ=environ).returncode == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("launcher", mostly_slow(["basic", "joblib"], keep=1))
 def test_the_jobs_of_a_sweep_share_one_state_of_a_workspace(tmp_path: Path, launcher: str) -> None:
     with OnshapeServer(sample_document()) as server:

@@ -30,6 +30,7 @@ def source(**more: str) -> list[str]:
     return ["source=urdf", *(f"source.{key}={value}" for key, value in given.items())]
 
 
+@pytest.mark.slow
 def test_a_robot_is_built_and_its_bundle_builds_the_same_elsewhere(here: Path) -> None:
     built = linkwright(here, *source())
     assert built.returncode == 0, built.stderr

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -36,6 +37,7 @@ def test_the_files_are_the_urdf(text: str) -> None:
     assert not same_bounds(text.encode(), robot, files["robot.urdf"])
 
 
+@pytest.mark.slow
 @settings(max_examples=40, **slowly)
 @given(urdfs(), st.integers(0, 100))
 def test_another_root_is_the_same_robot(text: str, which: int) -> None:

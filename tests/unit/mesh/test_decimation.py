@@ -63,6 +63,7 @@ def test_a_ball_keeps_its_shape_within_the_tolerance():
     assert away == pytest.approx(apart(mesh, made, 0.0, 1.0), rel=0.15)
 
 
+@pytest.mark.slow
 def test_two_colours_meet_in_one_line_on_a_curved_and_on_a_flat_side():
     angles = np.linspace(-np.pi / 2, np.pi / 2, 65)
     lump = np.stack([0.05 * np.cos(angles), 0.05 * np.sin(angles)], axis=1)

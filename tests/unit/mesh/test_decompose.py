@@ -133,6 +133,7 @@ def test_neighbours_leave_no_gap(most: int, vertices: int) -> None:
     assert (core - found).volume() < 1e-9 * core.volume()
 
 
+@pytest.mark.slow
 def test_the_order_of_the_input_does_not_matter() -> None:
     mixed = shuffled(BRACKET, 1)
     assert decomposition(mixed, OPTIONS) == decomposition(BRACKET, OPTIONS)
@@ -192,6 +193,7 @@ def test_a_mesh_with_a_bad_edge_is_drawn_in_to_its_own_surface() -> None:
     assert (found - body(CLAMP)).volume() < 0.06 * CLAMP.volume()
 
 
+@pytest.mark.slow
 def test_a_body_that_is_inside_out_and_a_bubble_within_are_made_good() -> None:
     outer, inner = surface_of(solids.ball(0.03)), surface_of(solids.ball(0.01))
     hollow = Surface(
@@ -270,6 +272,7 @@ def test_however_the_guest_fails_it_is_told_and_is_no_result(visitor, lines, bou
     assert f"the decomposition {said}" in caught.value.message
 
 
+@pytest.mark.slow
 def test_a_mesh_that_takes_too_long_ends_in_time() -> None:
     ball = body(surface_of(solids.ball(0.05, 64, 32)))
     spheres = [ball.scale([0.3] * 3).translate([0.05 * np.cos(a), 0.05 * np.sin(a), 0]) for a in range(6)]
@@ -391,6 +394,7 @@ def test_what_is_given_to_coacd_gives_pieces(given) -> None:
     assert 1 <= len(found) <= 16
 
 
+@pytest.mark.slow
 def test_the_collider_coacd_is_the_pieces_of_every_part(monkeypatch) -> None:
     from stages.mesh.collider_settings import ColliderSettings
     from stages.mesh.colliders import coacd

@@ -23,6 +23,7 @@ def made(surface):
     return lambda halt: decomposition(surface, OPTIONS, Guest(halt=halt))
 
 
+@pytest.mark.slow
 def test_one_worker_and_two_make_the_same_in_any_order() -> None:
     makings = [Making("bracket", made(BRACKET)), Making("clamp", made(CLAMP))]
     one = side_by_side(makings, workers=1)

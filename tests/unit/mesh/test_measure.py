@@ -216,6 +216,7 @@ def test_many_parts_and_pieces_are_judged_as_by_many_points(seed, count):
     check_against_many_points(a_part(random), hulls_of(random, count), 30_000)
 
 
+@pytest.mark.slow
 @settings(max_examples=5)
 @given(st.integers(0, 10_000), st.floats(1e-3, 50.0))
 def test_place_and_size_do_not_matter(seed, scale):
@@ -240,6 +241,7 @@ def test_what_is_hopeless_misses_the_tolerance_and_what_misses_it_by_far_is_hope
     assert hopeless(target, [piece], 0.01) == (abs(far) > 0.01)
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(st.integers(0, 10_000), st.integers(1, 4), st.floats(0.001, 0.5))
 def test_nothing_within_the_tolerance_is_hopeless(seed, count, tolerance):
@@ -306,6 +308,7 @@ def test_a_sheet_has_no_inside():
     assert found.bareness_max == pytest.approx(0, abs=NOTHING)
 
 
+@pytest.mark.slow
 def test_a_tangle_is_an_error_and_not_a_wait():
     random = np.random.default_rng(1)
     corners = random.uniform(size=(150_000, 3))

@@ -126,11 +126,11 @@ FILES = [fixed_chain, dummy_chain, dummy_star, carrier_chain, mimic_chain, mjcf_
 @pytest.mark.parametrize(
     ("make", "size"),
     [
-        (large, 3),
+        pytest.param(large, 3, marks=pytest.mark.slow),
         (chain, 40),
         (star, 20),
         (screws, 40),
-        (ladder, 20),
+        pytest.param(ladder, 20, marks=pytest.mark.slow),
         (gears, 20),
         *((make, 60 if make is dummy_chain else 30) for make in FILES),
     ],

@@ -110,6 +110,7 @@ def hurt(bundle: Bundle, digest: str, times: int) -> None:
         assert is_sound(robot), (at, value)
 
 
+@pytest.mark.slow
 def test_a_definition_broken_anywhere_is_refused_or_understood(kit: Kit) -> None:
     bundle = rich(kit)
     hurt(bundle, bundle.definition, 500)

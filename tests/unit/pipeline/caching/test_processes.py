@@ -68,6 +68,7 @@ def test_eight_processes_make_each_action_once(tmp_path):
     assert_whole(tmp_path / "cache")
 
 
+@pytest.mark.slow
 def test_writers_killed_at_random_leave_whole_files_and_the_next_finishes(tmp_path):
     root, ledger = tmp_path / "cache", tmp_path / "ledger"
     chance = random.Random(7)

@@ -156,6 +156,7 @@ def test_an_option_that_cannot_be_is_reported(arguments, shown):
     assert str(caught.value).startswith(shown)
 
 
+@pytest.mark.slow
 def test_info_speaks_also_after_a_sweep_in_the_same_process(here, capsys):
     """A sweep's logging quiets Hydra, and switches off the loggers that were there before it."""
     sweep = ["-m", "robot=my_arm", "root=auto,free", "hydra/launcher=basic"]

@@ -74,6 +74,7 @@ def test_interpolations_that_come_to_too_much_are_reported(tmp_path, monkeypatch
     assert output_text in shown(tmp_path, text)
 
 
+@pytest.mark.slow
 def test_what_is_nested_too_deeply_on_the_command_line_is_reported(tmp_path):
     for value in ("[" * 400 + "]" * 400, "{a:" * 400 + "1" + "}" * 400):
         with pytest.raises(ConfigError, match="nested too deeply"):

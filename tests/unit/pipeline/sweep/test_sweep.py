@@ -303,6 +303,7 @@ def test_a_place_that_a_sweep_cannot_have_is_reported_and_nothing_is_built(
     assert sorted(tmp_path.rglob("*")) == before
 
 
+@pytest.mark.slow
 def test_a_sweep_may_be_run_again_where_it_was(tmp_path):
     for _ in range(2):
         assert run(["-m", "source=sample", "root=auto,free", "output=there"], Recorder()) == 0
@@ -354,6 +355,7 @@ HOW = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("how", mostly_slow(HOW, keep=2))
 @pytest.mark.parametrize("values", ["auto,free", "auto"])
 def test_how_a_job_is_run_does_not_move_its_folder(how, values, monkeypatch):
