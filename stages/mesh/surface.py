@@ -1,5 +1,6 @@
 """Triangle surfaces as arrays: welding, figures, canonical order."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -83,6 +84,13 @@ def weld(points: Points, triangles: Triangles) -> tuple[Surface, npt.NDArray[np.
     corners = np.take_along_axis(corners, (first + np.arange(3)) % 3, axis=1)
     order = np.lexsort(corners.T[::-1])
     return Surface(vertices, corners[order]), kept[order]
+
+
+def joined(surfaces: Sequence[Surface]) -> Surface:
+    """Several surfaces as one, each with its own points."""
+    offsets = np.cumsum([0, *(len(surface.vertices) for surface in surfaces)])
+    triangles = [surface.triangles + offset for surface, offset in zip(surfaces, offsets, strict=False)]
+    return Surface(np.concatenate([surface.vertices for surface in surfaces]), np.concatenate(triangles))
 
 
 def rounded(surface: Surface) -> Surface:

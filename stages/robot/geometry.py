@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Literal
 
 from stages.robot.errors import Diagnostic
@@ -28,6 +28,11 @@ class ContactProperties:
     solimp: tuple[float, float, float, float, float] | None = None
     margin: float | None = None
     priority: int | None = None
+
+    def given(self) -> dict[str, float | tuple[float, ...]]:
+        """Those that are not left at their default, by name."""
+        values = {one.name: getattr(self, one.name) for one in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,13 +3,14 @@
 import numpy as np
 import trimesh
 
+from stages.mesh import surface
 from stages.mesh.surface import Surface, weld
 
 
 def of_mesh(mesh: trimesh.Trimesh) -> Surface:
     """A mesh of trimesh as a welded surface."""
-    surface, _ = weld(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int64))
-    return surface
+    welded, _ = weld(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int64))
+    return welded
 
 
 def box(*sizes: float, at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Surface:
@@ -21,6 +22,4 @@ def box(*sizes: float, at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Surf
 
 def joined(*surfaces: Surface) -> Surface:
     """Several surfaces as one, each with its own vertices."""
-    offsets = np.cumsum([0, *(len(surface.vertices) for surface in surfaces)])
-    triangles = [surface.triangles + offset for surface, offset in zip(surfaces, offsets, strict=False)]
-    return Surface(np.concatenate([surface.vertices for surface in surfaces]), np.concatenate(triangles))
+    return surface.joined(surfaces)

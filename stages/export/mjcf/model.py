@@ -15,7 +15,7 @@ from stages.export.mjcf.loops import STIFF, Closures
 from stages.export.mjcf.placement import placement, scene_pose
 from stages.formats.numbers import number, rounded, spaced
 from stages.formats.xml import Element, element, to_bytes
-from stages.robot.geometry import Colour, ContactProperties, Geometry, Shape
+from stages.robot.geometry import Colour, Geometry, Shape
 from stages.robot.inertia import principal_axes
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Primitive, Relation, Robot, Value
@@ -191,11 +191,9 @@ def _contact(shape: Shape) -> dict[str, str]:
     """The attributes of a geom's contacts, as far as the configuration gives them."""
     if shape.contact is None:
         return {}
-    given = {key: getattr(shape.contact, key) for key in ContactProperties.__dataclass_fields__}
     return {
         key: " ".join(number(one) for one in value) if isinstance(value, tuple) else number(value)
-        for key, value in given.items()
-        if value is not None
+        for key, value in shape.contact.given().items()
     }
 
 

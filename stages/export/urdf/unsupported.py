@@ -6,7 +6,7 @@ from stages.export.urdf.lowering import lower, unset
 from stages.formats.numbers import number
 from stages.formats.urdf.names import urdf_names
 from stages.robot.errors import Diagnostic
-from stages.robot.geometry import ContactProperties, Geometry
+from stages.robot.geometry import Geometry
 from stages.robot.inertia import NEXT_TO_NOTHING
 from stages.robot.model import Robot
 
@@ -105,9 +105,7 @@ def _frame_names(robot: Robot, file: str) -> Iterator[Diagnostic]:
 
 def _contacts(geometry: Geometry, file: str) -> Iterator[Diagnostic]:
     lost = {
-        shape.link: [
-            key for key in ContactProperties.__dataclass_fields__ if getattr(shape.contact, key) is not None
-        ]
+        shape.link: list(shape.contact.given())
         for shape in geometry.shapes
         if shape.contact is not None and shape.role == "collision"
     }

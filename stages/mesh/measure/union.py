@@ -9,7 +9,7 @@ import numpy.typing as npt
 from stages.mesh.measure.tree import BoxTree, Corners, Indices, Nearest, Numbers, split
 from stages.mesh.pieces import Piece, along, half_spaces, signed_distance, surface_of
 from stages.mesh.rays import Inside
-from stages.mesh.surface import Points, Surface
+from stages.mesh.surface import Points, Surface, joined
 from stages.robot.model import Primitive
 
 _MANY = 500  # planes
@@ -140,10 +140,3 @@ def unit_normals(surface: Surface) -> Points:
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     result: Points = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
     return result
-
-
-def joined(surfaces: Sequence[Surface]) -> Surface:
-    """Several surfaces as one, each with its own points."""
-    offsets = np.cumsum([0, *(len(surface.vertices) for surface in surfaces)])
-    triangles = [surface.triangles + offset for surface, offset in zip(surfaces, offsets, strict=False)]
-    return Surface(np.concatenate([surface.vertices for surface in surfaces]), np.concatenate(triangles))

@@ -8,7 +8,7 @@ import numpy as np
 
 from stages.mesh import mesh_file
 from stages.mesh.mesh_file import MeshFile
-from stages.mesh.surface import Surface, compacted, moved
+from stages.mesh.surface import Surface, compacted, joined, moved
 from stages.mesh.tessellation import PartMesh
 from stages.mesh.visuals.budget import Decimation, Decimator
 from stages.robot.geometry import Colour
@@ -73,18 +73,14 @@ def _by_colour(placed: Sequence[tuple[Surface, PartMesh]]) -> list[tuple[Colour,
         return []
     palette = sorted({colour for _, mesh in placed for colour in mesh.palette})
     rank = {colour: index for index, colour in enumerate(palette)}
-    vertices = np.concatenate([surface.vertices for surface, _ in placed])
-    offsets = np.cumsum([0, *(len(surface.vertices) for surface, _ in placed)])
-    triangles = np.concatenate(
-        [surface.triangles + offset for (surface, _), offset in zip(placed, offsets, strict=False)]
-    )
+    whole = joined([surface for surface, _ in placed])
     colours = np.concatenate(
         [np.array([rank[colour] for colour in mesh.palette])[mesh.colours] for _, mesh in placed]
     )
     order = np.argsort(colours, kind="stable")
     bounds = np.searchsorted(colours[order], np.arange(len(palette) + 1))
     return [
-        (colour, compacted(Surface(vertices, triangles[order[begin:end]])))
+        (colour, compacted(Surface(whole.vertices, whole.triangles[order[begin:end]])))
         for colour, begin, end in zip(palette, bounds, bounds[1:], strict=False)
         if end > begin
     ]
