@@ -229,8 +229,9 @@ class MeshStage(StageBase):
         memo = context.cache.memo(self.name, self.version, versions)
         geometry = make_geometry(context.robot, context.bundle, context.plan, memo)
         triangles = sum(shape.faces for shape in geometry.shapes)
-        figures = {"meshes": len(geometry.files), "triangles": triangles}
-        summary = f"{count(len(geometry.files), 'mesh', 'meshes')}, {count(triangles, 'triangle')}"
+        meshes = len({shape.file for shape in geometry.shapes if shape.file is not None})
+        figures = {"meshes": meshes, "triangles": triangles}
+        summary = f"{count(meshes, 'mesh', 'meshes')}, {count(triangles, 'triangle')}"
         return {
             **codec.encode_geometry(geometry),
             NOTES: notes(summary, geometry.diagnostics, figures, details=details(geometry)),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stages.formats.triangles import distinct
-from stages.mesh import obj, stl
+from stages.mesh import obj, stl, textures
 from stages.mesh.surface import Surface
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Shape
@@ -23,17 +23,29 @@ Assets = tuple[tuple[Shape, ...], Mapping[str, bytes]]
 def written(
     shapes: Sequence[Shape], files: Mapping[str, bytes], section: "MeshSection"
 ) -> tuple[Assets, list[Diagnostic]]:
-    """Shapes and files as they are written, out of those in STL; I-NO-ASSETS and W-NO-COLLIDER where meshes
-    are left out."""
+    """Shapes and files as they are written, out of meshes that are all named .stl, those with a texture being
+    OBJ files, and images; I-NO-ASSETS and W-NO-COLLIDER where meshes are left out. A mesh with a texture
+    stays an OBJ, since an STL has no texture coordinates."""
     if section.assets == "none":
         kept = tuple(shape for shape in shapes if shape.file is None)
         return (kept, {}), _left_out(shapes)
-    if section.format == "stl":
-        return (tuple(shapes), files), []
-    renamed = tuple(
-        shape if shape.file is None else replace(shape, file=_obj(shape.file)) for shape in shapes
-    )
-    return (renamed, {_obj(name): obj.write(surface(data)) for name, data in files.items()}), []
+    found = {name: data for name, data in files.items() if name.endswith(textures.IMAGE)}
+    renamed = []
+    for shape in shapes:
+        if shape.file is None:
+            renamed.append(shape)
+            continue
+        data, name = files[shape.file], shape.file
+        if shape.texture is not None:
+            name = _obj(name)
+            found |= textures.dressed(shape, name, data)
+        elif section.format == "obj":
+            name = _obj(name)
+            found[name] = obj.write(surface(data))
+        else:
+            found[name] = data
+        renamed.append(replace(shape, file=name))
+    return (tuple(renamed), dict(sorted(found.items()))), []
 
 
 def surface(data: bytes) -> Surface:

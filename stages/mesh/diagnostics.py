@@ -91,7 +91,7 @@ def _decimated(links: Sequence[Link], meshes: Mapping[str, LinkMesh]) -> list[Di
                     "W-VISUAL-FACES",
                     f"the visual meshes have {faces} triangles (their parts {decimation.before}), more than "
                     "mesh.visual.max_faces: with fewer, the surface of a part would move by more than 0.2 mm "
-                    "or 0.3 % of its diagonal",
+                    "or 0.3 % of its diagonal, or its texture would shift",
                     link.name,
                     "simplify the meshes at their source, or raise mesh.visual.max_faces",
                 )

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from stages.mesh import COLLIDERS, link_mesh, primitives, tessellation
+from stages.mesh import COLLIDERS, link_mesh, primitives, tessellation, textures
 from stages.mesh.assets import written
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.com_check import unbalanced
@@ -45,6 +45,7 @@ def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo") -> Ge
         lacking = [(part, Finding(False, None)) for part in link.parts if part.mesh is None]
         found[link.name] = [*zip((part for _, part in uses), mesh.findings, strict=True), *lacking]
     named, files = _named(meshes, owners)
+    files |= textures.images(meshes.values(), bundle)
     shapes = [shape for link in robot.links for shape in (*named[link.name], *primitives.shapes(link))]
     problems = diagnostics(robot.links, meshes, found, keys.mesh.collider) + unbalanced(
         robot.links, meshes, library.of_parts
@@ -139,4 +140,7 @@ def _named(
 
 
 def _shape(link: str, role: Role, name: str, file: MeshFile) -> Shape:
-    return Shape(link, role, name, file.colour, file.vertices, file.faces, file.area, file.volume)
+    texture = textures.name(file.texture) if file.texture else None
+    return Shape(
+        link, role, name, file.colour, file.vertices, file.faces, file.area, file.volume, texture=texture
+    )

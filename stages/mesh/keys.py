@@ -80,7 +80,8 @@ class MeshSection(Keys):
     """Visual meshes."""
 
     format: Literal["stl", "obj"] = "stl"
-    """Format of the mesh files. stl: binary STL; obj: Wavefront OBJ."""
+    """Format of the mesh files. stl: binary STL; obj: Wavefront OBJ. A mesh with a texture is always an OBJ,
+    with an MTL and the PNG beside it: an STL has no texture coordinates."""
 
     assets: Literal["files", "none"] = "files"
     """files: meshes are written beside the model; none: the model has masses and

@@ -1,12 +1,12 @@
 """Mesh files: surfaces in a form that every reader accepts."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stages.mesh import stl
-from stages.mesh.surface import Surface, compacted, rounded
+from stages.mesh import obj, stl
+from stages.mesh.surface import Surface, chosen, joined, rounded
 from stages.robot.geometry import Colour
 
 MOST_FACES = 200_000
@@ -18,7 +18,8 @@ _SPECK = 1e-14
 
 @dataclass(frozen=True, slots=True)
 class MeshFile:
-    """One mesh file of a link, with the figures that `Shape` has."""
+    """One mesh file of a link, with the figures that `Shape` has: a binary STL, or an OBJ where it has a
+    `texture`, the digest of an image, "" for none."""
 
     colour: Colour | None
     vertices: int
@@ -26,6 +27,7 @@ class MeshFile:
     area: float
     volume: float
     data: bytes
+    texture: str = ""
 
 
 def collider(surface: Surface) -> MeshFile:
@@ -33,8 +35,8 @@ def collider(surface: Surface) -> MeshFile:
     return _mesh_file(rounded(surface), None)
 
 
-def visuals(surface: Surface, colour: Colour) -> Iterator[MeshFile]:
-    """The mesh files of a surface of one colour, each with at most `MOST_FACES` triangles.
+def visuals(surface: Surface, colour: Colour, texture: str = "") -> Iterator[MeshFile]:
+    """The mesh files of a surface of one colour and texture, each with at most `MOST_FACES` triangles.
 
     MuJoCo refuses meshes that span no volume, and a single coloured face is one: it gets a back,
     a thousandth of a millimetre behind. Specks too small even for that, below 1e-14 m³, are left out.
@@ -45,7 +47,7 @@ def visuals(surface: Surface, colour: Colour) -> Iterator[MeshFile]:
             solid = rounded(_backed(part))
             span = _span(solid)
         if len(solid.triangles) and span >= _SPECK:
-            yield _mesh_file(solid, colour)
+            yield _mesh_file(solid, colour, texture)
 
 
 def _portions(surface: Surface) -> Iterator[tuple[Surface, float]]:
@@ -57,8 +59,8 @@ def _portions(surface: Surface) -> Iterator[tuple[Surface, float]]:
     if count <= (MOST_FACES // 2 if _flat(surface, span) else MOST_FACES):
         yield surface, span
         return
-    for half in np.array_split(surface.triangles, 2):
-        yield from _portions(compacted(Surface(surface.vertices, half)))
+    for half in np.array_split(np.arange(count), 2):
+        yield from _portions(chosen(surface, half))
 
 
 def _scale(surface: Surface) -> float:
@@ -92,16 +94,16 @@ def _backed(surface: Surface) -> Surface:
     # Specks need a thicker back to be more than nothing, but never thicker than they are wide.
     depth = max(_SKIN * _scale(surface), min(1e-12 / area, float(np.sqrt(area))))
     behind = surface.vertices - depth * normals[largest] / lengths[largest]
-    back = surface.triangles[:, ::-1] + len(surface.vertices)
-    return Surface(np.concatenate([surface.vertices, behind]), np.concatenate([surface.triangles, back]))
+    return joined([surface, replace(surface, vertices=behind).flipped()])
 
 
-def _mesh_file(surface: Surface, colour: Colour | None) -> MeshFile:
+def _mesh_file(surface: Surface, colour: Colour | None, texture: str = "") -> MeshFile:
     return MeshFile(
         colour,
         vertices=len(surface.vertices),
         faces=len(surface.triangles),
         area=surface.area(),
         volume=surface.volume(),
-        data=stl.write(surface),
+        data=obj.write(surface) if texture else stl.write(surface),
+        texture=texture,
     )

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -20,10 +21,15 @@ _LEAST_OF_SIZE = 1e-3  # however small, a surface keeps its shape
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surface:
-    """Triangles over points. `vertices` (n, 3) [m]; `triangles` (m, 3)."""
+    """Triangles over points. `vertices` (n, 3) [m]; `triangles` (m, 3). `texcoords` (m, 3, 2): (u, v) of each
+    corner in an image, whose lower left corner is (0, 0); None without a texture.
+
+    Points are one on either side of a seam of a texture: only corners have (u, v).
+    """
 
     vertices: Points
     triangles: Triangles
+    texcoords: npt.NDArray[np.float32] | None = None
 
     @property
     def corners(self) -> npt.NDArray[np.float64]:
@@ -32,7 +38,8 @@ class Surface:
 
     def flipped(self) -> "Surface":
         """The same surface with its inside out."""
-        return Surface(self.vertices, self.triangles[:, ::-1])
+        texcoords = None if self.texcoords is None else self.texcoords[:, ::-1]
+        return Surface(self.vertices, self.triangles[:, ::-1], texcoords)
 
     def normals(self) -> npt.NDArray[np.float64]:
         """(m, 3): the normal of each triangle, twice its area long [m²]."""
@@ -65,7 +72,9 @@ class Surface:
         return float(self.cone_volumes(self.vertices.mean(axis=0)).sum())
 
 
-def weld(points: Points, triangles: Triangles) -> tuple[Surface, npt.NDArray[np.int64]]:
+def weld(
+    points: Points, triangles: Triangles, texcoords: npt.NDArray[np.float32] | None = None
+) -> tuple[Surface, npt.NDArray[np.int64]]:
     """One surface out of loose triangles, in canonical order, and which triangles it kept.
 
     Points nearer than 1e-8 m, or than 1e-9 of the size where that is more, become one. Triangles
@@ -81,16 +90,29 @@ def weld(points: Points, triangles: Triangles) -> tuple[Surface, npt.NDArray[np.
     )
     corners = corners[kept]
     first = corners.argmin(axis=1)[:, None]
-    corners = np.take_along_axis(corners, (first + np.arange(3)) % 3, axis=1)
+    turn = (first + np.arange(3)) % 3
+    corners = np.take_along_axis(corners, turn, axis=1)
     order = np.lexsort(corners.T[::-1])
-    return Surface(vertices, corners[order]), kept[order]
+    if texcoords is not None:
+        texcoords = np.take_along_axis(texcoords[kept], turn[:, :, None], axis=1)[order]
+    return Surface(vertices, corners[order], texcoords), kept[order]
 
 
 def joined(surfaces: Sequence[Surface]) -> Surface:
     """Several surfaces as one, each with its own points."""
     offsets = np.cumsum([0, *(len(surface.vertices) for surface in surfaces)])
     triangles = [surface.triangles + offset for surface, offset in zip(surfaces, offsets, strict=False)]
-    return Surface(np.concatenate([surface.vertices for surface in surfaces]), np.concatenate(triangles))
+    texcoords = None
+    if any(surface.texcoords is not None for surface in surfaces):
+        texcoords = np.concatenate([_texcoords(surface) for surface in surfaces])
+    vertices = np.concatenate([surface.vertices for surface in surfaces])
+    return Surface(vertices, np.concatenate(triangles), texcoords)
+
+
+def chosen(surface: Surface, faces: npt.NDArray[Any]) -> Surface:
+    """Some triangles of a surface, by number or by mask, and no other points."""
+    texcoords = None if surface.texcoords is None else surface.texcoords[faces]
+    return compacted(Surface(surface.vertices, surface.triangles[faces], texcoords))
 
 
 def rounded(surface: Surface) -> Surface:
@@ -98,14 +120,13 @@ def rounded(surface: Surface) -> Surface:
     vertices, merged = distinct(surface.vertices.astype(np.float32).astype(np.float64))
     corners = merged[surface.triangles]
     a, b, c = corners.T
-    corners = corners[(a != b) & (b != c) & (c != a)]
-    return compacted(Surface(vertices, corners))
+    return chosen(Surface(vertices, corners, surface.texcoords), (a != b) & (b != c) & (c != a))
 
 
 def compacted(surface: Surface) -> Surface:
     """The surface without the points that no triangle has."""
     used, corners = np.unique(surface.triangles, return_inverse=True)
-    return Surface(surface.vertices[used], corners.reshape(-1, 3).astype(np.int64))
+    return Surface(surface.vertices[used], corners.reshape(-1, 3).astype(np.int64), surface.texcoords)
 
 
 def moved(surface: Surface, transform: npt.NDArray[np.float64]) -> Surface:
@@ -115,8 +136,14 @@ def moved(surface: Surface, transform: npt.NDArray[np.float64]) -> Surface:
     """
     x, y, z = surface.vertices.T
     vertices = np.stack([row[0] * x + row[1] * y + row[2] * z + row[3] for row in transform[:3]], axis=1)
-    result = Surface(vertices + 0.0, surface.triangles)
+    result = Surface(vertices + 0.0, surface.triangles, surface.texcoords)
     return result.flipped() if np.linalg.det(transform[:3, :3]) < 0 else result
+
+
+def _texcoords(surface: Surface) -> npt.NDArray[np.float32]:
+    if surface.texcoords is None:
+        return np.zeros((len(surface.triangles), 3, 2), dtype=np.float32)
+    return surface.texcoords
 
 
 def _nearly_distinct(points: Points) -> tuple[Points, npt.NDArray[np.int64]]:

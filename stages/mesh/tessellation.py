@@ -16,7 +16,8 @@ from stages.robot.geometry import Colour
 class PartMesh:
     """One part's triangles, welded, in the part's own frame.
 
-    `palette`: the part's colours, sorted; `colours` (m,): each triangle's index in it.
+    `palette`: the part's colours, sorted; `colours` (m,): each triangle's index in it. `textures`: the digest
+    of each colour's image, "" for none; () where there are none at all.
     `closed`: whether the surface bounds a solid; `volume` [m³] is 0 where it does not.
     """
 
@@ -25,6 +26,12 @@ class PartMesh:
     colours: npt.NDArray[np.int64]
     closed: bool
     volume: float
+    textures: tuple[str, ...] = ()
+
+    @property
+    def paints(self) -> list[tuple[Colour, str]]:
+        """Each colour of the palette and its image."""
+        return list(zip(self.palette, self.textures or [""] * len(self.palette), strict=True))
 
 
 def read(data: bytes, parts: Collection[str]) -> dict[str, PartMesh]:
@@ -37,7 +44,7 @@ def read(data: bytes, parts: Collection[str]) -> dict[str, PartMesh]:
 
 
 def _welded(body: Body) -> PartMesh | None:
-    surface, kept = weld(body.points, body.triangles.astype(np.int64))
+    surface, kept = weld(body.points, body.triangles.astype(np.int64), body.texcoords)
     if not len(surface.triangles):
         return None
     colours = body.colours[kept].astype(np.int64)
@@ -45,4 +52,4 @@ def _welded(body: Body) -> PartMesh | None:
     volume = surface.volume()
     if volume < 0:
         surface, volume = surface.flipped(), -volume
-    return PartMesh(surface, body.palette, colours, closed, volume)
+    return PartMesh(surface, body.palette, colours, closed, volume, body.textures)

@@ -42,7 +42,8 @@ class Shape:
     `file` names an entry of `Geometry.files`; `colour` is RGBA in 0..1 (visual shapes only);
     `area` [m²] and `volume` [m³] are the shape's own (volume 0 where a mesh is not closed). A
     primitive has neither `vertices` nor `faces`, and is a shape once for each role that it has.
-    `contact`: what the configuration says of its contacts.
+    `contact`: what the configuration says of its contacts. `texture`: the entry of `Geometry.files` that is
+    the image of a mesh with texture coordinates, times `colour`.
     """
 
     link: str
@@ -55,6 +56,7 @@ class Shape:
     volume: float
     primitive: Primitive | None = None
     contact: ContactProperties | None = None
+    texture: str | None = None
 
 
 ExcludeReason = Literal["Adjacent", "Always", "User"]
@@ -76,7 +78,8 @@ class Exclude:
 @dataclass(frozen=True, slots=True)
 class Geometry:
     """Shapes in the order of the links; of a link its colliders, then its visual meshes, then the primitives
-    that the user gave it, in their own order. `files`: binary STL or OBJ by name, metres. `self_contact`:
+    that the user gave it, in their own order. `files`: binary STL or OBJ by name, metres; of textured meshes
+    always OBJ, each with its library of materials (MTL), and the images (PNG). `self_contact`:
     whether the robot's links collide with each other; then `excludes` are the pairs that do not, in the
     order of the links: also those that an engine leaves out by itself."""
 

@@ -13,9 +13,10 @@ from stages.export.mjcf.excludes import write_excludes
 from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos, write_joints
 from stages.export.mjcf.loops import STIFF, Closures
 from stages.export.mjcf.placement import placement, scene_pose
+from stages.export.paints import Paint, materials, paint
 from stages.formats.numbers import number, rounded, spaced
 from stages.formats.xml import Element, element, to_bytes
-from stages.robot.geometry import Colour, Geometry, Shape
+from stages.robot.geometry import Geometry, Shape
 from stages.robot.inertia import principal_axes
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Primitive, Relation, Robot, Value
@@ -41,14 +42,15 @@ def write_mjcf(
 ) -> bytes:
     """The model, whose qpos0 is `start` (values of the tree's dofs and of the loops' own)."""
     root = element(None, "mujoco", model=robot.name)
-    element(root, "compiler", angle="radian", meshdir="assets", autolimits="true")
+    textures = "assets" if any(shape.texture for shape in geometry.shapes) else None
+    element(root, "compiler", angle="radian", meshdir="assets", texturedir=textures, autolimits="true")
     element(root, "option", timestep=number(keys.scene.option.timestep), integrator="implicitfast")
     top = free(robot.name, {"main", "visual", "collision"})
     _defaults(root, top, geometry.self_contact)
-    colours = _assets(root, geometry)
+    painted = _assets(root, geometry)
     closures = Closures(robot)
     world = element(root, "worldbody")
-    _Bodies(world, robot, geometry, start, scene_pose(keys), colours, closures).write()
+    _Bodies(world, robot, geometry, start, scene_pose(keys), painted, closures).write()
     for body in world.iterchildren("body"):
         body.set("childclass", top)
     write_excludes(root, robot, geometry)
@@ -68,13 +70,15 @@ def _defaults(root: Element, top: str, self_contact: bool) -> None:
     element(collision, "geom", type="mesh", group="3", contype="1", conaffinity=bits, density="0")
 
 
-def _assets(root: Element, geometry: Geometry) -> dict[Colour, str]:
-    """Materials and meshes; the names of the materials by colour."""
+def _assets(root: Element, geometry: Geometry) -> dict[Paint, str]:
+    """Textures, materials and meshes; the names of the materials."""
     asset = element(root, "asset")
-    colours = sorted({shape.colour for shape in geometry.shapes if shape.colour is not None})
-    names = {colour: f"colour_{count}" for count, colour in enumerate(colours)}
-    for colour, name in names.items():
-        element(asset, "material", name=name, rgba=spaced(colour))
+    names = materials(geometry)
+    for texture in sorted({texture for _, texture in names if texture}):
+        element(asset, "texture", type="2d", name=stem(texture), file=texture)
+    for (colour, texture), name in names.items():
+        image = stem(texture) if texture else None
+        element(asset, "material", name=name, texture=image, rgba=spaced(colour))
     for shape in geometry.shapes:
         # Geoms have no mass here, so the volume of a mesh does not matter; "shell" accepts open meshes.
         if shape.file is not None:
@@ -93,7 +97,7 @@ class _Bodies:
         geometry: Geometry,
         start: Configuration,
         world_from_root: Array,
-        colours: dict[Colour, str],
+        painted: dict[Paint, str],
         closures: Closures,
     ) -> None:
         self.world = world
@@ -101,7 +105,7 @@ class _Bodies:
         self.geometry = geometry
         self.start = start
         self.world_from_root = world_from_root
-        self.colours = colours
+        self.painted = painted
         self.closures = closures
         self.elements: dict[str, tuple[Element, Array]] = {}
         """By link: its element, and element_from_link (4, 4), which only the link `world` needs."""
@@ -149,9 +153,10 @@ class _Bodies:
 
     def _geoms(self, body: Element, link: str, place: Array) -> None:
         for shape in self.geometry.of(link, "visual"):
-            colour = None if shape.colour is None else self.colours[shape.colour]
+            own = paint(shape)
             form = {**_form(shape, place), **_contact(shape)}
-            element(body, "geom", class_="visual", **form, material=colour)
+            material = None if own is None else self.painted[own]
+            element(body, "geom", class_="visual", **form, material=material)
         collisions = self.geometry.of(link, "collision")
         for count, shape in enumerate(collisions):
             suffix = f"_{count}" if len(collisions) > 1 else ""

@@ -9,11 +9,12 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from stages.export.paints import Paint, materials, paint
 from stages.export.urdf.lowering import LoweredJoint, lower
 from stages.formats.numbers import number, numbers, spaced
 from stages.formats.urdf.names import UrdfNames, urdf_names
 from stages.formats.xml import Element, element, parse, to_bytes
-from stages.robot.geometry import Colour, Geometry, Role, Shape
+from stages.robot.geometry import Geometry, Role, Shape
 from stages.robot.inertia import SPECK
 from stages.robot.model import Array, Inertial, Limits, Primitive, Robot
 from stages.robot.poses import from_parts, rpy_from_rotation
@@ -30,11 +31,11 @@ def write_urdf(robot: Robot, geometry: Geometry) -> bytes:
     # MuJoCo would strip the mesh paths, fuse a fixed root away and drop the visuals.
     mujoco = element(root, "mujoco")
     element(mujoco, "compiler", strippath="false", fusestatic="false", discardvisual="false")
-    colours = _materials(root, geometry)
+    painted = _materials(root, geometry)
     for link in robot.links:
         solid = any(shape.link == link.name for shape in geometry.shapes)
         node = _link(root, link.name, link.inertial, solid)
-        _shapes(node, link.name, geometry, colours)
+        _shapes(node, link.name, geometry, painted)
     lowered = lower(robot)
     for item in lowered:
         for name in item.between:
@@ -63,11 +64,13 @@ def _origin(parent: Element, pose: Array) -> None:
     element(parent, "origin", xyz=spaced(pose[:3, 3]), rpy=spaced(rpy, 1.0))
 
 
-def _materials(root: Element, geometry: Geometry) -> dict[Colour, str]:
-    colours = sorted({shape.colour for shape in geometry.shapes if shape.colour is not None})
-    names = {colour: f"colour_{count}" for count, colour in enumerate(colours)}
-    for colour, name in names.items():
-        element(element(root, "material", name=name), "color", rgba=spaced(colour))
+def _materials(root: Element, geometry: Geometry) -> dict[Paint, str]:
+    names = materials(geometry)
+    for (colour, texture), name in names.items():
+        node = element(root, "material", name=name)
+        element(node, "color", rgba=spaced(colour))
+        if texture:
+            element(node, "texture", filename=f"assets/{texture}")
     return names
 
 
@@ -84,7 +87,7 @@ def _link(root: Element, name: str, body: Inertial, shaped: bool) -> Element:
     return node
 
 
-def _shapes(node: Element, link: str, geometry: Geometry, colours: Mapping[Colour, str]) -> None:
+def _shapes(node: Element, link: str, geometry: Geometry, painted: Mapping[Paint, str]) -> None:
     roles: tuple[Role, ...] = ("visual", "collision")
     for role in roles:
         for shape in geometry.of(link, role):
@@ -92,8 +95,9 @@ def _shapes(node: Element, link: str, geometry: Geometry, colours: Mapping[Colou
                 holder = element(node, role)
                 _origin(holder, pose)
                 element(element(holder, "geometry"), tag, **attributes)
-                if shape.colour is not None:
-                    element(holder, "material", name=colours[shape.colour])
+                own = paint(shape)
+                if own is not None:
+                    element(holder, "material", name=painted[own])
 
 
 def _solids(shape: Shape) -> Iterator[tuple[Array, str, dict[str, str]]]:

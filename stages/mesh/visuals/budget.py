@@ -61,7 +61,8 @@ class Decimator:
         if before <= most:
             return dict(meshes), None
         for ref in counts:
-            self._top.setdefault(ref, _levels(meshes[ref].surface) - 1)
+            # Of a textured part the image would shift on the surface: it keeps its triangles.
+            self._top.setdefault(ref, -1 if meshes[ref].textures else _levels(meshes[ref].surface) - 1)
 
         def faces(level: int) -> int:
             found = (len(self._at(ref, meshes[ref], level).surface.triangles) for ref in counts)

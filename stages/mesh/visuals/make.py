@@ -8,7 +8,7 @@ import numpy as np
 
 from stages.mesh import mesh_file
 from stages.mesh.mesh_file import MeshFile
-from stages.mesh.surface import Surface, compacted, joined, moved
+from stages.mesh.surface import Surface, chosen, joined, moved
 from stages.mesh.tessellation import PartMesh
 from stages.mesh.visuals.budget import Decimation, Decimator
 from stages.robot.geometry import Colour
@@ -31,8 +31,8 @@ class Drawn:
 
 @dataclass(frozen=True, slots=True)
 class LinkVisuals:
-    """The visual meshes of a link, sorted by colour, or by part and colour: then `owners` has the number of
-    the part of each. `decimation`: None where the meshes are as the parts have them."""
+    """The visual meshes of a link, sorted by colour and texture, or by part and these: then `owners` has the
+    number of the part of each. `decimation`: None where the meshes are as the parts have them."""
 
     files: tuple[MeshFile, ...]
     owners: tuple[int, ...]
@@ -63,24 +63,26 @@ def _files(drawn: Sequence[Drawn], meshes: Mapping[MeshRef, PartMesh]) -> tuple[
         (moved(mesh.surface, one.link_from_part), mesh) for one in drawn if (mesh := meshes.get(one.mesh))
     ]
     return tuple(
-        file for colour, surface in _by_colour(placed) for file in mesh_file.visuals(surface, colour)
+        file
+        for (colour, texture), surface in _by_paint(placed)
+        for file in mesh_file.visuals(surface, colour, texture)
     )
 
 
-def _by_colour(placed: Sequence[tuple[Surface, PartMesh]]) -> list[tuple[Colour, Surface]]:
-    """The triangles of all parts as one surface a colour, colours sorted."""
+def _by_paint(placed: Sequence[tuple[Surface, PartMesh]]) -> list[tuple[tuple[Colour, str], Surface]]:
+    """The triangles of all parts as one surface for each colour and texture, sorted by these."""
     if not placed:
         return []
-    palette = sorted({colour for _, mesh in placed for colour in mesh.palette})
-    rank = {colour: index for index, colour in enumerate(palette)}
+    paints = sorted({paint for _, mesh in placed for paint in mesh.paints})
+    rank = {paint: index for index, paint in enumerate(paints)}
     whole = joined([surface for surface, _ in placed])
-    colours = np.concatenate(
-        [np.array([rank[colour] for colour in mesh.palette])[mesh.colours] for _, mesh in placed]
+    ranks = np.concatenate(
+        [np.array([rank[paint] for paint in mesh.paints])[mesh.colours] for _, mesh in placed]
     )
-    order = np.argsort(colours, kind="stable")
-    bounds = np.searchsorted(colours[order], np.arange(len(palette) + 1))
+    order = np.argsort(ranks, kind="stable")
+    bounds = np.searchsorted(ranks[order], np.arange(len(paints) + 1))
     return [
-        (colour, compacted(Surface(whole.vertices, whole.triangles[order[begin:end]])))
-        for colour, begin, end in zip(palette, bounds, bounds[1:], strict=False)
+        (paint, chosen(whole, order[begin:end]))
+        for paint, begin, end in zip(paints, bounds, bounds[1:], strict=False)
         if end > begin
     ]
