@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 MESH = "mesh/"
 """Prefix of the requests for meshes in a bundle."""
 
+IMAGE = "image/"
+"""Prefix of the requests for the images of meshes in a bundle."""
+
 LARGEST_TEXT = 64 << 20
 """Largest size of a robot's text or model in a bundle [bytes]."""
 
@@ -28,19 +31,24 @@ class RobotFileSource(FileSource):
 
     @staticmethod
     def replay(recording: Recording, where: str) -> Bundle:
-        """The bundle of a recorded robot file; SourceError where a mesh is not readable."""
-        from stages.formats import triangles
+        """The bundle of a recorded robot file; SourceError where a mesh or an image is not readable."""
+        from stages.formats import png, triangles
         from stages.robot.bundle import FileBundle
         from stages.robot.errors import ProtocolError, SourceError
 
         meshes = {name for request, name in recording.requests.items() if request.startswith(MESH)}
+        pictures = {name for request, name in recording.requests.items() if request.startswith(IMAGE)}
         try:
-            for name in sorted(meshes):
-                triangles.check(recording.blobs[name])
+            named = frozenset[str]().union(*(triangles.textures(recording.blobs[name]) for name in meshes))
+            why = next((f"it lacks the image {one}" for one in sorted(named - pictures)), "")
+            whys = (png.problem(recording.blobs[name]) for name in sorted(pictures))
+            why = why or next((f"an image: {one}" for one in whys if one), "")
         except ProtocolError as error:
-            msg = f"not readable as a bundle: {error.message}"
+            why = error.message
+        if why:
+            msg = f"not readable as a bundle: {why}"
             hint = "make the bundle again, or copy it again from its source"
-            raise SourceError(msg, where, hint) from None
+            raise SourceError(msg, where, hint)
         wanted = {recording.definition, *recording.requests.values()}
         return FileBundle(
             kind=recording.kind,
@@ -53,6 +61,10 @@ class RobotFileSource(FileSource):
 
     @staticmethod
     def largest_reply(request: str) -> int:
+        if request.startswith(IMAGE):
+            from stages.formats import png
+
+            return png.LARGEST
         return LARGEST_TRIANGLES if request.startswith(MESH) else LARGEST_TEXT
 
     @staticmethod

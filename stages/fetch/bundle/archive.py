@@ -16,7 +16,8 @@ the digest that is its name.
 
 That of a robot's own file has its kind ("urdf", "mjcf"), no api, the file's name as the document, the
 digest of its text or model as the definition, a request `mesh/<key>` for each mesh, whose body is in the
-compact form of triangles, and `options`, {name: text}, for its reader.
+compact form of triangles, a request `image/<sha256>` for each image that these name, a PNG, and `options`,
+{name: text}, for its reader.
 
 Recordings of other clients can be turned into bundles: the assembly definition, and of each part studio in it
 the mass properties, whole (`/partstudios/.../massproperties`) or of each part that is used

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from stages.fetch import regular_files
+from stages.fetch.robot_file import IMAGE
 from stages.fetch.urdf.companions import companions
-from stages.fetch.urdf.mesh_file import LooseMesh, Unreadable, body, read
+from stages.fetch.urdf.loose_mesh import LooseMesh, body
+from stages.fetch.urdf.mesh_file import Unreadable, read
 from stages.fetch.urdf.resolve import MeshPlace
 from stages.fetch.urdf.survey import LARGEST_MESH, Survey, survey
-from stages.formats import triangles
+from stages.fetch.urdf.textures import NO_COORDINATES, Texture, texture
+from stages.formats import png, triangles
 from stages.formats.urdf.model import Urdf, UrdfShape, mesh_key
 from stages.formats.urdf.parse import parse
 from stages.robot.bundle import FileBundle
@@ -44,7 +47,7 @@ def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[FileBund
         hint = _SKIP if any(one.code in ("E-MESH-MISSING", "E-MESH-READ") for one in errors) else ""
         count = f"{len(errors)} problems" if len(errors) > 1 else "a problem"
         raise SourceError(f"it has {count}", seen.document, hint, errors)
-    bodies = {sha256(blob).hexdigest(): blob for blob in (seen.text, *blobs.values())}
+    bodies = {sha256(blob).hexdigest(): blob for blob in (seen.text, *blobs.values())} | files.images
     definition = sha256(seen.text).hexdigest()
     bundle = FileBundle(
         kind="urdf",
@@ -58,45 +61,77 @@ def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[FileBund
         requests={
             ROBOT: definition,
             **{f"mesh/{key}": sha256(blobs[key]).hexdigest() for key in sorted(blobs)},
+            **{f"{IMAGE}{digest}": digest for digest in sorted(files.images)},
         },
         blobs=bodies,
         options={"bad_inertia": source.bad_inertia},
     )
-    return bundle, (*files.found_elsewhere(), *files.missing, *files.textures(robot))
+    return bundle, (*files.found_elsewhere(), *files.missing, *files.lost_images(robot))
 
 
 class _Files:
-    """The mesh files of a robot, each read once."""
+    """The mesh files of a robot and their images, each read once. `images`: those that its meshes have, by
+    digest."""
 
     def __init__(self, seen: Survey, *, skip: bool) -> None:
         self._seen = seen
         self._skip = skip
         self._read: dict[Path, LooseMesh | str] = {}
         self._moved: dict[str, Path] = {}
+        self._textures: dict[str, Texture] = {}
+        self._without: dict[tuple[str, str], str] = {}
         self.missing: list[Diagnostic] = []
+        self.images: dict[str, bytes] = {}
 
     def blobs(self, robot: Urdf) -> dict[str, bytes]:
         """The triangles of every mesh of the robot, by key, without those that are missing or damaged."""
         shapes = [shape for link in robot.links for shape in (*link.visuals, *link.collisions)]
+        seen = {mesh_key(shape) for link in robot.links for shape in link.visuals}
         found: dict[str, bytes] = {}
         lacking: dict[str, Diagnostic] = {}
         for shape in shapes:
             key = mesh_key(shape)
             if shape.kind != "mesh" or key in found:
                 continue
-            place = self._place(shape)
+            place = self._place(shape.filename)
             mesh = self._mesh(place)
             if isinstance(mesh, str):
                 lacking[shape.filename] = self._problem(shape.filename, mesh, there=place.file is not None)
             else:
-                found[key] = triangles.encode([body(mesh, key, shape.scale, shape.colour)])
+                image = self._image(shape, mesh) if key in seen else None
+                made = body(mesh, key, shape.scale, shape.colour, image)
+                found[key] = triangles.encode([made])
+                self._keep(mesh, made.textures)
         self.missing = list(lacking.values())
         return found
 
-    def _place(self, shape: UrdfShape) -> MeshPlace:
-        place = self._seen.places.get(shape.filename) or self._seen.files.find(shape.filename)
+    def _image(self, shape: UrdfShape, mesh: LooseMesh) -> str:
+        """The digest of the image that a visual's own material gives the mesh, "" for none."""
+        if not shape.texture:
+            return ""
+        texture = self._texture(shape.texture)
+        why = texture.why or (NO_COORDINATES if mesh.texcoords is None else "")
+        if why:
+            self._without[shape.filename, texture.name] = why
+        return "" if why else texture.digest
+
+    def _texture(self, name: str) -> Texture:
+        if name not in self._textures:
+            place = self._place(name)
+            content = place.why if place.file is None else _bytes(place.file, png.LARGEST)
+            self._textures[name] = texture(name, content)
+        return self._textures[name]
+
+    def _keep(self, mesh: LooseMesh, digests: Iterable[str]) -> None:
+        """Keeps the images of a mesh that has these digests."""
+        every = [one for one in (*mesh.textures, *self._textures.values()) if one is not None and one.image]
+        by_digest = {one.digest: one.image for one in every}
+        self.images |= {digest: by_digest[digest] for digest in digests if digest}
+
+    def _place(self, name: str) -> MeshPlace:
+        place = self._seen.places.get(name) or self._seen.files.find(name)
         if place.searched and place.file is not None:
-            self._moved[shape.filename] = place.file
+            self._moved[name] = place.file
         return place
 
     def _mesh(self, place: MeshPlace) -> LooseMesh | str:
@@ -104,7 +139,7 @@ class _Files:
         if place.file is None:
             return place.why
         if place.file not in self._read:
-            self._read[place.file] = _content(place.file)
+            self._read[place.file] = _content(place.file, self._seen.files.roots())
         return self._read[place.file]
 
     def _problem(self, name: str, why: str, *, there: bool) -> Diagnostic:
@@ -116,17 +151,36 @@ class _Files:
             return Diagnostic("E-MESH-READ", text, where, hint)
         return Diagnostic("E-MESH-MISSING", text, where, hint)
 
-    def textures(self, robot: Urdf) -> list[Diagnostic]:
-        """I-URDF-TEXTURE for the images of the visual meshes."""
+    def lost_images(self, robot: Urdf) -> list[Diagnostic]:
+        """W-TEXTURE for the images of the visual meshes that should give them their colours and do not,
+        I-URDF-TEXTURE for others."""
         lost: dict[str, tuple[str, ...]] = {}
         for shape in (shape for link in robot.links for shape in link.visuals if shape.kind == "mesh"):
-            mesh = self._mesh(self._place(shape))
-            if not isinstance(mesh, str) and mesh.images:
+            mesh = self._mesh(self._place(shape.filename))
+            if isinstance(mesh, str):
+                continue
+            if mesh.images:
                 lost[shape.filename] = mesh.images
+            for one in mesh.textures:
+                if one is not None and one.why:
+                    self._without.setdefault((shape.filename, one.name), one.why)
         shown = [f"{PurePosixPath(name).name} ({', '.join(found[:3])})" for name, found in lost.items()]
         more = f" and {len(shown) - 5} more" if len(shown) > 5 else ""
         text = f"images of meshes are not carried over, only colours: {', '.join(shown[:5])}{more}"
-        return [Diagnostic("I-URDF-TEXTURE", text, self._seen.document)] if lost else []
+        others = [Diagnostic("I-URDF-TEXTURE", text, self._seen.document)] if lost else []
+        return [*self._losses(), *others]
+
+    def _losses(self) -> list[Diagnostic]:
+        hint = "give the mesh a PNG in the robot's folders, and texture coordinates; its colour is carried"
+        return [
+            Diagnostic(
+                "W-TEXTURE",
+                f"the texture {name} of {PurePosixPath(mesh).name} is left out: {why}",
+                self._seen.document,
+                hint,
+            )
+            for (mesh, name), why in self._without.items()
+        ]
 
     def found_elsewhere(self) -> list[Diagnostic]:
         """I-MESH-FOUND for files that were found elsewhere: one for each folder."""
@@ -156,13 +210,21 @@ def _moved(named: str, there: str, files: list[str]) -> str:
     return f"{shown}: not found in {named}, used from {there}"
 
 
-def _content(file: Path) -> LooseMesh | str:
+def _content(file: Path, roots: Sequence[Path]) -> LooseMesh | str:
+    data = _bytes(file, LARGEST_MESH)
+    if isinstance(data, str):
+        return data
     try:
-        data = regular_files.content(file, LARGEST_MESH)
-        return read(data, file.name, companions(file, data))
-    except regular_files.FileTooLarge:
-        return f"it is larger than {LARGEST_MESH} bytes"
-    except OSError as error:
-        return f"it cannot be read: {error.strerror or type(error).__name__}"
+        return read(data, file.name, companions(file, data, roots))
     except Unreadable as error:
         return str(error)
+
+
+def _bytes(file: Path, most: int) -> bytes | str:
+    """The content of a file, or the reason why it is not read."""
+    try:
+        return regular_files.content(file, most)
+    except regular_files.FileTooLarge:
+        return f"it is larger than {most} bytes"
+    except OSError as error:
+        return f"it cannot be read: {error.strerror or type(error).__name__}"

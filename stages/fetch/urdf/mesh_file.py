@@ -1,8 +1,8 @@
 """Reads triangles from mesh files: STL (binary and ASCII), OBJ, DAE, glTF and GLB, PLY, through trimesh.
 
 Coordinates are read as by RViz and Pinocchio: in metres, except for the unit of a DAE; the
-axis that a DAE or a glTF calls "up" is not turned. Colours are those of materials, faces or vertices;
-images are not read.
+axis that a DAE or a glTF calls "up" is not turned. Colours are those of materials, faces or vertices. Of
+images, only those that give a material of an OBJ or a glTF its colour are used; they are not decoded.
 """
 
 from __future__ import annotations
@@ -12,16 +12,19 @@ import io
 import re
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from stages.fetch.urdf import gltf_materials
+from stages.fetch.urdf.companions import Companions
 from stages.fetch.urdf.dae import cleaned
 from stages.fetch.urdf.images import images
+from stages.fetch.urdf.loose_mesh import WHITE, LooseMesh, Texcoords, joined
+from stages.fetch.urdf.textures import NO_COORDINATES, Texture, of_gltf, of_obj
 from stages.formats import gltf_claims
-from stages.formats.triangles import Body, merged
 from stages.robot.geometry import NEUTRAL, Colour
 from stages.robot.install import install
 
@@ -38,22 +41,9 @@ class Unreadable(Exception):
     """A mesh file cannot be read; the text gives the reason."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class LooseMesh:
-    """Loose triangles: `points` (n, 3) float64 [m], `triangles` (m, 3) indices into them counter-clockwise
-    seen from outside, `colours` and which of them each triangle has (m,); `images`: names of images,
-    which are not read."""
-
-    points: npt.NDArray[np.float64]
-    triangles: npt.NDArray[np.int64]
-    colours: tuple[Colour, ...]
-    which: npt.NDArray[np.int64]
-    images: tuple[str, ...] = ()
-
-
-def read(data: bytes, name: str, companions: Mapping[str, bytes]) -> LooseMesh:
-    """The triangles in a mesh file. `name` ends as its format does; `companions`: the files that it
-    names, as it names them. Unreadable where there are none."""
+def read(data: bytes, name: str, beside: Companions) -> LooseMesh:
+    """The triangles in a mesh file. `name` ends as its format does; `beside`: the files that it names.
+    Unreadable where there are none."""
     kind = name.rpartition(".")[2].lower()
     if kind not in FORMATS:
         msg = f"its format is not supported; supported: {', '.join(FORMATS)}"
@@ -62,26 +52,23 @@ def read(data: bytes, name: str, companions: Mapping[str, bytes]) -> LooseMesh:
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
+            textures = of_obj(beside) if kind == "obj" else {}
+            plain = _PREPARED.get(kind, bytes)(data)
             if kind in ("gltf", "glb"):
-                gltf_claims.judge(data, companions)
-            scene = _scene(_PREPARED.get(kind, bytes)(data), kind, companions)
-            pieces = [_placed(scene, node) for node in scene.graph.nodes_geometry]
+                gltf_claims.judge(data, beside.files)
+                plain, found = gltf_materials.prepared(data, beside.files, beside.images)
+                textures = of_gltf(found)
+            scene = _scene(plain, kind, beside.files)
+            pieces = [_placed(scene, node, textures) for node in scene.graph.nodes_geometry]
             scale = _unit(scene, kind)
     except Exception as error:
         why = " ".join(str(error).split())[:200] or type(error).__name__
         raise Unreadable(f"it is damaged, or is not a {kind.upper()} file ({why})") from None
-    joined = _joined([piece for piece in pieces if piece is not None], scale)
-    return replace(joined, images=images(data, kind, companions))
-
-
-def body(mesh: LooseMesh, key: str, scale: tuple[float, float, float], colour: Colour | None) -> Body:
-    """A mesh as one body: scaled, turned outside again where that mirrors it, maybe in one colour."""
-    points = mesh.points * np.array(scale) + 0.0
-    mirrored = scale[0] * scale[1] * scale[2] < 0
-    corners = mesh.triangles[:, ::-1] if mirrored else mesh.triangles
-    if colour is None:
-        return merged(key, points, corners, mesh.colours, mesh.which)
-    return merged(key, points, corners, [colour], np.zeros(len(corners), dtype=np.int64))
+    there = [piece for piece in pieces if piece is not None]
+    if not there:
+        msg = "it has no triangles"
+        raise Unreadable(msg)
+    return replace(joined(there, scale), images=images(data, kind, beside.files))
 
 
 def _require_content(data: bytes, kind: str) -> None:
@@ -133,22 +120,22 @@ _PREPARED = {"stl": _whole, "obj": _utf8, "dae": cleaned}
 """What is done to a format's bytes before they are read."""
 
 
-def _scene(data: bytes, kind: str, companions: Mapping[str, bytes]) -> Any:
+def _scene(data: bytes, kind: str, files: Mapping[str, bytes]) -> Any:
     import trimesh
     from trimesh.resolvers import Resolver
 
-    class Companions(Resolver):
+    class Beside(Resolver):
         """Gives the files beside a mesh file, and no others."""
 
         def __init__(self) -> None:
             pass
 
         def get(self, name: str) -> bytes:
-            found = companions[name.strip()]
+            found = files[name.strip()]
             return _utf8(found) if kind == "obj" else found
 
         def keys(self) -> Any:
-            return companions.keys()
+            return files.keys()
 
         def namespaced(self, namespace: str) -> Any:
             return self
@@ -161,17 +148,19 @@ def _scene(data: bytes, kind: str, companions: Mapping[str, bytes]) -> Any:
 
         load: Any = dae.load_collada
         # What it cannot follow is an error: by default it is dropped.
-        found = load(io.BytesIO(data), Companions(), ignore_broken=False)
+        found = load(io.BytesIO(data), Beside(), ignore_broken=False)
         for shape in found["geometry"].values():
             shape["process"] = False
         return trimesh.load_scene(found)
+    # trimesh keeps the order of an OBJ's points only by giving each one pair of texture coordinates.
+    ordered = kind != "obj" or not re.search(rb"^vt\s", data, re.MULTILINE)
     return trimesh.load_scene(
-        io.BytesIO(data), file_type=kind, resolver=Companions(), process=False, maintain_order=True
+        io.BytesIO(data), file_type=kind, resolver=Beside(), process=False, maintain_order=ordered
     )
 
 
-def _placed(scene: Any, node: str) -> LooseMesh | None:
-    """One node of a scene in the scene's frame; None where it has no triangles."""
+def _placed(scene: Any, node: str, textures: Mapping[str, Texture]) -> LooseMesh | None:
+    """One node of a scene in the scene's frame; None where it has no triangles. `textures`: by material."""
     transform, name = scene.graph[node]
     shape = scene.geometry[name]
     if not len(getattr(shape, "faces", ())):
@@ -188,12 +177,38 @@ def _placed(scene: Any, node: str) -> LooseMesh | None:
     if not np.isfinite(points).all():
         msg = "a vertex is NaN or infinite"
         raise ValueError(msg)
+    texcoords = _texcoords(shape, corners)
+    texture = _texture(shape, textures)
+    if texture is not None and texture.image and texcoords is None:
+        texture = replace(texture, image=b"", why=NO_COORDINATES)
     shades = _shades(shape)
+    colours: tuple[Colour, ...]
     if shades is None:
-        return LooseMesh(points, corners, (NEUTRAL,), np.zeros(len(corners), dtype=np.int64))
-    colours, which = np.unique(shades, axis=0, return_inverse=True)
-    index = which.ravel() if len(shades) > 1 else np.zeros(len(corners), dtype=np.int64)
-    return LooseMesh(points, corners, tuple(_colour(one) for one in colours), index)
+        colours, index = (NEUTRAL,), np.zeros(len(corners), dtype=np.int64)
+    elif texture is not None and texture.image and texture.white:
+        colours, index = (WHITE,), np.zeros(len(corners), dtype=np.int64)
+    else:
+        distinct, which = np.unique(shades, axis=0, return_inverse=True)
+        colours = tuple(_colour(one) for one in distinct)
+        index = which.ravel() if len(shades) > 1 else np.zeros(len(corners), dtype=np.int64)
+    return LooseMesh(points, corners, colours, index, (texture,) * len(colours), texcoords)
+
+
+def _texture(shape: Any, textures: Mapping[str, Texture]) -> Texture | None:
+    """The image that gives a shape its colour."""
+    if shape.visual.kind != "texture" or shape.visual.material is None:
+        return None
+    return textures.get(str(shape.visual.material.name))
+
+
+def _texcoords(shape: Any, corners: npt.NDArray[np.int64]) -> Texcoords | None:
+    """The texture coordinates of the corners of a shape's triangles; None where it has none."""
+    given = getattr(shape.visual, "uv", None)
+    if given is None or np.ndim(given) != 2 or np.shape(given)[1] < 2 or len(given) != len(shape.vertices):
+        return None
+    with np.errstate(over="ignore"):
+        pairs = np.asarray(given)[:, :2].astype(np.float32)
+    return pairs[corners] if np.isfinite(pairs).all() else None
 
 
 def _shades(shape: Any) -> npt.NDArray[np.int64] | None:
@@ -230,17 +245,3 @@ def _unit(scene: Any, kind: str) -> float:
     units = str(next(iter(scene.geometry.values())).metadata.get("units", "meters"))
     factor = units.partition(" * ")[0] if " * " in units else "1"
     return float(factor)
-
-
-def _joined(pieces: list[LooseMesh], scale: float) -> LooseMesh:
-    if not pieces:
-        msg = "it has no triangles"
-        raise Unreadable(msg)
-    first = np.cumsum([0, *(len(piece.points) for piece in pieces)])
-    shade = np.cumsum([0, *(len(piece.colours) for piece in pieces)])
-    return LooseMesh(
-        points=np.concatenate([piece.points for piece in pieces]) * scale,
-        triangles=np.concatenate([one.triangles + at for one, at in zip(pieces, first, strict=False)]),
-        colours=tuple(colour for piece in pieces for colour in piece.colours),
-        which=np.concatenate([one.which + at for one, at in zip(pieces, shade, strict=False)]),
-    )

@@ -110,6 +110,10 @@ class MeshPlaces:
                 break
         return found
 
+    def roots(self) -> list[Path]:
+        """The folders of the robot: its own, and those of the packages that it names."""
+        return [self._packages.root, *self._packages.found.values()]
+
     def shown(self, file: Path) -> str:
         """A file as messages name it: without anything about this computer."""
         return self.public(file) or file.name

@@ -8,7 +8,7 @@ from __future__ import annotations
 import functools
 import importlib.metadata
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from stages.fetch import regular_files
 from stages.fetch.urdf import expand, plain, text
-from stages.fetch.urdf.companions import companions
+from stages.fetch.urdf.companions import NAMING_FILES, companions
 from stages.fetch.urdf.resolve import MeshPlace, MeshPlaces
 from stages.fetch.urdf.ros_packages import Packages
 from stages.robot.errors import SourceError
@@ -24,19 +24,20 @@ from stages.robot.errors import SourceError
 if TYPE_CHECKING:
     from stages.fetch.urdf.keys import UrdfSourceKeys
 
+READER = 2
+"""Raised with every change of the result for the same files."""
+
 LARGEST_MESH = 1 << 29
 """Larger mesh files are not read [bytes]."""
 
 LARGEST_ROBOT = 1 << 32
 """The meshes of a robot have no more than this together [bytes]."""
 
-_NAMING_FILES = (".obj", ".gltf")
-
 
 @dataclass(frozen=True, slots=True)
 class Survey:
-    """A robot's text after xacro, as UTF-8, and the places of the mesh files, by the names that the
-    text has for them."""
+    """A robot's text after xacro, as UTF-8, and the places of the mesh files and of the images of its
+    materials, by the names that the text has for them."""
 
     document: str
     text: bytes
@@ -44,7 +45,7 @@ class Survey:
     files: MeshPlaces
 
     def digests(self) -> list[list[str]]:
-        """Of each mesh's name: where the file is, as messages name it, and the SHA-256 of all it holds.
+        """Of each name: where the file is, as messages name it, and the SHA-256 of all it holds.
 
         SourceError where the files are larger together than is read.
         """
@@ -64,7 +65,7 @@ class Survey:
     def _digest(self, place: MeshPlace) -> tuple[str, str]:
         if place.file is None:
             return "", place.why
-        return self.files.shown(place.file), _content_digest(place.file)
+        return self.files.shown(place.file), _content_digest(place.file, self.files.roots())
 
 
 def survey(source: UrdfSourceKeys, environ: Mapping[str, str]) -> Survey:
@@ -79,7 +80,7 @@ def survey(source: UrdfSourceKeys, environ: Mapping[str, str]) -> Survey:
     else:
         plain.require(content, path.name)
     places = MeshPlaces(path.parent, packages, text.meshdir(content))
-    found = {name: places.find(name) for name in text.meshes(content)}
+    found = {name: places.find(name) for name in [*text.meshes(content), *text.images(content)]}
     public = _public(found, places)
     content = text.without(text.renamed(content, public), _folders(path.parent, packages))
     named = {public.get(name, name): place for name, place in found.items()}
@@ -96,6 +97,7 @@ def identity(source: UrdfSourceKeys, environ: Mapping[str, str]) -> dict[str, An
         "meshes": seen.digests(),
         "bad_inertia": source.bad_inertia,
         "missing_meshes": source.missing_meshes,
+        "reader": READER,
         "libraries": {name: _version(name) for name in ("trimesh", "pycollada", "numpy")},
     }
 
@@ -139,17 +141,18 @@ def _size(file: Path) -> int:
     return size if size <= LARGEST_MESH else 0
 
 
-def _content_digest(file: Path) -> str:
+def _content_digest(file: Path, roots: Sequence[Path]) -> str:
     """The SHA-256 of a file, and of the files that it names; its size where it is too large to be read."""
     try:
-        if file.suffix.lower() not in _NAMING_FILES:
+        if file.suffix.lower() not in NAMING_FILES:
             return regular_files.digest(file, LARGEST_MESH)
         data = regular_files.content(file, LARGEST_MESH)
     except regular_files.FileTooLarge:
         return "too large"
     except OSError as error:
         return error.strerror or type(error).__name__
-    whole = sha256(data)
-    for name, content in sorted(companions(file, data).items()):
+    whole, beside = sha256(data), companions(file, data, roots)
+    found = {name: content for name, content in beside.images.items() if isinstance(content, bytes)}
+    for name, content in sorted({**found, **beside.files}.items()):
         whole.update(f"{name}\0{sha256(content).hexdigest()}".encode())
     return whole.hexdigest()

@@ -15,6 +15,8 @@ LARGEST = 1 << 24
 """Larger files are not read as a robot [bytes]."""
 
 _MESH = re.compile(r"<mesh\b[^<]*")
+_TEXTURE = re.compile(r"<texture\b[^<]*")
+_NAMING = re.compile(r"<(?:mesh|texture)\b[^<]*")
 _COMPILER = re.compile(r"<compiler\b[^<]*")
 _VALUE = r"""\b%s\s*=\s*(?:"([^"<]*)"|'([^'<]*)')"""
 _FILENAME = re.compile(_VALUE % "filename")
@@ -73,8 +75,12 @@ def uncommented(text: str) -> str:
 
 def meshes(text: str) -> list[str]:
     """The names of mesh files, in their order and once each. Needs no XML library."""
-    values = (_FILENAME.search(element.group()) for element in _MESH.finditer(text))
-    return list(dict.fromkeys(_value(found) for found in values if found))
+    return _filenames(_MESH, text)
+
+
+def images(text: str) -> list[str]:
+    """The names of the images of materials, in their order and once each."""
+    return [name for name in _filenames(_TEXTURE, text) if name]
 
 
 def meshdir(text: str) -> str:
@@ -85,7 +91,7 @@ def meshdir(text: str) -> str:
 
 
 def renamed(text: str, names: Mapping[str, str]) -> str:
-    """The text with mesh files renamed: `names` from old to new."""
+    """The text with mesh files and images renamed: `names` from old to new."""
 
     def other(element: re.Match[str]) -> str:
         written = element.group()
@@ -95,7 +101,7 @@ def renamed(text: str, names: Mapping[str, str]) -> str:
         start, end = found.span(1 if found.group(1) is not None else 2)
         return f"{written[:start]}{html.escape(names[_value(found)], quote=True)}{written[end:]}"
 
-    return _MESH.sub(other, text) if names else text
+    return _NAMING.sub(other, text) if names else text
 
 
 def without(text: str, folders: Mapping[str, str]) -> str:
@@ -103,6 +109,11 @@ def without(text: str, folders: Mapping[str, str]) -> str:
     for folder in sorted(folders, key=len, reverse=True):
         text = text.replace(f"{folder}/", f"{folders[folder]}/")
     return text
+
+
+def _filenames(elements: re.Pattern[str], text: str) -> list[str]:
+    values = (_FILENAME.search(element.group()) for element in elements.finditer(text))
+    return list(dict.fromkeys(_value(found) for found in values if found))
 
 
 def _value(found: re.Match[str]) -> str:

@@ -107,7 +107,7 @@ class Urdf:
 
 def mesh_key(shape: UrdfShape) -> str:
     """What names a mesh's triangles in a bundle (request `mesh/<key>`, and the body's id in it): one
-    for each file, scale and colour. Letters, digits, "_" and "-"."""
+    for each file, scale, colour and image. Letters, digits, "_" and "-"."""
     stem = re.sub(r"\W+", "_", PurePosixPath(shape.filename.replace("\\", "/")).stem, flags=re.ASCII)
-    identity = repr((shape.filename, shape.scale, shape.colour))
+    identity = repr((shape.filename, shape.scale, shape.colour, *filter(None, [shape.texture])))
     return f"{stem[:40]}-{sha256(identity.encode()).hexdigest()[:12]}"

@@ -289,7 +289,11 @@ def _report_doubles(what: str, found: Iterable[UrdfLink | UrdfJoint], log: FileD
 
 
 def _report_textures(links: Iterable[UrdfLink], log: FileDiagnostics, root: Element) -> None:
-    names = {shape.texture for link in links for shape in link.visuals if shape.texture}
+    """I-URDF-TEXTURE for the images of primitives: they have no texture coordinates."""
+    shapes = [shape for link in links for shape in link.visuals if shape.kind != "mesh"]
+    names = {shape.texture for shape in shapes if shape.texture}
     if names:
         shown = ", ".join(sorted(names)[:5]) + (" ..." if len(names) > 5 else "")
-        log.report("I-URDF-TEXTURE", root, f"images are not carried over, only colours: {shown}")
+        log.report(
+            "I-URDF-TEXTURE", root, f"images of primitives are not carried over, only colours: {shown}"
+        )

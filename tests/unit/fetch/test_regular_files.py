@@ -162,7 +162,7 @@ def test_a_package_whose_description_is_a_pipe_is_passed_by(tmp_path):
 
 
 def test_the_material_of_an_obj_that_is_a_pipe_is_none(tmp_path):
-    from stages.fetch.urdf.companions import companions
+    from stages.fetch.urdf.companions import Companions, companions
 
     os.mkfifo(tmp_path / "m.mtl")
-    assert companions(tmp_path / "a.obj", b"mtllib m.mtl\n") == {}
+    assert companions(tmp_path / "a.obj", b"mtllib m.mtl\n", []) == Companions()

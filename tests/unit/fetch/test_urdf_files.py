@@ -325,10 +325,13 @@ f 2 3 4
     assert {tuple(colour[:3]) for colour in body.palette} == {(1, 0, 0), (0, 0, 1)}
     assert volume(body) == pytest.approx(1 / 6)
     (lost,) = gathered(tmp_path / "r.urdf")[1]
-    assert (lost.code, lost.message.rpartition(": ")[2]) == ("I-URDF-TEXTURE", "a.obj (secret.png)")
+    assert lost.code == "W-TEXTURE"
+    assert lost.message == (
+        "the texture secret.png of a.obj is left out: it is outside of the robot's folders"
+    )
 
 
-def test_images_of_a_gltf_are_reported_as_lost(tmp_path):
+def test_images_of_a_gltf_that_are_no_colours_are_reported_as_lost(tmp_path):
     file = json.loads(trimesh.creation.box().export(file_type="gltf")["model.gltf"])
     buffers = trimesh.creation.box().export(file_type="gltf")
     file["images"] = [

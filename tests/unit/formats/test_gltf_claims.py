@@ -5,6 +5,7 @@ import json
 import pytest
 import trimesh
 
+from stages.fetch.urdf.companions import Companions
 from stages.fetch.urdf.mesh_file import Unreadable, read
 from stages.formats import gltf, gltf_claims
 from tests.fake_onshape.gltf import gltf as drawn
@@ -17,9 +18,9 @@ def test_what_has_what_it_claims_is_read():
     scene.add_geometry(trimesh.creation.cone(0.1, 0.2), parent_node_name="geometry_0")
     files = trimesh.exchange.gltf.export_gltf(scene)
     buffers = {name: data for name, data in files.items() if name != "model.gltf"}
-    assert len(read(files["model.gltf"], "a.gltf", buffers).triangles)
-    assert len(read(trimesh.exchange.gltf.export_glb(scene), "a.glb", {}).triangles)
-    assert len(read(changed(), "a.gltf", {}).triangles)
+    assert len(read(files["model.gltf"], "a.gltf", Companions(buffers)).triangles)
+    assert len(read(trimesh.exchange.gltf.export_glb(scene), "a.glb", Companions()).triangles)
+    assert len(read(changed(), "a.gltf", Companions()).triangles)
 
 
 @pytest.mark.parametrize(
@@ -44,21 +45,21 @@ def test_what_has_what_it_claims_is_read():
 def test_what_claims_more_than_it_has_is_refused(monkeypatch, changes, why):
     monkeypatch.setattr(gltf, "_MOST_NUMBERS", 100_000)
     with pytest.raises(Unreadable, match=why):
-        read(changed(**changes), "a.gltf", {})
+        read(changed(**changes), "a.gltf", Companions())
 
 
 def test_a_text_of_brackets_is_refused_before_it_is_parsed(monkeypatch):
     monkeypatch.setattr(gltf_claims, "MOST_VALUES", 100)
     with pytest.raises(Unreadable, match="larger than the limit"):
-        read(b'{"nodes":[' + b"[]," * 1000 + b"[]]}", "a.gltf", {})
+        read(b'{"nodes":[' + b"[]," * 1000 + b"[]]}", "a.gltf", Companions())
     with pytest.raises(Unreadable):
-        read(b"[" * 100_000, "a.gltf", {})
+        read(b"[" * 100_000, "a.gltf", Companions())
 
 
 def test_a_buffer_beside_the_file_is_measured():
     data, buffer = opened(drawn(studio().parts[:1], appearances=True))
     data["buffers"] = [{"byteLength": len(buffer), "uri": "a%20b.bin"}]
     text = json.dumps(data).encode()
-    assert len(read(text, "a.gltf", {"a%20b.bin": buffer}).triangles)
+    assert len(read(text, "a.gltf", Companions({"a%20b.bin": buffer})).triangles)
     with pytest.raises(Unreadable, match="reaches beyond"):
-        read(text, "a.gltf", {"a%20b.bin": buffer[:100]})
+        read(text, "a.gltf", Companions({"a%20b.bin": buffer[:100]}))
