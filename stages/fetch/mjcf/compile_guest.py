@@ -11,6 +11,7 @@ import mujoco
 from stages.fetch.mjcf import size_bounds
 from stages.fetch.mjcf.compiled import convert
 from stages.fetch.mjcf.meshes import Meshes
+from stages.fetch.mjcf.textures import Textures
 from stages.robot import codec
 from stages.robot.errors import SourceError
 from stages.robot.mujoco_warnings import listening
@@ -20,7 +21,8 @@ _HINT = "MuJoCo's own viewer gives the same error (python -m mujoco.viewer --mjc
 
 def answer(request: bytes) -> bytes:
     """To {"path": a model's file, "texts": its files that may be XML}: a line of JSON with MuJoCo's
-    `warnings`, the length of the `model` and the `meshes` as [key, length], and after it all of these.
+    `warnings`, the length of the `model`, the `meshes` as [key, length] and the lengths of the `images`, and
+    after it all of these.
 
     SourceError where the file exceeds a size limit, or MuJoCo cannot compile it.
     """
@@ -28,12 +30,14 @@ def answer(request: bytes) -> bytes:
     path = Path(asked["path"])
     size_bounds.require(path, [Path(text) for text in asked["texts"]])
     model, spec, warnings = _compiled(path)
-    meshes = Meshes(model)
-    body = codec.dump(convert(model, spec, meshes, path.name))
+    meshes, textures = Meshes(model), Textures(model)
+    body = codec.dump(convert(model, spec, meshes, textures, path.name))
     blobs = {key: meshes.blobs[digest] for key, digest in sorted(meshes.keys.items())}
     lengths = [[key, len(blob)] for key, blob in blobs.items()]
-    head = {"warnings": warnings, "model": len(body), "meshes": lengths}
-    return b"".join([json.dumps(head).encode(), b"\n", body, *blobs.values()])
+    images = [textures.images[digest] for digest in sorted(textures.images)]
+    sizes = [len(image) for image in images]
+    head = {"warnings": warnings, "model": len(body), "meshes": lengths, "images": sizes}
+    return b"".join([json.dumps(head).encode(), b"\n", body, *blobs.values(), *images])
 
 
 def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from stages.fetch.mjcf.effort import efforts
 from stages.fetch.mjcf.meshes import Meshes, placed
+from stages.fetch.mjcf.textures import Textures
 from stages.fetch.mjcf.unsupported import carried, left_out
 from stages.formats.mjcf import (
     Mjcf,
@@ -59,7 +60,9 @@ _FINITE = (
 """Arrays that must be finite: MuJoCo compiles a NaN with only a warning."""
 
 
-def convert(model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, where: str) -> Mjcf:
+def convert(
+    model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, textures: Textures, where: str
+) -> Mjcf:
     """The model as a value; `spec` is what it was compiled from, and `where` names its file. SourceError
     where a number is not finite.
 
@@ -86,7 +89,7 @@ def convert(model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, where: s
                 parent_from_body=placed(model.body_pos[body], model.body_quat[body]),
                 inertial=_inertial(model, body),
                 joints=tuple(_joint(model, joint, limits) for joint in own),
-                geoms=tuple(_geoms(model, body, meshes, shown)) if body else (),
+                geoms=tuple(_geoms(model, body, meshes, textures, shown)) if body else (),
                 sites=tuple(_site(model, site) for site in sites.get(body, ()) if model.site(site).name),
             )
         )
@@ -96,7 +99,7 @@ def convert(model: mujoco.MjModel, spec: mujoco.MjSpec, meshes: Meshes, where: s
         bodies=tuple(bodies),
         closures=tuple(_closures(model, numbers)),
         relations=tuple(_relations(model, numbers, order)),
-        diagnostics=tuple(left_out(model, spec, set(numbers), where)),
+        diagnostics=tuple(left_out(model, spec, set(numbers), textures, where)),
     )
 
 
@@ -167,7 +170,9 @@ def _joint(model: mujoco.MjModel, joint: int, limits: Mapping[int, float]) -> Mj
     )
 
 
-def _geoms(model: mujoco.MjModel, body: int, meshes: Meshes, shown: bool) -> Iterator[MjcfGeom]:
+def _geoms(
+    model: mujoco.MjModel, body: int, meshes: Meshes, textures: Textures, shown: bool
+) -> Iterator[MjcfGeom]:
     """A body's shapes. A collision geom is visual too where the body has no other visual geom, unless
     it is in a hidden group of a model that has visual geoms."""
     first = int(model.body_geomadr[body])
@@ -183,12 +188,13 @@ def _geoms(model: mujoco.MjModel, body: int, meshes: Meshes, shown: bool) -> Ite
         seen = rgba[3] > 0 and not (collides and hidden)
         if not (collides or seen):
             continue
-        colour = rgba if seen and rgba != _PLAIN else None
+        image = textures.of(geom) if seen else ""
+        colour = rgba if seen and (rgba != _PLAIN or image) else None
         pose = placed(model.geom_pos[geom], model.geom_quat[geom])
         mesh = None
         if kind == "mesh":
             number = int(model.geom_dataid[geom])
-            mesh = meshes.ref(number, colour)
+            mesh = meshes.ref(number, colour, image)
             pose = frozen(pose @ inverse(meshes.asset_from_mesh(number)))
         size = _size(kind, model.geom_size[geom])
         yield MjcfGeom(model.geom(geom).name, kind, size, mesh, pose, colour, collides, seen)

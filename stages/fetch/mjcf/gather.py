@@ -1,7 +1,8 @@
 """The source `mjcf`: a model file, read and compiled by MuJoCo itself, as a bundle.
 
 The bundle has the compiled model (`stages.formats.mjcf`), exact to the bit, and the triangles of each
-mesh, but neither XML nor mesh files, so later stages do not depend on how MuJoCo finds and reads files.
+mesh and its textures, but no file of the model, so later stages do not depend on how MuJoCo finds and reads
+files.
 MuJoCo's own export of a model is not used: it loses defaults, inertias and digits.
 """
 
@@ -15,6 +16,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stages.fetch.robot_file import IMAGE, MESH
 from stages.robot import guest
 from stages.robot.bundle import FileBundle
 from stages.robot.errors import Diagnostic, ProtocolError, SourceError
@@ -22,7 +24,7 @@ from stages.robot.errors import Diagnostic, ProtocolError, SourceError
 if TYPE_CHECKING:
     from stages.fetch.mjcf.keys import MjcfSourceKeys
 
-READER = 2
+READER = 3
 """Raised with every change of the result for the same files."""
 
 MODEL = "model"
@@ -61,7 +63,7 @@ def gather(
     while_waiting()
     try:
         reply = guest.ask("stages.fetch.mjcf.compile_guest", json.dumps(request).encode(), BOUNDS, _ENVIRON)
-        warnings, model, meshes = _read(reply)
+        warnings, model, meshes, images = _read(reply)
     except guest.Ended as ended:
         msg = f"not readable as an MJCF: MuJoCo's compiler {ended}"
         raise SourceError(msg, path.name, _SMALLER) from None
@@ -71,8 +73,12 @@ def gather(
         kind="mjcf",
         root={"document": path.name, "microversion": _sum(files.digests), "element": "", "configuration": ""},
         definition=definition,
-        requests={MODEL: definition, **{f"mesh/{key}": digests[key] for key in sorted(digests)}},
-        blobs={definition: model, **{digests[key]: mesh for key, mesh in meshes.items()}},
+        requests={
+            MODEL: definition,
+            **{f"{MESH}{key}": digests[key] for key in sorted(digests)},
+            **{f"{IMAGE}{digest}": digest for digest in sorted(images)},
+        },
+        blobs={definition: model, **{digests[key]: mesh for key, mesh in meshes.items()}, **images},
     )
     return bundle, tuple(Diagnostic("W-MJCF", text, path.name, _LOOK) for text in warnings)
 
@@ -91,12 +97,13 @@ def identity(source: MjcfSourceKeys) -> dict[str, Any]:
     }
 
 
-def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes]]:
-    """The warnings, the model and the meshes in the guest's reply; Ended where the reply is invalid.
+def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes], dict[str, bytes]]:
+    """The warnings, the model, the meshes by key and the images by digest in the guest's reply; Ended where
+    the reply is invalid.
 
     The guest may run any code by then, so its reply is not trusted; the reader checks the model.
     """
-    from stages.formats import triangles
+    from stages.formats import png, triangles
 
     head, _, body = reply.partition(b"\n")
     try:
@@ -111,10 +118,19 @@ def _read(reply: bytes) -> tuple[list[str], bytes, dict[str, bytes]]:
             triangles.check(mesh)
             meshes[key] = mesh
             at += length
+        images = dict[str, bytes]()
+        for length in header["images"]:
+            image = body[at : at + length]
+            if png.problem(image):
+                raise ValueError(length)
+            images[sha256(image).hexdigest()] = image
+            at += length
+        if not all(triangles.textures(mesh) <= images.keys() for mesh in meshes.values()):
+            raise KeyError(IMAGE)
     except (KeyError, TypeError, ValueError, RecursionError, ProtocolError):
         msg = "does not answer with a model"
         raise guest.Ended(msg) from None
-    return warnings, model, meshes
+    return warnings, model, meshes, images
 
 
 def _sum(digests: dict[str, str]) -> str:

@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from stages.fetch.mjcf.textures import Textures
 from stages.fetch.mjcf.unsupported_fields import (
     Omission,
     of_elements,
@@ -28,10 +29,13 @@ _SHOWN = 5
 """The most names of each kind that are reported."""
 
 
-def left_out(model: Any, spec: Any, kept: Collection[int], where: str) -> Iterator[Diagnostic]:
+def left_out(
+    model: Any, spec: Any, kept: Collection[int], textures: Textures, where: str
+) -> Iterator[Diagnostic]:
     """W-MJCF-LEFT for omissions that affect motion or contact, I-MJCF-LEFT for the rest.
 
-    `spec`: the spec from which `model` was compiled. `kept`: the bodies that become links.
+    `spec`: the spec from which `model` was compiled. `kept`: the bodies that become links. `textures`: those
+    that are carried over.
     """
     equalities = [eq for eq in range(model.neq) if carried(model, eq, kept)]
     found = [
@@ -39,9 +43,9 @@ def left_out(model: Any, spec: Any, kept: Collection[int], where: str) -> Iterat
         *_joints(model, kept),
         *_ties(model, kept, equalities),
         *_geoms(model, kept),
-        *of_elements(model, kept, equalities),
+        *of_elements(model, kept, equalities, textures.materials),
         *of_options(model),
-        *_elements(model),
+        *_elements(model, textures.carried),
         *of_the_viewer(model),
         *of_the_file(spec),
     ]
@@ -175,9 +179,11 @@ _KINDS = {
 """Elements that are left out as a whole: MuJoCo's name of each, and the field with its number."""
 
 
-def _elements(model: Any) -> Iterator[Omission]:
+def _elements(model: Any, textures: Collection[int]) -> Iterator[Omission]:
     for words, (kind, count) in _KINDS.items():
-        yield from _some(words, False, _names(model, getattr(mujoco.mjtObj, kind), getattr(model, count)))
+        names = _names(model, getattr(mujoco.mjtObj, kind), getattr(model, count))
+        lost = (name for number, name in enumerate(names) if words != "texture" or number not in textures)
+        yield from _some(words, False, lost)
     yield from _some(
         "actuator", False, _names(model, mujoco.mjtObj.mjOBJ_ACTUATOR, len(model.actuator_trntype))
     )

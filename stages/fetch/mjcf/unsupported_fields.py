@@ -98,8 +98,11 @@ def _plain() -> Any:
     return mujoco.MjModel.from_xml_string(_PLAIN)
 
 
-def of_elements(model: Any, kept: Collection[int], carried: Collection[int]) -> Iterator[Omission]:
-    """The omissions of the elements on the bodies `kept`, and of the equalities `carried`."""
+def of_elements(
+    model: Any, kept: Collection[int], carried: Collection[int], textured: Collection[int]
+) -> Iterator[Omission]:
+    """The omissions of the elements on the bodies `kept`, of the equalities `carried`, and of the materials;
+    those that are `textured` keep their textures."""
     rows: Mapping[str, Sequence[int]] = {
         "jnt": [n for n in range(model.njnt) if int(model.jnt_bodyid[n]) in kept],
         "dof": [n for n in range(model.nv) if int(model.dof_bodyid[n]) in kept],
@@ -114,6 +117,8 @@ def of_elements(model: Any, kept: Collection[int], carried: Collection[int]) -> 
         for field in _fields(kind):
             whole = f"{kind}_{field}"
             concerned = [n for n in numbers if whole not in _OF_CONTACT or touches(model, n)]
+            if whole == "mat_texid":
+                concerned = [n for n in concerned if n not in textured]
             names = [_NAMES[kind](model, n) for n in _differing(model, whole, concerned)]
             if names:
                 words = _WORDS.get(whole, f"{_ELEMENTS.get(kind, kind)} {field}")

@@ -61,10 +61,12 @@ def test_bounds_hold(tmp_path, monkeypatch, bounds, said):
     [
         b"",
         b"[]\n",
-        b'{"warnings": 1, "model": 0, "meshes": []}\n',
-        b'{"warnings": [], "model": 0, "meshes": [["../x", 0]]}\n',
-        b'{"warnings": [], "model": 0, "meshes": [["x", 3]]}\nabc',
-        b'{"warnings": [], "model": "x", "meshes": []}\n',
+        b'{"warnings": 1, "model": 0, "meshes": [], "images": []}\n',
+        b'{"warnings": [], "model": 0, "meshes": [["../x", 0]], "images": []}\n',
+        b'{"warnings": [], "model": 0, "meshes": [["x", 3]], "images": []}\nabc',
+        b'{"warnings": [], "model": 0, "meshes": []}\n',
+        b'{"warnings": [], "model": 0, "meshes": [], "images": [3]}\nabc',
+        b'{"warnings": [], "model": "x", "meshes": [], "images": []}\n',
         b"[" * 100_000,
     ],
 )
@@ -145,7 +147,7 @@ def test_bounds_take_time_in_proportion(tmp_path):
 
 
 def test_warnings_are_reported_in_bounds(tmp_path, monkeypatch):
-    head = {"warnings": ["x" * 1000] * 1000, "model": 2, "meshes": []}
+    head = {"warnings": ["x" * 1000] * 1000, "model": 2, "meshes": [], "images": []}
     monkeypatch.setattr(guest, "ask", lambda *_: json.dumps(head).encode() + b"\n{}")
     _, found = gather.gather(MjcfSourceKeys(path=str(written(tmp_path, MESHED))))
     assert (len(found), {len(one.message) for one in found}) == (100, {500})

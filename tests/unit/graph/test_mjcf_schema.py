@@ -16,6 +16,7 @@ from lxml import etree
 from stages.fetch.mjcf import unsupported
 from stages.fetch.mjcf.compiled import convert
 from stages.fetch.mjcf.meshes import Meshes
+from stages.fetch.mjcf.textures import Textures
 from stages.graph import build_robot
 from stages.robot import codec
 from stages.robot.bundle import FileBundle
@@ -194,7 +195,7 @@ def robot_of(tree: etree._Element) -> Robot:
     """The robot of an MJCF; ValueError where MuJoCo does not take it."""
     spec = mujoco.MjSpec.from_string(etree.tostring(tree).decode())
     model = spec.compile()
-    body = codec.dump(convert(model, spec, Meshes(model), "base.xml"))
+    body = codec.dump(convert(model, spec, Meshes(model), Textures(model), "base.xml"))
     root = {"document": "base.xml", "microversion": "m", "element": "", "configuration": ""}
     digest = sha256(body).hexdigest()
     bundle = FileBundle("mjcf", root, digest, {"model": digest}, {digest: body})
