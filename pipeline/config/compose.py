@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 from warnings import catch_warnings, filterwarnings
 
-from hydra import __version__, compose, initialize_config_module
+from hydra import __version__, initialize_config_module
 from hydra.core.global_hydra import GlobalHydra
 from hydra.errors import MissingConfigException
 from hydra.types import RunMode
@@ -25,7 +25,8 @@ from pipeline.config import interpolated
 from pipeline.config.choices import resolved_tree
 from pipeline.config.hydra_errors import explained
 from pipeline.config.hydra_files import guarded
-from pipeline.config.hydra_node import PRIMARY, HydraNode, hydra_text, searching
+from pipeline.config.hydra_loader import PRIMARY, composed, use_loader
+from pipeline.config.hydra_node import HydraNode, hydra_text, searching
 from pipeline.config.hydra_reading import Reading
 from pipeline.config.messages import how_to_give
 from pipeline.config.overrides import Override, read, refused
@@ -103,6 +104,7 @@ def session(
     ):
         # Hydra's advice to program authors, for example about a file with the name of a launcher.
         filterwarnings("ignore", message=r"\s*'hydra/launcher/", category=UserWarning)
+        use_loader()
         yield Composer(presets, judge, environ, cwd)
 
 
@@ -180,11 +182,11 @@ class Composer:
         # there.
         named = any(map(_ROBOT.match, overrides))
         open_yet = self._presets.own and any(not one.startswith("++") for one in good)
-        composed = self._whole(good, draft) if named or open_yet else None
-        if not named and (composed is None or _lacks_a_robot(composed[0])):
+        found = self._whole(good, draft) if named or open_yet else None
+        if not named and (found is None or _lacks_a_robot(found[0])):
             good, sure = [DEFAULT, *good], [DEFAULT, *sure]
-            composed = self._whole(good, draft)
-        config, paths = composed or self._whole(sure, draft) or self._around(sure, draft)
+            found = self._whole(good, draft)
+        config, paths = found or self._whole(sure, draft) or self._around(sure, draft)
         robot = config.hydra.runtime.choices.get("robot") or "bare"
         ambiguous = self._presets.problem("robot", robot)
         draft.problems += [ambiguous] if ambiguous else []
@@ -220,15 +222,13 @@ class Composer:
         hydra |= {"runtime": {}, "overrides": {}, "job": {**hydra["job"], "override_dirname": ""}}
         return self._secrets.problems({**tree, "hydra": hydra})
 
-    def _whole(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, list[str]] | None:
+    def _whole(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, Sequence[str]] | None:
         """The composed tree and the paths of its files; None where composition fails."""
         stand_ins: dict[str, str] = {}
         while True:
             everything = [*overrides, *stand_ins.values(), *self._node.typed, *searching(self._presets.own)]
             try:
-                config = compose(PRIMARY, everything, return_hydra_config=True)
-                loader = GlobalHydra.instance().config_loader()
-                defaults = loader.compute_defaults_list(PRIMARY, everything, RunMode.RUN).defaults
+                config, paths = composed(everything)
             except Exception as error:
                 draft.add(explained(error, self._presets))
                 missing = error.missing_cfg_file if isinstance(error, MissingConfigException) else None
@@ -241,9 +241,9 @@ class Composer:
                 self._everything = everything
                 if len(config.hydra.overrides.hydra) + len(config.hydra.overrides.task) != len(everything):
                     draft.add(not_allowed("overrides"))
-                return config, [default.config_path or "" for default in defaults]
+                return config, paths
 
-    def _around(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, list[str]]:
+    def _around(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, Sequence[str]]:
         """As `_whole`, with the keys of the robot's file, but without its invalid defaults list."""
         robots = [one.partition("=")[2] for one in overrides if one.startswith("robot=")]
         own = self._presets.content("robot", chosen(robots[-1])[0]) if robots else {}

@@ -1,17 +1,23 @@
-"""Limits for the user's files that Hydra reads, and for their interpolations.
+"""The files that Hydra reads: each text is parsed once, and those of users have limits, as have their
+interpolations.
 
-Hydra reads any file, and OmegaConf resolves an interpolation again wherever it is used: ten lines of
-`${a}${a}...` expand as far as ten lines of aliases.
+Hydra reads any file, parses it again for each composition, and OmegaConf resolves an interpolation again
+wherever it is used: ten lines of `${a}${a}...` expand as far as ten lines of aliases.
 """
 
+import copy
+import io
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from hydra._internal.core_plugins import file_config_source
+from hydra._internal.core_plugins import file_config_source, importlib_resources_config_source
 from hydra._internal.sources_registry import SourcesRegistry
-from hydra.plugins.config_source import ConfigResult
+from hydra.plugins.config_source import ConfigResult, ConfigSource
+from omegaconf import OmegaConf
 from omegaconf.base import Container
 from omegaconf.errors import InterpolationResolutionError
 
@@ -26,24 +32,49 @@ LONGEST = 1 << 20
 _RESOLVE = "_maybe_resolve_interpolation"
 
 
-class FileConfigSource(file_config_source.FileConfigSource):
-    """Hydra's file source, which checks each file first.
+# The classes have the names of Hydra's classes: Hydra registers its own repeatedly, and skips an equal name.
 
-    It has the name of Hydra's class: Hydra registers its own repeatedly, and skips an equal name.
-    """
+
+class FileConfigSource(file_config_source.FileConfigSource):
+    """Hydra's source of files in folders, which checks each file first."""
 
     def load_config(self, config_path: str) -> ConfigResult:
         path = Path(self.path) / self._normalize_file_name(config_path)
-        if path.exists():
-            yaml_file.text(path)
-        return super().load_config(config_path)
+        if not path.exists():
+            return super().load_config(config_path)
+        return _result(self, os.path.realpath(path), yaml_file.text(path))
+
+
+class ImportlibResourcesConfigSource(importlib_resources_config_source.ImportlibResourcesConfigSource):
+    """Hydra's source of files in packages."""
+
+    def _read_config(self, res: Any) -> ConfigResult:
+        return _result(self, str(res), res.read_text(encoding="utf-8"))
+
+
+def _result(source: ConfigSource, name: str, text: str) -> ConfigResult:
+    config, header = _parsed(name, text)
+    # Hydra takes the defaults list out of what it gets.
+    mine = copy.deepcopy(config)
+    return ConfigResult(source.provider, f"{source.scheme()}://{source.path}", mine, dict(header))
+
+
+@lru_cache(maxsize=64)
+def _parsed(name: str, text: str) -> tuple[Container, dict[str, str | None]]:
+    """The content and the header of a file; errors name it."""
+    stream = io.StringIO(text, newline=None)
+    header = ConfigSource._get_header_dict(stream.read(512))
+    stream.seek(0)
+    stream.name = name
+    return OmegaConf.load(stream), header
 
 
 @contextmanager
 def guarded() -> Iterator[None]:
-    """Inside, Hydra (which must be initialized) reads only checked files, and interpolations are counted."""
-    sources, scheme = SourcesRegistry.instance().types, FileConfigSource.scheme()
-    own, sources[scheme] = sources[scheme], FileConfigSource
+    """Inside, Hydra reads files as said, and interpolations are counted."""
+    sources = SourcesRegistry.instance().types
+    own = dict(sources)
+    sources |= {kind.scheme(): kind for kind in (FileConfigSource, ImportlibResourcesConfigSource)}
     resolve: Callable[..., Any] = getattr(Container, _RESOLVE)
     depth = count = letters = 0
 
@@ -69,4 +100,4 @@ def guarded() -> Iterator[None]:
         yield
     finally:
         setattr(Container, _RESOLVE, resolve)
-        sources[scheme] = own
+        sources |= own

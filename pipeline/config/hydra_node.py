@@ -5,19 +5,17 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
-from hydra import compose
 from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig, open_dict
 
 from pipeline.config.hydra_errors import explained
+from pipeline.config.hydra_loader import composed
 from pipeline.config.overrides import Override
 from pipeline.config.partial import Draft
 from pipeline.config.plain import as_written, at
 from pipeline.config.presets import Presets
 from pipeline.config.trust import CODE, FOLDERS, LAUNCHER, PARAMS, SweepSettings, listed
 from pipeline.errors import Diagnostic
-
-PRIMARY = "build"
 
 GROUP = f"hydra/{LAUNCHER}"
 
@@ -56,7 +54,7 @@ class HydraNode:
         if launcher not in self._ours:
             chosen = [f"{GROUP}={launcher}"] if launcher else []
             everything = [*chosen, *self.typed, *searching(self._presets.given)]
-            self._ours[launcher] = compose(PRIMARY, everything, return_hydra_config=True)
+            self._ours[launcher], _ = composed(everything)
         return self._ours[launcher]
 
     def sweeping(

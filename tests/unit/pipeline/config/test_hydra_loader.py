@@ -1,0 +1,80 @@
+"""What Hydra composes here is what Hydra alone composes, and the files are those of its own defaults list."""
+
+import pytest
+from hydra import compose, initialize_config_module
+from hydra.core.global_hydra import GlobalHydra
+from hydra.types import RunMode
+from omegaconf import OmegaConf
+
+from pipeline.config.compose import HYDRA, compose_plan, session
+from pipeline.config.hydra_loader import PRIMARY, composed
+from pipeline.config.hydra_node import searching
+from tests.support.users import MY_ARM, write
+
+GLOBAL = "# @package _global_\n"
+NESTED = f"""{GLOBAL}
+defaults:
+  - _self_
+  - base: [tool, gripper]
+  - optional /part: none
+  - override /source: sample
+  - override /export: mjcf
+vars: {{reach: 0.3, half: "${{vars.reach}}"}}
+"""
+MORE = {
+    "experiment/short": f"{GLOBAL}defaults:\n  - override /robot: my_arm\n  - override /mesh: raw\n",
+    "robot/base/tool": f"{GLOBAL}name: tool\n",
+    "robot/base/gripper": f"{GLOBAL}joints: {{finger: {{limits: [0, 1]}}}}\n",
+    "robot/folded": f"{GLOBAL}defaults:\r\n  - override /source: sample\r\nname: >-\r\n  a\r\n  b\r\n",
+    "robot/empty": "",
+    "part/one": "defaults: [two]\nreach: 1\n",
+    "part/two": "reach: 2\n",
+    "hydra/launcher/mine": "defaults: [basic]\n",
+}
+COMMANDS = [
+    [],
+    ["robot=sample"],
+    ["source=urdf", "++source.path=a.urdf", "mesh=hull"],
+    ["export=[]"],
+    ["export=[mjcf,urdf]", "~validate"],
+    ["robot=my_arm", "root=fixed", "++joints.elbow.damping=2"],
+    ["robot=nested"],
+    ["robot=folded"],
+    ["robot=empty"],
+    ["+experiment=short", "export=mjcf"],
+    ["+part@vars=one"],
+    ["hydra/launcher=mine", "robot=sample"],
+]
+
+
+@pytest.fixture
+def here(tmp_path):
+    for name, text in MORE.items():
+        file = tmp_path / f"{name}.yaml"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(text.encode())
+    return write(tmp_path, my_arm=MY_ARM, nested=NESTED)
+
+
+@pytest.mark.parametrize("overrides", COMMANDS, ids=" ".join)
+def test_tree_and_paths_are_those_of_hydra_alone(here, overrides):
+    everything = [*overrides, *searching([here])]
+    with initialize_config_module("conf", job_name="linkwright", **HYDRA):
+        expected = compose(PRIMARY, everything, return_hydra_config=True)
+        loader = GlobalHydra.instance().config_loader()
+        files = [
+            default.config_path or ""
+            for default in loader.compute_defaults_list(PRIMARY, everything, RunMode.RUN).defaults
+        ]
+    with session(cwd=here):
+        for _ in range(2):
+            config, paths = composed(everything)
+            assert OmegaConf.to_container(config) == OmegaConf.to_container(expected)
+            assert list(config) == list(expected)
+            assert paths == files
+
+
+def test_a_file_that_changes_is_read_again(here):
+    for name in ("one", "two"):
+        write(here, my_arm=MY_ARM + f"name: {name}\n")
+        assert compose_plan(["robot=my_arm"], cwd=here).plan.name == name
