@@ -13,7 +13,7 @@ from tests.fake_onshape.document import Document
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.cases import mostly_slow
-from tests.support.command import environment, linkwright, tree
+from tests.support.command import called, environment, linkwright, tree
 
 WEB = "https://cad.onshape.com/documents/" + "a" * 24 + "/w/" + "b" * 24 + "/e/" + "c" * 24
 
@@ -22,7 +22,7 @@ def refused(
     here: Path, status: int, arguments: list[str], *output_text: str, environ: dict | None = None
 ) -> str:
     """Runs and expects this exit status and these words, once, without a traceback or an output."""
-    done = linkwright(here, *arguments, environ=environ)
+    done = called(here, *arguments, environ=environ)
     assert done.returncode == status, done.stdout + done.stderr
     assert "Traceback" not in done.stdout + done.stderr
     assert done.stderr.count("error:") == 1
@@ -207,7 +207,7 @@ def test_an_output_that_would_take_the_place_of_what_the_user_works_in_is_refuse
     (tmp_path / "home").mkdir()
     (tmp_path / "work").mkdir()
     environ = environment(tmp_path / "work", HOME=str(tmp_path / "home"))
-    done = linkwright(tmp_path / "work", *sweep, f"output={output}", environ=environ)
+    done = called(tmp_path / "work", *sweep, f"output={output}", environ=environ)
     assert done.returncode == 2
     assert shown in done.stderr
     assert "Traceback" not in done.stderr

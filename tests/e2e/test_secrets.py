@@ -8,7 +8,7 @@ import json
 import re
 import subprocess
 import zipfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from urllib.parse import quote
 
@@ -19,7 +19,7 @@ from tests.fake_onshape.document import Document
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import Fault, OnshapeServer
 from tests.support.cases import mostly_slow
-from tests.support.command import environment, linkwright
+from tests.support.command import called, environment, linkwright
 
 ACCESS, SECRET, TOKEN = (
     "AkZq7Distinct0Access1Key",
@@ -113,7 +113,11 @@ def printed(here: Path, done: subprocess.CompletedProcess[str]) -> list[str]:
 
 
 def run(
-    here: Path, server: OnshapeServer, way: str, place: str, *more: str
+    here: Path,
+    server: OnshapeServer,
+    way: str,
+    place: str,
+    command: Callable[..., subprocess.CompletedProcess[str]] = called,
 ) -> subprocess.CompletedProcess[str]:
     """Builds with the key in the environment or in `.env`, tracebacks shown."""
     given = dict(WAYS[way])
@@ -122,24 +126,24 @@ def run(
         given = {}
     given |= {"USER": USER, "LOGNAME": USER, "LINKWRIGHT_TRACEBACK": "1"}
     source = ["source=onshape", f"source.url='{server.document_url()}'", "source.max_wait=0"]
-    return linkwright(here, "robot=sample", *source, "until=graph", *more, environ=environment(here, **given))
+    return command(here, "robot=sample", *source, "until=graph", environ=environment(here, **given))
 
 
 @pytest.mark.parametrize("place", mostly_slow([".env", "environment"], keep=1))
 @pytest.mark.parametrize("way", mostly_slow(WAYS, keep=1))
 def test_a_build_that_passes_and_its_bundle_show_no_secret(tmp_path: Path, way: str, place: str) -> None:
     with OnshapeServer(sample_document(), keys=(ACCESS, SECRET), token=TOKEN) as server:
-        done = run(tmp_path, server, way, place)
+        done = run(tmp_path, server, way, place, linkwright)
         assert done.returncode == 0, done.stderr
         assert printed(tmp_path, done) == []
         host = server.url.partition("//")[2]
-    bundled = linkwright(tmp_path, "bundle", "sample.graph", "arm.zip")
+    bundled = called(tmp_path, "bundle", "sample.graph", "arm.zip")
     assert bundled.returncode == 0, bundled.stderr
     assert printed(tmp_path, bundled) == []
     with zipfile.ZipFile(tmp_path / "arm.zip") as archive:
         contents = b"".join(archive.read(name) for name in archive.namelist())
     assert not any(text.encode() in contents for text in (host, "127.0.0.1", str(tmp_path)))
-    counted = linkwright(tmp_path, "cache", "info")
+    counted = called(tmp_path, "cache", "info")
     assert counted.returncode == 0, counted.stderr
     assert printed(tmp_path, counted) == []
 
@@ -191,7 +195,7 @@ def test_a_wrong_key_is_not_shown_either(tmp_path: Path, way: str) -> None:
 
 def test_a_key_in_the_address_is_refused_without_being_repeated(tmp_path: Path) -> None:
     for secret in (f"{ACCESS}:{SECRET}@cad.onshape.com/documents/x", f"cad.onshape.com/?token={TOKEN}"):
-        done = linkwright(tmp_path, "source=onshape", f"source.url='https://{secret}'")
+        done = called(tmp_path, "source=onshape", f"source.url='https://{secret}'")
         assert done.returncode == 2
         assert printed(tmp_path, done) == []
 
@@ -208,7 +212,7 @@ def holding(secret: str) -> Document:
 def test_a_document_that_holds_the_key_is_not_kept_anywhere(tmp_path: Path, until: str) -> None:
     with OnshapeServer(holding(SECRET), keys=(ACCESS, SECRET)) as server:
         source = ["source=onshape", f"source.url='{server.document_url()}'", f"until={until}"]
-        done = linkwright(tmp_path, *source, environ=environment(tmp_path, **KEY))
+        done = called(tmp_path, *source, environ=environment(tmp_path, **KEY))
     assert done.returncode == 1
     assert "would hold the value of ONSHAPE_SECRET_KEY; nothing was written" in done.stderr
     assert ", rootAssembly" in done.stderr or ", parts[" in done.stderr
@@ -241,7 +245,7 @@ def test_a_robot_that_was_made_before_the_key_was_known_is_not_handed_out_with_i
 
 @pytest.mark.parametrize("key", ["name", "output", "cache.dir", "names.links.base_plate"])
 def test_a_key_that_comes_by_an_interpolation_is_refused_and_leaves_nothing(tmp_path: Path, key: str) -> None:
-    done = linkwright(
+    done = called(
         tmp_path,
         "robot=sample",
         f"{key}=${{oc.env:ONSHAPE_ACCESS_KEY}}",

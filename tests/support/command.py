@@ -1,10 +1,16 @@
-"""The installed `linkwright`, run as a user runs it."""
+"""The installed `linkwright`, run as a user runs it, and the same without the start of a process."""
 
 import os
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
 from pathlib import Path
+from tempfile import TemporaryFile
+from typing import TextIO
+from unittest.mock import patch
+
+from pipeline import cli
 
 COMMAND = Path(sys.executable).with_name("linkwright")
 RUN_FACTS = {".linkwright.json", "report.json", "report.html", "build.log", "config.yaml"}
@@ -29,6 +35,34 @@ def linkwright(
         timeout=timeout,
         check=False,
     )
+
+
+def called(
+    here: Path, *arguments: str, environ: Mapping[str, str] | None = None
+) -> subprocess.CompletedProcess[str]:
+    """As `linkwright`, but in this process, whose imports are done: for the many cases of what few tests
+    show of the command itself."""
+    with TemporaryFile("w+", encoding="utf-8") as out, TemporaryFile("w+", encoding="utf-8") as err:
+        with chdir(here), patch.dict(os.environ, environ or environment(here), clear=True), _into(out, err):
+            status = cli.run(arguments)
+        out.seek(0)
+        err.seek(0)
+        return subprocess.CompletedProcess(arguments, status, out.read(), err.read())
+
+
+@contextmanager
+def _into(out: TextIO, err: TextIO) -> Iterator[None]:
+    """Inside, all that is printed goes to these files, also by libraries and child processes."""
+    theirs = {1: os.dup(1), 2: os.dup(2)}
+    for number, file in {1: out, 2: err}.items():
+        os.dup2(file.fileno(), number)
+    try:
+        with redirect_stdout(out), redirect_stderr(err):
+            yield
+    finally:
+        for number, copy in theirs.items():
+            os.dup2(copy, number)
+            os.close(copy)
 
 
 def robot_files(folder: Path) -> dict[str, bytes]:
