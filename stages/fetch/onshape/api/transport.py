@@ -1,12 +1,15 @@
 """Sends one HTTP request and returns its complete reply. The only module that imports httpx."""
 
 import contextlib
+import os
 import re
 import socket
+import ssl
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from threading import Lock
 from typing import Any
 from weakref import WeakSet
@@ -169,7 +172,7 @@ def _client(patience: Patience, *, loopback: bool) -> httpx.Client:
             timeout=httpx.Timeout(patience.read, connect=patience.connect, pool=None),
             limits=httpx.Limits(max_connections=AT_ONCE, max_keepalive_connections=AT_ONCE),
             follow_redirects=False,
-            verify=httpx.create_ssl_context(),
+            verify=_trusted(os.environ.get("SSL_CERT_FILE"), os.environ.get("SSL_CERT_DIR")),
             # A proxy is for the world outside; it cannot reach this computer's own loopback.
             trust_env=not loopback,
         )
@@ -178,6 +181,13 @@ def _client(patience: Patience, *, loopback: bool) -> httpx.Client:
         msg = "the proxy settings cannot be read"
         hint = "set HTTPS_PROXY and NO_PROXY to what your network needs, or unset them"
         raise ConfigError(msg, "NO_PROXY", hint) from None
+
+
+@lru_cache(maxsize=4)
+def _trusted(file: str | None, folder: str | None) -> ssl.SSLContext:
+    """The authorities that the environment names, else those that the library brings. To read them takes
+    longer than a request."""
+    return httpx.create_ssl_context()
 
 
 def _pieces(response: httpx.Response, arrived: Callable[[int], None]) -> Iterator[bytes]:
