@@ -3,6 +3,7 @@
 Examples are the same in every run; `HYPOTHESIS_PROFILE=explore` draws new ones, and more.
 """
 
+import gc
 import os
 import signal
 
@@ -29,6 +30,12 @@ os.environ |= {"COLUMNS": "120", "LINES": "40", "TERM": "xterm-256color"}
 settings.register_profile("same", derandomize=True, deadline=None)
 settings.register_profile("explore", max_examples=2000, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
+
+
+def pytest_collection_finish() -> None:
+    """Leaves all that is there now, which stays until the end, out of the garbage collector's rounds."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture

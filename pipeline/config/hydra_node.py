@@ -1,7 +1,8 @@
 """The node `hydra` of a tree: launchers, the folders of a sweep, and keys that a file must not set."""
 
 import shlex
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -84,7 +85,7 @@ class HydraNode:
     def _set_by_files(self, config: DictConfig, launcher: str, draft: Draft) -> dict[str, Any]:
         """The settings of Hydra in files, without those that files must not set."""
         try:
-            ours = as_written(self.ours(launcher).hydra)
+            ours = self._without_files(launcher)
         except Exception as error:
             draft.add(self._of_ones_own(launcher) or explained(error, self._presets))
             return {}
@@ -95,6 +96,13 @@ class HydraNode:
         draft.problems += [problem for problem in problems if problem.where not in known]
         return changed
 
+    def _without_files(self, launcher: str) -> dict[str, Any]:
+        """The node that the command line alone leads to, as written."""
+        if self.typed or self._presets.given:
+            return as_written(self.ours(launcher).hydra)
+        node = dict(_of_conf(launcher))
+        return {**node, "runtime": {**node["runtime"], "cwd": str(Path.cwd())}}
+
     def _of_ones_own(self, launcher: str) -> Diagnostic | None:
         """The problem of a launcher that exists only in the working folder."""
         files = self._presets.own_files([f"{GROUP}/{launcher}"])
@@ -103,6 +111,12 @@ class HydraNode:
         text = f"your own launchers are used only from --config-dir, and this launcher is {files[0]}"
         command = [*self._command[:1], "--config-dir", str(files[0].parents[2]), *self._command[1:]]
         return Diagnostic(CODE, text, f"{GROUP}={launcher}", f"if you trust it: {shlex.join(command)}")
+
+
+@lru_cache(maxsize=16)
+def _of_conf(launcher: str) -> Mapping[str, Any]:
+    """The node that `conf` alone leads to, with this launcher: the same for all builds of a process."""
+    return as_written(composed([f"{GROUP}={launcher}"])[0].hydra)
 
 
 def searching(folders: Iterable[Path]) -> list[str]:
