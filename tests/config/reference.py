@@ -6,6 +6,7 @@ import textwrap
 import types
 from collections.abc import Iterable, Iterator
 from dataclasses import asdict
+from functools import cache
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 import yaml
@@ -36,9 +37,10 @@ def fields(section: type[Keys]) -> Iterator[tuple[str, FieldInfo]]:
         yield from ((name, field) for name, field in Plan.model_fields.items() if name not in stages)
 
 
-def entries() -> list[KeyEntry]:
+@cache
+def entries() -> tuple[KeyEntry, ...]:
     """Every key and section of the configuration, in its order."""
-    return list(_entries(Plan, (), {}, ""))
+    return tuple(_entries(Plan, (), {}, ""))
 
 
 def _entries(

@@ -161,5 +161,5 @@ def test_the_path_of_the_schema_can_be_asked_for(capsys):
 
 
 def test_the_checked_in_entries_read_back():
-    assert entries() == tuple(reference.entries())
+    assert entries() == reference.entries()
     assert explanations()

@@ -12,7 +12,6 @@ from tests.fake_onshape.bundle import bundle_bytes
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import OnshapeServer
-from tests.support.cases import mostly_slow
 from tests.support.command import called, environment, linkwright, tree
 
 WEB = "https://cad.onshape.com/documents/" + "a" * 24 + "/w/" + "b" * 24 + "/e/" + "c" * 24
@@ -34,31 +33,28 @@ def refused(
 
 @pytest.mark.parametrize(
     ("arguments", "output_text"),
-    mostly_slow(
-        [
-            (["mesh.colider=hull"], ["mesh.colider", "collider"]),
-            (["ground.size=big"], ["ground.size", "big"]),
-            (["ground.size=big", "validate.levle=quick"], ["ground.size", "validate.levle", "level"]),
-            (["plugins=[mine]"], ["plugins", "not supported yet"]),
-            (["mesh=coadc"], ["mesh", "coacd", "hull"]),
-            (["robot=nobody"], ["robot", "nobody", "sample"]),
-            (["source=onshape"], ["source.url"]),
-            (["source=onshape", "source.url=https://example.com/robot"], ["source.url", "/documents/"]),
-            (["source=onshape", f"source.url={WEB}"], ["ONSHAPE_ACCESS_KEY"]),
-            (["source=bundle", "source.path=nowhere.zip"], ["nowhere.zip"]),
-            (["name=../x"], ["name"]),
-            (["name=scene"], ["name", "scene.xml"]),
-            (
-                ["source=onshape", f"source.url={WEB}", "ground=foo", "foo=1"],
-                ["ONSHAPE_ACCESS_KEY", "ground=foo", "foo"],
-            ),
-            (["source=onshape", "source.url=arm", "mesh.colider=hull"], ["source.url", "mesh.colider"]),
-            (["hydra.verbose=true"], ["hydra.verbose"]),
-            (["-m", "root=auto,free", "joints.*.effort=glob(*)"], ["joints.*.effort=glob(*)", "group"]),
-            (["source=onshape", f"source.url={WEB}?a=b"], [f"\"source.url='{WEB}?a=b'\""]),
-        ],
-        keep=4,
-    ),
+    [
+        (["mesh.colider=hull"], ["mesh.colider", "collider"]),
+        (["ground.size=big"], ["ground.size", "big"]),
+        (["ground.size=big", "validate.levle=quick"], ["ground.size", "validate.levle", "level"]),
+        (["plugins=[mine]"], ["plugins", "not supported yet"]),
+        (["mesh=coadc"], ["mesh", "coacd", "hull"]),
+        (["robot=nobody"], ["robot", "nobody", "sample"]),
+        (["source=onshape"], ["source.url"]),
+        (["source=onshape", "source.url=https://example.com/robot"], ["source.url", "/documents/"]),
+        (["source=onshape", f"source.url={WEB}"], ["ONSHAPE_ACCESS_KEY"]),
+        (["source=bundle", "source.path=nowhere.zip"], ["nowhere.zip"]),
+        (["name=../x"], ["name"]),
+        (["name=scene"], ["name", "scene.xml"]),
+        (
+            ["source=onshape", f"source.url={WEB}", "ground=foo", "foo=1"],
+            ["ONSHAPE_ACCESS_KEY", "ground=foo", "foo"],
+        ),
+        (["source=onshape", "source.url=arm", "mesh.colider=hull"], ["source.url", "mesh.colider"]),
+        (["hydra.verbose=true"], ["hydra.verbose"]),
+        (["-m", "root=auto,free", "joints.*.effort=glob(*)"], ["joints.*.effort=glob(*)", "group"]),
+        (["source=onshape", f"source.url={WEB}?a=b"], [f"\"source.url='{WEB}?a=b'\""]),
+    ],
 )
 def test_what_is_known_beforehand_is_refused_with_2_and_leaves_nothing(
     tmp_path: Path, arguments: list[str], output_text: list[str]

@@ -7,7 +7,7 @@ import pytest
 from tests.fake_onshape.faults import Fault
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.cases import mostly_slow
-from tests.support.command import environment, linkwright
+from tests.support.command import called, environment, linkwright
 from tests.support.faulty import CALLS, desk
 
 
@@ -34,9 +34,9 @@ def test_a_stopped_build_shows_how_to_go_on_and_goes_on(tmp_path, fault, output_
         report = json.loads((tmp_path / "desk.failed" / "report.json").read_bytes())
         assert report["calls"]["made"] == server.count
         server.fault = None
-        assert linkwright(tmp_path, *arguments, environ=environ).returncode == 0
+        assert called(tmp_path, *arguments, environ=environ).returncode == 0
         arrived = [target for _, target, status in server.calls if status == 200 and "/w/" not in target]
         assert len(set(arrived)) == len(arrived) == CALLS - 1
-        shown = linkwright(tmp_path, "cache", "info", environ=environ).stdout
+        shown = called(tmp_path, "cache", "info", environ=environ).stdout
         assert f" {server.count} " in shown
         assert not any(secret in shown for secret in server.keys)

@@ -20,7 +20,7 @@ from tests.fake_onshape.document import Document
 from tests.fake_onshape.prefixed import prefixed
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import bundle_of, plan_of
-from tests.support.command import linkwright
+from tests.support.command import called, linkwright
 from tests.support.engines import Mujoco
 from tests.support.places import SHARED
 from tests.support.urdfs import parity, same_bounds
@@ -85,12 +85,12 @@ def test_a_bad_inertia_is_refused_with_the_way_out(tmp_path: Path) -> None:
         '<inertia ixx="1" iyy="1" izz="3" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>'
     )
     (tmp_path / "r.urdf").write_text(text)
-    done = linkwright(tmp_path, "source=urdf", "source.path=r.urdf")
+    done = called(tmp_path, "source=urdf", "source.path=r.urdf")
     assert done.returncode == 1
     assert "E-INERTIA" in done.stderr
     assert "1, 1, 3 kg m²" in done.stderr
     assert "source.bad_inertia" in done.stderr
-    done = linkwright(tmp_path, "source=urdf", "source.path=r.urdf", "source.bad_inertia=project")
+    done = called(tmp_path, "source=urdf", "source.path=r.urdf", "source.bad_inertia=project")
     assert done.returncode == 0, done.stderr
     assert "W-INERTIA" in done.stdout + done.stderr
 

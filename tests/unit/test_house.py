@@ -30,6 +30,7 @@ def name_of(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
+@cache
 def texts(path: Path) -> list[str]:
     """The strings of a module that are no documentation."""
     nodes = list(ast.walk(parsed(path)))
