@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
@@ -79,6 +80,7 @@ class _Files:
         self._read: dict[Path, LooseMesh | str] = {}
         self._moved: dict[str, Path] = {}
         self._textures: dict[str, Texture] = {}
+        self._known: dict[str, bytes] = {}
         self._without: dict[tuple[str, str], str] = {}
         self.missing: list[Diagnostic] = []
         self.images: dict[str, bytes] = {}
@@ -101,7 +103,7 @@ class _Files:
                 image = self._image(shape, mesh) if key in seen else None
                 made = body(mesh, key, shape.scale, shape.colour, image)
                 found[key] = triangles.encode([made])
-                self._keep(mesh, made.textures)
+                self.images |= {digest: self._known[digest] for digest in made.textures if digest}
         self.missing = list(lacking.values())
         return found
 
@@ -119,14 +121,19 @@ class _Files:
         if name not in self._textures:
             place = self._place(name)
             content = place.why if place.file is None else _bytes(place.file, png.LARGEST)
-            self._textures[name] = texture(name, content)
+            self._textures[name] = found = texture(name, content)
+            self._known.setdefault(found.digest, found.image)
         return self._textures[name]
 
-    def _keep(self, mesh: LooseMesh, digests: Iterable[str]) -> None:
-        """Keeps the images of a mesh that has these digests."""
-        every = [one for one in (*mesh.textures, *self._textures.values()) if one is not None and one.image]
-        by_digest = {one.digest: one.image for one in every}
-        self.images |= {digest: by_digest[digest] for digest in digests if digest}
+    def _once(self, mesh: LooseMesh | str) -> LooseMesh | str:
+        """The mesh with images that other meshes have too in memory only once."""
+        if isinstance(mesh, str):
+            return mesh
+        for one in mesh.textures:
+            if one is not None and one.image:
+                self._known.setdefault(one.digest, one.image)
+        once = (one and replace(one, image=self._known.get(one.digest, b"")) for one in mesh.textures)
+        return replace(mesh, textures=tuple(once))
 
     def _place(self, name: str) -> MeshPlace:
         place = self._seen.places.get(name) or self._seen.files.find(name)
@@ -139,7 +146,7 @@ class _Files:
         if place.file is None:
             return place.why
         if place.file not in self._read:
-            self._read[place.file] = _content(place.file, self._seen.files.roots())
+            self._read[place.file] = self._once(_content(place.file, self._seen.files.roots()))
         return self._read[place.file]
 
     def _problem(self, name: str, why: str, *, there: bool) -> Diagnostic:

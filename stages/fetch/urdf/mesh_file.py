@@ -180,7 +180,7 @@ def _placed(scene: Any, node: str, textures: Mapping[str, Texture]) -> LooseMesh
     texcoords = _texcoords(shape, corners)
     texture = _texture(shape, textures)
     if texture is not None and texture.image and texcoords is None:
-        texture = replace(texture, image=b"", why=NO_COORDINATES)
+        texture = texture.without(NO_COORDINATES)
     shades = _shades(shape)
     colours: tuple[Colour, ...]
     if shades is None:

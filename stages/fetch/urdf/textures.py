@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 
 from stages.fetch.urdf import obj_materials
@@ -17,18 +17,20 @@ _JPEG = b"\xff\xd8\xff"
 
 @dataclass(frozen=True, slots=True)
 class Texture:
-    """An image of a material. `name` as messages have it; `image`: a PNG; `why`: the reason why there is
-    none, "" where there is one. `white`: whether the image gives the whole colour, as the material has none.
+    """An image of a material. `name` as messages have it; `image`: a PNG, and `digest` its SHA-256; `why`:
+    the reason why there is none, "" where there is one. `white`: whether the image gives the whole colour, as
+    the material has none.
     """
 
     name: str
     image: bytes = b""
+    digest: str = ""
     why: str = ""
     white: bool = False
 
-    @property
-    def digest(self) -> str:
-        return sha256(self.image).hexdigest()
+    def without(self, why: str) -> Texture:
+        """The texture without its image, for this reason."""
+        return replace(self, image=b"", digest="", why=why)
 
 
 def texture(name: str, content: bytes | str, *, white: bool = False) -> Texture:
@@ -41,7 +43,7 @@ def texture(name: str, content: bytes | str, *, white: bool = False) -> Texture:
     if content.startswith(_JPEG):
         return Texture(name, why="it is a JPEG, and only PNG images are carried")
     why = png.problem(content)
-    return Texture(name, b"" if why else content, why, white)
+    return Texture(name, why=why) if why else Texture(name, content, sha256(content).hexdigest(), "", white)
 
 
 def of_obj(beside: Companions) -> dict[str, Texture]:

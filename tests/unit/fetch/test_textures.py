@@ -112,7 +112,7 @@ def broken() -> dict[str, tuple[bytes | None, str]]:
         "damaged": (good[:45] + bytes([good[45] ^ 1]) + good[46:], "it is damaged"),
         "headless": (png.SIGNATURE + good[33:], "it is damaged: it does not begin with its header"),
         "impossible": (wrong, "it is damaged: its header is invalid"),
-        "bodiless": (good[:33] + chunk(b"IEND", b""), "it has no pixels"),
+        "bodiless": (good[:33] + chunk(b"IEND", b""), "it is damaged: its pixels are incomplete"),
         "huge": (huge, "it has 32768 × 32768 pixels; at most 67108864 are carried"),
     }
 

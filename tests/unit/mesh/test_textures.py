@@ -185,3 +185,15 @@ def test_the_order_of_triangles_and_points_does_not_matter(tmp_path: Path) -> No
         mixed = np.array([np.roll(one, rng.integers(3), axis=0) for one in rng.permutation(cube())])
         files.append(exported(tmp_path / str(seed), robot(tmp_path, **{"cube.obj": obj(mixed)}))[1].files)
     assert files[0] == files[1] == files[2]
+
+
+def test_large_meshes_are_several_files_with_one_image(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("stages.mesh.mesh_file.MOST_FACES", 7)
+    _, geometry, _ = exported(tmp_path, robot(tmp_path))
+    shapes = geometry.of("a", "visual")
+    assert [shape.faces for shape in shapes] == [6, 6]
+    assert len({shape.texture for shape in shapes}) == 1
+    halves = [by_trimesh(tmp_path / "assets" / (shape.file or "")) for shape in shapes]
+    assert np.allclose(ordered(np.concatenate(halves)), ordered(cube()))
