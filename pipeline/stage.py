@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from pipeline.caching import bundles
 from pipeline.config.plan import Plan, section
 from pipeline.context import FILES, NOTES, ROBOT, BuildContext, notes
-from pipeline.mesh_details import details
+from pipeline.mesh_details import details, shown
 from stages.robot import codec
 from stages.robot.errors import ConfigError
 from stages.robot.plural import count
@@ -227,7 +227,7 @@ class MeshStage(StageBase):
         # MuJoCo makes no mesh: what it decides has its version in the key.
         versions = {name: found for name, found in libraries(self).items() if name != "mujoco"}
         memo = context.cache.memo(self.name, self.version, versions)
-        geometry = make_geometry(context.robot, context.bundle, context.plan, memo)
+        geometry = make_geometry(context.robot, context.bundle, context.plan, memo, shown(context))
         triangles = sum(shape.faces for shape in geometry.shapes)
         meshes = len({shape.file for shape in geometry.shapes if shape.file is not None})
         figures = {"meshes": meshes, "triangles": triangles}

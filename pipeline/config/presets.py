@@ -15,7 +15,6 @@ from pipeline.config.choices import Choices
 from pipeline.config.messages import EXPERIMENT, nearest
 from pipeline.key_path import Place, key_of
 from stages.export.keys import LATER_FORMATS
-from stages.mesh.keys import LATER_COLLIDERS
 from stages.robot.errors import ConfigError, Diagnostic
 
 OURS = Path(conf.__file__).parent
@@ -30,7 +29,6 @@ _PACKAGED = re.compile(r"(\s*#.*\n)*\s*#\s*@package\s+(?!_group_)\S")
 """The head of a file with its place in the tree."""
 
 LATER = {
-    "mesh": LATER_COLLIDERS,
     "actuators": ("position",),
     "export": LATER_FORMATS,
 }

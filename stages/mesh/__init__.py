@@ -6,8 +6,8 @@ own frame. The primitives that the user gave it stay as they are.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 if TYPE_CHECKING:
     from stages.mesh.keys import MeshKeys
@@ -15,19 +15,41 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 14
+VERSION = 15
 """Grows with every change of what this stage makes of the same input."""
 
-COLLIDERS: Mapping[str, tuple[str, ...]] = {
-    "coacd": ("tolerance", "max_vertices", "coacd"),
-    "hull": (),
-    "primitives": ("target",),
-    "raw": (),
-    "spheres": ("tolerance",),
-    "visual": (),
+
+class Maker(NamedTuple):
+    """What a maker of colliders works on, and which `ColliderSettings` it reads.
+
+    `per`: part, one collider for each part, in its own frame; link, one for all parts of a link that the
+    same key chooses, in the link's frame. `improves`: whether it has a second, costly step.
+    """
+
+    per: Literal["part", "link"]
+    settings: tuple[str, ...]
+    improves: bool = False
+
+
+_PIECES = ("tolerance", "max_vertices", "effort", "coacd")
+
+COLLIDERS: Mapping[str, Maker] = {
+    "coacd": Maker("part", _PIECES, improves=True),
+    "hull": Maker("link", ("tolerance", "extra_volume", "max_vertices")),
+    "ladder": Maker("part", (*_PIECES, "extra_volume", "target"), improves=True),
+    "primitives": Maker("part", ("tolerance", "extra_volume", "target")),
+    "raw": Maker("part", ()),
+    "spheres": Maker("part", ("tolerance", "extra_volume")),
+    "visual": Maker("link", ()),
 }
-"""The values of `mesh.collider`: modules of `stages/mesh/colliders`, each with a function `make` (a
-`ColliderMaker`); and the names of the `ColliderSettings` that each reads."""
+"""The values of `mesh.collider`: modules of `stages/mesh/colliders`, each with a function `make` and, where
+it improves, `improve`."""
+
+GIVEN = Maker("link", ("kind", "size", "tolerance", "extra_volume"))
+"""The module `stages.mesh.colliders.given`: a primitive that `mesh.colliders` names."""
+
+PRIMITIVES = ("sphere", "capsule", "box", "cylinder")
+"""The primitives that may be named there."""
 
 Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]
 """memo(kind, key, make): the bytes that were made before for this kind and key, else `make()`.
@@ -36,14 +58,23 @@ The caller adds this stage's version and those of its libraries to the key.
 """
 
 
-def make_geometry(robot: Robot, bundle: Bundle, keys: MeshKeys, memo: Memo) -> Geometry:
+Shown = Callable[[Sequence[str], int, int], None]
+"""shown(running, done, total): the names of the parts whose colliders are being made, and how many of all
+are done."""
+
+
+def make_geometry(
+    robot: Robot, bundle: Bundle, keys: MeshKeys, memo: Memo, shown: Shown | None = None
+) -> Geometry:
     """The shapes of all links and their files. Diagnostics: W-NO-MESH, W-FLAT,
     W-MESH-VOLUME, W-COM-OUTSIDE, W-VISUAL-FACES, I-DECIMATED, I-NO-ASSETS,
-    W-NO-COLLIDER, I-RAW, I-ALWAYS-CONTACT, W-SELF-CONTACT.
-    MeshError where `geoms` or `contact.exclude` match no links, or MuJoCo refuses a collider.
+    W-NO-COLLIDER, W-COLLIDER, I-SMALL-PARTS, I-RAW, I-ALWAYS-CONTACT, W-SELF-CONTACT.
+    MeshError where `geoms`, `mesh.colliders` or `contact.exclude` match nothing, or MuJoCo refuses
+    a collider.
 
-    Each link is made through `memo`, by the content of its parts: renaming one makes nothing again.
+    Each link's visual meshes and each part's collider are made through `memo`, by content: renaming one
+    makes nothing again.
     """
     from stages.mesh.geometry import geometry
 
-    return geometry(robot, bundle, keys, memo)
+    return geometry(robot, bundle, keys, memo, shown)

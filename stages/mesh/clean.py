@@ -49,6 +49,10 @@ class Cleaned:
         """What colliders are made for: the solids, then what is loose."""
         return self.solids + ((self.loose,) if self.loose else ())
 
+    def outer_bodies(self) -> tuple[Surface, ...]:
+        """The same without the cavities of the solids: nothing gets there."""
+        return tuple(map(_without_cavities, self.solids)) + ((self.loose,) if self.loose else ())
+
 
 def clean(surface: Surface) -> Cleaned:
     """A mesh's solids and the rest, mended where that is sure; takes any triangles, even none.
@@ -202,6 +206,12 @@ def _solids(shells: Shells, chosen: Indices, flaws: list[Flaw]) -> tuple[Surface
         members.setdefault(owner[shell], []).append(triangles[:, ::-1] if turn[shell] else triangles)
     names = sorted(members, key=lambda one: (-abs(shells.volume[one]), one))
     return tuple(compacted(Surface(shells.surface.vertices, np.concatenate(members[one]))) for one in names)
+
+
+def _without_cavities(solid: Surface) -> Surface:
+    shells = Shells.of(solid)
+    outer = shells.volume > 0
+    return solid if outer.all() else compacted(Surface(solid.vertices, solid.triangles[outer[shells.label]]))
 
 
 def _root(shell: int, holders: dict[int, list[int]], depth: dict[int, int]) -> int:

@@ -8,12 +8,11 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 
 from stages.mesh import stl
-from stages.mesh.link_mesh import LinkMesh
-from stages.mesh.mesh_file import MeshFile
 from stages.mesh.primitives import around
 from stages.mesh.surface import Points
 from stages.mesh.tessellation import PartMesh
 from stages.robot.errors import Diagnostic
+from stages.robot.geometry import Shape
 from stages.robot.inertia import merged, moved
 from stages.robot.model import Array, Link, MeshRef, Part
 
@@ -23,15 +22,22 @@ Library = Callable[[Sequence[Part]], Mapping[MeshRef, PartMesh]]
 """The meshes of these parts, where there are any."""
 
 
-def unbalanced(links: Sequence[Link], meshes: Mapping[str, LinkMesh], library: Library) -> list[Diagnostic]:
+def unbalanced(
+    links: Sequence[Link], library: Library, shapes: Sequence[Shape], files: Mapping[str, bytes]
+) -> list[Diagnostic]:
     """W-COM-OUTSIDE for each link whose centre of mass is outside the hull of everything it is made of.
 
-    The `library` reads the triangles of the parts only where no collider of the link (`meshes`, by the
-    link's name) contains the centre of mass.
+    The `library` reads the triangles of the parts only where no collider of the link, a mesh among its
+    `shapes`, contains the centre of mass. `files`: the meshes in STL, by name.
     """
     problems = []
+    colliders: dict[str, list[bytes]] = {}
+    for shape in shapes:
+        if shape.role == "collision" and shape.file is not None:
+            colliders.setdefault(shape.link, []).append(files[shape.file])
     for link in links:
-        if link.inertial.mass == 0 or _in_a_collider(meshes[link.name], link.inertial.com):
+        com = link.inertial.com
+        if link.inertial.mass == 0 or _in_one_of(colliders.get(link.name, ()), com):
             continue
         problem = _check(link, library(link.parts))
         if problem is not None:
@@ -39,9 +45,8 @@ def unbalanced(links: Sequence[Link], meshes: Mapping[str, LinkMesh], library: L
     return problems
 
 
-def _in_a_collider(mesh: LinkMesh, point: Array) -> bool:
-    files = (one for one in mesh.colliders if isinstance(one, MeshFile))
-    return any(_within(stl.read(file.data), point) for file in files)
+def _in_one_of(files: Sequence[bytes], point: Array) -> bool:
+    return any(_within(stl.read(data), point) for data in files)
 
 
 def _check(link: Link, meshes: Mapping[MeshRef, PartMesh]) -> Diagnostic | None:

@@ -1,4 +1,4 @@
-"""Diagnostics of the mesh stage about missing, flat and open meshes."""
+"""Diagnostics of the mesh stage about missing, open and decimated meshes."""
 
 from collections.abc import Mapping, Sequence
 
@@ -14,11 +14,8 @@ Found = Mapping[str, Sequence[tuple[Part, Finding]]]
 """Link → its parts, in order, and the finding of each."""
 
 
-def diagnostics(
-    links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Found, collider: str
-) -> list[Diagnostic]:
-    """All findings, in the order of the links; `meshes` and `found` are by link name. `collider`: what makes
-    the colliders."""
+def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Found) -> list[Diagnostic]:
+    """All findings, in the order of the links; `meshes` and `found` are by link name."""
     every = [pair for link in links for pair in found[link.name]]
     if every and not any(finding.found for _, finding in every):
         return [
@@ -29,20 +26,8 @@ def diagnostics(
                 "fetch it from Onshape, or use a bundle with triangles",
             )
         ]
-    problems = []
-    for link in links:
-        problems += _missing(link, found[link.name])
-        collides = any(part.collides and finding.found for part, finding in found[link.name])
-        if collides and collider != "visual" and not meshes[link.name].colliders:
-            problems.append(
-                Diagnostic(
-                    "W-FLAT",
-                    "the link is flat, so it has no convex hull and no collider",
-                    link.name,
-                    "give it thickness in CAD",
-                )
-            )
-    return problems + _volumes(every) + _raw(meshes, collider) + _decimated(links, meshes)
+    problems = [problem for link in links for problem in _missing(link, found[link.name])]
+    return problems + _volumes(every) + _decimated(links, meshes)
 
 
 def _missing(link: Link, found: Sequence[tuple[Part, Finding]]) -> list[Diagnostic]:
@@ -56,22 +41,6 @@ def _missing(link: Link, found: Sequence[tuple[Part, Finding]]) -> list[Diagnost
             f"no triangles for {len(names)} of {count(len(found), 'part')}: {shown}",
             link.name,
             "check in Onshape that each is a solid without errors",
-        )
-    ]
-
-
-def _raw(meshes: Mapping[str, LinkMesh], collider: str) -> list[Diagnostic]:
-    """I-RAW where links collide by the meshes of their parts."""
-    files = sum(len(mesh.colliders) for mesh in meshes.values())
-    if collider != "raw" or not files:
-        return []
-    return [
-        Diagnostic(
-            "I-RAW",
-            f"{count(files, 'mesh', 'meshes')} of parts serve as colliders as they are; MuJoCo takes the "
-            "convex hull of each, which fills its hollows",
-            "mesh.collider",
-            "choose another mesh option where hollows matter",
         )
     ]
 

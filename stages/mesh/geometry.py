@@ -1,142 +1,168 @@
-"""The robot's geometry: each link's meshes made once, then named."""
+"""The robot's geometry: each link's meshes and colliders, made once, then named."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from importlib import import_module
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from stages.mesh import COLLIDERS, link_mesh, primitives, tessellation, textures
+from stages.mesh import link_mesh, primitives, textures
 from stages.mesh.assets import written
-from stages.mesh.collider_settings import ColliderSettings
+from stages.mesh.choices import Choice, choices
+from stages.mesh.collide import Collided, ColliderJob, collide, jobs_of
+from stages.mesh.collider_report import colliders_reported, figures_of
+from stages.mesh.collision import Collider, colliders
 from stages.mesh.com_check import unbalanced
+from stages.mesh.contact_parts import reported as too_small_reported
+from stages.mesh.contact_parts import too_small, with_basis
 from stages.mesh.contacts.analysis import self_contacts
 from stages.mesh.diagnostics import diagnostics
 from stages.mesh.geoms import contact_properties, with_properties
-from stages.mesh.link_mesh import ColliderMaker, Finding, LinkMesh, Use
+from stages.mesh.library import MeshLibrary
+from stages.mesh.link_mesh import Finding, LinkMesh, Use
 from stages.mesh.mesh_file import MeshFile
 from stages.mesh.names import file_names, part_words
-from stages.mesh.tessellation import PartMesh
 from stages.mesh.visuals.budget import Decimator
 from stages.robot.bundle import Bundle
 from stages.robot.geometry import Geometry, Role, Shape
-from stages.robot.model import Link, MeshRef, Part, Robot
+from stages.robot.model import Link, Part, Robot
 
 if TYPE_CHECKING:
-    from stages.mesh import Memo
+    from stages.mesh import Memo, Shown
     from stages.mesh.keys import MeshKeys, MeshSection
 
 
-def geometry(robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo") -> Geometry:
-    """The shapes of all links. ProtocolError where triangles cannot be read, MeshError where a glob of
-    `geoms` matches no link."""
-    properties = contact_properties([link.name for link in robot.links], keys.geoms)
-    library, decimator = _Library(robot.links, bundle), Decimator()
-    meshes: dict[str, LinkMesh] = {}
-    found, owners = {}, {}
-    for link in robot.links:
-        # Sorted by content: neither a new name nor another order of instances makes the work again.
-        uses = [
-            (Use(part.mesh, part.link_from_part, part.collides, part.seen), part)
-            for part in link.parts
-            if part.mesh
+@dataclass(frozen=True, slots=True, eq=False)
+class _LinkUses:
+    """The parts of a link that have a mesh, sorted by content: neither a new name nor another order of
+    instances makes the work again. `chosen`: who makes the collider of each."""
+
+    parts: tuple[Part, ...]
+    uses: tuple[Use, ...]
+    chosen: tuple[Choice, ...]
+    mesh: LinkMesh
+    small: frozenset[int]
+
+    def jobs(self, link: str) -> Iterator[ColliderJob]:
+        """What of the link has a collider."""
+        colliding = [
+            index
+            for index, (use, found) in enumerate(zip(self.uses, self.mesh.findings, strict=True))
+            if use.collides and found.found and index not in self.small
         ]
-        uses.sort(key=lambda pair: pair[0].key())
-        meshes[link.name] = mesh = _link_mesh([use for use, _ in uses], library, decimator, keys.mesh, memo)
-        owners[link.name] = [uses[index][1] for index in mesh.owners]
-        lacking = [(part, Finding(False, None)) for part in link.parts if part.mesh is None]
-        found[link.name] = [*zip((part for _, part in uses), mesh.findings, strict=True), *lacking]
-    named, files = _named(meshes, owners)
-    files |= textures.images(meshes.values(), bundle)
-    shapes = [shape for link in robot.links for shape in (*named[link.name], *primitives.shapes(link))]
-    problems = diagnostics(robot.links, meshes, found, keys.mesh.collider) + unbalanced(
-        robot.links, meshes, library.of_parts
+        uses = [self.uses[index] for index in colliding]
+        names = [self.parts[index].name for index in colliding]
+        for job in jobs_of(link, uses, names, [self.chosen[index] for index in colliding]):
+            yield replace(job, parts=tuple(colliding[index] for index in job.parts))
+
+
+def geometry(
+    robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo", shown: "Shown | None" = None
+) -> Geometry:
+    """The shapes of all links. ProtocolError where triangles cannot be read, MeshError where a glob of
+    `geoms` matches no link, or one of `mesh.colliders` no link and no part."""
+    properties = contact_properties([link.name for link in robot.links], keys.geoms)
+    links = [with_basis(link, bundle.kind, keys.mesh.basis) for link in robot.links]
+    library = MeshLibrary(links, bundle)
+    used = _used(links, library, keys.mesh, memo)
+    jobs = [job for link in links for job in used[link.name].jobs(link.name)]
+    collided = collide(jobs, library, memo, shown)
+    named, files = _named(links, used, collided)
+    files |= textures.images([one.mesh for one in used.values()], bundle)
+    shapes = [shape for link in links for shape in (*named[link.name], *primitives.shapes(link))]
+    problems = diagnostics(
+        links,
+        {name: one.mesh for name, one in used.items()},
+        {link.name: _found(link, used[link.name]) for link in links},
     )
+    problems += colliders_reported(collided)
+    problems += too_small_reported({name: one for name in used if (one := _small_names(used[name]))})
+    problems += unbalanced(links, library.of_parts, shapes, files)
     contacts = self_contacts(robot, shapes, files, keys.contact, memo)
     problems += contacts.diagnostics
-    (shown, assets), left_out = written(with_properties(shapes, properties), files, keys.mesh)
-    return Geometry(shown, assets, (*problems, *left_out), contacts.on, contacts.excludes)
+    (written_shapes, assets), left_out = written(with_properties(shapes, properties), files, keys.mesh)
+    figures = tuple(
+        figures_of(one, [used[one.job.link].parts[part].name for part in one.job.parts]) for one in collided
+    )
+    every = (*problems, *left_out)
+    return Geometry(written_shapes, assets, every, contacts.on, contacts.excludes, figures)
+
+
+def _used(
+    links: Sequence[Link], library: MeshLibrary, section: "MeshSection", memo: "Memo"
+) -> dict[str, _LinkUses]:
+    """The parts of each link that have a mesh, by the link's name, and their visual meshes."""
+    chosen, decimator = choices(links, section), Decimator()
+    found = {}
+    for link in links:
+        triples = [
+            (Use(part.mesh, part.link_from_part, part.collides, part.seen), part, chosen[link.name, index])
+            for index, part in enumerate(link.parts)
+            if part.mesh
+        ]
+        triples.sort(key=lambda triple: triple[0].key())
+        uses = [use for use, _, _ in triples]
+        parts = [part for _, part, _ in triples]
+        makers = [maker for _, _, maker in triples]
+        mesh = _link_mesh(uses, library, decimator, section, memo)
+        small = too_small(parts, mesh, makers, section.min_size)
+        found[link.name] = _LinkUses(tuple(parts), tuple(uses), tuple(makers), mesh, small)
+    return found
 
 
 def _link_mesh(
-    uses: list[Use], library: "_Library", decimator: Decimator, section: "MeshSection", memo: "Memo"
+    uses: list[Use], library: MeshLibrary, decimator: Decimator, section: "MeshSection", memo: "Memo"
 ) -> LinkMesh:
     if not uses:
-        return LinkMesh((), (), ())
-    collider, settings = section.collider, ColliderSettings.of(section)
+        return LinkMesh((), ())
 
     def make() -> bytes:
-        maker: ColliderMaker = import_module(f"stages.mesh.colliders.{collider}").make
         meshes = library.meshes(use.mesh for use in uses)
-        return link_mesh.encode(link_mesh.make(uses, meshes, maker, settings, section.visual, decimator))
+        return link_mesh.encode(link_mesh.make(uses, meshes, section.visual, decimator))
 
-    used = settings.used(COLLIDERS[collider])
-    key = {
-        "collider": collider,
-        "settings": used,
-        "visual": section.visual.identity(),
-        "parts": [use.key() for use in uses],
-    }
+    key = {"visual": section.visual.identity(), "parts": [use.key() for use in uses]}
     return link_mesh.decode(memo("mesh.link", key, make))
 
 
-class _Library:
-    """The part meshes of a bundle, each reply read once and only where a link must be made."""
+def _found(link: Link, used: _LinkUses) -> list[tuple[Part, Finding]]:
+    lacking = [(part, Finding(False, None)) for part in link.parts if part.mesh is None]
+    return [*zip(used.parts, used.mesh.findings, strict=True), *lacking]
 
-    def __init__(self, links: Iterable[Link], bundle: Bundle) -> None:
-        self._bundle = bundle
-        self._wanted: dict[str, set[str]] = {}
-        self._read: dict[str, dict[str, PartMesh]] = {}
-        for link in links:
-            for part in link.parts:
-                if part.mesh:
-                    self._wanted.setdefault(part.mesh.reply, set()).add(part.mesh.part)
 
-    def of_parts(self, parts: Iterable[Part]) -> dict[MeshRef, PartMesh]:
-        """The meshes of these parts, where there are any."""
-        return self.meshes(part.mesh for part in parts if part.mesh)
-
-    def meshes(self, refs: Iterable[MeshRef]) -> dict[MeshRef, PartMesh]:
-        """The meshes that these refer to, where there are any."""
-        result = {}
-        for ref in set(refs):
-            if ref.reply not in self._read:
-                body = self._bundle.body(ref.reply)
-                self._read[ref.reply] = tessellation.read(body, self._wanted[ref.reply])
-            if ref.part in self._read[ref.reply]:
-                result[ref] = self._read[ref.reply][ref.part]
-        return result
+def _small_names(used: _LinkUses) -> list[str]:
+    return [used.parts[index].name for index in used.small]
 
 
 def _named(
-    meshes: Mapping[str, LinkMesh], owners: Mapping[str, Sequence[Part]]
+    links: Sequence[Link], used: Mapping[str, _LinkUses], collided: Sequence[Collided]
 ) -> tuple[dict[str, list[Shape]], dict[str, bytes]]:
-    """The shapes of each link's meshes and colliders, and their files by name. `owners`: the part of each
-    visual mesh, by link, where each has one of its own."""
-    names = file_names(
-        {
-            link: (
-                part_words([part.name for part in owners[link]]) or len(mesh.visuals),
-                sum(isinstance(one, MeshFile) for one in mesh.colliders),
-            )
-            for link, mesh in meshes.items()
-        }
-    )
+    """The shapes of each link's meshes and colliders, and their files by name."""
+    solid: dict[str, list[Collider]] = {link.name: [] for link in links}
+    for one in collided:
+        solid[one.job.link] += colliders(one.collision, one.job.link_from_subject)
+    names = file_names({name: _counts(used[name], solid[name]) for name in solid})
     shapes: dict[str, list[Shape]] = {}
     files: dict[str, bytes] = {}
-    for link, mesh in meshes.items():
+    for link, every in solid.items():
         visual_names, collider_names = names[link]
         shapes[link] = []
         free = iter(collider_names)
-        for collider in mesh.colliders:
+        for collider in every:
             if isinstance(collider, MeshFile):
                 name = next(free)
                 shapes[link].append(_shape(link, "collision", name, collider))
                 files[name] = collider.data
             else:
                 shapes[link].append(primitives.collider(link, collider))
-        for name, file in zip(visual_names, mesh.visuals, strict=True):
+        for name, file in zip(visual_names, used[link].mesh.visuals, strict=True):
             shapes[link].append(_shape(link, "visual", name, file))
             files[name] = file.data
     return shapes, dict(sorted(files.items()))
+
+
+def _counts(used: _LinkUses, solid: Sequence[Collider]) -> tuple[int | list[str], int]:
+    """How many visual files a link has, or a word for each where each is of one part, and how many files
+    of colliders."""
+    words = part_words([used.parts[index].name for index in used.mesh.owners])
+    return words or len(used.mesh.visuals), sum(isinstance(one, MeshFile) for one in solid)
 
 
 def _shape(link: str, role: Role, name: str, file: MeshFile) -> Shape:

@@ -1,32 +1,12 @@
 """Configuration of the mesh stage: collision and visual geometry."""
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Field
+from pydantic import Field
 
-from stages.mesh import COLLIDERS
-from stages.mesh.decompose_options import search
+from stages.mesh.collider_keys import CoacdParameters, ColliderChoice, ColliderName, VertexCount
 from stages.mesh.geom_keys import GeomKeys
-from stages.robot.errors import ConfigError
-from stages.robot.keys import Count, Keys, Later, NonNegative, Positive, Text, example, invalid, not_yet
-
-LATER_COLLIDERS = ("ladder",)
-"""Colliders that are decided but not supported yet."""
-
-
-if TYPE_CHECKING:
-    ColliderName = str
-else:
-    ColliderName = Literal[tuple(COLLIDERS)]
-
-
-def _of_coacd(given: dict[str, Any]) -> dict[str, Any]:
-    try:
-        search("normal", given)
-    except ConfigError as error:
-        hint = f"; {error.hint}" if error.hint else ""
-        raise invalid(f"{error.where.rpartition('.')[2]}: {error.message}{hint}") from None
-    return given
+from stages.robot.keys import Count, Keys, NonNegative, Positive, Text, example
 
 
 class VisualKeys(Keys):
@@ -44,35 +24,49 @@ class VisualKeys(Keys):
 class MeshSection(Keys):
     """Meshes of the links."""
 
-    collider: Annotated[ColliderName, Later(*LATER_COLLIDERS)] = "hull"
-    """Collision geometry. hull: the convex hull of each link; coacd: at most 16 convex pieces of each
-    part; primitives: of each part the box, sphere, capsule or cylinder that fits it best, however well;
-    raw: the mesh of each part as it is, of which MuJoCo and most other engines take the convex hull;
-    spheres: at most 64 spheres for each part, fewer where they meet mesh.tolerance; visual: none, the
-    links touch nothing."""
+    collider: ColliderName = "hull"
+    """Collision geometry. ladder: of each part the cheapest of a primitive, its convex hull, and at most 8 or
+    16 convex pieces that is within the tolerance; hull: the convex hull of each link; coacd: at most 16
+    convex pieces of each part; primitives: of each part the box, sphere, capsule or cylinder that fits it
+    best, however well; raw: the mesh of each part as it is, of which MuJoCo and most other engines take the
+    convex hull; spheres: at most 64 spheres for each part, fewer where they meet mesh.tolerance; visual:
+    none, the links touch nothing."""
+
+    colliders: Annotated[
+        dict[Text, ColliderChoice],
+        example({"*finger*": {"make": "coacd", "tolerance": 0.001}, "base": "box", "*screw*": "none"}),
+    ] = Field(default_factory=dict)
+    """Glob on names of links or parts → how their colliders are made; the last glob that matches counts. Of
+    a link that is named, one box or hull is for all of its parts; of a part, for this part alone."""
 
     tolerance: Annotated[Positive | None, example(0.002)] = None
     """Largest distance between a part's surface and its collider's [m], for the colliders that can follow it;
-    null: 1.5 % of the diagonal of the part's bounding box, at least 0.001."""
+    a twentieth of the collider's surface may stand out up to three times as far. null: 1.5 % of the diagonal
+    of the part's bounding box, at least 0.001."""
 
-    extra_volume: NonNegative = not_yet(0.15)
-    """Largest share of volume that a collider may add."""
+    extra_volume: NonNegative = 0.15
+    """Largest volume that one primitive or hull for a whole part may add, as a share of the part's own with a
+    layer of mesh.tolerance around it."""
 
-    max_vertices: Annotated[Count, Field(ge=4)] = not_yet(64)
-    """Largest number of vertices of one convex piece."""
+    max_vertices: VertexCount = 64
+    """Largest number of vertices of one hull or convex piece."""
 
-    effort: Literal["normal"] = not_yet("normal")
-    """How long a decomposition may search."""
+    min_size: Annotated[NonNegative | None, example(0.005)] = None
+    """Parts with a smaller diagonal [m] have no collider, unless mesh.colliders names them or the link has
+    no other part; null: the tolerance of the whole link, 1.5 % of its diagonal and at least 0.001."""
 
-    colliders: dict[Text, Text] = not_yet(dict)
-    """Glob on link names → its own collider."""
+    effort: Literal["low", "normal", "high"] = "normal"
+    """How long decompositions may search: about 30, 120 and 1200 CPU seconds for a robot at most. It is
+    reckoned by what is known before, and the parts that are farthest off come first."""
 
     target: Literal["mujoco", "mjx"] = "mujoco"
     """The engine that the colliders are made for. mjx: without cylinders, which MJX collides with no mesh."""
 
-    coacd: Annotated[dict[Text, Any], AfterValidator(_of_coacd), example({"mcts_iterations": 100})] = Field(
-        default_factory=dict
-    )
+    basis: Literal["declared", "visual"] = "declared"
+    """What colliders are made of where the source is a URDF or MJCF. declared: its own collision shapes, of
+    which primitives stay as they are; where a link has none, its visual ones; visual: its visual shapes."""
+
+    coacd: CoacdParameters = Field(default_factory=dict)
     """Parameters of CoACD, by its own names, wherever a part is decomposed. Without a `threshold` it is twice
     the tolerance, in metres; pieces are merged by the volume that it adds, unless `merge` is true."""
 

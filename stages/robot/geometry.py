@@ -75,19 +75,67 @@ class Exclude:
     depth: float
 
 
+By = Literal["boolean", "sampling"]
+"""How volumes were worked out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measures:
+    """How a collider, the union of its pieces, differs from its part.
+
+    `extra`, `missing`: volume of the collider outside the part, and of the part outside the collider, as
+    shares of the part's volume; `by` what they were worked out. Protrusion [m] is the distance from the part
+    of a point of the collider's outer surface, 0 where that is within the part; bareness [m] the distance
+    from the collider of a point of the part's surface, 0 where that is within a piece. `max` is over all
+    points; `p95` is what 95 % of the area stays within, and no area counts for less because it is within.
+    """
+
+    extra: float
+    missing: float
+    by: By
+    protrusion_p95: float
+    protrusion_max: float
+    bareness_p95: float
+    bareness_max: float
+
+
+@dataclass(frozen=True, slots=True)
+class ColliderFigures:
+    """How one or several parts of a link collide.
+
+    `maker`: an option of `mesh.collider`, or "given"; `rung`: what it made, in a word: a kind of primitive,
+    "hull", "pieces", "spheres", "raw", or "none". `vertices`: of all its meshes. `tolerance` [m] and
+    `measures`: what it was judged by, None where it was not; `meets`: whether it is within the tolerance,
+    where its maker goes by one. `note`: why it is no better, in words.
+    """
+
+    link: str
+    parts: tuple[str, ...]
+    maker: str
+    rung: str
+    pieces: int
+    vertices: int
+    meets: bool
+    tolerance: float | None
+    measures: Measures | None
+    note: str = ""
+
+
 @dataclass(frozen=True, slots=True)
 class Geometry:
     """Shapes in the order of the links; of a link its colliders, then its visual meshes, then the primitives
     that the user gave it, in their own order. `files`: binary STL or OBJ by name, metres; of textured meshes
     always OBJ, each with its library of materials (MTL), and the images (PNG). `self_contact`:
     whether the robot's links collide with each other; then `excludes` are the pairs that do not, in the
-    order of the links: also those that an engine leaves out by itself."""
+    order of the links: also those that an engine leaves out by itself. `colliders`: of each link in its own
+    order, how its parts collide."""
 
     shapes: tuple[Shape, ...]
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...] = ()
     self_contact: bool = False
     excludes: tuple[Exclude, ...] = ()
+    colliders: tuple[ColliderFigures, ...] = ()
 
     def of(self, link: str, role: Role) -> tuple[Shape, ...]:
         return tuple(shape for shape in self.shapes if shape.link == link and shape.role == role)

@@ -63,7 +63,8 @@ class Part:
 
     `path`: instance ids from the root; `name`: the same in words, joined by "/". `inertial` and `volume` [m³]
     are CAD's, in the part's own frame. `collides`: whether its shape takes part in contact; a sheet without
-    mass is only visual. `seen`: whether it is visual; a mesh made only for contact is not.
+    mass is only visual. `seen`: whether it is visual; a mesh made only for contact is not. `standard`:
+    whether it is standard content, such as a screw.
     """
 
     path: tuple[str, ...]
@@ -76,6 +77,7 @@ class Part:
     volume: float
     collides: bool = True
     seen: bool = True
+    standard: bool = False
 
 
 PrimitiveKind = Literal["box", "sphere", "cylinder", "capsule"]

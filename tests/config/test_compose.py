@@ -137,7 +137,7 @@ def test_a_mapping_may_be_given_as_a_whole(tmp_path):
             "  - override /source: sampel\nsource: {url: x}\nroot: {bse: free}\nmeshh: 1\n",
             "the configuration has 5 problems\n"
             "  E-OPTION mesh=hul: there is no such option\n"
-            "      did you mean hull? options: coacd, hull, primitives, raw, spheres, visual\n"
+            "      did you mean hull? options: coacd, hull, ladder, primitives, raw, spheres, visual\n"
             "  E-OPTION ground=foo: there is no such option\n"
             "      options: none, plane\n"
             "  E-OPTION source=sampel: there is no such option\n"
@@ -213,7 +213,6 @@ def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
         (["export=[urdf,sdf]"], "E-LATER export=sdf: not supported yet\n      options: mjcf, urdf"),
         (["export=[urdf,obj]"], "E-OPTION export=obj: there is no such option\n      options: mjcf, urdf"),
         (["export=[]"], "E-VALUE export: no format is chosen"),
-        (["mesh=ladder"], "E-LATER mesh=ladder: not supported yet\n      options: coacd, hull"),
         (["actuators=position"], "E-LATER actuators=position: not supported yet"),
         (["mesh/collider=x"], "E-OVERRIDE mesh/collider=x: there is no such group\n      groups: actuators"),
         (["hydra.searchpath=[x]"], "this part of Hydra is set by linkwright"),

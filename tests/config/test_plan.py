@@ -217,14 +217,6 @@ def test_a_number_as_the_name_of_a_joint_is_reported_to_be_quoted():
 @pytest.mark.parametrize(
     ("data", "shown"),
     [
-        (
-            {"mesh": {"collider": "ladder"}},
-            (
-                "mesh.collider",
-                "'ladder' is not supported yet",
-                "allowed: coacd, hull, primitives, raw, spheres, visual",
-            ),
-        ),
         ({"scene": {"pose": "touch"}}, ("scene.pose", "'touch' is not supported yet", "allowed: xyz, rpy")),
         (
             {"export": {"urdf": {"fixed_joints": "merge"}}},
@@ -269,8 +261,6 @@ def test_what_is_not_there_yet_is_refused_by_name(data, shown):
 
 
 LATER = [
-    {"mesh": {"extra_volume": 0.5}}, {"mesh": {"max_vertices": 8}}, {"mesh": {"effort": "high"}},
-    {"mesh": {"colliders": {"a": "box"}}},
     {"scene": {"lights": {"a": {}}}}, {"scene": {"cameras": {"a": {}}}}, {"scene": {"compiler": {"a": 1}}},
     {"actuators": {"*": {}}}, {"sensors": {"imu": {}}}, {"keyframes": {"home": {"a": 1}}},
     {"elements": {"a": {}}}, {"attributes": {"a": {}}}, {"plugins": ["mine"]},
@@ -285,7 +275,7 @@ def test_every_key_without_function_is_refused_unless_at_its_default(data):
 
 
 def test_keys_without_function_may_be_given_their_default():
-    Plan.parse({"source": SAMPLE, "mesh": {"max_vertices": 64}, "plugins": []})
+    Plan.parse({"source": SAMPLE, "scene": {"lights": {}}, "plugins": []})
 
 
 def test_every_key_of_the_tree_is_documented():

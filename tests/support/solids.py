@@ -1,8 +1,11 @@
 """Surfaces of known shape."""
 
+from collections.abc import Mapping
+
 import numpy as np
 import trimesh
 
+from stages.formats import triangles
 from stages.mesh import surface
 from stages.mesh.surface import Surface, weld
 
@@ -23,3 +26,20 @@ def box(*sizes: float, at: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Surf
 def joined(*surfaces: Surface) -> Surface:
     """Several surfaces as one, each with its own vertices."""
     return surface.joined(surfaces)
+
+
+def bodies_of(meshes: Mapping[str, trimesh.Trimesh]) -> bytes:
+    """Meshes by part id, grey, as a reply in the compact form."""
+    grey = [(0.7, 0.7, 0.7, 1.0)]
+    return triangles.encode(
+        [
+            triangles.merged(
+                name,
+                np.asarray(mesh.vertices, dtype=float),
+                np.asarray(mesh.faces, dtype=np.int64),
+                grey,
+                np.zeros(len(mesh.faces), dtype=np.int64),
+            )
+            for name, mesh in meshes.items()
+        ]
+    )

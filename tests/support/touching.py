@@ -9,6 +9,7 @@ import numpy as np
 
 from stages.export import export
 from stages.mesh import make_geometry
+from stages.robot.bundle import Bundle
 from stages.robot.geometry import Geometry
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Primitive, Robot, frozen
@@ -27,13 +28,16 @@ def ball(radius, pose=None):
     return Primitive("sphere", (radius,), frozen(np.eye(4) if pose is None else pose))
 
 
+NO_FILES = Bundle("sample", {}, "", {}, {})
+
+
 def no_memo(kind, key, make):
     return make()
 
 
 def geometry_of(robot: Robot, memo=no_memo, **contact) -> Geometry:
     """The geometry of a robot of primitives alone; `self` is auto unless said."""
-    return make_geometry(robot, None, plan_of(contact={"self": "auto", **contact}), memo)
+    return make_geometry(robot, NO_FILES, plan_of(contact={"self": "auto", **contact}), memo)
 
 
 def model_of(robot: Robot, geometry: Geometry, folder: Path) -> mujoco.MjModel:

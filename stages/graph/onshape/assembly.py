@@ -116,7 +116,7 @@ class Connector:
 class Assembly:
     """Everything that is not suppressed. `occurrences` has the root's absent: its path is ().
 
-    `stiff`: sub-assemblies that are rigid in any case.
+    `stiff`: sub-assemblies that are rigid in any case. `standard`: the parts that are standard content.
     """
 
     root: Record
@@ -128,6 +128,7 @@ class Assembly:
     patterns: Sequence[Pattern] = ()
     stiff: frozenset[Path] = frozenset()
     body_types: Mapping[tuple[StudioKey, str], str] = field(default_factory=dict)
+    standard: frozenset[tuple[StudioKey, str]] = frozenset()
     diagnostics: Sequence[Diagnostic] = ()
 
     @property

@@ -51,6 +51,11 @@ def read_assembly(body: bytes) -> Assembly:
             (StudioKey.of(part), part.get("partId", "")): part.get("bodyType", "solid")
             for part in definition.get("parts") or ()
         }
+        standard = {
+            (StudioKey.of(part), part.get("partId", ""))
+            for part in definition.get("parts") or ()
+            if part.get("isStandardContent") is True
+        }
         placed = {path_of(o["path"]): o for o in root.get("occurrences") or ()}
         drawn = _Drawn()
         owners: list[tuple[Path, tuple[str, ...], Record]] = [((), (), root)]
@@ -76,6 +81,7 @@ def read_assembly(body: bytes) -> Assembly:
         connectors=found.connectors,
         patterns=found.patterns,
         body_types=body_types,
+        standard=frozenset(standard),
         diagnostics=(*found.log.problems, *found.log.found),
     )
     check_parts(assembly, "insert at least one part, or unsuppress an existing one")

@@ -112,6 +112,7 @@ def _bodies(
                     inertial=inertial,
                     volume=volume,
                     collides=assembly.body_types.get(key) != SHEET or inertial.mass > 0,
+                    standard=key in assembly.standard,
                 )
             )
             for name in occurrence.names:

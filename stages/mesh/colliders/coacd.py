@@ -1,45 +1,41 @@
-"""Convex pieces of every part, whatever its shape, as CoACD decomposes it."""
+"""Convex pieces of a part, whatever its shape, as CoACD decomposes it."""
 
 from __future__ import annotations
 
 import threading
 from collections.abc import Sequence
-from functools import partial
+from dataclasses import replace
 
-from stages.mesh import mesh_file
 from stages.mesh.collider_settings import ColliderSettings
+from stages.mesh.colliders import hull
+from stages.mesh.collision import Collision
 from stages.mesh.decompose import (
     MOST_PIECES,
     DecomposeOptions,
     Guest,
-    Making,
     decomposition,
     pieces,
     read,
     search,
-    side_by_side,
 )
-from stages.mesh.link_mesh import Collider
-from stages.mesh.surface import Surface
-from stages.robot.errors import DecompositionFailed
+from stages.mesh.surface import Surface, joined
+from stages.mesh.verdict import measured
 
 
-def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> tuple[Collider, ...]:
-    """At most 16 pieces a part; none of a part that is flat. DecompositionFailed where CoACD fails."""
-    makings = [
-        Making(f"part {number}", partial(_decomposition, surface, settings))
-        for number, surface in enumerate(surfaces, 1)
-    ]
-    found: list[Collider] = []
-    for made in side_by_side(makings):
-        if isinstance(made, DecompositionFailed):
-            raise made
-        result = read(made)
-        if not result.refused:
-            found += map(mesh_file.collider, pieces(result, MOST_PIECES, settings.max_vertices))
-    return tuple(found)
+def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+    """The convex hull, which stays where CoACD fails; none of what lies in a plane."""
+    made = hull.make(surfaces, settings)
+    return replace(made, meets=not made.pieces)
 
 
-def _decomposition(surface: Surface, settings: ColliderSettings, halt: threading.Event) -> bytes:
-    options = DecomposeOptions(settings.tolerance_of([surface]), search=search("normal", settings.coacd))
-    return decomposition(surface, options, Guest(halt=halt))
+def improve(
+    surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision, halt: threading.Event | None
+) -> Collision:
+    """At most 16 pieces. DecompositionFailed where the guest fails."""
+    whole = joined(surfaces)
+    options = DecomposeOptions(settings.tolerance_of(whole), search=search(settings.effort, settings.coacd))
+    found = read(decomposition(whole, options, Guest(halt=halt)))
+    if found.refused:
+        return made.with_note(found.refused)
+    convex = pieces(found, MOST_PIECES, settings.max_vertices)
+    return measured(Collision(convex, rung="pieces"), surfaces, settings)

@@ -1,17 +1,24 @@
-"""The convex hull of the whole link."""
+"""One convex hull of all."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
-from stages.mesh import mesh_file
 from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.convex_hull import convex_hull
-from stages.mesh.link_mesh import Collider
-from stages.mesh.surface import Surface
+from stages.mesh.collision import Collision
+from stages.mesh.fit import capped_hull
+from stages.mesh.surface import Surface, joined
+from stages.mesh.verdict import measured
 
 
-def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> tuple[Collider, ...]:
+def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
     """One mesh; none where the surfaces lie in a plane."""
-    hull = convex_hull(np.concatenate([surface.vertices for surface in surfaces]))
-    return () if hull is None else (mesh_file.collider(hull),)
+    return measured(whole(surfaces, settings), surfaces, settings)
+
+
+def whole(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+    """The same without its measures."""
+    every = joined(surfaces)
+    finite = bool(np.isfinite(every.vertices).all())
+    hull = capped_hull(every, settings.max_vertices) if finite else None
+    return Collision(note="it is flat") if hull is None else Collision((hull,), rung="hull")

@@ -1,14 +1,17 @@
-"""A primitive for each part."""
+"""The primitive that fits best."""
 
 from collections.abc import Sequence
 
 from stages.mesh.collider_settings import ColliderSettings
+from stages.mesh.collision import Collision
 from stages.mesh.fit import fittest
-from stages.mesh.link_mesh import Collider
-from stages.mesh.surface import Surface
+from stages.mesh.surface import Surface, joined
+from stages.mesh.verdict import measured
 
 
-def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> tuple[Collider, ...]:
-    """The one that fits each part best, however well; none of a part that lies in a plane."""
-    found = (fittest(surface, settings.target) for surface in surfaces)
-    return tuple(primitive for primitive in found if primitive is not None)
+def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+    """However well it fits; none of what lies in a plane."""
+    found = fittest(joined(surfaces), settings.target)
+    if found is None:
+        return Collision(note="it is flat")
+    return measured(Collision((found,), rung=found.kind), surfaces, settings)

@@ -1,16 +1,12 @@
-"""The meshes of the parts themselves."""
+"""The mesh itself."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
-from stages.mesh import mesh_file
 from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.link_mesh import Collider
+from stages.mesh.collision import Collision
 from stages.mesh.surface import Surface
-from stages.robot.geometry import NEUTRAL
 
 
-def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> tuple[Collider, ...]:
-    """Each part's mesh, in several files where it has more triangles than one may have."""
-    files = [file for surface in surfaces for file in mesh_file.visuals(surface, NEUTRAL)]
-    return tuple(replace(file, colour=None) for file in files)
+def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+    """As it is: in several files where it has more triangles than one may have."""
+    return Collision(tuple(surfaces), rung="raw", convex=False)

@@ -1,20 +1,21 @@
-"""Spheres that fill the parts."""
+"""Spheres that fill a part."""
 
 from collections.abc import Sequence
 
 from stages.mesh import fit
 from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.link_mesh import Collider
-from stages.mesh.surface import Surface
+from stages.mesh.collision import Collision
+from stages.mesh.surface import Surface, joined
+from stages.mesh.verdict import measured
 
 MOST = 64
 """The largest number of spheres of a part."""
 
 
-def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> tuple[Collider, ...]:
-    """Of each part so many that they meet the tolerance, or the most; none of what lies in a plane."""
-    return tuple(
-        sphere
-        for surface in surfaces
-        for sphere in fit.spheres(surface, settings.tolerance_of([surface]), MOST)
-    )
+def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+    """So many that they meet the tolerance, or the most; none of what lies in a plane."""
+    whole = joined(surfaces)
+    found = fit.spheres(whole, settings.tolerance_of(whole), MOST)
+    if not found:
+        return Collision(note="it is flat")
+    return measured(Collision(found, rung="spheres"), surfaces, settings)

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from stages.mesh.measure.measures import By
 from stages.mesh.measure.tree import Numbers, split
 from stages.mesh.measure.union import Union
 from stages.mesh.rays import Inside
 from stages.mesh.surface import Points, Surface
+from stages.robot.geometry import By
 
 _POINTS = 1 << 13
 _NEGLIGIBLE = 1e-12

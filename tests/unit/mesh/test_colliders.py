@@ -3,6 +3,7 @@
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Literal
@@ -13,14 +14,15 @@ import pytest
 import trimesh
 
 from stages.formats.xml import parse
-from stages.mesh import COLLIDERS, fit, link_mesh, make_geometry, pieces, stl
+from stages.mesh import COLLIDERS, Maker, collision, fit, make_geometry, pieces, stl
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.colliders import hull, primitives, raw, spheres
+from stages.mesh.collision import Collision
 from stages.mesh.keys import MeshSection
-from stages.mesh.link_mesh import Collider, LinkMesh
 from stages.mesh.mesh_file import MeshFile
 from stages.mesh.surface import Surface, moved
 from stages.robot import codec
+from stages.robot.geometry import Measures
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Primitive, PrimitiveKind, frozen
 from stages.robot.poses import from_parts, rotation_from_rpy
@@ -39,14 +41,14 @@ KINDS: dict[int, PrimitiveKind] = {
 BALL = Primitive("sphere", (0.02,), frozen(np.eye(4)))
 
 
-def hull_ball_hull(surfaces: Sequence[Surface], settings: ColliderSettings) -> tuple[Collider, ...]:
-    (whole,) = hull.make(surfaces, settings)
-    return whole, BALL, whole
+def hull_ball_hull(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+    (whole,) = hull.make(surfaces, settings).pieces
+    return Collision((whole, BALL, whole))
 
 
 def test_every_collider_of_the_table_is_a_module_and_an_option() -> None:
     modules = {file.stem for file in (PROJECT / "stages/mesh/colliders").glob("*.py")} - {"__init__"}
-    assert set(COLLIDERS) == modules
+    assert {*COLLIDERS, "given"} == modules
     for name in COLLIDERS:
         assert MeshSection.model_validate({"collider": name}).collider == name
         assert (PROJECT / "conf/mesh" / f"{name}.yaml").is_file()
@@ -59,8 +61,8 @@ def tetrahedron(size: float) -> Surface:
 
 def test_raw_colliders_are_the_surfaces_as_they_are() -> None:
     surfaces = [tetrahedron(0.5), tetrahedron(0.25)]
-    files = raw.make(surfaces, ColliderSettings())
-    for file, surface in zip(files, surfaces, strict=True):
+    made = raw.make(surfaces, ColliderSettings())
+    for file, surface in zip(collision.colliders(made, np.eye(4)), surfaces, strict=True):
         assert isinstance(file, MeshFile)
         corners = surface.corners.reshape(-1, 9).tolist()
         assert sorted(stl.read(file.data).reshape(-1, 9).tolist()) == sorted(corners)
@@ -69,9 +71,9 @@ def test_raw_colliders_are_the_surfaces_as_they_are() -> None:
 
 def test_the_tolerance_is_what_the_key_says_else_by_the_size() -> None:
     small, large = tetrahedron(0.01), tetrahedron(1.0)
-    assert ColliderSettings().tolerance_of([small]) == 0.001
-    assert ColliderSettings().tolerance_of([small, large]) == pytest.approx(0.015 * math.sqrt(3))
-    assert ColliderSettings(tolerance=0.004).tolerance_of([large]) == 0.004
+    assert ColliderSettings().tolerance_of(small) == 0.001
+    assert ColliderSettings().tolerance_of(large) == pytest.approx(0.015 * math.sqrt(3))
+    assert ColliderSettings(tolerance=0.004).tolerance_of(large) == 0.004
 
 
 @pytest.mark.parametrize(("collider", "codes"), [("visual", []), ("raw", ["I-RAW"])])
@@ -92,26 +94,28 @@ def test_the_settings_that_a_maker_reads_are_part_of_its_key(
 ) -> None:
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), limits=(-1, 1))
-    monkeypatch.setitem(COLLIDERS, "hull", ("extra_volume", "max_vertices"))  # type: ignore[arg-type]
+    monkeypatch.setitem(COLLIDERS, "hull", Maker("link", ("extra_volume", "max_vertices")))  # type: ignore
     keys: list[object] = []
 
     def memo(kind: str, key: Mapping[str, Any], make: Callable[[], bytes]) -> bytes:
-        keys.append(key["settings"])
+        if kind == "mesh.collider":
+            keys.append(key["settings"])
         return make()
 
     make_geometry(robot_of(kit.document), bundle_of(kit.document), plan_of(), memo)
     assert keys == [{"extra_volume": 0.15, "max_vertices": 64}] * 2
 
 
-def test_colliders_of_both_kinds_are_kept_as_bytes() -> None:
-    seen = MeshFile((1.0, 0.5, 0.0, 1.0), 3, 1, 0.5, 0.0, b"seen")
-    solid = MeshFile(None, 4, 4, 1, 1, b"solid")
-    link = LinkMesh((seen, seen), (solid, BALL, solid), (link_mesh.Finding(True, 0.5),))
-    again = link_mesh.decode(link_mesh.encode(link))
-    assert codec.plain(again.colliders[1]) == codec.plain(BALL)
-    assert again.visuals == (seen, seen)
-    assert again.colliders[::2] == (solid, solid)
-    assert again.findings == link.findings
+def test_a_collision_travels_as_bytes() -> None:
+    measures = Measures(0.1, 0.2, "boolean", 1e-3, 2e-3, 3e-3, 4e-3)
+    solid = tetrahedron(0.5)
+    made = Collision((solid, BALL, solid), 4, measures, "pieces", 1e-3, False, "a note", True)
+    again = collision.decode(collision.encode(made))
+    assert codec.plain(again.pieces[1]) == codec.plain(BALL)
+    for one in again.pieces[::2]:
+        assert isinstance(one, Surface)
+        assert np.array_equal(one.corners, solid.corners)
+    assert asdict(replace(again, pieces=())) == asdict(replace(made, pieces=()))
 
 
 def test_a_link_with_several_colliders_has_them_all_in_every_file(
@@ -136,11 +140,11 @@ def test_a_link_with_several_colliders_has_them_all_in_every_file(
     assert [check for check in validate(tmp_path, robot, plan) if not check.passed] == []
 
 
-def skewed(surfaces: Sequence[Surface], settings: ColliderSettings) -> tuple[Collider, ...]:
+def skewed(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
     """A fit of each kind of a part that is turned out of the axes."""
     turn = rotation_from_rpy((0.4, -0.7, 1.1))
     stretched = Surface(surfaces[0].vertices * [1, 1.5, 2.5], surfaces[0].triangles)
-    return fit.primitives(moved(stretched, from_parts(turn, np.zeros(3))))
+    return Collision(fit.primitives(moved(stretched, from_parts(turn, np.zeros(3)))))
 
 
 def test_fitted_primitives_are_in_the_mjcf_and_the_urdf_where_they_were_fitted(
@@ -199,7 +203,8 @@ def shapes_of(file: Path, link: str) -> list[Primitive]:
 def test_each_part_has_the_primitive_that_fits_it_best(target: Literal["mujoco", "mjx"]) -> None:
     rod = Surface(*solid(trimesh.creation.cylinder(0.01, 0.05)))
     box = Surface(*solid(trimesh.creation.box((0.1, 0.05, 0.01))))
-    made = primitives.make([rod, box], ColliderSettings(target=target))
+    settings = ColliderSettings(target=target)
+    made = [primitives.make([one], settings).pieces[0] for one in (rod, box)]
     kinds = [one.kind for one in made if isinstance(one, Primitive)]
     assert kinds[1] == "box"
     assert (kinds[0] == "cylinder") == (target == "mujoco")
@@ -209,7 +214,7 @@ def test_spheres_keep_the_tolerance_where_they_can() -> None:
     surface = Surface(*solid(trimesh.creation.box((0.03, 0.01, 0.01))))
     for tolerance, count in ((0.001, 64), (0.0005, 64), (0.003, 12)):
         made = spheres.make([surface], ColliderSettings(tolerance=tolerance))
-        balls = [one for one in made if isinstance(one, Primitive)]
+        balls = [one for one in made.pieces if isinstance(one, Primitive)]
         assert 0 < len(balls) <= count
         if tolerance >= 0.001:
             assert_within(balls, surface, tolerance)
@@ -229,7 +234,7 @@ def assert_within(balls: Sequence[Primitive], surface: Surface, tolerance: float
 def test_the_order_of_triangles_does_not_matter_to_spheres() -> None:
     surface = Surface(*solid(trimesh.creation.annulus(0.01, 0.02, 0.01)))
     shuffled = Surface(surface.vertices, np.random.default_rng(1).permutation(surface.triangles))
-    one, other = (spheres.make([it], ColliderSettings()) for it in (surface, shuffled))
+    one, other = (spheres.make([it], ColliderSettings()).pieces for it in (surface, shuffled))
     assert [codec.plain(ball) for ball in one] == [codec.plain(ball) for ball in other]
 
 

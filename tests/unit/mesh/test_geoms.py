@@ -12,7 +12,7 @@ import pytest
 from stages.mesh import make_geometry
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.colliders import hull
-from stages.mesh.link_mesh import Collider
+from stages.mesh.collision import Collision
 from stages.mesh.surface import Surface
 from stages.robot import codec
 from stages.robot.errors import ConfigError, MeshError
@@ -32,8 +32,9 @@ def built(kit: Kit, geoms: object) -> tuple[Robot, Geometry]:
     return robot, make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
 
 
-def ball_and_hull(surfaces: Sequence[Surface], settings: ColliderSettings) -> tuple[Collider, ...]:
-    return (*hull.make(surfaces, settings), Primitive("sphere", (0.02,), frozen(np.eye(4))))
+def ball_and_hull(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+    ball = Primitive("sphere", (0.02,), frozen(np.eye(4)))
+    return Collision((*hull.make(surfaces, settings).pieces, ball))
 
 
 def test_every_collider_of_a_link_has_its_properties(

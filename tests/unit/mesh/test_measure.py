@@ -9,7 +9,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stages.mesh.colliders.hull import convex_hull
+from stages.mesh.convex_hull import convex_hull
 from stages.mesh.measure import Target, hopeless, measure
 from stages.mesh.pieces import placed, surface_of
 from stages.mesh.surface import Surface, moved, weld

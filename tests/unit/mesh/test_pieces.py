@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stages.mesh import pieces
-from stages.mesh.colliders.hull import convex_hull
+from stages.mesh.convex_hull import convex_hull
 from stages.robot.inertia import primitive_volume
 from stages.robot.model import Primitive, frozen
 

@@ -1,0 +1,95 @@
+"""Who makes the collider of each part: the maker of `mesh.collider`, or what a glob says."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from stages.mesh import COLLIDERS, GIVEN, Maker
+from stages.mesh.collider_settings import ColliderSettings
+from stages.robot.errors import Diagnostic, MeshError
+from stages.robot.globs import fits, listed, unnumbered
+from stages.robot.model import Link, Part
+
+if TYPE_CHECKING:
+    from stages.mesh.collider_keys import ColliderKeys
+    from stages.mesh.keys import MeshSection
+
+_WHERE = "mesh.colliders"
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A maker, its settings, and who asked for it.
+
+    `entry`: the number of the glob, -1 for `mesh.collider`; `apart`: whether the glob named the part and not
+    its link, so that the part is on its own.
+    """
+
+    maker: str
+    settings: ColliderSettings
+    entry: int = -1
+    apart: bool = False
+
+    @property
+    def how(self) -> Maker:
+        return GIVEN if self.maker == "given" else COLLIDERS[self.maker]
+
+
+def choices(links: Sequence[Link], section: MeshSection) -> Mapping[tuple[str, int], Choice]:
+    """For each link's name and the index of each of its parts, the choice; later globs win.
+
+    MeshError with E-GLOB for each glob but "*" that matches no link and no part.
+    """
+    default = Choice(section.collider, ColliderSettings.of(section))
+    entries = [(glob, _choice(default, keys, number)) for number, (glob, keys) in _numbered(section)]
+    unmatched = {glob for glob, _ in entries if glob != "*"}
+    found: dict[tuple[str, int], Choice] = {}
+    for link in links:
+        for index, part in enumerate(link.parts):
+            found[link.name, index] = default
+            for glob, choice in entries:
+                whole = fits(link.name, glob)
+                if whole or any(fits(name, glob) for name in names_of(part)):
+                    found[link.name, index] = replace(choice, apart=not whole)
+                    unmatched.discard(glob)
+        for glob in list(unmatched):
+            if fits(link.name, glob):
+                unmatched.discard(glob)
+    if unmatched:
+        raise _unmatched([glob for glob, _ in entries if glob in unmatched], links)
+    return found
+
+
+def names_of(part: Part) -> tuple[str, ...]:
+    """The names by which a glob may mean a part: its path in words, and its own name with and without the
+    number of the instance."""
+    own = part.name.rpartition("/")[2]
+    return part.name, own, unnumbered(own)
+
+
+def _numbered(section: MeshSection) -> Iterator[tuple[int, tuple[str, ColliderKeys]]]:
+    return iter(enumerate(section.colliders.items()))
+
+
+def _choice(default: Choice, keys: ColliderKeys, number: int) -> Choice:
+    given = {
+        name: value
+        for name in ("tolerance", "extra_volume", "max_vertices")
+        if (value := getattr(keys, name)) is not None
+    }
+    settings = replace(default.settings, **given, coacd={**default.settings.coacd, **keys.coacd})
+    primitive = keys.primitive()
+    if primitive is not None:
+        kind, size = primitive
+        return Choice("given", replace(settings, kind=kind, size=size), number)
+    return Choice("visual" if keys.make in ("none", None) else str(keys.make), settings, number)
+
+
+def _unmatched(globs: Sequence[str], links: Sequence[Link]) -> MeshError:
+    parts = {unnumbered(part.name.rpartition("/")[2]) for link in links for part in link.parts}
+    hint = f"links are: {listed(link.name for link in links)}; parts are: {listed(parts) or 'none'}"
+    problems = [Diagnostic("E-GLOB", f"no link and no part matches {glob!r}", _WHERE, hint) for glob in globs]
+    msg = "the links or parts whose colliders are chosen cannot be found"
+    return MeshError(msg, _WHERE, problems=problems)

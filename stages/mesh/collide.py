@@ -1,0 +1,217 @@
+"""The colliders of all links: each part's is made once, and the worst ones are improved."""
+
+from __future__ import annotations
+
+import json
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stages.mesh import collision
+from stages.mesh.choices import Choice
+from stages.mesh.collision import Collision
+from stages.mesh.decompose import DecomposeOptions, Making, estimated_cost, search, side_by_side
+from stages.mesh.library import MeshLibrary
+from stages.mesh.link_mesh import Use
+from stages.mesh.surface import Surface, moved
+from stages.mesh.verdict import miss
+from stages.robot.errors import DecompositionFailed
+from stages.robot.model import Array, frozen
+
+if TYPE_CHECKING:
+    from stages.mesh import Memo, Shown
+
+BUDGET: Mapping[str, float] = {"low": 30, "normal": 120, "high": 1200}
+"""CPU seconds of a robot's decompositions, as estimated beforehand, by `mesh.effort`."""
+
+_HERE = frozen(np.eye(4))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ColliderJob:
+    """One or several uses of parts in a link that have one collider.
+
+    `name`: of the part, or of the link, for the user; `parts`: indices into the uses of the link.
+    """
+
+    link: str
+    name: str
+    choice: Choice
+    uses: tuple[Use, ...]
+    parts: tuple[int, ...]
+
+    @property
+    def alone(self) -> bool:
+        """Whether it is a part in its own frame."""
+        return self.choice.how.per == "part" and len(self.uses) == 1
+
+    @property
+    def link_from_subject(self) -> Array:
+        return self.uses[0].link_from_part if self.alone else _HERE
+
+    def key(self) -> dict[str, Any]:
+        """All that the collider depends on, as plain data."""
+        use = self.uses[0]
+        made_of = [use.mesh.reply, use.mesh.part] if self.alone else [one.key()[:3] for one in self.uses]
+        settings = self.choice.settings.used(self.choice.how.settings)
+        return {"maker": self.choice.maker, "settings": settings, "of": made_of}
+
+    def surfaces(self, library: MeshLibrary) -> list[Surface]:
+        """The surfaces of the parts that have a mesh, in the frame of the job."""
+        meshes = library.meshes(use.mesh for use in self.uses)
+        found = [(use, meshes[use.mesh].surface) for use in self.uses if use.mesh in meshes]
+        if self.alone:
+            return [surface for _, surface in found]
+        return [moved(surface, use.link_from_part) for use, surface in found]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Collided:
+    """A job and its collider."""
+
+    job: ColliderJob
+    collision: Collision
+
+
+def collide(
+    jobs: Sequence[ColliderJob], library: MeshLibrary, memo: Memo, shown: Shown | None = None
+) -> list[Collided]:
+    """The collider of each job; those of a link that one primitive or hull serves as well, together."""
+    made = _Made(library, memo)
+    first = made.together([Collided(job, made.first(job)) for job in jobs])
+    return made.improved(first, shown)
+
+
+class _Made:
+    """Colliders by what they depend on."""
+
+    def __init__(self, library: MeshLibrary, memo: Memo) -> None:
+        self._library, self._memo = library, memo
+        self._first: dict[str, Collision] = {}
+        self._lock = threading.Lock()
+
+    def first(self, job: ColliderJob, how: str = "make") -> Collision:
+        """What the first step of a maker gives, or the function `how`."""
+        key = {**job.key(), "step": how}
+        name = json.dumps(key, sort_keys=True)
+        if name not in self._first:
+            data = self._memo("mesh.collider", key, lambda: collision.encode(self._make(job, how)))
+            self._first[name] = collision.decode(data)
+        return self._first[name]
+
+    def _make(self, job: ColliderJob, how: str) -> Collision:
+        surfaces = self._surfaces(job)
+        if not surfaces:
+            return Collision(note="it has no mesh")
+        made: Collision = getattr(_maker(job), how)(surfaces, job.choice.settings)
+        return made
+
+    def _surfaces(self, job: ColliderJob) -> list[Surface]:
+        with self._lock:
+            return job.surfaces(self._library)
+
+    def together(self, every: Sequence[Collided]) -> list[Collided]:
+        """The same with one collider for parts of a link that the same key chose, where one will do."""
+        groups: dict[tuple[str, int], list[Collided]] = {}
+        for number, one in enumerate(every):
+            choice = one.job.choice
+            joins = choice.maker == "ladder" and not choice.apart and one.collision.pieces
+            key = (one.job.link, choice.entry) if joins else ("", number)
+            groups.setdefault(key, []).append(one)
+        return [one for group in groups.values() for one in (self._one_for_all(group) or group)]
+
+    def _one_for_all(self, group: Sequence[Collided]) -> list[Collided]:
+        if len(group) < 2:
+            return []
+        jobs = [one.job for one in group]
+        uses = tuple(use for job in jobs for use in job.uses)
+        parts = tuple(part for job in jobs for part in job.parts)
+        whole = replace(jobs[0], name=jobs[0].link, uses=uses, parts=parts)
+        made = self.first(whole, "together")
+        return [Collided(whole, made)] if made.pieces else []
+
+    def improved(self, every: Sequence[Collided], shown: Shown | None) -> list[Collided]:
+        """The same with the second step of the makers, the worst first, as far as the effort goes."""
+        wanting: dict[str, Collided] = {}
+        for one in every:
+            if one.job.choice.how.improves and not one.collision.meets and one.collision.faces:
+                wanting.setdefault(_name(one.job), one)
+        within = _affordable(wanting)
+        makings: list[Making[Collision | DecompositionFailed]] = [
+            Making(wanting[name].job.name, partial(self._improve, wanting[name])) for name in within
+        ]
+        found: dict[str, Collision] = {}
+        for name, result in zip(within, side_by_side(makings, shown), strict=True):
+            if isinstance(result, DecompositionFailed):
+                found[name] = wanting[name].collision.with_note(result.message)
+            else:
+                found[name] = result
+        for name in wanting.keys() - within.keys():
+            found[name] = wanting[name].collision.with_note("mesh.effort did not reach it")
+        return [replace(one, collision=found.get(_name(one.job), one.collision)) for one in every]
+
+    def _improve(self, one: Collided, halt: threading.Event) -> Collision:
+        job, made = one.job, one.collision
+
+        def make() -> bytes:
+            surfaces = self._surfaces(job)
+            improve: Callable[..., Collision] = _maker(job).improve
+            return collision.encode(improve(surfaces, job.choice.settings, made, halt))
+
+        return collision.decode(self._memo("mesh.collider", {**job.key(), "step": "improve"}, make))
+
+
+def _maker(job: ColliderJob) -> Any:
+    return import_module(f"stages.mesh.colliders.{job.choice.maker}")
+
+
+def _name(job: ColliderJob) -> str:
+    return json.dumps(job.key(), sort_keys=True)
+
+
+def _affordable(wanting: Mapping[str, Collided]) -> dict[str, float]:
+    """Those that the effort reaches, by name, the worst first, and the cost of each [CPU s].
+
+    What the user chose by its own glob, or asked CoACD for, is always done.
+    """
+    ranked = sorted(wanting, key=lambda name: (-_off(wanting[name].collision), name))
+    found: dict[str, float] = {}
+    for name in ranked:
+        choice = wanting[name].job.choice
+        options = DecomposeOptions(
+            wanting[name].collision.tolerance or 1.0,
+            search=search(choice.settings.effort, choice.settings.coacd),
+        )
+        cost = estimated_cost(wanting[name].collision.faces, options)
+        asked = choice.maker == "coacd" or choice.entry >= 0
+        if asked or sum(found.values()) + cost <= BUDGET[choice.settings.effort]:
+            found[name] = 0.0 if asked else cost
+    return found
+
+
+def _off(made: Collision) -> float:
+    if made.measures is None or made.tolerance is None:
+        return 0.0
+    return miss(made.measures, made.tolerance)
+
+
+def jobs_of(
+    link: str, uses: Sequence[Use], names: Sequence[str], by: Sequence[Choice]
+) -> Iterator[ColliderJob]:
+    """What has a collider of its own in a link: each part, or the parts together that one key chose.
+
+    `names`, `by`: the name and the choice for each use.
+    """
+    together: dict[tuple[int, str], list[int]] = {}
+    for index, choice in enumerate(by):
+        apart = choice.apart or choice.how.per == "part"
+        together.setdefault((choice.entry, str(index) if apart else ""), []).append(index)
+    for indices in together.values():
+        name = names[indices[0]] if len(indices) == 1 else link
+        chosen = tuple(uses[index] for index in indices)
+        yield ColliderJob(link, name, by[indices[0]], chosen, tuple(indices))

@@ -1,0 +1,19 @@
+"""A primitive of the kind, and of the lengths, that the user names."""
+
+from collections.abc import Sequence
+from typing import cast
+
+from stages.mesh.collider_settings import ColliderSettings
+from stages.mesh.collision import Collision
+from stages.mesh.fit import fit_one
+from stages.mesh.surface import Surface, joined
+from stages.mesh.verdict import measured
+from stages.robot.model import PrimitiveKind
+
+
+def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+    """However well it fits; none of what lies in a plane."""
+    found = fit_one(cast("PrimitiveKind", settings.kind), joined(surfaces), settings.size)
+    if found is None:
+        return Collision(note="it is flat")
+    return measured(Collision((found,), rung=found.kind), surfaces, settings)

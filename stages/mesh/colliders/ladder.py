@@ -1,0 +1,107 @@
+"""The cheapest collider that is near enough to the part: a primitive, the convex hull, or convex pieces."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from stages.mesh.collider_settings import ColliderSettings
+from stages.mesh.colliders import hull
+from stages.mesh.collision import Collision
+from stages.mesh.convex_hull import convex_hull
+from stages.mesh.decompose import DecomposeOptions, Decomposition, Guest, decomposition, pieces, read, search
+from stages.mesh.fit import capped_hull, fits
+from stages.mesh.pieces import Piece
+from stages.mesh.plainer import plainer
+from stages.mesh.snapping import snapped
+from stages.mesh.surface import Surface, joined
+from stages.mesh.verdict import Judge, miss
+
+MOST_PIECES = (8, 16)
+"""At most so many pieces; more only where these are not near enough."""
+
+_SHARES = (1.0, 0.7)
+"""Of the tolerance: how finely a part is decomposed at first, and where that is not near enough."""
+
+_NEAR = 1.3
+"""A fit whose error is at most so many tolerances is measured: the error is known from few points."""
+
+
+def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+    """The cheapest primitive that is near enough, else the convex hull, near enough or not."""
+    judge = Judge.of(joined(surfaces), settings)
+    if isinstance(judge, str):
+        return hull.whole(surfaces, settings).with_note(judge)
+    for rung, piece in _wholes(judge, settings):
+        if judge.hopeless([piece]) and rung != "hull":
+            continue
+        measures = judge.measure([piece])
+        meets = judge.whole_meets(measures)
+        if meets or rung == "hull":
+            return judge.collision((piece,), measures, rung, meets)
+    return Collision(note="the part is flat")
+
+
+def _wholes(judge: Judge, settings: ColliderSettings) -> Iterator[tuple[str, Piece]]:
+    """The primitives worth a measurement, the cheapest first, then the hull."""
+    for fitted in fits(judge.surface, settings.target):
+        if fitted.error <= _NEAR * judge.tolerance:
+            yield fitted.primitive.kind, fitted.primitive
+    whole = capped_hull(judge.surface, settings.max_vertices)
+    if whole is not None:
+        yield "hull", snapped(whole)
+
+
+def improve(
+    surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision, halt: threading.Event | None
+) -> Collision:
+    """Convex pieces, as few as are near enough, or as near as they get; `made` where they are no nearer.
+
+    DecompositionFailed where the guest fails: nothing to keep.
+    """
+    judge = Judge.of(joined(surfaces), settings)
+    if isinstance(judge, str) or made.measures is None:
+        return made
+    best = made
+    for share in _SHARES:
+        options = DecomposeOptions(share * judge.tolerance, search=search(settings.effort, settings.coacd))
+        found = read(decomposition(judge.surface, options, Guest(halt=halt)))
+        if found.refused:
+            return best.with_note(found.refused)
+        best = _of_pieces(judge, found, settings, best)
+        if best.meets:
+            break
+    return best
+
+
+def _of_pieces(judge: Judge, found: Decomposition, settings: ColliderSettings, best: Collision) -> Collision:
+    """As few pieces as are near enough, or else what is nearest, `best` with them."""
+    for most in MOST_PIECES:
+        hulls = pieces(found, most, settings.max_vertices)
+        if most != MOST_PIECES[-1] and judge.hopeless(hulls):
+            continue
+        measures = judge.measure(hulls)
+        if miss(measures, judge.tolerance) <= 1:
+            return judge.collision(*plainer(judge, hulls, measures), rung="pieces")
+        if best.measures is None or miss(measures, judge.tolerance) < miss(best.measures, judge.tolerance):
+            best = judge.collision(hulls, measures, "pieces", meets=False)
+    return best
+
+
+def together(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+    """One primitive or hull for several parts, where it is as near as each of them asks; else no pieces."""
+    tolerance = min(map(settings.tolerance_of, surfaces))
+    every = joined(surfaces)
+    whole = convex_hull(every.vertices)
+    if whole is None or whole.volume() > _filled(surfaces, tolerance, settings.extra_volume):
+        return Collision(meets=False)
+    made = make([every], replace(settings, tolerance=tolerance))
+    return made if made.meets and made.pieces else Collision(meets=False)
+
+
+def _filled(surfaces: Sequence[Surface], tolerance: float, extra_volume: float) -> float:
+    """The largest volume [m³] of a hull of all that is worth a look."""
+    volume = sum(abs(surface.volume()) for surface in surfaces)
+    skin = tolerance * sum(surface.area() for surface in surfaces)
+    return volume + extra_volume * (volume + skin)

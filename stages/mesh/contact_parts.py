@@ -1,0 +1,71 @@
+"""Which parts take part in contact, of those that have a mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Literal
+
+from stages.mesh.choices import Choice
+from stages.mesh.collider_settings import default_tolerance
+from stages.mesh.link_mesh import LinkMesh
+from stages.robot.errors import Diagnostic
+from stages.robot.model import Link, Part
+from stages.robot.plural import count
+
+FILES = ("urdf", "mjcf")
+"""The kinds of bundle that declare collision shapes of their own."""
+
+_SHOWN = 20
+
+
+def with_basis(link: Link, kind: str, basis: Literal["declared", "visual"]) -> Link:
+    """A link whose colliding parts and primitives are those that its colliders are made of.
+
+    `kind`: of the bundle. A file's own collision shapes, or its visual ones where it has none of the others.
+    """
+    if kind not in FILES:
+        return link
+    declared = any(part.collides for part in link.parts) or any(one.collision for one in link.shapes)
+    if basis == "declared" and declared:
+        return link
+    parts = tuple(replace(part, collides=part.seen) for part in link.parts)
+    shapes = tuple(replace(one, collision=one.visual) for one in link.shapes)
+    return replace(link, parts=parts, shapes=shapes)
+
+
+def too_small(
+    parts: Sequence[Part], mesh: LinkMesh, chosen: Sequence[Choice], min_size: float | None
+) -> frozenset[int]:
+    """The indices of the colliding parts that have no collider: standard content and what is smaller than
+    `min_size` [m]; none where the link has nothing else. `mesh`, `chosen`: the findings and the choices of
+    the parts, in their order."""
+    colliding = [
+        index
+        for index, (part, found) in enumerate(zip(parts, mesh.findings, strict=True))
+        if part.collides and found.found
+    ]
+    least = default_tolerance(mesh.diagonal) if min_size is None else min_size
+    small = frozenset(
+        index
+        for index in colliding
+        if chosen[index].entry < 0 and (parts[index].standard or mesh.findings[index].diagonal < least)
+    )
+    return small if len(small) < len(colliding) else frozenset()
+
+
+def reported(small: Mapping[str, Sequence[str]]) -> list[Diagnostic]:
+    """I-SMALL-PARTS with the names of the parts, by link, that have no collider."""
+    named = [f"{name} of {link}" for link, names in small.items() for name in sorted(names)]
+    if not named:
+        return []
+    more = f" and {len(named) - _SHOWN} more" if len(named) > _SHOWN else ""
+    return [
+        Diagnostic(
+            "I-SMALL-PARTS",
+            f"{count(len(named), 'part')} of standard content or too small to matter have no collider: "
+            f"{', '.join(named[:_SHOWN])}{more}",
+            "mesh.min_size",
+            "name a part in mesh.colliders to give it one; mesh.min_size=0 leaves out standard content alone",
+        )
+    ]
