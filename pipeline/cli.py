@@ -55,7 +55,7 @@ groups, each a set of presets (group=option):
   source      onshape, urdf, mjcf, bundle (a zip of replies), sample
   root        auto, central, fixed, free: the root link and its base
   depth       flexible, rigid: which sub-assemblies may move inside
-  mesh        hull, coacd, primitives, spheres, raw, visual (none): the colliders
+  mesh        ladder, hull, coacd, primitives, spheres, raw, visual (none): the colliders
   ground      plane, none
   export      [urdf,mjcf], urdf, mjcf
   validate    quick, standard, strict (warnings are errors)

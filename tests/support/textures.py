@@ -118,7 +118,7 @@ def built(source: Any, **mesh: Any) -> tuple[Robot, Geometry, Plan, Fetched]:
 
 
 def exported(folder: Path, source: Any, **mesh: Any) -> tuple[Robot, Geometry, Plan]:
-    robot, geometry, plan, _ = built(source, **mesh)
+    robot, geometry, plan, _ = built(source, **{"collider": "visual", **mesh})
     write(robot, folder, plan, geometry)
     return robot, geometry, plan
 

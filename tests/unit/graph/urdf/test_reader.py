@@ -412,6 +412,7 @@ def test_meshes_are_parts_that_are_seen_or_collide() -> None:
     assert [(s.link, s.role, round(s.volume, 6)) for s in geometry.shapes] == [
         ("a", "collision", round(8 / 6, 6)),
         ("a", "visual", round(1 / 6, 6)),
+        ("b", "collision", round(1 / 6, 6)),
         ("b", "visual", round(1 / 6, 6)),
     ]
     assert not geometry.diagnostics
