@@ -76,9 +76,9 @@ exit status:
 
 def help_text() -> str:
     """The text of `--help`; its list of keys is generated from the schema."""
-    from pipeline.reference import environment, key_entries
+    from pipeline.reference import HELP, environment
 
-    keys = key_entries.HELP.read_text(encoding="utf-8").rstrip()
+    keys = HELP.read_text(encoding="utf-8").rstrip()
     return _HELP.replace("{keys}", keys).replace("{environment}", environment.text())
 
 

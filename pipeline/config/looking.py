@@ -5,7 +5,6 @@ import io
 import logging
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -88,7 +87,7 @@ def information(command: Command, environ: Mapping[str, str] = os.environ) -> It
             text = _captured(partial(composer.show, kind, overrides, problems))
             yield Secrets(environ).blanked(text.strip("\n") + "\n\n")
     if command.what in ("config", "all"):
-        yield configuration(replace(command, what="job"), environ)
+        yield configuration(command._replace(what="job"), environ)
 
 
 def _captured(show: Callable[[], None]) -> str:

@@ -3,3 +3,12 @@
 `KEYS.md`, `keys.json`, `keys.txt` and `robot.schema.json` are generated from the sections of the
 configuration: `python -m tests.config.regenerate`. Imports nothing heavy.
 """
+
+from pathlib import Path
+
+_HERE = Path(__file__).parent
+
+DATA = _HERE / "keys.json"
+HELP = _HERE / "keys.txt"
+PAGE = _HERE / "KEYS.md"
+SCHEMA = _HERE / "robot.schema.json"

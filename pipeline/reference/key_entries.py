@@ -5,11 +5,8 @@ import functools
 import json
 from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
-DATA = Path(__file__).with_name("keys.json")
-HELP = Path(__file__).with_name("keys.txt")
-SCHEMA = Path(__file__).with_name("robot.schema.json")
+from pipeline.reference import DATA
 
 
 @dataclass(frozen=True, slots=True)

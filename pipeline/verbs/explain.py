@@ -4,9 +4,10 @@ import textwrap
 from collections.abc import Sequence
 
 from pipeline.errors import ConfigError
+from pipeline.reference import SCHEMA
 from pipeline.reference.codes import explanations, level
 from pipeline.reference.environment import VARIABLES
-from pipeline.reference.key_entries import SCHEMA, KeyEntry, entries, matching, nearest
+from pipeline.reference.key_entries import KeyEntry, entries, matching, nearest
 
 HELP = """\
 linkwright explain: the meaning of a code, a key or an environment variable.

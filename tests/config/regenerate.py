@@ -11,7 +11,7 @@ import yaml
 
 from pipeline.config.compose import HYDRA, compose_plan
 from pipeline.config.presets import OURS
-from pipeline.reference import key_entries
+from pipeline.reference import DATA, HELP, PAGE, SCHEMA
 from tests.config import reference
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -64,10 +64,10 @@ def _hydra_section(group: str, option: str) -> Any:
 
 
 REFERENCE = {
-    key_entries.DATA: reference.json_text,
-    key_entries.HELP: reference.help_text,
-    key_entries.DATA.with_name("KEYS.md"): reference.markdown,
-    key_entries.SCHEMA: reference.schema_text,
+    DATA: reference.json_text,
+    HELP: reference.help_text,
+    PAGE: reference.markdown,
+    SCHEMA: reference.schema_text,
 }
 """Generated file → its text."""
 

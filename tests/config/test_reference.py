@@ -14,9 +14,10 @@ from pydantic import TypeAdapter
 from pipeline.cli import help_text, run
 from pipeline.config.plan import Plan
 from pipeline.config.schema import is_section
+from pipeline.reference import SCHEMA
 from pipeline.reference.codes import explanations
 from pipeline.reference.environment import VARIABLES
-from pipeline.reference.key_entries import SCHEMA, entries
+from pipeline.reference.key_entries import entries
 from pipeline.verbs import VERBS
 from pipeline.verbs.explain import explained, names
 from stages.fetch.keys import SOURCES
