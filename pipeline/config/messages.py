@@ -116,8 +116,8 @@ def _missing(problem: _Problem) -> Diagnostic:
     if isinstance(problem.name, int):
         text = f"must be a list of {len(get_args(problem.owner))} numbers"
         return _value(text, problem.value, key_of(problem.place[:-1]))
-    field = field_at(problem.owner, problem.name)
-    return Diagnostic("E-MISSING", "missing", problem.key, (field and field.description) or "")
+    meanings = problem.owner.meanings() if is_section(problem.owner) else {}
+    return Diagnostic("E-MISSING", "missing", problem.key, meanings.get(problem.name, ""))
 
 
 def _address(problem: _Problem) -> Diagnostic:

@@ -7,6 +7,10 @@ that is decided but has no function yet is refused by name, never ignored: a who
 option by `Later`.
 """
 
+import functools
+import itertools
+import sys
+from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar
 
 from pydantic import (
@@ -15,6 +19,7 @@ from pydantic import (
     ConfigDict,
     Field,
     GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
     Strict,
     StringConstraints,
     ValidationError,
@@ -22,6 +27,7 @@ from pydantic import (
     ValidatorFunctionWrapHandler,
     field_validator,
 )
+from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 NOT_YET = "not_yet"
@@ -98,13 +104,33 @@ Solref = Annotated[tuple[Number, Number], AfterValidator(_of_one_form)]
 """MuJoCo's solref: [time constant, damping ratio] in s and without unit, or [-stiffness, -damping]."""
 
 
+@functools.cache
+def _documentation(module: str) -> Mapping[str, Mapping[str, str]]:
+    """Class in the source of a module → field → the text under it; none where there is no source."""
+    import ast
+    import inspect
+
+    try:
+        source = ast.parse(inspect.getsource(sys.modules[module]))
+    except (KeyError, OSError, TypeError):
+        return {}
+    found: dict[str, dict[str, str]] = {}
+    for made in (node for node in ast.walk(source) if isinstance(node, ast.ClassDef)):
+        for field, text in itertools.pairwise(made.body):
+            if not (isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)):
+                continue
+            if isinstance(text, ast.Expr) and isinstance(text.value, ast.Constant):
+                fields = found.setdefault(made.name, {})
+                fields[field.target.id] = inspect.cleandoc(str(text.value.value))
+    return found
+
+
 class Keys(BaseModel):
     """A section of the configuration: frozen, closed, strict about text and numbers."""
 
     model_config = ConfigDict(
         frozen=True,
         extra="forbid",
-        use_attribute_docstrings=True,
         allow_inf_nan=False,
         validate_by_name=True,
         validate_by_alias=True,
@@ -130,6 +156,31 @@ class Keys(BaseModel):
         if valid != field.get_default(call_default_factory=True):
             raise PydanticCustomError(NOT_YET, "not supported yet")
         return valid
+
+    @classmethod
+    def meanings(cls) -> dict[str, str]:
+        """The documentation of each field, by its key.
+
+        Read from the source when it is asked for: pydantic would parse the source of every section whenever
+        the command starts, which takes a quarter of the time that all sections take.
+        """
+        written: dict[str, str] = {}
+        for section in reversed(cls.__mro__):
+            if issubclass(section, Keys):
+                written |= _documentation(section.__module__).get(section.__name__, {})
+        fields = cls.model_fields.items()
+        found = {field.alias or name: field.description or written.get(name, "") for name, field in fields}
+        return {key: text for key, text in found.items() if text}
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        made = handler(schema)
+        properties = handler.resolve_ref_schema(made).get("properties", {})
+        for key, text in cls.meanings().items():
+            properties[key]["description"] = text
+        return made
 
     def identity(self) -> dict[str, Any]:
         """The section as plain data: its part of a cache key. Mappings keep their order."""

@@ -47,9 +47,10 @@ def _entries(
     section: type[Keys], place: tuple[str, ...], names: dict[str, str], source: str
 ) -> Iterator[KeyEntry]:
     """`names`: a place that stands for any name → the name in the examples."""
+    meanings = section.meanings()
     for name, field in fields(section):
-        path = (*place, name)
-        yield _entry(path, field, names, source)
+        path, meaning = (*place, name), meanings.get(name, "")
+        yield _entry(path, field, meaning, names, source)
         if path == ("source",):
             for kind, keys in SOURCES.items():
                 yield from _entries(keys, path, names, kind)
@@ -59,7 +60,7 @@ def _entries(
             continue
         inner = names
         if named:
-            path = (*path, "<glob>" if (field.description or "").startswith("Glob") else "<name>")
+            path = (*path, "<glob>" if meaning.startswith("Glob") else "<name>")
             inner = {**names, place_name(path): next(iter(_example(field)))}
         yield from _entries(below, path, inner, source)
 
@@ -68,9 +69,11 @@ def place_name(path: Iterable[str]) -> str:
     return ".".join(path)
 
 
-def _entry(path: tuple[str, ...], field: FieldInfo, names: dict[str, str], source: str) -> KeyEntry:
+def _entry(
+    path: tuple[str, ...], field: FieldInfo, meaning: str, names: dict[str, str], source: str
+) -> KeyEntry:
     kind, allowed = _type(field.annotation, field.metadata)
-    meaning = " ".join((field.description or "").split())
+    meaning = " ".join(meaning.split())
     units = UNIT.findall(meaning)
     if len(units) == 1:
         meaning = UNIT.sub("", meaning)
