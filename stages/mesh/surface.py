@@ -43,8 +43,8 @@ class Surface:
 
     def normals(self) -> npt.NDArray[np.float64]:
         """(m, 3): the normal of each triangle, twice its area long [m²]."""
-        a, b, c = np.moveaxis(self.corners, 1, 0)
-        return np.cross(b - a, c - a)
+        a, b, c = self.vertices[self.triangles.T]
+        return _cross(b - a, c - a)
 
     def area(self) -> float:
         """The area [m²]."""
@@ -52,16 +52,16 @@ class Surface:
 
     def closed(self) -> bool:
         """Whether every edge is run through as often in one sense as in the other."""
-        starts = self.triangles.ravel()
-        ends = np.roll(self.triangles, -1, axis=1).ravel()
+        starts, ends = self.triangles.ravel(), self.triangles[:, (1, 2, 0)].ravel()
         count = np.int64(len(self.vertices))
-        forth, back = starts * count + ends, ends * count + starts
-        return bool(len(forth)) and np.array_equal(np.sort(forth), np.sort(back))
+        up, down = starts < ends, starts > ends
+        forth, back = starts[up] * count + ends[up], ends[down] * count + starts[down]
+        return bool(len(starts)) and np.array_equal(np.sort(forth), np.sort(back))
 
     def cone_volumes(self, apex: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
         """(m,): signed volume [m³] of each triangle's cone from `apex` (3,)."""
-        a, b, c = np.moveaxis(self.corners - apex, 1, 0)
-        volumes: npt.NDArray[np.float64] = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+        a, b, c = (self.vertices - apex)[self.triangles.T]
+        volumes: npt.NDArray[np.float64] = np.einsum("ij,ij->i", a, _cross(b, c)) / 6
         return volumes
 
     def volume(self) -> float:
@@ -144,6 +144,13 @@ def _texcoords(surface: Surface) -> npt.NDArray[np.float32]:
     if surface.texcoords is None:
         return np.zeros((len(surface.triangles), 3, 2), dtype=np.float32)
     return surface.texcoords
+
+
+def _cross(one: Points, other: Points) -> Points:
+    """(m, 3): the cross product of each pair of rows, as `np.cross`, which takes twice as long for some
+    hundred rows."""
+    (a, b, c), (u, v, w) = one.T, other.T
+    return np.stack([b * w - c * v, c * u - a * w, a * v - b * u], axis=1)
 
 
 def _nearly_distinct(points: Points) -> tuple[Points, npt.NDArray[np.int64]]:

@@ -1,0 +1,51 @@
+"""Figures of a surface, against plain definitions."""
+
+from collections import Counter
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from stages.mesh.surface import Surface
+
+COORDINATES = st.floats(-10, 10, width=32)
+SURFACES = st.builds(
+    Surface,
+    arrays(np.float64, (5, 3), elements=COORDINATES),
+    st.integers(0, 8).flatmap(lambda count: arrays(np.int64, (count, 3), elements=st.integers(0, 4))),
+)
+SIDES = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+BOX = Surface(
+    np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 2.0) for z in (0.0, 3.0)]),
+    np.array([half for a, b, c, d in SIDES for half in ((a, b, c), (a, c, d))]),
+)
+
+
+@given(SURFACES)
+def test_normals_are_cross_products_to_the_bit(surface):
+    a, b, c = np.moveaxis(surface.corners, 1, 0)
+    assert surface.normals().tobytes() == np.cross(b - a, c - a).tobytes()
+
+
+@given(SURFACES, arrays(np.float64, 3, elements=COORDINATES))
+def test_cones_are_sixths_of_determinants(surface, apex):
+    expected = [np.linalg.det(corners - apex) / 6 for corners in surface.corners]
+    np.testing.assert_allclose(surface.cone_volumes(apex), expected, atol=1e-11)
+
+
+@given(SURFACES)
+def test_closed_is_every_edge_as_often_in_either_sense(surface):
+    edges = Counter((one[k], one[(k + 1) % 3]) for one in surface.triangles.tolist() for k in range(3))
+    as_often = all(edges[a, b] == edges[b, a] for a, b in edges)
+    assert surface.closed() == (bool(edges) and as_often)
+
+
+def test_a_box_is_closed_and_without_a_face_it_is_open():
+    assert BOX.closed()
+    assert BOX.volume() == 6.0
+    assert BOX.area() == 22.0
+    assert BOX.flipped().volume() == -6.0
+    lacking = Surface(BOX.vertices, BOX.triangles[1:])
+    assert not lacking.closed()
+    assert lacking.volume() == 0.0
