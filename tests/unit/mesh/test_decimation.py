@@ -1,5 +1,8 @@
 """Decimation: fewer triangles, one surface, borders between colours closed, the error measured."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 import trimesh
@@ -16,6 +19,7 @@ from stages.mesh.visuals.error import apart, farthest, spread
 from stages.mesh.visuals.make import Drawn, visuals
 from stages.mesh.visuals.simplify import simplified
 from stages.robot.model import MeshRef
+from tests.support.places import PROJECT
 
 RED, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
 ONE, TWO = MeshRef("reply", "one"), MeshRef("reply", "two")
@@ -173,6 +177,27 @@ def test_few_triangles_stay_exactly_as_they_are():
     fitted, decimation = Decimator().fitted([ONE], {ONE: mesh}, len(mesh.surface.triangles))
     assert decimation is None
     assert fitted[ONE] is mesh
+
+
+def test_a_part_within_the_budget_imports_no_library_that_decimates_or_collides():
+    code = (
+        "import sys, numpy\n"
+        "import stages.mesh.geometry\n"
+        "from stages.mesh.surface import Surface\n"
+        "from stages.mesh.tessellation import PartMesh\n"
+        "from stages.mesh.visuals.budget import Decimator\n"
+        "from stages.robot.model import MeshRef\n"
+        "few = numpy.zeros((4, 3), dtype=int)\n"
+        "mesh = PartMesh(Surface(numpy.eye(3), few), ((1, 0, 0, 1),), few[:, 0], False, 0.0)\n"
+        "ref = MeshRef('reply', 'one')\n"
+        "assert Decimator().fitted([ref], {ref: mesh}, 4)[1] is None\n"
+        "heavy = 'manifold3d trimesh coacd mujoco scipy'.split()\n"
+        "print([name for name in heavy if name in sys.modules])"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True, check=True
+    )
+    assert run.stdout.strip() == "[]"
 
 
 def test_a_mesh_that_does_not_simplify_stays(monkeypatch):
