@@ -1,0 +1,83 @@
+"""Assemblies with patterns and mirrors, read as the graph stage reads them."""
+
+import numpy as np
+import orjson
+
+from stages.graph.keys import DepthKeys, GraphKeys
+from stages.graph.onshape.assembly import Assembly, Mate
+from stages.graph.onshape.bodies import Bodies, find_bodies
+from stages.graph.onshape.definition import read_assembly
+from stages.graph.onshape.mates import dofs_of, right_handed
+from stages.graph.onshape.patterns import with_copies
+from stages.robot.diagnostics import Diagnostics
+from stages.robot.kinematics import chain
+from stages.robot.poses import inverse
+from tests.fake_onshape.definition import definition
+from tests.fake_onshape.document import ORIGIN
+from tests.fake_onshape.frames import turn
+from tests.support.kit import SIDE, TOP, Kit
+
+PLANE = turn((0, 1, 0), 1.1, (0.3, 0.1, 0))
+
+
+def drawn(kit: Kit, mirror: str = "joints", edit=None, depth=None, **options) -> tuple[Assembly, Diagnostics]:
+    """The assembly with its copies, and what was told."""
+    data = definition(kit.document, **options)
+    if edit:
+        edit(data["rootAssembly"])
+    log = Diagnostics()
+    assembly = with_copies(read_assembly(orjson.dumps(data)), mirror, depth or DepthKeys(), log)
+    return assembly, log
+
+
+def bodies_of(assembly: Assembly, log: Diagnostics, **keys) -> Bodies:
+    return find_bodies(assembly, GraphKeys(**keys), log)
+
+
+def codes(log: Diagnostics) -> list[str]:
+    return [told.code for told in (*log.problems, *log.found)]
+
+
+def copies(assembly: Assembly) -> list[Mate]:
+    return [mate for mate in assembly.mates if mate.ref.copy]
+
+
+def displacement(assembly: Assembly, mate: Mate, *values: float) -> np.ndarray:
+    """How the world (4, 4) of the first entity's body moves from the saved pose, the second held."""
+    first, second, mirrored = right_handed(*(assembly.world_from(one) for one in mate.entities))
+    dofs = dofs_of("q", mate.ref.type, mate.limits or {}, inverse(second) @ first, mirrored)
+    return second @ chain(dofs, dict(zip((dof.name for dof in dofs), values, strict=True))) @ inverse(first)
+
+
+def expected(kit: Kit, path: tuple[str, ...], q: dict[str, object]) -> np.ndarray:
+    return kit.document.truth.poses(q)[path] @ inverse(kit.document.truth.poses()[path])
+
+
+def draw(kit: Kit, kind: str, value, **more):
+    """A base, and an arm on it by one mate."""
+    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
+    getattr(kit.root, kind)("Joint", (arm, TOP), (base, SIDE), value=value, **more)
+    return base, arm
+
+
+def wheeled(kit: Kit):
+    """A sub-assembly of a hub fastened to its own origin, with a wheel that turns on it."""
+    corner = kit.document.assembly("Corner")
+    hub, wheel = kit.place("Hub", corner), kit.place("Wheel", corner)
+    corner.ground(hub, SIDE)
+    corner.fasten("Ground", (hub, np.eye(4)), (ORIGIN, SIDE), closing=True)
+    corner.revolute("Spin", (wheel, TOP), (hub, SIDE), value=0.3)
+    return corner, hub, wheel
+
+
+def mated(path: tuple[str, ...]):
+    """The first mate once more, with its first side on a copy."""
+
+    def edit(root: dict) -> None:
+        feature = dict(root["features"][0], id="own mate")
+        sides = [dict(side) for side in feature["featureData"]["matedEntities"]]
+        sides[0]["matedOccurrence"] = list(path)
+        feature["featureData"] = {**feature["featureData"], "name": "Own", "matedEntities": sides}
+        root["features"].append(feature)
+
+    return edit
