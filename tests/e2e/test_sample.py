@@ -26,6 +26,15 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return here
 
 
+@pytest.fixture(scope="module")
+def plain(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """The files of the sample without colliders, which take most of the time of a build."""
+    here = tmp_path_factory.mktemp("plain")
+    done = linkwright(here, "robot=sample", "mesh=visual")
+    assert done.returncode == 0, done.stderr
+    return robot_files(here / "outputs" / "sample")
+
+
 def test_without_arguments_the_sample_is_built_and_valid(built: Path) -> None:
     found = report(built / "outputs" / "sample")
     assert found["status"] == "built"
@@ -55,12 +64,15 @@ def test_hash_seed_process_and_bypass_change_no_byte(built: Path, tmp_path: Path
     assert robot_files(tmp_path / "outputs" / "sample") == robot_files(built / "outputs" / "sample")
 
 
-def test_over_http_the_same_bytes_come_with_one_plus_two_p_calls(built: Path, tmp_path: Path) -> None:
+def test_over_http_the_same_bytes_come_with_one_plus_two_p_calls(
+    plain: dict[str, bytes], tmp_path: Path
+) -> None:
     document = sample_document()
     with OnshapeServer(document) as server:
         done = linkwright(
             tmp_path,
             "robot=sample",
+            "mesh=visual",
             "source=onshape",
             f"source.url='{server.document_url()}'",
             environ=environment(tmp_path, **server.environ),
@@ -74,18 +86,19 @@ def test_over_http_the_same_bytes_come_with_one_plus_two_p_calls(built: Path, tm
     }
     assert calls == 1 + 2 * len(studios)
     assert report(tmp_path / "outputs" / "sample")["calls"]["made"] == calls
-    assert robot_files(tmp_path / "outputs" / "sample") == robot_files(built / "outputs" / "sample")
+    assert robot_files(tmp_path / "outputs" / "sample") == plain
 
 
 @pytest.mark.parametrize("kills", [2, pytest.param(20, marks=pytest.mark.slow)])
-def test_killed_at_any_moment_the_next_build_is_whole(built: Path, tmp_path: Path, kills: int) -> None:
+def test_killed_at_any_moment_the_next_build_is_whole(
+    plain: dict[str, bytes], tmp_path: Path, kills: int
+) -> None:
     """Kills of the installed command, each followed by a normal build."""
-    expected = robot_files(built / "outputs" / "sample")
     moments = random.Random(7)
     killed = 0
     for _ in range(kills):
         victim = subprocess.Popen(
-            [str(COMMAND), "cache.mode=refresh"],
+            [str(COMMAND), "robot=sample", "mesh=visual", "cache.mode=refresh"],
             cwd=tmp_path,
             env=environment(tmp_path),
             stdout=subprocess.DEVNULL,
@@ -94,9 +107,9 @@ def test_killed_at_any_moment_the_next_build_is_whole(built: Path, tmp_path: Pat
         time.sleep(moments.uniform(0.05, 2.5))
         victim.kill()
         killed += victim.wait() != 0
-        done = linkwright(tmp_path)
+        done = linkwright(tmp_path, "robot=sample", "mesh=visual")
         assert done.returncode == 0, done.stderr
-        assert robot_files(tmp_path / "outputs" / "sample") == expected
+        assert robot_files(tmp_path / "outputs" / "sample") == plain
         left = {path.name for path in (tmp_path / "outputs").iterdir() if path.name != ".linkwright"}
         assert left == {"sample"}
     assert killed >= kills // 4

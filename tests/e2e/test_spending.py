@@ -29,7 +29,7 @@ def test_ctrl_c_ends_a_build_whose_server_does_not_answer(tmp_path: Path) -> Non
 
     with OnshapeServer(sample_document(), fault=hold) as server:
         environ = environment(tmp_path, **server.environ)
-        line = [str(COMMAND), "source=onshape", f"source.url='{server.document_url()}'"]
+        line = [str(COMMAND), "source=onshape", f"source.url='{server.document_url()}'", "mesh=visual"]
         build = subprocess.Popen(
             line, cwd=tmp_path, env=environ, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )

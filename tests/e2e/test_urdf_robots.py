@@ -20,6 +20,7 @@ from tests.fake_onshape.document import Document
 from tests.fake_onshape.prefixed import prefixed
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import bundle_of, plan_of
+from tests.support.cases import mostly_slow
 from tests.support.command import called, linkwright
 from tests.support.engines import Mujoco
 from tests.support.places import SHARED
@@ -95,7 +96,7 @@ def test_a_bad_inertia_is_refused_with_the_way_out(tmp_path: Path) -> None:
     assert "W-INERTIA" in done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("document", [sample_document, prefixed])
+@pytest.mark.parametrize("document", mostly_slow([prefixed, sample_document], keep=1))
 def test_one_robot_by_both_ways(document: object, tmp_path: Path) -> None:
     """As a document of the local Onshape, and as the URDF that was made of it: the tree is the same."""
     bundle = bundle_of(drawn(document))

@@ -194,7 +194,7 @@ WRITER = ToyWriter()
     tree.add("conf/export/toy.yaml", "# @package export.toy\ntitle: Links\n")
     tree.add("tests/config/golden/export.toy.yaml", "export:\n  toy:\n    title: Links\n")
     tree.check_goldens("export.toy")
-    output = tree.build("source=sample", "export=[toy]", "export.toy.title=Parts")
+    output = tree.build("source=sample", "mesh=visual", "export=[toy]", "export.toy.title=Parts")
     lines = (output / "sample.txt").read_text().split("\n")
     links = json.loads((output / "robot.json").read_text())["links"]
     assert lines == ["Parts", *(link["name"] for link in links), "sample.urdf"]
@@ -213,7 +213,7 @@ def check(compiled):
 ''',
     )
     tree.add_line("stages/validate/__init__.py", '    "keyframes",', '    "toy",')
-    report = json.loads((tree.build("source=sample") / "report.json").read_text())
+    report = json.loads((tree.build("source=sample", "mesh=visual") / "report.json").read_text())
     light = [check for check in report["checks"] if check["name"].endswith(": light")]
     assert [check["name"] for check in light] == [
         f"{file}: light" for file in ("sample.xml", "scene.xml", "sample.urdf")

@@ -127,12 +127,12 @@ FILES = [fixed_chain, dummy_chain, dummy_star, carrier_chain, mimic_chain, mjcf_
     ("make", "size"),
     [
         pytest.param(large, 3, marks=pytest.mark.slow),
-        (chain, 40),
+        (chain, 30),
         (star, 20),
-        (screws, 40),
+        (screws, 30),
         pytest.param(ladder, 20, marks=pytest.mark.slow),
         (gears, 20),
-        *((make, 60 if make is dummy_chain else 30) for make in FILES),
+        *((make, 60 if make is dummy_chain else 20) for make in FILES),
     ],
     ids=lambda it: getattr(it, "__name__", ""),
 )

@@ -26,8 +26,9 @@ USER = "zaphod-beeblebrox"
 
 
 def make(output: str, source: dict, environ: dict | None = None, until: str = "export", **keys) -> Path:
-    """Builds into a folder below the working one; the folder."""
+    """Builds into a folder below the working one, without colliders, which take long; the folder."""
     tree = {"name": "arm", "source": source, "output": output, "until": until, **keys}
+    tree["mesh"] = {"collider": "visual"}
     build(Plan.parse(tree), environ=dict(os.environ) if environ is None else environ)
     return Path(output)
 
