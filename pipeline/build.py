@@ -151,7 +151,12 @@ def perform(stage: Stage, context: BuildContext) -> tuple[Files, bool]:
     if config is None:
         return context.cache.keep(stage.run(context)), False
     action = Action(stage.name, stage.version, config, stage.inputs(context), libraries(stage))
-    return context.cache.run(action, lambda: stage.run(context), force=stage.force(context))
+    return context.cache.run(
+        action,
+        lambda: stage.run(context),
+        force=stage.force(context),
+        lasts=lambda files: bool(json.loads(files[NOTES]).get("lasts", True)),
+    )
 
 
 @dataclass(slots=True)

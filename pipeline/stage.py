@@ -234,7 +234,9 @@ class MeshStage(StageBase):
         summary = f"{count(meshes, 'mesh', 'meshes')}, {count(triangles, 'triangle')}"
         return {
             **codec.encode_geometry(geometry),
-            NOTES: notes(summary, geometry.diagnostics, figures, details=details(geometry)),
+            NOTES: notes(
+                summary, geometry.diagnostics, figures, details=details(geometry), lasts=geometry.lasts
+            ),
         }
 
 

@@ -101,12 +101,18 @@ class Cache:
         self._fresh: set[str] = set()
 
     def run(
-        self, action: Action, make: Callable[[], Mapping[str, bytes]], *, force: bool = False
+        self,
+        action: Action,
+        make: Callable[[], Mapping[str, bytes]],
+        *,
+        force: bool = False,
+        lasts: Callable[[Mapping[str, bytes]], bool] = lambda _: True,
     ) -> tuple[Files, bool]:
         """The outputs of `action`, from the cache or from `make()`; and whether from the cache.
 
-        `force` makes them again and overwrites the record. Of several processes with the same action
-        one runs it and the others wait.
+        `force` makes them again and overwrites the record. Outputs for which `lasts` is false get no
+        record: they are made again next time. Of several processes with the same action one runs it and
+        the others wait.
         """
         key = action.key
         found = None if force else self._lookup(key)
@@ -122,6 +128,8 @@ class Cache:
             outputs = make()
             seconds = time.perf_counter() - start
             files = self.keep(outputs)
+            if not lasts(outputs):
+                return files, False
             record = {
                 "stage": action.stage,
                 "version": action.version,

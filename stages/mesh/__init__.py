@@ -35,7 +35,7 @@ _PIECES = ("tolerance", "max_vertices", "effort", "coacd")
 
 COLLIDERS: Mapping[str, Maker] = {
     "coacd": Maker("part", _PIECES, improves=True),
-    "hull": Maker("link", ("tolerance", "extra_volume", "max_vertices")),
+    "hull": Maker("link", ("max_vertices",)),
     "ladder": Maker("part", (*_PIECES, "extra_volume", "target"), improves=True),
     "primitives": Maker("part", ("tolerance", "extra_volume", "target")),
     "raw": Maker("part", ()),

@@ -148,7 +148,7 @@ class _Made:
         found: dict[str, Collision] = {}
         for name, result in zip(within, side_by_side(makings, shown), strict=True):
             if isinstance(result, DecompositionFailed):
-                found[name] = wanting[name].collision.with_note(result.message)
+                found[name] = replace(wanting[name].collision, note=result.message, failed=True)
             else:
                 found[name] = result
         for name in wanting.keys() - within.keys():

@@ -27,6 +27,7 @@ def figures_of(one: Collided, names: Sequence[str]) -> ColliderFigures:
         made.tolerance,
         made.measures,
         made.note,
+        made.failed,
     )
 
 

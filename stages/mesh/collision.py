@@ -30,6 +30,7 @@ class Collision:
     `measures`, `tolerance` [m]: what it was judged by, None where it was not. `rung`: what it is, in a word:
     "box", "hull", "pieces" ... `meets`: whether it is as near to the part as it should be. `note`: why it is
     no better, in words. `convex`: whether its surfaces are convex pieces, and not a part's own mesh.
+    `failed`: whether it may be better next time.
     """
 
     pieces: tuple[Piece, ...] = ()
@@ -40,6 +41,7 @@ class Collision:
     meets: bool = True
     note: str = ""
     convex: bool = True
+    failed: bool = False
 
     def with_note(self, note: str) -> Collision:
         return replace(self, note=note)

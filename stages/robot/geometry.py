@@ -106,7 +106,8 @@ class ColliderFigures:
     `maker`: an option of `mesh.collider`, or "given"; `rung`: what it made, in a word: a kind of primitive,
     "hull", "pieces", "spheres", "raw", or "none". `vertices`: of all its meshes. `tolerance` [m] and
     `measures`: what it was judged by, None where it was not; `meets`: whether it is within the tolerance,
-    where its maker goes by one. `note`: why it is no better, in words.
+    where its maker goes by one. `note`: why it is no better, in words. `failed`: whether that may go better
+    next time, since a time limit was hit or a process crashed.
     """
 
     link: str
@@ -119,6 +120,7 @@ class ColliderFigures:
     tolerance: float | None
     measures: Measures | None
     note: str = ""
+    failed: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +138,11 @@ class Geometry:
     self_contact: bool = False
     excludes: tuple[Exclude, ...] = ()
     colliders: tuple[ColliderFigures, ...] = ()
+
+    @property
+    def lasts(self) -> bool:
+        """Whether the same inputs give the same again: nothing failed."""
+        return not any(one.failed for one in self.colliders)
 
     def of(self, link: str, role: Role) -> tuple[Shape, ...]:
         return tuple(shape for shape in self.shapes if shape.link == link and shape.role == role)

@@ -32,7 +32,7 @@ def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
     """The cheapest primitive that is near enough, else the convex hull, near enough or not."""
     judge = Judge.of(joined(surfaces), settings)
     if isinstance(judge, str):
-        return hull.whole(surfaces, settings).with_note(judge)
+        return hull.make(surfaces, settings).with_note(judge)
     for rung, piece in _wholes(judge, settings):
         if judge.hopeless([piece]) and rung != "hull":
             continue

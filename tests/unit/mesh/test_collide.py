@@ -220,6 +220,7 @@ def test_a_guest_that_fails_leaves_the_hull_and_is_reported(monkeypatch: pytest.
         assert rungs(geometry)["Arm <1>/Bracket <1>",] == "hull"
         texts = [one.message for one in geometry.diagnostics if one.code == "W-COLLIDER"]
         assert any("Bracket" in text and "took longer than 60 s" in text for text in texts)
+        assert not geometry.lasts
 
 
 def test_the_files_are_those_of_the_pieces() -> None:

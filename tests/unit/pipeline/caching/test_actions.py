@@ -264,3 +264,16 @@ def test_a_cache_in_the_home_of_nobody_is_refused(configured, environ, where):
     with pytest.raises(ConfigError, match="an unknown user") as caught:
         folder(configured, environ)
     assert caught.value.where == where
+
+
+def test_what_does_not_last_is_given_and_made_again(cache):
+    made = []
+
+    def make():
+        made.append(1)
+        return {"value": b"by chance"}
+
+    for _ in range(2):
+        files, cached = cache.run(ACTION, make, lasts=lambda files: files["value"] != b"by chance")
+        assert (files["value"], cached) == (b"by chance", False)
+    assert len(made) == 2
