@@ -32,10 +32,16 @@ settings.register_profile("explore", max_examples=2000, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
 
 
+# While tests are collected nearly nothing is garbage.
+often = gc.get_threshold()
+gc.set_threshold(100_000, 50, 100)
+
+
 def pytest_collection_finish() -> None:
     """Leaves all that is there now, which stays until the end, out of the garbage collector's rounds."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(*often)
 
 
 @pytest.fixture

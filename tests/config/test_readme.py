@@ -7,6 +7,7 @@ tests/fake_onshape/sample.svg.
 import re
 import shlex
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -37,7 +38,8 @@ ROBOT = """<robot name="so101">
   <joint name="elbow" type="revolute"><parent link="base"/><child link="arm"/>
     <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
 </robot>"""
-FROM_SAMPLE = f"{HEADER}defaults: [{{override /source: sample}}]\n"
+# Without colliders, which take most of the time of a build.
+FROM_SAMPLE = f"{HEADER}defaults: [{{override /source: sample}}, {{override /mesh: visual}}]\n"
 
 
 def blocks(language: str) -> list[tuple[str, str]]:
@@ -64,6 +66,7 @@ def composed(folder: Path, text: str) -> Composed:
     return compose_plan(["robot=my_arm"], (), write(folder, my_arm=robot))
 
 
+@cache
 def the_sample() -> Robot:
     return robot_of(sample_document(), plan_of(name="sample"))
 

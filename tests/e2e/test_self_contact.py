@@ -68,7 +68,8 @@ def touching(model, robot: Robot, q):
     return contacts(model, data, robot)
 
 
-@pytest.mark.parametrize("name", ["sample", *(pytest.param(one, marks=pytest.mark.slow) for one in WHERE)])
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["sample", *WHERE])
 def test_nothing_touches_that_is_neither_excluded_nor_free_to(name, tmp_path):
     robot, report, model, free = built(name, tmp_path)
     excludes = {tuple(one["links"]): one["reason"] for one in report.details.get("excludes", [])}

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import trimesh
 
-from tests.support.command import environment, linkwright, robot_files
+from tests.support.command import called, environment, linkwright, robot_files
 
 INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
 MESH = '<geometry><mesh filename="package://arm/meshes/a.stl" scale="1 -1 1"/></geometry>'
@@ -50,7 +50,7 @@ def test_a_robot_is_built_and_its_bundle_builds_the_same_elsewhere(here: Path) -
 def test_an_unchanged_file_is_cached_without_a_heavy_import_and_a_changed_mesh_is_not(
     here: Path,
 ) -> None:
-    assert linkwright(here, *source()).returncode == 0
+    assert called(here, *source()).returncode == 0
     code = (
         "import sys; from pipeline.cli import run; assert run(sys.argv[1:]) == 0\n"
         "heavy = 'numpy scipy trimesh mujoco networkx lxml collada xacro'.split()\n"
@@ -63,4 +63,4 @@ def test_an_unchanged_file_is_cached_without_a_heavy_import_and_a_changed_mesh_i
     assert "heavy: []" in done.stdout
     assert done.stderr.count("(cached)") == 5
     trimesh.creation.box((0.2, 0.2, 0.4)).export(here / "far" / "meshes" / "a.stl")
-    assert linkwright(here, *source()).stderr.count("(cached)") < 5
+    assert called(here, *source()).stderr.count("(cached)") < 5

@@ -26,7 +26,7 @@ TOLERANCE = 1e-9
 slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
 
 
-@settings(max_examples=60, **slowly)
+@settings(max_examples=40, **slowly)
 @given(urdfs())
 def test_the_files_are_the_urdf(text: str) -> None:
     robot = urdf_robot(text)
@@ -38,7 +38,7 @@ def test_the_files_are_the_urdf(text: str) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, **slowly)
+@settings(max_examples=25, **slowly)
 @given(urdfs(), st.integers(0, 100))
 def test_another_root_is_the_same_robot(text: str, which: int) -> None:
     first = urdf_robot(text)

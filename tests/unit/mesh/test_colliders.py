@@ -231,6 +231,7 @@ def assert_within(balls: Sequence[Primitive], surface: Surface, tolerance: float
         assert reach <= tolerance
 
 
+@pytest.mark.slow
 def test_the_order_of_triangles_does_not_matter_to_spheres() -> None:
     surface = Surface(*solid(trimesh.creation.annulus(0.01, 0.02, 0.01)))
     shuffled = Surface(surface.vertices, np.random.default_rng(1).permutation(surface.triangles))

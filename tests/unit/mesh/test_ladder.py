@@ -170,6 +170,7 @@ def test_cavities_that_nothing_reaches_do_not_count() -> None:
     assert (made.rung, made.meets) == ("box", True)
 
 
+@pytest.mark.slow
 def test_the_order_and_place_of_triangles_change_no_figure() -> None:
     surface: Any = bracket()
     turned = Surface(surface.vertices, np.random.default_rng(2).permutation(surface.triangles)[:, [1, 2, 0]])

@@ -25,15 +25,15 @@ def folder(tmp_path, monkeypatch, cache):
 
 
 def test_a_build_in_memory_has_the_files_of_the_command_and_writes_and_prints_nothing(folder, cache, capfd):
-    built = face.build("source=sample", "name=arm")
+    built = face.build("source=sample", "name=arm", "mesh=visual")
     assert capfd.readouterr() == ("", "")
     assert list(folder.iterdir()) == []
     assert (built.report.status, built.report.folder) == ("built", "")
     environ = environment(folder, LINKWRIGHT_CACHE=str(cache))
-    assert linkwright(folder, "source=sample", "name=arm", environ=environ).returncode == 0
+    assert linkwright(folder, "source=sample", "name=arm", "mesh=visual", environ=environ).returncode == 0
     assert dict(built.files) == robot_files(folder / "outputs" / "arm")
     assert built.outline.startswith("arm: 11 links, 10 joints")
-    assert repr(built) == "<linkwright.Build arm: built, 42 of 42 checks passed, 52 files>"
+    assert repr(built) == "<linkwright.Build arm: built, 42 of 42 checks passed, 41 files>"
 
 
 @pytest.mark.parametrize("how", ["argument", "key"])
