@@ -81,6 +81,8 @@ def _how_far(one: Collided) -> str:
         return f"was not judged{why}"
     found, mm = made.measures, 1e3
     if miss(found, made.tolerance) <= 1:
+        if found.extra is None:
+            return f"has a volume, which the part has not{why}"
         return f"adds {found.extra:.0%} to the part's volume{why}"
     return (
         f"is not within the tolerance of {mm * made.tolerance:.2g} mm: it stands out by "

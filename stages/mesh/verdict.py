@@ -62,7 +62,8 @@ class Judge:
 
     def whole_meets(self, measures: Measures) -> bool:
         """Whether one piece for the whole part is near enough."""
-        return miss(measures, self.tolerance) <= 1 and measures.extra <= self.extra_volume
+        extra = float("inf") if measures.extra is None else measures.extra
+        return miss(measures, self.tolerance) <= 1 and extra <= self.extra_volume
 
 
 def measured(made: Collision, surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:

@@ -39,7 +39,8 @@ def measure(target: Target, pieces: Sequence[Piece]) -> Measures:
     bareness = _bareness(target, union)
     grain = _DIGITS * target.diagonal
     rounded = [round(value / grain) * grain for value in (*protrusion, *bareness)]
-    return Measures(round(shares.extra, 6), round(shares.missing, 6), shares.by, *rounded)
+    extra = None if shares.extra is None else round(shares.extra, 6)
+    return Measures(extra, round(shares.missing, 6), shares.by, *rounded)
 
 
 def hopeless(target: Target, pieces: Sequence[Piece], tolerance: float) -> bool:

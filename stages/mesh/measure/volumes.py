@@ -1,6 +1,5 @@
 """How much a collider has too much and too little, as volumes."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -21,9 +20,10 @@ _STEPS = (0.8191725133961645, 0.6710436067037893, 0.5497004779019703)
 
 @dataclass(frozen=True, slots=True)
 class Shares:
-    """Volume of the collider outside the part, and of the part outside the collider, over the part's own."""
+    """Volume of the collider outside the part, and of the part outside the collider, over the part's own;
+    `extra` is None where the part has none."""
 
-    extra: float
+    extra: float | None
     missing: float
     by: By
 
@@ -75,13 +75,13 @@ class Cloud:
 
     def shares(self, union: Union) -> Shares:
         """By counting points: right to about 1 % of the box around the part. Where the part has no inside,
-        `extra` is infinite and nothing is missing."""
+        `extra` is None and nothing is missing."""
         covered = union.depth(self.points) > 0
         box = float(np.prod(self.high - self.low))
         one = box / _POINTS
         own = float(self.within.sum()) * one
         if own <= _NEGLIGIBLE * box or own == 0.0:
-            return Shares(math.inf, 0.0, "sampling")
+            return Shares(None, 0.0, "sampling")
         beyond = self._beyond(union)
         extra = float((covered & ~self.within).sum()) * one + beyond
         return Shares(extra / own, float((self.within & ~covered).sum()) * one / own, "sampling")

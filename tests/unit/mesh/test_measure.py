@@ -302,7 +302,7 @@ def test_a_sheet_has_no_inside():
         np.array([[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0], [0, 0.1, 0.0]]), np.array([[0, 1, 2], [0, 2, 3]])
     )
     found = judged(sheet, box(0.1, 0.1, 0.02, at=(0.05, 0.05, 0)))
-    assert found.extra == math.inf
+    assert found.extra is None
     assert found.missing == 0
     assert found.protrusion_max == pytest.approx(0.01, rel=1e-3)
     assert found.bareness_max == pytest.approx(0, abs=NOTHING)
