@@ -22,6 +22,17 @@ def write(surface: Surface) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
+def read(data: bytes) -> npt.NDArray[np.float64]:
+    """(m, 3, 3): the corners of each triangle of a file that `write` made, with a material or without."""
+    lines = data.decode().splitlines()
+    points = np.array([line.split()[1:] for line in lines if line.startswith("v ")], dtype=np.float64)
+    faces = [[word.partition("/")[0] for word in line.split()[1:]] for line in lines if line.startswith("f ")]
+    corners: npt.NDArray[np.float64] = points.reshape(-1, 3)[
+        np.array(faces, dtype=np.int64).reshape(-1, 3) - 1
+    ]
+    return corners
+
+
 def with_material(data: bytes, library: str, material: str) -> bytes:
     """The file with all triangles in a material of the library, a file beside it."""
     return f"mtllib {library}\nusemtl {material}\n".encode() + data
