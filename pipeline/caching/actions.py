@@ -60,12 +60,25 @@ class Action:
         )
 
 
-class Files(Mapping[str, bytes]):
-    """Outputs by relative path; a file is read when it is asked for. `digests`: path → SHA-256."""
+@dataclass(frozen=True, slots=True)
+class Remembered:
+    """A result inside a stage: its kind and key, whether it was there from before, and how long making it
+    took [s]."""
 
-    def __init__(self, store: Store, digests: Mapping[str, str]) -> None:
+    kind: str
+    key: Mapping[str, Any]
+    cached: bool
+    seconds: float
+
+
+class Files(Mapping[str, bytes]):
+    """Outputs by relative path; a file is read when it is asked for. `digests`: path → SHA-256. `seconds`:
+    how long making them took, 0 where that is not known."""
+
+    def __init__(self, store: Store, digests: Mapping[str, str], seconds: float = 0.0) -> None:
         self._store = store
         self.digests = dict(digests)
+        self.seconds = seconds
 
     def __getitem__(self, path: str) -> bytes:
         data = self._store.get(self.digests[path])
@@ -126,8 +139,8 @@ class Cache:
                 return found, True
             start = time.perf_counter()
             outputs = make()
-            seconds = time.perf_counter() - start
-            files = self.keep(outputs)
+            seconds = round(time.perf_counter() - start, 6)
+            files = Files(self.store, self.keep(outputs).digests, seconds)
             if not lasts(outputs):
                 return files, False
             record = {
@@ -135,7 +148,7 @@ class Cache:
                 "version": action.version,
                 "outputs": files.digests,
                 "sizes": {path: len(data) for path, data in outputs.items()},
-                "seconds": round(seconds, 6),
+                "seconds": seconds,
             }
             self.store.publish(key, record)
             self._fresh.add(key)
@@ -158,12 +171,20 @@ class Cache:
         if self.store.record(action.key) != record:
             self.store.publish(action.key, record)
 
-    def memo(self, stage: str, version: int, libraries: Mapping[str, str]) -> Memo:
-        """For results inside a stage, one action each: `memo(kind, key, make)`."""
+    def memo(
+        self,
+        stage: str,
+        version: int,
+        libraries: Mapping[str, str],
+        seen: Callable[[Remembered], None] = lambda _: None,
+    ) -> Memo:
+        """For results inside a stage, one action each: `memo(kind, key, make)`; each is told to `seen`."""
 
         def remember(kind: str, key: Mapping[str, Any], make: Callable[[], bytes]) -> bytes:
             action = Action(f"{stage}/{kind}", version, config=dict(key), libraries=libraries)
-            return self.run(action, lambda: {"value": make()})[0]["value"]
+            files, cached = self.run(action, lambda: {"value": make()})
+            seen(Remembered(kind, key, cached, files.seconds))
+            return files["value"]
 
         return remember
 
@@ -189,7 +210,8 @@ class Cache:
                 return None
             if not self.store.intact(digest, size):
                 return None
-        return Files(self.store, outputs)
+        seconds = record.get("seconds")
+        return Files(self.store, outputs, seconds if isinstance(seconds, int | float) else 0.0)
 
 
 class Replies:

@@ -206,6 +206,32 @@ def test_memo_keys_by_kind_key_and_library_and_may_run_inside_an_action(cache):
     assert len(asked) == 4
 
 
+def test_a_memo_tells_what_was_there_before_and_how_long_it_took_when_it_was_made(cache):
+    told, key = [], {"part": 1}
+
+    def slow():
+        time.sleep(0.02)
+        return b"hull"
+
+    cache.memo("mesh", 1, {}, told.append)("hull", key, slow)
+    again(cache).memo("mesh", 1, {}, told.append)("hull", key, slow)
+    again(cache, "refresh").memo("mesh", 1, {}, told.append)("hull", key, lambda: b"hull")
+    made, kept, refreshed = told
+    assert [one.cached for one in told] == [False, True, False]
+    assert (kept.kind, kept.key) == ("hull", key)
+    assert kept.seconds == made.seconds >= 0.02
+    assert refreshed.seconds < made.seconds
+
+
+@pytest.mark.parametrize("seconds", [None, "long"])
+def test_a_record_without_its_seconds_is_a_hit_all_the_same(cache, seconds):
+    cache.run(ACTION, Maker())
+    record = {**json.loads(record_path(cache).read_bytes()), "seconds": seconds}
+    record_path(cache).write_text(json.dumps(record))
+    files, cached = again(cache).run(ACTION, Maker())
+    assert (files.seconds, cached) == (0.0, True)
+
+
 def test_a_forced_action_replaces_the_record(cache):
     cache.run(ACTION, Maker(a=b"one"))
     files, cached = cache.run(ACTION, Maker(a=b"two"), force=True)
