@@ -28,6 +28,7 @@ from pipeline.errors import (
     exit_status,
     refusal,
 )
+from pipeline.mesh_details import kept
 from pipeline.output.folder import FAILED, Output
 from pipeline.preflight import destination, expected_files, plan_problems, suffix_of
 from pipeline.products import digests, products
@@ -37,6 +38,7 @@ from pipeline.stage import STAGES, Stage, libraries, stages_until
 from stages.fetch import describe, remarks
 from stages.fetch.onshape.api.ledger import FOLDER as LEDGER
 from stages.graph.view.views import OUTLINE, VIEWS
+from stages.mesh.view.views import PICTURES
 from stages.robot import codec
 from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
@@ -197,11 +199,11 @@ class Run:
         context.files[stage.name] = files
         if stage.name == "fetch":
             self.bundle = {"manifest": bundles.remember(context.cache, files)}
-        if stage.name == "graph":
-            self.shown = {name: files[name].decode() for name in VIEWS if name in files}
+        self.shown |= {name: files[name].decode() for name in (*VIEWS, PICTURES) if name in files}
         found = json.loads(files[NOTES])
         self.figures |= found["figures"]
-        self.details |= found.get("details", {})
+        details = found.get("details", {})
+        self.details |= kept(details) if cached else details
         self.source |= found.get("source", {})
         self.stale = self.stale or found.get("stale", False)
         if cached:

@@ -84,6 +84,11 @@ def plain_pairs(values: Mapping[str, Any]) -> str:
     return pairs({key.replace("_", " "): text(value) for key, value in values.items()})
 
 
+def image(png: str, words: str, width: int, height: int) -> str:
+    """A picture that is part of the page: a PNG in base64; `words` for those who do not see it."""
+    return f'<img src="data:image/png;base64,{png}" alt="{text(words)}" width="{width}" height="{height}">'
+
+
 def link(target: str, words: str) -> str:
     """A link to a web page, or to a place of this one (`#...`)."""
     return f'<a href="{text(target)}">{text(words)}</a>'

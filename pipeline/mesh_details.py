@@ -1,9 +1,11 @@
-"""What the report tells of a robot's geometry besides its figures, and what the terminal shows meanwhile."""
+"""What the report tells of a robot's geometry, and what the terminal shows meanwhile."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
+from pipeline.caching.actions import Remembered
+from pipeline.context import notes
 from stages.robot.plural import count
 
 if TYPE_CHECKING:
@@ -14,28 +16,79 @@ if TYPE_CHECKING:
 _MM = 1e3
 
 
-def details(geometry: "Geometry") -> dict[str, Any]:
-    """`colliders`: how the parts of each link collide, lengths in mm, volumes as shares of the part's.
+def noted(geometry: "Geometry", remembered: Sequence[Remembered]) -> bytes:
+    """The notes of the mesh stage. `remembered`: what it made, or had made before."""
+    files = {shape.file for shape in geometry.shapes if shape.file is not None}
+    figures = {"meshes": len(files), "triangles": sum(shape.faces for shape in geometry.shapes)}
+    summary = f"{count(figures['meshes'], 'mesh', 'meshes')}, {count(figures['triangles'], 'triangle')}"
+    tables = details(geometry, remembered)
+    return notes(summary, geometry.diagnostics, figures, details=tables, lasts=geometry.lasts)
 
-    `excludes`: the pairs of links that do not collide with each other, why, and how deep they are in each
-    other at `home` [mm]; nothing where the robot does not collide with itself.
+
+def details(geometry: "Geometry", remembered: Sequence[Remembered] = ()) -> dict[str, Any]:
+    """`colliders`: how the parts of each link collide, lengths in mm, volumes as shares of the part's.
+    `seconds`: how long making the collider took, when it was made; equal parts have one, and all but the
+    first of them 0. `cached`: whether it was made before this build. `remembered`: what the stage made.
+
+    `links`: the colliders of each link in total; `geoms` are what an engine collides, also what the
+    user gave. `excludes`: the pairs of links that do not collide with each other, why, and how deep they are
+    in each other at `home` [mm]; nothing where the robot does not collide with itself.
     """
     excludes = [
         {"links": [one.link_a, one.link_b], "reason": one.reason, "depth": round(_MM * one.depth, 3)}
         for one in geometry.excludes
     ]
-    colliders = [_collider(one) for one in geometry.colliders]
-    return {**({"colliders": colliders} if colliders else {}), **({"excludes": excludes} if excludes else {})}
+    colliders = _colliders(geometry.colliders, remembered)
+    tables = {"colliders": colliders, "links": _links(geometry, colliders), "excludes": excludes}
+    return {name: rows for name, rows in tables.items() if rows}
+
+
+def kept(details: Mapping[str, Any]) -> dict[str, Any]:
+    """The same for a stage whose result comes from the cache: then so does each collider."""
+    rows = [{**row, "cached": True} for row in details.get("colliders", [])]
+    return {**details, **({"colliders": rows} if rows else {})}
+
+
+def _colliders(every: Iterable["ColliderFigures"], remembered: Sequence[Remembered]) -> list[dict[str, Any]]:
+    steps: dict[str, list[Remembered]] = {}
+    for step in remembered:
+        if step.kind == "mesh.collider":
+            steps.setdefault(step.key["collider"], []).append(step)
+    rows, told = [], set[str]()
+    for one in every:
+        own = steps.get(one.key, [])
+        seconds = 0.0 if one.key in told else sum(step.seconds for step in own)
+        told.add(one.key)
+        cached = all(step.cached for step in own)
+        rows.append({**_collider(one), "seconds": round(seconds, 3), "cached": cached})
+    return rows
 
 
 def _collider(one: "ColliderFigures") -> dict[str, Any]:
     row = asdict(one)
+    del row["key"]
     measures = row.pop("measures") or {}
     row["tolerance"] = None if one.tolerance is None else round(_MM * one.tolerance, 4)
+    row["miss"] = None if one.miss is None else round(one.miss, 4)
     for name, value in measures.items():
         of_length = name.startswith(("protrusion", "bareness"))
         row[name] = round(_MM * value, 4) if of_length else value
     return row
+
+
+def _links(geometry: "Geometry", rows: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """The totals of each link that has a collider, in the order of the shapes."""
+    geoms: dict[str, int] = {}
+    for shape in geometry.shapes:
+        if shape.role == "collision":
+            geoms[shape.link] = geoms.get(shape.link, 0) + 1
+    found = []
+    for link in dict.fromkeys([*(str(row["link"]) for row in rows), *geoms]):
+        own = [row for row in rows if row["link"] == link]
+        totals = {name: sum(row[name] for row in own) for name in ("pieces", "vertices", "seconds")}
+        totals["seconds"] = round(totals["seconds"], 3)
+        found.append({"link": link, "colliders": len(own), **totals, "geoms": geoms.get(link, 0)})
+    return found
 
 
 def shown(context: "BuildContext") -> "Shown":

@@ -21,8 +21,10 @@ from pipeline.markup import (
 )
 from pipeline.reference.codes import explanations
 from pipeline.report import Report
+from pipeline.report_colliders import colliders
 from pipeline.secrets import Secrets
 from stages.graph.view.views import PICTURE, TABLES
+from stages.mesh.view.views import PICTURES
 
 STYLE = Path(__file__).with_name("report.css")
 
@@ -35,8 +37,8 @@ ASSETS = "assets/"
 
 
 def page(report: Report, shown: Mapping[str, str], sizes: Mapping[str, int], secrets: Secrets) -> bytes:
-    """The page, with secrets blanked. `shown`: files of the graph stage by name, none where a build
-    did not come so far; `sizes` [bytes] of the outputs."""
+    """The page, with secrets blanked. `shown`: views of the stages by name, none where a build did not come
+    so far; `sizes` [bytes] of the outputs."""
     tree: dict[str, Any] = secrets.within(report.tree())
     tables = secrets.within(json.loads(shown.get(TABLES, "[]")))
     sections = [
@@ -47,6 +49,7 @@ def page(report: Report, shown: Mapping[str, str], sizes: Mapping[str, int], sec
         section("Kinematic graph", _picture(shown.get(PICTURE, ""), secrets, PICTURE in tree["outputs"])),
         section("Outline", _preformatted(tree["outline"])),
         *(section(text(one["title"]), plain_table(one["header"], one["rows"])) for one in tables),
+        colliders(tree["details"], shown.get(PICTURES, ""), secrets),
         _excludes(tree["details"].get("excludes", [])),
         _facts(tree),
         _outputs(tree["outputs"], sizes),

@@ -12,9 +12,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any, Protocol
 
 from pipeline.caching import bundles
+from pipeline.caching.actions import Remembered
 from pipeline.config.plan import Plan, section
 from pipeline.context import FILES, NOTES, ROBOT, BuildContext, notes
-from pipeline.mesh_details import details, shown
+from pipeline.mesh_details import noted, shown
 from stages.robot import codec
 from stages.robot.errors import ConfigError
 from stages.robot.plural import count
@@ -223,20 +224,17 @@ class MeshStage(StageBase):
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.mesh import make_geometry
+        from stages.mesh.view.views import views
 
         # MuJoCo makes no mesh: what it decides has its version in the key.
         versions = {name: found for name, found in libraries(self).items() if name != "mujoco"}
-        memo = context.cache.memo(self.name, self.version, versions)
+        made: list[Remembered] = []
+        memo = context.cache.memo(self.name, self.version, versions, made.append)
         geometry = make_geometry(context.robot, context.bundle, context.plan, memo, shown(context))
-        triangles = sum(shape.faces for shape in geometry.shapes)
-        meshes = len({shape.file for shape in geometry.shapes if shape.file is not None})
-        figures = {"meshes": meshes, "triangles": triangles}
-        summary = f"{count(meshes, 'mesh', 'meshes')}, {count(triangles, 'triangle')}"
         return {
             **codec.encode_geometry(geometry),
-            NOTES: notes(
-                summary, geometry.diagnostics, figures, details=details(geometry), lasts=geometry.lasts
-            ),
+            **views(geometry, memo),
+            NOTES: noted(geometry, made),
         }
 
 

@@ -22,6 +22,7 @@ from pipeline.secrets import Secrets
 
 Mode = Literal["use", "refresh", "bypass"]
 Memo = Callable[[str, Mapping[str, Any], Callable[[], bytes]], bytes]
+Seen = Callable[["Remembered"], None]
 Check = Callable[[Mapping[str, bytes]], None]
 """Raises an error for files that must not be kept."""
 
@@ -62,8 +63,7 @@ class Action:
 
 @dataclass(frozen=True, slots=True)
 class Remembered:
-    """A result inside a stage: its kind and key, whether it was there from before, and how long making it
-    took [s]."""
+    """A result inside a stage: whether it was there before, and how long making it took [s]."""
 
     kind: str
     key: Mapping[str, Any]
@@ -72,8 +72,7 @@ class Remembered:
 
 
 class Files(Mapping[str, bytes]):
-    """Outputs by relative path; a file is read when it is asked for. `digests`: path → SHA-256. `seconds`:
-    how long making them took, 0 where that is not known."""
+    """Outputs by relative path, read when asked for. `digests`: path → SHA-256; `seconds` to make them."""
 
     def __init__(self, store: Store, digests: Mapping[str, str], seconds: float = 0.0) -> None:
         self._store = store
@@ -172,11 +171,7 @@ class Cache:
             self.store.publish(action.key, record)
 
     def memo(
-        self,
-        stage: str,
-        version: int,
-        libraries: Mapping[str, str],
-        seen: Callable[[Remembered], None] = lambda _: None,
+        self, stage: str, version: int, libraries: Mapping[str, str], seen: Seen = lambda _: None
     ) -> Memo:
         """For results inside a stage, one action each: `memo(kind, key, make)`; each is told to `seen`."""
 

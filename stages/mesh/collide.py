@@ -7,6 +7,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from hashlib import sha256
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -61,6 +62,10 @@ class ColliderJob:
         settings = self.choice.settings.used(self.choice.how.settings)
         return {"maker": self.choice.maker, "settings": settings, "of": made_of}
 
+    def identity(self) -> str:
+        """The digest of the key."""
+        return sha256(_name(self).encode()).hexdigest()
+
     def surfaces(self, library: MeshLibrary) -> list[Surface]:
         """The surfaces of the parts that have a mesh, in the frame of the job."""
         meshes = library.meshes(use.mesh for use in self.uses)
@@ -92,17 +97,19 @@ class _Made:
 
     def __init__(self, library: MeshLibrary, memo: Memo) -> None:
         self._library, self._memo = library, memo
-        self._first: dict[str, Collision] = {}
+        self._first: dict[tuple[str, str], Collision] = {}
         self._lock = threading.Lock()
 
     def first(self, job: ColliderJob, how: str = "make") -> Collision:
         """What the first step of a maker gives, or the function `how`."""
-        key = {**job.key(), "step": how}
-        name = json.dumps(key, sort_keys=True)
+        name = job.identity(), how
         if name not in self._first:
-            data = self._memo("mesh.collider", key, lambda: collision.encode(self._make(job, how)))
+            data = self._remembered(job, how, lambda: collision.encode(self._make(job, how)))
             self._first[name] = collision.decode(data)
         return self._first[name]
+
+    def _remembered(self, job: ColliderJob, step: str, make: Callable[[], bytes]) -> bytes:
+        return self._memo("mesh.collider", {"collider": job.identity(), "step": step}, make)
 
     def _make(self, job: ColliderJob, how: str) -> Collision:
         surfaces = self._surfaces(job)
@@ -163,7 +170,7 @@ class _Made:
             improve: Callable[..., Collision] = _maker(job).improve
             return collision.encode(improve(surfaces, job.choice.settings, made, halt))
 
-        return collision.decode(self._memo("mesh.collider", {**job.key(), "step": "improve"}, make))
+        return collision.decode(self._remembered(job, "improve", make))
 
 
 def _maker(job: ColliderJob) -> Any:

@@ -26,8 +26,10 @@ def figures_of(one: Collided, names: Sequence[str]) -> ColliderFigures:
         made.meets,
         made.tolerance,
         made.measures,
+        None if made.measures is None or made.tolerance is None else miss(made.measures, made.tolerance),
         made.note,
         made.failed,
+        one.job.identity(),
     )
 
 

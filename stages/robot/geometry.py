@@ -107,8 +107,10 @@ class ColliderFigures:
     `maker`: an option of `mesh.collider`, or "given"; `rung`: what it made, in a word: a kind of primitive,
     "hull", "pieces", "spheres", "raw", or "none". `vertices`: of all its meshes. `tolerance` [m] and
     `measures`: what it was judged by, None where it was not; `meets`: whether it is within the tolerance,
-    where its maker goes by one. `note`: why it is no better, in words. `failed`: whether that may go better
-    next time, since a time limit was hit or a process crashed.
+    where its maker goes by one. `miss`: how many times the tolerance it is off, at most 1 where it is within,
+    whether its maker goes by that or not. `note`: why it is no better, in words. `failed`: whether that may
+    go better next time, since a time limit was hit or a process crashed. `key`: the digest of all that it
+    depends on: colliders with the same are made once.
     """
 
     link: str
@@ -120,8 +122,10 @@ class ColliderFigures:
     meets: bool
     tolerance: float | None
     measures: Measures | None
+    miss: float | None = None
     note: str = ""
     failed: bool = False
+    key: str = ""
 
 
 @dataclass(frozen=True, slots=True)

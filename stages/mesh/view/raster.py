@@ -40,10 +40,10 @@ def drawn(corners: Corners, colours: Pixels, background: Pixels, side: int) -> P
     for some in _batches(corners):
         triangle, row, column, height = _covered(corners[some], side)
         level = ((height - low) * step).astype(np.int64)
-        seen = level << _TRIANGLE_BITS | some[triangle]
-        np.maximum.at(nearest, row * side + column, seen)
-    every = np.concatenate([colours, background[None]])
-    return every[nearest & ((1 << _TRIANGLE_BITS) - 1)].reshape(side, side, 3)
+        np.maximum.at(nearest, row * side + column, level << _TRIANGLE_BITS | some[triangle])
+    every: Pixels = np.concatenate([colours, background[None]])
+    seen = nearest & ((1 << _TRIANGLE_BITS) - 1)
+    return np.asarray(every[seen].reshape(side, side, 3))
 
 
 def _boxes(corners: Corners) -> _Numbers:

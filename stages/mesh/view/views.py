@@ -9,7 +9,6 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
 
 PICTURES = "pictures.json"
-VIEWS = (PICTURES,)
 
 
 def views(geometry: Geometry, memo: Memo) -> dict[str, bytes]:

@@ -15,6 +15,7 @@ from stages.mesh.choices import Choice
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.collision import Collision
 from stages.mesh.keys import MeshKeys
+from stages.robot import codec
 from stages.robot.bundle import Bundle
 from stages.robot.errors import DecompositionFailed, MeshError
 from stages.robot.geometry import Geometry, Measures
@@ -196,7 +197,7 @@ def test_each_part_is_made_once_however_often_it_is_used() -> None:
     calls: list[Any] = []
 
     def memo(kind: str, key: Any, make: Any) -> bytes:
-        calls.append((kind, key.get("step"), str(key)))
+        calls.append((kind, key.get("step"), key.get("collider")))
         return make()
 
     value = robot(*(part(f"Bracket <{number}>", at(0.2 * number)) for number in range(4)))
@@ -205,6 +206,30 @@ def test_each_part_is_made_once_however_often_it_is_used() -> None:
     assert [step for kind, step, _ in calls if kind == "mesh.collider"] == ["make", "together", "improve"]
     assert len(geometry.colliders) == 4
     assert len(geometry.of("base", "collision")) == 8
+    (own,) = {one.key for one in geometry.colliders}
+    assert [step for _, step, key in calls if key == own] == ["make", "improve"]
+
+
+def test_the_figures_of_a_part_without_an_inside_survive_the_cache() -> None:
+    """A bent sheet: what its hull adds is no share of a volume."""
+    bent = trimesh.Trimesh([[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0.03], [0, 0.1, 0]], [[0, 1, 2], [0, 2, 3]])
+    reply = bodies_of({"Sheet": bent})
+    digest = sha256(reply).hexdigest()
+    value = robot(part("Sheet <1>", mesh=MeshRef(digest, "Sheet")))
+    files = Bundle("onshape", {}, "", {}, {digest: reply})
+    kept: dict[str, bytes] = {}
+
+    def memo(kind: str, key: Any, make: Any) -> bytes:
+        return kept.setdefault(repr((kind, key)), make())
+
+    for _ in range(2):
+        for collider in ("primitives", "ladder"):
+            keys = MeshKeys.model_validate({"mesh": {"collider": collider}})
+            geometry = make_geometry(value, files, keys, memo)
+            (figures,) = geometry.colliders
+            assert figures.measures is not None
+            assert figures.measures.extra is None
+            assert codec.decode_geometry(codec.encode_geometry(geometry)).colliders == (figures,)
 
 
 def test_a_guest_that_fails_leaves_the_hull_and_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,4 +1,4 @@
-"""The pairs of links that do not collide, in the report of the sample's build."""
+"""What does not collide and what does, in the report of the sample's build."""
 
 import json
 
@@ -11,7 +11,13 @@ from pipeline.config.compose import compose_plan
 @pytest.fixture(scope="module")
 def built(tmp_path_factory):
     folder = tmp_path_factory.mktemp("contacts")
-    told = ["robot=sample", "contact.self=auto", f"output={folder}/out", f"cache.dir={folder}/cache"]
+    told = [
+        "robot=sample",
+        "contact.self=auto",
+        "mesh.colliders={Wrist:box}",
+        f"output={folder}/out",
+        f"cache.dir={folder}/cache",
+    ]
     plan = compose_plan(told, cwd=folder).plan
     first = build(plan)
     return first, build(plan), folder / "out"
@@ -32,6 +38,18 @@ def test_the_report_has_each_pair_with_its_reason_and_depth(built):
     assert all(name in page for name in ("base_plate", "lift_column", "Adjacent"))
 
 
+def test_colliders_have_the_time_that_they_took_also_where_they_are_kept(built):
+    first, second, folder = built
+    before, after = first.details["colliders"], second.details["colliders"]
+    assert len(before) == 11
+    assert all(row["seconds"] > 0 and not row["cached"] for row in before)
+    assert after == [{**row, "cached": True} for row in before]
+    assert second.details["links"] == first.details["links"]
+    page = (folder / "report.html").read_text()
+    assert page.count("data:image/png;base64,") == 1  # of the link with a box, which was judged
+    assert "0 of 11 colliders made in this build" in page
+
+
 JOINED = [("lift_column", "turret"), ("elbow_plate", "parallel_rod")]
 """A joint's links, and a loop's."""
 
@@ -39,5 +57,5 @@ JOINED = [("lift_column", "turret"), ("elbow_plate", "parallel_rod")]
 def test_an_unchanged_robot_is_not_analysed_again(built):
     first, second, _ = built
     assert all(stage.cached for stage in second.stages if stage.name != "fetch")
-    assert second.details == first.details
+    assert second.details["excludes"] == first.details["excludes"]
     assert all(check.passed for check in first.checks)

@@ -42,7 +42,7 @@ REPORT = Report(
 class Reader(HTMLParser):
     """Collects the text and holds that every element is closed in its turn."""
 
-    VOID = frozenset({"meta", "br", "wbr"})
+    VOID = frozenset({"meta", "br", "wbr", "img"})
 
     def __init__(self, data):
         super().__init__()

@@ -1,0 +1,185 @@
+"""Colliders in the report: joined with the time that they took, and shown for people."""
+
+import base64
+import json
+from dataclasses import replace
+
+import pytest
+
+from pipeline.caching.actions import Remembered
+from pipeline.mesh_details import details, kept
+from pipeline.report_html import page
+from pipeline.secrets import Secrets
+from stages.mesh.view.views import PICTURES
+from stages.robot.geometry import ColliderFigures, Geometry, Measures, Shape
+from tests.unit.pipeline.test_report_html import REPORT, SECRET, SHOWN, Reader
+
+NEAR = Measures(0.0153, 0.1792, "boolean", 0.00036, 0.00052, 0.00054, 0.00154)
+FAR = Measures(0.25, 0.0, "sampling", 0.00304, 0.00651, 0.0, 0.0)
+EVERY = (
+    ColliderFigures("base", ("Foot <1>",), "ladder", "cylinder", 1, 0, True, 0.002, NEAR, 0.77, key="k1"),
+    ColliderFigures("base", ("Foot <2>",), "ladder", "cylinder", 1, 0, True, 0.002, NEAR, 0.77, key="k1"),
+    ColliderFigures(
+        "arm", ("Sleeve <1>",), "ladder", "pieces", 16, 1496, False, 0.0025, FAR, 1.216, "cut short", key="k2"
+    ),
+    ColliderFigures("arm", ("Net",), "raw", "raw", 1, 90, True, None, None, None, key="k3"),
+)
+SHAPES = tuple(
+    Shape(link, role, f"{link}.stl", None, 3, 1, 0.1, 0.0)
+    for link, role in [("base", "collision")] * 2 + [("arm", "collision")] * 17 + [("arm", "visual")] * 4
+)
+GEOMETRY = Geometry(SHAPES, {}, colliders=EVERY)
+REMEMBERED = [
+    Remembered("mesh.link", {"parts": []}, False, 9.0),
+    Remembered("mesh.collider", {"collider": "k2", "step": "improve"}, False, 29.0),
+    Remembered("mesh.collider", {"collider": "k1", "step": "make"}, True, 1.25),
+    Remembered("mesh.collider", {"collider": "k2", "step": "make"}, True, 0.5),
+    Remembered("mesh.collider", {"collider": "k3", "step": "make"}, False, 0.001),
+]
+TABLES = details(GEOMETRY, REMEMBERED)
+
+
+def test_each_collider_has_its_figures_and_the_time_of_all_its_steps():
+    first, second, sleeve, net = TABLES["colliders"]
+    assert first == {
+        "link": "base",
+        "parts": ("Foot <1>",),
+        "maker": "ladder",
+        "rung": "cylinder",
+        "pieces": 1,
+        "vertices": 0,
+        "meets": True,
+        "tolerance": 2.0,
+        "miss": 0.77,
+        "note": "",
+        "failed": False,
+        "extra": 0.0153,
+        "missing": 0.1792,
+        "by": "boolean",
+        "protrusion_p95": 0.36,
+        "protrusion_max": 0.52,
+        "bareness_p95": 0.54,
+        "bareness_max": 1.54,
+        "seconds": 1.25,
+        "cached": True,
+    }
+    assert (second["seconds"], second["cached"]) == (0.0, True)
+    assert (sleeve["seconds"], sleeve["cached"]) == (29.5, False)
+    assert (net["seconds"], net["cached"], net["tolerance"]) == (0.001, False, None)
+
+
+def test_the_order_in_which_colliders_were_made_does_not_matter():
+    assert details(GEOMETRY, REMEMBERED[::-1]) == TABLES
+
+
+def test_links_have_totals_of_their_colliders_and_of_what_an_engine_collides():
+    assert TABLES["links"] == [
+        {"link": "base", "colliders": 2, "pieces": 2, "vertices": 0, "seconds": 1.25, "geoms": 2},
+        {"link": "arm", "colliders": 2, "pieces": 17, "vertices": 1586, "seconds": 29.501, "geoms": 17},
+    ]
+    given = Geometry((*SHAPES, replace(SHAPES[0], link="rod")), {}, colliders=EVERY)
+    rod = {"link": "rod", "colliders": 0, "pieces": 0, "vertices": 0, "seconds": 0, "geoms": 1}
+    assert details(given)["links"][-1] == rod
+
+
+def test_of_a_kept_stage_every_collider_is_kept_and_the_rest_is_the_same():
+    again = kept({**TABLES, "excludes": [1]})
+    assert all(row["cached"] for row in again["colliders"])
+    assert [row["seconds"] for row in again["colliders"]] == [1.25, 0.0, 29.5, 0.001]
+    assert (again["links"], again["excludes"]) == (TABLES["links"], [1])
+    assert kept({}) == {}
+    assert not TABLES["colliders"][2]["cached"]
+
+
+PIXEL = base64.b64encode(b"\x89PNG...").decode()
+
+
+def shown(*links, left_out=()):
+    pictures = [{"link": link, "png": PIXEL} for link in links]
+    return {**SHOWN, PICTURES: json.dumps({"side": 240, "pictures": pictures, "left_out": left_out})}
+
+
+def made(tables=TABLES, views=SHOWN, secrets=None):
+    return page(replace(REPORT, details=tables), views, {"arm.urdf": 1}, Secrets(secrets or {}))
+
+
+def test_what_misses_is_seen_first_and_marked_and_the_rest_is_folded():
+    read = Reader(made())
+    assert "Colliders: 2 of 3 within the tolerance" in read.text
+    assert "misses" not in read.folded
+    for words in ("Sleeve <1>", "16 convex pieces", "cut short", "3.04 / 6.51", "25.0 % / 0.0 %", "sampling"):
+        assert any(words in said for said in read.said), words
+        assert words not in read.folded
+    for words in ("Foot <1>", "cylinder", "0.36 / 0.52", "0.54 / 1.54", "1.5 % / 17.9 %", "boolean", "Net"):
+        assert words in read.folded
+    assert read.said.count("misses") == 1
+    assert read.text.index("misses") < read.text.index("Foot <1>")
+    assert "2 within the tolerance" in read.text
+    assert ", 1 not judged" in read.text
+    assert {"29.50", "1.25, kept", "0.00, kept"} <= set(read.said)
+
+
+def test_a_hull_that_no_one_judged_by_its_tolerance_is_marked_where_it_misses():
+    hull = replace(EVERY[0], maker="hull", rung="hull", measures=FAR, miss=2.5)
+    read = Reader(made(details(Geometry(SHAPES, {}, colliders=(hull,)))))
+    assert "Colliders: 0 of 1 within the tolerance" in read.text
+    assert read.said.count("misses") == 1
+
+
+def test_a_hull_that_stands_in_for_pieces_that_failed_is_in_sight():
+    hull = replace(EVERY[3], maker="coacd", rung="hull", meets=False, note="it took longer than 60 s")
+    read = Reader(made(details(replace(GEOMETRY, colliders=(*EVERY[:2], hull)))))
+    assert "Colliders: 2 of 2 within the tolerance" in read.text
+    assert "it took longer than 60 s" in read.said
+    assert "it took longer than 60 s" not in read.folded
+    assert read.said.count("not judged") == 1
+
+
+def test_where_nothing_was_judged_no_figure_is_explained():
+    read = Reader(made(details(replace(GEOMETRY, colliders=EVERY[3:]))))
+    assert "Colliders" in read.said
+    assert "1 not judged" in read.text
+    assert "within the tolerance" not in read.text
+    assert "Stands out" not in read.text
+    assert "the mesh itself" in read.folded
+
+
+def test_the_totals_of_the_robot_are_in_sight_and_those_of_links_folded():
+    read = Reader(made())
+    words = "2 links: 19 pieces, 1,586 vertices, 19 geoms; 2 of 4 colliders made in this build"
+    assert words in read.said
+    assert words not in read.folded
+    rows = "".join(read.folded)
+    for total in ("all", "30.75", "29.50"):
+        assert total in rows
+
+
+def test_pictures_are_in_the_page_folded_with_words_for_who_does_not_see_them():
+    data = made(views=shown("base", "arm <2>", left_out=["hand", "head"]))
+    read = Reader(data)
+    assert read.links.count(f"data:image/png;base64,{PIXEL}") == 2
+    assert "Pictures of 2 links: on the left what is seen, on the right the collider" in read.text
+    assert "Too large to be drawn here: hand, head" in read.text
+    assert b'alt="arm &lt;2&gt;: what is seen, and its collider" width="480" height="240"' in data
+    assert {"base", "arm <2>"} <= set(read.folded)
+    assert b"<img" not in made()
+
+
+def test_secrets_are_blanked_in_the_names_of_links_and_parts():
+    secret = replace(EVERY[2], link=f"l {SECRET}", parts=(f"p {SECRET}",), note=SECRET)
+    tables = details(Geometry(SHAPES, {}, colliders=(secret,)))
+    views = shown(f"q {SECRET}", left_out=[f"r {SECRET}"])
+    assert Reader(made(tables, views)).text.count(SECRET) >= 5
+    assert b"s3cr3t" not in made(tables, views, {"ONSHAPE_SECRET_KEY": SECRET})
+
+
+@pytest.mark.parametrize(("tables", "views"), [({}, SHOWN), ({"excludes": []}, shown("base"))])
+def test_a_robot_without_colliders_has_no_such_section(tables, views):
+    assert "Colliders" not in Reader(made(tables, views)).text
+
+
+def test_a_part_without_a_volume_and_many_parts_together_are_told():
+    sheet = replace(EVERY[0], measures=replace(NEAR, extra=None), parts=tuple(f"P{n}" for n in range(9)))
+    read = Reader(made(details(Geometry(SHAPES, {}, colliders=(sheet,)))))
+    assert "no volume / 17.9 %" in read.folded
+    assert any("P0, P1, P2 and 6 more" in said for said in read.said)
