@@ -1,4 +1,4 @@
-"""A picture of each link whose colliders were judged: what is seen on the left, the colliders on the right."""
+"""A picture of each link whose colliders were judged: what is seen on the left, colliders on the right."""
 
 from __future__ import annotations
 
