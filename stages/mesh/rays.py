@@ -217,13 +217,18 @@ class Inside:
         if not self.closed:
             twice = sum(self._winding(points, number)[0] for number in range(_DIRECTIONS))
             return np.asarray(twice > _DIRECTIONS)
-        result = np.zeros(len(points), dtype=bool)
+        return self.times_around(points) > 0
+
+    def times_around(self, points: Points) -> Indices:
+        """(n,): how often a closed surface goes round each of the points (n, 3): 1 inside, more where shells
+        overlap or one lies across itself, less than 0 where one is inside out."""
+        result = np.zeros(len(points), dtype=np.int64)
         # A line all the way through a closed surface enters as often as it leaves. Where it does not, it met
         # a corner, where rounding decides: another direction is asked. Points on corners never get better.
         asked = np.arange(len(points))
         for number in range(_ASKED):
             twice, through = self._winding(points[asked], number)
-            result[asked] = twice > 1
+            result[asked] = twice // 2
             asked = asked[through != 0]
             if not len(asked):
                 break

@@ -2,7 +2,7 @@
 
 CoACD takes minutes for a mesh as CAD gives it and seconds for the same shape of some thousand triangles; it
 needs it closed, so the simplification is that of manifold3d, which keeps it so. Bubbles inside a body are
-filled: nothing gets there.
+filled: nothing gets there. A body that lies across itself CoACD cuts without end: it is closed round anew.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from stages.mesh.decompose.remesh import closed_around
+from stages.mesh.rays import Inside
 from stages.mesh.surface import Points, Surface, Triangles
 
 _PASSES = {"as it is": (0.1, 0.1, 0.1, 0.1), "remeshed": (0.1, 0.15, 0.2, 0.2)}
@@ -24,6 +25,12 @@ _FEW_FACES = 2500
 
 _PITCH_OF_TOLERANCE = 0.75
 _FINEST_OF_SIZE = 1 / 128
+
+_ACROSS = 0.005
+"""The share of a body that it may go round more often than once."""
+
+_ALONG = 16
+"""Points along each side of a body's box that tell how often it goes round them."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,18 +47,31 @@ class Prepared:
 
 def prepared(surface: Surface, tolerance: float) -> Prepared | str:
     """The bodies of a part; where it has none, the reason in words."""
-    solid = _solid(surface.vertices, surface.triangles)
-    way, around = "as it is", 0.0
-    if solid is None:
-        size = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
-        around = max(_PITCH_OF_TOLERANCE * tolerance, _FINEST_OF_SIZE * size)
-        closed = closed_around(surface, around)
-        solid, way = _solid(closed.vertices, closed.triangles), "remeshed"
-    if solid is None:
+    bodies = _bodies(surface, tolerance, "as it is")
+    if bodies is not None and not any(map(_lies_across_itself, bodies)):
+        return Prepared(bodies, "as it is", 0.0) if bodies else "the mesh has no inside"
+    size = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
+    around = max(_PITCH_OF_TOLERANCE * tolerance, _FINEST_OF_SIZE * size)
+    bodies = _bodies(closed_around(surface, around), tolerance, "remeshed")
+    if bodies is None:
         return "the mesh is not closed, and no closed surface around it could be made"
+    return Prepared(bodies, "remeshed", around) if bodies else "the mesh has no inside"
+
+
+def _bodies(surface: Surface, tolerance: float, way: str) -> tuple[Surface, ...] | None:
+    """The simplified bodies of a surface; None where it is not manifold."""
+    solid = _solid(surface.vertices, surface.triangles)
+    if solid is None:
+        return None
     bodies = [_surface(body) for body in _simplified(solid, tolerance, way).decompose() if body.volume() > 0]
-    bodies.sort(key=lambda body: (-len(body.triangles), body.vertices.tobytes()))
-    return Prepared(tuple(bodies), way, around) if bodies else "the mesh has no inside"
+    return tuple(sorted(bodies, key=lambda body: (-len(body.triangles), body.vertices.tobytes())))
+
+
+def _lies_across_itself(body: Surface) -> bool:
+    low, high = body.vertices.min(axis=0), body.vertices.max(axis=0)
+    places = (np.indices((_ALONG,) * 3).reshape(3, -1).T + 0.5) / _ALONG
+    times = Inside.of(body).times_around(low + (high - low) * places)
+    return int((times > 1).sum() + (times < 0).sum()) > _ACROSS * int((times != 0).sum())
 
 
 def _solid(vertices: Points, triangles: Triangles) -> Any:

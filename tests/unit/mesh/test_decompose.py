@@ -22,11 +22,14 @@ from stages.mesh.decompose import (
     search,
     wire,
 )
+from stages.mesh.decompose.prepare import Prepared, prepared
 from stages.mesh.decompose.seams import containing, grown
+from stages.mesh.rays import Inside
 from stages.mesh.surface import Surface, weld
 from stages.robot.errors import ConfigError, DecompositionFailed, MeshError
 from stages.robot.guest import Bounds
 from tests.fake_onshape import solids
+from tests.support.poison import POISONED
 
 OPTIONS = DecomposeOptions(0.001)
 
@@ -203,6 +206,17 @@ def test_a_body_that_is_inside_out_and_a_bubble_within_are_made_good() -> None:
     for surface in (outer.flipped(), hollow):
         (piece,) = decompose(surface, OPTIONS)
         assert piece.volume() == pytest.approx(outer.volume(), rel=0.02)
+
+
+def test_only_a_body_that_lies_across_itself_is_closed_round_anew() -> None:
+    """CoACD would cut it without end. Bodies across each other are cut one by one."""
+    across, others = POISONED["self-intersecting"](), POISONED["two overlapping"]()
+    for mesh, way, count in ((across, "remeshed", 1), (others, "as it is", 2)):
+        surface, _ = weld(*mesh)
+        made = prepared(surface, 0.0016)
+        assert isinstance(made, Prepared)
+        assert (made.way, len(made.bodies)) == (way, count)
+        assert all(Inside.of(body).times_around(body.vertices * 0.99).max() == 1 for body in made.bodies)
 
 
 def test_two_bodies_are_two_pieces() -> None:

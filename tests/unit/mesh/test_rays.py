@@ -96,3 +96,14 @@ def test_a_plate_and_nothing_have_no_inside():
     assert not Inside.of(plate)(np.random.default_rng(2).uniform(0, 1, (50, 3))).any()
     nothing = Surface(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
     assert not Inside.of(nothing)(np.zeros((3, 3))).any()
+
+
+def test_a_surface_goes_round_points_as_often_as_its_shells_lie_across_each_other():
+    box = SHAPES["box"]
+    shifted = box.copy()
+    shifted.apply_translation((0.4, 0, 0))
+    surface = joined(of_mesh(box), of_mesh(shifted), of_mesh(SHAPES["ball"]).flipped())
+    points = points_in(surface, 400)
+    wanted = np.rint(winding(surface, points)).astype(int)
+    assert Inside.of(surface).times_around(points).tolist() == wanted.tolist()
+    assert set(wanted.tolist()) == {-1, 0, 1, 2}
