@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 16
+VERSION = 17
 """Grows with every change of what this stage makes of the same input."""
 
 
@@ -23,12 +23,14 @@ class Maker(NamedTuple):
     """What a maker of colliders works on, and which `ColliderSettings` it reads.
 
     `per`: part, one collider for each part, in its own frame; link, one for all parts of a link that the
-    same key chooses, in the link's frame. `improves`: whether it has a second, costly step.
+    same key chooses, in the link's frame. `improves`: whether it has a second, costly step; `exact`: whether
+    it needs each triangle, of however many.
     """
 
     per: Literal["part", "link"]
     settings: tuple[str, ...]
     improves: bool = False
+    exact: bool = False
 
 
 _PIECES = ("tolerance", "max_vertices", "effort", "coacd")
@@ -38,9 +40,9 @@ COLLIDERS: Mapping[str, Maker] = {
     "hull": Maker("link", ("max_vertices",)),
     "ladder": Maker("part", (*_PIECES, "extra_volume", "target"), improves=True),
     "primitives": Maker("part", ("tolerance", "extra_volume", "target")),
-    "raw": Maker("part", ()),
+    "raw": Maker("part", (), exact=True),
     "spheres": Maker("part", ("tolerance", "extra_volume")),
-    "visual": Maker("link", ()),
+    "visual": Maker("link", (), exact=True),
 }
 """The values of `mesh.collider`: modules of `stages/mesh/colliders`, each with a function `make` and, where
 it improves, `improve`."""

@@ -17,6 +17,7 @@ from stages.robot.inertia import merged, moved
 from stages.robot.model import Array, Link, MeshRef, Part
 
 _OF_SIZE = 1e-6
+_MANY = 20_000
 
 Library = Callable[[Sequence[Part]], Mapping[MeshRef, PartMesh]]
 """The meshes of these parts, where there are any."""
@@ -102,6 +103,8 @@ def outside(points: Points, point: Array) -> float:
     """
     from scipy.spatial import ConvexHull
 
+    if len(points) > _MANY and not outside(points[:: len(points) * 2 // _MANY], point):
+        return 0.0  # what is within the hull of some is within that of all
     middle = points.mean(axis=0)
     _, _, axes = np.linalg.svd(points - middle, full_matrices=False)
     local, target = (points - middle) @ axes.T, (point - middle) @ axes.T

@@ -1,11 +1,24 @@
 """The part meshes of a bundle, each reply read once and only where something must be made of it."""
 
 from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
 
 from stages.mesh import tessellation
+from stages.mesh.collider_settings import default_tolerance
+from stages.mesh.surface import Surface
 from stages.mesh.tessellation import PartMesh
 from stages.robot.bundle import Bundle
+from stages.robot.geometry import NEUTRAL
 from stages.robot.model import Link, MeshRef, Part
+
+_MANY = 50_000
+"""Triangles of a part."""
+
+_SHARES = (0.02, 0.05)
+"""How far the surface of a part with more may be moved, in tolerances; the second where the first leaves too
+many."""
 
 
 class MeshLibrary:
@@ -15,6 +28,7 @@ class MeshLibrary:
         self._bundle = bundle
         self._wanted: dict[str, set[str]] = {}
         self._read: dict[str, dict[str, PartMesh]] = {}
+        self._light: dict[MeshRef, Surface] = {}
         for link in links:
             for part in link.parts:
                 if part.mesh:
@@ -34,3 +48,25 @@ class MeshLibrary:
             if ref.part in self._read[ref.reply]:
                 result[ref] = self._read[ref.reply][ref.part]
         return result
+
+    def light(self, ref: MeshRef) -> Surface | None:
+        """The surface of a part to make colliders of, if there is one: of many triangles, which would take
+        minutes, fewer."""
+        if ref not in self._light:
+            mesh = self.meshes([ref]).get(ref)
+            if mesh is None:
+                return None
+            self._light[ref] = _lighter(mesh)
+        return self._light[ref]
+
+
+def _lighter(mesh: PartMesh) -> Surface:
+    tolerance = default_tolerance(float(np.linalg.norm(np.ptp(mesh.surface.vertices, axis=0))))
+    for share in _SHARES:
+        if len(mesh.surface.triangles) <= _MANY:
+            break
+        from stages.mesh.visuals.simplify import simplified
+
+        plain = replace(mesh, palette=(NEUTRAL,), colours=np.zeros_like(mesh.colours), textures=())
+        mesh = simplified(plain, share * tolerance) or mesh
+    return mesh.surface

@@ -15,6 +15,7 @@ from stages.mesh.choices import Choice
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.collision import Collision
 from stages.mesh.keys import MeshKeys
+from stages.mesh.library import MeshLibrary
 from stages.robot import codec
 from stages.robot.bundle import Bundle
 from stages.robot.errors import DecompositionFailed, MeshError
@@ -267,3 +268,18 @@ def test_the_files_are_those_of_the_pieces() -> None:
         assert piece.is_convex
         heights = np.einsum("ij,ij->i", piece.face_normals, [1, 0, 0] - piece.triangles[:, 0])
         assert heights.max() > 0.015  # so far is the middle of the ring outside of each
+
+
+def test_of_very_many_triangles_a_collider_is_made_of_fewer() -> None:
+    """As near as it was: the figures are against the part itself within three hundredths of the tolerance."""
+    ball = trimesh.creation.icosphere(6, 0.03)
+    reply = bodies_of({"Ball": ball})
+    digest = sha256(reply).hexdigest()
+    value = robot(part("Ball <1>", mesh=MeshRef(digest, "Ball")))
+    library = MeshLibrary(value.links, Bundle("onshape", {}, "", {}, {digest: reply}))
+    light = library.light(MeshRef(digest, "Ball"))
+    assert light is not None
+    assert len(ball.faces) > 50_000 > 2 * len(light.triangles)
+    apart = np.linalg.norm(light.corners.mean(axis=1), axis=1) - 0.03
+    assert np.abs(apart).max() < 0.03 * 0.0016
+    assert library.light(MeshRef(digest, "other")) is None

@@ -149,3 +149,12 @@ def support(kind, size, direction):
         return size[0]
     along = abs(direction[2]) * size[1] / 2
     return along + size[0] * (1.0 if kind == "capsule" else math.hypot(*direction[:2]))
+
+
+def test_of_many_points_those_beyond_the_hull_of_some_are_looked_at_among_all():
+    """Inside and out, on a ball of which every fifth point is looked at first."""
+    points = np.random.default_rng(1).normal(size=(50_000, 3))
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    assert outside(points, np.array([0.9, 0, 0])) == 0
+    assert outside(points, np.array([0, 0.9995, 0])) == 0
+    assert outside(points, np.array([0, 0, 1.5])) == pytest.approx(0.5, abs=1e-3)
