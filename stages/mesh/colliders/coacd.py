@@ -19,7 +19,7 @@ from stages.mesh.decompose import (
     search,
 )
 from stages.mesh.surface import Surface, joined
-from stages.mesh.verdict import measured
+from stages.mesh.verdict import Judge
 
 
 def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
@@ -32,10 +32,12 @@ def improve(
     surfaces: Sequence[Surface], settings: ColliderSettings, made: Collision, halt: threading.Event | None
 ) -> Collision:
     """At most 16 pieces. DecompositionFailed where the guest fails."""
-    whole = joined(surfaces)
-    options = DecomposeOptions(settings.tolerance_of(whole), search=search(settings.effort, settings.coacd))
-    found = read(decomposition(whole, options, Guest(halt=halt)))
+    judge = Judge.of(joined(surfaces), settings)
+    if isinstance(judge, str):
+        return made.with_note(judge)
+    options = DecomposeOptions(judge.tolerance, search=search(settings.effort, settings.coacd))
+    found = read(decomposition(judge.surface, options, Guest(halt=halt)))
     if found.refused:
         return made.with_note(found.refused)
     convex = pieces(found, MOST_PIECES, settings.max_vertices)
-    return measured(Collision(convex, rung="pieces"), surfaces, settings)
+    return judge.collision(convex, judge.measure(convex), "pieces")

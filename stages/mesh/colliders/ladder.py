@@ -32,7 +32,8 @@ def make(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
     """The cheapest primitive that is near enough, else the convex hull, near enough or not."""
     judge = Judge.of(joined(surfaces), settings)
     if isinstance(judge, str):
-        return hull.make(surfaces, settings).with_note(judge)
+        whole = hull.make(surfaces, settings)
+        return replace(whole, meets=not whole.pieces, note=judge)
     for rung, piece in _wholes(judge, settings):
         if judge.hopeless([piece]) and rung != "hull":
             continue

@@ -1,0 +1,76 @@
+"""The geometry of a robot is the same, to the byte, for any number of workers and any order of its parts."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+
+from pipeline.config.plan import Plan
+from stages.mesh import make_geometry
+from stages.mesh.decompose import pool
+from stages.robot import codec
+from stages.robot.bundle import Bundle
+from stages.robot.geometry import Geometry
+from stages.robot.model import Robot
+from tests.fake_onshape.sample import sample_document
+from tests.support.building import bundle_of, plan_of, robot_of
+from tests.support.physics import robot_of_meshes
+
+
+def angle(*lengths: float) -> trimesh.Trimesh:
+    """Two plates at a right angle."""
+    x, y, z = lengths
+    plates = [trimesh.creation.box(bounds=[(0, 0, 0), one]) for one in ((x, y, 0.005), (0.005, y, z))]
+    return trimesh.boolean.union(plates, engine="manifold")
+
+
+SMALL = {
+    "Wide": angle(0.1, 0.02, 0.05),
+    "Tall": angle(0.04, 0.03, 0.09),
+    "Block": trimesh.creation.box((0.05, 0.05, 0.05)),
+}
+
+
+def shuffled(robot: Robot, seed: int) -> Robot:
+    """The same robot with the parts of each link in another order."""
+    rng = np.random.default_rng(seed)
+    links = [
+        replace(link, parts=tuple(link.parts[one] for one in rng.permutation(len(link.parts))))
+        for link in robot.links
+    ]
+    return replace(robot, links=tuple(links))
+
+
+def geometry(
+    robot: Robot, bundle: Bundle, plan: Plan, workers: int, monkeypatch: pytest.MonkeyPatch
+) -> Geometry:
+    monkeypatch.setattr(pool, "processors", lambda: workers)
+    return make_geometry(robot, bundle, plan, lambda kind, key, make: make())
+
+
+def assert_same(one: Geometry, other: Geometry) -> None:
+    assert one.files == other.files
+    assert codec.plain(one) == codec.plain(other)
+
+
+@pytest.mark.parametrize("collider", ["primitives", pytest.param("ladder", marks=pytest.mark.slow)])
+def test_workers_and_the_order_of_parts_change_no_byte(
+    collider: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot, bundle = robot_of_meshes(SMALL)
+    plan = plan_of(mesh={"collider": collider}, contact={"self": "auto"})
+    alone = geometry(robot, bundle, plan, 1, monkeypatch)
+    assert len(alone.colliders) == len(SMALL)
+    for seed in (1, 2):
+        assert_same(geometry(shuffled(robot, seed), bundle, plan, 2, monkeypatch), alone)
+
+
+@pytest.mark.slow
+def test_workers_and_the_order_of_parts_change_no_byte_of_the_sample(monkeypatch: pytest.MonkeyPatch) -> None:
+    document = sample_document()
+    robot, bundle = robot_of(document), bundle_of(document)
+    plan = plan_of(mesh={"collider": "ladder"}, contact={"self": "auto"})
+    alone = geometry(robot, bundle, plan, 1, monkeypatch)
+    assert [one.rung for one in alone.colliders].count("pieces") >= 5
+    assert_same(geometry(shuffled(robot, 1), bundle, plan, 2, monkeypatch), alone)
