@@ -1,5 +1,6 @@
 """Colliders: a link may have several, meshes and primitives, whatever makes them."""
 
+import json
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -14,7 +15,7 @@ import pytest
 import trimesh
 
 from stages.formats.xml import parse
-from stages.mesh import COLLIDERS, Maker, collision, fit, make_geometry, pieces, stl
+from stages.mesh import COLLIDERS, collision, fit, make_geometry, pieces, stl
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.colliders import hull, primitives, raw, spheres
 from stages.mesh.collision import Collision
@@ -89,21 +90,25 @@ def test_without_colliders_nothing_is_missing_and_raw_meshes_are_reported(
     assert bool(geometry.of("arm", "collision")) == (collider == "raw")
 
 
-def test_the_settings_that_a_maker_reads_are_part_of_its_key(
-    kit: Kit, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_settings_that_a_maker_reads_are_part_of_its_key(kit: Kit) -> None:
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), limits=(-1, 1))
-    monkeypatch.setitem(COLLIDERS, "hull", Maker("link", ("extra_volume", "max_vertices")))  # type: ignore
-    keys: list[object] = []
+    robot, bundle = robot_of(kit.document), bundle_of(kit.document)
 
-    def memo(kind: str, key: Mapping[str, Any], make: Callable[[], bytes]) -> bytes:
-        if kind == "mesh.collider":
-            keys.append(key["settings"])
-        return make()
+    def keys(**mesh: object) -> list[str]:
+        found: list[str] = []
 
-    make_geometry(robot_of(kit.document), bundle_of(kit.document), plan_of(), memo)
-    assert keys == [{"extra_volume": 0.15, "max_vertices": 64}] * 2
+        def memo(kind: str, key: Mapping[str, Any], make: Callable[[], bytes]) -> bytes:
+            if kind == "mesh.collider":
+                found.append(json.dumps(key))
+            return make()
+
+        make_geometry(robot, bundle, plan_of(mesh={"collider": "hull", **mesh}), memo)
+        return found
+
+    assert len(set(keys())) == 2
+    assert keys(tolerance=0.1, extra_volume=0.5) == keys()
+    assert not set(keys(max_vertices=8)) & set(keys())
 
 
 def test_a_collision_travels_as_bytes() -> None:
