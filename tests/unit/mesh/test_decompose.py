@@ -409,19 +409,20 @@ def test_what_is_given_to_coacd_gives_pieces(given) -> None:
 
 
 @pytest.mark.slow
-def test_the_collider_coacd_is_the_pieces_of_every_part(monkeypatch) -> None:
+def test_the_collider_coacd_is_the_pieces_of_a_part(monkeypatch) -> None:
     from stages.mesh.collider_settings import ColliderSettings
     from stages.mesh.colliders import coacd
 
-    flat = Surface(BRACKET.vertices * [1, 1, 0], BRACKET.triangles)
     settings = ColliderSettings(coacd={"seed": 1})
-    files = coacd.make([BRACKET, flat, CLAMP], settings)
-    assert len(files) == 5
-    volumes = [sum(file.volume for file in part) for part in (files[:2], files[2:])]
-    assert volumes == pytest.approx([BRACKET.volume(), CLAMP.volume()], rel=0.02)
+    assert coacd.make([Surface(BRACKET.vertices * [1, 1, 0], BRACKET.triangles)], settings).pieces == ()
+    hull = coacd.make([CLAMP], settings)
+    assert (len(hull.pieces), hull.meets) == (1, False)
+    made = coacd.improve([CLAMP], settings, hull, None)
+    assert len(made.pieces) == 3
+    assert sum(piece.volume() for piece in made.pieces) == pytest.approx(CLAMP.volume(), rel=0.02)
     monkeypatch.setattr(coacd, "decomposition", lambda *_: (_ for _ in ()).throw(DecompositionFailed("no")))
     with pytest.raises(DecompositionFailed, match="no"):
-        coacd.make([BRACKET], settings)
+        coacd.improve([CLAMP], settings, hull, None)
 
 
 def test_a_wrong_parameter_in_the_configuration_is_an_error_of_its_key() -> None:
