@@ -24,7 +24,7 @@ class VisualKeys(Keys):
 class MeshSection(Keys):
     """Meshes of the links."""
 
-    collider: ColliderName = "hull"
+    collider: ColliderName = "ladder"
     """Collision geometry. ladder: of each part the cheapest of a primitive, its convex hull, and at most 8 or
     16 convex pieces that is within the tolerance; hull: the convex hull of each link; coacd: at most 16
     convex pieces of each part; primitives: of each part the box, sphere, capsule or cylinder that fits it
@@ -88,7 +88,7 @@ class ContactKeys(Keys):
     exclude: Annotated[tuple[tuple[Text, Text], ...], example([["*_finger", "palm"]])] = ()
     """Pairs of globs on link names: links that do not collide with each other."""
 
-    self_: Annotated[Literal["auto", "none", "all"], Field(alias="self")] = "none"
+    self_: Annotated[Literal["auto", "none", "all"], Field(alias="self")] = "auto"
     """Contact of the robot with itself. auto: links collide with each other, except those next to each other
     and those that touch in every pose; none: they do not; all: they do, except the pairs of `exclude`, and
     except the links on either side of a joint, which MuJoCo leaves out by itself unless one of them is

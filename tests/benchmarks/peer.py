@@ -112,6 +112,7 @@ def linkwright(server: OnshapeServer, here: Path) -> tuple[list[str], Mapping[st
     """The command, its environment, and the URDF that it makes."""
     source = ["source=onshape", f"source.url='{server.document_url()}'"]
     command = [str(COMMAND), *source, "name=robot", "export=[urdf,mjcf]", "until=export"]
+    command += ["mesh=hull", "contact.self=none"]  # the peer makes no colliders of its own
     return command, environment(here, **server.environ), here / "outputs" / "robot" / "robot.urdf"
 
 

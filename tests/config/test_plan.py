@@ -314,7 +314,7 @@ def test_the_part_of_a_stage_holds_that_stage_alone_and_keeps_the_order_of_mappi
     plan = Plan.parse({"source": SAMPLE, "joints": {"b": {"damping": 1}, "a": {}}})
     assert list(section(plan, GraphKeys)["joints"]) == ["b", "a"]
     assert set(section(plan, MeshKeys)) == {"mesh", "geoms", "contact"}
-    assert section(plan, MeshKeys)["contact"] == {"exclude": [], "self": "none"}
+    assert section(plan, MeshKeys)["contact"] == {"exclude": [], "self": "auto"}
 
 
 def test_a_property_of_a_joint_that_is_left_out_is_the_same_as_one_that_is_null():

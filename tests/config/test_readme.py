@@ -9,11 +9,14 @@ import shlex
 import sys
 from functools import cache
 from pathlib import Path
+from textwrap import dedent
 from typing import Any
 
+import mujoco
 import pytest
 
 from pipeline import face
+from pipeline.build import build_files
 from pipeline.cli import parse
 from pipeline.config.compose import Composed, compose_plan
 from pipeline.verbs import VERBS
@@ -97,6 +100,26 @@ def test_each_command_composes(tmp_path: Path, words: list[str]) -> None:
     (folder / "experiment" / "wide.yaml").write_text(HEADER)
     command = parse([word.replace("~/robots", str(folder)) for word in words])
     compose_plan(command.overrides, command.config_dirs, folder)
+
+
+def test_the_yaml_of_the_changelog_brings_the_defaults_of_before_back(tmp_path: Path) -> None:
+    text = (PROJECT / "CHANGELOG.md").read_text()
+    (lines,) = [block for mark, _, _, block in BLOCK.findall(text) if mark == "as_before"]
+    robot = dedent(lines).replace("defaults:\n", "defaults:\n  - override /source: sample\n")
+    told = [f"cache.dir={tmp_path}/cache", "robot=my_arm", "until=export"]
+    plan = compose_plan(told, (), write(tmp_path, my_arm=HEADER + robot)).plan
+    files = build_files(plan, in_memory=True).files
+    meshes = {
+        name.removeprefix("assets/"): data for name, data in files.items() if name.startswith("assets/")
+    }
+    model = mujoco.MjModel.from_xml_string(files["my_arm.xml"].decode(), meshes)
+    collide = [geom for geom in range(model.ngeom) if model.geom_contype[geom]]
+    assert sorted(model.geom_bodyid[collide]) == list(range(1, 12))
+    assert max(model.mesh_vertnum[model.geom_dataid[collide]]) > 64
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    assert data.ncon == 0
 
 
 def test_the_keys_of_the_kinematics_make_a_robot_of_the_sample(tmp_path: Path) -> None:

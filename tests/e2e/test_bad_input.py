@@ -202,7 +202,7 @@ def test_an_output_that_would_take_the_place_of_what_the_user_works_in_is_refuse
 ) -> None:
     (tmp_path / "home").mkdir()
     (tmp_path / "work").mkdir()
-    environ = environment(tmp_path / "work", HOME=str(tmp_path / "home"))
+    environ = environment(tmp_path / "work", seeded=False, HOME=str(tmp_path / "home"))
     done = called(tmp_path / "work", *sweep, f"output={output}", environ=environ)
     assert done.returncode == 2
     assert shown in done.stderr

@@ -65,6 +65,8 @@ def kbot(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict, Robot]:
             "source": {"kind": "bundle", "path": str(here / "kbot.zip")},
             "output": str(here / "out"),
             "cache": {"dir": str(here / "cache")},
+            "mesh": {"collider": "hull"},
+            "contact": {"self": "none"},
         }
     )
     report = build(plan)
@@ -168,6 +170,8 @@ def test_a_recorded_assembly_builds_whichever_way(name: str, way: str, tmp_path:
         "source": {"kind": "bundle", "path": str(tmp_path / "it.zip")},
         "output": str(tmp_path / "out"),
         "cache": {"dir": str(tmp_path / "cache")},
+        "mesh": {"collider": "hull"},
+        "contact": {"self": "none"},
     }
     report = build(Plan.parse({**tree, **given, **WAYS[way]}))
     assert report.exit_status == 0

@@ -57,11 +57,21 @@ def test_a_second_build_runs_no_stage_and_gives_the_same_bytes(built: Path) -> N
     assert robot_files(built / "outputs" / "sample") == before
 
 
-@pytest.mark.parametrize("seed", ["0", pytest.param("4711", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", ["0", "4711"])
 def test_hash_seed_process_and_bypass_change_no_byte(built: Path, tmp_path: Path, seed: str) -> None:
     done = linkwright(tmp_path, "cache.mode=bypass", environ=environment(tmp_path, PYTHONHASHSEED=seed))
     assert done.returncode == 0, done.stderr
     assert robot_files(tmp_path / "outputs" / "sample") == robot_files(built / "outputs" / "sample")
+
+
+def test_hash_seed_and_bypass_change_no_byte_without_colliders(
+    plain: dict[str, bytes], tmp_path: Path
+) -> None:
+    arguments = ["robot=sample", "mesh=visual", "cache.mode=bypass"]
+    done = linkwright(tmp_path, *arguments, environ=environment(tmp_path, PYTHONHASHSEED="0"))
+    assert done.returncode == 0, done.stderr
+    assert robot_files(tmp_path / "outputs" / "sample") == plain
 
 
 def test_over_http_the_same_bytes_come_with_one_plus_two_p_calls(

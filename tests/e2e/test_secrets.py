@@ -249,7 +249,7 @@ def test_a_key_that_comes_by_an_interpolation_is_refused_and_leaves_nothing(tmp_
         tmp_path,
         "robot=sample",
         f"{key}=${{oc.env:ONSHAPE_ACCESS_KEY}}",
-        environ=environment(tmp_path, **KEY),
+        environ=environment(tmp_path, seeded=False, **KEY),
     )
     assert done.returncode == 2
     assert f"E-SECRET {key}: holds the value of ONSHAPE_ACCESS_KEY" in done.stderr

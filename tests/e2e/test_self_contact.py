@@ -38,7 +38,7 @@ WHERE = {"so101": ("urdf", SO101), "duck": ("urdf", DUCK), "reachy": ("mjcf", RE
 
 def built(name: str, folder):
     """The robot, its report, and its model; and a model with every contact, whatever is excluded."""
-    told = [f"cache.dir={folder}/cache", "contact.self=auto", f"output={folder}/out", "until=export"]
+    told = [f"cache.dir={folder}/cache", "mesh=hull", f"output={folder}/out", "until=export"]
     if name == "sample":
         told.append("robot=sample")
     else:

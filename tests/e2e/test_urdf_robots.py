@@ -70,13 +70,13 @@ def test_a_real_robot_is_its_file_and_valid(name: str, tmp_path: Path) -> None:
 @pytest.mark.skipif(not ROBOTS.exists(), reason="there are no shared data")
 def test_a_real_robot_by_the_command(tmp_path: Path) -> None:
     path = ROBOTS / FILES["reachy2"]
-    done = linkwright(tmp_path, "source=urdf", f"source.path={path}")
+    done = linkwright(tmp_path, "source=urdf", f"source.path={path}", "mesh=hull")
     assert done.returncode == 0, done.stderr
     out = tmp_path / "outputs" / "reachy2"
     assert {"reachy2.urdf", "reachy2.xml", "scene.xml", "robot.json"} <= {one.name for one in out.iterdir()}
     written = b"".join(one.read_bytes() for one in out.iterdir() if one.suffix in (".urdf", ".xml", ".json"))
     assert str(ROBOTS).encode() not in written
-    again = linkwright(tmp_path, "source=urdf", f"source.path={path}")
+    again = linkwright(tmp_path, "source=urdf", f"source.path={path}", "mesh=hull")
     assert again.stdout.count("cached") >= 5, again.stdout
 
 

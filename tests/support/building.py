@@ -19,7 +19,10 @@ NO_MESHES = Geometry((), {})
 
 
 def plan_of(**keys: Any) -> Plan:
-    """A plan of the sample source with these keys; `scene__pose={...}` stands for scene.pose."""
+    """A plan of the sample source with these keys; `scene__pose={...}` stands for scene.pose.
+
+    Colliders are quickly made, and links do not touch each other, unless the keys say otherwise.
+    """
     tree: dict[str, Any] = {"name": "robot", "source": {"kind": "sample"}}
     for key, value in keys.items():
         *above, last = key.split("__")
@@ -27,6 +30,8 @@ def plan_of(**keys: Any) -> Plan:
         for step in above:
             branch = branch.setdefault(step, {})
         branch[last] = value
+    tree["mesh"] = {"collider": "hull"} | tree.get("mesh", {})
+    tree["contact"] = {"self": "none"} | tree.get("contact", {})
     return Plan.parse(tree)
 
 

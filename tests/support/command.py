@@ -11,13 +11,19 @@ from typing import TextIO
 from unittest.mock import patch
 
 from pipeline import cli
+from tests.support import kept_colliders
 
 COMMAND = Path(sys.executable).with_name("linkwright")
 RUN_FACTS = {".linkwright.json", "report.json", "report.html", "build.log", "config.yaml"}
 
 
-def environment(here: Path, **more: str) -> dict[str, str]:
-    """A clean environment: no keys, a cache of its own below `here`, no terminal."""
+def environment(here: Path, *, seeded: bool = True, **more: str) -> dict[str, str]:
+    """A clean environment: no keys, no terminal, a cache of its own below `here`.
+
+    The cache knows nothing but, where it is `seeded`, the colliders of the sample.
+    """
+    if seeded and not (here / "cache").exists():
+        kept_colliders.seed(here / "cache")
     kept = {key: os.environ[key] for key in ("PATH", "LANG", "TMPDIR") if key in os.environ}
     return {**kept, "HOME": str(here), "LINKWRIGHT_CACHE": str(here / "cache"), **more}
 

@@ -29,7 +29,7 @@ from stages.robot.model import (
     frozen,
 )
 
-KEYS = MeshKeys()
+KEYS = MeshKeys.model_validate({"mesh": {"collider": "hull"}, "contact": {"self": "none"}})
 INERTIAL = Inertial(1.0, frozen([0.25, 0.25, 0.25]), frozen(np.eye(3)))
 """Inside of every block."""
 FLAT = replace(INERTIAL, com=frozen([0.25, 0.25, 0.0]))

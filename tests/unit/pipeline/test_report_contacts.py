@@ -13,7 +13,7 @@ def built(tmp_path_factory):
     folder = tmp_path_factory.mktemp("contacts")
     told = [
         "robot=sample",
-        "contact.self=auto",
+        "mesh=hull",
         "mesh.colliders={Wrist:box}",
         f"output={folder}/out",
         f"cache.dir={folder}/cache",
