@@ -31,7 +31,7 @@ from tests.support.places import PROJECT
 from tests.support.users import URL, write
 
 README = (PROJECT / "README.md").read_text().replace("https://cad.onshape.com/documents/.../w/.../e/...", URL)
-BLOCK = re.compile(r"(?:^<!-- (\w+) -->\n)?^( *)```(\w*)\n(.*?)^ *```$", re.DOTALL | re.MULTILINE)
+BLOCK = re.compile(r"(?:^ *<!-- (\w+) -->\n)?^( *)```(\w*)\n(.*?)^ *```$", re.DOTALL | re.MULTILINE)
 HEADER = "# @package _global_\n"
 ROBOT = """<robot name="so101">
   <link name="base"><inertial><mass value="1"/>
@@ -109,9 +109,7 @@ def test_the_yaml_of_the_changelog_brings_the_defaults_of_before_back(tmp_path: 
     told = [f"cache.dir={tmp_path}/cache", "robot=my_arm", "until=export"]
     plan = compose_plan(told, (), write(tmp_path, my_arm=HEADER + robot)).plan
     files = build_files(plan, in_memory=True).files
-    meshes = {
-        name.removeprefix("assets/"): data for name, data in files.items() if name.startswith("assets/")
-    }
+    meshes = {Path(name).name: data for name, data in files.items() if name.startswith("assets/")}
     model = mujoco.MjModel.from_xml_string(files["my_arm.xml"].decode(), meshes)
     collide = [geom for geom in range(model.ngeom) if model.geom_contype[geom]]
     assert sorted(model.geom_bodyid[collide]) == list(range(1, 12))

@@ -44,9 +44,9 @@ def test_without_arguments_the_sample_is_built_and_valid(built: Path) -> None:
     assert names >= {"sample.urdf", "sample.xml", "scene.xml", "assets", "robot.json", "report.json"}
 
 
-def test_the_sample_has_no_diagnostic_but_what_a_urdf_lacks(built: Path) -> None:
+def test_the_sample_has_no_diagnostic_but_of_colliders_and_what_a_urdf_lacks(built: Path) -> None:
     codes = [diagnostic["code"] for diagnostic in report(built / "outputs" / "sample")["diagnostics"]]
-    assert codes == ["I-URDF-LOOP", "I-URDF-ARMATURE"]
+    assert codes == ["W-COLLIDER", "W-COLLIDER", "I-ALWAYS-CONTACT", "I-URDF-LOOP", "I-URDF-ARMATURE"]
 
 
 def test_a_second_build_runs_no_stage_and_gives_the_same_bytes(built: Path) -> None:
@@ -65,9 +65,7 @@ def test_hash_seed_process_and_bypass_change_no_byte(built: Path, tmp_path: Path
     assert robot_files(tmp_path / "outputs" / "sample") == robot_files(built / "outputs" / "sample")
 
 
-def test_hash_seed_and_bypass_change_no_byte_without_colliders(
-    plain: dict[str, bytes], tmp_path: Path
-) -> None:
+def test_hash_seed_and_bypass_change_no_byte_of_the_rest(plain: dict[str, bytes], tmp_path: Path) -> None:
     arguments = ["robot=sample", "mesh=visual", "cache.mode=bypass"]
     done = linkwright(tmp_path, *arguments, environ=environment(tmp_path, PYTHONHASHSEED="0"))
     assert done.returncode == 0, done.stderr
