@@ -177,6 +177,7 @@ class Run:
     details: dict[str, Any] = field(default_factory=dict)
     diagnostics: list[Diagnostic] = field(default_factory=list)
     stale: bool = False
+    advice: str = ""
     shown: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -205,6 +206,7 @@ class Run:
         details = found.get("details", {})
         self.details |= kept(details) if cached else details
         self.source |= found.get("source", {})
+        self.advice = found.get("advice", self.advice)
         self.stale = self.stale or found.get("stale", False)
         if cached:
             context.calls["saved"] += found.get("calls", 0)
@@ -231,11 +233,9 @@ class Run:
         status: Status = "stale" if self.stale else "built"
         if not all(check.passed for check in checks):
             status = "invalid"
+        made = digests(context, files)
         return self.report(
-            status=status,
-            exit_status=0 if status == "built" else 3,
-            checks=checks,
-            outputs=digests(context, files),
+            status=status, exit_status=0 if status == "built" else 3, checks=checks, outputs=made
         )
 
     def strict_checks(self) -> tuple[Check, ...]:
@@ -272,6 +272,7 @@ class Run:
             figures=self.figures,
             details=self.details,
             diagnostics=tuple(self.diagnostics),
+            advice=self.advice,
             outline=tuple(self.shown.get(OUTLINE, "").splitlines()),
             versions=report.versions(installed),
             **more,

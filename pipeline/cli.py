@@ -59,8 +59,8 @@ groups, each a set of presets (group=option):
   ground      plane, none
   export      [urdf,mjcf], urdf, mjcf
   validate    quick, standard, strict (warnings are errors)
-  actuators, elements
-              none
+  actuators   none, motor, position, velocity (servos), general: what drives the joints in the MJCF
+  elements    none
 
 keys (key=value; linkwright explain KEY shows type, unit, default and an example):
 {keys}

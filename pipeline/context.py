@@ -12,12 +12,14 @@ from stages.robot import codec
 from stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
+    from stages.robot.actuation import Actuation
     from stages.robot.bundle import Bundle
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
 NOTES = "notes.json"
 ROBOT = "robot.json"
+ACTUATION = "actuation.json"
 FILES = "files/"
 """The folder of the files that the export stage writes for the user."""
 
@@ -67,6 +69,13 @@ class BuildContext:
     def robot(self) -> "Robot":
         robot: Robot = codec.decode_robot(self.files["graph"][ROBOT])
         return robot
+
+    @property
+    def actuation(self) -> "Actuation":
+        """What drives the robot in the exported files."""
+        from stages.robot.actuation import Actuation
+
+        return codec.load(Actuation, self.files["export"][ACTUATION])
 
     @property
     def geometry(self) -> "Geometry":

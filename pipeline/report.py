@@ -46,6 +46,7 @@ class Report:
     path below `folder` ("" for a build in memory). `error`: of a failed build, its class, message, place,
     hint and problems.
     `title`: the assembly's name, where a reply has it and the user gave the robot no name.
+    `advice`: what to try next; "" for nothing.
     """
 
     status: Status
@@ -66,6 +67,7 @@ class Report:
     versions: Mapping[str, str] = field(default_factory=dict)
     error: Mapping[str, Any] | None = None
     title: str = ""
+    advice: str = ""
 
     @property
     def heading(self) -> str:
@@ -131,6 +133,7 @@ def findings(report: Report) -> list[str]:
         lines.append(f"{passed} of {len(report.checks)} checks passed")
     lines += spent(report)
     lines.append(printable(f"{report.heading}: {report.folder or 'in memory'}"))
+    lines += [printable(report.advice)] if report.advice else []
     return lines
 
 

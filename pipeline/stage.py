@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from pipeline.caching import bundles
 from pipeline.caching.actions import Remembered
 from pipeline.config.plan import Plan, section
-from pipeline.context import FILES, NOTES, ROBOT, BuildContext, notes
+from pipeline.context import ACTUATION, FILES, NOTES, ROBOT, BuildContext, notes
 from pipeline.mesh_details import noted, shown
 from stages.robot import codec
 from stages.robot.errors import ConfigError
@@ -261,9 +261,11 @@ class ExportStage(StageBase):
 
         exported = export(context.robot, context.geometry, context.plan)
         size = sum(len(data) for data in exported.files.values())
+        summary = f"{count(len(exported.files), 'file')}, {size / 1e6:.2f} MB"
         return {
             **{FILES + path: data for path, data in exported.files.items()},
-            NOTES: notes(f"{count(len(exported.files), 'file')}, {size / 1e6:.2f} MB", exported.diagnostics),
+            ACTUATION: codec.dump(exported.actuation),
+            NOTES: notes(summary, exported.diagnostics, advice=exported.advice),
         }
 
 
@@ -290,7 +292,7 @@ class ValidateStage(StageBase):
         from stages.validate import validate
 
         with context.cache.store.scratch(context.files["export"].below(FILES)) as folder:
-            checks = validate(folder, context.robot, context.plan)
+            checks = validate(folder, context.robot, context.plan, context.actuation)
         passed = sum(check.passed for check in checks)
         return {
             "checks.json": codec.encode_checks(checks),

@@ -29,7 +29,6 @@ _PACKAGED = re.compile(r"(\s*#.*\n)*\s*#\s*@package\s+(?!_group_)\S")
 """The head of a file with its place in the tree."""
 
 LATER = {
-    "actuators": ("position",),
     "export": LATER_FORMATS,
 }
 """Planned options that are not supported yet."""

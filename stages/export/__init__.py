@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 9
+VERSION = 10
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -37,22 +37,30 @@ def expected_paths(keys: "ExportKeys", robot: str) -> list[str]:
 def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported:
     """The robot's files in every chosen format, sorted by path. A diagnostic names each thing that a
     format cannot express."""
+    from stages.export.actuators.advice import advice
+    from stages.export.actuators.resolve import actuate
     from stages.export.robot_json import describe
+    from stages.export.scene_pose import scene_pose
+    from stages.robot.armatures import with_armatures
     from stages.robot.start_pose import starting_point
 
-    start = starting_point(robot)
+    start, place = starting_point(robot), scene_pose(keys)
+    actuation, remarks = actuate(robot, keys.actuators, keys.scene.option.timestep, place)
+    robot = with_armatures(robot, actuation)
     written: dict[str, Exported] = {}
     for name in _needed(keys.export.chosen):
         writer = writer_of(name)
         own = {path: data for other in writer.reads for path, data in written[other].files.items()}
-        written[name] = writer.write(WriterInput(robot, geometry, keys, start, own))
+        written[name] = writer.write(WriterInput(robot, geometry, keys, start, own, actuation))
     exported = [written[name] for name in keys.export.chosen]
     files = {f"assets/{name}": data for name, data in geometry.files.items()}
-    files["robot.json"] = describe(robot, start)
+    files["robot.json"] = describe(robot, start, actuation)
     for one in exported:
         files |= one.files
     diagnostics = tuple(diagnostic for one in exported for diagnostic in one.diagnostics)
-    return Exported(dict(sorted(files.items())), diagnostics)
+    return Exported(
+        dict(sorted(files.items())), (*diagnostics, *remarks), actuation, advice(robot, actuation, place)
+    )
 
 
 def _needed(chosen: Collection[str]) -> list[str]:

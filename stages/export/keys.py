@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, SerializerFunctionWrapHandler, create_model, model_serializer, model_validator
 
 from stages.export import WRITERS, writer_of
+from stages.export.actuator_keys import ActuatorChoice
 from stages.robot.keys import (
     Keys,
     Later,
@@ -129,8 +130,12 @@ class ExportKeys(Keys):
     scene: SceneKeys = SceneKeys()
     """The world around the robot."""
 
-    actuators: dict[Text, Any] = not_yet(dict)
-    """Glob on joint names → actuator."""
+    actuators: Annotated[
+        dict[Text, ActuatorChoice], example({"*": "position", "elbow": {"kp": 80}, "wrist": "none"})
+    ] = Field(default_factory=dict)
+    """Glob on names of dofs → what drives them; later entries win, property by property. A glob leaves out
+    the followers of relations, and of closed loops drives as many dofs as these leave free, the nearest to
+    the root; a name without wildcards drives that dof."""
 
     sensors: dict[Text, Any] = not_yet(dict)
     """Sensors, by name."""

@@ -13,10 +13,14 @@ the saved value as the mate has it: the inverse where the joint runs backwards. 
 mate's zero in the URDF, but its pose at qpos0 in the MJCF, which has no `ref` for it: `zero` has both.
 `lowered` lists the joints that are several joints in the URDF, with links between them. `urdf` is the
 URDF link of a frame; of a loop, the links of its first and second frame. `transmissions` is there where
-the source names what drives the joints.
+the source names what drives the joints; `actuators` where the robot has any: `control` and `force` are
+ranges, `home` is the control at the keyframe of that name, `load` the largest force at the dof by the
+robot's weight, `home_load` that at home, and `sag` how far it moves the servo's dof there. `estimated` lists
+what Linkwright chose, of a dof too.
 """
 
 import json
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -25,6 +29,7 @@ from stages.export.mjcf.joints import free_joint_name
 from stages.export.urdf.lowering import Lowered, lower, unset
 from stages.formats.numbers import number, numbers
 from stages.formats.urdf.names import urdf_names
+from stages.robot.actuation import NONE, Actuation, Actuator
 from stages.robot.codec import plain
 from stages.robot.model import (
     Array,
@@ -49,9 +54,10 @@ from stages.robot.printable import printable_lines
 FORMAT = "linkwright-robot"
 
 
-def describe(robot: Robot, start: Configuration) -> bytes:
+def describe(robot: Robot, start: Configuration, actuation: Actuation = NONE) -> bytes:
     """The file. `start`: the MJCF's qpos0, by dof."""
     names = urdf_names(robot)
+    estimated = {one.dof for one in actuation.armatures}
     table = {
         "format": FORMAT,
         "version": 1,
@@ -63,7 +69,7 @@ def describe(robot: Robot, start: Configuration) -> bytes:
         "mass": _float(sum(link.inertial.mass for link in robot.links)),
         "mobility": _mobility(robot.mobility),
         "links": [_link(link) for link in robot.links],
-        "joints": [_joint(joint, start) for joint in robot.joints],
+        "joints": [_joint(joint, start, estimated) for joint in robot.joints],
         "relations": [_relation(relation) for relation in robot.relations],
         "loops": [_loop(loop, names.ends[loop.name]) for loop in robot.loops],
         "frames": [_frame(frame, names.frames[frame.name]) for frame in robot.frames],
@@ -71,6 +77,8 @@ def describe(robot: Robot, start: Configuration) -> bytes:
     }
     if robot.transmissions:
         table["transmissions"] = [plain(transmission) for transmission in robot.transmissions]
+    if actuation.actuators:
+        table["actuators"] = [_actuator(one) for one in actuation.actuators]
     return (printable_lines(json.dumps(table, indent=2, ensure_ascii=False)) + "\n").encode()
 
 
@@ -153,7 +161,7 @@ def _shape(shape: Primitive) -> dict[str, Any]:
     }
 
 
-def _joint(joint: Joint, start: Configuration) -> dict[str, Any]:
+def _joint(joint: Joint, start: Configuration, estimated: Collection[str]) -> dict[str, Any]:
     return {
         "name": joint.name,
         "type": joint.type,
@@ -165,6 +173,7 @@ def _joint(joint: Joint, start: Configuration) -> dict[str, Any]:
             {
                 **_dof(dof, joint.backwards),
                 "unset": unset(dof),
+                **({"estimated": ["armature"]} if dof.name in estimated else {}),
                 "qpos0": _value(start[dof.name]),
                 **({"zero": _zero(start[dof.name])} if dof.kind == "ball" else {}),
             }
@@ -193,6 +202,30 @@ def _dof(dof: Dof, backwards: bool = False) -> dict[str, Any]:
         w, x, y, z = dof.saved
         table["mate_quat"] = _value((w, -x, -y, -z) if backwards else dof.saved)
     return table
+
+
+def _actuator(actuator: Actuator) -> dict[str, Any]:
+    return {
+        "name": actuator.name,
+        "dof": actuator.dof,
+        "type": actuator.type,
+        "gear": _float(actuator.gear),
+        "kp": _float(actuator.kp),
+        "kv": _float(actuator.kv),
+        **({"terms": dict(actuator.terms)} if actuator.terms else {}),
+        "control": None if actuator.control is None else [_float(end) for end in actuator.control],
+        "force": None if actuator.force is None else [_float(end) for end in actuator.force],
+        "home": _float(actuator.home, max(1.0, abs(actuator.home))),
+        "load": _short(actuator.load),
+        "home_load": _short(actuator.home_load),
+        "sag": _short(actuator.sag),
+        "estimated": list(actuator.estimated),
+    }
+
+
+def _short(value: float | None) -> float | None:
+    """To six digits: what is computed from many poses differs in the last ones between machines."""
+    return None if value is None else float(f"{value:.6g}") + 0.0
 
 
 def _zero(start: Value) -> dict[str, Any]:

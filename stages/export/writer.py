@@ -8,16 +8,20 @@ from stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
+    from stages.robot.actuation import Actuation
     from stages.robot.geometry import Geometry
     from stages.robot.model import Configuration, Robot
 
 
 @dataclass(frozen=True, slots=True)
 class Exported:
-    """`files`: path below the output folder → bytes. `diagnostics`: losses of the format."""
+    """`files`: path below the output folder → bytes. `diagnostics`: losses of the format. `actuation`: what
+    drives the robot in the files; `advice`: what a user may want to try."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...] = ()
+    actuation: "Actuation | None" = None
+    advice: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,6 +37,7 @@ class WriterInput:
     keys: "ExportKeys"
     start: "Configuration"
     files: Mapping[str, bytes]
+    actuation: "Actuation"
 
 
 class Writer(Protocol):

@@ -5,7 +5,7 @@ loop's frames (Siciliano et al., "Robotics", 3.1 and 3.5: the closest step to a 
 pseudo-inverse; 3.7.3), for many configurations at once.
 """
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -66,6 +66,16 @@ class Closer:
     def names(self) -> tuple[str, ...]:
         """The dofs that are moved, but for followers."""
         return tuple(self._kinds)
+
+    @property
+    def columns(self) -> Mapping[str, slice]:
+        """The columns of `jacobian` by the dofs that are moved: one, of a ball three."""
+        return self._columns
+
+    def jacobian(self, values: Values) -> Array:
+        """The derivative (n, 6 L, size) of how far the loops' frames are apart: the speeds of the dofs that
+        keep the loops closed are those that it maps to zero. Followers count with their drivers."""
+        return self._conditions(values)[1]
 
     def settled(self, values: Values) -> tuple[dict[str, Array], npt.NDArray[np.bool_]]:
         """The nearest configurations with closed loops, and which of them (n,) are closed."""

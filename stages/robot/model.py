@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 # Part of the model, each in a module of its own.
+from stages.robot.actuation import Actuator as Actuator
 from stages.robot.arrays import Array as Array
 from stages.robot.arrays import frozen as frozen
 from stages.robot.dofs import Configuration as Configuration
@@ -252,6 +253,7 @@ class Robot:
     link called `world` is the assembly's origin itself. Names are unique among links, among joints and
     dofs (those of loops too), among frames, and among loops and relations. `controls`: how the joints are
     driven, in the words of the source's URDF: the text of its <transmission>s and <ros2_control>s.
+    `actuators`: those that the source has itself.
     """
 
     name: str
@@ -267,6 +269,7 @@ class Robot:
     diagnostics: tuple[Diagnostic, ...] = field(default=())
     transmissions: tuple[Transmission, ...] = ()
     controls: tuple[str, ...] = ()
+    actuators: tuple[Actuator, ...] = ()
 
     @property
     def root(self) -> Link:

@@ -4,11 +4,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from stages.robot.actuation import Actuation
     from stages.robot.check import Check
     from stages.robot.model import Robot
     from stages.validate.keys import ValidateKeys
 
-VERSION = 6
+VERSION = 7
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -24,16 +25,20 @@ CHECKS = (
     "relations",
     "loops",
     "keyframes",
+    "actuators",
 )
 """The checks of a compiled model, in the order of the report: modules of `stages/validate/checks`, each with
 a function `check` (a `CheckFunction`). Where the first finds that a link or joint is missing, the others,
 which look for each by its name, are left out."""
 
 
-def validate(folder: Path, robot: "Robot", keys: "ValidateKeys") -> "tuple[Check, ...]":
+def validate(
+    folder: Path, robot: "Robot", keys: "ValidateKeys", actuation: "Actuation | None" = None
+) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only that each compiles. A check
-    that fails does not stop the others."""
+    that fails does not stop the others. `actuation`: what drives the robot in these files."""
+    from stages.robot.actuation import NONE
     from stages.validate.run import check_files
 
     checks = () if keys.validate.level == "quick" else CHECKS
-    return tuple(check_files(folder, robot, ENGINES, checks))
+    return tuple(check_files(folder, robot, ENGINES, checks, actuation or NONE))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
+from stages.robot.actuation import NONE, Actuation
 from stages.robot.check import Check
 from stages.robot.model import Robot
 
@@ -34,11 +35,13 @@ class Engine(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CompiledModel:
-    """A compiled model, the file that it was compiled from, and the robot that it must agree with."""
+    """A compiled model, the file that it was compiled from, and the robot, and what drives it, that it must
+    agree with."""
 
     path: Path
     model: Any
     robot: Robot
+    actuation: Actuation = NONE
 
     @property
     def urdf(self) -> bool:

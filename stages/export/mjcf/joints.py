@@ -5,7 +5,7 @@ each given in the body's own frame at qpos0; `ref` makes a joint's value in `qpo
 ball's value is relative to the pose at qpos0; a free joint's value is the pose in the world.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from stages.formats.numbers import number, spaced
 from stages.formats.xml import Element, element
@@ -20,17 +20,20 @@ OPEN = "1e6"
 TYPES = {"turn": "hinge", "slide": "slide", "ball": "ball"}
 
 
-def write_joints(body: Element, dofs: Sequence[Dof], start: Configuration) -> None:
-    """The `<joint>`s of a body whose pose in its parent is the chain of `dofs` at `start`."""
+def write_joints(
+    body: Element, dofs: Sequence[Dof], start: Configuration, compensating: Collection[str] = ()
+) -> None:
+    """The `<joint>`s of a body whose pose in its parent is the chain of `dofs` at `start`. `compensating`:
+    the dofs whose actuators hold the weight that bodies compensate."""
     for index, dof in enumerate(dofs):
         body_from_dof = inverse(chain(dofs[index + 1 :], start))
         if dof.kind == "free":
             element(body, "freejoint", name=dof.name)
         else:
-            _joint(body, dof, body_from_dof, start[dof.name])
+            _joint(body, dof, body_from_dof, start[dof.name], dof.name in compensating)
 
 
-def _joint(body: Element, dof: Dof, body_from_dof: Array, start: Value) -> None:
+def _joint(body: Element, dof: Dof, body_from_dof: Array, start: Value, compensating: bool) -> None:
     dynamics = dof.dynamics
     position = spaced(body_from_dof[:3, 3], 1.0)
     more: dict[str, str | None] = {}
@@ -55,6 +58,7 @@ def _joint(body: Element, dof: Dof, body_from_dof: Array, start: Value) -> None:
         frictionloss=_number(dynamics.friction),
         armature=_number(dynamics.armature),
         actuatorfrcrange=more.get("actuatorfrcrange"),
+        actuatorgravcomp="true" if compensating else None,
     )
 
 

@@ -9,13 +9,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stages.export.mjcf.actuators import controls, write_actuators
 from stages.export.mjcf.excludes import write_excludes
 from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos, write_joints
 from stages.export.mjcf.loops import STIFF, Closures
-from stages.export.mjcf.placement import placement, scene_pose
+from stages.export.mjcf.placement import placement
 from stages.export.paints import Paint, materials, paint
+from stages.export.scene_pose import scene_pose
 from stages.formats.numbers import number, rounded, spaced
 from stages.formats.xml import Element, element, to_bytes
+from stages.robot.actuation import NONE, Actuation
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.inertia import principal_axes
 from stages.robot.kinematics import chain
@@ -39,6 +42,7 @@ def write_mjcf(
     geometry: Geometry,
     keys: "ExportKeys",
     start: Configuration,
+    actuation: Actuation = NONE,
 ) -> bytes:
     """The model, whose qpos0 is `start` (values of the tree's dofs and of the loops' own)."""
     root = element(None, "mujoco", model=robot.name)
@@ -50,12 +54,13 @@ def write_mjcf(
     painted = _assets(root, geometry)
     closures = Closures(robot)
     world = element(root, "worldbody")
-    _Bodies(world, robot, geometry, start, scene_pose(keys), painted, closures).write()
+    _Bodies(world, robot, geometry, start, scene_pose(keys), painted, closures, actuation).write()
     for body in world.iterchildren("body"):
         body.set("childclass", top)
     write_excludes(root, robot, geometry)
     _equalities(root, robot, start, closures)
-    _keyframes(root, world, robot, start, scene_pose(keys))
+    write_actuators(root, actuation)
+    _keyframes(root, world, robot, start, scene_pose(keys), actuation)
     return to_bytes(root)
 
 
@@ -99,6 +104,7 @@ class _Bodies:
         world_from_root: Array,
         painted: dict[Paint, str],
         closures: Closures,
+        actuation: Actuation,
     ) -> None:
         self.world = world
         self.robot = robot
@@ -107,6 +113,8 @@ class _Bodies:
         self.world_from_root = world_from_root
         self.painted = painted
         self.closures = closures
+        self.compensated = dict(actuation.compensated)
+        self.compensating = frozenset(actuation.compensating)
         self.elements: dict[str, tuple[Element, Array]] = {}
         """By link: its element, and element_from_link (4, 4), which only the link `world` needs."""
 
@@ -119,6 +127,8 @@ class _Bodies:
             joint = joints.get(link.name)
             body, place = self._root() if joint is None else (self._child(joint), np.eye(4))
             self.elements[link.name] = body, place
+            if link.name in self.compensated:
+                body.set("gravcomp", number(self.compensated[link.name]))
             _inertial(body, self.closures.share(link.name, link.inertial))
             self._geoms(body, link.name, place)
             for frame in frames.get(link.name, ()):
@@ -148,7 +158,7 @@ class _Bodies:
             above, place = self.world, self.world_from_root
         pose = place @ joint.parent_from_joint @ chain(joint.dofs, self.start)
         body = element(above, "body", name=joint.child, **placement(pose))
-        write_joints(body, joint.dofs, self.start)
+        write_joints(body, joint.dofs, self.start, self.compensating)
         return body
 
     def _geoms(self, body: Element, link: str, place: Array) -> None:
@@ -255,16 +265,24 @@ def _scalar(value: Value) -> float:
 
 
 def _keyframes(
-    root: Element, world: Element, robot: Robot, start: Configuration, world_from_root: Array
+    root: Element,
+    world: Element,
+    robot: Robot,
+    start: Configuration,
+    world_from_root: Array,
+    actuation: Actuation,
 ) -> None:
-    """`cad`: the pose that the document was saved in; `home`: the same, clipped to the limits."""
+    """`cad`: the pose that the document was saved in; `home`: the nearest within the limits, which the
+    actuators hold."""
     joints = [node.get("name") for node in world.iter("joint", "freejoint")]
     if not joints:
         return
     keyframe = element(root, "keyframe")
     for name, q in (("home", home(robot)), ("cad", saved(robot))):
         texts = dict(_qpos(robot, q, start, world_from_root))
-        element(keyframe, "key", name=name, qpos=" ".join(texts[joint] for joint in joints))
+        qpos_text = " ".join(texts[joint] for joint in joints)
+        ctrl = controls(actuation) if name == "home" else None
+        element(keyframe, "key", name=name, qpos=qpos_text, ctrl=ctrl)
 
 
 def _qpos(

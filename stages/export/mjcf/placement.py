@@ -1,15 +1,8 @@
 """Poses as MJCF attributes."""
 
-from typing import TYPE_CHECKING
-
-import numpy as np
-
 from stages.formats.numbers import spaced
 from stages.robot.model import Array
-from stages.robot.poses import from_parts, quat_from_rotation, rotation_from_rpy
-
-if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
+from stages.robot.poses import quat_from_rotation
 
 
 def placement(pose: Array) -> dict[str, str]:
@@ -22,8 +15,3 @@ def placement(pose: Array) -> dict[str, str]:
     if quat != "1 0 0 0":
         out["quat"] = quat
     return out
-
-
-def scene_pose(keys: "ExportKeys") -> Array:
-    """world_from_root (4, 4): where the scene puts the robot."""
-    return from_parts(rotation_from_rpy(keys.scene.pose.rpy), np.array(keys.scene.pose.xyz))

@@ -19,7 +19,7 @@ class MjcfWriter:
 
         model, scene = self.paths(given.robot.name)
         files = {
-            model: write_mjcf(given.robot, given.geometry, given.keys, given.start),
+            model: write_mjcf(given.robot, given.geometry, given.keys, given.start, given.actuation),
             scene: write_scene(given.robot.name, given.keys.ground),
         }
         return Exported(files, tuple(unsupported(given.robot, given.start)))

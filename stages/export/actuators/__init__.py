@@ -1,0 +1,1 @@
+"""Actuators: which dofs are driven, and how strongly."""

@@ -1,0 +1,47 @@
+"""What a user may try with a robot that nothing drives."""
+
+import numpy as np
+
+from stages.robot.actuation import Actuation
+from stages.robot.kinematics import link_poses
+from stages.robot.model import Array, Robot
+from stages.robot.start_pose import home
+from stages.robot.statics import GRAVITY
+
+NEGLIGIBLE = 1e-6
+"""A force is none [N m or N] below this share of the robot's weight (times one metre)."""
+
+
+def advice(robot: Robot, actuation: Actuation, world_from_root: Array) -> str:
+    """The override that makes a robot hold itself, where at `home` a dof that nothing drives bears more
+    weight than its friction holds; "" where none does."""
+    if actuation.actuators or not robot.mobility.dof:
+        return ""
+    fallen = _not_held(robot, world_from_root)
+    if not fallen:
+        return ""
+    return f"nothing holds {fallen} against its weight: try actuators=position"
+
+
+def _not_held(robot: Robot, world_from_root: Array) -> str:
+    """The first such dof from the leaves on: of most robots the first that is looked at."""
+    poses = link_poses(robot, home(robot))
+    up = world_from_root[:3, :3].T @ (0.0, 0.0, 1.0)
+    weight = {link.name: GRAVITY * link.inertial.mass for link in robot.links}
+    moment = {
+        link.name: weight[link.name] * (poses[link.name] @ np.append(link.inertial.com, 1.0))[:3]
+        for link in robot.links
+    }
+    least = NEGLIGIBLE * sum(weight.values())
+    for joint in reversed(robot.joints):
+        dof = joint.dofs[-1] if joint.dofs else None
+        if dof is not None and dof.kind in ("turn", "slide"):
+            pose = poses[joint.child]
+            axis = pose[:3, :3] @ dof.axis
+            arm = moment[joint.child] - weight[joint.child] * pose[:3, 3]
+            force = weight[joint.child] * axis @ up if dof.kind == "slide" else np.cross(axis, arm) @ up
+            if abs(force) > least + (dof.dynamics.friction or 0.0):
+                return dof.name
+        weight[joint.parent] += weight[joint.child]
+        moment[joint.parent] = moment[joint.parent] + moment[joint.child]
+    return ""

@@ -1,0 +1,150 @@
+"""What the key `actuators` says of each dof: types and parameters by glob, later entries first."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import fits, listed
+from stages.robot.model import Dof, Robot
+
+if TYPE_CHECKING:
+    from stages.export.actuator_keys import ActuatorKeys
+
+WHERE = "actuators"
+
+OF_ONE_KIND = ("kp", "kv", "ctrlrange", "forcerange")
+"""Parameters whose unit depends on the kind of dof: one number cannot be right for a turn and a slide."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What the key says of a dof. `named`: by a name without wildcards, so that it is driven even where it
+    follows others."""
+
+    type: str
+    parameters: Mapping[str, Any]
+    named: bool
+
+
+def wanted_of(robot: Robot, entries: Mapping[str, ActuatorKeys], log: Diagnostics) -> dict[str, Wanted]:
+    """By dof of the tree that an entry matches, in tree order; later entries win, property by property, and
+    one of another type begins anew.
+
+    E-GLOB for an entry but "*" that matches no dof; E-ACTUATOR for one that names a dof that cannot be
+    driven, for parameters that are not of the type, and for a number for turns and slides at once.
+    """
+    for glob, keys in entries.items():
+        _check(glob, keys, robot, log)
+    found: dict[str, Wanted] = {}
+    for dof in robot.dofs:
+        if dof.kind not in ("turn", "slide"):
+            continue
+        wanted = _merged(dof, entries, log)
+        if wanted is not None:
+            found[dof.name] = wanted
+    return found
+
+
+def _merged(dof: Dof, entries: Mapping[str, ActuatorKeys], log: Diagnostics) -> Wanted | None:
+    from stages.export.actuator_keys import PARAMETERS, SHARED
+
+    kind: str | None = None
+    parameters: dict[str, Any] = {}
+    origin: dict[str, str] = {}
+    named, matched = False, ""
+    for glob, keys in entries.items():
+        if not fits(dof.name, glob):
+            continue
+        matched = glob
+        if keys.type is not None and keys.type != kind:
+            kind, parameters = keys.type, {}
+        given = keys.given()
+        if "kv" in given or "dampratio" in given:
+            parameters = {name: one for name, one in parameters.items() if name not in ("kv", "dampratio")}
+        parameters |= given
+        origin |= dict.fromkeys(given, glob)
+        named = named or (glob == dof.name and kind != "none")
+    if not matched:
+        return None
+    if kind is None:
+        text = f"{matched!r} has no type of actuator for {dof.name}"
+        log.report("E-ACTUATOR", text, WHERE, "type: motor, position, velocity or general")
+        return None
+    allowed = (*PARAMETERS[kind], *(SHARED if kind != "none" else ()))
+    for name in parameters:
+        if name not in allowed:
+            text = f"{origin[name]!r} gives {name}, which type {kind} of {dof.name} does not have"
+            hint = f"type {kind} takes {', '.join(allowed) or 'nothing else'}"
+            log.report("E-ACTUATOR", text, WHERE, hint)
+    return Wanted(kind, parameters, named)
+
+
+def _check(glob: str, keys: ActuatorKeys, robot: Robot, log: Diagnostics) -> None:
+    every = [(dof, "") for dof in robot.dofs]
+    every += [(dof, one.name) for one in robot.loops for dof in one.dofs]
+    matched = [(dof, loop) for dof, loop in every if fits(dof.name, glob)]
+    if not matched:
+        if glob != "*":
+            _report_unmatched(glob, robot, log)
+        return
+    exact = next(((dof, loop) for dof, loop in matched if dof.name == glob), None)
+    if exact is not None and keys.type != "none":
+        dof, loop = exact
+        if loop:
+            text = f"{glob!r} closes a loop, and no joint of the tree, so nothing can drive it"
+            log.report("E-ACTUATOR", text, WHERE, "let another mate close the loop (loops.cut)")
+        elif dof.kind not in ("turn", "slide"):
+            kind = "ball" if dof.kind == "ball" else "free joint"
+            text = f"{glob!r} is a {kind}: an actuator drives one turn or slide"
+            log.report("E-ACTUATOR", text, WHERE, f"name one of: {_names(robot)}")
+    given = [name for name in OF_ONE_KIND if getattr(keys, name) is not None]
+    kinds: dict[str, str] = {dof.kind: dof.name for dof, loop in matched if not loop}
+    if given and {"turn", "slide"} <= set(kinds):
+        text = (
+            f"{glob!r} gives one {' and one '.join(given)} to turns ({kinds['turn']}, ...) and slides "
+            f"({kinds['slide']}, ...), whose units differ"
+        )
+        log.report("E-ACTUATOR", text, WHERE, "give them to each kind under its own glob")
+
+
+def _report_unmatched(glob: str, robot: Robot, log: Diagnostics) -> None:
+    of_joint = [dof.name for one in robot.joints if fits(one.name, glob) for dof in one.dofs]
+    if of_joint:
+        text = f"{glob!r} names a joint of several dofs (or several such joints), not one dof"
+        log.report("E-GLOB", text, WHERE, f"name one of its dofs: {', '.join(of_joint)}")
+        return
+    log.report("E-GLOB", f"no joint matches {glob!r}", WHERE, f"joints are: {_names(robot) or 'none'}")
+
+
+def _names(robot: Robot) -> str:
+    return listed(dof.name for dof in robot.dofs if dof.kind in ("turn", "slide"))
+
+
+def driven_order(robot: Robot, wanted: Mapping[str, Wanted], own: Sequence[str]) -> list[str]:
+    """The dofs that may be driven, the first ones first: those that the source drives and nobody changes,
+    those that are named, drivers of relations, and then those nearest to the root; of several, that which
+    moves the most mass.
+
+    `own`: the dofs that keep the actuators of the source. Followers are left out unless they are named.
+    """
+    depth = {robot.root.name: 0}
+    order: dict[str, tuple[int, float, int]] = {}
+    masses = {link.name: link.inertial.mass for link in robot.links}
+    for joint in reversed(robot.joints):
+        masses[joint.parent] += masses[joint.child]
+    for number, joint in enumerate(robot.joints):
+        depth[joint.child] = depth[joint.parent] + 1
+        # To few digits: the same links on both sides shall count as equal.
+        place = depth[joint.child], -float(f"{masses[joint.child]:.6g}"), number
+        order |= {dof.name: place for dof in joint.dofs}
+    followers = {one.follower for one in robot.relations}
+    drivers = {one.driver for one in robot.relations}
+    nearest = sorted(order, key=lambda name: order[name])
+    asked = [name for name in nearest if name in wanted and wanted[name].type != "none"]
+    named = [name for name in asked if wanted[name].named]
+    free = [name for name in asked if name not in followers]
+    masters = [name for name in free if name in drivers]
+    return list(dict.fromkeys([*own, *named, *masters, *free]))

@@ -1,0 +1,53 @@
+"""Servo gains and armatures that nobody gave: from the weight and inertia on a dof, and the time step.
+
+A servo sags by load / stiffness. It follows a moving target at a distance of 2 ζ / ω times the speed, ω its
+natural frequency √(stiffness / inertia). Both bound the stiffness from below. What bounds it from above is
+the integrator: a spring on an inertia is stable while ω h stays well below 2 (the semi-implicit Euler
+method; Hairer, Lubich and Wanner, "Geometric Numerical Integration", I.1.4), so a dof without armature
+gets as much as its own servo needs.
+"""
+
+import math
+
+from stages.export.actuators.loads import Load
+from stages.robot.dofs import DofKind
+
+SAG = {"turn": 0.01, "slide": 0.001}
+"""How far [rad, m] a servo with estimated stiffness sags at most."""
+
+MARGIN = 2.0
+"""The stiffness is so many times what the sag asks for: other loads come on top of the weight."""
+
+PACE = 2 * math.pi * 10
+"""The least natural frequency [rad/s] of a servo with what it moves."""
+
+DRIFT = {"turn": 0.1, "slide": 0.01}
+"""The speed [rad/s, m/s] at which the weight may move a velocity servo that shall rest."""
+
+STEP = 0.4
+"""The natural frequency of a servo with its armature alone, times the time step."""
+
+
+def stiffness(kind: DofKind, load: Load) -> float:
+    """Of a position servo [N m/rad or N/m], at the dof."""
+    return rounded(max(MARGIN * load.most / SAG[kind], load.most_inertia * PACE**2))
+
+
+def damping(kp: float, ratio: float, inertia: float) -> float:
+    """Of a position servo [N m s/rad or N s/m], at the dof."""
+    return rounded(2.0 * ratio * math.sqrt(kp * inertia))
+
+
+def drag(kind: DofKind, load: Load, armature: float) -> float:
+    """Of a velocity servo [N m s/rad or N s/m], at the dof."""
+    return rounded(max(MARGIN * load.most / DRIFT[kind], (load.most_inertia + armature) * PACE))
+
+
+def armature(kp: float, timestep: float) -> float:
+    """The inertia [kg m² or kg] that a servo of this stiffness needs to be stable by itself."""
+    return rounded(kp * (timestep / STEP) ** 2, 2)
+
+
+def rounded(value: float, digits: int = 3) -> float:
+    """The value to so many digits: what is estimated is not known to more."""
+    return float(f"{value:.{digits}g}")

@@ -1,0 +1,45 @@
+"""The control that an actuator has at the keyframe `home`."""
+
+from collections.abc import Mapping
+
+from stages.robot.actuation import Actuator
+
+
+def home_control(actuator: Actuator, value: float, force: float) -> float:
+    """A servo's is its target: where its force is 0 at rest with the dof at `value`. Any other's makes the
+    `force` at the dof that holds the robot's weight.
+
+    The force is gain · control + b₀ + b₁ · length + b₂ · speed. An actuator with a state of its own, or of a
+    kind that has no such form, rests at 0. Within the control range.
+    """
+    gain, b0, b1 = _affine(actuator)
+    control = 0.0
+    if gain:
+        wanted = 0.0 if b1 or actuator.type == "velocity" else force / actuator.gear
+        control = (wanted - b0 - b1 * actuator.gear * value) / gain
+    if actuator.control is not None:
+        control = min(max(control, actuator.control[0]), actuator.control[1])
+    return control + 0.0
+
+
+def _affine(actuator: Actuator) -> tuple[float, float, float]:
+    """Gain, b₀ and b₁; gain 0 for no such form."""
+    if actuator.type == "motor":
+        return 1.0, 0.0, 0.0
+    if actuator.type == "position":
+        kp = actuator.kp or 0.0
+        return kp, 0.0, -kp
+    if actuator.type == "velocity":
+        return actuator.kv or 0.0, 0.0, 0.0
+    terms = dict(actuator.terms)
+    if terms.get("dyntype", "none") != "none" or terms.get("gaintype", "fixed") != "fixed":
+        return 0.0, 0.0, 0.0
+    gain = _numbers(terms, "gainprm", (1.0,))[0]
+    if terms.get("biastype", "none") != "affine":
+        return gain, 0.0, 0.0
+    b0, b1 = (*_numbers(terms, "biasprm", ()), 0.0, 0.0)[:2]
+    return gain, b0, b1
+
+
+def _numbers(terms: Mapping[str, str], name: str, default: tuple[float, ...]) -> tuple[float, ...]:
+    return tuple(float(one) for one in terms[name].split()) if name in terms else default

@@ -1,0 +1,206 @@
+"""From the key `actuators`, and the actuators that the source has, to what drives a robot."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from stages.export.actuators import estimates
+from stages.export.actuators.choices import Wanted, driven_order, wanted_of
+from stages.export.actuators.home_control import home_control
+from stages.export.actuators.loads import Load, loads, postures
+from stages.export.actuators.remarks import remark
+from stages.robot.actuation import Actuation, Actuator, ActuatorType, Armature
+from stages.robot.couplings import Couplings, Rates
+from stages.robot.diagnostics import Diagnostics
+from stages.robot.errors import Diagnostic, ExportError
+from stages.robot.model import Array, Dof, Robot, Value
+from stages.robot.plural import count
+from stages.robot.start_pose import home
+
+if TYPE_CHECKING:
+    from stages.export.actuator_keys import ActuatorKeys
+
+
+def actuate(
+    robot: Robot, entries: Mapping[str, ActuatorKeys], timestep: float, world_from_root: Array
+) -> tuple[Actuation, tuple[Diagnostic, ...]]:
+    """What drives the robot, and what is worth knowing about it. ExportError with all problems of the key.
+
+    `timestep` [s]: that of the simulation; `world_from_root` (4, 4): how the scene puts the robot.
+    """
+    log = Diagnostics()
+    wanted = wanted_of(robot, entries, log)
+    if log.problems:
+        msg = f"the actuators cannot be made: {count(len(log.problems), 'problem')}"
+        raise ExportError(msg, problems=sorted(log.problems, key=lambda one: (one.message, one.where)))
+    kept = [one for one in robot.actuators if one.dof not in wanted]
+    if not wanted and not kept:
+        return Actuation(), ()
+    values = postures(robot)
+    couplings = Couplings(robot, values)
+    order = driven_order(robot, wanted, [one.dof for one in kept])
+    named = [dof for dof in order if dof not in wanted or wanted[dof].named]
+    chosen = couplings.independent(order)
+    # What is named drives, even where it fights others; those are still counted as one motion.
+    driven = [dof.name for dof in robot.dofs if dof.name in {*chosen, *named}]
+    up = world_from_root[:3, :3].T @ (0.0, 0.0, 1.0)
+    rates = couplings.moved_by([dof for dof in driven if dof in chosen])
+    shares = compensated_links(robot, wanted, rates)
+    found = loads(robot, values, couplings, [dof for dof in driven if dof in chosen], shares, up)
+    maker = _Maker(robot, timestep, found)
+    actuators = [
+        made
+        for dof in robot.dofs
+        if dof.name in driven
+        for made in (
+            (maker.made(dof, wanted[dof.name]),)
+            if dof.name in wanted
+            else (maker.kept(dof, one) for one in kept if one.dof == dof.name)
+        )
+    ]
+    actuation = Actuation(
+        actuators=tuple(actuators),
+        armatures=tuple(maker.armatures),
+        compensated=tuple(sorted(shares.items())),
+        compensating=tuple(dof for dof in driven if dof in wanted and _share(wanted[dof])),
+    )
+    looped = [dof for dof in driven if dof in couplings.in_loops]
+    remark(robot, actuation, looped, [dof for dof in order if dof not in driven], log)
+    return actuation, tuple(log.found)
+
+
+def _share(wanted: Wanted) -> float:
+    return float(wanted.parameters.get("gravcomp") or 0.0)
+
+
+def compensated_links(
+    robot: Robot, wanted: Mapping[str, Wanted], rates: Mapping[str, Rates]
+) -> dict[str, float]:
+    """By link: the largest share of its weight that a driven dof that moves it compensates."""
+    owner = {dof.name: joint.child for joint in robot.joints for dof in joint.dofs}
+    found: dict[str, float] = {}
+    for name, moving in rates.items():
+        share = _share(wanted[name]) if name in wanted else 0.0
+        if not share:
+            continue
+        moved = {owner[dof] for dof, speeds in moving.items() if dof in owner and np.any(speeds)}
+        for joint in robot.joints:
+            if joint.child in moved or joint.parent in moved:
+                moved.add(joint.child)
+                found[joint.child] = max(found.get(joint.child, 0.0), share)
+    return found
+
+
+class _Maker:
+    """Makes actuators, and the armatures that they need."""
+
+    def __init__(self, robot: Robot, timestep: float, found: Mapping[str, Load]) -> None:
+        self._timestep = timestep
+        self._loads = found
+        self._home = home(robot)
+        self._fixed = robot.base.fixed
+        self.armatures: list[Armature] = []
+
+    def made(self, dof: Dof, wanted: Wanted) -> Actuator:
+        """The actuator of a dof, with what is not given estimated."""
+        given = wanted.parameters
+        gear = float(given.get("gear", 1.0))
+        load = self._loads.get(dof.name)
+        stiff = self._stiffness(dof, load, given.get("kp"), gear)
+        armature = self._armature(dof, stiff)
+        made = Actuator(
+            name=dof.name,
+            dof=dof.name,
+            type=cast(ActuatorType, wanted.type),
+            gear=gear,
+            force=given.get("forcerange"),
+            terms=_terms(given) if wanted.type == "general" else (),
+            load=None if load is None else load.most,
+            home_load=None if load is None else abs(load.home),
+        )
+        made = self._servo(made, dof, given, stiff, armature)
+        made = replace(made, control=given.get("ctrlrange") or _control(dof, made))
+        return self._at_home(made, load)
+
+    def kept(self, dof: Dof, own: Actuator) -> Actuator:
+        """An actuator of the source, with its load and its control at home."""
+        load = self._loads.get(dof.name)
+        weighed = replace(
+            own,
+            load=None if load is None else load.most,
+            home_load=None if load is None else abs(load.home),
+        )
+        return self._at_home(weighed, load)
+
+    def _stiffness(self, dof: Dof, load: Load | None, kp: float | None, gear: float) -> float:
+        """At the dof: as given, else as estimated."""
+        if kp is not None:
+            return kp * gear**2
+        if load is None or dof.kind not in estimates.SAG:
+            return 1.0
+        return estimates.stiffness(dof.kind, load) or 1.0
+
+    def _armature(self, dof: Dof, stiff: float) -> float:
+        if dof.dynamics.armature is not None:
+            return dof.dynamics.armature
+        value = estimates.armature(stiff, self._timestep)
+        self.armatures.append(Armature(dof.name, value, "driven"))
+        return value
+
+    def _servo(
+        self, made: Actuator, dof: Dof, given: Mapping[str, Any], stiff: float, armature: float
+    ) -> Actuator:
+        estimated = []
+        kp, kv = given.get("kp"), given.get("kv")
+        load = self._loads.get(dof.name)
+        own = 0.0 if dof.dynamics.armature is not None else armature
+        inertia = (load.inertia if load else 0.0) + own
+        if made.type == "position":
+            if kp is None:
+                kp = estimates.rounded(stiff / made.gear**2)
+                estimated.append("kp")
+            if kv is None:
+                ratio = given.get("dampratio", 1.0)
+                kv = estimates.rounded(estimates.damping(stiff, ratio, inertia) / made.gear**2)
+                estimated.append("kv")
+        elif made.type == "velocity" and kv is None:
+            drag = 1.0 if load is None else estimates.drag(dof.kind, load, own)
+            kv = estimates.rounded(drag / made.gear**2)
+            estimated.append("kv")
+        else:
+            kp = None
+        return replace(made, kp=kp, kv=kv, estimated=tuple(estimated))
+
+    def _at_home(self, made: Actuator, load: Load | None) -> Actuator:
+        value: Value = self._home[made.dof]
+        force = load.home if load is not None and self._fixed else 0.0
+        assert not isinstance(value, tuple)
+        return replace(made, home=home_control(made, value, force))
+
+
+def _terms(given: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+    """MuJoCo's own attributes, as text."""
+    names = ("dyntype", "gaintype", "biastype", "dynprm", "gainprm", "biasprm")
+    return tuple((name, _text(given[name])) for name in names if name in given)
+
+
+def _text(value: str | Sequence[float]) -> str:
+    return value if isinstance(value, str) else " ".join(f"{one:.12g}" for one in value)
+
+
+def _control(dof: Dof, made: Actuator) -> tuple[float, float] | None:
+    """The range of the control that the dof's limits, velocity or effort ask for; None where one is open."""
+    gear = made.gear
+    if made.type == "position":
+        low, high = sorted(gear * end for end in dof.limits.interval)
+        return None if math.isinf(low) or math.isinf(high) or low == high else (low, high)
+    most = {"velocity": dof.dynamics.velocity, "motor": dof.dynamics.effort}.get(made.type)
+    if most is None:
+        return None
+    most *= abs(gear) if made.type == "velocity" else 1.0 / abs(gear)
+    return -most, most

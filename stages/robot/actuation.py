@@ -1,0 +1,77 @@
+"""What drives a robot's dofs: actuators, in no format's words but MuJoCo's own model of a force.
+
+An actuator's force is gain · control + bias, along the dof's value times its gear; the bias of a servo is
+affine in that length and its speed (MuJoCo's documentation, "Computation", on actuation).
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+ActuatorType = Literal["motor", "position", "velocity", "general"]
+"""motor: the control is the force; position, velocity: servos; general: every parameter is given."""
+
+
+@dataclass(frozen=True, slots=True)
+class Actuator:
+    """An actuator of one dof.
+
+    `gear`: length of the actuator per value of the dof. `kp` [N m/rad or N/m] and `kv` [N m s/rad or
+    N s/m] of servos. `control` and `force`: (lowest, highest), None without limits; control in the unit of
+    the type, force at the actuator. `terms`: MJCF's other attributes, those of `general`. `home`: the control
+    at the keyframe `home`.
+
+    `load` [N m or N]: the largest force at the dof that holds the robot's weight, over its range, None where
+    the weight is unknown; `home_load`: at `home`. `estimated`: the values that Linkwright has chosen.
+    """
+
+    name: str
+    dof: str
+    type: ActuatorType
+    gear: float = 1.0
+    kp: float | None = None
+    kv: float | None = None
+    control: tuple[float, float] | None = None
+    force: tuple[float, float] | None = None
+    terms: tuple[tuple[str, str], ...] = ()
+    home: float = 0.0
+    load: float | None = None
+    home_load: float | None = None
+    estimated: tuple[str, ...] = ()
+
+    @property
+    def sag(self) -> float | None:
+        """How far [rad or m] the weight moves a servo's dof from its target at `home`; None without kp."""
+        if self.type != "position" or not self.kp or self.home_load is None:
+            return None
+        return self.home_load / (self.kp * self.gear**2)
+
+
+@dataclass(frozen=True, slots=True)
+class Armature:
+    """An inertia [kg m² or kg] that Linkwright adds to a dof that has none. `reason`: why."""
+
+    dof: str
+    value: float
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Actuation:
+    """What drives a robot, in the order of its dofs.
+
+    `armatures`: of dofs that have none of their own. `compensated`: (link, share of its weight) that
+    actuators carry; `compensating`: the dofs whose actuators do so.
+    """
+
+    actuators: tuple[Actuator, ...] = ()
+    armatures: tuple[Armature, ...] = ()
+    compensated: tuple[tuple[str, float], ...] = ()
+    compensating: tuple[str, ...] = ()
+
+    def of(self, dof: str) -> Actuator | None:
+        """The first actuator of a dof."""
+        return next((one for one in self.actuators if one.dof == dof), None)
+
+
+NONE = Actuation()
+"""Nothing drives the robot."""

@@ -1,0 +1,102 @@
+"""Which dofs move together, by relations and closed loops, and which of them can be driven at once.
+
+In closed loops the speeds q̇ satisfy J q̇ = 0. With some of the dofs driven, the others follow them:
+q̇ₚ = −Jₚ⁺ J_d q̇_d (Featherstone, "Rigid Body Dynamics Algorithms", 8.2: the null space as a map from
+independent speeds). A dof that neither drives nor follows rests.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+
+import numpy as np
+
+from stages.robot.closing import Closer
+from stages.robot.model import Array, Robot
+from stages.robot.pose_batch import Values, count_of
+
+RANK = 1e-6
+"""A singular value below this share of the largest counts as zero: poses close to about 1e-8."""
+
+Rates = Mapping[str, Array]
+"""By dof: its speeds (n, 1), of a ball (n, 3), for a unit speed of one dof."""
+
+
+class Couplings:
+    """A robot's couplings at configurations (n) whose loops are closed."""
+
+    def __init__(self, robot: Robot, values: Values) -> None:
+        shares = {one.follower: (one.driver, one.multiplier) for one in robot.relations}
+        self._count = count_of(values)
+        self._shares = shares
+        self._followers: dict[str, list[tuple[str, float]]] = {}
+        for follower, (driver, multiplier) in shares.items():
+            self._followers.setdefault(driver, []).append((follower, multiplier))
+        self._columns: Mapping[str, slice] = {}
+        self._jacobian = np.zeros((self._count, 0, 0))
+        if robot.loops:
+            closer = Closer(robot)
+            self._columns = closer.columns
+            self._jacobian = closer.jacobian(values)
+
+    @property
+    def in_loops(self) -> frozenset[str]:
+        """The dofs on which the closed loops depend, but for followers."""
+        return frozenset(self._columns)
+
+    def independent(self, dofs: Iterable[str]) -> tuple[str, ...]:
+        """As many of the dofs as move independently of each other, the first ones first."""
+        chosen: list[str] = []
+        taken: set[str] = set()
+        motions = self._motions()
+        rows: list[int] = []
+        for dof in dofs:
+            driver, multiplier = self._shares.get(dof, (dof, 1.0))
+            if driver in taken or multiplier == 0.0:
+                continue
+            if driver in self._columns:
+                more = [*rows, self._columns[driver].start]
+                if _rank(motions[more]) < len(more):
+                    continue
+                rows = more
+            taken.add(driver)
+            chosen.append(dof)
+        return tuple(chosen)
+
+    def _motions(self) -> Array:
+        """An orthonormal basis (size, k) of the speeds that keep the loops closed, at the configuration where
+        there are the fewest: others may be singular, where speeds exist that lead nowhere."""
+        best = np.zeros((self._jacobian.shape[2], 0))
+        for count, jacobian in enumerate(self._jacobian):
+            _, sizes, across = np.linalg.svd(jacobian)
+            rank = int((sizes > RANK * max(1.0, float(sizes[0]))).sum()) if sizes.size else 0
+            if not count or len(across) - rank < best.shape[1]:
+                best = across[rank:].T
+        return best
+
+    def moved_by(self, driven: Sequence[str]) -> dict[str, Rates]:
+        """By driven dof: the speeds of all dofs that move with it, itself included, while the other driven
+        ones rest."""
+        drivers = {dof: self._shares.get(dof, (dof, 1.0)) for dof in driven}
+        inside = [driver for driver, _ in drivers.values() if driver in self._columns]
+        held = [self._columns[driver].start for driver in inside]
+        rest = [column for column in range(self._jacobian.shape[2]) if column not in held]
+        answers = np.zeros((self._count, len(rest), len(held)))
+        if held and rest:
+            back = np.linalg.pinv(self._jacobian[:, :, rest], rcond=RANK)
+            answers = -back @ self._jacobian[:, :, held]
+        found: dict[str, Rates] = {}
+        for dof, (driver, multiplier) in drivers.items():
+            rates = {driver: np.ones((self._count, 1))}
+            if driver in self._columns:
+                whole = np.zeros((self._count, self._jacobian.shape[2]))
+                whole[:, rest] = answers[:, :, inside.index(driver)]
+                whole[:, self._columns[driver]] = 1.0
+                rates = {name: whole[:, part] for name, part in self._columns.items()}
+            for name, speeds in list(rates.items()):
+                rates |= {follower: factor * speeds for follower, factor in self._followers.get(name, ())}
+            found[dof] = {name: speeds / (multiplier or 1.0) for name, speeds in rates.items()}
+        return found
+
+
+def _rank(rows: Array) -> int:
+    sizes = np.linalg.svd(rows, compute_uv=False)
+    return int((sizes > RANK * float(sizes[0])).sum()) if sizes.size and sizes[0] else 0

@@ -1,0 +1,51 @@
+"""The forces that hold a robot's weight, at many configurations at once."""
+
+import numpy as np
+
+from stages.robot.model import Array, Dof, Robot
+from stages.robot.pose_batch import Values, count_of, placed
+
+GRAVITY = 9.81
+"""m/s², MuJoCo's."""
+
+
+def holding_forces(robot: Robot, values: Values, up: Array, support: float = 0.0) -> dict[str, Array]:
+    """By dof of the tree, but for free motion: the force (n, 1) [N m or N], of a ball the torque (n, 3) in
+    its child's axes, that holds the weight of all that it moves, where every dof is on its own and the root
+    is held.
+
+    `up` (3,): against gravity, in the root link's axes. With `support` above 0 the dof's own child is held
+    instead, and that share of the rest of the robot's weight is on it: as of a leg on the ground.
+    """
+    poses, frames = placed(robot.root.name, robot.joints, values)
+    count = count_of(values)
+    weights = {link.name: np.full(count, link.inertial.mass) for link in robot.links}
+    moments = {
+        link.name: link.inertial.mass * (poses[link.name] @ np.append(link.inertial.com, 1.0))[:, :3]
+        for link in robot.links
+    }
+    for joint in reversed(robot.joints):
+        weights[joint.parent] = weights[joint.parent] + weights[joint.child]
+        moments[joint.parent] = moments[joint.parent] + moments[joint.child]
+    whole = weights[robot.root.name], moments[robot.root.name]
+    found: dict[str, Array] = {}
+    for joint in robot.joints:
+        carried = weights[joint.child], moments[joint.child]
+        if support:
+            carried = support * (carried[0] - whole[0]), support * (carried[1] - whole[1])
+        for dof in joint.dofs:
+            if dof.kind != "free":
+                found[dof.name] = GRAVITY * _against(dof, *frames[dof.name], *carried, up)
+    return found
+
+
+def _against(dof: Dof, before: Array, after: Array, mass: Array, moment: Array, up: Array) -> Array:
+    """The rise (n, 1 or 3) of Σ m x along `up` for unit speeds of the dof: power against a unit gravity."""
+    axis = before[:, :3, :3] @ dof.axis
+    if dof.kind == "slide":
+        rise: Array = (mass * (axis @ up))[:, None]
+        return rise
+    axes = axis[:, :, None] if dof.kind == "turn" else after[:, :3, :3]
+    arm = moment - mass[:, None] * after[:, :3, 3]
+    turned: Array = np.einsum("i,nij->nj", up, np.cross(axes, arm[:, :, None], axis=1))
+    return turned

@@ -1,0 +1,57 @@
+"""Each actuator drives its dof, with its gains and ranges, and the keyframe `home` has its control."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from stages.robot.actuation import Actuator
+from stages.robot.check import Check
+from stages.robot.model import Array
+from stages.validate.compiled import CompiledModel
+from stages.validate.coordinates import SAME, joint_index
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    """A URDF has no actuators."""
+    if compiled.urdf:
+        return
+    model, expected = compiled.model, compiled.actuation.actuators
+    if not expected and not model.nu:
+        return
+    wrong = [one.name for one in expected if not _fits(model, one)]
+    detail = f"{len(expected)} actuators with their dofs, gains and ranges"
+    if wrong:
+        detail = f"differ: {', '.join(wrong)}"
+    elif model.nu != len(expected):
+        detail = f"expected {len(expected)} actuators, found {model.nu}"
+    yield compiled.result(
+        "actuators", not wrong and model.nu == len(expected), detail, float(len(wrong)), 0.0
+    )
+
+
+def _fits(model: Any, one: Actuator) -> bool:
+    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, one.name)
+    if index < 0:
+        return False
+    gain, bias = model.actuator_gainprm[index], model.actuator_biasprm[index]
+    kp, kv = one.kp or 0.0, one.kv or 0.0
+    gains = {"position": (kp, 0.0, -kp, -kv), "velocity": (kv, 0.0, 0.0, -kv), "motor": (1.0, 0.0, 0.0, 0.0)}
+    pairs = [(model.actuator_gear[index][0], one.gear)]
+    pairs += zip((gain[0], *bias[:3]), gains.get(one.type, (gain[0], *bias[:3])), strict=True)
+    for ends, limited, numbers in (
+        (one.control, model.actuator_ctrllimited[index], model.actuator_ctrlrange[index]),
+        (one.force, model.actuator_forcelimited[index], model.actuator_forcerange[index]),
+    ):
+        if bool(limited) != (ends is not None):
+            return False
+        pairs += [] if ends is None else zip(numbers, ends, strict=True)
+    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
+    pairs.append((model.key_ctrl[key][index] if key >= 0 else np.nan, one.home))
+    found, expected = (np.array(side, dtype=float) for side in zip(*pairs, strict=True))
+    return int(model.actuator_trnid[index][0]) == joint_index(model, one.dof) and _same(found, expected)
+
+
+def _same(found: Array, expected: Array) -> bool:
+    return bool((np.abs(found - expected) <= SAME * np.maximum(1.0, np.abs(expected))).all())
