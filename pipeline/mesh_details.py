@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, Any
 
 from pipeline.caching.actions import Remembered
 from pipeline.context import notes
+from stages.robot.exclude_names import excluded_colliders
 from stages.robot.plural import count
 
 if TYPE_CHECKING:
     from pipeline.context import BuildContext
     from stages.mesh import Shown
-    from stages.robot.geometry import ColliderFigures, Geometry
+    from stages.robot.geometry import ColliderFigures, Exclude, Geometry, Touch
 
 _MM = 1e3
 
@@ -32,14 +33,19 @@ def details(geometry: "Geometry", remembered: Sequence[Remembered] = ()) -> dict
 
     `links`: the colliders of each link in total; `geoms` are what an engine collides, also what the
     user gave. `excludes`: the pairs of links that do not collide with each other, why, and how deep they are
-    in each other at `home` [mm]; nothing where the robot does not collide with itself.
+    in each other at `home` [mm]; nothing where the robot does not collide with itself. Where only some of
+    their colliders do not, `colliders` names those of each link, and `geoms` has their pairs, by position.
+    `touching`: the pairs that collide and touch at `home`.
     """
-    excludes = [
-        {"links": [one.link_a, one.link_b], "reason": one.reason, "depth": round(_MM * one.depth, 3)}
-        for one in geometry.excludes
-    ]
+    excludes = [_exclude(one, geometry) for one in geometry.excludes]
+    touching = [_pair(one) for one in geometry.touching]
     colliders = _colliders(geometry.colliders, remembered)
-    tables = {"colliders": colliders, "links": _links(geometry, colliders), "excludes": excludes}
+    tables = {
+        "colliders": colliders,
+        "links": _links(geometry, colliders),
+        "excludes": excludes,
+        "touching": touching,
+    }
     return {name: rows for name, rows in tables.items() if rows}
 
 
@@ -89,6 +95,15 @@ def _links(geometry: "Geometry", rows: Sequence[Mapping[str, Any]]) -> list[dict
         totals["seconds"] = round(totals["seconds"], 3)
         found.append({"link": link, "colliders": len(own), **totals, "geoms": geoms.get(link, 0)})
     return found
+
+
+def _exclude(one: "Exclude", geometry: "Geometry") -> dict[str, Any]:
+    names = excluded_colliders(one, geometry.shapes, geometry.colliders)
+    return {**_pair(one), "reason": one.reason, "colliders": names, "geoms": one.geoms}
+
+
+def _pair(one: "Exclude | Touch") -> dict[str, Any]:
+    return {"links": [one.link_a, one.link_b], "depth": round(_MM * one.depth, 3)}
 
 
 def shown(context: "BuildContext") -> "Shown":

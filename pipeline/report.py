@@ -40,8 +40,8 @@ class Report:
     `bundle`: the inputs, by the SHA-256 of their `manifest`, by which `linkwright bundle` finds them.
     `figures`: counts of links, joints, dofs, loops, parts, meshes and triangles, the mass [kg], and how
     the mechanism moves: `coordinates`, `gruebler` and `dof` (see `stages.robot.model.Mobility`).
-    `details`: tables of the stages, each a list of rows: `colliders`, `links` and `excludes` (see
-    `pipeline.mesh_details.details`).
+    `details`: tables of the stages, each a list of rows: `colliders`, `links`, `excludes` and
+    `touching` (see `pipeline.mesh_details.details`).
     `outline`: the lines of the kinematic tree as text. `outputs`: SHA-256 of each file of the robot, by
     path below `folder` ("" for a build in memory). `error`: of a failed build, its class, message, place,
     hint and problems.

@@ -25,6 +25,7 @@ from pipeline.report_colliders import colliders
 from pipeline.secrets import Secrets
 from stages.graph.view.views import PICTURE, TABLES
 from stages.mesh.view.views import PICTURES
+from stages.robot.globs import listed
 
 STYLE = Path(__file__).with_name("report.css")
 
@@ -154,11 +155,16 @@ def _preformatted(lines: Sequence[str]) -> str:
 
 
 def _excludes(excludes: Sequence[Mapping[str, Any]]) -> str:
-    """The pairs of links that do not collide, those whose reason is not a joint first."""
+    """The pairs of links that do not collide, those whose reason is not a joint first, and which of their
+    colliders where others do."""
     order = sorted(excludes, key=lambda one: str(one["reason"]) == "Adjacent")
-    rows = [[*one["links"], one["reason"], f"{one['depth']:.2f}"] for one in order]
-    header = ["link", "other link", "reason", "depth at home, mm"]
+    rows = [[*one["links"], one["reason"], f"{one['depth']:.2f}", _only(one["colliders"])] for one in order]
+    header = ["link", "other link", "reason", "depth at home, mm", "of their colliders"]
     return section("Links that do not collide", plain_table(header, rows)) if rows else ""
+
+
+def _only(colliders: Sequence[Sequence[str]] | None) -> str:
+    return "all" if colliders is None else " against ".join(map(listed, colliders))
 
 
 def _facts(tree: Mapping[str, Any]) -> str:

@@ -76,14 +76,16 @@ def geometry(
     problems += colliders_reported(collided)
     problems += too_small_reported({name: one for name in used if (one := _small_names(used[name]))})
     problems += unbalanced(links, library.of_parts, shapes, files)
-    contacts = self_contacts(robot, shapes, files, keys.contact, memo)
-    problems += contacts.diagnostics
-    (written_shapes, assets), left_out = written(with_properties(shapes, properties), files, keys.mesh)
     figures = tuple(
         figures_of(one, [used[one.job.link].parts[part].name for part in one.job.parts]) for one in collided
     )
+    # Of those that are written: an exclude counts them.
+    solid = [shape for shape in shapes if shape.file is None or keys.mesh.assets == "files"]
+    contacts = self_contacts(robot, solid, files, keys.contact, memo, figures)
+    problems += contacts.diagnostics
+    (written_shapes, assets), left_out = written(with_properties(shapes, properties), files, keys.mesh)
     every = (*problems, *left_out)
-    return Geometry(written_shapes, assets, every, contacts.on, contacts.excludes, figures)
+    return Geometry(written_shapes, assets, every, contacts.on, contacts.excludes, contacts.touching, figures)
 
 
 def _used(
@@ -135,9 +137,12 @@ def _named(
     links: Sequence[Link], used: Mapping[str, _LinkUses], collided: Sequence[Collided]
 ) -> tuple[dict[str, list[Shape]], dict[str, bytes]]:
     """The shapes of each link's meshes and colliders, and their files by name."""
-    solid: dict[str, list[Collider]] = {link.name: [] for link in links}
+    solid: dict[str, list[tuple[int, Collider]]] = {link.name: [] for link in links}
+    numbers = dict.fromkeys(solid, 0)
     for one in collided:
-        solid[one.job.link] += colliders(one.collision, one.job.link_from_subject)
+        link, number = one.job.link, numbers[one.job.link]
+        solid[link] += ((number, piece) for piece in colliders(one.collision, one.job.link_from_subject))
+        numbers[link] += 1
     names = file_names({name: _counts(used[name], solid[name]) for name in solid})
     shapes: dict[str, list[Shape]] = {}
     files: dict[str, bytes] = {}
@@ -145,24 +150,25 @@ def _named(
         visual_names, collider_names = names[link]
         shapes[link] = []
         free = iter(collider_names)
-        for collider in every:
+        for number, collider in every:
             if isinstance(collider, MeshFile):
                 name = next(free)
-                shapes[link].append(_shape(link, "collision", name, collider))
+                shape = _shape(link, "collision", name, collider)
                 files[name] = collider.data
             else:
-                shapes[link].append(primitives.collider(link, collider))
+                shape = primitives.collider(link, collider)
+            shapes[link].append(replace(shape, collider=number))
         for name, file in zip(visual_names, used[link].mesh.visuals, strict=True):
             shapes[link].append(_shape(link, "visual", name, file))
             files[name] = file.data
     return shapes, dict(sorted(files.items()))
 
 
-def _counts(used: _LinkUses, solid: Sequence[Collider]) -> tuple[int | list[str], int]:
+def _counts(used: _LinkUses, solid: Sequence[tuple[int, Collider]]) -> tuple[int | list[str], int]:
     """How many visual files a link has, or a word for each where each is of one part, and how many files
     of colliders."""
     words = part_words([used.parts[index].name for index in used.mesh.owners])
-    return words or len(used.mesh.visuals), sum(isinstance(one, MeshFile) for one in solid)
+    return words or len(used.mesh.visuals), sum(isinstance(one, MeshFile) for _, one in solid)
 
 
 def _shape(link: str, role: Role, name: str, file: MeshFile) -> Shape:

@@ -90,9 +90,10 @@ class ContactKeys(Keys):
 
     self_: Annotated[Literal["auto", "none", "all"], Field(alias="self")] = "auto"
     """Contact of the robot with itself. auto: links collide with each other, except those next to each other
-    and those that touch in every pose; none: they do not; all: they do, except the pairs of `exclude`, and
-    except the links on either side of a joint, which MuJoCo leaves out by itself unless one of them is
-    fixed to the world. All collide with the ground and other objects."""
+    and those that touch in every pose, or only those of their colliders that do so; none: they do not; all:
+    they do, except the pairs of `exclude`, and except the links on either side of a joint, which MuJoCo
+    leaves out by itself unless one of them is fixed to the world. All collide with the ground and other
+    objects."""
 
 
 class MeshKeys(Keys):

@@ -43,7 +43,8 @@ class Shape:
     `area` [m²] and `volume` [m³] are the shape's own (volume 0 where a mesh is not closed). A
     primitive has neither `vertices` nor `faces`, and is a shape once for each role that it has.
     `contact`: what the configuration says of its contacts. `texture`: the entry of `Geometry.files` that is
-    the image of a mesh with texture coordinates, times `colour`.
+    the image of a mesh with texture coordinates, times `colour`. `collider`: which of its link's colliders it
+    is, or is a piece of, counted as in `Geometry.colliders`; None of what the user gave.
     """
 
     link: str
@@ -57,6 +58,7 @@ class Shape:
     primitive: Primitive | None = None
     contact: ContactProperties | None = None
     texture: str | None = None
+    collider: int | None = None
 
 
 ExcludeReason = Literal["Adjacent", "Always", "User"]
@@ -66,12 +68,27 @@ configuration says so."""
 
 @dataclass(frozen=True, slots=True)
 class Exclude:
-    """Two links that do not collide, in the order of the robot's links. `depth` [m]: how deep their
-    colliders are in each other at `home`, 0 where they do not touch."""
+    """Two links that do not collide, in the order of the robot's links, or only some of their shapes.
+
+    `depth` [m]: how deep what does not collide is in each other at `home`, 0 where it does not touch.
+    `geoms`: the pairs that do not collide, where the others do: positions among the collision shapes of
+    `link_a` and of `link_b`, sorted. A format that knows only whole links leaves the links out.
+    """
 
     link_a: str
     link_b: str
     reason: ExcludeReason
+    depth: float
+    geoms: tuple[tuple[int, int], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Touch:
+    """Two links that may collide, in the order of the robot's links, and touch at `home`. `depth` [m]: how
+    deep they are in each other there, without the shapes that do not collide."""
+
+    link_a: str
+    link_b: str
     depth: float
 
 
@@ -134,14 +151,15 @@ class Geometry:
     that the user gave it, in their own order. `files`: binary STL or OBJ by name, metres; of textured meshes
     always OBJ, each with its library of materials (MTL), and the images (PNG). `self_contact`:
     whether the robot's links collide with each other; then `excludes` are the pairs that do not, in the
-    order of the links: also those that an engine leaves out by itself. `colliders`: of each link in its own
-    order, how its parts collide."""
+    order of the links: also those that an engine leaves out by itself; and `touching` those of the others
+    that touch at `home`. `colliders`: of each link in its own order, how its parts collide."""
 
     shapes: tuple[Shape, ...]
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...] = ()
     self_contact: bool = False
     excludes: tuple[Exclude, ...] = ()
+    touching: tuple[Touch, ...] = ()
     colliders: tuple[ColliderFigures, ...] = ()
 
     @property

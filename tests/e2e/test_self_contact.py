@@ -10,12 +10,10 @@ import pytest
 from pipeline.build import build_files
 from pipeline.config.compose import compose_plan
 from stages.robot import codec
-from stages.robot.model import Robot
 from stages.robot.pose_samples import sampled_poses
 from stages.robot.start_pose import home
-from stages.validate.coordinates import set_values
 from tests.support.places import SHARED
-from tests.support.touching import contacts
+from tests.support.touching import geoms_in_mujoco, in_mujoco
 
 ROBOTS = SHARED / "data" / "robots"
 SO101 = ROBOTS / "so101/Simulation/SO101/so101_new_calib.urdf"
@@ -24,6 +22,7 @@ REACHY = ROBOTS / "reachy2/reachy2_mujoco/description/mjcf/reachy2.xml"
 
 FOUND = {
     "sample": [("base_plate", "lift_column", "Adjacent"), ("parallel_rod", "elbow_plate", "Adjacent")],
+    "ladder": [("left_finger_jaw", "right_finger_jaw", "Always")],
     "so101": [("base_link", "shoulder_link", "Adjacent")],
     "duck": [("head_link", "head_assembly", "Always")],
     "reachy": [],
@@ -37,9 +36,11 @@ WHERE = {"so101": ("urdf", SO101), "duck": ("urdf", DUCK), "reachy": ("mjcf", RE
 
 
 def built(name: str, folder):
-    """The robot, its report, and its model; and a model with every contact, whatever is excluded."""
-    told = [f"cache.dir={folder}/cache", "mesh=hull", f"output={folder}/out", "until=export"]
-    if name == "sample":
+    """The robot, its report, and its model; and a model with every contact, whatever is excluded. `ladder`:
+    the sample, with the colliders that the ladder makes; else each link has its hull."""
+    told = [f"cache.dir={folder}/cache", f"output={folder}/out", "until=export"]
+    told.append("mesh=ladder" if name == "ladder" else "mesh=hull")
+    if name in ("sample", "ladder"):
         told.append("robot=sample")
     else:
         kind, path = WHERE[name]
@@ -52,6 +53,7 @@ def built(name: str, folder):
     text = made.files[file].decode()
     free = re.sub(r"<contact>.*?</contact>", "", text, flags=re.DOTALL)
     free = free.replace("<option ", "<option><flag filterparent='disable'/></option><option ")
+    free = re.sub(r'(name="[^"]*" class="collision" .*?) contype="\d+" conaffinity="\d+"', r"\1", free)
     meshes = {path.removeprefix("assets/"): data for path, data in files.items()}
     models = [mujoco.MjSpec.from_string(one, assets=assets(one, meshes)).compile() for one in (text, free)]
     return codec.decode_robot(made.robot), made.report, *models
@@ -61,18 +63,17 @@ def assets(text: str, meshes):
     return {f"assets/{name}": data for name, data in meshes.items()} | dict(meshes)
 
 
-def touching(model, robot: Robot, q):
-    data = mujoco.MjData(model)
-    set_values(model, data, robot, q, urdf=False)
-    mujoco.mj_collision(model, data)
-    return contacts(model, data, robot)
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["sample", *WHERE])
+@pytest.mark.parametrize("name", ["sample", "ladder", *WHERE])
 def test_nothing_touches_that_is_neither_excluded_nor_free_to(name, tmp_path):
     robot, report, model, free = built(name, tmp_path)
-    excludes = {tuple(one["links"]): one["reason"] for one in report.details.get("excludes", [])}
+    rows = {tuple(one["links"]): one for one in report.details.get("excludes", [])}
+    excludes = {pair: row["reason"] for pair, row in rows.items()}
+
+    def excluded(one, other):
+        row = rows.get((one[0], other[0]))
+        return row is not None and (not row["geoms"] or [one[1], other[1]] in row["geoms"])
+
     for one, other, reason in FOUND[name]:
         assert excludes[one, other] == reason
     start = home(robot)
@@ -81,16 +82,17 @@ def test_nothing_touches_that_is_neither_excluded_nor_free_to(name, tmp_path):
     rigid = {pair for pair, reason in excludes.items() if reason == "Adjacent"}
     seen = dict.fromkeys(excludes, 0)
     for q in poses:
-        assert not touching(model, robot, q) & set(excludes)
+        assert not [pair for pair in geoms_in_mujoco(model, robot, q) if excluded(*pair)]
     for q in poses[:COMPARED]:
-        raw = touching(free, robot, q)
-        assert touching(model, robot, q) == raw - set(excludes)
-        for pair in raw & set(excludes):
+        raw = geoms_in_mujoco(free, robot, q)
+        assert geoms_in_mujoco(model, robot, q) == {pair for pair in raw if not excluded(*pair)}
+        for pair in {(one[0], other[0]) for one, other in raw if excluded(one, other)}:
             seen[pair] += 1
     for pair, reason in excludes.items():
         assert reason != "Always" or seen[pair] >= 0.99 * COMPARED, pair
     told = " ".join(one.message for one in report.diagnostics if one.code == "W-SELF-CONTACT")
-    for one, other in touching(model, robot, start):
+    for one, other in in_mujoco(model, robot, start):
         assert f"{one} and {other} (" in told
+        assert [one, other] in [row["links"] for row in report.details["touching"]]
     assert rigid or not robot.joints
     assert np.isfinite(model.key_qpos).all()

@@ -1,12 +1,14 @@
-"""The sample's gripper closes on a cube and lifts it, with the colliders that the ladder makes."""
+"""The sample's gripper closes on a cube and lifts it, and on nothing until its pads touch, with the colliders
+that the ladder makes."""
 
-from pathlib import Path
+import math
+from collections.abc import Iterator
 
 import mujoco
 import numpy as np
 import pytest
 
-from pipeline.build import build_files
+from pipeline.build import Built, build_files
 from pipeline.config.compose import compose_plan
 
 SIDE = 0.02
@@ -28,12 +30,17 @@ TOUCHING = 0.006
 """The finger's angle at which the pads are 20 mm apart in CAD: 19.4 mm at 0, and 53 mm below the pivot."""
 
 
-def sample(folder: Path) -> mujoco.MjSpec:
-    told = ["robot=sample", "mesh=ladder", "contact.self=auto", "until=export"]
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
+    folder = tmp_path_factory.mktemp("gripper")
+    told = ["robot=sample", "mesh=ladder", "contact.self=auto", "actuators=none", "until=export"]
     told += [f"cache.dir={folder}/cache", f"output={folder}/out"]
-    files = build_files(compose_plan(told, cwd=folder).plan, in_memory=True).files
-    assets = {name: data for name, data in files.items() if name.startswith("assets/")}
-    return mujoco.MjSpec.from_string(files["sample.xml"].decode(), assets=assets)
+    return build_files(compose_plan(told, cwd=folder).plan, in_memory=True)
+
+
+def sample(built: Built) -> mujoco.MjSpec:
+    assets = {name: data for name, data in built.files.items() if name.startswith("assets/")}
+    return mujoco.MjSpec.from_string(built.files["sample.xml"].decode(), assets=assets)
 
 
 def looking_down(spec: mujoco.MjSpec) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -50,8 +57,8 @@ def looking_down(spec: mujoco.MjSpec) -> tuple[np.ndarray, np.ndarray, np.ndarra
     return data.qpos.copy(), tool.xpos.copy(), tool.xmat.copy()
 
 
-def with_cube(spec: mujoco.MjSpec, place: np.ndarray, axes: np.ndarray) -> mujoco.MjModel:
-    """The robot with motors, weightless, and a cube of 20 g on a post where the tool is."""
+def with_motors(spec: mujoco.MjSpec) -> None:
+    """Gives the robot motors, and makes it weightless."""
     for name, gain in GAINS.items():
         motor = spec.add_actuator(name=name, target=name, trntype=mujoco.mjtTrn.mjTRN_JOINT)
         motor.set_to_position(kp=gain, dampratio=1)
@@ -59,6 +66,11 @@ def with_cube(spec: mujoco.MjSpec, place: np.ndarray, axes: np.ndarray) -> mujoc
             motor.forcelimited, motor.forcerange = True, [-GRIP, GRIP]
     for body in spec.bodies[1:]:
         body.gravcomp = 1
+
+
+def with_cube(spec: mujoco.MjSpec, place: np.ndarray, axes: np.ndarray) -> mujoco.MjModel:
+    """The robot with motors and a cube of 20 g on a post where the tool is."""
+    with_motors(spec)
     # Against the creep of MuJoCo's soft friction.
     spec.option.cone, spec.option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 10
     for key in list(spec.keys):
@@ -74,8 +86,8 @@ def with_cube(spec: mujoco.MjSpec, place: np.ndarray, axes: np.ndarray) -> mujoc
 
 
 @pytest.mark.slow
-def test_the_gripper_closes_on_a_cube_and_lifts_it(tmp_path: Path) -> None:
-    spec = sample(tmp_path)
+def test_the_gripper_closes_on_a_cube_and_lifts_it(built: Built) -> None:
+    spec = sample(built)
     start, place, axes = looking_down(spec)
     model = with_cube(spec, place, axes)
     data = mujoco.MjData(model)
@@ -102,3 +114,60 @@ def test_the_gripper_closes_on_a_cube_and_lifts_it(tmp_path: Path) -> None:
     off = data.body("cube").xpos - place - [0, 0, risen]
     assert np.abs(off).max() < 0.002
     assert data.body("cube").xmat.reshape(3, 3)[:, 2] @ axes.reshape(3, 3)[:, 2] > 0.99
+
+
+FINGERS = ("left_finger_jaw", "right_finger_jaw")
+
+MEETING = math.atan2(0.0058, 0.0685) - math.asin(0.0155 / math.hypot(0.0058, 0.0685))
+"""The left finger's angle at which the pads' tips meet half way between the pivots, which are 31 mm apart: in
+CAD the pads' faces are 5.8 mm inwards of them and end 68.5 mm below."""
+
+
+def geoms_of(built: Built, part: str) -> set[str]:
+    """The names in the MJCF of the colliders of a part."""
+    found = set()
+    for link in FINGERS:
+        first = 0
+        for row in built.report.details["colliders"]:
+            if row["link"] == link:
+                if part in row["parts"][0]:
+                    found |= {f"{link}_collision_{first + piece}" for piece in range(row["pieces"])}
+                first += row["pieces"]
+    return found
+
+
+def between_fingers(model: mujoco.MjModel, data: mujoco.MjData) -> Iterator[frozenset[str]]:
+    """The names of the geoms of two fingers that are in contact now."""
+    for contact in data.contact[: data.ncon]:
+        names = [model.geom(geom).name for geom in contact.geom]
+        if {name.partition("_collision")[0] for name in names} == set(FINGERS):
+            yield frozenset(names)
+
+
+@pytest.mark.slow
+def test_the_fingers_meet_when_the_gripper_closes_on_nothing_and_their_gears_never_do(built: Built) -> None:
+    """The limit is 0.03 rad further; the gears overlap by 1.9 mm."""
+    spec = sample(built)
+    start, _, _ = looking_down(spec)
+    with_motors(spec)
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.qpos[:] = start
+    for name in GAINS:
+        data.actuator(name).ctrl = data.joint(name).qpos
+    gears, pads = geoms_of(built, "Finger gear"), geoms_of(built, "Finger pad")
+    assert len(pads) == 2
+    met: set[frozenset[str]] = set()
+    for to in (-0.17, 0.4):
+        data.actuator("left_finger").ctrl = to
+        for _ in range(round(2.5 / model.opt.timestep)):
+            mujoco.mj_step(model, data)
+            met |= set(between_fingers(model, data))
+        if to < 0:
+            assert pads in between_fingers(model, data)
+            assert float(data.joint("left_finger").qpos[0]) == pytest.approx(MEETING, abs=0.002)
+    assert not [pair for pair in met if pair <= gears]
+    # The same without the bits: the gears touch all the way.
+    model.geom_contype[:], model.geom_conaffinity[:] = model.geom_conaffinity > 0, model.geom_conaffinity > 0
+    mujoco.mj_forward(model, data)
+    assert [pair for pair in between_fingers(model, data) if pair <= gears]

@@ -1,22 +1,25 @@
 """Which links of a robot touch: of boxes and spheres in closed form, and of an MJCF by MuJoCo."""
 
-from collections.abc import Mapping
-from itertools import combinations
+from collections.abc import Iterable, Mapping
+from itertools import combinations, product
 from pathlib import Path
 
 import mujoco
 import numpy as np
 
 from stages.export import export
+from stages.export.writer import Exported
 from stages.mesh import make_geometry
 from stages.robot.bundle import Bundle
-from stages.robot.geometry import Geometry
+from stages.robot.geometry import Exclude, Geometry
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Primitive, Robot, frozen
 from stages.validate.coordinates import set_values
 from tests.support.building import plan_of
 
 Pairs = dict[tuple[str, str], float]
+Geom = tuple[str, int]
+"""A link, and a position among its collision shapes."""
 
 
 def box(x, y, z, pose=None):
@@ -40,9 +43,13 @@ def geometry_of(robot: Robot, memo=no_memo, **contact) -> Geometry:
     return make_geometry(robot, NO_FILES, plan_of(contact={"self": "auto", **contact}), memo)
 
 
+def exported(robot: Robot, geometry: Geometry) -> Exported:
+    return export(robot, geometry, plan_of())
+
+
 def model_of(robot: Robot, geometry: Geometry, folder: Path) -> mujoco.MjModel:
     """The exported MJCF, compiled."""
-    for name, data in export(robot, geometry, plan_of()).files.items():
+    for name, data in exported(robot, geometry).files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(data)
     return mujoco.MjModel.from_xml_path(str(folder / f"{robot.name}.xml"))
@@ -56,27 +63,65 @@ def in_mujoco(model, robot: Robot, q) -> set[tuple[str, str]]:
     return contacts(model, data, robot)
 
 
+def geoms_in_mujoco(model, robot: Robot, q) -> set[tuple[Geom, Geom]]:
+    """The pairs of colliders that are in contact at these values."""
+    data = mujoco.MjData(model)
+    set_values(model, data, robot, q, urdf=False)
+    mujoco.mj_collision(model, data)
+    return geom_contacts(model, data, robot)
+
+
 def contacts(model, data, robot: Robot) -> set[tuple[str, str]]:
     """The pairs of links in contact now, in the order of the links."""
+    return {(one, other) for (one, _), (other, _) in geom_contacts(model, data, robot)}
+
+
+def geom_contacts(model, data, robot: Robot) -> set[tuple[Geom, Geom]]:
+    """The pairs of colliders in contact now, in the order of the links."""
     place = {link.name: index for index, link in enumerate(robot.links)}
     found = set()
     for contact in data.contact[: data.ncon]:
-        names = [model.body(model.geom_bodyid[geom]).name for geom in contact.geom]
-        found.add(tuple(sorted(names, key=place.__getitem__)))
+        found.add(
+            tuple(sorted((geom_of(model, geom) for geom in contact.geom), key=lambda one: place[one[0]]))
+        )
+    return found
+
+
+def geom_of(model, geom: int) -> Geom:
+    """The link of a collider of the model, and its position there."""
+    body = int(model.geom_bodyid[geom])
+    first = int(model.body_geomadr[body])
+    solid = [one for one in range(first, geom + 1) if model.geom_contype[one] or model.geom_conaffinity[one]]
+    return model.body(body).name, len(solid) - 1
+
+
+def excluded(robot: Robot, excludes: Iterable[Exclude]) -> set[tuple[Geom, Geom]]:
+    """The pairs of shapes that do not collide; of links of primitives alone, which all collide."""
+    found = set()
+    for one in excludes:
+        a, b = one.link_a, one.link_b
+        every = product(range(len(robot.link(a).shapes)), range(len(robot.link(b).shapes)))
+        found |= {((a, i), (b, j)) for i, j in one.geoms or every}
     return found
 
 
 def apart(robot: Robot, q: Mapping) -> Pairs:
     """The distance of each two links with shapes at `q`: negative by the depth where they overlap; where
     boxes are apart only a lower bound of it."""
+    found: Pairs = {}
+    for ((one, _), (other, _)), off in geoms_apart(robot, q).items():
+        found[one, other] = min(off, found.get((one, other), np.inf))
+    return found
+
+
+def geoms_apart(robot: Robot, q: Mapping) -> dict[tuple[Geom, Geom], float]:
+    """The same of each two shapes of different links."""
     poses = link_poses(robot, q)
     found = {}
-    for one, other in combinations([link for link in robot.links if link.shapes], 2):
-        found[one.name, other.name] = min(
-            _between(a, poses[one.name] @ a.link_from_shape, b, poses[other.name] @ b.link_from_shape)
-            for a in one.shapes
-            for b in other.shapes
-        )
+    for one, other in combinations(robot.links, 2):
+        for (i, a), (j, b) in product(enumerate(one.shapes), enumerate(other.shapes)):
+            places = poses[one.name] @ a.link_from_shape, poses[other.name] @ b.link_from_shape
+            found[(one.name, i), (other.name, j)] = _between(a, places[0], b, places[1])
     return found
 
 

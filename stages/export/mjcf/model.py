@@ -4,13 +4,13 @@ Element and attribute rules are those of MuJoCo's XML reference. Every body has 
 `inertial`; geoms have no mass. Orientation is always `quat`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stages.export.mjcf.actuators import controls, write_actuators
-from stages.export.mjcf.excludes import write_excludes
+from stages.export.mjcf.filters import Filters, Geom
 from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos, write_joints
 from stages.export.mjcf.loops import STIFF, Closures
 from stages.export.mjcf.placement import placement
@@ -42,6 +42,7 @@ def write_mjcf(
     geometry: Geometry,
     keys: "ExportKeys",
     start: Configuration,
+    kept_apart: Filters,
     actuation: Actuation = NONE,
 ) -> bytes:
     """The model, whose qpos0 is `start` (values of the tree's dofs and of the loops' own)."""
@@ -54,13 +55,14 @@ def write_mjcf(
     painted = _assets(root, geometry)
     closures = Closures(robot)
     world = element(root, "worldbody")
-    _Bodies(world, robot, geometry, start, scene_pose(keys), painted, closures, actuation).write()
+    place = scene_pose(keys)
+    _Bodies(world, robot, geometry, start, place, painted, closures, actuation, kept_apart.bits).write()
     for body in world.iterchildren("body"):
         body.set("childclass", top)
-    write_excludes(root, robot, geometry)
+    _excludes(root, kept_apart)
     _equalities(root, robot, start, closures)
     write_actuators(root, actuation)
-    _keyframes(root, world, robot, start, scene_pose(keys), actuation)
+    _keyframes(root, world, robot, start, place, actuation)
     return to_bytes(root)
 
 
@@ -105,6 +107,7 @@ class _Bodies:
         painted: dict[Paint, str],
         closures: Closures,
         actuation: Actuation,
+        bits: Mapping[Geom, tuple[int, int]],
     ) -> None:
         self.world = world
         self.robot = robot
@@ -115,6 +118,7 @@ class _Bodies:
         self.closures = closures
         self.compensated = dict(actuation.compensated)
         self.compensating = frozenset(actuation.compensating)
+        self.bits = bits
         self.elements: dict[str, tuple[Element, Array]] = {}
         """By link: its element, and element_from_link (4, 4), which only the link `world` needs."""
 
@@ -172,6 +176,8 @@ class _Bodies:
             suffix = f"_{count}" if len(collisions) > 1 else ""
             name = f"{link}_collision{suffix}"
             form = {**_form(shape, place), **_contact(shape)}
+            if (link, count) in self.bits:
+                form |= zip(("contype", "conaffinity"), map(str, self.bits[link, count]), strict=True)
             element(body, "geom", name=name, class_="collision", **form)
 
 
@@ -223,6 +229,14 @@ def _half_sizes(primitive: Primitive) -> list[float]:
 def stem(file: str) -> str:
     """A mesh's name in MuJoCo: its file's, without the extension."""
     return file.rsplit(".", 1)[0]
+
+
+def _excludes(root: Element, kept_apart: Filters) -> None:
+    """The pairs of bodies that do not collide at all, but for those that MuJoCo leaves out by itself."""
+    if kept_apart.pairs:
+        contact = element(root, "contact")
+        for one, other in kept_apart.pairs:
+            element(contact, "exclude", body1=one, body2=other)
 
 
 def _equalities(root: Element, robot: Robot, start: Configuration, closures: Closures) -> None:

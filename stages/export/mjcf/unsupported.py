@@ -1,14 +1,16 @@
-"""Reports what MJCF cannot express: the cone, effort and zero of ball joints."""
+"""Reports what MJCF cannot express: the cone, effort and zero of ball joints, many classes of contacts."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
+from stages.export.mjcf.filters import CLASSES
+from stages.robot.adjacency import Pair
 from stages.robot.errors import Diagnostic
 from stages.robot.model import Configuration, Robot, Value
 
 
-def unsupported(robot: Robot, start: Configuration) -> Iterator[Diagnostic]:
-    """One diagnostic for each kind of loss. `start`: qpos0, by dof."""
+def unsupported(robot: Robot, start: Configuration, wide: Sequence[Pair]) -> Iterator[Diagnostic]:
+    """One diagnostic for each kind of loss. `start`: qpos0, by dof. `wide`: see `Filters`."""
     file = f"{robot.name}.xml"
     balls = [dof for dof in robot.dofs if dof.kind == "ball"]
     cones = [dof.name for dof in balls if dof.limits.upper is not None]
@@ -36,6 +38,15 @@ def unsupported(robot: Robot, start: Configuration) -> Iterator[Diagnostic]:
             + ", ".join(f"{dof.name} ({_angle_from_zero(start[dof.name])})" for dof in balls),
             file,
             "robot.json has both, under zero of the dof",
+        )
+    if wide:
+        yield Diagnostic(
+            "W-WIDE-EXCLUDE",
+            f"MuJoCo tells {CLASSES} classes of colliders apart, and more are needed, so these links do not "
+            "collide at all, where only some of their colliders should not: "
+            + ", ".join(f"{one} and {other}" for one, other in wide),
+            file,
+            "links with fewer colliders, or others in contact.exclude, leave classes for these",
         )
 
 

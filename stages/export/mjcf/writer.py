@@ -13,16 +13,20 @@ class MjcfWriter:
         return (f"{robot}.xml", "scene.xml")
 
     def write(self, given: WriterInput) -> Exported:
+        from stages.export.mjcf.filters import filters
         from stages.export.mjcf.model import write_mjcf
         from stages.export.mjcf.scene import write_scene
         from stages.export.mjcf.unsupported import unsupported
 
         model, scene = self.paths(given.robot.name)
+        kept_apart = filters(given.robot, given.geometry)
         files = {
-            model: write_mjcf(given.robot, given.geometry, given.keys, given.start, given.actuation),
+            model: write_mjcf(
+                given.robot, given.geometry, given.keys, given.start, kept_apart, given.actuation
+            ),
             scene: write_scene(given.robot.name, given.keys.ground),
         }
-        return Exported(files, tuple(unsupported(given.robot, given.start)))
+        return Exported(files, tuple(unsupported(given.robot, given.start, kept_apart.wide)))
 
 
 WRITER = MjcfWriter()

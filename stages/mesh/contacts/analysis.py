@@ -1,22 +1,25 @@
-"""Which pairs of links do not collide: those next to each other, those that touch in every pose, and those
-that the user names; and which others touch at `home`."""
+"""Which pairs of links do not collide: those next to each other, those that the user names, and those that
+touch in every pose, of which only what does so is left out; and which others touch at `home`."""
 
 import hashlib
 import importlib.metadata
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import orjson
 
 from stages.mesh.contacts.chosen import chosen_pairs
 from stages.mesh.contacts.findings import findings
+from stages.mesh.contacts.narrow import Mask, narrowed
 from stages.robot import codec
 from stages.robot.adjacency import Pair, adjacent_pairs
 from stages.robot.errors import Diagnostic
-from stages.robot.geometry import Exclude, ExcludeReason, Shape
-from stages.robot.model import Configuration, Dof, Robot
+from stages.robot.exclude_names import excluded_colliders
+from stages.robot.geometry import ColliderFigures, Exclude, ExcludeReason, Shape, Touch
+from stages.robot.model import Array, Configuration, Dof, Robot
 
 if TYPE_CHECKING:
     from stages.mesh import Memo
@@ -29,18 +32,26 @@ POSES = 128
 
 @dataclass(frozen=True, slots=True)
 class Contacts:
-    """Whether the links collide with each other, the pairs that do not, and what was found about others."""
+    """Whether the links collide with each other, the pairs that do not, and those of the others that touch
+    at `home`."""
 
     on: bool
     excludes: tuple[Exclude, ...] = ()
+    touching: tuple[Touch, ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
 
 
 def self_contacts(
-    robot: Robot, shapes: Sequence[Shape], files: Mapping[str, bytes], keys: "ContactKeys", memo: "Memo"
+    robot: Robot,
+    shapes: Sequence[Shape],
+    files: Mapping[str, bytes],
+    keys: "ContactKeys",
+    memo: "Memo",
+    figures: Sequence[ColliderFigures] = (),
 ) -> Contacts:
-    """The contact of the robot with itself, by its colliders among `shapes`. MeshError where a glob of
-    `contact.exclude` matches no link. Diagnostics: I-ALWAYS-CONTACT, W-SELF-CONTACT.
+    """The contact of the robot with itself, by its colliders among `shapes`, whose parts `figures` name.
+    MeshError where a glob of `contact.exclude` matches no link. Diagnostics: I-ALWAYS-CONTACT,
+    W-SELF-CONTACT.
 
     The work is done through `memo`, by the content of the colliders and by how the links move.
     """
@@ -58,7 +69,7 @@ def self_contacts(
     search = keys.self_ == "auto"
 
     def make() -> bytes:
-        return orjson.dumps(_depths(robot, colliders, files, given, search))
+        return orjson.dumps(_found(robot, colliders, files, given, search))
 
     key = {
         "colliders": [_content(shape, files) for shape in colliders],
@@ -69,28 +80,27 @@ def self_contacts(
         "mujoco": importlib.metadata.version("mujoco"),
     }
     found = orjson.loads(memo("mesh.contacts", key, make))
-    depths = {(one, other): depth for one, other, depth in found["home"]}
-    always = {(one, other) for one, other in found["always"]}
-    reasons: dict[Pair, ExcludeReason] = {**dict.fromkeys(always, "Always"), **given}
+    held = {(one, other): depth for one, other, depth in found["held"]}
+    always = [codec.typed(Exclude, one) for one in found["always"]]
+    touching = tuple(codec.typed(Touch, one) for one in found["free"])
     place = {link.name: index for index, link in enumerate(robot.links)}
-    excludes = [
-        Exclude(*pair, reason, depths.get(pair, 0.0))
-        for pair, reason in sorted(reasons.items(), key=lambda item: [place[link] for link in item[0]])
-    ]
-    free = {pair: depth for pair, depth in depths.items() if pair not in reasons}
-    problems = findings({pair: depths[pair] for pair in depths if pair in always}, free, POSES)
-    return Contacts(True, tuple(excludes), tuple(problems))
+    excludes = [*always, *(Exclude(*pair, reason, held.get(pair, 0.0)) for pair, reason in given.items())]
+    excludes.sort(key=lambda one: (place[one.link_a], place[one.link_b]))
+    named = [(one, excluded_colliders(one, shapes, figures)) for one in always]
+    problems = findings(named, touching if search else (), POSES)
+    return Contacts(True, tuple(excludes), touching, tuple(problems))
 
 
-def _depths(
+def _found(
     robot: Robot,
     shapes: Sequence[Shape],
     files: Mapping[str, bytes],
     given: Mapping[Pair, ExcludeReason],
     search: bool,
 ) -> dict[str, Any]:
-    """`home`: the pairs that touch there, with the depth [m]; `always`: those of them that are not given and
-    touch in every sampled pose too. Without a `search`, of the given ones alone."""
+    """As plain data. `held`: the given pairs that touch at `home`, with the depth [m]; `always`: the excludes
+    of those others that touch in every sampled pose too; `free`: the rest of what touches at `home`.
+    Without a `search` nothing is excluded that is not given."""
     from stages.mesh.contacts.colliders import Colliders
     from stages.robot.kinematics import link_poses
     from stages.robot.start_pose import home
@@ -101,37 +111,65 @@ def _depths(
     for link in colliders.links:
         colliders.place(link, poses[link])
     order = [link.name for link in robot.links if link.name in colliders.links]
-    pairs = [pair for pair in combinations(order, 2) if search or pair in given]
-    depths = colliders.depths(pairs)
-    always = _always(robot, colliders, [pair for pair in depths if pair not in given], start)
+    depths = colliders.depths([*combinations(order, 2)])
+    free = {pair: found for pair, found in depths.items() if pair not in given}
+    always: list[Exclude] = []
+    if search:
+        for pair, masked in _always(robot, shapes, colliders, free, start):
+            geoms = () if masked.all() else tuple((int(a), int(b)) for a, b in np.argwhere(masked))
+            always.append(Exclude(*pair, "Always", _deepest(free[pair][masked]), geoms))
+            free[pair] = np.where(masked, -np.inf, free[pair])
+    return {
+        "held": [[*pair, _deepest(found)] for pair, found in depths.items() if pair in given],
+        "always": [codec.plain(one) for one in always],
+        "free": [
+            codec.plain(Touch(*pair, _deepest(found))) for pair, found in free.items() if (found >= 0).any()
+        ],
+    }
+
+
+def _deepest(depths: Array) -> float:
     # Below a micrometre the digits differ between machines.
-    return {"home": [[*pair, round(depth, 6)] for pair, depth in depths.items()], "always": always}
+    return round(float(depths.max(initial=0.0)), 6)
 
 
-def _always(robot: Robot, colliders: "Colliders", pairs: Sequence[Pair], start: Configuration) -> list[Pair]:
-    """The pairs that touch in every sampled pose; none without such a pose."""
-    if not pairs:
-        return []
+def _always(
+    robot: Robot,
+    shapes: Sequence[Shape],
+    colliders: "Colliders",
+    depths: Mapping[Pair, Array],
+    start: Configuration,
+) -> Iterator[tuple[Pair, Mask]]:
+    """Of those pairs that touch in every sampled pose, which shapes do not collide; none without such a pose.
+    `depths`: of the pairs that touch at `start`, there."""
+    if not depths:
+        return
     from stages.robot.pose_batch import count_of, many_link_poses
     from stages.robot.pose_samples import sampled_poses
 
     values = sampled_poses(robot, POSES, colliders.span(), start)
     poses = many_link_poses(robot, values)
-
-    def touch(pair: Pair, row: int) -> bool:
-        for link in pair:
-            colliders.place(link, poses[link][row])
-        return colliders.touch(pair)
-
-    rows = range(count_of(values))
-    return [pair for pair in pairs if rows and all(touch(pair, row) for row in rows)]
+    labels: dict[str, list[Hashable]] = {}
+    for index, shape in enumerate(shapes):
+        labels.setdefault(shape.link, []).append(("own", index) if shape.collider is None else shape.collider)
+    for pair, found in depths.items():
+        touching = [found >= 0]
+        for row in range(count_of(values)):
+            for link in pair:
+                colliders.place(link, poses[link][row])
+            touching.append(colliders.touching(pair))
+            if not touching[-1].any():
+                break
+        else:
+            if count_of(values):
+                yield pair, narrowed(np.stack(touching), labels[pair[0]], labels[pair[1]])
 
 
 def _content(shape: Shape, files: Mapping[str, bytes]) -> list[Any]:
     """A collider as plain data, whatever its file is called."""
     if shape.file is not None:
-        return [shape.link, hashlib.sha256(files[shape.file]).hexdigest()]
-    return [shape.link, codec.plain(shape.primitive)]
+        return [shape.link, shape.collider, hashlib.sha256(files[shape.file]).hexdigest()]
+    return [shape.link, shape.collider, codec.plain(shape.primitive)]
 
 
 def _motion(robot: Robot) -> str:

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from stages.formats.numbers import spaced
 from stages.formats.xml import Element, element, to_bytes
+from stages.mesh.contacts.narrow import Mask
 from stages.robot.adjacency import Pair
 from stages.robot.errors import MeshError
 from stages.robot.geometry import Shape
@@ -60,22 +61,18 @@ class Colliders:
             self._data.geom_xpos[geom] = where[:3, 3]
             self._data.geom_xmat[geom] = where[:3, :3].ravel()
 
-    def depths(self, pairs: Sequence[Pair]) -> dict[Pair, float]:
-        """Of each pair that touches where the links were placed last, its depth [m]: that of the two
-        colliders which are deepest in each other; 0 where they only touch."""
+    def depths(self, pairs: Sequence[Pair]) -> dict[Pair, Array]:
+        """Of each pair that touches where the links were placed last, how deep [m] each shape of the one
+        (m) is in each of the other (n): 0 where they only touch, -inf where they do not."""
         low, high = self._boxes()
-        found: dict[Pair, float] = {}
-        for pair in pairs:
-            for one, other in self._near(pair, low, high):
-                depth = -self._apart(one, other)
-                if depth >= -TOUCHING:
-                    found[pair] = max(found.get(pair, 0.0), depth)
-        return found
+        found = {pair: self._depths(pair, low, high) for pair in pairs}
+        return {pair: depths for pair, depths in found.items() if (depths >= 0).any()}
 
-    def touch(self, pair: Pair) -> bool:
-        """Whether two links touch where they were placed last."""
+    def touching(self, pair: Pair) -> Mask:
+        """Whether each shape of the one link (m) touches each of the other (n) where they are now."""
         low, high = self._boxes(self._geoms[pair[0]] + self._geoms[pair[1]])
-        return any(self._apart(one, other) <= TOUCHING for one, other in self._near(pair, low, high))
+        found: Mask = self._depths(pair, low, high) >= 0
+        return found
 
     def span(self) -> float:
         """The diagonal [m] of the box around all colliders."""
@@ -96,12 +93,21 @@ class Colliders:
         self._data.geom_xpos[other] = place
         return float(deeper if deeper < -2 * nudge else found)
 
+    def _depths(self, pair: Pair, low: Array, high: Array) -> Array:
+        first, second = (self._geoms[link] for link in pair)
+        found = np.full((len(first), len(second)), -np.inf)
+        for row, column in self._near(pair, low, high):
+            depth = -self._apart(first[row], second[column])
+            if depth >= -TOUCHING:
+                found[row, column] = max(depth, 0.0)
+        return found
+
     def _near(self, pair: Pair, low: Array, high: Array) -> Iterator[tuple[int, int]]:
-        """The colliders of two links whose boxes meet."""
+        """The colliders of two links whose boxes meet, by their positions among those of each."""
         first, second = (np.array(self._geoms[link]) for link in pair)
         meet = (low[first][:, None] <= high[second]) & (low[second] <= high[first][:, None])
         for row, column in np.argwhere(meet.all(axis=2)):
-            yield int(first[row]), int(second[column])
+            yield int(row), int(column)
 
     def _boxes(self, geoms: Sequence[int] | None = None) -> tuple[Array, Array]:
         """The lower and upper corners (n, 3) of the boxes around all colliders; only those of `geoms`

@@ -1,24 +1,29 @@
 """What is reported of pairs of links that touch."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 
-from stages.robot.adjacency import Pair
 from stages.robot.errors import Diagnostic
-from stages.robot.globs import as_key
+from stages.robot.exclude_names import Names
+from stages.robot.geometry import Exclude, Touch
+from stages.robot.globs import as_key, listed
 from stages.robot.plural import count
 
 _WHERE = "contact"
 
 
-def findings(always: Mapping[Pair, float], free: Mapping[Pair, float], poses: int) -> Iterator[Diagnostic]:
-    """I-ALWAYS-CONTACT with the pairs that touch in every one of so many poses, and W-SELF-CONTACT with those
-    that touch at `home` but not in every pose, each with its depth [m] there."""
+def findings(
+    always: Sequence[tuple[Exclude, tuple[Names, Names] | None]], free: Sequence[Touch], poses: int
+) -> Iterator[Diagnostic]:
+    """I-ALWAYS-CONTACT with the pairs that touch in every one of so many poses, and the names of what does
+    not collide where that is not all of them; and W-SELF-CONTACT with those that touch at `home`, but not in
+    every pose. Each has its depth there."""
     if always:
-        text = f"{_pairs(always)} in every one of {poses} poses, so they do not collide: {_listed(always)}"
+        told = ", ".join(_pair(one) + _only(names) for one, names in always)
+        text = f"{_pairs(len(always))} in every one of {poses} poses, so they do not collide: {told}"
         yield Diagnostic("I-ALWAYS-CONTACT", text, _WHERE, "contact.self=all lets them collide")
     if free:
-        text = f"{_pairs(free)} at home, but not in every pose: {_listed(free)}"
-        lines = ", ".join(f"[{as_key(one)}, {as_key(other)}]" for one, other in free)
+        text = f"{_pairs(len(free))} at home, but not in every pose: {', '.join(map(_pair, free))}"
+        lines = ", ".join(f"[{as_key(one.link_a)}, {as_key(one.link_b)}]" for one in free)
         hint = (
             f"to let them pass through each other: `contact: {{exclude: [{lines}]}}`; "
             "otherwise change the pose or the shapes"
@@ -26,12 +31,17 @@ def findings(always: Mapping[Pair, float], free: Mapping[Pair, float], poses: in
         yield Diagnostic("W-SELF-CONTACT", text, _WHERE, hint)
 
 
-def _pairs(depths: Mapping[Pair, float]) -> str:
-    return f"{count(len(depths), 'pair')} of links {'touches' if len(depths) == 1 else 'touch'}"
+def _pairs(number: int) -> str:
+    return f"{count(number, 'pair')} of links {'touches' if number == 1 else 'touch'}"
 
 
-def _listed(depths: Mapping[Pair, float]) -> str:
-    """The pairs with their depths in mm."""
-    return ", ".join(
-        f"{one} and {other} ({1e3 * depth:.2f} mm deep)" for (one, other), depth in depths.items()
-    )
+def _pair(one: Exclude | Touch) -> str:
+    """The pair with its depth in mm."""
+    return f"{one.link_a} and {one.link_b} ({1e3 * one.depth:.2f} mm deep)"
+
+
+def _only(names: tuple[Names, Names] | None) -> str:
+    """What of the pair does not collide."""
+    if names is None:
+        return ""
+    return f", of which only {listed(names[0])} against {listed(names[1])}"

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from stages.export.mjcf.filters import filters
 from stages.export.mjcf.model import write_mjcf
 from stages.export.mjcf.scene import write_scene
 from stages.export.mjcf.unsupported import unsupported
@@ -39,7 +40,8 @@ NUMBERS = 1e-10
 
 
 def compiled(robot: Robot, geometry: Geometry = NO_MESHES, **keys: object) -> mujoco.MjModel:
-    data = write_mjcf(robot, geometry, plan_of(**keys), starting_point(robot))
+    kept_apart = filters(robot, geometry)
+    data = write_mjcf(robot, geometry, plan_of(**keys), starting_point(robot), kept_apart)
     return mujoco.MjModel.from_xml_string(data.decode())
 
 
@@ -178,7 +180,7 @@ def test_limits_and_dynamics_belong_to_each_dof_and_a_cone_is_reported() -> None
     assert not model.jnt_limited[model.joint("arm_joint_turn").id]
     assert not model.jnt_limited[model.joint("tip_joint").id]
     assert list(model.dof_damping) == [0.1] * 5
-    found = list(unsupported(robot, starting_point(robot)))
+    found = list(unsupported(robot, starting_point(robot), ()))
     assert [(one.code, one.where) for one in found] == [
         ("W-BALL-CONE", "robot.xml"),
         ("W-BALL-EFFORT", "robot.xml"),
@@ -432,7 +434,9 @@ def test_the_gap_is_what_the_loops_own_dofs_cannot_explain(kind: str) -> None:
 
 def test_the_scene_reads_the_robot_with_all_of_it(tmp_path: Path) -> None:
     robot = robot_with(chain_of_all(np.random.default_rng(1), False))
-    (tmp_path / "robot.xml").write_bytes(write_mjcf(robot, NO_MESHES, plan_of(), starting_point(robot)))
+    (tmp_path / "robot.xml").write_bytes(
+        write_mjcf(robot, NO_MESHES, plan_of(), starting_point(robot), filters(robot, NO_MESHES))
+    )
     (tmp_path / "scene.xml").write_bytes(write_scene(robot.name, plan_of().ground))
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
     assert model.nv == robot.mobility.coordinates

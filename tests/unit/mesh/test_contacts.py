@@ -19,7 +19,7 @@ from stages.robot.poses import turn
 from stages.robot.start_pose import home, saved
 from tests.support.building import plan_of
 from tests.support.robots import EVERY, at, joint, loop, robot_with
-from tests.support.touching import apart, ball, box, geometry_of, in_mujoco, model_of
+from tests.support.touching import apart, ball, box, geometry_of, geoms_in_mujoco, in_mujoco, model_of
 from tests.unit.robot.test_home import four_bar
 
 X = np.array([1.0, 0.0, 0.0])
@@ -145,6 +145,49 @@ def test_fingers_that_touch_at_home_keep_touching_and_the_yaml_that_settles_it_i
     assert in_mujoco(model_of(robot, settled, tmp_path), robot, home(robot)) == set()
 
 
+def gripper():
+    """Two fingers that slide towards each other, with racks that always overlap, and pads that meet."""
+    joints = [
+        joint("prismatic", "palm", name, place=slide(sign * X), limits={f"{name}_joint": Limits(-0.06, 0.0)})
+        for name, sign in (("left", 1), ("right", -1))
+    ]
+    rack, pad = box(0.01, 0.01, 0.3), box(0.01, 0.01, 0.01, at(0, 0.1, 0))
+    shapes = {"palm": (box(0.01, 0.2, 0.01, at(0, 0.5, 0)),), "left": (rack, pad), "right": (rack, pad)}
+    gears = [Relation("gear", "right_joint", "left_joint", 1.0, 0.0)]
+    return robot_with(joints, shapes=shapes, root="palm", relations=gears)
+
+
+def test_of_fingers_whose_racks_always_overlap_the_pads_still_meet(tmp_path):
+    robot = gripper()
+    geometry = geometry_of(robot)
+    (always,) = [one for one in geometry.excludes if one.reason == "Always"]
+    assert (always.link_a, always.link_b, always.geoms) == ("left", "right", ((0, 0),))
+    (found,) = said(geometry, "I-ALWAYS-CONTACT")
+    assert found.message.endswith("mm deep), of which only box 0 against box 0")
+    assert geometry.touching == ()
+    model = model_of(robot, geometry, tmp_path)
+    for q, met in ((-0.03, set()), (-0.0549, set()), (-0.0551, {(("left", 1), ("right", 1))})):
+        values = {"left_joint": q, "right_joint": q}
+        assert geoms_in_mujoco(model, robot, values) == met
+
+
+def test_what_else_of_such_fingers_touches_at_home_is_reported_and_a_user_excludes_them_whole(tmp_path):
+    bare = gripper()
+    dofs = [replace(one.dofs[0], saved=-0.058) for one in bare.joints]
+    joints = tuple(replace(one, dofs=(dof,)) for one, dof in zip(bare.joints, dofs, strict=True))
+    robot = replace(bare, joints=joints)
+    geometry = geometry_of(robot)
+    assert reasons(geometry)["left", "right"] == "Always"
+    (touching,) = geometry.touching
+    assert (touching.link_a, touching.link_b) == ("left", "right")
+    assert touching.depth == close(0.006)
+    assert "left and right (6.00 mm deep)" in said(geometry, "W-SELF-CONTACT")[0].message
+    settled = geometry_of(robot, exclude=[["left", "right"]])
+    (chosen,) = [one for one in settled.excludes if one.reason == "User"]
+    assert (chosen.geoms, settled.touching) == ((), ())
+    assert in_mujoco(model_of(robot, settled, tmp_path), robot, home(robot)) == set()
+
+
 def test_poses_satisfy_relations():
     """Fingers that would part if each moved alone, but follow each other."""
     joints = [
@@ -195,6 +238,7 @@ def test_all_lets_everything_collide_but_what_the_user_names(tmp_path):
     geometry = geometry_of(robot, self="all", exclude=[["ha*", "base"]])
     assert [(one.link_a, one.link_b, one.reason) for one in geometry.excludes] == [("base", "hand", "User")]
     assert not said(geometry, "W-SELF-CONTACT")
+    assert ("base", "arm") in {(one.link_a, one.link_b) for one in geometry.touching}
     assert in_mujoco(model_of(robot, geometry, tmp_path), robot, home(robot)) == {("base", "arm")}
 
 
@@ -330,6 +374,8 @@ def test_the_geometry_travels_with_its_excludes():
     assert again.excludes == geometry.excludes
     assert again.self_contact
     assert Exclude("base", "hand", "Always", 0.01) in again.excludes
+    geometry = geometry_of(gripper())
+    assert codec.decode_geometry(codec.encode_geometry(geometry)).excludes == geometry.excludes
 
 
 def test_a_robot_without_colliders_has_no_excludes():
@@ -343,9 +389,9 @@ def test_pairs_that_touch_are_found_however_few_poses_part_them(monkeypatch):
 
     def touch(self, pair):
         touched.append(pair)
-        return len(touched) != analysis.POSES
+        return np.array([[len(touched) != analysis.POSES]])
 
-    monkeypatch.setattr("stages.mesh.contacts.colliders.Colliders.touch", touch)
+    monkeypatch.setattr("stages.mesh.contacts.colliders.Colliders.touching", touch)
     geometry = geometry_of(base_arm_hand(hand=ball(0.06)))
     assert len(touched) == analysis.POSES
     assert ("base", "hand") not in reasons(geometry)

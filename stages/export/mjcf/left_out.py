@@ -1,22 +1,9 @@
-"""Pairs of bodies that do not collide, in MJCF."""
+"""Which links MuJoCo never lets collide."""
 
-from stages.formats.xml import Element, element
-from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
 
 _WORLD = ""
 """The body of all that is fixed to the world, as MuJoCo's filter sees it."""
-
-
-def write_excludes(root: Element, robot: Robot, geometry: Geometry) -> None:
-    """An `<exclude>` for each pair that MuJoCo does not leave out by itself."""
-    left_out = LeftOut(robot)
-    pairs = [(one.link_a, one.link_b) for one in geometry.excludes]
-    pairs = [pair for pair in pairs if not left_out.contains(*pair)]
-    if pairs:
-        contact = element(root, "contact")
-        for one, other in pairs:
-            element(contact, "exclude", body1=one, body2=other)
 
 
 class LeftOut:
