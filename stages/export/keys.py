@@ -11,7 +11,6 @@ from stages.robot.keys import (
     Keys,
     Later,
     NonNegative,
-    Number,
     Positive,
     Text,
     Triple,
@@ -139,9 +138,6 @@ class ExportKeys(Keys):
 
     sensors: dict[Text, Any] = not_yet(dict)
     """Sensors, by name."""
-
-    keyframes: dict[Text, dict[Text, Number]] = not_yet(dict)
-    """Name → glob on joint names → value [rad or m]."""
 
     elements: dict[Text, Any] = not_yet(dict)
     """XML elements of your own, by name."""

@@ -7,6 +7,7 @@ from stages.graph.mechanism import Mechanism, MechanismReader
 from stages.graph.passes.actuation import with_actuation
 from stages.graph.passes.added_links import with_added_frames, with_added_links
 from stages.graph.passes.joint_limits import with_properties
+from stages.graph.passes.keyframes import with_keyframes
 from stages.graph.passes.limit_checks import with_checked_limits
 from stages.graph.passes.link_mass import check_links, with_given_masses, with_least_inertias
 from stages.graph.passes.mobility import with_mobility
@@ -38,6 +39,8 @@ def assemble(bundle: Bundle, keys: GraphKeys, read: MechanismReader) -> Robot:
     robot = with_added_frames(robot, keys.frames.add, log)
     robot = with_zero(robot, keys.zero, log)
     robot = with_mobility(robot, log)
+    log.raise_errors()
+    robot = with_keyframes(robot, keys.keyframes, log)
     log.raise_errors()
     robot = with_actuation(robot, mechanism, log)
     return replace(robot, diagnostics=tuple(log.found))

@@ -195,3 +195,10 @@ class GraphKeys(Keys):
 
     loops: LoopsKeys = LoopsKeys()
     """Closed kinematic loops."""
+
+    keyframes: Annotated[
+        dict[Text, dict[Text, Number]], example({"home": {"*knee*": 0.6}, "crouch": {"*knee*": 1.2}})
+    ] = Field(default_factory=dict)
+    """Name → glob on names of dofs → value [rad or m]; later entries win. The other joints are as near to
+    `home` as limits, relations and loops allow; those of `home` itself as near to the saved pose. `home` and
+    `cad`, the saved pose, are always there."""

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from stages.robot.dof_ranges import ranges
 from stages.robot.loops import CLOSED
-from stages.robot.model import Array, Dof, Joint, Robot
+from stages.robot.model import Array, Dof, DofKind, Joint, Robot
 from stages.robot.pose_batch import (
     Values,
     along,
@@ -54,13 +54,13 @@ class Closer:
         self._columns = {name: slice(a, b) for name, a, b in zip(self._kinds, ends, ends[1:], strict=False)}
         self._size = int(ends[-1])
         limits = ranges(robot)
-        self._bounds = np.array(
-            [
-                limits.get(name, (-np.inf, np.inf))
-                for name, part in self._columns.items()
-                for _ in range(part.stop - part.start)
-            ]
-        ).reshape(-1, 2)
+        bounds = [
+            (self._kinds[name], limits.get(name, (-np.inf, np.inf)))
+            for name, part in self._columns.items()
+            for _ in range(part.stop - part.start)
+        ]
+        self._bounds = np.array([ends for _, ends in bounds]).reshape(-1, 2)
+        self._scales = np.array([_scale(kind, *ends) for kind, ends in bounds])
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -98,8 +98,9 @@ class Closer:
         return now
 
     def nearest(self, values: Values, target: Values, steps: int = 200) -> dict[str, Array]:
-        """The configurations with closed loops that are nearest to the target, by the sum of squares of what
-        each dof is off [rad, m], found from `values`."""
+        """The configurations with closed loops that are nearest to the target, found from `values`: by the
+        sum of squares of what each dof is off as a share of its range; where a side is open, of a whole turn
+        or a metre."""
         now = dict(values)
         for _ in range(steps):
             now, moved = self._step(now, target, 1.0)
@@ -119,15 +120,21 @@ class Closer:
             if self._kinds[name] != "ball":
                 at[:, part] = values[name][:, None]
         low, high = self._bounds.T
-        step = _closest(jacobian, off, wanted)
+        step = self._closest(jacobian, off, wanted)
         stopped = (at + step < low) | (at + step > high)
         if stopped.any():
             held = np.where(stopped, np.clip(at + step, low, high) - at, 0.0)
             off = off + np.einsum("nij,nj->ni", jacobian, held)
             free = jacobian * ~stopped[:, None, :]
-            step = np.where(stopped, held, _closest(free, off, np.where(stopped, 0.0, wanted)))
+            step = np.where(stopped, held, self._closest(free, off, np.where(stopped, 0.0, wanted)))
             step = np.clip(at + step, low, high) - at
         return self._moved(values, step), float(np.abs(step).max(initial=0.0))
+
+    def _closest(self, jacobian: Array, off: Array, wanted: Array) -> Array:
+        """As `_closest`, of shares of the ranges."""
+        scales = self._scales
+        steps: Array = _closest(jacobian * scales, off, wanted / scales) * scales
+        return steps
 
     def _difference(self, name: str, value: Array, target: Array) -> Array:
         if self._kinds[name] != "ball":
@@ -178,6 +185,13 @@ class Closer:
                     if joint.child not in both:
                         yield from (((index, sign), dof) for dof in joint.dofs)
             yield from (((index, -1), dof) for dof in loop.dofs)
+
+
+def _scale(kind: DofKind, low: float, high: float) -> float:
+    """A dof's range [rad or m], or what stands for it where a side is open."""
+    if 0.0 < high - low < np.inf:
+        return high - low
+    return 1.0 if kind == "slide" else 2.0 * np.pi
 
 
 def _way(link: str, above: dict[str, Joint]) -> list[Joint]:

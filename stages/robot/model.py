@@ -203,6 +203,14 @@ class Transmission:
     interfaces: tuple[str, ...]
 
 
+@dataclass(frozen=True, slots=True)
+class Keyframe:
+    """A named pose: the values [rad or m] of the dofs that it gives, in the order of the dofs."""
+
+    name: str
+    given: tuple[tuple[str, float], ...]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
     """A named frame fixed to a link. `source`: the mate connector's name as typed; "" if it is not one."""
@@ -254,6 +262,7 @@ class Robot:
     dofs (those of loops too), among frames, and among loops and relations. `controls`: how the joints are
     driven, in the words of the source's URDF: the text of its <transmission>s and <ros2_control>s.
     `actuators`: those that the source has itself.
+    `keyframes`: the poses that the user gives; `home` may be one of them.
     """
 
     name: str
@@ -270,6 +279,7 @@ class Robot:
     transmissions: tuple[Transmission, ...] = ()
     controls: tuple[str, ...] = ()
     actuators: tuple[Actuator, ...] = ()
+    keyframes: tuple[Keyframe, ...] = ()
 
     @property
     def root(self) -> Link:

@@ -263,7 +263,7 @@ def test_what_is_not_there_yet_is_refused_by_name(data, shown):
 
 LATER = [
     {"scene": {"lights": {"a": {}}}}, {"scene": {"cameras": {"a": {}}}}, {"scene": {"compiler": {"a": 1}}},
-    {"sensors": {"imu": {}}}, {"keyframes": {"home": {"a": 1}}},
+    {"sensors": {"imu": {}}},
     {"elements": {"a": {}}}, {"attributes": {"a": {}}}, {"plugins": ["mine"]},
 ]  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""The control that an actuator has at the keyframe `home`."""
+"""The control that an actuator has at a keyframe."""
 
 from collections.abc import Mapping
 
@@ -20,6 +20,11 @@ def home_control(actuator: Actuator, value: float, force: float) -> float:
     if actuator.control is not None:
         control = min(max(control, actuator.control[0]), actuator.control[1])
     return control + 0.0
+
+
+def control_at(actuator: Actuator, value: float) -> float:
+    """A servo's target for its dof to rest at `value`; any other's control is that of `home`."""
+    return home_control(actuator, value, 0.0) if _affine(actuator)[2] else actuator.home
 
 
 def _affine(actuator: Actuator) -> tuple[float, float, float]:

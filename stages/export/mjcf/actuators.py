@@ -1,8 +1,12 @@
 """MJCF's actuators, by the shortcuts of MuJoCo's XML reference where they have one."""
 
+from collections.abc import Iterator
+
+from stages.export.actuators.home_control import control_at
 from stages.formats.numbers import number
 from stages.formats.xml import Element, element
-from stages.robot.actuation import Actuation, Actuator
+from stages.robot.actuation import Actuation
+from stages.robot.model import Configuration
 
 
 def write_actuators(root: Element, actuation: Actuation) -> None:
@@ -25,14 +29,15 @@ def write_actuators(root: Element, actuation: Actuation) -> None:
         )
 
 
-def controls(actuation: Actuation) -> str | None:
-    """The `ctrl` of the keyframe `home`; None without actuators."""
-    return " ".join(home_of(one) for one in actuation.actuators) or None
+def controls(actuation: Actuation, at: Configuration | None = None) -> str | None:
+    """The `ctrl` of the keyframe `home`, or of another with these values; None without actuators."""
+    return " ".join(number(one, max(1.0, abs(one))) for one in _controls(actuation, at)) or None
 
 
-def home_of(actuator: Actuator) -> str:
-    """A control at home, as text."""
-    return number(actuator.home, max(1.0, abs(actuator.home)))
+def _controls(actuation: Actuation, at: Configuration | None) -> Iterator[float]:
+    for one in actuation.actuators:
+        value = None if at is None else at[one.dof]
+        yield one.home if value is None or isinstance(value, tuple) else control_at(one, value)
 
 
 def _number(value: float | None) -> str | None:

@@ -25,7 +25,7 @@ from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Primitive, Relation, Robot, Value
 from stages.robot.names import free
 from stages.robot.poses import from_parts
-from stages.robot.start_pose import home, saved
+from stages.robot.start_pose import HOME, keyframes
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
@@ -286,16 +286,15 @@ def _keyframes(
     world_from_root: Array,
     actuation: Actuation,
 ) -> None:
-    """`cad`: the pose that the document was saved in; `home`: the nearest within the limits, which the
-    actuators hold."""
+    """The named poses of the robot, with the controls for which the actuators rest there."""
     joints = [node.get("name") for node in world.iter("joint", "freejoint")]
     if not joints:
         return
     keyframe = element(root, "keyframe")
-    for name, q in (("home", home(robot)), ("cad", saved(robot))):
+    for name, q in keyframes(robot).items():
         texts = dict(_qpos(robot, q, start, world_from_root))
         qpos_text = " ".join(texts[joint] for joint in joints)
-        ctrl = controls(actuation) if name == "home" else None
+        ctrl = controls(actuation, None if name == HOME else q)
         element(keyframe, "key", name=name, qpos=qpos_text, ctrl=ctrl)
 
 

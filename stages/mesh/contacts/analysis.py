@@ -175,6 +175,8 @@ def _content(shape: Shape, files: Mapping[str, bytes]) -> list[Any]:
 def _motion(robot: Robot) -> str:
     """A digest of all that decides where links are: not of masses, dynamics or the origins in CAD."""
 
+    from stages.robot.start_pose import HOME
+
     def dofs(every: Sequence[Dof]) -> list[Any]:
         return [[dof.name, dof.kind, dof.axis, dof.origin, dof.limits, dof.saved] for dof in every]
 
@@ -187,5 +189,6 @@ def _motion(robot: Robot) -> str:
             for one in robot.loops
         ],
         [[one.follower, one.driver, one.multiplier, one.offset] for one in robot.relations],
+        [one.given for one in robot.keyframes if one.name == HOME],
     ]
     return hashlib.sha256(codec.dump(told)).hexdigest()

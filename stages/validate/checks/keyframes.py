@@ -1,6 +1,5 @@
-"""The keyframe `cad` is the saved pose, where loops and relations hold; `home` the nearest within limits."""
+"""The keyframes: the saved pose as `cad`, where loops and relations hold, `home`, and the user's own."""
 
-import math
 from collections.abc import Iterator
 from typing import Any
 
@@ -10,7 +9,7 @@ from stages.robot.check import Check
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Configuration, Robot
 from stages.robot.poses import inverse
-from stages.robot.start_pose import home, saved
+from stages.robot.start_pose import HOME, SAVED, keyframes
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import (
     SAME,
@@ -22,39 +21,42 @@ from stages.validate.coordinates import (
 )
 from stages.validate.equalities import CLOSED, violation
 
+OWN = "the pose nearest to `home` with the values that the configuration gives"
+MEANINGS = {
+    HOME: "the pose nearest to the saved one within the limits, or with the values that are given",
+    SAVED: "the saved pose",
+}
+
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
+    if compiled.urdf or not compiled.model.nq:
+        return
+    yield from (_keyframe(compiled, name, pose) for name, pose in keyframes(compiled.robot).items())
+    if mujoco.mj_name2id(compiled.model, mujoco.mjtObj.mjOBJ_KEY, SAVED) >= 0:
+        yield _closed(compiled)
+
+
+def _keyframe(compiled: CompiledModel, name: str, pose: Configuration) -> Check:
+    """The values and links of one keyframe against those that the robot says."""
     model = compiled.model
-    if compiled.urdf:
-        return
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "cad")
+    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name)
     if key < 0:
-        if model.nq:
-            yield compiled.result("keyframe cad", False, "there is no keyframe cad")
-        return
+        return compiled.result(f"keyframe {name}", False, f"there is no keyframe {name}")
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, key)
     mujoco.mj_kinematics(model, data)
-    off = _difference(model, data, compiled.robot, saved(compiled.robot))
-    yield compiled.within("keyframe cad", off, SAME, "values and links against the saved pose")
+    off = _difference(model, data, compiled.robot, pose)
+    return compiled.within(
+        f"keyframe {name}", off, SAME, f"values and links against {MEANINGS.get(name, OWN)}"
+    )
+
+
+def _closed(compiled: CompiledModel) -> Check:
+    model, data = compiled.model, mujoco.MjData(compiled.model)
+    mujoco.mj_resetDataKeyframe(model, data, mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, SAVED))
     mujoco.mj_forward(model, data)
     detail = "loops and relations in the saved pose, distance from closed [m, rad]"
-    closed = compiled.within("closed in keyframe cad", violation(model, data), CLOSED, detail)
-    yield _home(compiled, data)
-    yield closed
-
-
-def _home(compiled: CompiledModel, data: Any) -> Check:
-    """The keyframe `home` is the pose nearest to the saved one within the limits."""
-    model = compiled.model
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    detail = "values and links against the pose nearest to the saved one within the limits"
-    if key < 0:
-        return compiled.within("keyframe home", math.inf, SAME, detail)
-    mujoco.mj_resetDataKeyframe(model, data, key)
-    mujoco.mj_kinematics(model, data)
-    off = _difference(model, data, compiled.robot, home(compiled.robot))
-    return compiled.within("keyframe home", off, SAME, detail)
+    return compiled.within(f"closed in keyframe {SAVED}", violation(model, data), CLOSED, detail)
 
 
 def _difference(model: Any, data: Any, robot: Robot, pose: Configuration) -> float:

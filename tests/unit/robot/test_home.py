@@ -13,7 +13,7 @@ from stages.robot.kinematics import link_poses
 from stages.robot.loops import across, closing, gap
 from stages.robot.model import Limits, Relation, Robot, frozen
 from stages.robot.pose_batch import many_link_poses, repeated
-from stages.robot.start_pose import home, saved
+from stages.robot.start_pose import home, nearest, saved
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
 
 A, B, C = 0.1, 0.13, 0.12
@@ -71,6 +71,7 @@ def test_home_closes_the_loop_within_the_limits_and_is_the_nearest():
     assert found["drive"] == pytest.approx(1.3, abs=1e-9)
     start = saved(robot)
     names = ["drive", "pin", "swing", "loop"]
+    shares = {"drive": 0.7, "pin": 2 * math.pi, "swing": 6.0, "loop": 2 * math.pi}
 
     def open_by(x):
         values = dict(zip(names, x, strict=True))
@@ -79,7 +80,7 @@ def test_home_closes_the_loop_within_the_limits_and_is_the_nearest():
         return [*off[:2, 3] * 10, own - values["loop"]]
 
     oracle = minimize(
-        lambda x: sum((x[i] - start[name]) ** 2 for i, name in enumerate(names)),
+        lambda x: sum(((x[i] - start[name]) / shares[name]) ** 2 for i, name in enumerate(names)),
         [start[name] for name in names],
         method="SLSQP",
         bounds=[(1.3, 2.0), (None, None), (-3, 3), (None, None)],
@@ -125,7 +126,7 @@ def test_a_driver_stops_where_its_follower_does():
 
 def test_given_values_hold_and_the_rest_of_the_loop_follows():
     robot = four_bar({"drive": Limits(0.0, 2.0)})
-    found = home(robot, {"drive": 0.9})
+    found = nearest(robot, saved(robot), {"drive": 0.9})
     assert found["drive"] == 0.9
     assert gap(robot.loops[0], link_poses(robot, found)) < 1e-9
 

@@ -1,0 +1,95 @@
+"""Poses that the key `keyframes` names, and whether `home` closes the loops."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+from stages.robot.diagnostics import Diagnostics
+from stages.robot.dof_ranges import ranges
+from stages.robot.globs import fits, listed
+from stages.robot.model import Dof, Keyframe, Robot
+from stages.robot.start_pose import HOME, SAVED, home, keyframes, open_loops
+
+BEYOND = 1e-9
+"""How far [rad or m] a value may lie beyond a limit: the rounding of what was typed."""
+
+
+def with_keyframes(robot: Robot, wanted: Mapping[str, Mapping[str, float]], log: Diagnostics) -> Robot:
+    """The robot with the user's keyframes: of a dof that several globs match the last one counts.
+
+    E-GLOB for a glob that matches no dof; E-KEYFRAME for a value that a dof cannot have: it is no turn or
+    slide, the value is beyond its limits, or it contradicts a relation, and for values that leave a loop
+    open. W-HOME where no pose within the limits closes a loop.
+    """
+    made = [_keyframe(robot, name, values, log) for name, values in wanted.items()]
+    if log.problems:
+        return robot
+    found = replace(robot, keyframes=tuple(made))
+    _check_loops(found, wanted, log)
+    return found
+
+
+def _keyframe(robot: Robot, name: str, wanted: Mapping[str, float], log: Diagnostics) -> Keyframe:
+    where = f"keyframes.{name}"
+    if name == SAVED:
+        log.report("E-KEYFRAME", f"{SAVED} is the pose that was saved in CAD", where, "choose another name")
+    given: dict[str, float] = {}
+    for glob, value in wanted.items():
+        matched = [dof for dof in robot.dofs if fits(dof.name, glob)]
+        scalars = [dof for dof in matched if dof.kind in ("turn", "slide")]
+        if not matched and glob != "*":
+            known = listed(dof.name for dof in robot.dofs)
+            log.report("E-GLOB", f"no joint matches {glob!r}", where, f"joints are: {known or 'none'}")
+        elif matched and not scalars:
+            text = (
+                f"{glob!r} matches only balls or free joints, which have no single value: {matched[0].name}"
+            )
+            log.report("E-KEYFRAME", text, where, "leave it out: they stay as they were saved")
+        given |= {dof.name: value for dof in scalars}
+    _check_limits(robot, given, where, log)
+    return Keyframe(name, tuple(_with_drivers(robot, given, where, log).items()))
+
+
+def _check_limits(robot: Robot, given: Mapping[str, float], where: str, log: Diagnostics) -> None:
+    limits = ranges(robot)
+    for dof in robot.dofs:
+        if dof.name not in given:
+            continue
+        low, high = limits[dof.name]
+        if not low - BEYOND <= given[dof.name] <= high + BEYOND:
+            unit = "rad" if dof.kind == "turn" else "m"
+            text = f"{given[dof.name]:g} {unit} is outside the limits of {dof.name}, {low:.6g} to {high:.6g}"
+            log.report("E-KEYFRAME", text, where, "choose a value within, or set limits in `joints`")
+
+
+def _with_drivers(robot: Robot, given: Mapping[str, float], where: str, log: Diagnostics) -> dict[str, float]:
+    """The values with those of the drivers of followers among them, in the order of the dofs."""
+    found = dict(given)
+    for one in robot.relations:
+        if one.follower not in given or one.multiplier == 0.0:
+            continue
+        wanted = (given[one.follower] - one.offset) / one.multiplier
+        if abs(found.setdefault(one.driver, wanted) - wanted) > BEYOND * max(1.0, abs(wanted)):
+            text = f"{one.driver} = {found[one.driver]:g} makes {one.follower} "
+            text += f"{one.multiplier * found[one.driver] + one.offset:g}, not {given[one.follower]:g}"
+            log.report("E-KEYFRAME", text, where, f"give {one.driver} alone: {one.follower} follows it")
+    followers = {one.follower for one in robot.relations if one.multiplier != 0.0}
+    order: list[Dof] = [dof for dof in robot.dofs if dof.name in found and dof.name not in followers]
+    return {dof.name: found[dof.name] for dof in order}
+
+
+def _check_loops(robot: Robot, wanted: Mapping[str, Mapping[str, float]], log: Diagnostics) -> None:
+    if not robot.loops:
+        return
+    poses = keyframes(robot) if robot.keyframes else {HOME: home(robot)}
+    for name, pose in poses.items():
+        still_open = ", ".join(open_loops(robot, pose)) if name != SAVED else ""
+        if still_open and name in wanted:
+            text = f"no pose with these values closes {still_open}"
+            log.report(
+                "E-KEYFRAME", text, f"keyframes.{name}", "give fewer joints of the loop: the others follow"
+            )
+        elif still_open:
+            text = f"no pose within the limits closes this loop, so it starts open at {name}"
+            log.report(
+                "W-HOME", text, still_open, "widen limits in `joints`, or save the document in another pose"
+            )
