@@ -11,13 +11,13 @@ import numpy as np
 
 from stages.export.actuators import estimates
 from stages.export.actuators.choices import Wanted, driven_order, wanted_of
-from stages.export.actuators.home_control import home_control
 from stages.export.actuators.loads import Load, loads, postures
 from stages.export.actuators.remarks import remark
 from stages.robot.actuation import Actuation, Actuator, ActuatorType, Armature
 from stages.robot.couplings import Couplings, Rates
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic, ExportError
+from stages.robot.home_control import home_control
 from stages.robot.model import Array, Dof, Robot, Value
 from stages.robot.plural import count
 from stages.robot.start_pose import home

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
-from stages.export.actuators.home_control import control_at
 from stages.formats.numbers import number
 from stages.formats.xml import Element, element
 from stages.robot.actuation import Actuation
+from stages.robot.home_control import control_at
 from stages.robot.model import Configuration
 
 

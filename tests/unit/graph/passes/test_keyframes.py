@@ -139,3 +139,13 @@ def test_the_mjcf_has_each_keyframe_and_starts_within_the_limits():
         found[:3, 3] = data.body("leg").xpos
         np.testing.assert_allclose(found, link_poses(robot, pose)["leg"], atol=1e-12)
     assert math.isclose(model.jnt_range[0][0], 0.3)
+
+
+def test_the_servos_of_each_keyframe_rest_there():
+    robot, _ = made(leg(0.1, Limits(0.0, 1.0)), {"kick": {"hip": 0.9}})
+    plan = plan_of(actuators={"*": {"type": "position", "kp": 10}})
+    files = export(robot, NO_MESHES, plan).files
+    model = mujoco.MjModel.from_xml_string(files[f"{robot.name}.xml"].decode())
+    assert {model.key(index).name: model.key(index).ctrl.tolist() for index in range(model.nkey)} == {
+        "home": [0.1], "cad": [0.1], "kick": [0.9],
+    }  # fmt: skip
