@@ -12,6 +12,7 @@ import numpy as np
 from stages.mesh.convex_hull import convex_hull
 from stages.mesh.decompose import wire
 from stages.mesh.decompose.joining import joinings
+from stages.mesh.decompose.overhang import Overhang
 from stages.mesh.decompose.prepare import Prepared, prepared
 from stages.mesh.decompose.seams import OVERLAP_OF_SIZE, grown
 from stages.mesh.decompose.tighten import tightened
@@ -42,15 +43,15 @@ def _decomposition(surface: Surface, tolerance: float, arguments: dict[str, Any]
     pitch = grid(_size(surface))
     hulls = [hull.vertices for part in parts if (hull := convex_hull(on_grid(part, pitch)))]
     hulls.sort(key=lambda hull: hull.tobytes())
-    return _finished(made, hulls, tolerance)
+    return _finished(made, hulls, Overhang.of(surface, made.bodies, tolerance))
 
 
-def _finished(made: Prepared, hulls: list[Points], tolerance: float) -> Decomposition:
+def _finished(made: Prepared, hulls: list[Points], overhang: Overhang) -> Decomposition:
     if not hulls:
         return refusal("the mesh is flat")
     faces = sum(len(body.triangles) for body in made.bodies)
     volume = sum(body.volume() for body in made.bodies)
-    return Decomposition(tuple(hulls), joinings(hulls, tolerance), made.way, faces, volume)
+    return Decomposition(tuple(hulls), joinings(hulls, overhang), made.way, faces, volume)
 
 
 def _pieces(body: Surface, tolerance: float, arguments: dict[str, Any]) -> list[Points]:

@@ -48,6 +48,12 @@ def dense(surface: Surface, spacing: float) -> Points:
     return np.concatenate(found)
 
 
+def one_a_cell(points: Points, side: float) -> Points:
+    """The first of the points in each cube of a grid with sides of that length [m]."""
+    _, first = np.unique(np.rint(points / side).astype(np.int64), axis=0, return_index=True)
+    return np.asarray(points[np.sort(first)], dtype=np.float64)
+
+
 def _depth(points: Points, low: Points, shape: npt.NDArray[np.int64], pitch: float) -> _Field:
     """At each node how deep it lies within the surface to be, in pitches: negative outside."""
     from scipy.ndimage import binary_dilation, label

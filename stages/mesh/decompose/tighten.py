@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stages.mesh.convex_hull import convex_hull
-from stages.mesh.decompose.remesh import dense
+from stages.mesh.decompose.remesh import dense, one_a_cell
 from stages.mesh.pieces import along, half_spaces
 from stages.mesh.surface import Points, Surface
 
@@ -26,7 +26,7 @@ def tightened(parts: Sequence[Points], surface: Surface, around: float, toleranc
     that holds a flat sheet stays as it is, since a sheet has no inside; one that holds nothing, being within
     the part, is left out.
     """
-    points = _one_a_cell(dense(surface, _DENSE * around), _CELL * around)
+    points = one_a_cell(dense(surface, _DENSE * around), _CELL * around)
     found = []
     for part in parts:
         thick = convex_hull(part)
@@ -37,11 +37,6 @@ def tightened(parts: Sequence[Points], surface: Surface, around: float, toleranc
             thin = convex_hull(held)
             found.append(thick.vertices if thin is None else _plainer(thin, _FINE * tolerance))
     return found
-
-
-def _one_a_cell(points: Points, side: float) -> Points:
-    _, first = np.unique(np.rint(points / side).astype(np.int64), axis=0, return_index=True)
-    return np.asarray(points[np.sort(first)], dtype=np.float64)
 
 
 def _held(points: Points, piece: Surface, beyond: float) -> Points:

@@ -19,14 +19,15 @@ _LENGTH = struct.Struct("<Q")
 
 @dataclass(frozen=True, slots=True)
 class Joining:
-    """Two groups of pieces become one, and how much more volume [m³] their common hull has than they.
+    """Two groups of pieces become one, and what that costs [m³]: how much more volume their common hull has
+    than they, and more where it stands out of the part too far.
 
     A group is named by a number: the pieces come first, then the joinings in their order.
     """
 
     first: int
     second: int
-    added: float
+    cost: float
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -86,7 +87,7 @@ def read_request(data: bytes) -> tuple[dict[str, Any], Points, Triangles]:
 
 def write(made: Decomposition) -> bytes:
     head = {
-        "joinings": [[one.first, one.second, one.added] for one in made.joinings],
+        "joinings": [[one.first, one.second, one.cost] for one in made.joinings],
         "way": made.way,
         "faces": made.faces,
         "volume": made.volume,
@@ -103,9 +104,9 @@ def read(data: bytes) -> Decomposition:
         points = np.frombuffer(body, "<f8").reshape(-1, 3)
         if min(lengths, default=0) < 0 or sum(lengths) != len(points) or not np.isfinite(points).all():
             raise ValueError("other lengths, or numbers that are none")
-        joinings = tuple(Joining(int(a), int(b), float(added)) for a, b, added in head["joinings"])
+        joinings = tuple(Joining(int(a), int(b), float(cost)) for a, b, cost in head["joinings"])
         for count, one in enumerate(joinings, len(lengths)):
-            if not (0 <= one.first < one.second < count and math.isfinite(one.added)):
+            if not (0 <= one.first < one.second < count and math.isfinite(one.cost)):
                 raise ValueError("a joining of what is not there")
         if len({number for one in joinings for number in (one.first, one.second)}) != 2 * len(joinings):
             raise ValueError("a piece is joined twice")

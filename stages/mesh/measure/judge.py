@@ -17,6 +17,10 @@ WITHIN = 1.5e-3
 """Of the diagonal: how far a maximum may be from the true one; a tenth of the default tolerance. One that is
 far above the tolerance may be off by a fiftieth."""
 
+_ON_PIECES = 12_000
+"""Points on a collider, much of which may lie within it: what 95 % of them stay within is right to a few
+hundredths, and they cost little."""
+
 FEW = 300
 _SKIPPED = SAMPLES // FEW
 _CRACK = 3e-4  # of the diagonal: nothing reaches into one as narrow
@@ -77,7 +81,7 @@ def _protrusion(target: Target, union: Union) -> tuple[float, float]:
         far, exact = _outside_part(target, points, from_on)
         return Value(far, outer & exact, np.maximum(buried, 0.0))
 
-    samples = even(union.tree, SAMPLES)
+    samples = even(union.tree, _ON_PIECES)
     _, outer = _outer(
         target, union, samples.points, union.owners[samples.triangles], union.normals[samples.triangles]
     )

@@ -22,6 +22,8 @@ from stages.mesh.decompose import (
     search,
     wire,
 )
+from stages.mesh.decompose.joining import groups, joinings
+from stages.mesh.decompose.overhang import Overhang
 from stages.mesh.decompose.prepare import Prepared, prepared
 from stages.mesh.decompose.seams import containing, grown
 from stages.mesh.rays import Inside
@@ -30,6 +32,7 @@ from stages.robot.errors import ConfigError, DecompositionFailed, MeshError
 from stages.robot.guest import Bounds
 from tests.fake_onshape import solids
 from tests.support.poison import POISONED
+from tests.support.solids import box, joined
 
 OPTIONS = DecomposeOptions(0.001)
 
@@ -453,3 +456,37 @@ def test_a_hull_of_fewer_vertices_contains_the_one_it_stands_for() -> None:
 def test_grown_faces_lie_further_out_by_the_distance() -> None:
     (cube,) = decompose(surface_of(solids.box(0.02, 0.03, 0.04)), OPTIONS)
     assert np.ptp(grown(cube, 0.001), axis=0) == pytest.approx([0.022, 0.032, 0.042], abs=1e-7)
+
+
+def test_pieces_are_not_joined_across_a_hole_however_little_volume_that_adds() -> None:
+    """A plate of 300 mm with a hole of 8 mm, as four bars around it: to close it adds 0.07 %."""
+    whole, hole, thick, tolerance = 0.3, 0.008, 0.004, 0.001
+    side = (whole - hole) / 2
+    bars = [
+        box(*size, at=at)
+        for x in (-1, 1)
+        for size, at in (
+            ((side, whole, thick), (x * (hole + side) / 2, 0, 0)),
+            ((hole, side, thick), (0, x * (hole + side) / 2, 0)),
+        )
+    ]
+    surface = joined(*bars)
+    overhang = Overhang.of(surface, bars, tolerance)
+    steps = joinings([bar.vertices for bar in bars], overhang)
+    found = groups(4, steps, 16, surface.volume())
+    assert len(found) > 1
+    for group in found:
+        common = manifold3d.Manifold.hull_points(np.concatenate([bars[one].vertices for one in group]))
+        assert overhang(common).most < 3
+
+
+def test_the_overhang_of_a_hull_is_known_in_closed_form() -> None:
+    frame = [box(0.02, 0.1, 0.1, at=(x, 0, 0)) for x in (-0.04, 0.04)]
+    overhang = Overhang.of(joined(*frame), frame, 0.01)
+    hull = manifold3d.Manifold.hull_points(np.concatenate([bar.vertices for bar in frame]))
+    standing = overhang(hull)
+    # Four sides of 60 mm by 100 mm between two bars; what is nearer to a bar than 10 mm is near enough.
+    assert standing.area == pytest.approx(4 * 0.04 * 0.1, rel=0.06)
+    assert standing.most == pytest.approx(3, rel=0.12)  # told roughly
+    alone = overhang(manifold3d.Manifold.hull_points(frame[0].vertices))
+    assert (alone.area, alone.most) == (0, 1)
