@@ -82,6 +82,11 @@ class BuildContext:
         """The meshes, decoded at each access: they are large, and only one stage reads them."""
         return codec.decode_geometry(self.files["mesh"])
 
+    @property
+    def shapes(self) -> "Geometry":
+        """The same without the files of the meshes."""
+        return codec.decode_geometry(self.files["mesh"], meshes=False)
+
 
 def notes(
     summary: str,

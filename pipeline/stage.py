@@ -286,13 +286,14 @@ class ValidateStage(StageBase):
         return section(context.plan, ValidateKeys)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
-        return {**context.digests("graph"), **context.digests("export")}
+        shapes = context.digests("mesh")["mesh/geometry.json"]
+        return {**context.digests("graph"), **context.digests("export"), "mesh/geometry.json": shapes}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.validate import validate
 
         with context.cache.store.scratch(context.files["export"].below(FILES)) as folder:
-            checks = validate(folder, context.robot, context.plan, context.actuation)
+            checks = validate(folder, context.robot, context.plan, context.actuation, context.shapes)
         passed = sum(check.passed for check in checks)
         return {
             "checks.json": codec.encode_checks(checks),

@@ -64,7 +64,7 @@ class ColliderJob:
 
     def identity(self) -> str:
         """The digest of the key."""
-        return sha256(_name(self).encode()).hexdigest()
+        return sha256(json.dumps(self.key(), sort_keys=True).encode()).hexdigest()
 
     def surfaces(self, library: MeshLibrary) -> list[Surface]:
         """The surfaces of the parts that have a mesh, in the frame of the job."""
@@ -92,6 +92,7 @@ def collide(
 ) -> list[Collided]:
     """The collider of each job; those of a link that one primitive or hull serves as well, together."""
     made = _Made(library, memo)
+    # One after the other: in two threads the 20 parts of the sample take 5.2 s instead of 5.7 s at best.
     first = made.together([Collided(job, made.first(job)) for job in jobs])
     return made.improved(first, shown)
 
@@ -151,7 +152,7 @@ class _Made:
         wanting: dict[str, Collided] = {}
         for one in every:
             if one.job.choice.how.improves and not one.collision.meets and one.collision.faces:
-                wanting.setdefault(_name(one.job), one)
+                wanting.setdefault(one.job.identity(), one)
         within = _affordable(wanting)
         makings: list[Making[Collision | DecompositionFailed]] = [
             Making(wanting[name].job.name, partial(self._improve, wanting[name])) for name in within
@@ -164,7 +165,7 @@ class _Made:
                 found[name] = result
         for name in wanting.keys() - within.keys():
             found[name] = wanting[name].collision.with_note("mesh.effort did not reach it")
-        return [replace(one, collision=found.get(_name(one.job), one.collision)) for one in every]
+        return [replace(one, collision=found.get(one.job.identity(), one.collision)) for one in every]
 
     def _improve(self, one: Collided, halt: threading.Event) -> Collision:
         job, made = one.job, one.collision
@@ -181,10 +182,6 @@ def _maker(job: ColliderJob) -> Any:
     return import_module(f"stages.mesh.colliders.{job.choice.maker}")
 
 
-def _name(job: ColliderJob) -> str:
-    return json.dumps(job.key(), sort_keys=True)
-
-
 def _affordable(wanting: Mapping[str, Collided]) -> dict[str, float]:
     """Those that the effort reaches, by name, the worst first, and the cost of each [CPU s].
 
@@ -192,6 +189,7 @@ def _affordable(wanting: Mapping[str, Collided]) -> dict[str, float]:
     """
     ranked = sorted(wanting, key=lambda name: (-_off(wanting[name].collision), name))
     found: dict[str, float] = {}
+    spent = 0.0
     for name in ranked:
         choice = wanting[name].job.choice
         options = DecomposeOptions(
@@ -200,8 +198,9 @@ def _affordable(wanting: Mapping[str, Collided]) -> dict[str, float]:
         )
         cost = estimated_cost(wanting[name].collision.faces, options)
         asked = choice.maker == "coacd" or choice.entry >= 0
-        if asked or sum(found.values()) + cost <= BUDGET[choice.settings.effort]:
+        if asked or spent + cost <= BUDGET[choice.settings.effort]:
             found[name] = 0.0 if asked else cost
+            spent += found[name]
     return found
 
 

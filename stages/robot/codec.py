@@ -127,11 +127,13 @@ def encode_geometry(geometry: Geometry) -> dict[str, bytes]:
     return {"geometry.json": dump(table), **files}
 
 
-def decode_geometry(files: Mapping[str, bytes]) -> Geometry:
+def decode_geometry(files: Mapping[str, bytes], meshes: bool = True) -> Geometry:
+    """The geometry; without `meshes` its files are not read, and it has none."""
     table = orjson.loads(files["geometry.json"])
     known = hints(Geometry)
+    names = [name for name in files if meshes and name.startswith(ASSETS)]
     return Geometry(
-        files={name.removeprefix(ASSETS): files[name] for name in files if name.startswith(ASSETS)},
+        files={name.removeprefix(ASSETS): files[name] for name in names},
         **{name: typed(known[name], value) for name, value in table.items()},
     )
 

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from stages.robot.actuation import Actuation
     from stages.robot.check import Check
+    from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
     from stages.validate.keys import ValidateKeys
 
-VERSION = 7
+VERSION = 8
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -26,6 +27,7 @@ CHECKS = (
     "loops",
     "keyframes",
     "actuators",
+    "self_contact",
 )
 """The checks of a compiled model, in the order of the report: modules of `stages/validate/checks`, each with
 a function `check` (a `CheckFunction`). Where the first finds that a link or joint is missing, the others,
@@ -33,12 +35,17 @@ which look for each by its name, are left out."""
 
 
 def validate(
-    folder: Path, robot: "Robot", keys: "ValidateKeys", actuation: "Actuation | None" = None
+    folder: Path,
+    robot: "Robot",
+    keys: "ValidateKeys",
+    actuation: "Actuation | None" = None,
+    geometry: "Geometry | None" = None,
 ) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only that each compiles. A check
-    that fails does not stop the others. `actuation`: what drives the robot in these files."""
+    that fails does not stop the others. `actuation`: what drives the robot in these files;
+    `geometry`: its shapes, without their files, and which of them collide."""
     from stages.robot.actuation import NONE
     from stages.validate.run import check_files
 
     checks = () if keys.validate.level == "quick" else CHECKS
-    return tuple(check_files(folder, robot, ENGINES, checks, actuation or NONE))
+    return tuple(check_files(folder, robot, ENGINES, checks, actuation or NONE, geometry))

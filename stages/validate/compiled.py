@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from stages.robot.actuation import NONE, Actuation
 from stages.robot.check import Check
+from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
 
 
@@ -35,13 +36,14 @@ class Engine(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CompiledModel:
-    """A compiled model, the file that it was compiled from, and the robot, and what drives it, that it must
-    agree with."""
+    """A compiled model, the file that it was compiled from, and the robot, with what drives it and its shapes
+    (None where nothing is known of them), that it must agree with."""
 
     path: Path
     model: Any
     robot: Robot
     actuation: Actuation = NONE
+    geometry: Geometry | None = None
 
     @property
     def urdf(self) -> bool:

@@ -7,13 +7,19 @@ from pathlib import Path
 from stages.robot.actuation import NONE, Actuation
 from stages.robot.armatures import with_armatures
 from stages.robot.check import Check
+from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
 from stages.validate.compiled import CheckFunction, CompiledModel, Engine, without_warnings
 from stages.validate.coordinates import missing_names
 
 
 def check_files(
-    folder: Path, robot: Robot, engines: Sequence[str], checks: Sequence[str], actuation: Actuation = NONE
+    folder: Path,
+    robot: Robot,
+    engines: Sequence[str],
+    checks: Sequence[str],
+    actuation: Actuation = NONE,
+    geometry: Geometry | None = None,
 ) -> Iterator[Check]:
     """The results of every file in `folder` that one of the engines reads. Without `checks`, whether each
     compiles."""
@@ -22,17 +28,22 @@ def check_files(
         engine: Engine = import_module(f"stages.validate.engines.{name}")
         for file in engine.files(robot.name):
             if (folder / file).exists():
-                yield from _check_file(folder / file, robot, engine, checks, actuation)
+                yield from _check_file(folder / file, robot, engine, checks, actuation, geometry)
 
 
 def _check_file(
-    path: Path, robot: Robot, engine: Engine, checks: Sequence[str], actuation: Actuation
+    path: Path,
+    robot: Robot,
+    engine: Engine,
+    checks: Sequence[str],
+    actuation: Actuation,
+    geometry: Geometry | None,
 ) -> list[Check]:
     """The results of one file. Its model is given up afterwards: a large one takes half a gigabyte."""
     loaded = engine.load(path)
     if not checks or loaded.model is None:
         return [loaded.check]
-    compiled = CompiledModel(path, loaded.model, robot, actuation)
+    compiled = CompiledModel(path, loaded.model, robot, actuation, geometry)
     with engine.warnings() as warnings:
         found = list(_check_model(compiled, checks))
     return [loaded.check, *found, without_warnings(f"{path.name}: runs", warnings)]

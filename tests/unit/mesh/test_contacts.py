@@ -145,10 +145,17 @@ def test_fingers_that_touch_at_home_keep_touching_and_the_yaml_that_settles_it_i
     assert in_mujoco(model_of(robot, settled, tmp_path), robot, home(robot)) == set()
 
 
-def gripper():
+def gripper(at_home=0.0):
     """Two fingers that slide towards each other, with racks that always overlap, and pads that meet."""
     joints = [
-        joint("prismatic", "palm", name, place=slide(sign * X), limits={f"{name}_joint": Limits(-0.06, 0.0)})
+        joint(
+            "prismatic",
+            "palm",
+            name,
+            place=slide(sign * X),
+            limits={f"{name}_joint": Limits(-0.06, 0.0)},
+            saved=[at_home],
+        )
         for name, sign in (("left", 1), ("right", -1))
     ]
     rack, pad = box(0.01, 0.01, 0.3), box(0.01, 0.01, 0.01, at(0, 0.1, 0))
@@ -172,10 +179,7 @@ def test_of_fingers_whose_racks_always_overlap_the_pads_still_meet(tmp_path):
 
 
 def test_what_else_of_such_fingers_touches_at_home_is_reported_and_a_user_excludes_them_whole(tmp_path):
-    bare = gripper()
-    dofs = [replace(one.dofs[0], saved=-0.058) for one in bare.joints]
-    joints = tuple(replace(one, dofs=(dof,)) for one, dof in zip(bare.joints, dofs, strict=True))
-    robot = replace(bare, joints=joints)
+    robot = gripper(-0.058)
     geometry = geometry_of(robot)
     assert reasons(geometry)["left", "right"] == "Always"
     (touching,) = geometry.touching

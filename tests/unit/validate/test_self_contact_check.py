@@ -1,0 +1,94 @@
+"""The check of the robot's contact with itself finds what touches at `home` and should not, or is unknown."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from stages.robot.actuation import NONE
+from stages.robot.geometry import Geometry
+from stages.robot.model import Robot
+from stages.robot.start_pose import home
+from stages.validate import validate
+from tests.support.building import plan_of
+from tests.support.touching import ball, geometry_of, in_mujoco, model_of
+from tests.unit.mesh.test_contacts import base_arm_hand, gripper
+
+
+def closed_gripper() -> Robot:
+    """Its racks always overlap, and its pads do at home, by 6 mm."""
+    return gripper(-0.058)
+
+
+def found(robot: Robot, geometry: Geometry, folder: Path, *edits: tuple[str, str]) -> list[str]:
+    """What the checks of each file say that fail; the files are written with `edits`, each of which is
+    needed."""
+    model_of(robot, geometry, folder)
+    file = folder / f"{robot.name}.xml"
+    text = file.read_text()
+    for old, new in edits:
+        assert old in text
+        text = text.replace(old, new)
+    file.write_text(text)
+    checks = validate(folder, robot, plan_of(), NONE, geometry)
+    own = [one for one in checks if one.name.endswith("contact with itself")]
+    assert [one.name.split(":")[0] for one in own] == [file.name, "scene.xml"]
+    assert all(one.passed == (one.value == 0) for one in own)
+    assert len({one.detail for one in own}) == 1
+    assert [one for one in checks if not one.passed and one not in own] == []
+    return [one.detail for one in own if not one.passed]
+
+
+@pytest.mark.parametrize("self", ["auto", "all", "none"])
+@pytest.mark.parametrize("made", [closed_gripper, gripper, base_arm_hand])
+def test_what_was_exported_passes(self, made, tmp_path):
+    robot = made()
+    geometry = geometry_of(robot, self=self)
+    assert found(robot, geometry, tmp_path) == []
+
+
+def test_the_pairs_that_touch_as_reported_are_counted(tmp_path):
+    robot = closed_gripper()
+    geometry = geometry_of(robot)
+    model_of(robot, geometry, tmp_path)
+    details = [
+        one.detail
+        for one in validate(tmp_path, robot, plan_of(), NONE, geometry)
+        if "contact with itself" in one.name
+    ]
+    assert details == ["1 pair of links touches at home, as reported"] * 2
+
+
+def test_without_a_geometry_nothing_is_known(tmp_path):
+    robot = gripper()
+    model_of(robot, geometry_of(robot), tmp_path)
+    assert not [one for one in validate(tmp_path, robot, plan_of()) if "itself" in one.name]
+
+
+def test_a_pair_that_is_excluded_and_touches_fails(tmp_path):
+    robot = base_arm_hand(hand=ball(0.06))
+    edits = ('<exclude body1="base" body2="hand"/>', "")
+    (said, *_) = found(robot, geometry_of(robot), tmp_path, edits)
+    assert said == "touching at home: base and hand, which are excluded from contact"
+
+
+def test_colliders_without_their_bits_fail_and_others_of_their_links_do_not(tmp_path):
+    robot = closed_gripper()
+    edits = ('contype="1073741824" conaffinity="1"', "")
+    (said, *_) = found(robot, geometry_of(robot), tmp_path, edits)
+    assert said == "touching at home: left and right, which are excluded from contact"
+
+
+def test_a_pair_that_touches_and_is_not_reported_fails(tmp_path):
+    robot = closed_gripper()
+    geometry = geometry_of(robot)
+    assert in_mujoco(model_of(robot, geometry, tmp_path), robot, home(robot)) == {("left", "right")}
+    (said, *_) = found(robot, replace(geometry, touching=()), tmp_path)
+    assert said == "touching at home: left and right, which was not reported"
+
+
+def test_a_robot_that_shall_not_meet_itself_and_does_fails(tmp_path):
+    robot = base_arm_hand(hand=ball(0.06))
+    edits = ('conaffinity="2"', 'conaffinity="1"')
+    (said, *_) = found(robot, geometry_of(robot, self="none"), tmp_path, edits)
+    assert "base and hand, which was not reported" in said
