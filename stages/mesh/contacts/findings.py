@@ -18,7 +18,7 @@ def findings(
     not collide where that is not all of them; and W-SELF-CONTACT with those that touch at `home`, but not in
     every pose. Each has its depth there."""
     if always:
-        told = ", ".join(_pair(one) + _only(names) for one, names in always)
+        told = "; ".join(_pair(one) + _only(names) for one, names in always)
         text = f"{_pairs(len(always))} in every one of {poses} poses, so they do not collide: {told}"
         yield Diagnostic("I-ALWAYS-CONTACT", text, _WHERE, "contact.self=all lets them collide")
     if free:

@@ -11,7 +11,7 @@ from pipeline.mesh_details import details, kept
 from pipeline.report_html import page
 from pipeline.secrets import Secrets
 from stages.mesh.view.views import PICTURES
-from stages.robot.geometry import ColliderFigures, Geometry, Measures, Shape
+from stages.robot.geometry import ColliderFigures, Exclude, Geometry, Measures, Shape, Touch
 from tests.unit.pipeline.test_report_html import REPORT, SECRET, SHOWN, Reader
 
 NEAR = Measures(0.0153, 0.1792, "boolean", 0.00036, 0.00052, 0.00054, 0.00154)
@@ -183,3 +183,21 @@ def test_a_part_without_a_volume_and_many_parts_together_are_told():
     read = Reader(made(details(Geometry(SHAPES, {}, colliders=(sheet,)))))
     assert "no volume / 17.9 %" in read.folded
     assert any("P0, P1, P2 and 6 more" in said for said in read.said)
+
+
+def test_the_page_tells_which_colliders_of_two_links_do_not_collide():
+    shapes = tuple(replace(one, collider=0) for one in SHAPES[1:])
+    some = Exclude("base", "arm", "Always", 0.00193, ((0, 0), (0, 3)))
+    whole = Exclude("arm", "hand", "Adjacent", 0.001)
+    touching = Touch("base", "hand", 0.002)
+    given = details(Geometry(shapes, {}, (), True, (whole, some), (touching,), EVERY))
+    assert given["touching"] == [{"links": ["base", "hand"], "depth": 2.0}]
+    first, second = given["excludes"]
+    assert (first["colliders"], first["geoms"]) == (None, ())
+    words = "Sleeve <1> (2 of 17 pieces)"
+    assert (second["colliders"], second["geoms"]) == ((("Foot <1>",), (words,)), ((0, 0), (0, 3)))
+    said = Reader(made(given)).said
+    place = said.index("Always")
+    assert said[place - 2 : place + 3] == ["base", "arm", "Always", "1.93", f"Foot <1> against {words}"]
+    place = said.index("Adjacent")
+    assert said[place - 2 : place + 3] == ["arm", "hand", "Adjacent", "1.00", "all"]
