@@ -240,7 +240,7 @@ class MeshStage(StageBase):
 
 class ExportStage(StageBase):
     name = "export"
-    libraries = ("numpy", "lxml")
+    libraries = ("numpy", "lxml", "mujoco")
 
     @property
     def modules(self) -> tuple[str, ...]:

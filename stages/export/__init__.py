@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 11
+VERSION = 12
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -38,14 +38,14 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     """The robot's files in every chosen format, sorted by path. A diagnostic names each thing that a
     format cannot express."""
     from stages.export.actuators.advice import advice
-    from stages.export.actuators.resolve import actuate
+    from stages.export.driven import driven
     from stages.export.robot_json import describe
     from stages.export.scene_pose import scene_pose
     from stages.robot.armatures import with_armatures
     from stages.robot.start_pose import starting_point
 
     start, place = starting_point(robot), scene_pose(keys)
-    actuation, remarks = actuate(robot, keys.actuators, keys.scene.option.timestep, place)
+    actuation, remarks = driven(robot, geometry, keys, start)
     robot = with_armatures(robot, actuation)
     written: dict[str, Exported] = {}
     for name in _needed(keys.export.chosen):

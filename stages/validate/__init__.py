@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from stages.robot.model import Robot
     from stages.validate.keys import ValidateKeys
 
-VERSION = 8
+VERSION = 9
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -28,6 +28,7 @@ CHECKS = (
     "keyframes",
     "actuators",
     "self_contact",
+    "trial",
 )
 """The checks of a compiled model, in the order of the report: modules of `stages/validate/checks`, each with
 a function `check` (a `CheckFunction`). Where the first finds that a link or joint is missing, the others,

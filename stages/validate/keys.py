@@ -10,8 +10,8 @@ class ValidateSection(Keys):
     """Checks of the result."""
 
     level: Literal["quick", "standard", "strict"] = "standard"
-    """Which checks run. quick: the files compile; standard: they also describe the same robot; strict: as
-    standard, and a warning counts as a failed check."""
+    """Which checks run. quick: the files compile; standard: they also describe the same robot, and a
+    simulation of 2 s is stable; strict: as standard, and a warning counts as a failed check."""
 
 
 with warnings.catch_warnings():

@@ -19,6 +19,8 @@ HOMES = {
         "stages/fetch/mjcf/",
         "stages/mesh/contacts/",
         "stages/robot/mujoco_warnings.py",
+        "stages/robot/trial_run.py",
+        "stages/export/stability/",
     ),
     "trimesh": ("stages/mesh/", "stages/fetch/urdf/"),
     "coacd": ("stages/mesh/decompose/coacd_guest.py",),

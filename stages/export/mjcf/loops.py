@@ -105,7 +105,7 @@ class Closures:
         whole = self._inertials[carrier.carried]
         return moved(self.share(carrier.carried, whole), inverse(carrier.carried_from_carrier))
 
-    def write_equalities(self, equality: Element) -> None:
+    def write_equalities(self, equality: Element, timestep: float) -> None:
         """Two points meet in a `connect`, two frames in a `weld`."""
         taken = {loop.name for loop in self._robot.loops}
         taken |= {relation.name for relation in self._robot.relations}
@@ -116,8 +116,14 @@ class Closures:
                 name = free(loop.name + suffix, taken) if suffix else loop.name
                 taken.add(name)
                 one, other = names[2 * index : 2 * index + 2]
-                solref = spaced(loop.solref)
+                solref = spaced(held(loop.solref, timestep))
                 element(equality, kind, name=name, site1=one, site2=other, solref=solref, solimp=STIFF)
+
+
+def held(solref: tuple[float, float], timestep: float) -> tuple[float, float]:
+    """The time constant and damping ratio that a time step [s] can hold: no constraint is stiffer than two
+    steps (MuJoCo's documentation, "Solver parameters"). A stiffness and damping stay as they are."""
+    return (max(solref[0], 2.0 * timestep), solref[1]) if solref[0] > 0 else solref
 
 
 def _carriers(robot: Robot) -> Iterator[Carrier]:

@@ -12,7 +12,7 @@ import numpy as np
 from stages.export.mjcf.actuators import controls, write_actuators
 from stages.export.mjcf.filters import Filters, Geom
 from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos, write_joints
-from stages.export.mjcf.loops import STIFF, Closures
+from stages.export.mjcf.loops import STIFF, Closures, held
 from stages.export.mjcf.placement import placement
 from stages.export.paints import Paint, materials, paint
 from stages.export.scene_pose import scene_pose
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 WORLD = "world"
 """The link that is the assembly's origin: MuJoCo's worldbody, with a site of that name in its place."""
 
-SOLREF = "0.005 1"
+SOLREF = (0.005, 1.0)
 """Of relations: time constant [s] and damping ratio; the same as the default of loops."""
 
 
@@ -60,7 +60,7 @@ def write_mjcf(
     for body in world.iterchildren("body"):
         body.set("childclass", top)
     _excludes(root, kept_apart)
-    _equalities(root, robot, start, closures)
+    _equalities(root, robot, start, closures, keys.scene.option.timestep)
     write_actuators(root, actuation)
     _keyframes(root, world, robot, start, place, actuation)
     return to_bytes(root)
@@ -239,17 +239,19 @@ def _excludes(root: Element, kept_apart: Filters) -> None:
             element(contact, "exclude", body1=one, body2=other)
 
 
-def _equalities(root: Element, robot: Robot, start: Configuration, closures: Closures) -> None:
+def _equalities(
+    root: Element, robot: Robot, start: Configuration, closures: Closures, timestep: float
+) -> None:
     """Loops between sites, and relations between joints."""
     if not robot.loops and not robot.relations:
         return
     equality = element(root, "equality")
-    closures.write_equalities(equality)
+    closures.write_equalities(equality, timestep)
     for relation in robot.relations:
-        _relation(equality, relation, start)
+        _relation(equality, relation, start, spaced(held(SOLREF, timestep)))
 
 
-def _relation(equality: Element, relation: Relation, start: Configuration) -> None:
+def _relation(equality: Element, relation: Relation, start: Configuration, solref: str) -> None:
     """A relation as MuJoCo has it, relative to qpos0: y − y₀ = a₀ + a₁ (x − x₀), solved for |a₁| ≥ 1.
 
     MuJoCo scales it by the inverse inertias of both joints, but not by a₁: with |a₁| < 1 a screw, or a
@@ -268,7 +270,7 @@ def _relation(equality: Element, relation: Relation, start: Configuration) -> No
         joint1=y,
         joint2=x,
         polycoef=f"{number(constant, scale)} {number(factor)} 0 0 0",
-        solref=SOLREF,
+        solref=solref,
         solimp=STIFF,
     )
 

@@ -1,0 +1,53 @@
+"""What drives the robot that is written, and the armatures with which its simulation holds."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from stages.export import writer_of
+from stages.export.actuators.resolve import actuate
+from stages.export.scene_pose import scene_pose
+from stages.export.writer import WriterInput
+from stages.robot.actuation import Actuation
+from stages.robot.errors import Diagnostic
+from stages.robot.geometry import Geometry
+from stages.robot.model import Configuration, Robot
+
+if TYPE_CHECKING:
+    from stages.export.keys import ExportKeys
+    from stages.robot.trial_run import Trial
+
+FORMAT = "mjcf"
+"""The format whose files are simulated."""
+
+
+def driven(
+    robot: Robot, geometry: Geometry, keys: "ExportKeys", start: Configuration
+) -> tuple[Actuation, tuple[Diagnostic, ...]]:
+    """The actuation of the robot, by the configuration and, where an MJCF is written, by its trial run."""
+    timestep = keys.scene.option.timestep
+    actuation, found = actuate(robot, keys.actuators, timestep, scene_pose(keys))
+    if FORMAT not in keys.export.chosen or not robot.dofs:
+        return actuation, found
+    from stages.export.stability.compiled_trial import compiled_trial
+    from stages.export.stability.steadied import steadied
+
+    solid = _solid(geometry)
+
+    def run(built: Robot, with_what: Actuation, margin: float) -> "Trial | None":
+        given = WriterInput(built, solid, keys, start, {}, with_what)
+        files = writer_of(FORMAT).write(given).files
+        return compiled_trial(files[f"{robot.name}.xml"], solid.files, margin)
+
+    steady, more = steadied(robot, actuation, run)
+    return steady, (*found, *more)
+
+
+def _solid(geometry: Geometry) -> Geometry:
+    """What collides: the rest does not move a robot, and takes most of the time to compile."""
+    shapes = tuple(shape for shape in geometry.shapes if shape.role == "collision")
+    used = {shape.file for shape in shapes}
+    return replace(
+        geometry,
+        shapes=shapes,
+        files={name: data for name, data in geometry.files.items() if name in used},
+    )

@@ -1,0 +1,1 @@
+"""Stability: what the simulation needs to hold a robot at its time step."""

@@ -1,0 +1,21 @@
+"""A trial run of an MJCF in memory."""
+
+from collections.abc import Mapping
+
+import mujoco
+
+from stages.robot.mujoco_warnings import listening
+from stages.robot.trial_run import OPEN, SECONDS, Trial, trial_run
+
+
+def compiled_trial(mjcf: bytes, meshes: Mapping[str, bytes], margin: float) -> Trial | None:
+    """The trial run of a model whose meshes are `meshes`, by file name; None where it does not compile, which
+    the validate stage reports. With a `margin` above 1 it takes so much longer, and loops may open so much
+    less."""
+    assets = {f"assets/{name}": data for name, data in meshes.items()}
+    try:
+        with listening():
+            model = mujoco.MjSpec.from_string(mjcf.decode(), assets=assets).compile()
+    except (ValueError, RuntimeError):
+        return None
+    return trial_run(model, margin * SECONDS, OPEN / margin) if model.nv else None

@@ -1,0 +1,134 @@
+"""A trial run: whether a robot's MuJoCo model stays whole and finite while it is simulated."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from stages.robot.mujoco_warnings import listening
+
+SECONDS = 2.0
+"""The length of a trial run."""
+
+OPEN = 1e-3
+"""How far [m, rad] the equalities that close loops may open."""
+
+AT_ONCE = 5
+"""Steps between two looks at the state."""
+
+EFFORT = 1e7
+"""Bound of steps times the square of the speeds' number: a robot of more than 100 runs for a shorter time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """The outcome of a trial run. `failed`: what went wrong, "" for nothing; `time` [s] when, or the end.
+    `joints`: the names of the joints that it began with, worst first; `opening`: the largest distance of
+    a loop from closed [m, rad], and `loop`: the equality that was."""
+
+    failed: str
+    time: float
+    joints: tuple[str, ...] = ()
+    opening: float = 0.0
+    loop: str = ""
+
+
+def trial_run(model: Any, seconds: float = SECONDS, opening: float = OPEN) -> Trial:
+    """Simulates a model from its keyframe `home`, with the controls there, at its own time step. It fails
+    where MuJoCo warns, and where a loop opens by more than `opening` [m, rad], or twice what it is then."""
+    data = mujoco.MjData(model)
+    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
+    if key >= 0:
+        mujoco.mj_resetDataKeyframe(model, data, key)
+    mujoco.mj_forward(model, data)
+    allowed = max(opening, 2.0 * _opening(model, data)[0])
+    steps = round(seconds / model.opt.timestep)
+    steps = max(1, min(steps, int(EFFORT / max(1, model.nv) ** 2)))
+    most, loop = 0.0, -1
+    with listening():
+        for done in range(0, steps, AT_ONCE):
+            mujoco.mj_step(model, data, nstep=min(AT_ONCE, steps - done))
+            warned = [index for index, warning in enumerate(data.warning) if warning.number]
+            time = (done + AT_ONCE) * model.opt.timestep
+            if warned or not np.isfinite(data.qpos).all():
+                return Trial(_words(warned), time, _joints(model, data, warned), most, _name(model, loop))
+            now, which = _opening(model, data)
+            if now > most:
+                most, loop = now, which
+            if most > allowed:
+                text = f"{_name(model, loop)} opened by {most:.2g}"
+                return Trial(text, time, _of_equality(model, loop), most, _name(model, loop))
+    return Trial("", steps * model.opt.timestep, (), most, _name(model, loop))
+
+
+def _opening(model: Any, data: Any) -> tuple[float, int]:
+    """The largest error of a connect or weld [m, rad], and its number; -1 without any."""
+    rows = np.flatnonzero(data.efc_type[: data.nefc] == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+    closing = model.eq_type[data.efc_id[rows]] != mujoco.mjtEq.mjEQ_JOINT
+    rows = rows[closing]
+    if not rows.size:
+        return 0.0, -1
+    errors = np.abs(data.efc_pos[rows])
+    worst = int(errors.argmax())
+    return float(errors[worst]), int(data.efc_id[rows[worst]])
+
+
+_WARNINGS = {
+    "mjWARN_BADQPOS": "its positions became infinite",
+    "mjWARN_BADQVEL": "its speeds became infinite",
+    "mjWARN_BADQACC": "its accelerations became infinite",
+    "mjWARN_CONTACTFULL": "it has too many contacts",
+    "mjWARN_CNSTRFULL": "it has too many constraints",
+    "mjWARN_INERTIA": "its mass matrix is singular",
+    "mjWARN_BADCTRL": "a control is not finite",
+}
+
+
+def _words(warned: Sequence[int]) -> str:
+    names = [mujoco.mjtWarning(index).name for index in warned]
+    return ", ".join(_WARNINGS.get(name, name) for name in names) or "its positions became infinite"
+
+
+def _joints(model: Any, data: Any, warned: Sequence[int]) -> tuple[str, ...]:
+    """The joint that MuJoCo names with the warning."""
+    bad = ("mjWARN_BADQPOS", "mjWARN_BADQVEL", "mjWARN_BADQACC")
+    for index in warned:
+        if mujoco.mjtWarning(index).name not in bad:
+            continue
+        number = int(data.warning[index].lastinfo)
+        if mujoco.mjtWarning(index).name == "mjWARN_BADQPOS":
+            number = int(model.jnt_dofadr[np.searchsorted(model.jnt_qposadr, number, side="right") - 1])
+        if 0 <= number < model.nv:
+            return (model.joint(int(model.dof_jntid[number])).name,)
+    return ()
+
+
+def _of_equality(model: Any, equality: int) -> tuple[str, ...]:
+    """The joints above both bodies of an equality, the nearest first, those of the world's own left out."""
+    ends = (int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality]))
+    if model.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
+        ends = (int(model.site_bodyid[ends[0]]), int(model.site_bodyid[ends[1]]))
+    names: dict[str, None] = {}
+    ways = [_way(model, end) for end in ends]
+    for way in ways:
+        for body in way:
+            if all(body in other for other in ways):
+                break
+            first = int(model.body_jntadr[body])
+            for joint in range(first, first + int(model.body_jntnum[body])):
+                names[model.joint(joint).name] = None
+    return tuple(names)
+
+
+def _way(model: Any, body: int) -> list[int]:
+    way = []
+    while body:
+        way.append(body)
+        body = int(model.body_parentid[body])
+    return [*way, 0]
+
+
+def _name(model: Any, equality: int) -> str:
+    return str(model.equality(equality).name) if equality >= 0 else ""

@@ -1,0 +1,55 @@
+"""Random documents with closed loops, as built, stay whole and finite for two seconds."""
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+
+from stages.export import export
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.random_document import documents
+from tests.support.building import NO_MESHES, plan_of, robot_of
+
+slowly = {
+    "deadline": None,
+    "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large],
+}
+SECONDS, OPEN = 2.0, 1e-3
+
+
+def holds(document: Document, timestep: float) -> None:
+    """As built, without actuators: no warning, no NaN, no two sites of a loop apart."""
+    plan = plan_of(scene={"option": {"timestep": timestep}})
+    robot = robot_of(document, plan)
+    assume(robot.loops)
+    text = export(robot, NO_MESHES, plan).files["robot.xml"].decode()
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    if model.nkey:
+        mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    closing = model.eq_type != mujoco.mjtEq.mjEQ_JOINT
+    first, second = model.eq_obj1id[closing], model.eq_obj2id[closing]
+    for _ in range(round(SECONDS / timestep)):
+        mujoco.mj_step1(model, data)
+        apart = np.linalg.norm(data.site_xpos[first] - data.site_xpos[second], axis=1)
+        assert apart.max(initial=0.0) <= OPEN
+        mujoco.mj_step2(model, data)
+        assert [warning.number for warning in data.warning if warning.number] == []
+    assert np.isfinite(data.qpos).all()
+
+
+@settings(max_examples=6, **slowly)
+@given(documents(loops=True), st.sampled_from([0.002, 0.005]))
+def test_a_few_looped_documents_hold(document: Document, timestep: float) -> None:
+    holds(document, timestep)
+
+
+@pytest.mark.slow
+@settings(max_examples=200, **slowly)
+@given(
+    st.booleans().flatmap(lambda everything: documents(loops=True, everything=everything)),
+    st.sampled_from([0.001, 0.002, 0.005]),
+)
+def test_many_looped_documents_hold(document: Document, timestep: float) -> None:
+    holds(document, timestep)

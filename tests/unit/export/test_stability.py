@@ -1,0 +1,167 @@
+"""What is exported stays whole and finite: the least armature, and stiffness that the time step can hold."""
+
+import json
+import re
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from stages.export import Exported, export
+from stages.export.mjcf.loops import held
+from stages.robot.actuation import Actuation, Armature
+from stages.robot.armatures import with_armatures
+from stages.robot.model import Dynamics, Robot
+from stages.robot.trial_run import trial_run
+from stages.validate import validate
+from tests.support.building import NO_MESHES, plan_of, robot_of, write
+from tests.support.cases import mostly_slow
+from tests.support.hands import hand
+from tests.support.kit import Kit, four_bar
+from tests.support.robots import joint, loop, robot_with
+
+TILTED = {"pose": {"rpy": [0.5, 0.4, 0]}}
+
+
+def exported(robot: Robot, **keys: object) -> Exported:
+    return export(robot, NO_MESHES, plan_of(**{"scene": TILTED, **keys}))
+
+
+def compiled(found: Exported) -> mujoco.MjModel:
+    return mujoco.MjModel.from_xml_string(found.files["robot.xml"].decode())
+
+
+def bare(model: mujoco.MjModel) -> mujoco.MjModel:
+    """The same model without armature."""
+    model.dof_armature[:] = 0
+    return model
+
+
+def opening(model: mujoco.MjModel, seconds: float) -> float:
+    """The largest distance [m] between two sites that an equality connects, in a simulation from home; NaN if
+    a number is none. Measured by the sites' places, at every step."""
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    worst = 0.0
+    for _ in range(round(seconds / model.opt.timestep)):
+        mujoco.mj_step1(model, data)
+        ends = data.site_xpos[model.eq_obj1id] - data.site_xpos[model.eq_obj2id]
+        worst = max(worst, float(np.linalg.norm(ends, axis=1).max()))
+        mujoco.mj_step2(model, data)
+        if any(warning.number for warning in data.warning):
+            return float("nan")
+    return worst
+
+
+HANDS = [(seed, kind) for seed in range(6) for kind in ("revolute", "ball")]
+
+
+@pytest.mark.parametrize(("seed", "kind"), mostly_slow(HANDS, 2))
+def test_a_hand_of_light_links_gets_the_least_armature_that_holds(seed: int, kind: str) -> None:
+    robot = hand(seed, fingers=2 if seed == 0 else 4, closing=kind)
+    found = exported(robot)
+    model = compiled(found)
+    assert opening(model, 2.0) <= 1e-3
+    assert not opening(bare(compiled(found)), 2.0) <= 1e-3
+    assert found.actuation is not None
+    added = {one.dof: one.value for one in found.actuation.armatures}
+    assert max(added.values()) < 5e-4
+    (remark,) = (one for one in found.diagnostics if one.code == "W-ARMATURE")
+    name, value = next(iter(added.items()))
+    assert f"{name} ({value:g})" in remark.message
+    for dof in robot.dofs:
+        assert model.dof_armature[model.joint(dof.name).dofadr[0]] == pytest.approx(added.get(dof.name, 0.0))
+    table = json.loads(found.files["robot.json"])
+    marked = [dof["name"] for one in table["joints"] for dof in one["dofs"] if "estimated" in dof]
+    assert sorted(marked) == sorted(added)
+
+
+@pytest.mark.parametrize(
+    "dynamics", [Dynamics(damping=1e-3), Dynamics(friction=1e-3), Dynamics(armature=1e-4)]
+)
+def test_a_hand_that_holds_by_itself_gets_no_armature(dynamics: Dynamics) -> None:
+    found = exported(hand(0, dynamics=dynamics))
+    assert found.actuation is not None
+    assert found.actuation.armatures == ()
+    assert opening(compiled(found), 2.0) <= 1e-3
+
+
+def test_where_it_is_taken_out_the_validation_names_the_joints_and_what_mends_it(tmp_path: Path) -> None:
+    robot, plan = hand(0, fingers=1), plan_of(scene=TILTED)
+    exported = write(robot, tmp_path, plan)
+    assert exported.actuation is not None
+    good = {one.name: one for one in validate(tmp_path, robot, plan, exported.actuation)}
+    assert good["robot.xml: trial run"].passed
+    assert good["scene.xml: trial run"].passed
+    text = (tmp_path / "robot.xml").read_text()
+    (tmp_path / "robot.xml").write_text(re.sub(r' armature="[^"]*"', "", text))
+    failed = [one for one in validate(tmp_path, robot, plan) if not one.passed]
+    assert [one.name for one in failed] == ["robot.xml: trial run", "scene.xml: trial run"]
+    first = failed[0].detail
+    assert re.search("loop[01](_axis)? opened by|infinite", first)
+    assert "f0" in first
+    assert (
+        re.search(r"(armature|damping) would mend it: joints: \{f0\d_\w+_joint: ", first)
+        or "timestep=" in first
+    )
+
+
+def test_an_armature_that_is_given_stays_also_where_it_is_not_enough() -> None:
+    found = exported(hand(0, fingers=1, dynamics=Dynamics(armature=1e-9)))
+    assert found.actuation is not None
+    assert found.actuation.armatures == ()
+    assert set(compiled(found).dof_armature) == {1e-9}
+
+
+def test_the_same_hand_gives_the_same_bytes() -> None:
+    first, second = (exported(hand(0, fingers=1)).files for _ in range(2))
+    assert first == second
+
+
+def test_without_an_mjcf_there_is_no_trial_and_no_armature() -> None:
+    found = exported(hand(0), export={"urdf": {}})
+    assert found.actuation is not None
+    assert found.actuation.armatures == ()
+
+
+@pytest.mark.parametrize("timestep", [0.001, 0.005, 0.01])
+def test_loops_and_relations_are_as_stiff_as_the_time_step_can_hold(kit: Kit, timestep: float) -> None:
+    four_bar(kit)
+    robot = robot_of(kit.document)
+    model = compiled(exported(robot, scene={"option": {"timestep": timestep}}))
+    assert set(model.eq_solref[:, 0]) == {max(0.005, 2 * timestep)}
+    assert opening(model, 2.0) <= 1e-3
+
+
+def test_a_stiffness_and_damping_stay_as_they_are_given() -> None:
+    assert held((-1000.0, -10.0), 0.01) == (-1000.0, -10.0)
+    assert held((0.05, 0.7), 0.01) == (0.05, 0.7)
+
+
+def test_a_carriers_dof_can_get_an_armature() -> None:
+    """With prismatic mates that close a loop: their dofs are joints of the MJCF, but not of the tree."""
+    arms = [joint("revolute", "base", name, [0.0]) for name in ("one", "two")]
+    slide = loop("prismatic", "one", "two", np.eye(4), np.eye(4), [0.0], name="rail")
+    robot = robot_with(arms, loops=[slide])
+    built = with_armatures(robot, Actuation(armatures=(Armature("rail", 0.3, "stability"),)))
+    assert built.loops[0].dofs[0].dynamics.armature == 0.3
+
+
+def test_the_trial_run_names_the_joint_and_the_loop() -> None:
+    outcome = trial_run(bare(compiled(exported(hand(0, fingers=1, dynamics=Dynamics(armature=1e-9))))))
+    assert outcome.failed
+    assert outcome.joints
+    assert all(name.endswith("_joint") for name in outcome.joints)
+    assert 0 < outcome.time <= 2.0
+
+
+def test_a_large_robot_runs_for_a_shorter_time() -> None:
+    chain, above = [], "base"
+    for number in range(250):
+        chain.append(joint("revolute", above, f"l{number}", [0.0]))
+        above = f"l{number}"
+    model = mujoco.MjModel.from_xml_string(
+        export(robot_with(chain), NO_MESHES, plan_of()).files["robot.xml"].decode()
+    )
+    assert trial_run(model).time == pytest.approx(2e-3 * int(1e7 / 250**2))
