@@ -8,7 +8,8 @@ first, since those that users choose are mostly low.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +21,9 @@ from stages.robot.model import Robot
 
 Geom = tuple[str, int]
 """A link, and a position among its collision shapes."""
+
+WORLD = "world"
+"""The link that is the assembly's origin: MuJoCo's worldbody."""
 
 CLASSES = 30
 """How many classes there can be: bits 1 to 30 of MuJoCo's integers."""
@@ -41,7 +45,12 @@ class Filters:
 def filters(robot: Robot, geometry: Geometry) -> Filters:
     """What keeps the excludes of `geometry` from colliding, but for what MuJoCo leaves out by itself."""
     left_out = LeftOut(robot)
-    needed = [one for one in geometry.excludes if not left_out.contains(one.link_a, one.link_b)]
+    needed = [
+        exclude
+        for one in geometry.excludes
+        if not left_out.contains(one.link_a, one.link_b)
+        for exclude in ([one] if one.link_a != WORLD else _by_geoms(one, geometry))
+    ]
     never = {(one.link_a, one.link_b) for one in needed if not one.geoms}
     chosen: list[Exclude] = []
     classes: list[list[Geom]] = []
@@ -59,6 +68,13 @@ def filters(robot: Robot, geometry: Geometry) -> Filters:
             classes, wants = tried
     pairs = [(one.link_a, one.link_b) for one in needed if (one.link_a, one.link_b) in never]
     return Filters(_bits(classes, wants), tuple(pairs), tuple(wide))
+
+
+def _by_geoms(exclude: Exclude, geometry: Geometry) -> list[Exclude]:
+    """The same by the geoms of the two links, if they have some: the body of the world has the ground too."""
+    one, other = (range(len(geometry.of(link, "collision"))) for link in (exclude.link_a, exclude.link_b))
+    geoms = exclude.geoms or tuple(product(one, other))
+    return [replace(exclude, geoms=geoms)] if geoms else []
 
 
 def _bits(classes: Sequence[Sequence[Geom]], wants: _Wants) -> dict[Geom, tuple[int, int]]:
@@ -107,9 +123,8 @@ def _classes(
 
 
 def _agree(wants: _Wants, one: int, other: int) -> bool:
-    """Whether two classes want nothing different, of themselves and each other either."""
-    of_all = wants[one] * wants[other]
-    return bool((of_all >= 0).all()) and wants[one, one] * wants[other, other] >= 0
+    """Whether a class and a single geom, which wants nothing of itself, want nothing different."""
+    return bool((wants[one] * wants[other] >= 0).all())
 
 
 def _joined(wants: _Wants, one: int, other: int) -> _Wants:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stages.export.mjcf.actuators import controls, write_actuators
-from stages.export.mjcf.filters import Filters, Geom
+from stages.export.mjcf.filters import WORLD, Filters, Geom
 from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos, write_joints
 from stages.export.mjcf.loops import STIFF, Closures, held
 from stages.export.mjcf.placement import placement
@@ -29,9 +29,6 @@ from stages.robot.start_pose import HOME, keyframes
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
-
-WORLD = "world"
-"""The link that is the assembly's origin: MuJoCo's worldbody, with a site of that name in its place."""
 
 SOLREF = (0.005, 1.0)
 """Of relations: time constant [s] and damping ratio; the same as the default of loops."""

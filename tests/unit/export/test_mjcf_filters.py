@@ -98,6 +98,25 @@ def test_thirty_classes_are_told_apart_and_what_is_beyond_them_is_said(tmp_path)
     assert geoms_in_mujoco(model, robot, home(robot)) == every_pair(robot, geometry) - lost
 
 
+def test_what_does_not_touch_the_links_of_the_world_still_touches_the_ground(tmp_path):
+    """A root called `world` is MuJoCo's worldbody, in which the ground is too."""
+    bare = robot_with([joint("revolute", "world", "arm")], root="world")
+    for world in (0, 2):
+        shapes = [
+            Shape(link, "collision", None, None, 0, 0, 1.0, 1.0, ball(5.0))
+            for link in ["world"] * world + ["arm"] * 2
+        ]
+        excludes = (Exclude("world", "arm", "User", 0.0),)
+        geometry = Geometry(tuple(shapes), {}, (), True, excludes)
+        assert filters(bare, geometry).pairs == ()
+        model_of(bare, geometry, tmp_path)
+        model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        met = {frozenset(model.geom(one).name for one in contact.geom) for contact in data.contact}
+        assert met == {frozenset(("floor", f"arm_collision_{index}")) for index in range(2)}
+
+
 def test_as_many_as_there_are_bits_need_no_wider_exclude():
     robot, geometry, _ = cliques(CLASSES)
     assert filters(robot, geometry).wide == ()

@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import mujoco
 import pytest
 
 from stages.robot.actuation import NONE
@@ -11,6 +12,7 @@ from stages.robot.model import Robot
 from stages.robot.start_pose import home
 from stages.validate import validate
 from tests.support.building import plan_of
+from tests.support.robots import at, joint, robot_with
 from tests.support.touching import ball, geometry_of, in_mujoco, model_of
 from tests.unit.mesh.test_contacts import base_arm_hand, gripper
 
@@ -44,6 +46,21 @@ def found(robot: Robot, geometry: Geometry, folder: Path, *edits: tuple[str, str
 def test_what_was_exported_passes(self, made, tmp_path):
     robot = made()
     geometry = geometry_of(robot, self=self)
+    assert found(robot, geometry, tmp_path) == []
+
+
+def test_the_ground_is_no_part_of_a_root_that_is_the_world(tmp_path):
+    """The arm stands in it, and is excluded from contact with the world's own shapes alone."""
+    bare = robot_with([joint("revolute", "world", "arm", place=at(0, 0, 0.2))], root="world")
+    robot = replace(bare, links=tuple(replace(link, shapes=(ball(0.21),)) for link in bare.links))
+    geometry = geometry_of(robot, self="all", exclude=[["world", "arm"]])
+    model_of(robot, geometry, tmp_path)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert [{model.geom(one).name for one in contact.geom} for contact in data.contact] == [
+        {"floor", "arm_collision"}
+    ]
     assert found(robot, geometry, tmp_path) == []
 
 
