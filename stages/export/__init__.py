@@ -40,27 +40,27 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     from stages.export.actuators.advice import advice
     from stages.export.driven import driven
     from stages.export.robot_json import describe
-    from stages.export.scene_pose import scene_pose
+    from stages.export.standing import stand
     from stages.robot.armatures import with_armatures
     from stages.robot.start_pose import starting_point
 
-    start, place = starting_point(robot), scene_pose(keys)
-    actuation, remarks = driven(robot, geometry, keys, start)
+    start, standing = starting_point(robot), stand(robot, geometry, keys)
+    place = standing.world_from_root
+    actuation, remarks = driven(robot, geometry, keys, start, standing)
     robot = with_armatures(robot, actuation)
     written: dict[str, Exported] = {}
     for name in _needed(keys.export.chosen):
         writer = writer_of(name)
         own = {path: data for other in writer.reads for path, data in written[other].files.items()}
-        written[name] = writer.write(WriterInput(robot, geometry, keys, start, own, actuation))
+        written[name] = writer.write(WriterInput(robot, geometry, keys, start, own, actuation, standing))
     exported = [written[name] for name in keys.export.chosen]
     files = {f"assets/{name}": data for name, data in geometry.files.items()}
     files["robot.json"] = describe(robot, start, actuation)
     for one in exported:
         files |= one.files
     diagnostics = tuple(diagnostic for one in exported for diagnostic in one.diagnostics)
-    return Exported(
-        dict(sorted(files.items())), (*diagnostics, *remarks), actuation, advice(robot, actuation, place)
-    )
+    told = (*diagnostics, *standing.diagnostics, *remarks)
+    return Exported(dict(sorted(files.items())), told, actuation, advice(robot, actuation, place))
 
 
 def _needed(chosen: Collection[str]) -> list[str]:

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 
 from stages.export import writer_of
 from stages.export.actuators.resolve import actuate
-from stages.export.scene_pose import scene_pose
 from stages.export.writer import WriterInput
 from stages.robot.actuation import Actuation
 from stages.robot.errors import Diagnostic
@@ -14,6 +13,7 @@ from stages.robot.model import Configuration, Robot
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
+    from stages.export.standing import Standing
     from stages.robot.trial_run import Trial
 
 FORMAT = "mjcf"
@@ -21,11 +21,11 @@ FORMAT = "mjcf"
 
 
 def driven(
-    robot: Robot, geometry: Geometry, keys: "ExportKeys", start: Configuration
+    robot: Robot, geometry: Geometry, keys: "ExportKeys", start: Configuration, standing: "Standing"
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
     """The actuation of the robot, by the configuration and, where an MJCF is written, by its trial run."""
     timestep = keys.scene.option.timestep
-    actuation, found = actuate(robot, keys.actuators, timestep, scene_pose(keys))
+    actuation, found = actuate(robot, keys.actuators, timestep, standing.world_from_root)
     if FORMAT not in keys.export.chosen or not robot.dofs:
         return actuation, found
     from stages.export.stability.compiled_trial import compiled_trial
@@ -34,7 +34,7 @@ def driven(
     solid = _solid(geometry)
 
     def run(built: Robot, with_what: Actuation, margin: float) -> "Trial | None":
-        given = WriterInput(built, solid, keys, start, {}, with_what)
+        given = WriterInput(built, solid, keys, start, {}, with_what, standing)
         files = writer_of(FORMAT).write(given).files
         return compiled_trial(files[f"{robot.name}.xml"], solid.files, margin)
 

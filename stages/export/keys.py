@@ -1,19 +1,16 @@
 """Configuration of the export stage: formats, ground, scene."""
 
 from importlib import import_module
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, create_model, model_serializer, model_validator
 
 from stages.export import WRITERS, writer_of
 from stages.export.actuator_keys import ActuatorChoice
+from stages.export.scene_keys import GroundKeys, SceneKeys
 from stages.robot.keys import (
     Keys,
-    Later,
-    NonNegative,
-    Positive,
     Text,
-    Triple,
     example,
     invalid,
     not_yet,
@@ -21,66 +18,6 @@ from stages.robot.keys import (
 
 LATER_FORMATS = ("sdf", "usd", "ros")
 """Formats that are decided but not supported yet."""
-
-
-class GroundKeys(Keys):
-    """The ground of `scene.xml`."""
-
-    kind: Literal["none", "plane"] = "plane"
-    """Shape of the ground."""
-
-    size: tuple[Positive, Positive] = (4, 4)
-    """Length along x and y of the plane that is drawn [m]; contact is not limited to it."""
-
-    xyz: Triple = (0, 0, 0)
-    """Position in the world [m]."""
-
-    rpy: Triple = (0, 0, 0)
-    """Roll, pitch and yaw in the world [rad]."""
-
-    friction: tuple[NonNegative, NonNegative, NonNegative] = (1, 0.005, 0.0001)
-    """MuJoCo's sliding [-], torsional [m] and rolling [m] friction."""
-
-    material: Literal["checker"] = not_yet("checker")
-    """Texture of the ground."""
-
-
-class PoseKeys(Keys):
-    """Pose of the robot's root in the world."""
-
-    xyz: Annotated[Triple, example([0, 0, 0.2])] = (0, 0, 0)
-    """Position [m]."""
-
-    rpy: Triple = (0, 0, 0)
-    """Roll, pitch and yaw [rad]."""
-
-
-class OptionKeys(Keys):
-    """MuJoCo's `<option>`."""
-
-    unknown_is_later: ClassVar[bool] = True
-
-    timestep: Positive = 0.002
-    """Time step of the simulation [s]."""
-
-
-class SceneKeys(Keys):
-    """The world around the robot."""
-
-    pose: Annotated[PoseKeys, Later("touch")] = PoseKeys()
-    """Pose of the robot's root in the world."""
-
-    lights: dict[Text, Any] = not_yet(dict)
-    """Lights, by name."""
-
-    cameras: dict[Text, Any] = not_yet(dict)
-    """Cameras, by name."""
-
-    compiler: dict[Text, Any] = not_yet(dict)
-    """MuJoCo's `<compiler>`."""
-
-    option: OptionKeys = OptionKeys()
-    """MuJoCo's `<option>`."""
 
 
 class _Formats(Keys):

@@ -8,6 +8,7 @@ from stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
+    from stages.export.standing import Standing
     from stages.robot.actuation import Actuation
     from stages.robot.geometry import Geometry
     from stages.robot.model import Configuration, Robot
@@ -28,7 +29,8 @@ class Exported:
 class WriterInput:
     """The input of a writer.
 
-    `start`: the value of every dof in a fresh simulation (qpos0). `files`: the files of the writers
+    `start`: the value of every dof in a fresh simulation (qpos0). `standing`: where the scene puts the robot.
+    `files`: the files of the writers
     that this one names in `reads`, by path.
     """
 
@@ -38,6 +40,7 @@ class WriterInput:
     start: "Configuration"
     files: Mapping[str, bytes]
     actuation: "Actuation"
+    standing: "Standing"
 
 
 class Writer(Protocol):

@@ -5,16 +5,15 @@ import struct
 import numpy as np
 import numpy.typing as npt
 
+from stages.formats.mesh_points import STL_FACE, STL_HEADER, mesh_points
 from stages.mesh.surface import Surface
 
-HEADER = b"linkwright".ljust(80, b"\0")
-
-_FACE = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+HEADER = b"linkwright".ljust(STL_HEADER, b"\0")
 
 
 def write(surface: Surface) -> bytes:
     """The file of a surface; a triangle without area has the normal (0, 0, 0), as STL allows."""
-    faces = np.zeros(len(surface.triangles), dtype=_FACE)
+    faces = np.zeros(len(surface.triangles), dtype=STL_FACE)
     normals = surface.normals()
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     faces["normal"] = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0) + 0.0
@@ -24,6 +23,4 @@ def write(surface: Surface) -> bytes:
 
 def read(data: bytes) -> npt.NDArray[np.float64]:
     """(m, 3, 3): the corners of each triangle of a file that `write` made."""
-    (count,) = struct.unpack_from("<I", data, len(HEADER))
-    faces = np.frombuffer(data, dtype=_FACE, count=count, offset=len(HEADER) + 4)
-    return faces["corners"].astype(np.float64)
+    return mesh_points(".stl", data).reshape(-1, 3, 3)

@@ -118,6 +118,7 @@ def test_the_yaml_of_the_changelog_brings_the_defaults_of_before_back(tmp_path: 
     mujoco.mj_resetDataKeyframe(model, data, 0)
     mujoco.mj_forward(model, data)
     assert data.ncon == 0
+    assert model.body("base_plate").pos.tolist() == [0, 0, 0]
 
 
 def test_the_keys_of_the_kinematics_make_a_robot_of_the_sample(tmp_path: Path) -> None:

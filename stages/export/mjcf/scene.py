@@ -1,41 +1,128 @@
 """scene.xml: the robot in a small world, with a floor, light and sky, ready for a viewer."""
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stages.export.mjcf.cameras import overview, write_camera
 from stages.export.mjcf.placement import placement
-from stages.formats.numbers import spaced
-from stages.formats.xml import Element, parse, to_bytes
+from stages.export.mujoco_keys import IN_THE_ROBOT
+from stages.export.standing import Standing
+from stages.formats.numbers import number, spaced
+from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.poses import from_parts, rotation_from_rpy
 
 if TYPE_CHECKING:
-    from stages.export.keys import GroundKeys
+    from stages.export.keys import ExportKeys
+    from stages.export.scene_keys import GroundKeys, LightKeys, SkyKeys
 
 TEMPLATE = Path(__file__).with_name("scene.xml")
 
 FLOOR = ("asset/texture[@name='checker']", "asset/material[@name='checker']", "worldbody/geom[@name='floor']")
 """The elements of the template that make the floor."""
 
+PLAIN = "0.5 0.5 0.5 1"
 
-def write_scene(robot: str, ground: "GroundKeys") -> bytes:
+
+def write_scene(robot: str, keys: "ExportKeys", standing: Standing) -> bytes:
     """The scene around `<robot>.xml`, which it includes."""
     root = parse(TEMPLATE.read_bytes())
     root.set("model", f"{robot}_scene")
     root.find("include").set("file", f"{robot}.xml")
-    parts = [root.find(path) for path in FLOOR]
-    if ground.kind == "none":
-        for part in parts:
-            part.getparent().remove(part)
-    else:
-        _set_floor(parts[-1], ground)
+    _settings(root, "compiler", keys.scene.compiler)
+    _settings(root, "option", keys.scene.option, IN_THE_ROBOT)
+    world = root.find("worldbody")
+    _sky(root.find("asset"), keys.scene.skybox)
+    _ground(root, keys.ground)
+    _lights(world, keys.scene.lights)
+    if np.isfinite(standing.low).all():
+        middle, size = (standing.low + standing.high) / 2, standing.high - standing.low
+        extent = max(float(np.max(size)), 1e-3)
+        statistic = element(None, "statistic", center=spaced(_short(middle)), extent=number(_short(extent)))
+        root.find("include").addnext(statistic)
+        if "overview" not in keys.scene.cameras:
+            overview(world, middle, float(np.linalg.norm(size)) / 2)
+    for name, camera in keys.scene.cameras.items():
+        if camera.frame is None:
+            write_camera(world, name, camera, np.eye(4))
     return to_bytes(root)
 
 
-def _set_floor(floor: Element, ground: "GroundKeys") -> None:
-    pose = from_parts(rotation_from_rpy(ground.rpy), np.array(ground.xyz))
-    floor.set("size", f"{spaced(np.array(ground.size) / 2)} 0.05")
+def _short(value: Any) -> Any:
+    """Lengths [m] that need no more than millimetres."""
+    return np.round(value, 3) + 0.0
+
+
+def _settings(root: Element, name: str, keys: Any, without: tuple[str, ...] = ()) -> None:
+    """An element of MuJoCo's own attributes, and one for each section of them, where something is given."""
+    given = {key: _text(value) for key, value in keys.given().items() if key not in without}
+    below = {key: section.given() for key, section in keys.sections().items()}
+    if not given and not any(below.values()):
+        return
+    made = element(None, name, **given)
+    for key, values in below.items():
+        if values:
+            element(made, key, **{attribute: _text(value) for attribute, value in values.items()})
+    root.find("include").addnext(made)
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return value
+    if isinstance(value, int):
+        return str(value)
+    return number(value) if isinstance(value, float) else " ".join(_text(one) for one in value)
+
+
+def _sky(asset: Element, sky: "SkyKeys") -> None:
+    texture = asset.find("texture[@type='skybox']")
+    if sky.kind == "none":
+        asset.remove(texture)
+        return
+    texture.set("rgb1", spaced(sky.top))
+    texture.set("rgb2", spaced(sky.bottom))
+
+
+def _ground(root: Element, ground: "GroundKeys") -> None:
+    texture, material, floor = (root.find(path) for path in FLOOR)
+    if ground.kind == "none" or ground.material == "plain":
+        for part in (texture, material):
+            part.getparent().remove(part)
+        del floor.attrib["material"]
+    if ground.kind == "none":
+        floor.getparent().remove(floor)
+        return
+    if ground.material == "plain":
+        floor.set("rgba", PLAIN)
+    half = "0 0" if ground.size is None else spaced(np.array(ground.size) / 2)
+    floor.set("size", f"{half} 0.05")
     floor.set("friction", spaced(ground.friction))
+    pose = from_parts(rotation_from_rpy(ground.rpy), np.array(ground.xyz))
     for name, value in placement(pose).items():
         floor.set(name, value)
+
+
+def _lights(world: Element, lights: Mapping[str, "LightKeys"]) -> None:
+    """The template's sun, unless it is given, and the user's lights."""
+    if "sun" in lights:
+        world.remove(world.find("light[@name='sun']"))
+    for name, light in lights.items():
+        if light.kind == "none":
+            continue
+        element(
+            world,
+            "light",
+            name=name,
+            type=light.kind,
+            pos=spaced(light.xyz),
+            dir=spaced(light.direction),
+            diffuse=spaced(light.diffuse),
+            ambient=spaced(light.ambient),
+            specular=spaced(light.specular),
+            castshadow=_text(light.shadow),
+            cutoff=number(light.cutoff) if light.kind == "spot" else None,
+        )

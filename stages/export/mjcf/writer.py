@@ -21,10 +21,8 @@ class MjcfWriter:
         model, scene = self.paths(given.robot.name)
         kept_apart = filters(given.robot, given.geometry)
         files = {
-            model: write_mjcf(
-                given.robot, given.geometry, given.keys, given.start, kept_apart, given.actuation
-            ),
-            scene: write_scene(given.robot.name, given.keys.ground),
+            model: write_mjcf(given, kept_apart),
+            scene: write_scene(given.robot.name, given.keys, given.standing),
         }
         return Exported(files, tuple(unsupported(given.robot, given.start, kept_apart.wide)))
 

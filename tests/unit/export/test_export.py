@@ -156,12 +156,14 @@ def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_
     monkeypatch.setattr(stages.export, "WRITERS", (*WRITERS, "reader"))
     monkeypatch.setitem(sys.modules, "stages.export.reader.writer", SimpleNamespace(WRITER=reader))
     two_links(kit)
-    robot, scene = robot_of(kit.document), plan_of().scene
+    robot, plan = robot_of(kit.document), plan_of()
     for chosen in (("reader",), ("urdf", "reader")):
         exported = export(
             robot,
             NO_MESHES,
-            SimpleNamespace(export=SimpleNamespace(chosen=chosen), actuators={}, scene=scene),
+            SimpleNamespace(
+                export=SimpleNamespace(chosen=chosen), actuators={}, scene=plan.scene, ground=plan.ground
+            ),
         )
         assert exported.files["seen.txt"] == b"robot.urdf"
         assert ("robot.urdf" in exported.files) == ("urdf" in chosen)

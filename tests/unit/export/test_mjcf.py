@@ -8,9 +8,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.export.mjcf.filters import filters
-from stages.export.mjcf.model import write_mjcf
-from stages.export.mjcf.scene import write_scene
+from stages.export import export
 from stages.export.mjcf.unsupported import unsupported
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.kinematics import chain, link_poses, saved_configuration
@@ -40,9 +38,8 @@ NUMBERS = 1e-10
 
 
 def compiled(robot: Robot, geometry: Geometry = NO_MESHES, **keys: object) -> mujoco.MjModel:
-    kept_apart = filters(robot, geometry)
-    data = write_mjcf(robot, geometry, plan_of(**keys), starting_point(robot), kept_apart)
-    return mujoco.MjModel.from_xml_string(data.decode())
+    files = export(robot, geometry, plan_of(**keys)).files
+    return mujoco.MjModel.from_xml_string(files[f"{robot.name}.xml"].decode())
 
 
 def body_pose(data: mujoco.MjData, name: str) -> Array:
@@ -434,10 +431,7 @@ def test_the_gap_is_what_the_loops_own_dofs_cannot_explain(kind: str) -> None:
 
 def test_the_scene_reads_the_robot_with_all_of_it(tmp_path: Path) -> None:
     robot = robot_with(chain_of_all(np.random.default_rng(1), False))
-    (tmp_path / "robot.xml").write_bytes(
-        write_mjcf(robot, NO_MESHES, plan_of(), starting_point(robot), filters(robot, NO_MESHES))
-    )
-    (tmp_path / "scene.xml").write_bytes(write_scene(robot.name, plan_of().ground))
+    write(robot, tmp_path)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
     assert model.nv == robot.mobility.coordinates
     assert model.geom("floor").type == mujoco.mjtGeom.mjGEOM_PLANE

@@ -23,25 +23,7 @@ from stages.robot.bundle import FileBundle
 from stages.robot.codec import encode_robot
 from stages.robot.model import Robot
 from tests.support.building import plan_of
-
-Where = tuple[str, ...]
-LINE = re.compile(r"( *)(\S+) \(.\) *(.*)")
-
-
-def schema() -> list[tuple[Where, list[str]]]:
-    """The path of each element and its attributes."""
-    found: list[tuple[Where, list[str]]] = []
-    for line in mujoco.mj_printSchema(False, True).splitlines():
-        match = LINE.match(line)
-        if match:
-            level = len(match[1]) // 3
-            above = next((where for where, _ in reversed(found) if len(where) == level), ())
-            name = {"(world)body": "body", "mujoco": ""}.get(match[2], match[2])
-            found.append(((*above[:level], name), match[3].split()))
-        elif line.strip():
-            found[-1][1].extend(line.split())
-    return [(where[1:], attributes) for where, attributes in found if attributes]
-
+from tests.support.mujoco_schema import Where, schema
 
 LEFT_WHOLE: tuple[Where, ...] = (
     *((name,) for name in ("actuator", "sensor", "tendon", "keyframe", "custom", "contact", "deformable")),

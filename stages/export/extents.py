@@ -1,0 +1,68 @@
+"""How far the shapes of a robot reach in a direction."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+from stages.formats.mesh_points import mesh_points
+from stages.robot.geometry import Geometry, Role, Shape
+from stages.robot.model import Array, Primitive
+
+
+class Extents:
+    """The shapes of links, where these are at the poses `world_from_link`."""
+
+    def __init__(self, geometry: Geometry, world_from_link: Mapping[str, Array]) -> None:
+        self._geometry = geometry
+        self._poses = world_from_link
+        self._points: dict[str, Array] = {}
+        self._shapes: dict[tuple[str, Role], list[Shape]] = {}
+        for shape in geometry.shapes:
+            self._shapes.setdefault((shape.link, shape.role), []).append(shape)
+
+    def has(self, link: str, role: Role) -> bool:
+        return (link, role) in self._shapes
+
+    def least(self, links: Iterable[str], role: Role, direction: Array) -> float:
+        """The least of direction · x [m] over all points x in the world of these links' shapes; infinite
+        where they have none. `direction` (3,), a unit vector in the world."""
+        return min(
+            (self._least(shape, direction) for link in links for shape in self._shapes.get((link, role), ())),
+            default=np.inf,
+        )
+
+    def box(self) -> tuple[Array, Array]:
+        """The lower and upper corner (3,) [m] of the box around everything; infinite without a shape."""
+        links = list(self._poses)
+        ends = [
+            min(self.least(links, role, sign * axis) for role in ("visual", "collision"))
+            for sign in (1.0, -1.0)
+            for axis in np.eye(3)
+        ]
+        return np.array(ends[:3]), -np.array(ends[3:])
+
+    def _least(self, shape: Shape, direction: Array) -> float:
+        world_from_link = self._poses[shape.link]
+        along = world_from_link[:3, :3].T @ direction
+        offset = float(direction @ world_from_link[:3, 3])
+        if shape.primitive is not None:
+            return offset + _least_of_primitive(shape.primitive, along)
+        assert shape.file is not None
+        if shape.file not in self._points:
+            points = mesh_points(shape.file, self._geometry.files[shape.file])
+            self._points[shape.file] = points
+        return offset + float((self._points[shape.file] @ along).min(initial=np.inf))
+
+
+def _least_of_primitive(shape: Primitive, direction: Array) -> float:
+    """The least of direction · x over a primitive's points, in the frame of its link."""
+    middle = float(direction @ shape.link_from_shape[:3, 3])
+    along = shape.link_from_shape[:3, :3].T @ direction
+    if shape.kind == "box":
+        return middle - float(np.abs(along) @ shape.size) / 2
+    radius = shape.size[0]
+    if shape.kind == "sphere":
+        return middle - radius
+    half = shape.size[1] / 2
+    wide = radius if shape.kind == "capsule" else radius * float(np.hypot(along[0], along[1]))
+    return middle - abs(float(along[2])) * half - wide

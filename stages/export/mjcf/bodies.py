@@ -1,0 +1,155 @@
+"""The bodies of an MJCF: links with their joints, inertials, geoms and sites."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from stages.export.mjcf.filters import WORLD, Geom
+from stages.export.mjcf.joints import free_joint_name, write_joints
+from stages.export.mjcf.loops import Closures
+from stages.export.mjcf.placement import placement
+from stages.export.paints import Paint, paint
+from stages.formats.numbers import number, rounded, spaced
+from stages.formats.xml import Element, element
+from stages.robot.actuation import Actuation
+from stages.robot.geometry import Geometry, Shape
+from stages.robot.inertia import principal_axes
+from stages.robot.kinematics import chain
+from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Primitive, Robot
+from stages.robot.poses import from_parts
+
+class BodyWriter:
+    """The tree of bodies, below the worldbody."""
+
+    def __init__(
+        self,
+        world: Element,
+        robot: Robot,
+        geometry: Geometry,
+        start: Configuration,
+        world_from_root: Array,
+        painted: dict[Paint, str],
+        closures: Closures,
+        actuation: Actuation,
+        bits: Mapping[Geom, tuple[int, int]],
+    ) -> None:
+        self.world = world
+        self.robot = robot
+        self.geometry = geometry
+        self.start = start
+        self.world_from_root = world_from_root
+        self.painted = painted
+        self.closures = closures
+        self.compensated = dict(actuation.compensated)
+        self.compensating = frozenset(actuation.compensating)
+        self.bits = bits
+        self.elements: dict[str, tuple[Element, Array]] = {}
+        """By link: its element, and element_from_link (4, 4), which only the link `world` needs."""
+
+    def write(self) -> None:
+        joints = {joint.child: joint for joint in self.robot.joints}
+        frames: dict[str, list[Frame]] = {}
+        for frame in self.robot.frames:
+            frames.setdefault(frame.link, []).append(frame)
+        for link in self.robot.links:
+            joint = joints.get(link.name)
+            body, place = self._root() if joint is None else (self._child(joint), np.eye(4))
+            self.elements[link.name] = body, place
+            if link.name in self.compensated:
+                body.set("gravcomp", number(self.compensated[link.name]))
+            _inertial(body, self.closures.share(link.name, link.inertial))
+            self._geoms(body, link.name, place)
+            for frame in frames.get(link.name, ()):
+                element(body, "site", name=frame.name, **placement(place @ frame.link_from_frame))
+            self.closures.write_sites(body, link.name, place)
+        for carrier in self.closures.carriers:
+            above, place = self.elements[carrier.parent]
+            pose = place @ carrier.pose(self.start)
+            body = element(above, "body", name=carrier.name, **placement(pose))
+            write_joints(body, carrier.dofs, self.start)
+            _inertial(body, self.closures.carries(carrier))
+            self.closures.write_sites(body, carrier.name, np.eye(4))
+
+    def _root(self) -> tuple[Element, Array]:
+        name = self.robot.root.name
+        if name == WORLD:
+            element(self.world, "site", name=WORLD, **placement(self.world_from_root))
+            return self.world, self.world_from_root
+        body = element(self.world, "body", name=name, **placement(self.world_from_root))
+        if not self.robot.base.fixed:
+            element(body, "freejoint", name=free_joint_name(self.robot))
+        return body, np.eye(4)
+
+    def _child(self, joint: Joint) -> Element:
+        above, place = self.elements[joint.parent]
+        if joint.type == "free":
+            above, place = self.world, self.world_from_root
+        pose = place @ joint.parent_from_joint @ chain(joint.dofs, self.start)
+        body = element(above, "body", name=joint.child, **placement(pose))
+        write_joints(body, joint.dofs, self.start, self.compensating)
+        return body
+
+    def _geoms(self, body: Element, link: str, place: Array) -> None:
+        for shape in self.geometry.of(link, "visual"):
+            own = paint(shape)
+            form = {**_form(shape, place), **_contact(shape)}
+            material = None if own is None else self.painted[own]
+            element(body, "geom", class_="visual", **form, material=material)
+        collisions = self.geometry.of(link, "collision")
+        for count, shape in enumerate(collisions):
+            suffix = f"_{count}" if len(collisions) > 1 else ""
+            name = f"{link}_collision{suffix}"
+            form = {**_form(shape, place), **_contact(shape)}
+            if (link, count) in self.bits:
+                form |= zip(("contype", "conaffinity"), map(str, self.bits[link, count]), strict=True)
+            element(body, "geom", name=name, class_="collision", **form)
+
+
+def _inertial(body: Element, inertial: Inertial) -> None:
+    """Mass properties about principal axes: from `fullinertia` MuJoCo up to 3.13 finds the axes to 1e-6
+    only, and ignores entries below 1e-12 kg m²."""
+    if inertial.mass == 0.0:
+        return
+    # Of the rounded tensor: the digits below differ between machines.
+    moments, axes = principal_axes(rounded(inertial.inertia))
+    element(
+        body,
+        "inertial",
+        pos=spaced(inertial.com),
+        **placement(from_parts(axes, np.zeros(3))),
+        mass=number(inertial.mass),
+        diaginertia=spaced(moments),
+    )
+
+
+def _form(shape: Shape, body_from_link: Array) -> dict[str, str]:
+    """The attributes of a geom: a mesh, which is in the link's frame, or a primitive."""
+    if shape.file is not None:
+        return {"mesh": stem(shape.file), **placement(body_from_link)}
+    assert shape.primitive is not None
+    primitive = shape.primitive
+    pose = placement(body_from_link @ primitive.link_from_shape)
+    return {"type": primitive.kind, "size": spaced(_half_sizes(primitive)), **pose}
+
+
+def _contact(shape: Shape) -> dict[str, str]:
+    """The attributes of a geom's contacts, as far as the configuration gives them."""
+    if shape.contact is None:
+        return {}
+    return {
+        key: " ".join(number(one) for one in value) if isinstance(value, tuple) else number(value)
+        for key, value in shape.contact.given().items()
+    }
+
+
+def _half_sizes(primitive: Primitive) -> list[float]:
+    """MuJoCo's sizes: radii, and half lengths."""
+    size = primitive.size
+    if primitive.kind == "box":
+        return [length / 2 for length in size]
+    return [size[0], *(length / 2 for length in size[1:])]
+
+
+def stem(file: str) -> str:
+    """A mesh's name in MuJoCo: its file's, without the extension."""
+    return file.rsplit(".", 1)[0]

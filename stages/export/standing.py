@@ -1,0 +1,110 @@
+"""Where the scene puts the robot: on the ground, or where the configuration says."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stages.export.extents import Extents
+from stages.robot.errors import Diagnostic, ExportError
+from stages.robot.geometry import Geometry
+from stages.robot.kinematics import link_poses
+from stages.robot.model import Array, Robot
+from stages.robot.poses import from_parts, rotation_from_rpy
+from stages.robot.start_pose import home
+
+if TYPE_CHECKING:
+    from stages.export.keys import ExportKeys
+    from stages.export.scene_keys import GroundKeys
+
+STEEPEST = 0.1
+"""The least vertical part of the unit normal of a ground that a robot is put on."""
+
+BELOW = 5e-4
+"""How deep [m] a link of a fixed robot may be in the ground before it is reported."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Standing:
+    """`world_from_root` (4, 4): the root link's pose. `low`, `high` (3,) [m]: the corners of the box around
+    the robot at `home`, infinite where it has no shapes."""
+
+    world_from_root: Array
+    low: Array
+    high: Array
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+
+def stand(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> Standing:
+    """Where the scene puts the robot, by the keys `scene.pose` and `ground`.
+
+    ExportError where it is to touch a ground that is too steep; W-GROUND for each link that reaches into
+    the ground at `home`.
+    """
+    pose, ground = keys.scene.pose, keys.ground
+    given = from_parts(rotation_from_rpy(pose.rpy), np.array(pose.xyz))
+    poses = link_poses(robot, home(robot))
+    at = {link: given @ root_from_link for link, root_from_link in poses.items()}
+    extents = Extents(geometry, at)
+    height = 0.0
+    if pose.kind == "touch" and ground.kind != "none":
+        height = _height(robot, extents, ground)
+    world_from_root = given.copy()
+    world_from_root[2, 3] += height
+    low, high = extents.box()
+    rise = np.array([0.0, 0.0, height])
+    found = () if ground.kind == "none" else tuple(_below(robot, extents, ground, height))
+    return Standing(world_from_root, low + rise, high + rise, found)
+
+
+def _normal(ground: "GroundKeys") -> Array:
+    normal: Array = rotation_from_rpy(ground.rpy)[:, 2]
+    return normal
+
+
+def _height(robot: Robot, extents: Extents, ground: "GroundKeys") -> float:
+    """How far [m] the robot has to rise to touch the ground's plane; 0 without a shape that can."""
+    normal = _normal(ground)
+    if normal[2] < STEEPEST:
+        msg = "the ground is too steep for a robot that is moved along the vertical to stand on"
+        raise ExportError(msg, "scene.pose", "give the pose: `scene: {pose: {xyz: [0, 0, 0.5]}}`")
+    links = _standing_links(robot)
+    lowest = extents.least(links, "collision", normal)
+    if not np.isfinite(lowest):
+        lowest = extents.least(links, "visual", normal)
+    if not np.isfinite(lowest):
+        return 0.0
+    # Single precision meshes know no nanometres, and the digits below differ between machines.
+    return round(float((normal @ ground.xyz - lowest) / normal[2]), 9)
+
+
+def _standing_links(robot: Robot) -> list[str]:
+    """The links that may touch the ground: all of a free robot; of a fixed one the root and all that is rigid
+    with it."""
+    if not robot.base.fixed:
+        return [link.name for link in robot.links]
+    rigid = {robot.root.name}
+    for joint in robot.joints:
+        if joint.parent in rigid and not joint.dofs:
+            rigid.add(joint.child)
+    return [link.name for link in robot.links if link.name in rigid]
+
+
+def _below(robot: Robot, extents: Extents, ground: "GroundKeys", height: float) -> Iterator[Diagnostic]:
+    """W-GROUND for the links whose colliders are in the ground."""
+    normal = _normal(ground)
+    free = [link.name for link in robot.links]
+    if robot.base.fixed:  # MuJoCo lets nothing collide that is fixed to the world like the ground
+        free = [link for link in free if link not in set(_standing_links(robot))]
+    for link in free:
+        lowest = extents.least([link], "collision", normal)
+        depth = float(normal @ ground.xyz - lowest - normal[2] * height)
+        if depth > BELOW:
+            yield Diagnostic(
+                "W-GROUND",
+                f"its collider is {1000 * depth:.3g} mm in the ground at home",
+                link,
+                "raise the robot (`scene: {pose: {xyz: [0, 0, ...]}}`), choose another pose "
+                "(`keyframes: {home: ...}`), or move the ground (`ground: {xyz: [0, 0, ...]}`)",
+            )

@@ -1,0 +1,233 @@
+"""The world around the robot: every key of `ground` and `scene` shows in the compiled model."""
+
+import re
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from stages.export.mujoco_keys import (
+    IN_THE_ROBOT,
+    READS_THE_FILE,
+    CompilerSection,
+    FlagsSection,
+    LengthRangeSection,
+    OptionSection,
+)
+from stages.robot.errors import ConfigError, ExportError
+from stages.robot.model import Frame, Primitive, Robot, frozen
+from stages.robot.poses import from_parts, rotation_from_rpy
+from tests.support.building import plan_of, write
+from tests.support.mujoco_schema import schema
+from tests.support.robots import at, joint, robot_with
+from tests.unit.export.test_standing import geometry_of, shaped
+
+
+def arm() -> Robot:
+    robot = robot_with(
+        [joint("revolute", "base", "arm", name="elbow", saved=[0.4])],
+        frames=[Frame("eye", "arm", frozen(at(0.1, 0.0, 0.05)), "eye")],
+    )
+    box = Primitive("box", (0.2, 0.1, 0.3), frozen(np.eye(4)))
+    return shaped(robot, base=[box], arm=[Primitive("sphere", (0.05,), frozen(at(0.3, 0, 0)))])
+
+
+def scene(folder: Path, **keys) -> tuple[mujoco.MjModel, str, str]:
+    """The compiled scene, its text, and that of the robot alone."""
+    robot = arm()
+    write(robot, folder, plan_of(**keys), geometry_of(robot))
+    model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
+    return model, (folder / "scene.xml").read_text(), (folder / f"{robot.name}.xml").read_text()
+
+
+def attributes(element: str) -> set[str]:
+    """The attributes of an element in the schema of the MuJoCo that is installed."""
+    (found,) = [names for where, names in schema() if where[-1:] == (element,)]
+    return set(found)
+
+
+@pytest.mark.parametrize(
+    ("element", "section", "without"),
+    [
+        ("option", OptionSection, ()),
+        ("flag", FlagsSection, ()),
+        ("compiler", CompilerSection, READS_THE_FILE),
+        ("lengthrange", LengthRangeSection, ()),
+    ],
+)
+def test_every_attribute_of_mujoco_is_a_key(element, section, without) -> None:
+    assert "timestep" in attributes("option")
+    assert attributes(element) - set(without) <= set(section.model_fields)
+
+
+VALUES = {
+    "gravity": [0, 0, -1.62], "wind": [1, 0, 0], "magnetic": [0, 0.1, 0], "density": 1.2, "viscosity": 2e-5,
+    "tolerance": 1e-9, "ls_tolerance": 0.02, "noslip_tolerance": 1e-5, "ccd_tolerance": 1e-7,
+    "iterations": 50, "ls_iterations": 20, "noslip_iterations": 3, "ccd_iterations": 40, "sdf_iterations": 7,
+    "sdf_initpoints": 30, "impratio": 10, "timestep": 0.001, "o_margin": 0.01,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_an_option_is_that_of_the_model(tmp_path: Path, name: str) -> None:
+    model, world, robot = scene(tmp_path, scene={"option": {name: VALUES[name]}})
+    np.testing.assert_allclose(getattr(model.opt, name), VALUES[name])
+    assert (f' {name}="' in "".join(re.findall("<option.*", robot))) == (name in IN_THE_ROBOT)
+    assert (f' {name}="' in "".join(re.findall("<option.*", world))) == (name not in IN_THE_ROBOT)
+
+
+def test_words_and_flags_of_the_options(tmp_path: Path) -> None:
+    option = {"cone": "elliptic", "solver": "CG", "jacobian": "dense", "integrator": "RK4"}
+    flag = {"gravity": "disable", "energy": "enable"}
+    model, world, robot = scene(tmp_path, scene={"option": {**option, "flag": flag}})
+    assert model.opt.cone == mujoco.mjtCone.mjCONE_ELLIPTIC
+    assert model.opt.solver == mujoco.mjtSolver.mjSOL_CG
+    assert model.opt.jacobian == mujoco.mjtJacobian.mjJAC_DENSE
+    assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_RK4
+    assert model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    assert model.opt.enableflags & mujoco.mjtEnableBit.mjENBL_ENERGY
+    assert "cone" in robot
+    assert "<flag" in world
+    assert "<flag" not in robot
+
+
+def test_what_is_not_given_is_not_written(tmp_path: Path) -> None:
+    model, world, robot = scene(tmp_path)
+    assert "<option" not in world
+    assert "<compiler" not in world
+    assert re.findall("<option [^>]*>", robot) == ['<option timestep="0.002" integrator="implicitfast"/>']
+    assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+
+
+def test_settings_of_the_compiler(tmp_path: Path) -> None:
+    model, world, _ = scene(tmp_path, scene={"compiler": {"boundmass": 3.5, "lengthrange": {"mode": "none"}}})
+    assert model.body_mass[1:].min() == 3.5
+    assert '<lengthrange mode="none"/>' in world
+
+
+@pytest.mark.parametrize(
+    ("section", "where", "said"),
+    [
+        ({"option": {"gravty": [0, 0, 1]}}, "scene.option.gravty", "scene.option.gravity"),
+        ({"option": {"flag": {"gravity": "off"}}}, "scene.option.flag.gravity", "enable, disable"),
+        ({"compiler": {"angle": "degree"}}, "scene.compiler", "another meaning"),
+        ({"pose": "tuch"}, "scene.pose.kind", "did you mean touch?"),
+        ({"pose": {"kind": "touch", "xyz": [0, 0, 1]}}, "scene.pose", "neither xyz nor rpy"),
+        ({"lights": {"a": "spt"}}, "scene.lights.a.kind", "did you mean spot?"),
+        ({"lights": {"a": {"direction": [0, 0, 0]}}}, "scene.lights.a", "must not be 0 0 0"),
+        ({"skybox": "nothing"}, "scene.skybox.kind", "gradient, none"),
+        ({"cameras": {"a": {"frame": "eye", "look_at": [0, 0, 1]}}}, "scene.cameras.a", "without frame"),
+        ({"cameras": {"a": {"look_at": [0, 0, 0]}}}, "scene.cameras.a", "another point"),
+    ],
+)
+def test_a_bad_key_is_named(section, where, said) -> None:
+    with pytest.raises(ConfigError) as caught:
+        plan_of(scene=section)
+    (problem,) = caught.value.problems
+    assert problem.where == where
+    assert said in f"{problem.message} {problem.hint}"
+
+
+def test_the_ground(tmp_path: Path) -> None:
+    model, text, _ = scene(tmp_path, ground={"size": None, "material": "plain"})
+    floor = model.geom("floor")
+    assert floor.size[:2].tolist() == [0, 0]
+    assert floor.matid == -1
+    assert "checker" not in text
+    model, _, _ = scene(tmp_path)
+    assert model.geom("floor").matid >= 0
+    model, text, _ = scene(tmp_path, ground={"kind": "none"})
+    assert "floor" not in text
+    assert not any(model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE)
+
+
+def test_lights_and_the_sky(tmp_path: Path) -> None:
+    model, _, _ = scene(tmp_path)
+    assert [model.light(index).name for index in range(model.nlight)] == ["sun"]
+    lamp = {"kind": "spot", "xyz": [1, 2, 3], "direction": [0, 1, -1], "diffuse": [1, 0.5, 0], "cutoff": 30}
+    lights = {"sun": "none", "lamp": {**lamp, "shadow": False}}
+    model, text, _ = scene(tmp_path, scene={"lights": lights, "skybox": "none"})
+    light = model.light("lamp")
+    assert model.nlight == 1
+    assert light.pos.tolist() == [1, 2, 3]
+    np.testing.assert_allclose(light.dir, np.array([0, 1, -1]) / np.sqrt(2))
+    np.testing.assert_allclose(light.diffuse, [1, 0.5, 0])
+    assert light.cutoff == 30
+    assert not light.castshadow
+    assert "skybox" not in text
+    _, text, _ = scene(tmp_path, scene={"skybox": {"top": [0.1, 0.2, 0.3]}})
+    assert 'rgb1="0.1 0.2 0.3"' in text
+
+
+def looks(model: mujoco.MjModel, name: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where a camera is at home, and the directions of its view and of the image's right, in the world."""
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    mujoco.mj_forward(model, data)
+    camera = data.cam(name)
+    turned = camera.xmat.reshape(3, 3)
+    return camera.xpos, -turned[:, 2], turned[:, 0]
+
+
+def test_a_camera_in_the_world_looks_at_its_point(tmp_path: Path) -> None:
+    camera = {"xyz": [1, 0, 0.5], "look_at": [0, 0, 0.5], "fovy": 60, "resolution": [320, 200]}
+    model, world, robot = scene(tmp_path, scene={"cameras": {"side": camera}})
+    place, view, right = looks(model, "side")
+    np.testing.assert_allclose(place, [1, 0, 0.5])
+    np.testing.assert_allclose(view, [-1, 0, 0], atol=1e-12)
+    np.testing.assert_allclose(right, [0, 1, 0], atol=1e-12)
+    assert model.cam("side").fovy == 60
+    assert model.cam_resolution[model.cam("side").id].tolist() == [320, 200]
+    assert 'name="side"' in world
+    assert "camera" not in robot
+
+
+def test_a_camera_on_a_frame_moves_with_it_and_is_the_robots(tmp_path: Path) -> None:
+    camera = {"frame": "eye", "xyz": [0, 0, 0.01], "rpy": [0.1, 0.2, 0.3]}
+    model, world, robot = scene(tmp_path, scene={"cameras": {"wrist": camera}})
+    assert 'camera name="wrist"' in robot
+    assert "wrist" not in world
+    place, view, right = looks(model, "wrist")
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    mujoco.mj_forward(model, data)
+    world_from_eye = np.eye(4)
+    world_from_eye[:3, :3] = data.site("eye").xmat.reshape(3, 3)
+    world_from_eye[:3, 3] = data.site("eye").xpos
+    expected = world_from_eye @ from_parts(rotation_from_rpy((0.1, 0.2, 0.3)), np.array([0, 0, 0.01]))
+    np.testing.assert_allclose(place, expected[:3, 3], atol=1e-10)
+    np.testing.assert_allclose(view, expected[:3, 2], atol=1e-10)
+    np.testing.assert_allclose(right, expected[:3, 0], atol=1e-10)
+
+
+def test_a_camera_on_no_frame_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ExportError) as caught:
+        scene(tmp_path, scene={"cameras": {"wrist": {"frame": "eyes"}}})
+    (problem,) = caught.value.problems
+    assert (problem.code, problem.where) == ("E-FRAME", "scene.cameras.wrist.frame")
+    assert "eye" in problem.hint
+
+
+def test_the_overview_sees_every_corner_of_the_robot(tmp_path: Path) -> None:
+    model, _, _ = scene(tmp_path)
+    place, view, right = looks(model, "overview")
+    down = np.cross(view, right)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    mujoco.mj_forward(model, data)
+    for geom in range(model.ngeom):
+        if geom == model.geom("floor").id:
+            continue
+        for sign in (-1, 1):
+            for axis in range(3):
+                point = (
+                    data.geom_xpos[geom] + sign * model.geom_size[geom][axis] * data.geom_xmat[geom][axis::3]
+                )
+                x, y, z = (point - place) @ np.column_stack([right, down, view])
+                assert abs(x) < z * np.tan(np.radians(22.5))
+                assert abs(y) < z * np.tan(np.radians(22.5))
+    low, high = np.array([-0.1, -0.05, 0.0]), np.array([0.35, 0.15, 0.3])
+    assert (model.stat.center > low).all()
+    assert (model.stat.center < high).all()
+    assert 0.25 < model.stat.extent < 0.6
