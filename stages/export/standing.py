@@ -26,7 +26,7 @@ BELOW = 5e-4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Standing:
+class Stance:
     """`world_from_root` (4, 4): the root link's pose. `low`, `high` (3,) [m]: the corners of the box around
     the robot at `home`, infinite where it has no shapes."""
 
@@ -36,7 +36,7 @@ class Standing:
     diagnostics: tuple[Diagnostic, ...] = ()
 
 
-def stand(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> Standing:
+def stand(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> Stance:
     """Where the scene puts the robot, by the keys `scene.pose` and `ground`.
 
     ExportError where it is to touch a ground that is too steep; W-GROUND for each link that reaches into
@@ -55,7 +55,7 @@ def stand(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> Standing:
     low, high = extents.box()
     rise = np.array([0.0, 0.0, height])
     found = () if ground.kind == "none" else tuple(_below(robot, extents, ground, height))
-    return Standing(world_from_root, low + rise, high + rise, found)
+    return Stance(world_from_root, low + rise, high + rise, found)
 
 
 def _normal(ground: "GroundKeys") -> Array:
@@ -94,10 +94,9 @@ def _standing_links(robot: Robot) -> list[str]:
 def _below(robot: Robot, extents: Extents, ground: "GroundKeys", height: float) -> Iterator[Diagnostic]:
     """W-GROUND for the links whose colliders are in the ground."""
     normal = _normal(ground)
-    free = [link.name for link in robot.links]
-    if robot.base.fixed:  # MuJoCo lets nothing collide that is fixed to the world like the ground
-        free = [link for link in free if link not in set(_standing_links(robot))]
-    for link in free:
+    # MuJoCo lets nothing collide with the ground that is fixed to the world as that is.
+    rigid = set(_standing_links(robot)) if robot.base.fixed else set()
+    for link in (one.name for one in robot.links if one.name not in rigid):
         lowest = extents.least([link], "collision", normal)
         depth = float(normal @ ground.xyz - lowest - normal[2] * height)
         if depth > BELOW:

@@ -8,7 +8,7 @@ from stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
-    from stages.export.standing import Standing
+    from stages.export.standing import Stance
     from stages.robot.actuation import Actuation
     from stages.robot.geometry import Geometry
     from stages.robot.model import Configuration, Robot
@@ -40,7 +40,7 @@ class WriterInput:
     start: "Configuration"
     files: Mapping[str, bytes]
     actuation: "Actuation"
-    standing: "Standing"
+    standing: "Stance"
 
 
 class Writer(Protocol):

@@ -63,8 +63,8 @@ def _built() -> Path:
 
 
 def _state() -> str:
-    """A digest of what colliders may depend on."""
-    every = sorted([*(PROJECT / "stages").rglob("*.py"), *(PROJECT / "conf").rglob("*.yaml")])
+    """A digest of what colliders may depend on, beside what is in their keys."""
+    every = sorted((PROJECT / "stages" / "mesh").rglob("*.py"))
     parts = [sha256(path.read_bytes()).hexdigest() for path in every]
     parts += [f"{name} {version(name)}" for name in LIBRARIES] + [sys.version]
     return sha256("\n".join(parts).encode()).hexdigest()[:20]

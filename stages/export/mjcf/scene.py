@@ -9,7 +9,7 @@ import numpy as np
 from stages.export.mjcf.cameras import overview, write_camera
 from stages.export.mjcf.placement import placement
 from stages.export.mujoco_keys import IN_THE_ROBOT
-from stages.export.standing import Standing
+from stages.export.standing import Stance
 from stages.formats.numbers import number, spaced
 from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.poses import from_parts, rotation_from_rpy
@@ -26,7 +26,7 @@ FLOOR = ("asset/texture[@name='checker']", "asset/material[@name='checker']", "w
 PLAIN = "0.5 0.5 0.5 1"
 
 
-def write_scene(robot: str, keys: "ExportKeys", standing: Standing) -> bytes:
+def write_scene(robot: str, keys: "ExportKeys", standing: Stance) -> bytes:
     """The scene around `<robot>.xml`, which it includes."""
     root = parse(TEMPLATE.read_bytes())
     root.set("model", f"{robot}_scene")
