@@ -13,7 +13,7 @@ from stages.robot.model import Configuration, Robot
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
-    from stages.export.standing import Standing
+    from stages.export.standing import Stance
     from stages.robot.trial_run import Trial
 
 FORMAT = "mjcf"
@@ -21,7 +21,7 @@ FORMAT = "mjcf"
 
 
 def driven(
-    robot: Robot, geometry: Geometry, keys: "ExportKeys", start: Configuration, standing: "Standing"
+    robot: Robot, geometry: Geometry, keys: "ExportKeys", start: Configuration, standing: "Stance"
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
     """The actuation of the robot, by the configuration and, where an MJCF is written, by its trial run."""
     timestep = keys.scene.option.timestep

@@ -8,8 +8,11 @@ import mujoco
 import numpy as np
 import pytest
 
-from stages.export import export
+from stages.export import writer_of
 from stages.export.mjcf.unsupported import unsupported
+from stages.export.standing import stand
+from stages.export.writer import WriterInput
+from stages.robot.actuation import NONE
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.kinematics import chain, link_poses, saved_configuration
 from stages.robot.loops import gap
@@ -38,7 +41,10 @@ NUMBERS = 1e-10
 
 
 def compiled(robot: Robot, geometry: Geometry = NO_MESHES, **keys: object) -> mujoco.MjModel:
-    files = export(robot, geometry, plan_of(**keys)).files
+    plan = plan_of(**keys)
+    place = stand(robot, geometry, plan)
+    given = WriterInput(robot, geometry, plan, starting_point(robot), {}, NONE, place)
+    files = writer_of("mjcf").write(given).files
     return mujoco.MjModel.from_xml_string(files[f"{robot.name}.xml"].decode())
 
 
