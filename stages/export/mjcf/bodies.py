@@ -18,6 +18,7 @@ from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Primitive, Robot
 from stages.robot.poses import from_parts
 
+
 class BodyWriter:
     """The tree of bodies, below the worldbody."""
 
