@@ -51,7 +51,7 @@ def test_what_was_exported_passes(self, made, tmp_path):
 
 def test_the_ground_is_no_part_of_a_root_that_is_the_world(tmp_path):
     """The arm stands in it, and is excluded from contact with the world's own shapes alone."""
-    bare = robot_with([joint("revolute", "world", "arm", place=at(0, 0, 0.2))], root="world")
+    bare = robot_with([joint("revolute", "world", "arm", place=at(0, 0, -0.1))], root="world")
     robot = replace(bare, links=tuple(replace(link, shapes=(ball(0.21),)) for link in bare.links))
     geometry = geometry_of(robot, self="all", exclude=[["world", "arm"]])
     model_of(robot, geometry, tmp_path)
