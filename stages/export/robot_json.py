@@ -16,7 +16,7 @@ URDF link of a frame; of a loop, the links of its first and second frame. `trans
 the source names what drives the joints; `actuators` where the robot has any: `control` and `force` are
 ranges, `home` is the control at the keyframe of that name, `load` the largest force at the dof by the
 robot's weight, `home_load` that at home, and `sag` how far it moves the servo's dof there. `estimated` lists
-what Linkwright chose, of a dof too.
+what Linkwright chose, of a dof too. `sensors` where the source has any.
 """
 
 import json
@@ -31,6 +31,7 @@ from stages.formats.numbers import number, numbers
 from stages.formats.urdf.names import urdf_names
 from stages.robot.actuation import NONE, Actuation, Actuator
 from stages.robot.codec import plain
+from stages.robot.measuring import measuring
 from stages.robot.model import (
     Array,
     Configuration,
@@ -46,6 +47,7 @@ from stages.robot.model import (
     Provenance,
     Relation,
     Robot,
+    Sensor,
     Value,
 )
 from stages.robot.poses import at_rest, quat_from_rotation
@@ -79,6 +81,8 @@ def describe(robot: Robot, start: Configuration, actuation: Actuation = NONE) ->
         table["transmissions"] = [plain(transmission) for transmission in robot.transmissions]
     if actuation.actuators:
         table["actuators"] = [_actuator(one) for one in actuation.actuators]
+    if robot.sensors:
+        table["sensors"] = [_sensor(one) for one in measuring(robot, actuation)]
     return (printable_lines(json.dumps(table, indent=2, ensure_ascii=False)) + "\n").encode()
 
 
@@ -221,6 +225,14 @@ def _actuator(actuator: Actuator) -> dict[str, Any]:
         "sag": _short(actuator.sag),
         "estimated": list(actuator.estimated),
     }
+
+
+def _sensor(sensor: Sensor) -> dict[str, Any]:
+    """`on` and `relative_to`: {kind, name}, null for nothing."""
+    ends = (sensor.target, sensor.name_of_target), (sensor.relative_to, sensor.name_of_relative)
+    on, of = ({"kind": kind, "name": name} if kind else None for kind, name in ends)
+    numbers = {"noise": _float(sensor.noise), "cutoff": _float(sensor.cutoff)}
+    return {"name": sensor.name, "type": sensor.type, "on": on, "relative_to": of, **numbers}
 
 
 def _short(value: float | None) -> float | None:

@@ -93,13 +93,50 @@ class MjcfRelation:
     offset: float
 
 
+@dataclass(frozen=True, slots=True)
+class MjcfActuator:
+    """An actuator of a hinge or slide, as `actuation.Actuator`."""
+
+    name: str
+    joint: int
+    type: str
+    gear: float
+    kp: float | None
+    kv: float | None
+    control: tuple[float, float] | None
+    force: tuple[float, float] | None
+    terms: tuple[tuple[str, str], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class MjcfSensorEnd:
+    """What a sensor is on: a joint, actuator, site, body or xbody by its number; "" and -1 for nothing."""
+
+    kind: str
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class MjcfSensor:
+    """A sensor, as `sensing.Sensor`."""
+
+    name: str
+    type: str
+    on: MjcfSensorEnd
+    relative_to: MjcfSensorEnd
+    noise: float
+    cutoff: float
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Mjcf:
     """A model. `bodies[0]` is the world; a body's parent comes before it, and the joints are counted from
-    0 through the bodies. `diagnostics`: what is left out."""
+    0 through the bodies, as are the sites. `diagnostics`: what is left out."""
 
     name: str
     bodies: tuple[MjcfBody, ...]
     closures: tuple[MjcfClosure, ...]
     relations: tuple[MjcfRelation, ...]
     diagnostics: tuple[Diagnostic, ...]
+    actuators: tuple[MjcfActuator, ...] = ()
+    sensors: tuple[MjcfSensor, ...] = ()

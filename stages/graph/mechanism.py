@@ -12,6 +12,7 @@ from stages.robot.bundle import Bundle
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic
 from stages.robot.model import (
+    Actuator,
     Array,
     Dof,
     Inertial,
@@ -20,6 +21,7 @@ from stages.robot.model import (
     Part,
     Primitive,
     Provenance,
+    Sensor,
     Transmission,
 )
 
@@ -131,6 +133,8 @@ class Mechanism:
     has_saved_pose: bool = True
     transmissions: tuple[Transmission, ...] = ()
     controls: tuple[str, ...] = ()
+    actuators: tuple[Actuator, ...] = ()
+    sensors: tuple[Sensor, ...] = ()
     unstated_base: Diagnostic | None = None
 
 

@@ -22,6 +22,7 @@ from stages.robot.dofs import Dynamics as Dynamics
 from stages.robot.dofs import Limits as Limits
 from stages.robot.dofs import Value as Value
 from stages.robot.errors import Diagnostic
+from stages.robot.sensing import Sensor as Sensor
 
 JointType = Literal[
     "fixed",
@@ -261,7 +262,7 @@ class Robot:
     link called `world` is the assembly's origin itself. Names are unique among links, among joints and
     dofs (those of loops too), among frames, and among loops and relations. `controls`: how the joints are
     driven, in the words of the source's URDF: the text of its <transmission>s and <ros2_control>s.
-    `actuators`: those that the source has itself.
+    `actuators` and `sensors`: those that the source has itself.
     `keyframes`: the poses that the user gives; `home` may be one of them.
     """
 
@@ -279,6 +280,7 @@ class Robot:
     transmissions: tuple[Transmission, ...] = ()
     controls: tuple[str, ...] = ()
     actuators: tuple[Actuator, ...] = ()
+    sensors: tuple[Sensor, ...] = ()
     keyframes: tuple[Keyframe, ...] = ()
 
     @property

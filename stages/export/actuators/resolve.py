@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
@@ -19,6 +19,7 @@ from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic, ExportError
 from stages.robot.home_control import home_control
 from stages.robot.model import Array, Dof, Robot, Value
+from stages.robot.names import free
 from stages.robot.plural import count
 from stages.robot.start_pose import home
 
@@ -52,7 +53,7 @@ def actuate(
     rates = couplings.moved_by([dof for dof in driven if dof in chosen])
     shares = compensated_links(robot, wanted, rates)
     found = loads(robot, values, couplings, [dof for dof in driven if dof in chosen], shares, up)
-    maker = _Maker(robot, timestep, found)
+    maker = _Maker(robot, timestep, found, {one.name for one in kept})
     actuators = [
         made
         for dof in robot.dofs
@@ -64,7 +65,8 @@ def actuate(
         )
     ]
     actuation = Actuation(
-        actuators=tuple(actuators),
+        # The controls of a robot whose actuators nobody changes keep their places.
+        actuators=tuple(actuators if wanted else sorted(actuators, key=_place_in(robot.actuators))),
         armatures=tuple(maker.armatures),
         compensated=tuple(sorted(shares.items())),
         compensating=tuple(dof for dof in driven if dof in wanted and _share(wanted[dof])),
@@ -72,6 +74,11 @@ def actuate(
     looped = [dof for dof in driven if dof in couplings.in_loops]
     remark(robot, actuation, looped, [dof for dof in order if dof not in driven], log)
     return actuation, tuple(log.found)
+
+
+def _place_in(own: Sequence[Actuator]) -> Callable[[Actuator], int]:
+    places = {one.name: number for number, one in enumerate(own)}
+    return lambda one: places[one.name]
 
 
 def _share(wanted: Wanted) -> float:
@@ -99,7 +106,10 @@ def compensated_links(
 class _Maker:
     """Makes actuators, and the armatures that they need."""
 
-    def __init__(self, robot: Robot, timestep: float, found: Mapping[str, Load]) -> None:
+    def __init__(
+        self, robot: Robot, timestep: float, found: Mapping[str, Load], taken: Collection[str]
+    ) -> None:
+        self._taken = set(taken)
         self._timestep = timestep
         self._loads = found
         self._home = home(robot)
@@ -113,8 +123,10 @@ class _Maker:
         load = self._loads.get(dof.name)
         stiff = self._stiffness(dof, load, given.get("kp"), gear)
         armature = self._armature(dof, stiff)
+        name = free(dof.name, self._taken)
+        self._taken.add(name)
         made = Actuator(
-            name=dof.name,
+            name=name,
             dof=dof.name,
             type=cast(ActuatorType, wanted.type),
             gear=gear,

@@ -1,4 +1,4 @@
-"""MJCF's actuators, by the shortcuts of MuJoCo's XML reference where they have one."""
+"""MJCF's actuators, by the shortcuts of MuJoCo's XML reference where they have one, and its sensors."""
 
 from collections.abc import Iterator
 
@@ -6,13 +6,43 @@ from stages.formats.numbers import number
 from stages.formats.xml import Element, element
 from stages.robot.actuation import Actuation
 from stages.robot.home_control import control_at
-from stages.robot.model import Configuration
+from stages.robot.measuring import measuring
+from stages.robot.model import Configuration, Robot, Sensor
 
 
-def write_actuators(root: Element, actuation: Actuation) -> None:
-    """An element for each actuator, in the order of the dofs."""
-    if not actuation.actuators:
-        return
+def write_actuation(root: Element, robot: Robot, actuation: Actuation) -> None:
+    """An element for each actuator, in the order of the dofs, and for each sensor of the source."""
+    if actuation.actuators:
+        _write_actuators(root, actuation)
+    sensors = measuring(robot, actuation)
+    if sensors:
+        above = element(root, "sensor")
+        for one in sensors:
+            element(
+                above,
+                one.type,
+                name=one.name,
+                **_ends(one),
+                noise=number(one.noise) if one.noise else None,
+                cutoff=number(one.cutoff) if one.cutoff else None,
+            )
+
+
+def _ends(sensor: Sensor) -> dict[str, str | None]:
+    """What a sensor is on: named by its kind, of a frame's sensor by two attributes."""
+    if not sensor.target:
+        return {}
+    if not sensor.type.startswith("frame"):
+        return {sensor.target: sensor.name_of_target}
+    return {
+        "objtype": sensor.target,
+        "objname": sensor.name_of_target,
+        "reftype": sensor.relative_to or None,
+        "refname": sensor.name_of_relative or None,
+    }
+
+
+def _write_actuators(root: Element, actuation: Actuation) -> None:
     above = element(root, "actuator")
     for one in actuation.actuators:
         element(

@@ -7,7 +7,7 @@ Element and attribute rules are those of MuJoCo's XML reference. Every body has 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from stages.export.mjcf.actuators import controls, write_actuators
+from stages.export.mjcf.actuators import controls, write_actuation
 from stages.export.mjcf.bodies import BodyWriter, stem
 from stages.export.mjcf.cameras import carried_cameras, write_camera
 from stages.export.mjcf.filters import Filters
@@ -54,7 +54,7 @@ def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
         body.set("childclass", top)
     _excludes(root, kept_apart)
     _equalities(root, robot, start, closures, given.keys.scene.option.timestep)
-    write_actuators(root, actuation)
+    write_actuation(root, robot, actuation)
     _keyframes(root, world, robot, start, place, actuation)
     return to_bytes(root)
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 import mujoco
 import numpy as np
 
+from stages.fetch.mjcf.actuation import Numbers, actuator, driven, sensor
 from stages.fetch.mjcf.effort import efforts
 from stages.fetch.mjcf.meshes import Meshes, placed
 from stages.fetch.mjcf.textures import Textures
@@ -94,13 +95,38 @@ def convert(
             )
         )
     order = {joint: number for number, joint in enumerate(joints)}
+    acting = driven(model, numbers)
+    places = _numbers(model, numbers, order, acting, kept, sites)
+    sensors = {one: sensor(model, one, places) for one in range(model.nsensor)}
+    measured = {one: found for one, found in sensors.items() if found is not None}
     return Mjcf(
         name=model.names.split(b"\0", 1)[0].decode(errors="replace"),
         bodies=tuple(bodies),
         closures=tuple(_closures(model, numbers)),
         relations=tuple(_relations(model, numbers, order)),
-        diagnostics=tuple(left_out(model, spec, set(numbers), textures, where)),
+        diagnostics=tuple(left_out(model, spec, set(numbers), textures, where, acting, list(measured))),
+        actuators=tuple(actuator(model, one, order) for one in acting),
+        sensors=tuple(measured.values()),
     )
+
+
+def _numbers(
+    model: mujoco.MjModel,
+    bodies: Mapping[int, int],
+    joints: Mapping[int, int],
+    acting: Iterable[int],
+    kept: Iterable[int],
+    sites: Mapping[int, list[int]],
+) -> Numbers:
+    """By kind of object: MuJoCo's numbers → those of the model."""
+    named = [site for body in kept for site in sites.get(body, ()) if model.site(site).name]
+    return {
+        "joint": joints,
+        "actuator": {one: number for number, one in enumerate(acting)},
+        "site": {site: number for number, site in enumerate(named)},
+        "body": bodies,
+        "xbody": bodies,
+    }
 
 
 def geom_shows(model: mujoco.MjModel, geom: int) -> bool:

@@ -24,7 +24,7 @@ from stages.robot.errors import Diagnostic, ProtocolError, SourceError
 if TYPE_CHECKING:
     from stages.fetch.mjcf.keys import MjcfSourceKeys
 
-READER = 3
+READER = 4
 """Raised with every change of the result for the same files."""
 
 MODEL = "model"

@@ -1,6 +1,6 @@
 """Reports by name every element or attribute of an MJCF that our robot model cannot represent."""
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any
 
 import mujoco
@@ -30,12 +30,18 @@ _SHOWN = 5
 
 
 def left_out(
-    model: Any, spec: Any, kept: Collection[int], textures: Textures, where: str
+    model: Any,
+    spec: Any,
+    kept: Collection[int],
+    textures: Textures,
+    where: str,
+    driven: Collection[int] = (),
+    measured: Collection[int] = (),
 ) -> Iterator[Diagnostic]:
     """W-MJCF-LEFT for omissions that affect motion or contact, I-MJCF-LEFT for the rest.
 
     `spec`: the spec from which `model` was compiled. `kept`: the bodies that become links. `textures`: those
-    that are carried over.
+    that are carried over; `driven` and `measured`: the actuators and sensors that are.
     """
     equalities = [eq for eq in range(model.neq) if carried(model, eq, kept)]
     found = [
@@ -43,9 +49,9 @@ def left_out(
         *_joints(model, kept),
         *_ties(model, kept, equalities),
         *_geoms(model, kept),
-        *of_elements(model, kept, equalities, textures.materials),
+        *of_elements(model, kept, equalities, textures.materials, driven, measured),
         *of_options(model),
-        *_elements(model, textures.carried),
+        *_elements(model, {"texture": textures.carried, "actuator": driven, "sensor": measured}),
         *of_the_viewer(model),
         *of_the_file(spec),
     ]
@@ -179,14 +185,16 @@ _KINDS = {
 """Elements that are left out as a whole: MuJoCo's name of each, and the field with its number."""
 
 
-def _elements(model: Any, textures: Collection[int]) -> Iterator[Omission]:
-    for words, (kind, count) in _KINDS.items():
-        names = _names(model, getattr(mujoco.mjtObj, kind), getattr(model, count))
-        lost = (name for number, name in enumerate(names) if words != "texture" or number not in textures)
+def _elements(model: Any, carried_over: Mapping[str, Collection[int]]) -> Iterator[Omission]:
+    """Elements of each kind but for those that are carried over, by their numbers."""
+    every = {
+        words: _names(model, getattr(mujoco.mjtObj, kind), getattr(model, count))
+        for words, (kind, count) in _KINDS.items()
+    }
+    every["actuator"] = _names(model, mujoco.mjtObj.mjOBJ_ACTUATOR, len(model.actuator_trntype))
+    for words, names in every.items():
+        lost = (name for number, name in enumerate(names) if number not in carried_over.get(words, ()))
         yield from _some(words, False, lost)
-    yield from _some(
-        "actuator", False, _names(model, mujoco.mjtObj.mjOBJ_ACTUATOR, len(model.actuator_trntype))
-    )
 
 
 def _names(model: Any, kind: Any, count: int) -> list[str]:

@@ -14,8 +14,9 @@ import mujoco
 import numpy as np
 
 _PLAIN = """<mujoco><asset><material name="m"/></asset><worldbody>
-<body name="a"><joint/><geom size="1"/><site/></body><body name="b"><joint/><geom size="1"/></body>
-</worldbody><equality><weld body1="a" body2="b"/></equality></mujoco>"""
+<body name="a"><joint name="a"/><geom size="1"/><site/></body><body name="b"><joint/><geom size="1"/></body>
+</worldbody><equality><weld body1="a" body2="b"/></equality><actuator><general joint="a"/></actuator>
+<sensor><clock/></sensor></mujoco>"""
 """A model that sets nothing but what is required."""
 
 
@@ -44,6 +45,12 @@ _CARRIED: Mapping[str, Collection[str]] = {
     "site": ("pos", "quat", "sameframe"),
     "eq": ("type", "objtype", "data", "active0"),
     "mat": ("rgba",),
+    "actuator": (
+        *("trntype", "dyntype", "gaintype", "biastype", "dynprm", "gainprm", "biasprm", "gear"),
+        *("ctrllimited", "ctrlrange", "forcelimited", "forcerange", "actlimited", "actrange", "actearly"),
+        *("length0", "acc0", "lengthrange", "ctrlspec"),
+    ),
+    "sensor": ("type", "datatype", "needstage", "objtype", "reftype", "dim", "noise", "cutoff", "intprm"),
 }
 """Fields that are carried over, that follow from such fields, or that `unsupported` reports."""
 
@@ -76,6 +83,7 @@ _OF_CONTACT = (
 
 _LIGHT = (
     *("jnt_group", "jnt_user", "body_user", "geom_user", "geom_castshadow", *_OF_CONTACT),
+    *("actuator_group", "actuator_user", "sensor_"),
     *("site_", "mat_"),
 )
 """Fields, or beginnings of their names, that do not change how the robot itself moves."""
@@ -99,10 +107,16 @@ def _plain() -> Any:
 
 
 def of_elements(
-    model: Any, kept: Collection[int], carried: Collection[int], textured: Collection[int]
+    model: Any,
+    kept: Collection[int],
+    carried: Collection[int],
+    textured: Collection[int],
+    driven: Collection[int] = (),
+    measured: Collection[int] = (),
 ) -> Iterator[Omission]:
-    """The omissions of the elements on the bodies `kept`, of the equalities `carried`, and of the materials;
-    those that are `textured` keep their textures."""
+    """The omissions of the elements on the bodies `kept`, of the equalities `carried`, of the materials, and
+    of the actuators and sensors that are carried over (`driven`, `measured`); the materials that are
+    `textured` keep their textures."""
     rows: Mapping[str, Sequence[int]] = {
         "jnt": [n for n in range(model.njnt) if int(model.jnt_bodyid[n]) in kept],
         "dof": [n for n in range(model.nv) if int(model.dof_bodyid[n]) in kept],
@@ -111,6 +125,8 @@ def of_elements(
         "site": [n for n in range(model.nsite) if _on_a_robot(int(model.site_bodyid[n]), kept)],
         "eq": sorted(carried),
         "mat": range(model.nmat),
+        "actuator": sorted(driven),
+        "sensor": sorted(measured),
     }
     found: dict[str, Omission] = {}
     for kind, numbers in rows.items():
@@ -176,6 +192,8 @@ _NAMES: Mapping[str, Callable[[Any, int], str]] = {
     "site": _named(mujoco.mjtObj.mjOBJ_SITE),
     "eq": _named(mujoco.mjtObj.mjOBJ_EQUALITY),
     "mat": _named(mujoco.mjtObj.mjOBJ_MATERIAL),
+    "actuator": _named(mujoco.mjtObj.mjOBJ_ACTUATOR),
+    "sensor": _named(mujoco.mjtObj.mjOBJ_SENSOR),
 }
 
 

@@ -10,6 +10,7 @@ from stages.graph.cad_only_keys import report_unused
 from stages.graph.dofs import backwards
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, RelationSpec, RigidBody
+from stages.graph.mjcf.actuation import actuators_of, sensors_of
 from stages.graph.mjcf.base import base_of, bodies_of, floats, joining, root_of
 from stages.graph.mjcf.equalities import closings, connections, own_sites
 from stages.graph.mjcf.joints import SINGLE, Chain, body_joint, chain_of
@@ -78,6 +79,8 @@ def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[M
         provenance=Provenance(**bundle.root),
         root=numbers[root_of(mjcf, there)],
         has_saved_pose=False,
+        actuators=actuators_of(mjcf, names),
+        sensors=sensors_of(mjcf, names),
     )
     return mechanism, keys
 

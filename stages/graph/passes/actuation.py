@@ -6,13 +6,32 @@ from stages.formats.urdf.transmissions import with_joints
 from stages.graph.mechanism import Mechanism
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import listed
-from stages.robot.model import Robot, Transmission
+from stages.robot.model import Robot, Sensor, Transmission
 
 
 def with_actuation(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> Robot:
     """The robot with the mechanism's transmissions and controls, as far as their joints are still there."""
     controls = _controls(mechanism, robot, log)
-    return replace(robot, transmissions=_transmissions(mechanism, robot), controls=controls)
+    dofs = {dof.name for dof in robot.dofs}
+    return replace(
+        robot,
+        transmissions=_transmissions(mechanism, robot),
+        controls=controls,
+        actuators=tuple(one for one in mechanism.actuators if one.dof in dofs),
+        sensors=tuple(one for one in mechanism.sensors if _is_there(robot, one)),
+    )
+
+
+def _is_there(robot: Robot, sensor: Sensor) -> bool:
+    """Whether the robot has what a sensor is on, but for actuators, which the export may change."""
+    names = {
+        "joint": {dof.name for dof in robot.dofs},
+        "site": {frame.name for frame in robot.frames},
+        "body": {link.name for link in robot.links},
+    }
+    names["xbody"] = names["body"]
+    ends = (sensor.target, sensor.name_of_target), (sensor.relative_to, sensor.name_of_relative)
+    return all(name in names[kind] for kind, name in ends if kind in names)
 
 
 def _transmissions(mechanism: Mechanism, robot: Robot) -> tuple[Transmission, ...]:

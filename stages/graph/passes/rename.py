@@ -9,6 +9,7 @@ from stages.graph.keys import NamesKeys
 from stages.graph.mechanism import WORLD_LINK, Connection, Mechanism
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import listed, matching, with_plain
+from stages.robot.sensing import Sensor
 
 
 def renamed(mechanism: Mechanism, wanted: NamesKeys, log: Diagnostics) -> Mechanism:
@@ -38,9 +39,31 @@ def renamed(mechanism: Mechanism, wanted: NamesKeys, log: Diagnostics) -> Mechan
         replace(spec, connections=tuple(called.get(name, name) for name in spec.connections))
         for spec in mechanism.relations
     )
-    made = replace(mechanism, bodies=bodies, connections=connections, relations=specs)
+    of_links = {mechanism.bodies[i].name: name for i, name in links.items()}
+    made = replace(
+        mechanism,
+        bodies=bodies,
+        connections=connections,
+        relations=specs,
+        actuators=tuple(replace(one, dof=called.get(one.dof, one.dof)) for one in mechanism.actuators),
+        sensors=tuple(_measuring(one, called, of_links) for one in mechanism.sensors),
+    )
     _check_free(made, {*links.values(), *joints.values()}, log)
     return made
+
+
+def _measuring(sensor: Sensor, dofs: Mapping[str, str], links: Mapping[str, str]) -> Sensor:
+    """The sensor by the new names of what it is on."""
+
+    def new(kind: str, name: str) -> str:
+        table = dofs if kind == "joint" else links if kind in ("body", "xbody") else {}
+        return table.get(name, name)
+
+    return replace(
+        sensor,
+        name_of_target=new(sensor.target, sensor.name_of_target),
+        name_of_relative=new(sensor.relative_to, sensor.name_of_relative),
+    )
 
 
 def _new_names(

@@ -269,8 +269,8 @@ def test_each_attribute_is_carried_over_or_named(where: Where, attributes: list[
 
 
 WHOLE = {
-    "actuator": '<actuator><motor name="x" joint="j"/></actuator>',
-    "sensor": '<sensor><gyro name="x" site="tip"/></sensor>',
+    "actuator": '<actuator><adhesion name="x" body="arm" gain="1" ctrlrange="0 1"/></actuator>',
+    "sensor": '<sensor><user name="x" objtype="body" objname="arm" dim="1" needstage="pos"/></sensor>',
     "tendon": '<tendon><fixed name="x"><joint joint="j" coef="1"/></fixed></tendon>',
     "keyframe": '<keyframe><key name="x"/></keyframe>',
     "custom numeric": '<custom><numeric name="x" data="1"/></custom>',

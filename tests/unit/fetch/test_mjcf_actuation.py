@@ -1,0 +1,173 @@
+"""Actuators and sensors of an MJCF are in the exported MJCF, and the robot answers to them as it did."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from stages.export import Exported, export
+from stages.fetch.mjcf.gather import gather
+from stages.graph import build_robot
+from stages.robot.model import Robot
+from tests.support.building import NO_MESHES, plan_of
+from tests.support.mjcfs import model, written
+
+OPTION = '<option integrator="implicitfast" timestep="0.002"/>'
+SOLID = '<inertial pos="0.1 0 0" mass="1" diaginertia="0.01 0.02 0.02"/>'
+ACTUATORS = """<actuator>
+  <velocity name="spin" joint="c" kv="0.7" ctrlrange="-4 4"/>
+  <motor name="push" joint="a" gear="10" ctrlrange="-2 2"/>
+  <position joint="b" kp="30" kv="2" forcerange="-3 5" ctrlrange="-1 1"/>
+  <general name="lag" joint="d" dyntype="filter" dynprm="0.1" gainprm="3" biastype="affine"
+    biasprm="0.5 -3 -1"/>
+  <general name="bent" joint="e" gaintype="affine" gainprm="1 2 0.5" forcerange="-9 9"/>
+  <intvelocity name="creep" joint="f" kp="20" kv="1" actrange="-1 1" ctrlrange="-2 2"/>
+  <motor name="again" joint="a" gear="-3"/>
+</actuator>"""
+SENSORS = """<sensor>
+  <gyro name="imu" site="tip" noise="0.01" cutoff="30"/><accelerometer site="tip"/>
+  <jointpos name="angle" joint="b"/><jointvel joint="c"/><jointactuatorfrc name="torque" joint="a"/>
+  <actuatorfrc name="effort" actuator="push"/><actuatorpos actuator="spin"/>
+  <framepos name="place" objtype="xbody" objname="link_f" reftype="site" refname="tip"/>
+  <framequat objtype="body" objname="link_c"/><subtreecom name="com" body="base"/><clock name="time"/>
+  <force name="load" site="tip"/>
+</sensor>"""
+
+
+def text(more: str = ACTUATORS + SENSORS) -> str:
+    """A chain of six hinges, a to f, on a base with the site `tip`."""
+    links = ""
+    for name in reversed("abcdef"):
+        joint = f'<joint name="{name}" axis="0 1 0" damping="0.2" armature="0.01"/>'
+        links = f'<body name="link_{name}" pos="0.2 0 0">{joint}{SOLID}{links}</body>'
+    base = f'<body name="base">{SOLID}<site name="tip" pos="0 0 0.1"/>{links}</body>'
+    return model(base, OPTION + more)
+
+
+def robot_of(path: Path, **keys: object) -> Robot:
+    plan = plan_of(source={"kind": "mjcf", "path": str(path)}, root={"base": "fixed"}, **keys)
+    return build_robot(gather(plan.source)[0], plan)
+
+
+def exported(path: Path, **keys: object) -> Exported:
+    plan = plan_of(source={"kind": "mjcf", "path": str(path)}, root={"base": "fixed"}, **keys)
+    return export(build_robot(gather(plan.source)[0], plan), NO_MESHES, plan)
+
+
+def compiled(found: Exported) -> mujoco.MjModel:
+    return mujoco.MjModel.from_xml_string(found.files["robot.xml"].decode())
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return written(tmp_path, text())
+
+
+def test_each_actuator_has_its_parameters_and_its_place(path: Path) -> None:
+    was, now = mujoco.MjModel.from_xml_path(str(path)), compiled(exported(path))
+    assert now.nu == was.nu == 7
+    names = [now.actuator(index).name for index in range(now.nu)]
+    assert names == ["spin", "push", "b", "lag", "bent", "creep", "again"]
+    for field in ("gainprm", "biasprm", "dynprm", "gaintype", "biastype", "dyntype", "gear", "actlimited"):
+        mine, theirs = getattr(now, f"actuator_{field}"), getattr(was, f"actuator_{field}")
+        np.testing.assert_allclose(mine, theirs, rtol=1e-12, err_msg=field)
+    for field in ("ctrllimited", "ctrlrange", "forcelimited", "forcerange", "actrange"):
+        np.testing.assert_allclose(getattr(now, f"actuator_{field}"), getattr(was, f"actuator_{field}"))
+
+
+def test_each_sensor_measures_the_same(path: Path) -> None:
+    was, now = mujoco.MjModel.from_xml_path(str(path)), compiled(exported(path))
+    for field in ("type", "noise", "cutoff", "dim"):
+        assert list(getattr(now, f"sensor_{field}")) == list(getattr(was, f"sensor_{field}"))
+    assert [now.sensor(i).name for i in range(now.nsensor)][:4] == [
+        *("imu", "tip_accelerometer", "angle", "c_jointvel"),
+    ]
+
+
+def test_it_moves_and_measures_as_it_did_under_any_controls(path: Path) -> None:
+    models = mujoco.MjModel.from_xml_path(str(path)), compiled(exported(path))
+    random = np.random.default_rng(3)
+    datas = [mujoco.MjData(one) for one in models]
+    for _ in range(200):
+        controls = random.uniform(-1, 1, models[0].nu)
+        for one, data in zip(models, datas, strict=True):
+            data.ctrl[:] = controls
+            mujoco.mj_step(one, data)
+    was, now = datas
+    assert np.abs(was.qpos).max() > 0.1
+    np.testing.assert_allclose(now.qpos, was.qpos, atol=1e-9)
+    np.testing.assert_allclose(now.actuator_force, was.actuator_force, atol=1e-7)
+    np.testing.assert_allclose(now.sensordata, was.sensordata, atol=1e-6)
+
+
+def test_renamed_joints_and_links_keep_theirs(path: Path) -> None:
+    names = {"joints": {"b": "elbow"}, "links": {"link_f": "hand"}}
+    model = compiled(exported(path, names=names))
+    servo = model.actuator("b")
+    assert model.joint(int(servo.trnid[0])).name == "elbow"
+    assert model.joint(int(model.sensor("angle").objid[0])).name == "elbow"
+    assert model.body(int(model.sensor("place").objid[0])).name == "hand"
+
+
+def test_star_none_takes_them_out_and_sensors_of_them_too(path: Path) -> None:
+    model = compiled(exported(path, actuators={"*": "none"}))
+    assert model.nu == 0
+    names = {model.sensor(i).name for i in range(model.nsensor)}
+    assert {"angle", "imu"} <= names
+    assert not {"effort", "spin_actuatorpos"} & names
+
+
+def test_one_is_taken_out_or_replaced_and_the_others_stay(path: Path) -> None:
+    model = compiled(exported(path, actuators={"c": "none"}))
+    assert [model.actuator(i).name for i in range(model.nu)] == ["push", "again", "b", "lag", "bent", "creep"]
+    model = compiled(exported(path, actuators={"a": {"type": "position", "kp": 44}}))
+    names = [model.actuator(i).name for i in range(model.nu)]
+    assert names == ["a", "b", "spin", "lag", "bent", "creep"]
+    assert model.actuator("a").gainprm[0] == 44
+
+
+def test_a_new_actuator_gets_a_name_that_no_other_has(tmp_path: Path) -> None:
+    other = '<actuator><motor name="a" joint="b"/></actuator>'
+    model = compiled(exported(written(tmp_path, text(other)), actuators={"a": "motor"}))
+    assert [model.actuator(i).name for i in range(model.nu)] == ["a_2", "a"]
+
+
+def test_at_home_servos_have_their_targets_and_motors_hold_the_weight(path: Path) -> None:
+    robot = robot_of(path)
+    assert [one.dof for one in robot.actuators] == ["c", "a", "b", "d", "e", "f", "a"]
+    found = exported(path)
+    assert found.actuation is not None
+    homes = {one.name: one.home for one in found.actuation.actuators}
+    assert homes["b"] == 0
+    assert homes["spin"] == 0
+    assert homes["lag"] == 0
+    assert homes["push"] != 0
+    assert found.advice == ""
+
+
+def test_what_cannot_be_carried_over_is_named(tmp_path: Path) -> None:
+    lost = """<tendon><fixed name="cable"><joint joint="a" coef="1"/></fixed></tendon>
+      <actuator><motor name="pull" tendon="cable"/><muscle name="flex" joint="a" lengthrange="0 1"/>
+      <motor name="stay" joint="b" group="3"/></actuator>
+      <sensor><tendonpos name="length" tendon="cable"/>
+      <actuatorfrc name="of_pull" actuator="pull"/></sensor>"""
+    robot = robot_of(written(tmp_path, text(lost)))
+    assert [one.name for one in robot.actuators] == ["stay"]
+    assert robot.sensors == ()
+    told = {one.code: one.message for one in robot.diagnostics}["I-MJCF-LEFT"]
+    for words in (
+        "2 × actuator (pull, flex)",
+        "2 × sensor (length, of_pull)",
+        "1 × actuator group (stay)",
+    ):
+        assert words in told
+
+
+def test_an_exported_file_read_again_gives_the_same_file(path: Path, tmp_path: Path) -> None:
+    first = exported(path).files["robot.xml"]
+    (tmp_path / "again").mkdir()
+    (tmp_path / "again" / "robot.xml").write_bytes(first)
+    second = exported(tmp_path / "again" / "robot.xml").files["robot.xml"]
+    parts = [data[data.index(b"<actuator>") : data.index(b"<keyframe>")] for data in (first, second)]
+    assert parts[0] == parts[1]
