@@ -231,10 +231,6 @@ def test_a_number_as_the_name_of_a_joint_is_reported_to_be_quoted():
             ("export.urdf.fixed_joints", "'merge' is not supported yet", "allowed: keep"),
         ),
         (
-            {"export": {"urdf": {"meshes": "package"}}},
-            ("export.urdf.meshes", "'package' is not supported yet", "allowed: relative"),
-        ),
-        (
             {"export": {"mjcf": {}, "sdf": {}}},
             ("export.sdf", "not supported yet (given {})", "formats so far: urdf, mjcf"),
         ),

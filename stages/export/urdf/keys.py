@@ -2,17 +2,33 @@
 
 from typing import Annotated, Literal
 
-from stages.robot.keys import Keys, Later
+from pydantic import AfterValidator
+
+from stages.robot.keys import Keys, Later, Text, example, invalid
+
+
+def _as_package(name: str) -> str:
+    if not (name[0].isalpha() and name.isascii() and name.replace("_", "").replace("-", "").isalnum()):
+        raise invalid("must be the name of a package: a letter, then letters, digits, _ or -")
+    return name
 
 
 class UrdfFormatKeys(Keys):
     """The URDF."""
 
-    meshes: Annotated[Literal["relative"], Later("package")] = "relative"
-    """How the URDF names mesh files. relative: by paths relative to its own folder."""
+    meshes: Literal["relative", "package"] = "relative"
+    """How the URDF names mesh files and textures. relative: by paths relative to its own folder; package: as
+    `package://<package>/assets/...`, for ROS, where the package holds the folder `assets`."""
+
+    package: Annotated[Text, AfterValidator(_as_package), example("my_arm_description")] | None = None
+    """The package of `meshes: package`; null: the robot's name."""
 
     fixed_joints: Annotated[Literal["keep"], Later("merge")] = "keep"
     """Fixed joints. keep: each frame is a link on a fixed joint."""
+
+    frame_inertia: Literal["none", "tiny"] = "none"
+    """The inertial of links without mass: of frames, and of both sides of a loop. none: they have none; tiny:
+    1e-12 kg and 1e-12 kg m², for readers that take 1 kg instead of none, as PyBullet does."""
 
 
 KEYS = UrdfFormatKeys

@@ -10,12 +10,13 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from stages.export.paints import Paint, materials, paint
+from stages.export.urdf.keys import UrdfFormatKeys
 from stages.export.urdf.lowering import LoweredJoint, lower
 from stages.formats.numbers import number, numbers, spaced
 from stages.formats.urdf.names import UrdfNames, urdf_names
 from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.geometry import Geometry, Role, Shape
-from stages.robot.inertia import SPECK
+from stages.robot.inertia import SPECK, ZERO
 from stages.robot.model import Array, Inertial, Limits, Primitive, Robot
 from stages.robot.poses import from_parts, rpy_from_rotation
 
@@ -25,17 +26,22 @@ UNSET_REACH = {"revolute": 2 * math.pi, "prismatic": 1.0}
 """Defaults of limits that are not set [rad, m]: URDF requires a number."""
 
 
-def write_urdf(robot: Robot, geometry: Geometry) -> bytes:
-    """The robot as URDF, with mesh paths relative to the file."""
+def write_urdf(robot: Robot, geometry: Geometry, keys: UrdfFormatKeys | None = None) -> bytes:
+    """The robot as URDF, in the way that `keys` choose."""
+    keys = keys or UrdfFormatKeys()
+    assets = _assets_of(keys, robot.name)
+    massless = SPECK if keys.frame_inertia == "tiny" else ZERO
     root = element(None, "robot", name=robot.name)
     # MuJoCo would strip the mesh paths, fuse a fixed root away and drop the visuals.
     mujoco = element(root, "mujoco")
     element(mujoco, "compiler", strippath="false", fusestatic="false", discardvisual="false")
-    painted = _materials(root, geometry)
+    painted = _materials(root, geometry, assets)
     for link in robot.links:
         solid = any(shape.link == link.name for shape in geometry.shapes)
-        node = _link(root, link.name, link.inertial, solid)
-        _shapes(node, link.name, geometry, painted)
+        # A root called `world` is nothing, which no engine weighs.
+        weightless = link.inertial.mass == 0 and link.name != "world"
+        node = _link(root, link.name, massless if weightless else link.inertial, solid)
+        _shapes(node, link.name, geometry, painted, assets)
     lowered = lower(robot)
     for item in lowered:
         for name in item.between:
@@ -52,7 +58,7 @@ def write_urdf(robot: Robot, geometry: Geometry) -> bytes:
                 multiplier=number(relation.multiplier),
                 offset=number(relation.offset) if relation.offset else None,
             )
-    _frames(root, robot, urdf_names(robot))
+    _frames(root, robot, urdf_names(robot), massless)
     for text in robot.controls:
         root.append(parse(text.encode()))
     return to_bytes(root)
@@ -64,13 +70,18 @@ def _origin(parent: Element, pose: Array) -> None:
     element(parent, "origin", xyz=spaced(pose[:3, 3]), rpy=spaced(rpy, 1.0))
 
 
-def _materials(root: Element, geometry: Geometry) -> dict[Paint, str]:
+def _assets_of(keys: UrdfFormatKeys, robot: str) -> str:
+    """What the path of a mesh in a URDF begins with, for a robot of this name."""
+    return f"package://{keys.package or robot}/assets/" if keys.meshes == "package" else "assets/"
+
+
+def _materials(root: Element, geometry: Geometry, assets: str) -> dict[Paint, str]:
     names = materials(geometry)
     for (colour, texture), name in names.items():
         node = element(root, "material", name=name)
         element(node, "color", rgba=spaced(colour))
         if texture:
-            element(node, "texture", filename=f"assets/{texture}")
+            element(node, "texture", filename=f"{assets}{texture}")
     return names
 
 
@@ -87,11 +98,11 @@ def _link(root: Element, name: str, body: Inertial, shaped: bool) -> Element:
     return node
 
 
-def _shapes(node: Element, link: str, geometry: Geometry, painted: Mapping[Paint, str]) -> None:
+def _shapes(node: Element, link: str, geometry: Geometry, painted: Mapping[Paint, str], assets: str) -> None:
     roles: tuple[Role, ...] = ("visual", "collision")
     for role in roles:
         for shape in geometry.of(link, role):
-            for pose, tag, attributes in _solids(shape):
+            for pose, tag, attributes in _solids(shape, assets):
                 holder = element(node, role)
                 _origin(holder, pose)
                 element(element(holder, "geometry"), tag, **attributes)
@@ -100,10 +111,10 @@ def _shapes(node: Element, link: str, geometry: Geometry, painted: Mapping[Paint
                     element(holder, "material", name=painted[own])
 
 
-def _solids(shape: Shape) -> Iterator[tuple[Array, str, dict[str, str]]]:
+def _solids(shape: Shape, assets: str) -> Iterator[tuple[Array, str, dict[str, str]]]:
     """The URDF geometries of a shape: link_from_solid (4, 4), element, attributes."""
     if shape.primitive is None:
-        yield np.eye(4), "mesh", {"filename": f"assets/{shape.file}"}
+        yield np.eye(4), "mesh", {"filename": f"{assets}{shape.file}"}
     else:
         yield from _primitive(shape.primitive)
 
@@ -163,15 +174,15 @@ def _range(kind: str, limits: Limits) -> tuple[float, float]:
     return low, high
 
 
-def _frames(root: Element, robot: Robot, names: UrdfNames) -> None:
-    """Frames, and both sides of every loop, as links without mass on fixed joints."""
+def _frames(root: Element, robot: Robot, names: UrdfNames, massless: Inertial) -> None:
+    """Frames, and both sides of every loop, as links on fixed joints with the inertial `massless`."""
     markers = [(names.frames[frame.name], frame.link, frame.link_from_frame) for frame in robot.frames]
     for loop in robot.loops:
         first, second = names.ends[loop.name]
         markers.append((first, loop.link_a, loop.a_from_frame))
         markers.append((second, loop.link_b, loop.b_from_frame))
     for name, parent, pose in markers:
-        element(root, "link", name=name)
+        _link(root, name, massless, False)
         node = element(root, "joint", name=names.holders[name], type="fixed")
         _origin(node, pose)
         element(node, "parent", link=parent)

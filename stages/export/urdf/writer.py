@@ -18,7 +18,8 @@ class UrdfWriter:
 
         (path,) = self.paths(given.robot.name)
         diagnostics = tuple(unsupported(given.robot, given.geometry))
-        return Exported({path: write_urdf(given.robot, given.geometry)}, diagnostics)
+        text = write_urdf(given.robot, given.geometry, given.keys.export.urdf)
+        return Exported({path: text}, diagnostics)
 
 
 WRITER = UrdfWriter()

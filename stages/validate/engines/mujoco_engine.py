@@ -6,7 +6,7 @@ from typing import Any
 
 import mujoco
 
-from stages.formats.xml import element, parse, to_bytes
+from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.check import Check
 from stages.robot.mujoco_warnings import listening
 from stages.validate.compiled import Loaded, without_warnings
@@ -43,11 +43,14 @@ def _compiled(path: Path) -> Any:
 
     Compiled from a spec, which is given up: MuJoCo's own loader keeps the last file's meshes in memory.
     """
-    root = parse(path.read_bytes()) if path.suffix == ".urdf" else None
-    floating = [] if root is None else root.xpath("joint[@type='floating']/parent[@link != 'world']")
     _bound_cache()
+    if path.suffix != ".urdf":
+        return mujoco.MjSpec.from_file(str(path.resolve())).compile()
+    root = parse(path.read_bytes())
+    _without_packages(root)
+    floating = root.xpath("joint[@type='floating']/parent[@link != 'world']")
     if not floating:
-        return _spec(path.resolve()).compile()
+        return _spec_of_urdf(root, path.resolve().parent).compile()
     holder = element(root, "joint", name="world_fixed", type="fixed")
     element(holder, "parent", link="world")
     element(holder, "child", link=floating[0].get("link"))
@@ -58,13 +61,18 @@ def _compiled(path: Path) -> Any:
     return mujoco.MjSpec.from_string(to_bytes(root).decode(), assets=meshes).compile()
 
 
-def _spec(path: Path) -> Any:
-    """The spec of a file; a URDF's from its text, since MuJoCo 3.4.0 accepts only files that end in .xml."""
-    if path.suffix != ".urdf":
-        return mujoco.MjSpec.from_file(str(path))
-    spec = mujoco.MjSpec.from_string(path.read_text(encoding="utf-8"))
-    spec.modelfiledir = str(path.parent)
+def _spec_of_urdf(root: Element, folder: Path) -> Any:
+    """The spec of a URDF: from its text, since MuJoCo 3.4.0 accepts only files that end in .xml."""
+    spec = mujoco.MjSpec.from_string(to_bytes(root).decode())
+    spec.modelfiledir = str(folder)
     return spec
+
+
+def _without_packages(root: Element) -> None:
+    """Makes the paths `package://<package>/...` relative: a URDF lies at the top of its package, whose name
+    MuJoCo takes for a folder."""
+    for node in root.xpath("//*[starts-with(@filename, 'package://')]"):
+        node.set("filename", node.get("filename").removeprefix("package://").partition("/")[2])
 
 
 def _bound_cache() -> None:
