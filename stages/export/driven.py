@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from stages.export.standing import Stance
     from stages.robot.trial_run import Trial
 
+LARGE = 200
+"""Dofs beyond which a robot without loops and relations is not simulated."""
+
 FORMAT = "mjcf"
 """The format whose files are simulated."""
 
@@ -26,7 +29,7 @@ def driven(
     """The actuation of the robot, by the configuration and, where an MJCF is written, by its trial run."""
     timestep = keys.scene.option.timestep
     actuation, found = actuate(robot, keys.actuators, timestep, standing.world_from_root)
-    if FORMAT not in keys.export.chosen or not robot.dofs:
+    if FORMAT not in keys.export.chosen or not _worth_a_trial(robot):
         return actuation, found
     from stages.export.stability.compiled_trial import compiled_trial
     from stages.export.stability.steadied import steadied
@@ -40,6 +43,11 @@ def driven(
 
     steady, more = steadied(robot, actuation, run)
     return steady, (*found, *more)
+
+
+def _worth_a_trial(robot: Robot) -> bool:
+    """Whether the robot moves, and is not a large one without loops, which would take long and hold."""
+    return bool(robot.dofs) and (len(robot.dofs) <= LARGE or bool(robot.loops or robot.relations))
 
 
 def _solid(geometry: Geometry) -> Geometry:

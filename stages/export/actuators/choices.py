@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 from stages.robot.diagnostics import Diagnostics
@@ -116,7 +117,10 @@ def _report_unmatched(glob: str, robot: Robot, log: Diagnostics) -> None:
         text = f"{glob!r} names a joint of several dofs (or several such joints), not one dof"
         log.report("E-GLOB", text, WHERE, f"name one of its dofs: {', '.join(of_joint)}")
         return
-    log.report("E-GLOB", f"no joint matches {glob!r}", WHERE, f"joints are: {_names(robot) or 'none'}")
+    near = get_close_matches(glob, [dof.name for dof in robot.dofs], 1)
+    hint = f"did you mean {near[0]}? " if near else ""
+    hint += f"joints are: {_names(robot) or 'none'}"
+    log.report("E-GLOB", f"no joint matches {glob!r}", WHERE, hint)
 
 
 def _names(robot: Robot) -> str:

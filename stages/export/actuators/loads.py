@@ -140,11 +140,10 @@ def _inertias(robot: Robot, values: Values, rates: Mapping[str, Rates]) -> dict[
     for index, row in enumerate(rows):
         matrix = mass_matrix(robot, _one(some, index)) + np.diag(armature)
         for dof, moving in rates.items():
-            speeds = np.zeros(len(matrix))
-            for name, rate in moving.items():
-                if name in columns:
-                    speeds[columns[name]] = rate[row]
-            found[dof].append(float(speeds @ matrix @ speeds))
+            there = [name for name in moving if name in columns]
+            at = np.concatenate([np.arange(columns[name].start, columns[name].stop) for name in there])
+            speeds = np.concatenate([moving[name][row] for name in there])
+            found[dof].append(float(speeds @ matrix[np.ix_(at, at)] @ speeds))
     return {dof: np.array(each) for dof, each in found.items()}
 
 

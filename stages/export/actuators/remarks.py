@@ -9,13 +9,16 @@ from stages.robot.model import Robot
 
 WHERE = "actuators"
 
+FAR = {"turn": 0.02, "slide": 0.002}
+"""Sag [rad, m] at home from which on a servo is reported."""
+
 
 def remark(
     robot: Robot, actuation: Actuation, looped: Sequence[str], left: Sequence[str], log: Diagnostics
 ) -> None:
     """I-ACTUATOR for dofs that are not driven (`left`), since others of their closed loops are (`looped`);
-    I-ARMATURE for armatures that were added; W-ACTUATOR-EFFORT where the weight is more than an actuator may
-    hold."""
+    I-ARMATURE for armatures that were added; W-ACTUATOR-SAG for servos that sag; W-ACTUATOR-EFFORT where the
+    weight is more than an actuator may hold."""
     if left:
         text = f"closed loops: driven are {listed(looped)}; these follow: {listed(left)}"
         out = looped[0] if looped else left[0]
@@ -25,6 +28,7 @@ def remark(
         added = listed(f"{one.dof} ({one.value:g})" for one in actuation.armatures)
         text = f"driven without an armature, which was estimated [kg m² or kg]: {added}"
         log.report("I-ARMATURE", text, WHERE, "joints: {" + actuation.armatures[0].dof + ": {armature: ...}}")
+    _report_sag(actuation, robot, log)
     effort = {dof.name: dof.dynamics.effort for dof in robot.dofs}
     weak = [
         f"{one.name} ({one.load:.3g} of {most:.3g})"
@@ -34,6 +38,23 @@ def remark(
     if weak:
         text = f"somewhere in its range the robot weighs more [N m or N] than these may hold: {listed(weak)}"
         log.report("W-ACTUATOR-EFFORT", text, WHERE, "raise the effort (joints), or compensate (gravcomp)")
+
+
+def _report_sag(actuation: Actuation, robot: Robot, log: Diagnostics) -> None:
+    """W-ACTUATOR-SAG for servos that the weight moves far from `home`."""
+    dofs = {dof.name: dof for dof in robot.dofs}
+    far = []
+    for one in actuation.actuators:
+        kind, effort = dofs[one.dof].kind, dofs[one.dof].dynamics.effort
+        if one.sag is None or kind not in FAR or one.sag <= FAR[kind]:
+            continue
+        unit = "rad" if kind == "turn" else "m"
+        most = _most(one, effort)
+        limit = "no force limit" if most is None else f"force limit {most:.3g}"
+        far.append(f"{one.name} by {one.sag:.2g} {unit} (load {one.home_load:.3g}, {limit}, kp {one.kp:.3g})")
+    if far:
+        text = f"the robot's weight moves servos from home [load in N m or N]: {listed(far)}"
+        log.report("W-ACTUATOR-SAG", text, WHERE, "raise kp, or leave it out: it is estimated then")
 
 
 def _most(actuator: Actuator, effort: float | None) -> float | None:

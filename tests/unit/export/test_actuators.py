@@ -334,10 +334,27 @@ def test_an_actuator_that_is_too_weak_for_the_weight_is_reported_with_both_numbe
     assert "W-ACTUATOR-EFFORT" not in [one.code for one in strong.diagnostics]
 
 
+def test_a_servo_that_sags_is_reported_with_its_load_its_limit_and_its_sag() -> None:
+    entry = {"type": "position", "kp": 100}
+    found = exported(pendulum(effort=12.0), actuators={"*": entry})
+    (far,) = (one for one in found.diagnostics if one.code == "W-ACTUATOR-SAG")
+    assert "arm_joint by 0.059 rad (load 5.89, force limit 12, kp 100)" in far.message
+    data = at_home(compiled(pendulum(effort=12.0), actuators={"*": entry}), 5.0)
+    assert -data.qpos[0] == pytest.approx(0.0589, rel=0.01)
+    stiff = exported(pendulum(), actuators={"*": {"type": "position", "kp": 300}})
+    assert "W-ACTUATOR-SAG" not in [one.code for one in stiff.diagnostics]
+
+
 @pytest.mark.parametrize(
     ("entries", "code", "message", "hint"),
     [
         ({"elbow": "position"}, "E-GLOB", "no joint matches 'elbow'", "arm_joint, lift"),
+        (
+            {"lifft": "position"},
+            "E-GLOB",
+            "no joint matches 'lifft'",
+            "did you mean lift? joints are: arm_joint",
+        ),
         (
             {"arm_joint": {"kp": 3}},
             "E-ACTUATOR",

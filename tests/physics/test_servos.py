@@ -1,0 +1,120 @@
+"""Robots with `actuators=position`: they stand, they follow, and no control can make them explode."""
+
+import shutil
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from tests.support.command import linkwright
+from tests.support.places import SHARED
+
+ROBOTS = SHARED / "data" / "robots"
+REAL = {
+    "so101": ("so101/Simulation/SO101/so101_new_calib.urdf", "fixed"),
+    "reachy2": ("reachy2/reachy2_mujoco/description/modified_urdf/reachy2.urdf", "fixed"),
+    "open_duck": ("open_duck_mini_bdx/mini_bdx/robots/bdx/robot.urdf", "free"),
+}
+"""Robot → its URDF, and how its base stands."""
+
+TURN, SLIDE, BASE = 0.02, 0.002, 0.01
+"""How far [rad, m] a joint, and a free base [m], may move from home in 5 s."""
+
+DEEPEST = 5e-4
+"""The deepest contact [m] at home."""
+
+
+def build(name: str, folder: Path) -> mujoco.MjModel:
+    if name == "sample":
+        done = linkwright(folder, "robot=sample", "mesh=hull", "output=out")
+    else:
+        path, base = REAL[name]
+        if not (ROBOTS / path).exists():
+            pytest.skip("there are no shared data")
+        source = ("source=urdf", f"source.path={ROBOTS / path}", f"root={base}", "actuators=position")
+        # Decimating visual meshes takes a minute, and moves nothing.
+        done = linkwright(folder, *source, "mesh=hull", "mesh.visual.max_faces=2000000", "output=out")
+    assert done.returncode == 0, done.stdout + done.stderr
+    model = mujoco.MjModel.from_xml_path(str(folder / "out" / "scene.xml"))
+    shutil.rmtree(folder / "out")
+    return model
+
+
+@pytest.fixture(
+    scope="module", params=["sample", *(pytest.param(name, marks=pytest.mark.slow) for name in REAL)]
+)
+def model(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> mujoco.MjModel:
+    return build(request.param, tmp_path_factory.mktemp(request.param))
+
+
+def at_home(model: mujoco.MjModel) -> mujoco.MjData:
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def warnings(data: mujoco.MjData) -> list[int]:
+    return [warning.number for warning in data.warning if warning.number]
+
+
+def test_at_home_nothing_overlaps_and_after_five_seconds_every_joint_is_there(model: mujoco.MjModel) -> None:
+    data = at_home(model)
+    assert [contact for contact in data.contact if contact.dist < -DEEPEST] == []
+    home = data.qpos.copy()
+    for _ in range(round(5.0 / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+    assert warnings(data) == []
+    off = {}
+    for joint in range(model.njnt):
+        at, kind = model.jnt_qposadr[joint], model.jnt_type[joint]
+        if kind == mujoco.mjtJoint.mjJNT_FREE:
+            off["the base"] = float(np.linalg.norm(data.qpos[:3] - home[:3])) / BASE
+        else:
+            bound = TURN if kind == mujoco.mjtJoint.mjJNT_HINGE else SLIDE
+            off[model.joint(joint).name] = abs(float(data.qpos[at] - home[at])) / bound
+    assert {name: share for name, share in off.items() if share > 1} == {}
+    assert np.abs(data.qvel).max() < 1e-3
+
+
+@pytest.mark.parametrize("hold", [1, 25])
+def test_ten_seconds_of_control_noise_over_the_full_range_are_stable(
+    model: mujoco.MjModel, hold: int
+) -> None:
+    """A new control for each actuator every `hold` steps."""
+    data = at_home(model)
+    random = np.random.default_rng(5)
+    low, high = model.actuator_ctrlrange.T
+    assert model.actuator_ctrllimited.all()
+    for step in range(round(10.0 / model.opt.timestep)):
+        if step % hold == 0:
+            data.ctrl[:] = random.uniform(low, high)
+        mujoco.mj_step(model, data)
+        assert warnings(data) == [], f"at {data.time:.3f} s"
+    assert np.isfinite(data.qpos).all()
+
+
+def test_the_samples_arm_follows_a_trajectory_of_five_seconds(tmp_path: Path) -> None:
+    """From home to another pose and on to a third, with speeds that begin and end at 0 (minimum jerk)."""
+    model = build("sample", tmp_path)
+    data = at_home(model)
+    joints = model.actuator_trnid[:, 0]
+    turns = model.jnt_type[joints] == mujoco.mjtJoint.mjJNT_HINGE
+    at = model.jnt_qposadr[joints]
+    start = data.ctrl.copy()
+    low, high = model.actuator_ctrlrange.T
+    random = np.random.default_rng(11)
+    ways = [start, *(np.clip(start + random.uniform(-0.5, 0.5, model.nu), low, high) for _ in range(2))]
+    worst = np.zeros(model.nu)
+    for _ in range(round(5.0 / model.opt.timestep)):
+        leg, share = divmod(data.time / 2.5, 1.0)
+        smooth = share**3 * (10 - 15 * share + 6 * share**2)
+        one, other = ways[int(leg)], ways[min(int(leg) + 1, 2)]
+        data.ctrl[:] = one + smooth * (other - one)
+        mujoco.mj_step(model, data)
+        worst = np.maximum(worst, np.abs(data.qpos[at] - data.ctrl))
+    assert np.abs(ways[1] - start).max() > 0.3
+    assert np.degrees(worst[turns]).max() < 2.0
+    assert worst[~turns].max() < 2e-3
+    assert warnings(data) == []
