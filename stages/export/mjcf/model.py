@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from stages.export.mjcf.actuators import controls, write_actuation
 from stages.export.mjcf.bodies import BodyWriter, stem
 from stages.export.mjcf.cameras import carried_cameras, write_camera
+from stages.export.mjcf.classes import write_classes
 from stages.export.mjcf.filters import Filters
 from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos
 from stages.export.mjcf.loops import STIFF, Closures, held
@@ -38,7 +39,7 @@ def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
     element(root, "compiler", angle="radian", meshdir="assets", texturedir=textures, autolimits="true")
     _option(root, given.keys.scene.option)
     top = free(robot.name, {"main", "visual", "collision"})
-    _defaults(root, top, geometry.self_contact)
+    classes = _defaults(root, top, geometry.self_contact)
     painted = _assets(root, geometry)
     closures = Closures(robot)
     world = element(root, "worldbody")
@@ -56,6 +57,7 @@ def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
     _equalities(root, robot, start, closures, given.keys.scene.option.timestep)
     write_actuation(root, robot, actuation)
     _keyframes(root, world, robot, start, place, actuation)
+    write_classes(root, classes, {top, "main", "visual", "collision"})
     return to_bytes(root)
 
 
@@ -66,15 +68,18 @@ def _option(root: Element, option: Any) -> None:
     element(root, "option", **texts)
 
 
-def _defaults(root: Element, top: str, self_contact: bool) -> None:
-    """Visual and collision classes. Bits: the robot meets the world (1), and itself only where it shall: else
-    1 & 2 = 0."""
+def _defaults(root: Element, top: str, self_contact: bool) -> Element:
+    """The robot's own class, with those of visual and collision geoms.
+
+    Bits: the robot meets the world (1), and itself only where it shall: else 1 & 2 = 0.
+    """
     robot = element(element(root, "default"), "default", class_=top)
     visual = element(robot, "default", class_="visual")
     element(visual, "geom", type="mesh", group="2", contype="0", conaffinity="0", density="0")
     collision = element(robot, "default", class_="collision")
     bits = "1" if self_contact else "2"
     element(collision, "geom", type="mesh", group="3", contype="1", conaffinity=bits, density="0")
+    return robot
 
 
 def _assets(root: Element, geometry: Geometry) -> dict[Paint, str]:

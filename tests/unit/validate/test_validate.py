@@ -63,6 +63,17 @@ def swap(old: str, new: str) -> Callable[[str], str]:
     return lambda text: text.replace(old, new, 1)
 
 
+def joint_with(name, attribute):
+    """Gives a joint of an MJCF this attribute, in place of its own or its class's."""
+    key = attribute.partition("=")[0]
+
+    def change(text):
+        (old,) = re.findall(rf'<joint name="{name}"[^>]*>', text)
+        return text.replace(old, re.sub(rf' {key}="[^"]*"', "", old).replace("/>", f" {attribute}/>"))
+
+    return change
+
+
 FAULTS = {
     "no equalities": ("robot.xml", drop(r"<equality>.*</equality>")),
     "no connects": ("robot.xml", drop(r"<connect [^>]*/>")),
@@ -85,11 +96,11 @@ FAULTS = {
     "a body moved": ("robot.xml", lambda text: re.sub(r'(<body name="cart" pos=")[^ ]+', r"\g<1>9", text)),
     "an axis flipped": (
         "robot.xml",
-        swap('name="spin" type="hinge" axis="0 0 1"', 'name="spin" type="hinge" axis="0 0 -1"'),
+        joint_with("spin", 'axis="0 0 -1"'),
     ),
     "another axis": (
         "robot.xml",
-        swap('name="spin" type="hinge" axis="0 0 1"', 'name="spin" type="hinge" axis="1 0 0"'),
+        joint_with("spin", 'axis="1 0 0"'),
     ),
     "a hinge for a slide": ("robot.xml", swap('type="slide"', 'type="hinge"')),
     "a mass changed": ("robot.xml", lambda text: re.sub(r'mass="0.06"', 'mass="0.061"', text, count=1)),
@@ -286,7 +297,7 @@ MORE_FAULTS = {
     "a ball's body turned": ("robot.xml", first_number(r'<body name="ball"[^>]*? quat', "0.1")),
     "a ball for a hinge": (
         "robot.xml",
-        swap('name="revolute_joint" type="hinge"', 'name="revolute_joint" type="ball"'),
+        joint_with("revolute_joint", 'type="ball"'),
     ),
     "two joints swapped": (
         "robot.xml",
