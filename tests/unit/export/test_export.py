@@ -162,7 +162,10 @@ def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_
             robot,
             NO_MESHES,
             SimpleNamespace(
-                export=SimpleNamespace(chosen=chosen), actuators={}, scene=plan.scene, ground=plan.ground
+                export=SimpleNamespace(chosen=chosen, urdf=plan.export.urdf),
+                actuators={},
+                scene=plan.scene,
+                ground=plan.ground,
             ),
         )
         assert exported.files["seen.txt"] == b"robot.urdf"
