@@ -12,6 +12,8 @@ from stages.robot import codec
 from stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
+    from stages.export.writer import Exported
+    from stages.formats.urdf.form import UrdfForm
     from stages.robot.actuation import Actuation
     from stages.robot.bundle import Bundle
     from stages.robot.geometry import Geometry
@@ -20,6 +22,7 @@ if TYPE_CHECKING:
 NOTES = "notes.json"
 ROBOT = "robot.json"
 ACTUATION = "actuation.json"
+FORM = "form.json"
 FILES = "files/"
 """The folder of the files that the export stage writes for the user."""
 
@@ -78,6 +81,18 @@ class BuildContext:
         return codec.load(Actuation, self.files["export"][ACTUATION])
 
     @property
+    def exported(self) -> "tuple[Actuation, Geometry, UrdfForm]":
+        """What drives the robot in the exported files, its shapes, and the form of its URDF."""
+        return self.actuation, self.shapes, self.form
+
+    @property
+    def form(self) -> "UrdfForm":
+        """How the exported URDF differs from the robot."""
+        from stages.formats.urdf.form import UrdfForm
+
+        return codec.load(UrdfForm, self.files["export"][FORM])
+
+    @property
     def geometry(self) -> "Geometry":
         """The meshes, decoded at each access: they are large, and only one stage reads them."""
         return codec.decode_geometry(self.files["mesh"])
@@ -86,6 +101,11 @@ class BuildContext:
     def shapes(self) -> "Geometry":
         """The same without the files of the meshes."""
         return codec.decode_geometry(self.files["mesh"], meshes=False)
+
+
+def facts(exported: "Exported") -> dict[str, bytes]:
+    """What the validate stage needs to know of the exported files."""
+    return {ACTUATION: codec.dump(exported.actuation), FORM: codec.dump(exported.form)}
 
 
 def notes(

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from pipeline.caching import bundles
 from pipeline.caching.actions import Remembered
 from pipeline.config.plan import Plan, section
-from pipeline.context import ACTUATION, FILES, NOTES, ROBOT, BuildContext, notes
+from pipeline.context import FILES, NOTES, ROBOT, BuildContext, facts, notes
 from pipeline.mesh_details import noted, shown
 from stages.robot import codec
 from stages.robot.errors import ConfigError
@@ -264,7 +264,7 @@ class ExportStage(StageBase):
         summary = f"{count(len(exported.files), 'file')}, {size / 1e6:.2f} MB"
         return {
             **{FILES + path: data for path, data in exported.files.items()},
-            ACTUATION: codec.dump(exported.actuation),
+            **facts(exported),
             NOTES: notes(summary, exported.diagnostics, advice=exported.advice),
         }
 
@@ -293,7 +293,7 @@ class ValidateStage(StageBase):
         from stages.validate import validate
 
         with context.cache.store.scratch(context.files["export"].below(FILES)) as folder:
-            checks = validate(folder, context.robot, context.plan, context.actuation, context.shapes)
+            checks = validate(folder, context.robot, context.plan, *context.exported)
         passed = sum(check.passed for check in checks)
         return {
             "checks.json": codec.encode_checks(checks),

@@ -41,6 +41,7 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     from stages.export.driven import driven
     from stages.export.robot_json import describe
     from stages.export.standing import stand
+    from stages.export.urdf.form import form_of
     from stages.robot.armatures import with_armatures
     from stages.robot.start_pose import starting_point
 
@@ -48,19 +49,21 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     place = standing.world_from_root
     actuation, remarks = driven(robot, geometry, keys, start, standing)
     robot = with_armatures(robot, actuation)
+    form = form_of(robot, keys)
     written: dict[str, Exported] = {}
     for name in _needed(keys.export.chosen):
         writer = writer_of(name)
         own = {path: data for other in writer.reads for path, data in written[other].files.items()}
-        written[name] = writer.write(WriterInput(robot, geometry, keys, start, own, actuation, standing))
+        given = WriterInput(robot, geometry, keys, start, own, actuation, standing, form)
+        written[name] = writer.write(given)
     exported = [written[name] for name in keys.export.chosen]
     files = {f"assets/{name}": data for name, data in geometry.files.items()}
-    files["robot.json"] = describe(robot, start, actuation)
+    files["robot.json"] = describe(robot, start, actuation, form)
     for one in exported:
         files |= one.files
     diagnostics = tuple(diagnostic for one in exported for diagnostic in one.diagnostics)
     told = (*diagnostics, *standing.diagnostics, *remarks)
-    return Exported(dict(sorted(files.items())), told, actuation, advice(robot, actuation, place))
+    return Exported(dict(sorted(files.items())), told, actuation, advice(robot, actuation, place), form)
 
 
 def _needed(chosen: Collection[str]) -> list[str]:

@@ -11,12 +11,13 @@ motion) in its own frame, and the `origin` of that in the frame which the dof be
 numbers of free motion (x, y, z, quat). A ball's are its chain's, from parent to child; `mate_quat` is
 the saved value as the mate has it: the inverse where the joint runs backwards. A ball's q = 0 is its
 mate's zero in the URDF, but its pose at qpos0 in the MJCF, which has no `ref` for it: `zero` has both.
-`lowered` lists the joints that are several joints in the URDF, with links between them. `urdf` is the
-URDF link of a frame; of a loop, the links of its first and second frame. `transmissions` is there where
-the source names what drives the joints; `actuators` where the robot has any: `control` and `force` are
-ranges, `home` is the control at the keyframe of that name, `load` the largest force at the dof by the
-robot's weight, `home_load` that at home, and `sag` how far it moves the servo's dof there. `estimated` lists
-what Linkwright chose, of a dof too. `sensors` where the source has any.
+`lowered` lists the joints that are several joints in the URDF, with links between them, `merged` the
+links that are part of others there, at this pose in them. `urdf` is the URDF link of a frame; of a loop,
+the links of its first and second frame. `transmissions` is there where the source names what drives the
+joints; `actuators` where the robot has any: `control` and `force` are ranges, `home` is the control at the
+keyframe of that name, `load` the largest force at the dof by the robot's weight, `home_load` that at home,
+and `sag` how far it moves the servo's dof there. `estimated` lists what Linkwright chose, of a dof too.
+`sensors` where the source has any.
 """
 
 import json
@@ -28,6 +29,8 @@ import numpy as np
 from stages.export.mjcf.joints import free_joint_name
 from stages.export.urdf.lowering import Lowered, lower, unset
 from stages.formats.numbers import number, numbers
+from stages.formats.urdf.as_written import as_written, holders
+from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.formats.urdf.names import urdf_names
 from stages.robot.actuation import NONE, Actuation, Actuator
 from stages.robot.codec import plain
@@ -56,9 +59,11 @@ from stages.robot.printable import printable_lines
 FORMAT = "linkwright-robot"
 
 
-def describe(robot: Robot, start: Configuration, actuation: Actuation = NONE) -> bytes:
-    """The file. `start`: the MJCF's qpos0, by dof."""
-    names = urdf_names(robot)
+def describe(
+    robot: Robot, start: Configuration, actuation: Actuation = NONE, form: UrdfForm = AS_IS
+) -> bytes:
+    """The file. `start`: the MJCF's qpos0, by dof; `form`: of the URDF."""
+    names = urdf_names(as_written(robot, form))
     estimated = {one.dof for one in actuation.armatures}
     table = {
         "format": FORMAT,
@@ -77,6 +82,11 @@ def describe(robot: Robot, start: Configuration, actuation: Actuation = NONE) ->
         "frames": [_frame(frame, names.frames[frame.name]) for frame in robot.frames],
         "lowered": [_lowered(item) for item in lower(robot) if item.between],
     }
+    merged = {link: held for link, held in holders(robot, form).items() if held[0] != link}
+    if merged:
+        table["merged"] = [
+            {"link": link, "into": holder, "pose": _pose(pose)} for link, (holder, pose) in merged.items()
+        ]
     if robot.transmissions:
         table["transmissions"] = [plain(transmission) for transmission in robot.transmissions]
     if actuation.actuators:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
@@ -17,21 +18,21 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, slots=True)
 class Exported:
     """`files`: path below the output folder → bytes. `diagnostics`: losses of the format. `actuation`: what
-    drives the robot in the files; `advice`: what a user may want to try."""
+    drives the robot in the files; `advice`: what a user may want to try; `form`: of the URDF."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...] = ()
     actuation: "Actuation | None" = None
     advice: str = ""
+    form: UrdfForm = AS_IS
 
 
 @dataclass(frozen=True, slots=True)
 class WriterInput:
     """The input of a writer.
 
-    `start`: the value of every dof in a fresh simulation (qpos0). `standing`: where the scene puts the robot.
-    `files`: the files of the writers
-    that this one names in `reads`, by path.
+    `start`: the value of every dof in a fresh simulation (qpos0). `files`: the files of the writers that this
+    one names in `reads`, by path. `standing`: where the scene puts the robot. `form`: that of its URDF.
     """
 
     robot: "Robot"
@@ -41,6 +42,7 @@ class WriterInput:
     files: Mapping[str, bytes]
     actuation: "Actuation"
     standing: "Stance"
+    form: UrdfForm = AS_IS
 
 
 class Writer(Protocol):

@@ -2,9 +2,8 @@
 
 A section is a frozen pydantic model. It is the schema, the defaults, the documentation (under each
 field, with its unit in brackets), and through `identity()` its part of a cache key. Help, tab
-completion, the reference of keys and the JSON Schema are generated from the sections. A key or an option
-that is decided but has no function yet is refused by name, never ignored: a whole key by `not_yet`, one
-option by `Later`.
+completion, the reference of keys and the JSON Schema are generated from the sections. A key that is
+decided but has no function yet is refused by name, never ignored (`not_yet`).
 """
 
 import functools
@@ -18,7 +17,6 @@ from pydantic import (
     BaseModel,
     ConfigDict,
     Field,
-    GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     Strict,
     StringConstraints,
@@ -28,7 +26,7 @@ from pydantic import (
     field_validator,
 )
 from pydantic.json_schema import JsonSchemaValue
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core import CoreSchema, PydanticCustomError
 
 NOT_YET = "not_yet"
 """The error type of a key that is decided but has no function yet."""
@@ -66,21 +64,6 @@ def example(value: Any) -> Any:
 def invalid(text: str) -> PydanticCustomError:
     """The error to raise in a validator: what a value must be, or that two values exclude each other."""
     return PydanticCustomError("invalid", "{text}", {"text": text})
-
-
-class Later:
-    """Metadata of a field: options that are decided but not supported yet, refused by name."""
-
-    def __init__(self, *options: str) -> None:
-        self.options = options
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        def refuse(value: Any) -> Any:
-            if isinstance(value, str) and value in self.options:
-                raise PydanticCustomError(NOT_YET, "not supported yet")
-            return value
-
-        return core_schema.no_info_before_validator_function(refuse, handler(source))
 
 
 def _ascending(pair: tuple[float | None, float | None]) -> tuple[float | None, float | None]:

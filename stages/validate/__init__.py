@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from stages.formats.urdf.form import UrdfForm
     from stages.robot.actuation import Actuation
     from stages.robot.check import Check
     from stages.robot.geometry import Geometry
@@ -41,12 +42,15 @@ def validate(
     keys: "ValidateKeys",
     actuation: "Actuation | None" = None,
     geometry: "Geometry | None" = None,
+    form: "UrdfForm | None" = None,
 ) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only that each compiles. A check
     that fails does not stop the others. `actuation`: what drives the robot in these files;
-    `geometry`: its shapes, without their files, and which of them collide."""
+    `geometry`: its shapes, without their files, and which of them collide; `form`: how the URDF differs
+    from the robot."""
+    from stages.formats.urdf.form import AS_IS
     from stages.robot.actuation import NONE
     from stages.validate.run import check_files
 
     checks = () if keys.validate.level == "quick" else CHECKS
-    return tuple(check_files(folder, robot, ENGINES, checks, actuation or NONE, geometry))
+    return tuple(check_files(folder, robot, ENGINES, checks, actuation or NONE, geometry, form or AS_IS))

@@ -4,6 +4,8 @@ from collections.abc import Iterator, Sequence
 from importlib import import_module
 from pathlib import Path
 
+from stages.formats.urdf.as_written import as_written
+from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.robot.actuation import NONE, Actuation
 from stages.robot.armatures import with_armatures
 from stages.robot.check import Check
@@ -20,15 +22,18 @@ def check_files(
     checks: Sequence[str],
     actuation: Actuation = NONE,
     geometry: Geometry | None = None,
+    form: UrdfForm = AS_IS,
 ) -> Iterator[Check]:
     """The results of every file in `folder` that one of the engines reads. Without `checks`, whether each
     compiles."""
     robot = with_armatures(robot, actuation)
+    urdf = as_written(robot, form)
     for name in engines:
         engine: Engine = import_module(f"stages.validate.engines.{name}")
         for file in engine.files(robot.name):
             if (folder / file).exists():
-                yield from _check_file(folder / file, robot, engine, checks, actuation, geometry)
+                described = urdf if file.endswith(".urdf") else robot
+                yield from _check_file(folder / file, described, engine, checks, actuation, geometry)
 
 
 def _check_file(

@@ -227,10 +227,6 @@ def test_a_number_as_the_name_of_a_joint_is_reported_to_be_quoted():
     ("data", "shown"),
     [
         (
-            {"export": {"urdf": {"fixed_joints": "merge"}}},
-            ("export.urdf.fixed_joints", "'merge' is not supported yet", "allowed: keep"),
-        ),
-        (
             {"export": {"mjcf": {}, "sdf": {}}},
             ("export.sdf", "not supported yet (given {})", "formats so far: urdf, mjcf"),
         ),

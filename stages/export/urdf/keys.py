@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator
 
-from stages.robot.keys import Keys, Later, Text, example, invalid
+from stages.robot.keys import Keys, Text, example, invalid
 
 
 def _as_package(name: str) -> str:
@@ -23,8 +23,9 @@ class UrdfFormatKeys(Keys):
     package: Annotated[Text, AfterValidator(_as_package), example("my_arm_description")] | None = None
     """The package of `meshes: package`; null: the robot's name."""
 
-    fixed_joints: Annotated[Literal["keep"], Later("merge")] = "keep"
-    """Fixed joints. keep: each frame is a link on a fixed joint."""
+    fixed_joints: Literal["keep", "merge"] = "keep"
+    """Links on fixed joints. keep: they stay links; merge: each becomes part of its parent, with its mass,
+    inertia and shapes, but for what is fixed to a link `world`. Frames are links on fixed joints always."""
 
     frame_inertia: Literal["none", "tiny"] = "none"
     """The inertial of links without mass: of frames, and of both sides of a loop. none: they have none; tiny:

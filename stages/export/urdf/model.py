@@ -5,7 +5,7 @@ xyz. `unsupported` reports what is lost.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from stages.export.paints import Paint, materials, paint
 from stages.export.urdf.keys import UrdfFormatKeys
 from stages.export.urdf.lowering import LoweredJoint, lower
 from stages.formats.numbers import number, numbers, spaced
+from stages.formats.urdf.as_written import as_written, holders
+from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.formats.urdf.names import UrdfNames, urdf_names
 from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.geometry import Geometry, Role, Shape
@@ -26,9 +28,13 @@ UNSET_REACH = {"revolute": 2 * math.pi, "prismatic": 1.0}
 """Defaults of limits that are not set [rad, m]: URDF requires a number."""
 
 
-def write_urdf(robot: Robot, geometry: Geometry, keys: UrdfFormatKeys | None = None) -> bytes:
-    """The robot as URDF, in the way that `keys` choose."""
+def write_urdf(
+    robot: Robot, geometry: Geometry, keys: UrdfFormatKeys | None = None, form: UrdfForm = AS_IS
+) -> bytes:
+    """The robot as URDF in this form, with paths and inertials as `keys` choose."""
     keys = keys or UrdfFormatKeys()
+    held = holders(robot, form)
+    robot = as_written(robot, form)
     assets = _assets_of(keys, robot.name)
     massless = SPECK if keys.frame_inertia == "tiny" else ZERO
     root = element(None, "robot", name=robot.name)
@@ -36,12 +42,16 @@ def write_urdf(robot: Robot, geometry: Geometry, keys: UrdfFormatKeys | None = N
     mujoco = element(root, "mujoco")
     element(mujoco, "compiler", strippath="false", fusestatic="false", discardvisual="false")
     painted = _materials(root, geometry, assets)
+    solid = {held[shape.link][0] for shape in geometry.shapes}
+    on: dict[str, list[str]] = {}
+    for name, (holder, _) in held.items():
+        on.setdefault(holder, []).append(name)
     for link in robot.links:
-        solid = any(shape.link == link.name for shape in geometry.shapes)
         # A root called `world` is nothing, which no engine weighs.
         weightless = link.inertial.mass == 0 and link.name != "world"
-        node = _link(root, link.name, massless if weightless else link.inertial, solid)
-        _shapes(node, link.name, geometry, painted, assets)
+        inertial = massless if weightless else link.inertial
+        node = _link(root, link.name, inertial, link.name in solid)
+        _shapes(node, [(name, held[name][1]) for name in on[link.name]], geometry, painted, assets)
     lowered = lower(robot)
     for item in lowered:
         for name in item.between:
@@ -98,13 +108,20 @@ def _link(root: Element, name: str, body: Inertial, shaped: bool) -> Element:
     return node
 
 
-def _shapes(node: Element, link: str, geometry: Geometry, painted: Mapping[Paint, str], assets: str) -> None:
+def _shapes(
+    node: Element,
+    links: Sequence[tuple[str, Array]],
+    geometry: Geometry,
+    painted: Mapping[Paint, str],
+    assets: str,
+) -> None:
+    """The shapes of `links` at their places (4, 4) in the link of `node`."""
     roles: tuple[Role, ...] = ("visual", "collision")
     for role in roles:
-        for shape in geometry.of(link, role):
+        for place, shape in ((at, one) for link, at in links for one in geometry.of(link, role)):
             for pose, tag, attributes in _solids(shape, assets):
                 holder = element(node, role)
-                _origin(holder, pose)
+                _origin(holder, place @ pose)
                 element(element(holder, "geometry"), tag, **attributes)
                 own = paint(shape)
                 if own is not None:

@@ -4,6 +4,8 @@ from collections.abc import Callable, Iterator
 
 from stages.export.urdf.lowering import lower, unset
 from stages.formats.numbers import number
+from stages.formats.urdf.as_written import as_written, holders
+from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.formats.urdf.names import urdf_names
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Geometry
@@ -11,10 +13,13 @@ from stages.robot.inertia import NEXT_TO_NOTHING
 from stages.robot.model import Robot
 
 
-def unsupported(robot: Robot, geometry: Geometry) -> Iterator[Diagnostic]:
-    """A diagnostic for each kind of loss that this robot has, in the order of the table."""
+def unsupported(robot: Robot, geometry: Geometry, form: UrdfForm = AS_IS) -> Iterator[Diagnostic]:
+    """A diagnostic for each kind of loss that this robot has, in the order of the table; and of what the
+    form of its URDF changes."""
+    written = as_written(robot, form)
     for loss in LOSSES:
-        yield from loss(robot, f"{robot.name}.urdf")
+        yield from loss(written, f"{robot.name}.urdf")
+    yield from _merged(robot, form, f"{robot.name}.urdf")
     yield from _contacts(geometry, f"{robot.name}.urdf")
 
 
@@ -101,6 +106,17 @@ def _frame_names(robot: Robot, file: str) -> Iterator[Diagnostic]:
                 file,
                 "the MJCF keeps the name; robot.json has the URDF's name, under urdf",
             )
+
+
+def _merged(robot: Robot, form: UrdfForm, file: str) -> Iterator[Diagnostic]:
+    into = [f"{link} into {holder}" for link, (holder, _) in holders(robot, form).items() if link != holder]
+    if into:
+        yield Diagnostic(
+            "I-URDF-MERGED",
+            f"links on fixed joints are merged: {', '.join(into)}",
+            file,
+            "robot.json has the place of each, under merged; to keep a link there, put a frame on it",
+        )
 
 
 def _contacts(geometry: Geometry, file: str) -> Iterator[Diagnostic]:

@@ -17,8 +17,8 @@ class UrdfWriter:
         from stages.export.urdf.unsupported import unsupported
 
         (path,) = self.paths(given.robot.name)
-        diagnostics = tuple(unsupported(given.robot, given.geometry))
-        text = write_urdf(given.robot, given.geometry, given.keys.export.urdf)
+        diagnostics = tuple(unsupported(given.robot, given.geometry, given.form))
+        text = write_urdf(given.robot, given.geometry, given.keys.export.urdf, given.form)
         return Exported({path: text}, diagnostics)
 
 

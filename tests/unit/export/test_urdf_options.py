@@ -1,5 +1,7 @@
 """Every option of `export.urdf`, as Pinocchio and MuJoCo read the file."""
 
+import json
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -9,15 +11,20 @@ import pytest
 from pipeline.errors import ConfigError
 from stages.export.urdf.keys import UrdfFormatKeys
 from stages.export.urdf.model import write_urdf
+from stages.formats.urdf.form import UrdfForm
 from stages.formats.xml import parse
 from stages.mesh import make_geometry
+from stages.mesh.primitives import shapes as primitive_shapes
+from stages.robot.dynamics import mass_matrix
 from stages.robot.geometry import Geometry
-from stages.robot.model import Frame, frozen
+from stages.robot.kinematics import link_poses
+from stages.robot.model import Frame, Primitive, Robot, frozen
 from stages.validate import validate
 from tests.support.building import bundle_of, plan_of, robot_of, write
+from tests.support.engines import Mujoco, Pinocchio
 from tests.support.kit import SIDE, TOP, Kit
 from tests.support.pinocchio import pin
-from tests.support.robots import joint, pose, robot_with
+from tests.support.robots import joint, pose, robot_with, some_values
 
 NO_SHAPES = Geometry((), {})
 
@@ -95,6 +102,7 @@ def test_a_root_called_world_stays_without_an_inertial() -> None:
         ({"package": "my robot"}, "export.urdf.package", "must be the name of a package"),
         ({"package": "../up"}, "export.urdf.package", "must be the name of a package"),
         ({"package": ""}, "export.urdf.package", ""),
+        ({"fixed_joints": "drop"}, "export.urdf.fixed_joints", "'drop' is not allowed"),
         ({"frame_inertia": "small"}, "export.urdf.frame_inertia", "'small' is not allowed"),
     ],
 )
@@ -104,3 +112,131 @@ def test_a_bad_option_is_named(keys: dict, where: str, message: str) -> None:
     (problem,) = caught.value.problems
     assert problem.where == where
     assert message in problem.message
+
+
+PLACES = [pose(np.random.default_rng(seed)) for seed in range(20, 26)]
+
+
+def chain(root: str = "base") -> tuple[Robot, Geometry]:
+    """base – turn – arm – fixed – plate – fixed – tip – turn – hand, with shapes and frames on the tip."""
+    rows = [
+        joint("revolute", root, "arm", place=PLACES[0]),
+        joint("fixed", "arm", "plate", place=PLACES[1]),
+        joint("fixed", "plate", "tip", place=PLACES[2]),
+        joint("revolute", "tip", "hand", place=PLACES[3]),
+        joint("fixed", root, "mast", place=PLACES[4]),
+    ]
+    ball = Primitive("sphere", (0.02,), frozen(PLACES[5]))
+    shapes = dict.fromkeys(("plate", "tip", "mast"), (ball,))
+    robot = robot_with(
+        rows, root=root, frames=[Frame("tool", "tip", frozen(PLACES[5]), "Tool")], shapes=shapes
+    )
+    found = tuple(one for link in robot.links for one in primitive_shapes(link))
+    return robot, Geometry(found, {})
+
+
+def urdf_of(robot: Robot, geometry: Geometry, folder: Path, **keys: object) -> Path:
+    """The URDF in a folder of its own, checked by the validate stage."""
+    plan = plan_of(export={"urdf": keys})
+    exported = write(robot, folder, plan, geometry)
+    checks = validate(folder, robot, plan, geometry=geometry, form=exported.form)
+    assert [check.name for check in checks if not check.passed] == []
+    return folder / "robot.urdf"
+
+
+def test_merged_links_move_weigh_and_stand_as_they_did(tmp_path: Path) -> None:
+    robot, geometry = chain()
+    kept = urdf_of(robot, geometry, tmp_path / "keep", fixed_joints="keep")
+    merged = urdf_of(robot, geometry, tmp_path / "merge", fixed_joints="merge")
+    tree = parse(merged.read_bytes())
+    assert [link.get("name") for link in tree.findall("link")] == ["base", "arm", "hand", "tool"]
+    dofs = [dof.name for dof in robot.dofs]
+    engines = [
+        (Pinocchio(kept.read_bytes()), Pinocchio(merged.read_bytes())),
+        (Mujoco(kept), Mujoco(merged)),
+    ]
+    rng = np.random.default_rng(7)
+    for before, after in engines:
+        for _ in range(5):
+            q = some_values(robot, rng)
+            old, new = before.poses(q), after.poses(q)
+            own = link_poses(robot, q)
+            own["tool"] = own["tip"] @ PLACES[5]
+            for name in ("arm", "hand", "tool"):
+                assert np.abs(new[name] - old[name]).max() < 1e-9
+                assert np.abs(new[name] - own[name]).max() < 1e-9
+            inertia = after.mass_matrix(q, dofs)
+            assert np.abs(inertia - before.mass_matrix(q, dofs)).max() < 1e-9
+            assert np.abs(inertia - mass_matrix(robot, q)).max() < 1e-9
+            assert np.abs(after.gravity(q, dofs) - before.gravity(q, dofs)).max() < 1e-9
+    total = sum(link.inertial.mass for link in robot.links)
+    assert engines[1][1].model.body_mass.sum() == pytest.approx(total, abs=1e-9)
+    free = pin.buildModelFromXML(merged.read_text(), pin.JointModelFreeFlyer())
+    assert pin.computeTotalMass(free) == pytest.approx(total, abs=1e-9)
+    assert free.nbodies == 1 + 3
+
+
+def test_the_shapes_of_merged_links_are_where_they_were(tmp_path: Path) -> None:
+    robot, geometry = chain()
+    q = some_values(robot, np.random.default_rng(8))
+    places = []
+    for choice in ("keep", "merge"):
+        engine = Mujoco(urdf_of(robot, geometry, tmp_path / choice, fixed_joints=choice))
+        engine.poses(q)
+        places.append(np.array(sorted(engine.data.geom_xpos.tolist())))
+    assert len(places[0]) == 6
+    assert np.abs(places[0] - places[1]).max() < 1e-9
+
+
+def test_a_mesh_of_a_merged_link_is_where_it_was(tmp_path: Path) -> None:
+    kit = Kit()
+    base, arm = kit.place("Base", fixed=True), kit.place("Arm")
+    kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, limits=(0, 1))
+    robot = robot_of(kit.document)
+    plan = plan_of()
+    geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
+    held = replace(robot.joints[0], type="fixed", dofs=())  # as a URDF source has it
+    robot = replace(robot, joints=(held,))
+    places = []
+    for choice in ("keep", "merge"):
+        text = write_urdf(robot, geometry, form=UrdfForm(merged=choice == "merge")).decode()
+        model = pin.buildModelFromXML(text)
+        files = tmp_path / "assets"
+        files.mkdir(exist_ok=True)
+        for name, data in geometry.files.items():
+            (files / name).write_bytes(data)
+        shapes = pin.buildGeomFromUrdfString(model, text, pin.VISUAL, package_dirs=[str(tmp_path)])
+        placed = {one.meshPath: one.placement.homogeneous for one in shapes.geometryObjects}
+        places.append(placed)
+    assert places[0].keys() == places[1].keys()
+    assert max(np.abs(places[0][key] - places[1][key]).max() for key in places[0]) < 1e-12
+    assert max(np.abs(place - np.eye(4)).max() for place in places[1].values()) > 0.01
+
+
+def test_what_is_fixed_to_a_root_called_world_keeps_its_mass(tmp_path: Path) -> None:
+    robot, geometry = chain("world")
+    merged = urdf_of(robot, geometry, tmp_path, fixed_joints="merge")
+    names = [link.get("name") for link in parse(merged.read_bytes()).findall("link")]
+    assert names == ["world", "arm", "hand", "mast", "tool"]
+    total = sum(link.inertial.mass for link in robot.links)
+    assert Mujoco(merged).model.body_mass.sum() == pytest.approx(total, abs=1e-9)
+
+
+def test_robot_json_and_a_diagnostic_say_where_merged_links_are(tmp_path: Path) -> None:
+    robot, geometry = chain()
+    exported = write(robot, tmp_path, plan_of(export={"urdf": {"fixed_joints": "merge"}}), geometry)
+    (told,) = [one.message for one in exported.diagnostics if one.code == "I-URDF-MERGED"]
+    assert told.endswith("plate into arm, tip into arm, mast into base")
+    table = json.loads(exported.files["robot.json"])
+    found = {one["link"]: (one["into"], one["pose"]["xyz"]) for one in table["merged"]}
+    assert found["tip"][0] == "arm"
+    assert np.abs((PLACES[1] @ PLACES[2])[:3, 3] - found["tip"][1]).max() < 1e-11
+    assert len(table["links"]) == len(robot.links)
+
+
+def test_controls_of_a_merged_joint_are_left_out() -> None:
+    joints = '<joint name="plate_joint"/><joint name="arm_joint"/>'
+    text = f'<ros2_control name="c" type="system">{joints}</ros2_control>'
+    robot = replace(chain()[0], controls=(text,))
+    tree = parse(write_urdf(robot, NO_SHAPES, form=UrdfForm(merged=True)))
+    assert [node.get("name") for node in tree.findall("ros2_control/joint")] == ["arm_joint"]
