@@ -14,11 +14,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stages.mesh import collision
+from stages.mesh.across import across
 from stages.mesh.choices import Choice
 from stages.mesh.collision import Collision
 from stages.mesh.decompose import DecomposeOptions, Making, estimated_cost, search, side_by_side
 from stages.mesh.library import MeshLibrary
 from stages.mesh.link_mesh import Use
+from stages.mesh.pieces import placed
 from stages.mesh.surface import Surface, moved
 from stages.mesh.verdict import miss
 from stages.robot.errors import DecompositionFailed
@@ -95,7 +97,7 @@ def collide(
     # One after the other, since this is Python's own time: for the 20 parts of the sample two threads take
     # 5.2 s instead of 5.7 s, and two processes, which start for a second each, would save 2 s of 40.
     first = made.together([Collided(job, made.first(job)) for job in jobs])
-    return made.improved(first, shown)
+    return made.across(made.improved(first, shown))
 
 
 class _Made:
@@ -130,23 +132,38 @@ class _Made:
 
     def together(self, every: Sequence[Collided]) -> list[Collided]:
         """The same with one collider for parts of a link that the same key chose, where one will do."""
-        groups: dict[tuple[str, int], list[Collided]] = {}
-        for number, one in enumerate(every):
-            choice = one.job.choice
-            joins = choice.maker == "ladder" and not choice.apart and one.collision.pieces
-            key = (one.job.link, choice.entry) if joins else ("", number)
-            groups.setdefault(key, []).append(one)
-        return [one for group in groups.values() for one in (self._one_for_all(group) or group)]
+        return [one for group in _of_one_key(every) for one in (self._one_for_all(group) or group)]
 
     def _one_for_all(self, group: Sequence[Collided]) -> list[Collided]:
         if len(group) < 2:
             return []
-        jobs = [one.job for one in group]
-        uses = tuple(use for job in jobs for use in job.uses)
-        parts = tuple(part for job in jobs for part in job.parts)
-        whole = replace(jobs[0], name=jobs[0].link, uses=uses, parts=parts)
+        whole = _whole(group)
         made = self.first(whole, "together")
         return [Collided(whole, made)] if made.pieces else []
+
+    def across(self, every: Sequence[Collided]) -> list[Collided]:
+        """The same with fewer pieces for parts of a link that the same key chose, where some of one part
+        and of another may be one."""
+        found = []
+        for group in _of_one_key(every):
+            near = [one for one in group if one.collision.meets]
+            joined = self._joined(near) if len(near) > 1 else None
+            found += [joined, *(one for one in group if not one.collision.meets)] if joined else group
+        return found
+
+    def _joined(self, group: Sequence[Collided]) -> Collided | None:
+        whole = _whole(group)
+        pieces = [placed(piece, one.job.link_from_subject) for one in group for piece in one.collision.pieces]
+        if len(pieces) <= len(whole.parts):
+            return None
+
+        def make() -> bytes:
+            return collision.encode(across(self._surfaces(whole), pieces, whole.choice.settings))
+
+        name = whole.identity(), "joined"
+        if name not in self._first:
+            self._first[name] = collision.decode(self._remembered(whole, "joined", make))
+        return Collided(whole, self._first[name]) if self._first[name].pieces else None
 
     def improved(self, every: Sequence[Collided], shown: Shown | None) -> list[Collided]:
         """The same with the second step of the makers, the worst first, as far as the effort goes."""
@@ -177,6 +194,25 @@ class _Made:
             return collision.encode(improve(surfaces, job.choice.settings, made, halt))
 
         return collision.decode(self._remembered(job, "improve", make))
+
+
+def _of_one_key(every: Sequence[Collided]) -> list[list[Collided]]:
+    """What of a link one key chose for the ladder, together; all else alone."""
+    groups: dict[tuple[str, int], list[Collided]] = {}
+    for number, one in enumerate(every):
+        choice = one.job.choice
+        joins = choice.maker == "ladder" and not choice.apart and one.collision.pieces
+        key = (one.job.link, choice.entry) if joins else ("", number)
+        groups.setdefault(key, []).append(one)
+    return list(groups.values())
+
+
+def _whole(group: Sequence[Collided]) -> ColliderJob:
+    """The job of one collider for several parts of a link."""
+    jobs = [one.job for one in group]
+    uses = tuple(use for job in jobs for use in job.uses)
+    parts = tuple(part for job in jobs for part in job.parts)
+    return replace(jobs[0], name=jobs[0].link, uses=uses, parts=parts)
 
 
 def _maker(job: ColliderJob) -> Any:

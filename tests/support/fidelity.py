@@ -23,16 +23,18 @@ POINTS = 10_000
 _CRACK = 5e-4
 """Of the diagonal: what is as near ahead of a collider's surface as this is one with it."""
 
+_REACH = 4.0
+"""What is nearer to a part's box than so many tolerances is held against it first."""
+
 _DENSE = 0.25
 """The spacing of the points that stand for a part, in tolerances."""
 
 
 @dataclass(frozen=True)
 class Fidelity:
-    """How many tolerances of `tolerance` [m] a collider is off: by how much it stands out of the part (p95,
-    and the most), and by how much it leaves the part bare at most."""
+    """How many tolerances a collider is off: by how much it stands out of its parts (p95, and the most), and
+    by how much it leaves them bare at most; each by the tolerance of the part that is nearest."""
 
-    tolerance: float
     protrusion_p95: float
     protrusion_max: float
     bareness_max: float
@@ -48,43 +50,63 @@ _CUBES, _NEAR = 12, 2.5
 """Triangles count together in cubes so small, from so many times as far as they reach."""
 
 
+def tolerance_of(part: trimesh.Trimesh) -> float:
+    """The default [m]."""
+    return max(0.001, 0.015 * float(np.linalg.norm(np.ptp(part.vertices, axis=0))))
+
+
 def fidelity(
-    part: trimesh.Trimesh, pieces: Sequence["Piece"], tolerance: float | None = None, points: int = POINTS
+    parts: Sequence[trimesh.Trimesh],
+    pieces: Sequence["Piece"],
+    tolerances: Sequence[float] | None = None,
+    points: int = POINTS,
 ) -> Fidelity:
-    """Of a part and the pieces of its collider in one frame; the tolerance [m] is the default one unless
-    said. `points`: how many on either surface are looked at."""
-    diagonal = float(np.linalg.norm(np.ptp(part.vertices, axis=0)))
-    tolerance = tolerance or max(0.001, 0.015 * diagonal)
-    standing = _protrusion(_Solid(part, _DENSE * tolerance), pieces, _CRACK * diagonal, tolerance, points)
-    seen, _ = trimesh.sample.sample_surface(part, points, seed=1)
-    corners = np.unique(part.vertices, axis=0)
-    step = max(1, len(corners) // points)
-    bare = _bareness(np.concatenate([seen, corners[::step]]), pieces)
-    return Fidelity(
-        tolerance,
-        float(np.quantile(standing, 0.95)) / tolerance if len(standing) else 0.0,
-        float(standing.max(initial=0.0)) / tolerance,
-        float(bare.max()) / tolerance,
-    )
+    """Of one or several parts and the pieces of their collider, in one frame; the tolerances [m] of the parts
+    are the default ones unless said. `points`: how many on either surface are looked at."""
+    tolerances = tolerances or [tolerance_of(part) for part in parts]
+    diagonal = float(np.linalg.norm(np.ptp(np.concatenate([part.vertices for part in parts]), axis=0)))
+    outer = _outer(pieces, _CRACK * diagonal, points)
+    solids = [_Solid(part, _DENSE * tolerance) for part, tolerance in zip(parts, tolerances, strict=True)]
+    standing = _standing(solids, tolerances, outer)
+    bare = 0.0
+    for part, tolerance in zip(parts, tolerances, strict=True):
+        seen, _ = trimesh.sample.sample_surface(part, points, seed=1)
+        corners = np.unique(part.vertices, axis=0)
+        step = max(1, len(corners) // points)
+        far = _bareness(np.concatenate([seen, corners[::step]]), pieces)
+        bare = max(bare, float(far.max()) / tolerance)
+    return Fidelity(float(np.quantile(standing, 0.95)), float(standing.max()), bare)
 
 
-def _protrusion(
-    solid: "_Solid", pieces: Sequence["Piece"], crack: float, tolerance: float, count: int
-) -> Points:
-    """How far points spread evenly over the outer surface of the pieces are outside of the part [m]."""
+def _standing(solids: Sequence["_Solid"], tolerances: Sequence[float], points: Points) -> Points:
+    """(n,): how far points are outside of the nearest part, in its tolerances."""
+    found = np.full(len(points), np.inf)
+    for reach in (_REACH, np.inf):  # first what is near, then what is near nothing
+        for solid, tolerance in zip(solids, tolerances, strict=True):
+            low, high = solid.bounds
+            near = ((points >= low - reach * tolerance) & (points <= high + reach * tolerance)).all(axis=1)
+            some = np.flatnonzero(near & ((found > 0) if reach < np.inf else np.isinf(found)))
+            if len(some):
+                far = solid.outside(points[some], tolerance / 4) / tolerance
+                found[some] = np.minimum(found[some], far)
+    return found
+
+
+def _outer(pieces: Sequence["Piece"], crack: float, count: int) -> Points:
+    """Points spread evenly over the outer surface of the pieces."""
     areas = np.array([piece.area for piece in pieces])
     found = []
     for number, (piece, share) in enumerate(zip(pieces, areas / areas.sum(), strict=True)):
         points, normals = piece.samples(max(20, round(count * share)), number)
-        others = [other for other in pieces if other is not piece]
         ahead = points + crack * normals
         outer = np.ones(len(points), dtype=bool)
-        for other in others:
+        for other in pieces:
             some = np.flatnonzero(outer)
-            buried = (other.planes(points[some]) <= 0) | (other.planes(ahead[some]) <= 0)
-            outer[some[buried]] = False
+            if other is not piece:
+                buried = (other.planes(points[some]) <= 0) | (other.planes(ahead[some]) <= 0)
+                outer[some[buried]] = False
         found.append(points[outer])
-    return solid.outside(np.concatenate(found), tolerance / 4)
+    return np.concatenate(found)
 
 
 def _bareness(points: Points, pieces: Sequence["Piece"]) -> Points:
@@ -245,6 +267,8 @@ class _Solid:
         self._corners = np.asarray(mesh.triangles, dtype=float)
         count = int(np.clip(mesh.area / spacing**2, 20_000, 200_000))
         self._points, self._owners = trimesh.sample.sample_surface(mesh, count, seed=2)
+
+        self.bounds = mesh.bounds
 
     @cached_property
     def _tree(self) -> cKDTree:

@@ -1,29 +1,32 @@
 """What is seen of each part of a robot, read from its source without the product's own code."""
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
+import mujoco
 import numpy as np
 import trimesh
 from scipy.spatial.transform import Rotation
 
-Seen = Mapping[tuple[str, str], trimesh.Trimesh]
-"""By link and name of the part: its surface in the frame of the link."""
+from tests.support.fidelity import mesh_of
+
+Seen = Mapping[str, list[tuple[str, trimesh.Trimesh]]]
+"""By link, in the order of the source: the name of each mesh, and the mesh in the link's frame."""
 
 
 def of_urdf(path: Path) -> Seen:
-    """The meshes of a URDF's visuals, by their number in the link."""
-    found = {}
+    """The meshes of a URDF's visuals."""
+    found: dict[str, list[tuple[str, trimesh.Trimesh]]] = {}
     for link in ElementTree.parse(path).getroot().iterfind("link"):
-        for number, visual in enumerate(link.iterfind("visual"), 1):
+        for visual in link.iterfind("visual"):
             mesh = visual.find("geometry/mesh")
-            if mesh is None:
-                continue
-            name = mesh.attrib["filename"].removeprefix("package://").lstrip("/")
-            surface = trimesh.load(path.parent / name, force="mesh", process=False)
-            surface.apply_transform(_origin(visual.find("origin")))
-            found[link.attrib["name"], f"{link.attrib['name']}/visual {number}"] = surface
+            if mesh is not None:
+                name = mesh.attrib["filename"].removeprefix("package://").lstrip("/")
+                surface = trimesh.load(path.parent / name, force="mesh", process=False)
+                surface.apply_transform(_origin(visual.find("origin")))
+                found.setdefault(link.attrib["name"], []).append((Path(name).stem, surface))
     return found
 
 
@@ -33,3 +36,41 @@ def _origin(element: ElementTree.Element | None) -> np.ndarray:
         xyz, rpy = ([float(x) for x in element.get(name, "0 0 0").split()] for name in ("xyz", "rpy"))
         pose[:3, :3], pose[:3, 3] = Rotation.from_euler("xyz", rpy).as_matrix(), xyz
     return pose
+
+
+def of_mjcf(path: Path) -> Seen:
+    """The meshes of an MJCF that do not collide."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    found: dict[str, list[tuple[str, trimesh.Trimesh]]] = {}
+    for geom in range(model.ngeom):
+        seen = not model.geom_contype[geom] and not model.geom_conaffinity[geom]
+        if seen and model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH:
+            name = model.mesh(model.geom_dataid[geom]).name
+            body = model.body(model.geom_bodyid[geom]).name
+            found.setdefault(body, []).append((name, mesh_of(model, geom)))
+    return found
+
+
+def of_parts(path: Path) -> Seen:
+    """The meshes that are seen in an MJCF with one for each part and colour (`mesh.visual.merge=part`), those
+    of one part together."""
+    found: dict[str, list[tuple[str, trimesh.Trimesh]]] = {}
+    for link, meshes in of_mjcf(path).items():
+        parts: dict[str, list[trimesh.Trimesh]] = {}
+        for name, mesh in meshes:
+            word = re.sub(r"__\d+$", "", name.removeprefix(f"{link}_"))
+            parts.setdefault(word, []).append(mesh)
+        found[link] = [(name, trimesh.util.concatenate(every)) for name, every in parts.items()]
+    return found
+
+
+def chosen(seen: Seen, link: str, part: str) -> tuple[str, trimesh.Trimesh]:
+    """The mesh of a part by the name that a report gives it: its number among the link's visuals, its own
+    number among the geoms of an MJCF, or its name in CAD."""
+    own = part.rpartition("/")[2]
+    numbered = re.fullmatch(r"visual (\d+)", own)
+    if numbered:
+        return seen[link][int(numbered[1]) - 1]
+    word = re.sub(r"\W+", "_", own.lower()).strip("_").removesuffix("_1")
+    (found,) = [one for one in seen[link] if one[0] == word]
+    return found

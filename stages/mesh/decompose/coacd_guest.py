@@ -17,8 +17,9 @@ from stages.mesh.decompose.prepare import Prepared, prepared
 from stages.mesh.decompose.seams import OVERLAP_OF_SIZE, grown
 from stages.mesh.decompose.tighten import tightened
 from stages.mesh.decompose.wire import Decomposition, refusal
+from stages.mesh.rays import Inside
 from stages.mesh.snapping import grid, on_grid
-from stages.mesh.surface import Points, Surface
+from stages.mesh.surface import Points, Surface, joined
 
 _CONVEX = 1.002
 """A body whose hull has at most so many times its volume is one piece; so is one smaller than the
@@ -43,7 +44,7 @@ def _decomposition(surface: Surface, tolerance: float, arguments: dict[str, Any]
     pitch = grid(_size(surface))
     hulls = [hull.vertices for part in parts if (hull := convex_hull(on_grid(part, pitch)))]
     hulls.sort(key=lambda hull: hull.tobytes())
-    return _finished(made, hulls, Overhang.of(surface, made.bodies, tolerance))
+    return _finished(made, hulls, Overhang.of([surface], [tolerance], Inside.of(joined(made.bodies))))
 
 
 def _finished(made: Prepared, hulls: list[Points], overhang: Overhang) -> Decomposition:

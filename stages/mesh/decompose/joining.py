@@ -20,7 +20,6 @@ from stages.mesh.decompose.wire import Joining
 from stages.mesh.surface import Points
 
 _THIN = 0.05
-"""A piece of less mean thickness than this share of the tolerance joins another one first of all."""
 
 _DIGITS = 7
 _MOST_PAIRED = 160
@@ -43,9 +42,10 @@ _ALIKE = 0.1
 """A hull is no worse where it stands out further than its pieces by less than so many tolerances."""
 
 
-def joinings(pieces: Sequence[Points], overhang: Overhang) -> tuple[Joining, ...]:
-    """How the pieces (corners of each) become one, step by step; ties go to the first."""
-    groups = _Groups(pieces, overhang)
+def joinings(pieces: Sequence[Points], overhang: Overhang, thin: float = _THIN) -> tuple[Joining, ...]:
+    """How the pieces (corners of each) become one, step by step; ties go to the first. A piece of less mean
+    thickness than `thin` tolerances joins another one first of all."""
+    groups = _Groups(pieces, overhang, thin)
     return tuple(groups.join() for _ in pieces[1:])
 
 
@@ -71,8 +71,9 @@ class _Groups:
     the cheapest pair, since it only ever adds to that.
     """
 
-    def __init__(self, pieces: Iterable[Points], overhang: Overhang) -> None:
+    def __init__(self, pieces: Iterable[Points], overhang: Overhang, thin: float) -> None:
         self._overhang = overhang
+        self._thinnest = thin * overhang.tolerance
         self._hulls: dict[int, Any] = {}
         self._thin: set[int] = set()
         self._standing: dict[int, Standing] = {}
@@ -124,7 +125,7 @@ class _Groups:
     def _add(self, hull: Any) -> None:
         number, self._made = self._made, self._made + 1
         self._hulls[number] = hull
-        if _thickness(hull) < _THIN * self._overhang.tolerance:
+        if _thickness(hull) < self._thinnest:
             self._thin.add(number)
         for other in self._hulls:
             if other != number:

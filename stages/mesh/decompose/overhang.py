@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
-from stages.mesh.decompose.remesh import dense, one_a_cell
-from stages.mesh.rays import Inside
-from stages.mesh.surface import Points, Surface, joined
+from stages.mesh.decompose.remesh import one_a_cell
+from stages.mesh.surface import Points, Surface
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -19,13 +19,11 @@ _SPACING = 1.0
 """Of the points that are looked at on a hull, in tolerances: a hole is not missed that is as wide as what
 a collider may stand out at most."""
 
-_FEWEST, _MOST = 100, 1500
-_DENSE, _CELL = 0.8, 0.4
-"""The spacing of the points that stand for the part, and how near to each other one is enough, in
-tolerances."""
+_FEWEST, _MOST, _MOST_OF_PART = 100, 1500, 300_000
+_DENSE = 0.8
+"""The spacing of the points that stand for a part, in tolerances."""
 
 _ROUGHLY = 0.1
-"""The share by which a distance may be told too large."""
 
 _FAR = 3.5
 """A hull that stands out by more is as bad as one that stands out by so many tolerances."""
@@ -45,40 +43,87 @@ class Standing:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Overhang:
-    """A part to compare hulls with, within a tolerance [m]."""
+    """Parts to compare hulls with, each within its own tolerance [m]; `tolerance` is the least of them.
+
+    `near`, `tolerances`: points that stand for the parts, and the tolerance of the part of each; `inside` of
+    the parts; `roughly`: the share by which a distance may be told too large.
+    """
 
     tolerance: float
     near: cKDTree
-    inside: Inside
+    tolerances: npt.NDArray[np.float64]
+    inside: Callable[[Points], npt.NDArray[np.bool_]]
+    roughly: float = 0.0
 
     @staticmethod
-    def of(surface: Surface, bodies: Sequence[Surface], tolerance: float) -> Overhang:
-        """Of the surface of a part and the closed bodies that were made of it, which say what is inside."""
+    def of(
+        surfaces: Sequence[Surface],
+        tolerances: Sequence[float],
+        inside: Callable[[Points], npt.NDArray[np.bool_]],
+        spacing: float = _DENSE,
+        roughly: float = _ROUGHLY,
+    ) -> Overhang:
+        """Of the surface of each part, and what says which points are in them.
+
+        `spacing`: of the points that stand for the parts, in tolerances; `roughly` as the field.
+        """
         from scipy.spatial import cKDTree
 
-        points = one_a_cell(dense(surface, _DENSE * tolerance), _CELL * tolerance)
-        return Overhang(tolerance, cKDTree(points), Inside.of(joined(bodies)))
+        points = [
+            _points(surface, spacing * tolerance)
+            for surface, tolerance in zip(surfaces, tolerances, strict=True)
+        ]
+        theirs = np.repeat(np.array(tolerances, dtype=np.float64), [len(one) for one in points])
+        return Overhang(min(tolerances), cKDTree(np.concatenate(points)), theirs, inside, roughly)
 
     def __call__(self, hull: Any) -> Standing:
         """Of a convex body of manifold3d."""
         points, area = self._samples(hull)
-        far, _ = self.near.query(points, eps=_ROUGHLY, distance_upper_bound=_FAR * self.tolerance)
-        far = np.minimum(far / self.tolerance, _FAR)
-        out = np.flatnonzero(far > 1)
+        far = self.standing(points)
+        return Standing(area * float((far > 1).mean()), max(1.0, float(far.max())))
+
+    def standing(self, points: Points) -> npt.NDArray[np.float64]:
+        """(n,): by how many tolerances of the nearest part points (n, 3) are outside of all parts, at most
+        3.5; 0 where that is less than one, or inside."""
+        bound = _FAR * float(self.tolerances.max())
+        far, nearest = self.near.query(points, eps=self.roughly, distance_upper_bound=bound)
+        ratios = np.full(len(points), _FAR)
+        known = np.isfinite(far)
+        ratios[known] = np.minimum(far[known] / self.tolerances[nearest[known]], _FAR)
+        out = np.flatnonzero(ratios > 1)
+        result = np.zeros(len(points))
         out = out[~self.inside(points[out])]
-        return Standing(area * len(out) / len(points), float(far[out].max(initial=1.0)))
+        result[out] = ratios[out]
+        return result
 
     def _samples(self, hull: Any) -> tuple[Points, float]:
         """Points spread evenly over a hull, and its area."""
         mesh = hull.to_mesh64()
         vertices = np.array(mesh.vert_properties, dtype=np.float64)[:, :3]
-        a, b, c = np.moveaxis(vertices[np.array(mesh.tri_verts).astype(np.int64)], 1, 0)
-        total = np.cumsum(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
-        area = float(total[-1])
+        corners = vertices[np.array(mesh.tri_verts).astype(np.int64)]
+        area = float(_areas(corners).sum())
         count = int(np.clip(area / (_SPACING * self.tolerance) ** 2, _FEWEST, _MOST))
-        steps = np.arange(count)
-        which = np.minimum(np.searchsorted(total, (steps + 0.5) / count * area), len(total) - 1)
-        u, v = (0.5 + steps * _FIRST) % 1, (0.5 + steps * _SECOND) % 1
-        over = u + v > 1
-        u, v = np.where(over, 1 - u, u)[:, None], np.where(over, 1 - v, v)[:, None]
-        return a[which] + (b - a)[which] * u + (c - a)[which] * v, area
+        return _even(corners, count), area
+
+
+def _points(surface: Surface, spacing: float) -> Points:
+    """The corners of a surface, and points all over it, about so far [m] apart."""
+    count = int(np.clip(2 * surface.area() / spacing**2, _FEWEST, _MOST_OF_PART))
+    return np.concatenate([one_a_cell(surface.vertices, spacing), _even(surface.corners, count)])
+
+
+def _areas(corners: Points) -> npt.NDArray[np.float64]:
+    a, b, c = np.moveaxis(corners, 1, 0)
+    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
+
+
+def _even(corners: Points, count: int) -> Points:
+    """Points (count, 3) on triangles (m, 3, 3), each standing for the same area."""
+    total = np.cumsum(_areas(corners))
+    steps = np.arange(count)
+    which = np.minimum(np.searchsorted(total, (steps + 0.5) / count * total[-1]), len(total) - 1)
+    u, v = (0.5 + steps * _FIRST) % 1, (0.5 + steps * _SECOND) % 1
+    over = u + v > 1
+    u, v = np.where(over, 1 - u, u)[:, None], np.where(over, 1 - v, v)[:, None]
+    a, b, c = np.moveaxis(corners[which], 1, 0)
+    return np.asarray(a + (b - a) * u + (c - a) * v)

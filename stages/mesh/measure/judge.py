@@ -47,6 +47,16 @@ def measure(target: Target, pieces: Sequence[Piece]) -> Measures:
     return Measures(extra, round(shares.missing, 6), shares.by, *rounded)
 
 
+def outer_samples(pieces: Sequence[Piece]) -> Points:
+    """Points (n, 3) spread evenly over the outer surface of pieces."""
+    union = Union.of(sorted(pieces, key=_order))
+    samples = even(union.tree, _ON_PIECES)
+    some = samples.triangles
+    diagonal = float(np.linalg.norm(np.ptp(samples.points, axis=0)))
+    _, outer = _outer(diagonal, union, samples.points, union.owners[some], union.normals[some])
+    return np.asarray(samples.points[outer])
+
+
 def hopeless(target: Target, pieces: Sequence[Piece], tolerance: float) -> bool:
     """Whether a look at 300 points says already that the pieces miss the tolerance [m]: a point of the part
     is further outside than that, one of the collider three times as far, or 12 % of those as far.
@@ -60,7 +70,7 @@ def hopeless(target: Target, pieces: Sequence[Piece], tolerance: float) -> bool:
         return True
     samples = even(union.tree, FEW)
     some = samples.triangles
-    _, outer = _outer(target, union, samples.points, union.owners[some], union.normals[some])
+    _, outer = _outer(target.diagonal, union, samples.points, union.owners[some], union.normals[some])
     far, exact = _outside_part(target, samples.points[outer], tolerance)
     far = far[exact]
     return bool((far > 3 * tolerance).any() or (far > tolerance).sum() > 0.12 * outer.sum())
@@ -77,13 +87,19 @@ def _protrusion(target: Target, union: Union) -> tuple[float, float]:
     """The p95 and the maximum [m]."""
 
     def value(points: Points, triangles: Indices, from_on: Numbers) -> Value:
-        buried, outer = _outer(target, union, points, union.owners[triangles], union.normals[triangles])
+        buried, outer = _outer(
+            target.diagonal, union, points, union.owners[triangles], union.normals[triangles]
+        )
         far, exact = _outside_part(target, points, from_on)
         return Value(far, outer & exact, np.maximum(buried, 0.0))
 
     samples = even(union.tree, _ON_PIECES)
     _, outer = _outer(
-        target, union, samples.points, union.owners[samples.triangles], union.normals[samples.triangles]
+        target.diagonal,
+        union,
+        samples.points,
+        union.owners[samples.triangles],
+        union.normals[samples.triangles],
     )
     points = samples.points[outer]
     bounds = np.where(target.inside(points), 0.0, target.nearest(points, np.inf)[0])
@@ -95,7 +111,7 @@ def _protrusion(target: Target, union: Union) -> tuple[float, float]:
 
 
 def _outer(
-    target: Target, union: Union, points: Points, owners: Indices, normals: Points
+    diagonal: float, union: Union, points: Points, owners: Indices, normals: Points
 ) -> tuple[Numbers, npt.NDArray[np.bool_]]:
     """How deep points of the pieces `owners` are in other pieces, and whether they are on the outer surface,
     which faces along the normals."""
@@ -104,7 +120,7 @@ def _outer(
     buried = union.depth(points, owners)
     outer = buried <= 0
     some = np.flatnonzero(outer)
-    ahead = points[some] + normals[some] * (_CRACK * target.diagonal)
+    ahead = points[some] + normals[some] * (_CRACK * diagonal)
     outer[some] = union.depth(ahead, owners[some]) <= 0
     return buried, outer
 
@@ -130,7 +146,7 @@ def _outer_corners(target: Target, union: Union) -> Points:
         return corners.reshape(-1, 3)
     points = corners.reshape(-1, 3)
     inset = points + (np.repeat(corners.mean(axis=1), 3, axis=0) - points) * _INSET
-    _, outer = _outer(target, union, inset, np.repeat(whose, 3), np.repeat(normals, 3, axis=0))
+    _, outer = _outer(target.diagonal, union, inset, np.repeat(whose, 3), np.repeat(normals, 3, axis=0))
     return np.unique(points[outer], axis=0)
 
 

@@ -204,7 +204,12 @@ def test_each_part_is_made_once_however_often_it_is_used() -> None:
     value = robot(*(part(f"Bracket <{number}>", at(0.2 * number)) for number in range(4)))
     keys = MeshKeys.model_validate({"mesh": {"collider": "ladder"}})
     geometry = make_geometry(value, bundle(), keys, memo)
-    assert [step for kind, step, _ in calls if kind == "mesh.collider"] == ["make", "together", "improve"]
+    assert [step for kind, step, _ in calls if kind == "mesh.collider"] == [
+        "make",
+        "together",
+        "improve",
+        "joined",
+    ]
     assert len(geometry.colliders) == 4
     assert len(geometry.of("base", "collision")) == 8
     (own,) = {one.key for one in geometry.colliders}

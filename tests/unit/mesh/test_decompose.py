@@ -471,7 +471,7 @@ def test_pieces_are_not_joined_across_a_hole_however_little_volume_that_adds() -
         )
     ]
     surface = joined(*bars)
-    overhang = Overhang.of(surface, bars, tolerance)
+    overhang = Overhang.of([surface], [tolerance], Inside.of(surface))
     steps = joinings([bar.vertices for bar in bars], overhang)
     found = groups(4, steps, 16, surface.volume())
     assert len(found) > 1
@@ -482,7 +482,7 @@ def test_pieces_are_not_joined_across_a_hole_however_little_volume_that_adds() -
 
 def test_the_overhang_of_a_hull_is_known_in_closed_form() -> None:
     frame = [box(0.02, 0.1, 0.1, at=(x, 0, 0)) for x in (-0.04, 0.04)]
-    overhang = Overhang.of(joined(*frame), frame, 0.01)
+    overhang = Overhang.of([joined(*frame)], [0.01], Inside.of(joined(*frame)))
     hull = manifold3d.Manifold.hull_points(np.concatenate([bar.vertices for bar in frame]))
     standing = overhang(hull)
     # Four sides of 60 mm by 100 mm between two bars; what is nearer to a bar than 10 mm is near enough.

@@ -11,7 +11,7 @@ HERE = np.eye(4)
 
 
 def measured(part: trimesh.Trimesh, pieces: list, tolerance: float) -> Fidelity:
-    return fidelity(part, pieces, tolerance, points=3000)
+    return fidelity([part], pieces, [tolerance], points=3000)
 
 
 def cube(*size: float, at: tuple[float, float, float] = (0, 0, 0)) -> Hull:
@@ -39,6 +39,19 @@ def test_the_hull_of_a_ring_stands_out_by_the_radius_of_its_hole() -> None:
     # Of the two discs and the rim, which are 2 π R (R + h), the points nearer to the axis than d.
     near = (0.05 * 0.05 * (0.05 + 0.01)) ** 0.5
     assert found.protrusion_p95 == pytest.approx(20 - near * 1e3, rel=0.03)
+
+
+def test_of_several_parts_each_has_its_own_tolerance() -> None:
+    """Two cubes beside each other, each in a box that is 1 mm larger all around."""
+    cubes = [trimesh.creation.box((0.05, 0.05, 0.05)) for _ in range(2)]
+    cubes[1].apply_translation((0.2, 0, 0))
+    pieces = [cube(0.052, 0.052, 0.052, at=(x, 0, 0)) for x in (0, 0.2)]
+    even = fidelity(cubes, pieces, [0.001, 0.001], points=3000)
+    assert 2**0.5 - 0.1 < even.protrusion_max < 3**0.5 + 0.01
+    uneven = fidelity(cubes, pieces, [0.001, 0.0005], points=3000)
+    assert 2 * 2**0.5 - 0.2 < uneven.protrusion_max < 2 * 3**0.5 + 0.02
+    gone = fidelity(cubes, pieces[:1], [0.001, 0.001], points=3000)
+    assert gone.bareness_max == pytest.approx(1e3 * (0.2 + 0.025 - 0.026), rel=1e-3)
 
 
 def test_a_seam_is_no_surface() -> None:
