@@ -42,6 +42,11 @@ class Couplings:
         """The dofs on which the closed loops depend, but for followers."""
         return frozenset(self._columns)
 
+    @property
+    def coupled(self) -> frozenset[str]:
+        """The dofs that move with others: those of loops and of relations."""
+        return self.in_loops | self._shares.keys() | self._followers.keys()
+
     def independent(self, dofs: Iterable[str]) -> tuple[str, ...]:
         """As many of the dofs as move independently of each other, the first ones first."""
         chosen: list[str] = []

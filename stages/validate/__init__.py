@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.robot.model import Robot
     from stages.validate.keys import ValidateKeys
 
-VERSION = 9
+VERSION = 10
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)

@@ -27,6 +27,11 @@ DRIFT = {"turn": 0.1, "slide": 0.01}
 STEP = 0.4
 """The natural frequency of a servo with its armature alone, times the time step."""
 
+COUPLED_STEP = 0.2
+"""The same where other dofs must follow, by a loop or a relation: MuJoCo's implicit integrators damp the
+speeds after they solved the constraints, so a servo that is fast for the time step leaves its followers
+behind."""
+
 
 def stiffness(kind: DofKind, load: Load) -> float:
     """Of a position servo [N m/rad or N/m], at the dof."""
@@ -43,9 +48,10 @@ def drag(kind: DofKind, load: Load, armature: float) -> float:
     return rounded(max(MARGIN * load.most / DRIFT[kind], (load.most_inertia + armature) * PACE))
 
 
-def armature(kp: float, timestep: float) -> float:
-    """The inertia [kg m² or kg] that a servo of this stiffness needs to be stable by itself."""
-    return rounded(kp * (timestep / STEP) ** 2, 2)
+def armature(kp: float, timestep: float, coupled: bool) -> float:
+    """The inertia [kg m² or kg] that a servo of this stiffness needs to be stable by itself. `coupled`:
+    whether other dofs move with it."""
+    return rounded(kp * (timestep / (COUPLED_STEP if coupled else STEP)) ** 2, 2)
 
 
 def rounded(value: float, digits: int = 3) -> float:

@@ -53,7 +53,7 @@ def actuate(
     rates = couplings.moved_by([dof for dof in driven if dof in chosen])
     shares = compensated_links(robot, wanted, rates)
     found = loads(robot, values, couplings, [dof for dof in driven if dof in chosen], shares, up)
-    maker = _Maker(robot, timestep, found, {one.name for one in kept})
+    maker = _Maker(robot, timestep, found, {one.name for one in kept}, couplings.coupled)
     actuators = [
         made
         for dof in robot.dofs
@@ -107,8 +107,14 @@ class _Maker:
     """Makes actuators, and the armatures that they need."""
 
     def __init__(
-        self, robot: Robot, timestep: float, found: Mapping[str, Load], taken: Collection[str]
+        self,
+        robot: Robot,
+        timestep: float,
+        found: Mapping[str, Load],
+        taken: Collection[str],
+        coupled: Collection[str],
     ) -> None:
+        self._coupled = coupled
         self._taken = set(taken)
         self._timestep = timestep
         self._loads = found
@@ -160,7 +166,7 @@ class _Maker:
     def _armature(self, dof: Dof, stiff: float) -> float:
         if dof.dynamics.armature is not None:
             return dof.dynamics.armature
-        value = estimates.armature(stiff, self._timestep)
+        value = estimates.armature(stiff, self._timestep, dof.name in self._coupled)
         self.armatures.append(Armature(dof.name, value, "driven"))
         return value
 

@@ -89,10 +89,13 @@ def _more(field: str, trial: Trial, share: float) -> Callable[[Any], Any]:
             ):
                 inertia = model.dof_M0[dof]
                 values[dof] += share * inertia / (model.opt.timestep if field == "dof_damping" else 1.0)
+        # What MuJoCo derives from these when it compiles.
+        mujoco.mj_setConst(model, mujoco.MjData(model))
         try:
             yield
         finally:
             values[:] = before
+            mujoco.mj_setConst(model, mujoco.MjData(model))
 
     return change
 

@@ -144,6 +144,34 @@ def test_a_driven_dof_without_armature_gets_one_that_is_reported_and_one_that_is
     assert "I-ARMATURE" not in [one.code for one in kept.diagnostics]
 
 
+def test_a_servo_that_others_follow_gets_more_armature_and_they_follow_it_better() -> None:
+    """A step of the control over the whole range: by how much the follower of a gear lags."""
+    limits = {name: Limits(-0.5, 0.5) for name in ("a_joint", "b_joint")}
+    joints = [
+        joint("revolute", "base", name, [0.0], place=at(x, 0, 0), limits=limits)
+        for name, x in (("a", 0.0), ("b", 0.2))
+    ]
+    inertials = {name: lump(0.02, 0.0, 0.0, 0.0) for name in ("a", "b")}
+    relation = Relation("gear", "b_joint", "a_joint", -1.0, 0.0)
+    robot = robot_with(joints, relations=[relation], inertials=inertials)
+    (armature,) = actuation(robot, **{"*": "position"}).armatures
+
+    def lag(model: mujoco.MjModel) -> float:
+        data, worst = mujoco.MjData(model), 0.0
+        data.ctrl[0] = 0.3
+        for _ in range(200):
+            mujoco.mj_step(model, data)
+            worst = max(worst, abs(data.qpos[0] + data.qpos[1]))
+        return worst
+
+    model = compiled(robot, actuators={"*": "position"})
+    assert math.sqrt(model.actuator_gainprm[0][0] / armature.value) * 0.002 == pytest.approx(0.2, rel=0.05)
+    light = compiled(robot, actuators={"*": "position"})
+    light.dof_armature[0] = armature.value / 4
+    mujoco.mj_setConst(light, mujoco.MjData(light))
+    assert lag(model) < 0.7 * lag(light)
+
+
 def test_robot_json_has_each_actuator_with_its_load_and_what_was_estimated() -> None:
     table = json.loads(
         exported(pendulum(), actuators={"*": {"type": "position", "kv": 3}}).files["robot.json"]

@@ -35,6 +35,7 @@ def compiled(found: Exported) -> mujoco.MjModel:
 def bare(model: mujoco.MjModel) -> mujoco.MjModel:
     """The same model without armature."""
     model.dof_armature[:] = 0
+    mujoco.mj_setConst(model, mujoco.MjData(model))
     return model
 
 
