@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 
 _WHERE = "geoms"
 
+PRESET = ("*", "*foot*")
+"""Globs that may match nothing: they come from our own presets (conf/robot/legged.yaml)."""
+
 Properties = Mapping[tuple[str, Role], ContactProperties]
 """By link and role, where there are any."""
 
@@ -20,13 +23,13 @@ Properties = Mapping[tuple[str, Role], ContactProperties]
 def contact_properties(links: Sequence[str], wanted: Mapping[str, "GeomKeys"]) -> Properties:
     """The properties of the links' shapes; later entries win, property by property.
 
-    MeshError with E-GLOB for each glob but "*" that matches no link.
+    MeshError with E-GLOB for each glob that matches no link, but for those of our own presets.
     """
     hint = f"links are: {listed(links) or 'none'}"
     problems = [
         Diagnostic("E-GLOB", f"no link matches {glob!r}", _WHERE, hint)
         for glob in wanted
-        if glob != "*" and not any(fits(link, glob) for link in links)
+        if glob not in PRESET and not any(fits(link, glob) for link in links)
     ]
     if problems:
         msg = "the links whose geoms have properties cannot be found"

@@ -116,7 +116,7 @@ def _inertial(body: Element, inertial: Inertial) -> None:
     element(
         body,
         "inertial",
-        pos=spaced(inertial.com),
+        pos=spaced(inertial.com, max(0.1, float(np.abs(inertial.com).max()))),
         **placement(from_parts(axes, np.zeros(3))),
         mass=number(inertial.mass),
         diaginertia=spaced(moments),

@@ -274,7 +274,7 @@ def test_a_primitive_is_seen_and_collides_where_it_is(kind, size) -> None:
     tags = {"capsule": ["cylinder", "sphere", "sphere"]}.get(kind, [kind])
     for role in ("visual", "collision"):
         assert [node[0].tag for node in link.findall(f"{role}/geometry")] == tags
-    assert {node.get("name") for node in link.findall("visual/material")} == {"colour_0"}
+    assert {node.get("name") for node in link.findall("visual/material")} == {"red"}
     assert not link.findall("collision/material")
     model = mujoco.MjModel.from_xml_string(text.decode())
     assert model.ngeom == 2 * len(tags)

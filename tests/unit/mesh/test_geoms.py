@@ -9,10 +9,12 @@ import mujoco
 import numpy as np
 import pytest
 
+from pipeline.config.compose import compose_plan
 from stages.mesh import make_geometry
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.colliders import hull
 from stages.mesh.collision import Collision
+from stages.mesh.geoms import contact_properties
 from stages.mesh.surface import Surface
 from stages.robot import codec
 from stages.robot.errors import ConfigError, MeshError
@@ -112,3 +114,17 @@ def test_a_glob_without_a_link_is_an_error_that_lists_them(kit: Kit) -> None:
 def test_impossible_values_are_refused(wrong: object) -> None:
     with pytest.raises(ConfigError, match="geoms"):
         plan_of(geoms={"*": {"collision": wrong}})
+
+
+def test_a_base_for_legged_robots_needs_no_feet_and_gives_them_contact_of_their_own(tmp_path):
+    (tmp_path / "robot").mkdir()
+    text = "# @package _global_\ndefaults: [/robot/legged, override /source: sample]\n"
+    (tmp_path / "robot" / "dog.yaml").write_text(text)
+    plan = compose_plan(["robot=dog"], cwd=tmp_path).plan
+    assert (plan.scene.option.cone, plan.scene.option.impratio, plan.root.base) == ("elliptic", 100, "free")
+    assert contact_properties(["body"], plan.geoms) == {}
+    found = contact_properties(["body", "left_foot"], plan.geoms)
+    assert list(found) == [("left_foot", "collision")]
+    assert found["left_foot", "collision"].priority == 1
+    with pytest.raises(MeshError):
+        contact_properties(["body"], {"*hoof*": plan.geoms["*foot*"]})
