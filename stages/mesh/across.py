@@ -24,11 +24,17 @@ from stages.mesh.measure.judge import outer_samples
 from stages.mesh.measure.union import Union
 from stages.mesh.pieces import Piece, surface_of
 from stages.mesh.surface import Points, Surface, joined
-from stages.mesh.verdict import Judge
+from stages.mesh.verdict import Judge, miss
 
 _WORTH = (0.9, 0.7, 0.5)
 """Pieces are joined where one of these shares of them is near enough: with fewer there may be less that
 stands out."""
+
+_FURTHEST = 3.2
+"""Where the pieces stand out by more than three tolerances by this measure, they may by at most so many."""
+
+MANY = 24
+"""So many pieces of a link cost a simulation time; fewer stay with their parts."""
 
 _FINE = 0.5
 """The spacing of the points that stand for the parts in the verdict, in tolerances."""
@@ -78,7 +84,7 @@ def across(surfaces: Sequence[Surface], pieces: Sequence[Piece], settings: Colli
     def near(tried: Sequence[Piece]) -> bool:
         share, furthest = _standing(verdict, tried)
         few = share <= max(_SAFE * 0.05, before[0])
-        return few and furthest <= max(MOST_OF_TOLERANCE, before[1])
+        return few and furthest <= max(MOST_OF_TOLERANCE, min(before[1], _FURTHEST))
 
     most = next((count for of in _WORTH if near(taken(count := int(of * len(pieces))))), 0)
     if not most:
@@ -91,7 +97,8 @@ def across(surfaces: Sequence[Surface], pieces: Sequence[Piece], settings: Colli
             most, best = middle, tried
         else:
             fewest = middle
-    return judge.collision(best, judge.measure(best), rung="pieces")
+    measures = judge.measure(best)
+    return judge.collision(best, measures, rung="pieces") if miss(measures, judge.tolerance) <= 1 else none
 
 
 def _standing(verdict: Overhang, pieces: Sequence[Piece]) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stages.mesh import collision
-from stages.mesh.across import across
+from stages.mesh.across import MANY, across
 from stages.mesh.choices import Choice
 from stages.mesh.collision import Collision
 from stages.mesh.decompose import DecomposeOptions, Making, estimated_cost, search, side_by_side
@@ -146,15 +146,15 @@ class _Made:
         and of another may be one."""
         found = []
         for group in _of_one_key(every):
-            near = [one for one in group if one.collision.meets]
+            near = [one for one in group if one.collision.meets and len(one.collision.pieces) > 1]
             joined = self._joined(near) if len(near) > 1 else None
-            found += [joined, *(one for one in group if not one.collision.meets)] if joined else group
+            found += [joined, *(one for one in group if one not in near)] if joined else group
         return found
 
     def _joined(self, group: Sequence[Collided]) -> Collided | None:
         whole = _whole(group)
         pieces = [placed(piece, one.job.link_from_subject) for one in group for piece in one.collision.pieces]
-        if len(pieces) <= len(whole.parts):
+        if len(pieces) < MANY:
             return None
 
         def make() -> bytes:

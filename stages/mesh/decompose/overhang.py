@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -25,6 +26,9 @@ _DENSE = 0.8
 
 _ROUGHLY = 0.1
 
+_CLASS = 1.2
+"""Parts whose tolerances differ by less than this factor have the least of them."""
+
 _FAR = 3.5
 """A hull that stands out by more is as bad as one that stands out by so many tolerances."""
 
@@ -45,13 +49,12 @@ class Standing:
 class Overhang:
     """Parts to compare hulls with, each within its own tolerance [m]; `tolerance` is the least of them.
 
-    `near`, `tolerances`: points that stand for the parts, and the tolerance of the part of each; `inside` of
-    the parts; `roughly`: the share by which a distance may be told too large.
+    `near`: the points that stand for the parts of each tolerance; `inside` of the parts; `roughly`: the share
+    by which a distance may be told too large.
     """
 
     tolerance: float
-    near: cKDTree
-    tolerances: npt.NDArray[np.float64]
+    near: tuple[tuple[float, cKDTree], ...]
     inside: Callable[[Points], npt.NDArray[np.bool_]]
     roughly: float = 0.0
 
@@ -69,12 +72,13 @@ class Overhang:
         """
         from scipy.spatial import cKDTree
 
-        points = [
-            _points(surface, spacing * tolerance)
-            for surface, tolerance in zip(surfaces, tolerances, strict=True)
-        ]
-        theirs = np.repeat(np.array(tolerances, dtype=np.float64), [len(one) for one in points])
-        return Overhang(min(tolerances), cKDTree(np.concatenate(points)), theirs, inside, roughly)
+        points: dict[float, list[Points]] = {}
+        for surface, tolerance in zip(surfaces, tolerances, strict=True):
+            steps = math.floor(math.log(tolerance / min(tolerances), _CLASS) + 1e-9)
+            alike = min(tolerances) * _CLASS**steps
+            points.setdefault(alike, []).append(_points(surface, spacing * alike))
+        near = tuple((one, cKDTree(np.concatenate(points[one]))) for one in sorted(points))
+        return Overhang(min(tolerances), near, inside, roughly)
 
     def __call__(self, hull: Any) -> Standing:
         """Of a convex body of manifold3d."""
@@ -83,13 +87,12 @@ class Overhang:
         return Standing(area * float((far > 1).mean()), max(1.0, float(far.max())))
 
     def standing(self, points: Points) -> npt.NDArray[np.float64]:
-        """(n,): by how many tolerances of the nearest part points (n, 3) are outside of all parts, at most
+        """(n,): by how many of its tolerances points (n, 3) are outside of the part nearest by that, at most
         3.5; 0 where that is less than one, or inside."""
-        bound = _FAR * float(self.tolerances.max())
-        far, nearest = self.near.query(points, eps=self.roughly, distance_upper_bound=bound)
         ratios = np.full(len(points), _FAR)
-        known = np.isfinite(far)
-        ratios[known] = np.minimum(far[known] / self.tolerances[nearest[known]], _FAR)
+        for tolerance, tree in self.near:
+            far, _ = tree.query(points, eps=self.roughly, distance_upper_bound=_FAR * tolerance)
+            ratios = np.minimum(ratios, far / tolerance)
         out = np.flatnonzero(ratios > 1)
         result = np.zeros(len(points))
         out = out[~self.inside(points[out])]

@@ -208,7 +208,6 @@ def test_each_part_is_made_once_however_often_it_is_used() -> None:
         "make",
         "together",
         "improve",
-        "joined",
     ]
     assert len(geometry.colliders) == 4
     assert len(geometry.of("base", "collision")) == 8
