@@ -49,7 +49,7 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     place = standing.world_from_root
     actuation, remarks = driven(robot, geometry, keys, start, standing)
     robot = with_armatures(robot, actuation)
-    form = form_of(robot, keys)
+    form = form_of(robot, keys, actuation)
     written: dict[str, Exported] = {}
     for name in _needed(keys.export.chosen):
         writer = writer_of(name)

@@ -11,13 +11,15 @@ motion) in its own frame, and the `origin` of that in the frame which the dof be
 numbers of free motion (x, y, z, quat). A ball's are its chain's, from parent to child; `mate_quat` is
 the saved value as the mate has it: the inverse where the joint runs backwards. A ball's q = 0 is its
 mate's zero in the URDF, but its pose at qpos0 in the MJCF, which has no `ref` for it: `zero` has both.
-`lowered` lists the joints that are several joints in the URDF, with links between them, `merged` the
-links that are part of others there, at this pose in them. `urdf` is the URDF link of a frame; of a loop,
-the links of its first and second frame. `transmissions` is there where the source names what drives the
-joints; `actuators` where the robot has any: `control` and `force` are ranges, `home` is the control at the
-keyframe of that name, `load` the largest force at the dof by the robot's weight, `home_load` that at home,
-and `sag` how far it moves the servo's dof there. `estimated` lists what Linkwright chose, of a dof too.
-`sensors` where the source has any.
+`lowered` lists the joints that are several joints in the URDF, with links between them, `merged` the links
+that are part of others there, at this pose in them. `urdf` is the URDF link of a frame; of a loop, the
+links of its first and second frame; `mimic`: whether <mimic> joints alone close it there. `couplings` has
+what closed loops make follow what: follower = multiplier · driver + offset, off by at most `error` where
+the driver is in `range`; `mimic`: whether that is exact, and so in the URDF. `transmissions` is there where
+the source names what drives the joints; `actuators` where the robot has any: `control` and `force` are
+ranges, `home` is the control at the keyframe of that name, `load` the largest force at the dof by the
+robot's weight, `home_load` that at home, and `sag` how far it moves the servo's dof there. `estimated`
+lists what Linkwright chose, of a dof too. `sensors` where the source has any.
 """
 
 import json
@@ -26,6 +28,7 @@ from typing import Any
 
 import numpy as np
 
+from stages.export.coupling_records import coupling_records
 from stages.export.mjcf.joints import free_joint_name
 from stages.export.urdf.lowering import Lowered, lower, unset
 from stages.formats.numbers import number, numbers
@@ -78,10 +81,12 @@ def describe(
         "links": [_link(link) for link in robot.links],
         "joints": [_joint(joint, start, estimated) for joint in robot.joints],
         "relations": [_relation(relation) for relation in robot.relations],
-        "loops": [_loop(loop, names.ends[loop.name]) for loop in robot.loops],
+        "loops": [_loop(loop, names.ends[loop.name], loop.name in form.closed) for loop in robot.loops],
         "frames": [_frame(frame, names.frames[frame.name]) for frame in robot.frames],
         "lowered": [_lowered(item) for item in lower(robot) if item.between],
     }
+    if form.couplings:
+        table["couplings"] = coupling_records(form)
     merged = {link: held for link, held in holders(robot, form).items() if held[0] != link}
     if merged:
         table["merged"] = [
@@ -261,7 +266,7 @@ def _mate(mate: MateRef | None) -> dict[str, Any] | None:
     return {"owner": list(mate.owner), "feature": mate.feature, "name": mate.name, "type": mate.type}
 
 
-def _loop(loop: Loop, ends: tuple[str, str]) -> dict[str, Any]:
+def _loop(loop: Loop, ends: tuple[str, str], mimic: bool) -> dict[str, Any]:
     return {
         "name": loop.name,
         "type": loop.type,
@@ -270,6 +275,7 @@ def _loop(loop: Loop, ends: tuple[str, str]) -> dict[str, Any]:
         "frame_a": _pose(loop.a_from_frame),
         "frame_b": _pose(loop.b_from_frame),
         "urdf": list(ends),
+        "mimic": mimic,
         "dofs": [_dof(dof) for dof in loop.dofs],
         "residual": _float(loop.residual, 1.0),
         "cad": _mate(loop.mate),

@@ -102,6 +102,22 @@ class Couplings:
         return found
 
 
+def nearest_first(robot: Robot) -> list[str]:
+    """The names of the tree's dofs, those nearest to the root first; of several, that which moves the most
+    mass."""
+    depth = {robot.root.name: 0}
+    order: dict[str, tuple[int, float, int]] = {}
+    masses = {link.name: link.inertial.mass for link in robot.links}
+    for joint in reversed(robot.joints):
+        masses[joint.parent] += masses[joint.child]
+    for number, joint in enumerate(robot.joints):
+        depth[joint.child] = depth[joint.parent] + 1
+        # To few digits: the same links on both sides shall count as equal.
+        place = depth[joint.child], -float(f"{masses[joint.child]:.6g}"), number
+        order |= {dof.name: place for dof in joint.dofs}
+    return sorted(order, key=lambda name: order[name])
+
+
 def _rank(rows: Array) -> int:
     sizes = np.linalg.svd(rows, compute_uv=False)
     return int((sizes > RANK * float(sizes[0])).sum()) if sizes.size and sizes[0] else 0

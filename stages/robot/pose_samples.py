@@ -60,7 +60,7 @@ def _drawn(dof: Dof, limits: tuple[float, float] | None, middle: Value, reach: f
     seed = int.from_bytes(hashlib.sha256(dof.name.encode()).digest()[:16], "big")
     random = np.random.Generator(np.random.PCG64(seed)).random((_ROUNDS * count, 6))
     if limits is not None and not isinstance(middle, tuple):
-        low, high = _ends(limits, middle, math.pi if dof.kind == "turn" else reach)
+        low, high = ends_of(limits, middle, math.pi if dof.kind == "turn" else reach)
         return low + random[:, 0] * (high - low)
     quats = _quats(random[:, :3], math.pi if dof.limits.upper is None else dof.limits.upper)
     if dof.kind == "ball":
@@ -69,7 +69,8 @@ def _drawn(dof: Dof, limits: tuple[float, float] | None, middle: Value, reach: f
     return np.concatenate([np.array(middle[:3]) + reach * (2 * random[:, 3:] - 1), quats], axis=1)
 
 
-def _ends(limits: tuple[float, float], middle: float, reach: float) -> tuple[float, float]:
+def ends_of(limits: tuple[float, float], middle: float, reach: float) -> tuple[float, float]:
+    """Both ends of a range: an open one is `reach` from `middle`, or twice that from the other end."""
     low, high = limits
     if math.isinf(low) and math.isinf(high):
         return middle - reach, middle + reach

@@ -47,10 +47,12 @@ def validate(
     """The checks of every model file in `folder`; with `validate=quick` only that each compiles. A check
     that fails does not stop the others. `actuation`: what drives the robot in these files;
     `geometry`: its shapes, without their files, and which of them collide; `form`: how the URDF differs
-    from the robot."""
-    from stages.formats.urdf.form import AS_IS
+    from the robot, by default as closed loops ask."""
+    from stages.formats.urdf.as_written import form_with
     from stages.robot.actuation import NONE
     from stages.validate.run import check_files
 
     checks = () if keys.validate.level == "quick" else CHECKS
-    return tuple(check_files(folder, robot, ENGINES, checks, actuation or NONE, geometry, form or AS_IS))
+    return tuple(
+        check_files(folder, robot, ENGINES, checks, actuation or NONE, geometry, form or form_with(robot))
+    )

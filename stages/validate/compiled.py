@@ -37,13 +37,15 @@ class Engine(Protocol):
 @dataclass(frozen=True, slots=True, eq=False)
 class CompiledModel:
     """A compiled model, the file that it was compiled from, and the robot, with what drives it and its shapes
-    (None where nothing is known of them), that it must agree with."""
+    (None where nothing is known of them), that it must agree with. `closed`: the robot's loops that a URDF
+    closes by its relations."""
 
     path: Path
     model: Any
     robot: Robot
     actuation: Actuation = NONE
     geometry: Geometry | None = None
+    closed: tuple[str, ...] = ()
 
     @property
     def urdf(self) -> bool:

@@ -1,6 +1,7 @@
 """The run of a validation: every engine reads its files, and every check looks at what it compiled."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -33,22 +34,18 @@ def check_files(
         for file in engine.files(robot.name):
             if (folder / file).exists():
                 described = urdf if file.endswith(".urdf") else robot
-                yield from _check_file(folder / file, described, engine, checks, actuation, geometry)
+                given = CompiledModel(folder / file, None, described, actuation, geometry, form.closed)
+                yield from _check_file(given, engine, checks)
 
 
-def _check_file(
-    path: Path,
-    robot: Robot,
-    engine: Engine,
-    checks: Sequence[str],
-    actuation: Actuation,
-    geometry: Geometry | None,
-) -> list[Check]:
-    """The results of one file. Its model is given up afterwards: a large one takes half a gigabyte."""
+def _check_file(given: CompiledModel, engine: Engine, checks: Sequence[str]) -> list[Check]:
+    """The results of one file, yet without its model, which is given up afterwards: a large one takes half a
+    gigabyte."""
+    path = given.path
     loaded = engine.load(path)
     if not checks or loaded.model is None:
         return [loaded.check]
-    compiled = CompiledModel(path, loaded.model, robot, actuation, geometry)
+    compiled = replace(given, model=loaded.model)
     with engine.warnings() as warnings:
         found = list(_check_model(compiled, checks))
     return [loaded.check, *found, without_warnings(f"{path.name}: runs", warnings)]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
+from stages.robot.couplings import nearest_first
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits, listed
 from stages.robot.model import Dof, Robot
@@ -134,19 +135,9 @@ def driven_order(robot: Robot, wanted: Mapping[str, Wanted], own: Sequence[str])
 
     `own`: the dofs that keep the actuators of the source. Followers are left out unless they are named.
     """
-    depth = {robot.root.name: 0}
-    order: dict[str, tuple[int, float, int]] = {}
-    masses = {link.name: link.inertial.mass for link in robot.links}
-    for joint in reversed(robot.joints):
-        masses[joint.parent] += masses[joint.child]
-    for number, joint in enumerate(robot.joints):
-        depth[joint.child] = depth[joint.parent] + 1
-        # To few digits: the same links on both sides shall count as equal.
-        place = depth[joint.child], -float(f"{masses[joint.child]:.6g}"), number
-        order |= {dof.name: place for dof in joint.dofs}
     followers = {one.follower for one in robot.relations}
     drivers = {one.driver for one in robot.relations}
-    nearest = sorted(order, key=lambda name: order[name])
+    nearest = nearest_first(robot)
     asked = [name for name in nearest if name in wanted and wanted[name].type != "none"]
     named = [name for name in asked if wanted[name].named]
     free = [name for name in asked if name not in followers]

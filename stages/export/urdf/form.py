@@ -2,14 +2,18 @@
 
 from typing import TYPE_CHECKING
 
+from stages.formats.urdf.as_written import form_with
 from stages.formats.urdf.form import UrdfForm
+from stages.robot.actuation import Actuation
 from stages.robot.model import Robot
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
 
 
-def form_of(robot: Robot, keys: "ExportKeys") -> UrdfForm:
-    """How the robot's URDF differs from the robot."""
+def form_of(robot: Robot, keys: "ExportKeys", actuation: Actuation) -> UrdfForm:
+    """How the robot's URDF differs from the robot. What is driven rather drives others than follows them."""
     urdf = keys.export.urdf
-    return UrdfForm(merged=urdf is not None and urdf.fixed_joints == "merge")
+    driven = [one.dof for one in actuation.actuators]
+    driven += [one.joint for one in robot.transmissions]
+    return form_with(robot, urdf is not None and urdf.fixed_joints == "merge", driven)

@@ -10,6 +10,7 @@ from stages.formats.urdf.names import urdf_names
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Geometry
 from stages.robot.inertia import NEXT_TO_NOTHING
+from stages.robot.linear_coupling import LinearCoupling
 from stages.robot.model import Robot
 
 
@@ -19,6 +20,7 @@ def unsupported(robot: Robot, geometry: Geometry, form: UrdfForm = AS_IS) -> Ite
     written = as_written(robot, form)
     for loss in LOSSES:
         yield from loss(written, f"{robot.name}.urdf")
+    yield from _loops(robot, form, f"{robot.name}.urdf")
     yield from _merged(robot, form, f"{robot.name}.urdf")
     yield from _contacts(geometry, f"{robot.name}.urdf")
 
@@ -62,15 +64,28 @@ def _floating(robot: Robot, file: str) -> Iterator[Diagnostic]:
         )
 
 
-def _loops(robot: Robot, file: str) -> Iterator[Diagnostic]:
-    if robot.loops:
-        yield Diagnostic(
-            "I-URDF-LOOP",
-            "URDF has no loops, so these loops are open, with a frame on either side (<name>_a, <name>_b): "
-            + ", ".join(loop.name for loop in robot.loops),
-            file,
-            "the MJCF closes them; robot.json lists them under loops",
-        )
+def _loops(robot: Robot, form: UrdfForm, file: str) -> Iterator[Diagnostic]:
+    if not robot.loops:
+        return
+    names = [loop.name for loop in robot.loops if loop.name not in form.closed]
+    said = ["URDF has no loops"]
+    if form.closed:
+        said.append(f"closed by <mimic> joints alone: {', '.join(form.closed)}")
+    if form.mimics:
+        said.append(f"exact along the loops: {'; '.join(map(_line, form.mimics))}")
+    if names:
+        said.append(f"open, with a frame on either side (<name>_a, <name>_b): {', '.join(names)}")
+    nearly = [f"{_line(one)}, off by up to {one.error:.2g}" for one in form.couplings if not one.exact]
+    if nearly:
+        said.append(f"not linear, so the best line is no <mimic>: {'; '.join(nearly)}")
+    hint = "the MJCF closes them; robot.json has them under loops, and what follows what under couplings"
+    yield Diagnostic("I-URDF-LOOP", ". ".join(said), file, hint)
+
+
+def _line(one: LinearCoupling) -> str:
+    """A coupling as an equation."""
+    offset = "" if abs(one.offset) < 1e-6 else f" {'-' if one.offset < 0 else '+'} {abs(one.offset):.6g}"
+    return f"{one.follower} = {one.multiplier:.6g} {one.driver}{offset}"
 
 
 def _armatures(robot: Robot, file: str) -> Iterator[Diagnostic]:
@@ -139,7 +154,6 @@ LOSSES: tuple[Callable[[Robot, str], Iterator[Diagnostic]], ...] = (
     _several_dofs,
     _cones,
     _floating,
-    _loops,
     _armatures,
     _unset,
     _frame_names,

@@ -1,6 +1,6 @@
 """The robot that a URDF describes, where its form differs from that of the robot."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -8,10 +8,22 @@ import numpy as np
 from stages.formats.urdf.form import UrdfForm
 from stages.formats.urdf.transmissions import with_joints
 from stages.robot.inertia import merged, moved
-from stages.robot.model import Array, Frame, Inertial, Joint, Link, Loop, Robot, frozen
+from stages.robot.model import Array, Frame, Inertial, Joint, Link, Loop, Relation, Robot, frozen
+from stages.robot.names import free
+from stages.robot.start_pose import home
 
 Holders = Mapping[str, tuple[str, Array]]
 """By link: the link that it is part of, and holder_from_link (4, 4)."""
+
+
+def form_with(robot: Robot, merged: bool = False, first: Sequence[str] = ()) -> UrdfForm:
+    """The form of a robot's URDF. `first`: the dofs that drive others in closed loops, where they can."""
+    if not robot.loops:
+        return UrdfForm(merged)
+    from stages.robot.loop_lines import closed_loops, linear_couplings
+
+    couplings = linear_couplings(robot, home(robot), first)
+    return UrdfForm(merged, couplings, closed_loops(robot, couplings))
 
 
 def holders(robot: Robot, form: UrdfForm) -> Holders:
@@ -28,7 +40,9 @@ def holders(robot: Robot, form: UrdfForm) -> Holders:
 
 
 def as_written(robot: Robot, form: UrdfForm) -> Robot:
-    """The robot that the URDF of this form describes, with all that was on merged links on their holders."""
+    """The robot that the URDF of this form describes: with all that was on merged links on their holders, and
+    with a relation for each <mimic>."""
+    robot = replace(robot, relations=_relations(robot, form))
     held = holders(robot, form)
     if all(holder == link for link, (holder, _) in held.items()):
         return robot
@@ -46,6 +60,25 @@ def as_written(robot: Robot, form: UrdfForm) -> Robot:
         frames=tuple(_moved_frame(frame, held) for frame in robot.frames),
         controls=tuple(text for text in controls if text),
     )
+
+
+def _relations(robot: Robot, form: UrdfForm) -> tuple[Relation, ...]:
+    """The robot's and those of its loops, each relative to a dof that follows no other."""
+    exact = {one.follower: one for one in form.mimics}
+    found = []
+    for relation in robot.relations:
+        via = exact.get(relation.driver)
+        if via is not None:
+            offset = relation.multiplier * via.offset + relation.offset
+            factor = relation.multiplier * via.multiplier
+            relation = replace(relation, driver=via.driver, multiplier=factor, offset=offset)
+        found.append(relation)
+    taken = {one.name for one in robot.relations} | {loop.name for loop in robot.loops}
+    for one in form.mimics:
+        name = free(f"{one.follower}_mimic", taken)
+        taken.add(name)
+        found.append(Relation(name, one.follower, one.driver, one.multiplier, one.offset))
+    return tuple(found)
 
 
 def _merged_link(links: list[Link], held: Holders) -> Link:

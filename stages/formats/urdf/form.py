@@ -2,12 +2,21 @@
 
 from dataclasses import dataclass
 
+from stages.robot.linear_coupling import LinearCoupling
+
 
 @dataclass(frozen=True, slots=True)
 class UrdfForm:
-    """`merged`: whether links on fixed joints are part of their parents."""
+    """`merged`: whether links on fixed joints are part of their parents. `couplings`: what the robot's closed
+    loops make follow what; those that are exact are <mimic>s. `closed`: the loops that these alone close."""
 
     merged: bool = False
+    couplings: tuple[LinearCoupling, ...] = ()
+    closed: tuple[str, ...] = ()
+
+    @property
+    def mimics(self) -> tuple[LinearCoupling, ...]:
+        return tuple(one for one in self.couplings if one.exact)
 
 
 AS_IS = UrdfForm()

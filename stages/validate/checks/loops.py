@@ -1,5 +1,7 @@
-"""An MJCF closes the robot's loops: the right equalities, between the right bodies, at the right frames."""
+"""An MJCF closes the robot's loops: the right equalities, between the right bodies, at the right frames. A
+URDF closes some by its relations alone."""
 
+import math
 from collections import Counter
 from collections.abc import Iterator
 from typing import Any
@@ -8,8 +10,10 @@ import mujoco
 import numpy as np
 
 from stages.robot.check import Check
+from stages.robot.dof_ranges import ranges
 from stages.robot.kinematics import chain, link_poses
-from stages.robot.model import Array, Loop
+from stages.robot.loops import CLOSED, gap
+from stages.robot.model import Array, Loop, Value
 from stages.robot.plural import count
 from stages.robot.poses import inverse
 from stages.validate.compiled import CompiledModel
@@ -18,12 +22,17 @@ from stages.validate.coordinates import (
     SAME,
     body_index,
     distance,
+    every_saved,
+    link_pose,
     root_pose,
     set_values,
     site_pose,
     spread,
 )
 from stages.validate.equalities import ends, equality_index, sites
+
+POSES = 9
+"""Poses at which a URDF's loops are looked at."""
 
 CONNECT, WELD = int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)
 POINTS = {"revolute": (CONNECT, 2), "ball": (CONNECT, 1)}
@@ -32,6 +41,8 @@ POINTS = {"revolute": (CONNECT, 2), "ball": (CONNECT, 1)}
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     if compiled.urdf:
+        if compiled.closed:
+            yield _closed_by_relations(compiled)
         return
     robot, model = compiled.robot, compiled.model
     found = Counter(
@@ -48,6 +59,38 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     yield compiled.within("loops", float(wrong), 0.0, detail)
     if robot.loops and not wrong:
         yield _frames_of_loops(compiled)
+
+
+def _closed_by_relations(compiled: CompiledModel) -> Check:
+    """How far the loops are open where drivers are within their limits and followers follow."""
+    robot, model = compiled.robot, compiled.model
+    data = mujoco.MjData(model)
+    limits = ranges(robot)
+    loops = [loop for loop in robot.loops if loop.name in compiled.closed]
+    worst, where = 0.0, ""
+    for share in np.linspace(0.0, 1.0, POSES):
+        q = every_saved(robot)
+        for relation in robot.relations:
+            q[relation.driver] = _between(limits[relation.driver], q[relation.driver], float(share))
+        for relation in robot.relations:
+            driver = q[relation.driver]
+            assert not isinstance(driver, tuple)
+            q[relation.follower] = relation.multiplier * driver + relation.offset
+        set_values(model, data, robot, q, urdf=True)
+        poses = {link.name: link_pose(model, data, robot, link.name) for link in robot.links}
+        worst, where = max((worst, where), *((gap(loop, poses), loop.name) for loop in loops))
+    allowed = max(CLOSED, *(2 * loop.residual for loop in loops))
+    detail = f"loops that mimic joints close, over the range of their drivers [m, rad]; worst: {where}"
+    return compiled.within("loops", worst, allowed, detail)
+
+
+def _between(ends: tuple[float, float], near: Value, share: float) -> Value:
+    """A value of a range; without limits within 0.5 rad or m of one."""
+    assert not isinstance(near, tuple)
+    low, high = (
+        end if math.isfinite(end) else near + side for end, side in zip(ends, (-0.5, 0.5), strict=True)
+    )
+    return low + share * (high - low)
 
 
 def _frames_of_loops(compiled: CompiledModel) -> Check:

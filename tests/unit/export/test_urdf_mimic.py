@@ -1,0 +1,238 @@
+"""Loops of a URDF: what is exactly linear is a <mimic>, certified by the loop that MuJoCo closes."""
+
+import json
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from stages.formats.urdf.as_written import as_written, form_with
+from stages.formats.xml import parse
+from stages.robot.kinematics import link_poses
+from stages.robot.loop_lines import linear_couplings
+from stages.robot.loops import gap
+from stages.robot.model import Limits, Relation, Robot, frozen
+from stages.robot.start_pose import home
+from stages.validate import validate
+from stages.validate.mujoco_abilities import reads_mimic
+from tests.fake_onshape.frames import frame
+from tests.fake_onshape.sample import sample_document
+from tests.support.building import plan_of, robot_of, write
+from tests.support.engines import Mujoco, Pinocchio
+from tests.support.kit import Kit, four_bar
+from tests.support.robots import at, joint, loop, robot_with
+
+
+def uneven(crank: float = 0.1, coupler: float = 0.24, rocker: float = 0.2, base: float = 0.25) -> Robot:
+    """A four-bar of hinges about z whose rocker turns by no line, assembled by the law of cosines."""
+    drive = 1.0
+    tip = np.array([crank * np.cos(drive), crank * np.sin(drive)])
+    off = np.array([base, 0.0]) - tip
+    far = float(np.hypot(*off))
+    inner = np.arccos((coupler**2 + far**2 - rocker**2) / (2 * coupler * far))
+    heading = np.arctan2(off[1], off[0]) + inner
+    end = tip + coupler * np.array([np.cos(heading), np.sin(heading)])
+    swing = np.arctan2(end[1], end[0] - base)
+    limits = {"crank_joint": Limits(0.4, 1.6)}
+    rows = [
+        joint("revolute", "base", "crank", [drive], limits=limits),
+        joint("revolute", "crank", "coupler", [heading - drive], place=at(crank, 0, 0)),
+        joint("revolute", "base", "rocker", [swing], place=at(base, 0, 0)),
+    ]
+    shut = loop("revolute", "coupler", "rocker", at(coupler, 0, 0), at(rocker, 0, 0), [heading - swing])
+    return robot_with(rows, loops=[shut])
+
+
+def swing_of(drive: float, crank=0.1, coupler=0.24, rocker=0.2, base=0.25) -> float:
+    """The rocker's angle in closed form, by Freudenstein's equation."""
+    a = base - crank * np.cos(drive)
+    b = -crank * np.sin(drive)
+    c = (coupler**2 - a**2 - b**2 - rocker**2) / (2 * rocker)
+    return float(np.arctan2(b, a) + np.arccos(c / np.hypot(a, b)))
+
+
+def sample() -> Robot:
+    return robot_of(sample_document())
+
+
+def mimics(text: bytes) -> dict[str, tuple[str, float, float]]:
+    return {
+        node.getparent().get("name"): (
+            node.get("joint"),
+            float(node.get("multiplier")),
+            float(node.get("offset", 0)),
+        )
+        for node in parse(text).iterfind("joint/mimic")
+    }
+
+
+def test_the_samples_parallelogram_is_minus_the_shoulder(tmp_path: Path) -> None:
+    robot = sample()
+    exported = write(robot, tmp_path)
+    found = mimics(exported.files["robot.urdf"])
+    assert found["rod_lower_pivot"] == ("shoulder", -1.0, 0.0)
+    assert found["elbow_plate_pivot"] == ("shoulder", -1.0, 0.0)
+    table = json.loads(exported.files["robot.json"])
+    (shut,) = [one for one in table["loops"] if one["mimic"]]
+    assert shut["name"] == "rod_upper_pivot"
+    one = table["couplings"][0]
+    assert (one["driver"], one["multiplier"], one["range"], one["error"]) == ("shoulder", -1, [-0.5, 1.1], 0)
+    assert not [
+        check for check in validate(tmp_path, robot, plan_of(), form=exported.form) if not check.passed
+    ]
+
+
+@pytest.mark.parametrize("kind", ["sample", "kit"])
+def test_mimics_put_all_where_the_closed_loop_of_the_mjcf_does(kind: str, tmp_path: Path) -> None:
+    """MuJoCo's own solver closes the loop of the MJCF; Pinocchio reads the URDF, whose followers follow."""
+    kit = Kit()
+    four_bar(kit, limits=True)
+    robot = sample() if kind == "sample" else robot_of(kit.document)
+    exported = write(robot, tmp_path)
+    text = exported.files[f"{robot.name}.urdf"]
+    follow = mimics(text)
+    pinocchio, engine = Pinocchio(text), Mujoco(tmp_path / f"{robot.name}.xml")
+    driver = next(iter(follow.values()))[0]
+    low, high = engine.model.joint(driver).range
+    # Where the parallelogram lies flat, at 0, it can go on in several ways.
+    for value in np.linspace(low, high, 8):
+        q = {dof.name: 0.0 for dof in robot.dofs} | {driver: float(value)}
+        q |= {name: slope * q[by] + offset for name, (by, slope, offset) in follow.items()}
+        expected = closed_by_mujoco(engine, q, list(follow))
+        found = pinocchio.poses(q)
+        for link in robot.links:
+            assert np.abs(found[link.name] - expected[link.name]).max() < 1e-9, (value, link.name)
+
+
+def closed_by_mujoco(engine: Mujoco, q: dict, followers: list[str]) -> dict[str, np.ndarray]:
+    """Poses with the equalities closed by Gauss-Newton steps on MuJoCo's own residuals, but for the
+    followers all held, from beside where the mimics put these."""
+    model, data = engine.model, engine.data
+    mujoco.mj_resetData(model, data)
+    for name, value in q.items():
+        beside = 1e-3 * (-1) ** followers.index(name) if name in followers else 0.0
+        data.qpos[model.joint(name).qposadr[0]] = value + beside
+    others = [int(model.joint(name).dofadr[0]) for name in followers]
+    for _ in range(20):
+        mujoco.mj_fwdPosition(model, data)
+        rows = data.efc_type[: data.nefc] == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+        dense = np.zeros((data.nefc, model.nv))
+        if mujoco.mj_isSparse(model):
+            mujoco.mju_sparse2dense(
+                dense, data.efc_J.ravel(), data.efc_J_rownnz, data.efc_J_rowadr, data.efc_J_colind.ravel()
+            )
+        else:
+            dense = data.efc_J.reshape(data.nefc, model.nv)
+        step = np.linalg.lstsq(dense[rows][:, others], -data.efc_pos[: data.nefc][rows], rcond=1e-9)[0]
+        speed = np.zeros(model.nv)
+        speed[others] = step
+        mujoco.mj_integratePos(model, data.qpos, speed, 1.0)
+    mujoco.mj_kinematics(model, data)
+    found = {}
+    for index in range(model.nbody):
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = data.xmat[index].reshape(3, 3), data.xpos[index]
+        found[model.body(index).name] = pose
+    return found
+
+
+def test_mujoco_reads_the_mimics_of_the_urdf(tmp_path: Path) -> None:
+    if not reads_mimic():
+        pytest.skip("this MuJoCo reads no <mimic>")
+    kit = Kit()
+    four_bar(kit)
+    write(robot_of(kit.document), tmp_path)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.urdf"))
+    assert sorted(model.eq_data[:, 1].tolist()) == [-1.0, -1.0]
+
+
+def test_what_is_not_linear_stays_open_with_the_best_line_and_its_error(tmp_path: Path) -> None:
+    robot = uneven()
+    found = {one.follower: one for one in linear_couplings(robot, home(robot))}
+    one = found["rocker_joint"]
+    assert not one.exact
+    assert one.driver == "crank_joint"
+    assert (one.low, one.high) == pytest.approx((0.4, 1.6))
+    drives = np.linspace(0.4, 1.6, 65)
+    swings = np.array([swing_of(drive) for drive in drives])
+    slope, height = np.polyfit(drives, swings, 1)
+    assert (one.multiplier, one.offset) == pytest.approx((slope, height), abs=1e-9)
+    assert one.error == pytest.approx(np.abs(swings - slope * drives - height).max(), rel=1e-6)
+    exported = write(robot, tmp_path)
+    assert mimics(exported.files["robot.urdf"]) == {}
+    (told,) = [one.message for one in exported.diagnostics if one.code == "I-URDF-LOOP"]
+    assert re.search(r"rocker_joint = \S+ crank_joint \+ \S+, off by up to 0\.\d+", told)
+    table = json.loads(exported.files["robot.json"])
+    assert [one["mimic"] for one in (*table["loops"], *table["couplings"])] == [False] * 3
+
+
+def test_a_line_that_is_off_by_a_millionth_is_not_exact() -> None:
+    kit = Kit()
+    four_bar(kit, limits=True)
+    robot = robot_of(kit.document)
+    (shut,) = robot.loops
+    bent = shut.a_from_frame @ frame((1e-6, 0, 0))
+    robot = replace(robot, loops=(replace(shut, a_from_frame=frozen(bent)),))
+    found = linear_couplings(robot, home(robot))
+    assert found
+    assert not any(one.exact for one in found)
+    assert all(1e-9 < one.error < 0.1 for one in found)
+
+
+def test_a_parallelogram_that_lies_flat_is_not_certified() -> None:
+    kit = Kit()
+    four_bar(kit, value=0.0)
+    robot = robot_of(kit.document)
+    assert linear_couplings(robot, home(robot)) == ()
+    form = form_with(robot)
+    assert (form.mimics, form.closed) == ((), ())
+
+
+def test_the_first_dof_drives_and_followers_of_followers_follow_it() -> None:
+    kit = Kit()
+    four_bar(kit, limits=True)
+    robot = robot_of(kit.document)
+    names = sorted(dof.name for dof in robot.dofs)
+    for first in names:
+        form = form_with(robot, first=[first])
+        assert {one.driver for one in form.mimics} == {first}
+        assert {one.follower for one in form.mimics} == set(names) - {first}
+        assert form.closed == tuple(one.name for one in robot.loops)
+    wheel = joint("revolute", "base", "wheel")
+    gear = Relation("gear", "wheel_joint", names[0], 2.0, 0.1)
+    geared = replace(
+        robot,
+        links=(*robot.links, replace(robot.links[0], name="wheel", parts=())),
+        joints=(*robot.joints, wheel),
+        relations=(gear,),
+    )
+    form = form_with(geared, first=[names[1]])
+    line = next(one for one in form.mimics if one.follower == names[0])
+    relation = next(one for one in as_written(geared, form).relations if one.name == "gear")
+    assert relation.driver == names[1]
+    assert relation.multiplier == pytest.approx(2 * line.multiplier)
+    assert relation.offset == pytest.approx(2 * line.offset + 0.1)
+
+
+def test_certified_lines_close_the_loops_of_the_robots_own_kinematics() -> None:
+    robot = sample()
+    form = form_with(robot)
+    for value in np.linspace(-0.5, 1.1, 9):
+        q = dict(home(robot)) | {"shoulder": float(value)}
+        q |= {one.follower: one.multiplier * value + one.offset for one in form.mimics}
+        poses = link_poses(robot, q)
+        assert max(gap(one, poses) for one in robot.loops if one.name in form.closed) < 1e-9
+
+
+def test_a_wrong_mimic_fails_the_check(tmp_path: Path) -> None:
+    kit = Kit()
+    four_bar(kit, limits=True)
+    robot = robot_of(kit.document)
+    exported = write(robot, tmp_path)
+    first = exported.form.couplings[0]
+    wrong = replace(exported.form, couplings=(replace(first, multiplier=1.1), *exported.form.couplings[1:]))
+    failed = [one.name for one in validate(tmp_path, robot, plan_of(), form=wrong) if not one.passed]
+    assert failed == ["robot.urdf: relations", "robot.urdf: loops"]
