@@ -12,14 +12,15 @@ numbers of free motion (x, y, z, quat). A ball's are its chain's, from parent to
 the saved value as the mate has it: the inverse where the joint runs backwards. A ball's q = 0 is its
 mate's zero in the URDF, but its pose at qpos0 in the MJCF, which has no `ref` for it: `zero` has both.
 `lowered` lists the joints that are several joints in the URDF, with links between them, `merged` the links
-that are part of others there, at this pose in them. `urdf` is the URDF link of a frame; of a loop, the
-links of its first and second frame; `mimic`: whether <mimic> joints alone close it there. `couplings` has
-what closed loops make follow what: follower = multiplier · driver + offset, off by at most `error` where
-the driver is in `range`; `mimic`: whether that is exact, and so in the URDF. `transmissions` is there where
-the source names what drives the joints; `actuators` where the robot has any: `control` and `force` are
-ranges, `home` is the control at the keyframe of that name, `load` the largest force at the dof by the
-robot's weight, `home_load` that at home, and `sag` how far it moves the servo's dof there. `estimated`
-lists what Linkwright chose, of a dof too. `sensors` where the source has any.
+that are part of others there, at this pose in them. `urdf` is the URDF link of a frame; of a loop, the links
+of its first and second frame; `mimic`: whether <mimic> joints alone close it there. `couplings` has what
+closed loops make follow what: follower = multiplier · driver + offset, off by at most `error` where the
+driver is in `range`; `mimic`: whether that is exact, and so in the URDF. `transmissions` is there where the
+source names what drives the joints; `actuators` where the robot has any: `control` and `force` are ranges,
+`home` is the control at the keyframe of that name, `load` the largest force at the dof by the robot's weight,
+`home_load` that at home, and `sag` how far it moves the servo's dof there. `provenance` says where a dof's
+limits and dynamics come from. `estimated` lists what Linkwright chose, of a dof too. `sensors` where the
+source has any.
 """
 
 import json
@@ -30,6 +31,7 @@ import numpy as np
 
 from stages.export.coupling_records import coupling_records
 from stages.export.mjcf.joints import free_joint_name
+from stages.export.provenance import provenance
 from stages.export.urdf.lowering import Lowered, lower, unset
 from stages.formats.numbers import number, numbers
 from stages.formats.urdf.as_written import as_written, holders
@@ -192,6 +194,7 @@ def _joint(joint: Joint, start: Configuration, estimated: Collection[str]) -> di
             {
                 **_dof(dof, joint.backwards),
                 "unset": unset(dof),
+                "provenance": provenance(dof, dof.name in estimated),
                 **({"estimated": ["armature"]} if dof.name in estimated else {}),
                 "qpos0": _value(start[dof.name]),
                 **({"zero": _zero(start[dof.name])} if dof.kind == "ball" else {}),

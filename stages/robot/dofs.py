@@ -75,7 +75,8 @@ class Dof:
     `axis` is a unit vector in the dof's own frame, zero for a ball and for free motion. `origin`
     (4, 4) is that frame in the one which the dof before it moves (previous_from_dof); the first has
     the identity. The only dof of a joint has the joint's name. `saved`: the value in the pose that
-    CAD was left in.
+    CAD was left in. `given`: those of `limits` and of the dynamics, by name, that the configuration gives;
+    the others are the source's.
     """
 
     name: str
@@ -85,3 +86,4 @@ class Dof:
     limits: Limits
     dynamics: Dynamics
     saved: Value
+    given: tuple[str, ...] = ()

@@ -147,6 +147,7 @@ def _joint(name: str, keys: AddedJointKeys, parent: str, child: str, parent_from
         limits=Limits(*keys.limits) if keys.limits else Limits(),
         dynamics=Dynamics(),
         saved=0.0,
+        given=("limits",) if keys.limits else (),
     )
     dofs = () if keys.type == "fixed" else (dof,)
     return Joint(name, TYPES[keys.type], parent, child, frozen(parent_from_joint), dofs, False, None)

@@ -71,15 +71,18 @@ def _report_idle(glob: str, keys: JointKeys, loops: Sequence[Loop], log: Diagnos
 
 
 def _with(dof: Dof, wanted: Mapping[str, JointKeys]) -> Dof:
-    limits, dynamics = dof.limits, dof.dynamics
+    limits, dynamics, told = dof.limits, dof.dynamics, set(dof.given)
     for glob, keys in wanted.items():
         if not fits(dof.name, glob):
             continue
         if keys.limits is not None:
             limits = Limits(*keys.limits)
-        given = {key: getattr(keys, key) for key in Dynamics.__slots__}
-        dynamics = replace(dynamics, **{key: value for key, value in given.items() if value is not None})
-    return replace(dof, limits=limits, dynamics=dynamics)
+            told.add("limits")
+        every = {key: getattr(keys, key) for key in Dynamics.__slots__}
+        given = {key: value for key, value in every.items() if value is not None}
+        dynamics = replace(dynamics, **given)
+        told |= set(given)
+    return replace(dof, limits=limits, dynamics=dynamics, given=tuple(sorted(told)))
 
 
 def unwrapped(dof: Dof) -> Dof:

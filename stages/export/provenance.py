@@ -1,0 +1,29 @@
+"""Where the limits and dynamics of a dof come from."""
+
+from collections.abc import Iterator
+from dataclasses import fields
+
+from stages.robot.model import Dof, Dynamics
+
+
+def provenance(dof: Dof, estimated: bool = False) -> dict[str, str]:
+    """By quantity: given (by the configuration), source (by CAD or the file), estimated, or unset, for which
+    URDF gets a default where it requires a number. `estimated`: whether its armature is."""
+    return dict(_each(dof, estimated))
+
+
+def _each(dof: Dof, estimated: bool) -> Iterator[tuple[str, str]]:
+    ends = {"turn": ("lower", "upper"), "slide": ("lower", "upper"), "ball": ("upper",), "free": ()}
+    for side in ends[dof.kind]:
+        yield side, _origin(dof, "limits", getattr(dof.limits, side))
+    if dof.kind != "free":
+        for field in fields(Dynamics):
+            made = estimated and field.name == "armature"
+            origin = _origin(dof, field.name, getattr(dof.dynamics, field.name))
+            yield field.name, "estimated" if made else origin
+
+
+def _origin(dof: Dof, key: str, value: float | None) -> str:
+    if value is None:
+        return "unset"
+    return "given" if key in dof.given else "source"
