@@ -13,6 +13,9 @@ from tests.support.mjcfs import body, model, written
 from tests.support.places import SHARED
 
 SO101 = SHARED / "data/robots/so101/Simulation/SO101"
+PLACE = "scene.pose={xyz: [0, 0, 0]}"
+"""The robot where the file has it, not standing on the ground."""
+
 REAL = pytest.mark.skipif(not SO101.exists(), reason="needs the real robots in ../shared")
 
 
@@ -20,7 +23,9 @@ REAL = pytest.mark.skipif(not SO101.exists(), reason="needs the real robots in .
 @REAL
 @pytest.mark.parametrize("name", ["scene.xml", "so101_old_calib.xml"])
 def test_a_real_arm_passes_every_check_and_moves_as_it_did(tmp_path: Path, name: str) -> None:
-    done = linkwright(tmp_path, "source=mjcf", f"source.path={SO101 / name}", "output=out", "mesh=hull")
+    done = linkwright(
+        tmp_path, "source=mjcf", f"source.path={SO101 / name}", "output=out", "mesh=hull", PLACE
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     report = json.loads((tmp_path / "out" / "report.json").read_text())
     assert report["checks"]
