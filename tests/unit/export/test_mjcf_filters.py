@@ -132,7 +132,8 @@ def test_the_floor_and_objects_of_a_user_meet_every_class(tmp_path):
         body.add_freejoint()
         body.add_geom(name=name, type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[0.1, 0, 0], conaffinity=conaffinity)
     for key in list(spec.keys):
-        spec.delete(key)
+        # Older versions of MuJoCo have it on the element.
+        spec.delete(key) if hasattr(spec, "delete") else key.delete()
     model = spec.compile()
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)

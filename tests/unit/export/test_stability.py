@@ -55,9 +55,14 @@ def opening(model: mujoco.MjModel, seconds: float) -> float:
     return worst
 
 
+unstable_hands = pytest.mark.skipif(
+    int(mujoco.__version__.split(".")[0]) < 4, reason="an older MuJoCo holds these light links by itself"
+)
+
 HANDS = [(seed, kind) for seed in range(6) for kind in ("revolute", "ball")]
 
 
+@unstable_hands
 @pytest.mark.parametrize(("seed", "kind"), mostly_slow(HANDS, 2))
 def test_a_hand_of_light_links_gets_the_least_armature_that_holds(seed: int, kind: str) -> None:
     robot = hand(seed, fingers=2 if seed == 0 else 4, closing=kind)
@@ -88,6 +93,7 @@ def test_a_hand_that_holds_by_itself_gets_no_armature(dynamics: Dynamics) -> Non
     assert opening(compiled(found), 2.0) <= 1e-3
 
 
+@unstable_hands
 def test_where_it_is_taken_out_the_validation_names_the_joints_and_what_mends_it(tmp_path: Path) -> None:
     robot, plan = hand(0, fingers=1), plan_of(scene=TILTED)
     exported = write(robot, tmp_path, plan)
@@ -149,6 +155,7 @@ def test_a_carriers_dof_can_get_an_armature() -> None:
     assert built.loops[0].dofs[0].dynamics.armature == 0.3
 
 
+@unstable_hands
 def test_the_trial_run_names_the_joint_and_the_loop() -> None:
     outcome = trial_run(bare(compiled(exported(hand(0, fingers=1, dynamics=Dynamics(armature=1e-9))))))
     assert outcome.failed
