@@ -32,15 +32,20 @@ def digests(context: BuildContext, files: Mapping[str, bytes]) -> dict[str, str]
 
 
 def described(context: BuildContext) -> bytes:
-    """`robot.json` as the export stage writes it; cached, since writing it needs slow imports."""
+    """`robot.json` as the export stage writes it of a robot that nothing drives, since the trial run needs
+    its meshes; cached, since writing it needs slow imports."""
     from stages.export import VERSION
 
     def make() -> bytes:
         from stages.export.robot_json import describe
+        from stages.export.urdf.form import form_of
+        from stages.robot.actuation import NONE
         from stages.robot.start_pose import starting_point
 
-        return describe(context.robot, starting_point(context.robot))
+        robot = context.robot
+        return describe(robot, starting_point(robot), NONE, form_of(robot, context.plan, NONE))
 
     export = next(stage for stage in STAGES if stage.name == "export")
     memo = context.cache.memo("export", VERSION, libraries(export))
-    return memo("description", {"robot": context.files["graph"].digests[ROBOT]}, make)
+    formats = context.plan.export.identity()
+    return memo("description", {"robot": context.files["graph"].digests[ROBOT], "formats": formats}, make)

@@ -82,6 +82,7 @@ def test_geoms_that_all_touch_each_other_share_a_bit(tmp_path):
     assert geoms_in_mujoco(model, robot, home(robot)) == every_pair(robot, geometry)
 
 
+@pytest.mark.slow
 def test_thirty_classes_are_told_apart_and_what_is_beyond_them_is_said(tmp_path):
     robot, geometry, pairs = cliques(CLASSES + 2)
     found = filters(robot, geometry)

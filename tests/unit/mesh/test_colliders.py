@@ -158,7 +158,7 @@ def test_fitted_primitives_are_in_the_mjcf_and_the_urdf_where_they_were_fitted(
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), limits=(-1, 1))
     monkeypatch.setitem(sys.modules, "stages.mesh.colliders.hull", SimpleNamespace(make=skewed))
-    robot, plan = robot_of(kit.document), plan_of()
+    robot, plan = robot_of(kit.document), plan_of(ground={"kind": "none"})
     geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
     write(robot, tmp_path, plan, geometry)
     ours = [shape.primitive for shape in geometry.of("arm", "collision")]

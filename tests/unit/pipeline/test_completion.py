@@ -36,7 +36,7 @@ def here(tmp_path, monkeypatch):
         ("frames.add.tool.", ["frames.add.tool.link=", "frames.add.tool.rpy=", "frames.add.tool.xyz="]),
         ("+joints.elbow.da", ["+joints.elbow.damping="]),
         ("robot=m", ["robot=my_arm"]),
-        ("robot=", ["robot=bare", "robot=legs/left", "robot=my_arm", "robot=sample"]),
+        ("robot=", ["robot=bare", "robot=legged", "robot=legs/left", "robot=my_arm", "robot=sample"]),
         ("robot=robot/m", ["robot=robot/my_arm.yaml"]),
         ("--config-dir there robot=o", ["robot=other"]),
         ("--config-dir=there robot=o", ["robot=other"]),
