@@ -118,9 +118,9 @@ def _of_loops(robot: Robot, start: Configuration, first: Sequence[str]) -> Itera
 
 def _singular(closer: Closer, begin: Values, path: Values) -> bool:
     """Whether more can move at `begin` than along the path, as of a parallelogram that lies flat: then it has
-    several ways to go on, of which the path is one."""
+    several ways to go on, of which the path is one. So it is where there is no path."""
     first, along = (_ranks(closer.jacobian(values)) for values in (begin, path))
-    return bool(first.max() < along.max())
+    return not along.size or bool(first.max() < along.max())
 
 
 def _ranks(jacobian: Array) -> npt.NDArray[np.intp]:

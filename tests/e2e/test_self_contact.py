@@ -53,7 +53,7 @@ def built(name: str, folder):
     text = made.files[file].decode()
     free = re.sub(r"<contact>.*?</contact>", "", text, flags=re.DOTALL)
     free = free.replace("<option ", "<option><flag filterparent='disable'/></option><option ")
-    free = re.sub(r'(name="[^"]*" class="collision" .*?) contype="\d+" conaffinity="\d+"', r"\1", free)
+    free = re.sub(r'contype="[1-9]\d*" conaffinity="[1-9]\d*"', 'contype="1" conaffinity="1"', free)
     meshes = {path.removeprefix("assets/"): data for path, data in files.items()}
     models = [mujoco.MjSpec.from_string(one, assets=assets(one, meshes)).compile() for one in (text, free)]
     return codec.decode_robot(made.robot), made.report, *models
