@@ -14,7 +14,7 @@ from stages.graph.dofs import backwards
 from stages.graph.keys import GraphKeys
 from stages.graph.mechanism import Connection, Mechanism, RigidBody
 from stages.graph.root import base_of
-from stages.graph.tree import Edge, Tree, ways_up
+from stages.graph.tree import Edge, Tree
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits, listed
 from stages.robot.inertia import merged, moved
@@ -33,6 +33,7 @@ from stages.robot.model import (
 )
 from stages.robot.names import free
 from stages.robot.poses import at_rest, inverse
+from stages.robot.ways import ways_up
 
 POSE_TOLERANCE = 1e-6
 """How far [m, rad] the saved pose may be from what a mate allows before it is reported."""

@@ -1,9 +1,9 @@
 """The kinematic tree: which connections are in the tree, which close loops, and the order of the bodies."""
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from typing import Literal, TypeVar
+from typing import Literal
 
 import networkx as nx
 
@@ -15,8 +15,6 @@ from stages.robot.errors import Diagnostic, Disconnected
 from stages.robot.globs import fits, listed
 from stages.robot.model import Array, JointType
 from stages.robot.plural import count
-
-Node = TypeVar("Node", int, str)
 
 CUT_LAST: dict[JointType, int] = {"prismatic": 0, "revolute": 2, "ball": 3, "fixed": 4}
 """Connections go into the tree by this rank (others: 1); the last are the first to be cut."""
@@ -145,21 +143,6 @@ def _walk(kept: nx.MultiGraph, root: int) -> tuple[list[int], list[Edge]]:
 def _branches(kept: nx.MultiGraph, body: int) -> Iterator[Edge]:
     edges = [Edge(body, other, data["connection"]) for _, other, data in kept.edges(body, data=True)]
     return iter(sorted(edges, key=lambda edge: natural(edge.connection.name if edge.connection else "")))
-
-
-def ways_up(
-    first: Node, second: Node, parents: Mapping[Node, Node], order: Mapping[Node, int]
-) -> tuple[list[Node], list[Node]]:
-    """The two ways up a tree to where they meet, without that, each from its start; `order` has a parent
-    before its children."""
-    ways: tuple[list[Node], list[Node]] = ([], [])
-    ends = [first, second]
-    while ends[0] != ends[1]:
-        # The later of the two is above neither.
-        later = int(order[ends[1]] > order[ends[0]])
-        ways[later].append(ends[later])
-        ends[later] = parents[ends[later]]
-    return ways
 
 
 def natural(name: str) -> tuple[tuple[int, int, str], ...]:

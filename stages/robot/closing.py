@@ -6,13 +6,14 @@ pseudo-inverse; 3.7.3), for many configurations at once.
 """
 
 from collections.abc import Collection, Iterator, Mapping
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
 
 from stages.robot.dof_ranges import ranges
 from stages.robot.loops import CLOSED
-from stages.robot.model import Array, Dof, DofKind, Joint, Robot
+from stages.robot.model import Array, Dof, DofKind, Robot
 from stages.robot.pose_batch import (
     Values,
     along,
@@ -22,6 +23,7 @@ from stages.robot.pose_batch import (
     rotations_of_quats,
     turns_of,
 )
+from stages.robot.ways import Ways
 
 _DAMPED = 1e-10
 """Of the mean square of the Jacobian's rows: what keeps conditions that follow from others from counting."""
@@ -37,22 +39,22 @@ class Closer:
     """
 
     def __init__(self, robot: Robot, held: Collection[str] = ()) -> None:
-        self._root = robot.root.name
         self._relations = robot.relations
         self._loops = tuple(sorted(robot.loops, key=lambda loop: loop.name))
-        above = {joint.child: joint for joint in robot.joints}
-        self._ways = tuple((_way(loop.link_a, above), _way(loop.link_b, above)) for loop in self._loops)
-        needed = {joint.child for ways in self._ways for way in ways for joint in way}
-        self._joints = [joint for joint in robot.joints if joint.child in needed]
+        ways = Ways(robot)
+        self._ways = tuple(ways.of_loop(loop) for loop in self._loops)
+        ends = {end for loop in self._loops for end in (loop.link_a, loop.link_b)}
+        self._top, self._joints = ways.tree_of(sorted(ends)) if ends else (robot.root.name, [])
         drivers = {one.follower: (one.driver, one.multiplier) for one in robot.relations}
         self._share = {dof.name: drivers.get(dof.name, (dof.name, 1.0)) for dof in robot.dofs}
         self._share |= {dof.name: (dof.name, 1.0) for loop in self._loops for dof in loop.dofs}
         kinds = {dof.name: dof.kind for dof in (*robot.dofs, *(d for loop in robot.loops for d in loop.dofs))}
         names = {self._share[dof.name][0] for _, dof in self._moving()} - set(held)
         self._kinds = {name: kinds[name] for name in sorted(names) if kinds[name] != "free"}
-        ends = np.cumsum([0, *(3 if kind == "ball" else 1 for kind in self._kinds.values())])
-        self._columns = {name: slice(a, b) for name, a, b in zip(self._kinds, ends, ends[1:], strict=False)}
-        self._size = int(ends[-1])
+        starts = np.cumsum([0, *(3 if kind == "ball" else 1 for kind in self._kinds.values())])
+        parts = [slice(a, b) for a, b in pairwise(starts)]
+        self._columns = dict(zip(self._kinds, parts, strict=True))
+        self._size = int(starts[-1])
         limits = ranges(robot)
         bounds = [
             (self._kinds[name], limits.get(name, (-np.inf, np.inf)))
@@ -154,9 +156,9 @@ class Closer:
         return now
 
     def _conditions(self, values: Values) -> tuple[Array, Array]:
-        """How far the loops' frames are apart (n, 6 L), shift [m] and turn [rad] in the root's axes, and its
-        derivative (n, 6 L, size)."""
-        poses, frames = placed(self._root, self._joints, values)
+        """How far the loops' frames are apart (n, 6 L), shift [m] and turn [rad] in the axes of the
+        link where all ways to them meet, and its derivative (n, 6 L, size)."""
+        poses, frames = placed(self._top, self._joints, values)
         ends = []
         for loop in self._loops:
             second = along(loop.dofs, poses[loop.link_b] @ loop.b_from_frame, values, frames)
@@ -179,11 +181,9 @@ class Closer:
     def _moving(self) -> Iterator[tuple[tuple[int, int], Dof]]:
         """The index of a loop, the sign of its frame, and a dof by which that frame moves."""
         for index, (loop, (to_a, to_b)) in enumerate(zip(self._loops, self._ways, strict=True)):
-            both = {joint.child for joint in to_a} & {joint.child for joint in to_b}
             for sign, way in ((1, to_a), (-1, to_b)):
                 for joint in way:
-                    if joint.child not in both:
-                        yield from (((index, sign), dof) for dof in joint.dofs)
+                    yield from (((index, sign), dof) for dof in joint.dofs)
             yield from (((index, -1), dof) for dof in loop.dofs)
 
 
@@ -194,18 +194,9 @@ def _scale(kind: DofKind, low: float, high: float) -> float:
     return 1.0 if kind == "slide" else 2.0 * np.pi
 
 
-def _way(link: str, above: dict[str, Joint]) -> list[Joint]:
-    """The joints from a link up to the root."""
-    way = []
-    while link in above:
-        way.append(above[link])
-        link = above[link].parent
-    return way
-
-
 def _twists(dof: Dof, before: Array, after: Array, point: Array) -> Array:
-    """(n, 6, 1), of a ball (n, 6, 3): the velocity of `point` (n, 3) and the angular velocity, in the root's
-    axes, for unit speeds of a dof."""
+    """(n, 6, 1), of a ball (n, 6, 3): the velocity of `point` (n, 3) and the angular velocity, in the axes
+    of these poses, for unit speeds of a dof."""
     if dof.kind == "slide":
         axis = before[:, :3, :3] @ dof.axis
         return np.concatenate([axis, np.zeros_like(axis)], axis=1)[:, :, None]

@@ -6,6 +6,7 @@ from stages.robot.inertia import moved
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Array, Configuration, Dof, Inertial, Joint, Robot
 from stages.robot.poses import at_rest, motion
+from stages.robot.ways import Ways
 
 SPEEDS = {"turn": 1, "slide": 1, "ball": 3, "free": 6}
 """How many speeds a dof has, by its kind."""
@@ -26,22 +27,21 @@ def mass_matrix(robot: Robot, q: Configuration | None = None) -> Array:
     carried = {link.name: _spatial(moved(link.inertial, poses[link.name])) for link in robot.links}
     for joint in reversed(robot.joints):
         carried[joint.parent] = carried[joint.parent] + carried[joint.child]
-    above: dict[str, tuple[Joint, Array, slice]] = {}
+    ways = Ways(robot)
+    made: dict[str, tuple[Array, slice]] = {}
     size = sum(SPEEDS[dof.kind] for dof in robot.dofs)
     matrix = np.zeros((size, size))
     end = 0
     for joint in robot.joints:
         motions = _motions(joint, poses[joint.parent], q or {})
         rows = slice(end, end := end + motions.shape[1])
-        above[joint.child] = (joint, motions, rows)
+        made[joint.child] = (motions, rows)
         momenta = carried[joint.child] @ motions
-        link = joint.child
-        while link in above:
-            upper, its_motions, its_rows = above[link]
+        for upper in ways.up(joint.child):
+            its_motions, its_rows = made[upper.child]
             block = its_motions.T @ momenta
             matrix[its_rows, rows] = block
             matrix[rows, its_rows] = block.T
-            link = upper.parent
     return matrix
 
 

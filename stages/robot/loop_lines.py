@@ -8,7 +8,6 @@ straight line is then fitted to what each follower did, by least squares.
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +16,8 @@ from stages.robot.closing import Closer
 from stages.robot.couplings import RANK, Couplings, Rates, nearest_first
 from stages.robot.dof_ranges import ranges
 from stages.robot.linear_coupling import LinearCoupling
-from stages.robot.model import Array, Configuration, Loop, Robot
+from stages.robot.loop_groups import LoopGroups
+from stages.robot.model import Array, Configuration, Robot
 from stages.robot.pose_batch import Values, chosen, count_of, repeated
 from stages.robot.pose_samples import ends_of
 
@@ -49,11 +49,11 @@ def linear_couplings(
     As many dofs as the loops leave free are drivers: the `first` ones where they can be, then the nearest to
     the root. Where there are several, a follower's driver is the one whose line fits best.
     """
-    found = [
-        coupling
-        for loops in _connected(robot)
-        for coupling in _of_loops(replace(robot, loops=tuple(loops)), start, first)
-    ]
+    if not robot.loops:
+        return ()
+    order = {name: place for place, name in enumerate(dict.fromkeys((*first, *nearest_first(robot))))}
+    mechanisms = LoopGroups(robot).mechanisms()
+    found = [coupling for one in mechanisms for coupling in _of_mechanism(one, start, order)]
     places = {dof.name: place for place, dof in enumerate(robot.dofs)}
     return tuple(sorted(found, key=lambda coupling: places[coupling.follower]))
 
@@ -63,39 +63,19 @@ def closed_loops(robot: Robot, couplings: Sequence[LinearCoupling]) -> tuple[str
     exact = [one for one in couplings if one.exact]
     followers = {one.follower for one in exact}
     known = followers | {one.driver for one in exact}
-    found = []
+    groups, found = LoopGroups(robot), []
     for loop in robot.loops:
-        moved = _moved(robot, loop) - {dof.name for dof in loop.dofs}
+        moved = groups.moved_by(loop) - {dof.name for dof in loop.dofs}
         if moved <= known and moved & followers:
             found.append(loop.name)
     return tuple(found)
 
 
-def _moved(robot: Robot, loop: Loop) -> set[str]:
-    """The dofs that a loop depends on, and its own."""
-    return set(Closer(replace(robot, loops=(loop,))).names)
-
-
-def _connected(robot: Robot) -> list[list[Loop]]:
-    """The loops in groups that share no dof."""
-    groups: list[tuple[set[str], list[Loop]]] = []
-    for loop in robot.loops:
-        names, loops = _moved(robot, loop), [loop]
-        apart = []
-        for group in groups:
-            if group[0] & names:
-                names, loops = names | group[0], [*group[1], *loops]
-            else:
-                apart.append(group)
-        groups = [*apart, (names, loops)]
-    return [loops for _, loops in groups]
-
-
-def _of_loops(robot: Robot, start: Configuration, first: Sequence[str]) -> Iterator[LinearCoupling]:
-    """The couplings of a robot whose loops are all connected."""
+def _of_mechanism(robot: Robot, start: Configuration, places: Mapping[str, int]) -> Iterator[LinearCoupling]:
+    """The couplings of a robot whose loops are all connected. `places`: which dofs shall drive first."""
     closer = Closer(robot)
     scalars = {dof.name for dof in robot.dofs if dof.kind in ("turn", "slide")} & set(closer.names)
-    order = [name for name in dict.fromkeys((*first, *nearest_first(robot))) if name in scalars]
+    order = sorted(scalars, key=places.__getitem__)
     every = {dof.name for dof in (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))}
     begin, closed = closer.settled(repeated({name: start[name] for name in every}, 1))
     if not closed[0]:

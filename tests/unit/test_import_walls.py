@@ -26,7 +26,7 @@ HOMES = {
     "coacd": ("stages/mesh/decompose/coacd_guest.py",),
     "xacro": ("stages/fetch/urdf/",),
     "collada": (),
-    "networkx": ("stages/graph/",),
+    "networkx": ("stages/graph/", "stages/robot/loop_groups.py"),
     "lxml": ("stages/formats/xml.py",),
     "hydra": ("pipeline/config/", "pipeline/sweep/launch.py"),
     "omegaconf": ("pipeline/config/", "pipeline/sweep/launch.py"),

@@ -13,6 +13,7 @@ from stages.robot.pose_batch import Values, chosen, count_of, repeated
 from stages.robot.pose_samples import sampled_poses
 from stages.robot.start_pose import home
 from stages.robot.statics import holding_forces
+from stages.robot.ways import Ways
 
 POSES = 64
 """How many poses stand for a robot's range."""
@@ -109,20 +110,15 @@ def _standing(robot: Robot, up: Array) -> dict[str, tuple[str, ...]]:
         for link in robot.links
         if link.inertial.mass > 0
     }
-    above = {joint.child: joint for joint in robot.joints}
+    ways = Ways(robot)
     parents = {joint.parent for joint in robot.joints}
     lowest = min(heights.values(), default=0.0)
     limit = lowest + LOW * (max(heights.values(), default=0.0) - lowest)
     found: dict[str, tuple[str, ...]] = {}
     for name, height in heights.items():
-        if name in parents or name not in above or height > limit:
+        if name in parents or name == robot.root.name or height > limit:
             continue
-        way: list[str] = []
-        link = name
-        while link in above:
-            way += [dof.name for dof in above[link].dofs]
-            link = above[link].parent
-        found[name] = tuple(way)
+        found[name] = tuple(dof.name for joint in ways.up(name) for dof in joint.dofs)
     return found
 
 

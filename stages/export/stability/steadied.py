@@ -13,9 +13,10 @@ from stages.robot.armatures import with_armatures
 from stages.robot.dynamics import SPEEDS, mass_matrix
 from stages.robot.errors import Diagnostic
 from stages.robot.globs import listed
-from stages.robot.model import Dof, Joint, Robot
+from stages.robot.model import Dof, Robot
 from stages.robot.start_pose import home
 from stages.robot.trial_run import Trial
+from stages.robot.ways import Ways
 
 SHARES = (1 / 64, 1 / 16, 1 / 4, 1.0, 4.0)
 """The armatures that are tried, as shares of the largest inertia that a dof of the group moves."""
@@ -86,10 +87,9 @@ class _Coupled:
     def __init__(self, robot: Robot) -> None:
         every = _every(robot)
         together = {dof.name: {dof.name} for dof in every}
-        above = {joint.child: joint for joint in robot.joints}
+        ways = Ways(robot)
         for loop in robot.loops:
-            own = [dof.name for dof in loop.dofs if dof.name in together]
-            _merge(together, [*_around(loop.link_a, loop.link_b, above), *own])
+            _merge(together, [dof.name for dof in ways.dofs_of(loop) if dof.name in together])
         for relation in robot.relations:
             _merge(together, [relation.follower, relation.driver])
         self._sets = list({id(group): sorted(group) for group in together.values()}.values())
@@ -121,20 +121,6 @@ class _Coupled:
 
     def _kind(self, name: str) -> str:
         return self._bare.get(name, "turn")
-
-
-def _around(a: str, b: str, above: Mapping[str, Joint]) -> list[str]:
-    """The dofs on the ways from both links up to where these meet."""
-    ways = []
-    for link in (a, b):
-        way = []
-        while link in above:
-            joint = above[link]
-            way.append(joint)
-            link = joint.parent
-        ways.append(way)
-    both = {id(joint) for joint in ways[0]} & {id(joint) for joint in ways[1]}
-    return [dof.name for way in ways for joint in way if id(joint) not in both for dof in joint.dofs]
 
 
 def _merge(together: dict[str, set[str]], names: Iterable[str]) -> None:
