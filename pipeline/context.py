@@ -13,6 +13,7 @@ from stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
     from stages.export.writer import Exported
+    from stages.formats.mjcf_form import MjcfForm
     from stages.formats.urdf.form import UrdfForm
     from stages.robot.actuation import Actuation
     from stages.robot.bundle import Bundle
@@ -23,6 +24,7 @@ NOTES = "notes.json"
 ROBOT = "robot.json"
 ACTUATION = "actuation.json"
 FORM = "form.json"
+MJCF_FORM = "mjcf_form.json"
 FILES = "files/"
 """The folder of the files that the export stage writes for the user."""
 
@@ -81,9 +83,9 @@ class BuildContext:
         return codec.load(Actuation, self.files["export"][ACTUATION])
 
     @property
-    def exported(self) -> "tuple[Actuation, Geometry, UrdfForm]":
-        """What drives the robot in the exported files, its shapes, and the form of its URDF."""
-        return self.actuation, self.shapes, self.form
+    def exported(self) -> "tuple[Actuation, Geometry, UrdfForm, MjcfForm]":
+        """What drives the robot in the exported files, its shapes, and the forms of its URDF and MJCF."""
+        return self.actuation, self.shapes, self.form, self.mjcf_form
 
     @property
     def form(self) -> "UrdfForm":
@@ -91,6 +93,13 @@ class BuildContext:
         from stages.formats.urdf.form import UrdfForm
 
         return codec.load(UrdfForm, self.files["export"][FORM])
+
+    @property
+    def mjcf_form(self) -> "MjcfForm":
+        """How the exported MJCF differs from the robot."""
+        from stages.formats.mjcf_form import MjcfForm
+
+        return codec.load(MjcfForm, self.files["export"][MJCF_FORM])
 
     @property
     def geometry(self) -> "Geometry":
@@ -105,7 +114,11 @@ class BuildContext:
 
 def facts(exported: "Exported") -> dict[str, bytes]:
     """What the validate stage needs to know of the exported files."""
-    return {ACTUATION: codec.dump(exported.actuation), FORM: codec.dump(exported.form)}
+    return {
+        ACTUATION: codec.dump(exported.actuation),
+        FORM: codec.dump(exported.form),
+        MJCF_FORM: codec.dump(exported.mjcf_form),
+    }
 
 
 def notes(

@@ -37,13 +37,16 @@ def described(context: BuildContext) -> bytes:
     from stages.export import VERSION
 
     def make() -> bytes:
+        from stages.export.mjcf.form import form_of as mjcf_form_of
         from stages.export.robot_json import describe
         from stages.export.urdf.form import form_of
         from stages.robot.actuation import NONE
+        from stages.robot.geometry import Geometry
         from stages.robot.start_pose import starting_point
 
-        robot = context.robot
-        return describe(robot, starting_point(robot), NONE, form_of(robot, context.plan, NONE))
+        robot, plan = context.robot, context.plan
+        forms = form_of(robot, plan, NONE), mjcf_form_of(robot, Geometry((), {}), plan)
+        return describe(robot, starting_point(robot), NONE, *forms)
 
     export = next(stage for stage in STAGES if stage.name == "export")
     memo = context.cache.memo("export", VERSION, libraries(export))

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 17
+VERSION = 18
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -39,6 +39,7 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     format cannot express."""
     from stages.export.actuators.advice import advice
     from stages.export.driven import driven
+    from stages.export.mjcf.form import form_of as mjcf_form_of
     from stages.export.robot_json import describe
     from stages.export.standing import stand
     from stages.export.urdf.form import form_of
@@ -49,21 +50,22 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     place = standing.world_from_root
     actuation, remarks = driven(robot, geometry, keys, start, standing)
     robot = with_armatures(robot, actuation)
-    form = form_of(robot, keys, actuation)
+    form, mjcf_form = form_of(robot, keys, actuation), mjcf_form_of(robot, geometry, keys)
     written: dict[str, Exported] = {}
     for name in _needed(keys.export.chosen):
         writer = writer_of(name)
         own = {path: data for other in writer.reads for path, data in written[other].files.items()}
-        given = WriterInput(robot, geometry, keys, start, own, actuation, standing, form)
+        given = WriterInput(robot, geometry, keys, start, own, actuation, standing, form, mjcf_form)
         written[name] = writer.write(given)
     exported = [written[name] for name in keys.export.chosen]
     files = {f"assets/{name}": data for name, data in geometry.files.items()}
-    files["robot.json"] = describe(robot, start, actuation, form)
+    files["robot.json"] = describe(robot, start, actuation, form, mjcf_form)
     for one in exported:
         files |= one.files
     diagnostics = tuple(diagnostic for one in exported for diagnostic in one.diagnostics)
     told = (*diagnostics, *standing.diagnostics, *remarks)
-    return Exported(dict(sorted(files.items())), told, actuation, advice(robot, actuation, place), form)
+    tip = advice(robot, actuation, place)
+    return Exported(dict(sorted(files.items())), told, actuation, tip, form, mjcf_form)
 
 
 def _needed(chosen: Collection[str]) -> list[str]:

@@ -31,13 +31,15 @@ def driven(
     actuation, found = actuate(robot, keys.actuators, timestep, standing.world_from_root)
     if FORMAT not in keys.export.chosen or not _worth_a_trial(robot):
         return actuation, found
+    from stages.export.mjcf.form import form_of
     from stages.export.stability.compiled_trial import compiled_trial
     from stages.export.stability.steadied import steadied
 
     solid = _solid(geometry)
+    form = form_of(robot, geometry, keys)
 
     def run(built: Robot, with_what: Actuation, margin: float) -> "Trial | None":
-        given = WriterInput(built, solid, keys, start, {}, with_what, standing)
+        given = WriterInput(built, solid, keys, start, {}, with_what, standing, mjcf_form=form)
         files = writer_of(FORMAT).write(given).files
         return compiled_trial(files[f"{robot.name}.xml"], solid.files, margin)
 

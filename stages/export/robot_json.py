@@ -12,7 +12,8 @@ numbers of free motion (x, y, z, quat). A ball's are its chain's, from parent to
 the saved value as the mate has it: the inverse where the joint runs backwards. A ball's q = 0 is its
 mate's zero in the URDF, but its pose at qpos0 in the MJCF, which has no `ref` for it: `zero` has both.
 `lowered` lists the joints that are several joints in the URDF, with links between them, `merged` the links
-that are part of others there, at this pose in them. `urdf` is the URDF link of a frame; of a loop, the links
+that are part of others there, at this pose in them, and `fused` likewise those that are sites
+in the MJCF. `urdf` is the URDF link of a frame; of a loop, the links
 of its first and second frame; `mimic`: whether <mimic> joints alone close it there. `couplings` has what
 closed loops make follow what: follower = multiplier · driver + offset, off by at most `error` where the
 driver is in `range`; `mimic`: whether that is exact, and so in the URDF. `transmissions` is there where the
@@ -30,18 +31,21 @@ from typing import Any
 import numpy as np
 
 from stages.export.coupling_records import coupling_records
+from stages.export.driving_records import actuator_record, sensor_record
+from stages.export.json_values import as_float, as_floats, as_pose, as_value
 from stages.export.mjcf.joints import free_joint_name
 from stages.export.provenance import provenance
 from stages.export.urdf.lowering import Lowered, lower, unset
-from stages.formats.numbers import number, numbers
+from stages.formats.mjcf_form import AS_IS as EVERY_BODY
+from stages.formats.mjcf_form import MjcfForm
+from stages.formats.mjcf_written import holders as bodies
 from stages.formats.urdf.as_written import as_written, holders
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.formats.urdf.names import urdf_names
-from stages.robot.actuation import NONE, Actuation, Actuator
+from stages.robot.actuation import NONE, Actuation
 from stages.robot.codec import plain
 from stages.robot.measuring import measuring
 from stages.robot.model import (
-    Array,
     Configuration,
     Dof,
     Frame,
@@ -55,19 +59,22 @@ from stages.robot.model import (
     Provenance,
     Relation,
     Robot,
-    Sensor,
     Value,
 )
-from stages.robot.poses import at_rest, quat_from_rotation
+from stages.robot.poses import at_rest
 from stages.robot.printable import printable_lines
 
 FORMAT = "linkwright-robot"
 
 
 def describe(
-    robot: Robot, start: Configuration, actuation: Actuation = NONE, form: UrdfForm = AS_IS
+    robot: Robot,
+    start: Configuration,
+    actuation: Actuation = NONE,
+    form: UrdfForm = AS_IS,
+    mjcf_form: MjcfForm = EVERY_BODY,
 ) -> bytes:
-    """The file. `start`: the MJCF's qpos0, by dof; `form`: of the URDF."""
+    """The file. `start`: the MJCF's qpos0, by dof; `form`: of the URDF; `mjcf_form`: of the MJCF."""
     names = urdf_names(as_written(robot, form))
     estimated = {one.dof for one in actuation.armatures}
     table = {
@@ -76,9 +83,9 @@ def describe(
         "name": robot.name,
         "source": _source(robot.provenance),
         "root": robot.root.name,
-        "root_pose": _pose(robot.world_from_root),
+        "root_pose": as_pose(robot.world_from_root),
         "base": _base(robot),
-        "mass": _float(sum(link.inertial.mass for link in robot.links)),
+        "mass": as_float(sum(link.inertial.mass for link in robot.links)),
         "mobility": _mobility(robot.mobility),
         "links": [_link(link) for link in robot.links],
         "joints": [_joint(joint, start, estimated) for joint in robot.joints],
@@ -89,37 +96,21 @@ def describe(
     }
     if form.couplings:
         table["couplings"] = coupling_records(form)
-    merged = {link: held for link, held in holders(robot, form).items() if held[0] != link}
-    if merged:
-        table["merged"] = [
-            {"link": link, "into": holder, "pose": _pose(pose)} for link, (holder, pose) in merged.items()
+    for key, held in (("merged", holders(robot, form)), ("fused", bodies(robot, mjcf_form))):
+        parts = [
+            {"link": link, "into": into, "pose": as_pose(pose)}
+            for link, (into, pose) in held.items()
+            if into != link
         ]
+        if parts:
+            table[key] = parts
     if robot.transmissions:
         table["transmissions"] = [plain(transmission) for transmission in robot.transmissions]
     if actuation.actuators:
-        table["actuators"] = [_actuator(one) for one in actuation.actuators]
+        table["actuators"] = [actuator_record(one) for one in actuation.actuators]
     if robot.sensors:
-        table["sensors"] = [_sensor(one) for one in measuring(robot, actuation)]
+        table["sensors"] = [sensor_record(one) for one in measuring(robot, actuation)]
     return (printable_lines(json.dumps(table, indent=2, ensure_ascii=False)) + "\n").encode()
-
-
-def _float(value: float | None, scale: float | None = None) -> float | None:
-    return None if value is None else float(number(value, scale))
-
-
-def _floats(values: Array, scale: float | None = None) -> Any:
-    """Nested lists of the array's shape, each number as short as the formatter makes it."""
-    return np.array([float(text) for text in numbers(values, scale)]).reshape(np.shape(values)).tolist()
-
-
-def _value(value: Value) -> Any:
-    """A dof's value: a number, or a list of them."""
-    array = np.array(value)
-    return _floats(array, max(1.0, float(np.abs(array).max())))
-
-
-def _pose(pose: Array) -> dict[str, Any]:
-    return {"xyz": _floats(pose[:3, 3]), "quat": _floats(quat_from_rotation(pose[:3, :3]))}
 
 
 def _source(provenance: Provenance) -> dict[str, Any]:
@@ -148,9 +139,9 @@ def _mobility(mobility: Mobility) -> dict[str, Any]:
 def _link(link: Link) -> dict[str, Any]:
     return {
         "name": link.name,
-        "mass": _float(link.inertial.mass),
-        "com": _floats(link.inertial.com),
-        "inertia": _floats(link.inertial.inertia),
+        "mass": as_float(link.inertial.mass),
+        "com": as_floats(link.inertial.com),
+        "inertia": as_floats(link.inertial.inertia),
         "given": link.given is not None,
         "cad": {"path": list(link.path)} if link.path or link.parts else None,
         "parts": [_part(part) for part in link.parts],
@@ -165,8 +156,8 @@ def _part(part: Part) -> dict[str, Any]:
         "name": part.name,
         "path": list(part.path),
         "part": part.part_id,
-        "mass": _float(part.inertial.mass),
-        "pose": _pose(pose),
+        "mass": as_float(part.inertial.mass),
+        "pose": as_pose(pose),
         "mirrored": mirrored,
     }
 
@@ -174,9 +165,9 @@ def _part(part: Part) -> dict[str, Any]:
 def _shape(shape: Primitive) -> dict[str, Any]:
     return {
         "kind": shape.kind,
-        "size": [_float(length) for length in shape.size],
-        "pose": _pose(shape.link_from_shape),
-        "colour": None if shape.colour is None else [_float(part) for part in shape.colour],
+        "size": [as_float(length) for length in shape.size],
+        "pose": as_pose(shape.link_from_shape),
+        "colour": None if shape.colour is None else [as_float(part) for part in shape.colour],
         "visual": shape.visual,
         "collision": shape.collision,
     }
@@ -188,7 +179,7 @@ def _joint(joint: Joint, start: Configuration, estimated: Collection[str]) -> di
         "type": joint.type,
         "parent": joint.parent,
         "child": joint.child,
-        "origin": _pose(joint.parent_from_joint),
+        "origin": as_pose(joint.parent_from_joint),
         "backwards": joint.backwards,
         "dofs": [
             {
@@ -196,7 +187,7 @@ def _joint(joint: Joint, start: Configuration, estimated: Collection[str]) -> di
                 "unset": unset(dof),
                 "provenance": provenance(dof, dof.name in estimated),
                 **({"estimated": ["armature"]} if dof.name in estimated else {}),
-                "qpos0": _value(start[dof.name]),
+                "qpos0": as_value(start[dof.name]),
                 **({"zero": _zero(start[dof.name])} if dof.kind == "ball" else {}),
             }
             for dof in joint.dofs
@@ -210,57 +201,25 @@ def _dof(dof: Dof, backwards: bool = False) -> dict[str, Any]:
     table = {
         "name": dof.name,
         "kind": dof.kind,
-        "axis": _floats(dof.axis) if scalar else None,
-        "origin": None if np.array_equal(dof.origin, np.eye(4)) else _pose(dof.origin),
-        "limits": [_float(dof.limits.lower), _float(dof.limits.upper)],
-        "damping": _float(dof.dynamics.damping),
-        "friction": _float(dof.dynamics.friction),
-        "armature": _float(dof.dynamics.armature),
-        "effort": _float(dof.dynamics.effort),
-        "velocity": _float(dof.dynamics.velocity),
-        "saved": _value(dof.saved),
+        "axis": as_floats(dof.axis) if scalar else None,
+        "origin": None if np.array_equal(dof.origin, np.eye(4)) else as_pose(dof.origin),
+        "limits": [as_float(dof.limits.lower), as_float(dof.limits.upper)],
+        "damping": as_float(dof.dynamics.damping),
+        "friction": as_float(dof.dynamics.friction),
+        "armature": as_float(dof.dynamics.armature),
+        "effort": as_float(dof.dynamics.effort),
+        "velocity": as_float(dof.dynamics.velocity),
+        "saved": as_value(dof.saved),
     }
     if dof.kind == "ball" and isinstance(dof.saved, tuple):
         w, x, y, z = dof.saved
-        table["mate_quat"] = _value((w, -x, -y, -z) if backwards else dof.saved)
+        table["mate_quat"] = as_value((w, -x, -y, -z) if backwards else dof.saved)
     return table
-
-
-def _actuator(actuator: Actuator) -> dict[str, Any]:
-    return {
-        "name": actuator.name,
-        "dof": actuator.dof,
-        "type": actuator.type,
-        "gear": _float(actuator.gear),
-        "kp": _float(actuator.kp),
-        "kv": _float(actuator.kv),
-        **({"terms": dict(actuator.terms)} if actuator.terms else {}),
-        "control": None if actuator.control is None else [_float(end) for end in actuator.control],
-        "force": None if actuator.force is None else [_float(end) for end in actuator.force],
-        "home": _float(actuator.home, max(1.0, abs(actuator.home))),
-        "load": _short(actuator.load),
-        "home_load": _short(actuator.home_load),
-        "sag": _short(actuator.sag),
-        "estimated": list(actuator.estimated),
-    }
-
-
-def _sensor(sensor: Sensor) -> dict[str, Any]:
-    """`on` and `relative_to`: {kind, name}, null for nothing."""
-    ends = (sensor.target, sensor.name_of_target), (sensor.relative_to, sensor.name_of_relative)
-    on, of = ({"kind": kind, "name": name} if kind else None for kind, name in ends)
-    numbers = {"noise": _float(sensor.noise), "cutoff": _float(sensor.cutoff)}
-    return {"name": sensor.name, "type": sensor.type, "on": on, "relative_to": of, **numbers}
-
-
-def _short(value: float | None) -> float | None:
-    """To six digits: what is computed from many poses differs in the last ones between machines."""
-    return None if value is None else float(f"{value:.6g}") + 0.0
 
 
 def _zero(start: Value) -> dict[str, Any]:
     """Where a ball's q = 0 is, by format, as its chain's quaternion."""
-    return {"urdf": _value(at_rest("ball")), "mjcf": _value(start)}
+    return {"urdf": as_value(at_rest("ball")), "mjcf": as_value(start)}
 
 
 def _mate(mate: MateRef | None) -> dict[str, Any] | None:
@@ -275,12 +234,12 @@ def _loop(loop: Loop, ends: tuple[str, str], mimic: bool) -> dict[str, Any]:
         "type": loop.type,
         "link_a": loop.link_a,
         "link_b": loop.link_b,
-        "frame_a": _pose(loop.a_from_frame),
-        "frame_b": _pose(loop.b_from_frame),
+        "frame_a": as_pose(loop.a_from_frame),
+        "frame_b": as_pose(loop.b_from_frame),
         "urdf": list(ends),
         "mimic": mimic,
         "dofs": [_dof(dof) for dof in loop.dofs],
-        "residual": _float(loop.residual, 1.0),
+        "residual": as_float(loop.residual, 1.0),
         "cad": _mate(loop.mate),
     }
 
@@ -290,8 +249,8 @@ def _relation(relation: Relation) -> dict[str, Any]:
         "name": relation.name,
         "follower": relation.follower,
         "driver": relation.driver,
-        "multiplier": _float(relation.multiplier),
-        "offset": _float(relation.offset),
+        "multiplier": as_float(relation.multiplier),
+        "offset": as_float(relation.offset),
     }
 
 
@@ -300,7 +259,7 @@ def _frame(frame: Frame, urdf: str) -> dict[str, Any]:
         "name": frame.name,
         "link": frame.link,
         "urdf": urdf,
-        "pose": _pose(frame.link_from_frame),
+        "pose": as_pose(frame.link_from_frame),
         "cad": {"name": frame.source} if frame.source else None,
     }
 

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
+from stages.formats.mjcf_form import AS_IS as EVERY_BODY
+from stages.formats.mjcf_form import MjcfForm
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.robot.errors import Diagnostic
 
@@ -18,13 +20,15 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, slots=True)
 class Exported:
     """`files`: path below the output folder → bytes. `diagnostics`: losses of the format. `actuation`: what
-    drives the robot in the files; `advice`: what a user may want to try; `form`: of the URDF."""
+    drives the robot in the files; `advice`: what a user may want to try; `form`: of the URDF;
+    `mjcf_form`: of the MJCF."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...] = ()
     actuation: "Actuation | None" = None
     advice: str = ""
     form: UrdfForm = AS_IS
+    mjcf_form: MjcfForm = EVERY_BODY
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +36,8 @@ class WriterInput:
     """The input of a writer.
 
     `start`: the value of every dof in a fresh simulation (qpos0). `files`: the files of the writers that this
-    one names in `reads`, by path. `standing`: where the scene puts the robot. `form`: that of its URDF.
+    one names in `reads`, by path. `standing`: where the scene puts the robot. `form`: that of its URDF;
+    `mjcf_form`: that of its MJCF.
     """
 
     robot: "Robot"
@@ -43,6 +48,7 @@ class WriterInput:
     actuation: "Actuation"
     standing: "Stance"
     form: UrdfForm = AS_IS
+    mjcf_form: MjcfForm = EVERY_BODY
 
 
 class Writer(Protocol):

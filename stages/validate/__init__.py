@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from stages.formats.mjcf_form import MjcfForm
     from stages.formats.urdf.form import UrdfForm
     from stages.robot.actuation import Actuation
     from stages.robot.check import Check
@@ -11,7 +12,7 @@ if TYPE_CHECKING:
     from stages.robot.model import Robot
     from stages.validate.keys import ValidateKeys
 
-VERSION = 10
+VERSION = 11
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -43,16 +44,18 @@ def validate(
     actuation: "Actuation | None" = None,
     geometry: "Geometry | None" = None,
     form: "UrdfForm | None" = None,
+    mjcf_form: "MjcfForm | None" = None,
 ) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only that each compiles. A check
     that fails does not stop the others. `actuation`: what drives the robot in these files;
     `geometry`: its shapes, without their files, and which of them collide; `form`: how the URDF differs
-    from the robot, by default as closed loops ask."""
+    from the robot, by default as closed loops ask; `mjcf_form`: how the MJCF does, by default with links on
+    fixed joints as part of others."""
+    from stages.formats import mjcf_written
     from stages.formats.urdf.as_written import form_with
     from stages.robot.actuation import NONE
     from stages.validate.run import check_files
 
     checks = () if keys.validate.level == "quick" else CHECKS
-    return tuple(
-        check_files(folder, robot, ENGINES, checks, actuation or NONE, geometry, form or form_with(robot))
-    )
+    forms = form or form_with(robot), mjcf_form or mjcf_written.form_with(robot)
+    return tuple(check_files(folder, robot, ENGINES, checks, actuation or NONE, geometry, *forms))

@@ -137,10 +137,11 @@ def root_pose(model: Any, data: Any, robot: Robot) -> Array:
 
 
 def link_pose(model: Any, data: Any, robot: Robot, link: str) -> Array:
-    """world_from_link (4, 4)."""
+    """world_from_link (4, 4): of its body, or of the site of a link that has none."""
     if link == robot.root.name:
         return root_pose(model, data, robot)
-    return pose_of(data, body_index(model, link))
+    body = body_index(model, link)
+    return pose_of(data, body) if body >= 0 else site_pose(data, site_index(model, link))
 
 
 def pose_of(data: Any, body: int) -> Array:

@@ -5,11 +5,15 @@ from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
+from stages.formats import mjcf_written
+from stages.formats.mjcf_form import AS_IS as EVERY_BODY
+from stages.formats.mjcf_form import MjcfForm
 from stages.formats.urdf.as_written import as_written
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.robot.actuation import NONE, Actuation
 from stages.robot.armatures import with_armatures
 from stages.robot.check import Check
+from stages.robot.fused_geometry import fused_geometry
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
 from stages.validate.compiled import CheckFunction, CompiledModel, Engine, without_warnings
@@ -24,17 +28,20 @@ def check_files(
     actuation: Actuation = NONE,
     geometry: Geometry | None = None,
     form: UrdfForm = AS_IS,
+    mjcf_form: MjcfForm = EVERY_BODY,
 ) -> Iterator[Check]:
     """The results of every file in `folder` that one of the engines reads. Without `checks`, whether each
     compiles."""
     robot = with_armatures(robot, actuation)
-    urdf = as_written(robot, form)
+    urdf, mjcf = as_written(robot, form), mjcf_written.as_written(robot, mjcf_form)
+    held = mjcf_written.holders(robot, mjcf_form)
+    solid = None if geometry is None else fused_geometry(robot, geometry, held)
     for name in engines:
         engine: Engine = import_module(f"stages.validate.engines.{name}")
         for file in engine.files(robot.name):
             if (folder / file).exists():
-                described = urdf if file.endswith(".urdf") else robot
-                given = CompiledModel(folder / file, None, described, actuation, geometry, form.closed)
+                described, shapes = (urdf, geometry) if file.endswith(".urdf") else (mjcf, solid)
+                given = CompiledModel(folder / file, None, described, actuation, shapes, form.closed)
                 yield from _check_file(given, engine, checks)
 
 

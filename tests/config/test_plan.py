@@ -62,7 +62,7 @@ def test_two_errors_are_reported_in_one_message():
         ),
         (
             {"export": {"mjcf": {"x": 1}}},
-            ("E-KEY", "export.mjcf.x", "unknown key (given 1)", "there are no keys there yet"),
+            ("E-KEY", "export.mjcf.x", "unknown key (given 1)", "keys there: fixed_joints"),
         ),
         (
             {"mass": {"links": {"tip": {"0": {"mass": 1}}}}},

@@ -124,13 +124,19 @@ class Mujoco:
         return found
 
     def poses(self, values: Values) -> dict[str, np.ndarray]:
+        """Of bodies, and of the sites of links that have none."""
         self._set(values)
+        model, data = self.model, self.data
+        places = {
+            model.site(index).name: (data.site_xmat, data.site_xpos, index) for index in range(model.nsite)
+        }
+        places |= {model.body(index).name: (data.xmat, data.xpos, index) for index in range(model.nbody)}
         found = {}
-        for index in range(self.model.nbody):
+        for name, (turns, shifts, index) in places.items():
             pose = np.eye(4)
-            pose[:3, :3] = self.data.xmat[index].reshape(3, 3)
-            pose[:3, 3] = self.data.xpos[index]
-            found[self.model.body(index).name] = pose
+            pose[:3, :3] = turns[index].reshape(3, 3)
+            pose[:3, 3] = shifts[index]
+            found[name] = pose
         return found
 
     def mass_matrix(self, values: Values, dofs: Sequence[str]) -> np.ndarray:

@@ -89,10 +89,8 @@ def geom_contacts(model, data, robot: Robot) -> set[tuple[Geom, Geom]]:
 
 def geom_of(model, geom: int) -> Geom:
     """The link of a collider of the model, and its position there."""
-    body = int(model.geom_bodyid[geom])
-    first = int(model.body_geomadr[body])
-    solid = [one for one in range(first, geom + 1) if model.geom_contype[one] or model.geom_conaffinity[one]]
-    return model.body(body).name, len(solid) - 1
+    link, _, position = model.geom(geom).name.rpartition("_collision")
+    return link, int(position.removeprefix("_") or 0)
 
 
 def excluded(robot: Robot, excludes: Iterable[Exclude]) -> set[tuple[Geom, Geom]]:

@@ -1,6 +1,6 @@
 """The bodies of an MJCF: links with their joints, inertials, geoms and sites."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -20,12 +20,14 @@ from stages.robot.poses import from_parts
 
 
 class BodyWriter:
-    """The tree of bodies, below the worldbody."""
+    """The tree of bodies, below the worldbody, of a robot whose links each have one. `groups`: by link, those
+    whose shapes its body has, with link_from_one (4, 4)."""
 
     def __init__(
         self,
         world: Element,
         robot: Robot,
+        groups: Mapping[str, Sequence[tuple[str, Array]]],
         geometry: Geometry,
         start: Configuration,
         world_from_root: Array,
@@ -36,6 +38,7 @@ class BodyWriter:
     ) -> None:
         self.world = world
         self.robot = robot
+        self.groups = groups
         self.geometry = geometry
         self.start = start
         self.world_from_root = world_from_root
@@ -91,19 +94,24 @@ class BodyWriter:
         return body
 
     def _geoms(self, body: Element, link: str, place: Array) -> None:
-        for shape in self.geometry.of(link, "visual"):
-            own = paint(shape)
-            form = {**_form(shape, place), **_contact(shape)}
-            material = None if own is None else self.painted[own]
-            element(body, "geom", class_="visual", **form, material=material)
-        collisions = self.geometry.of(link, "collision")
-        for count, shape in enumerate(collisions):
-            suffix = f"_{count}" if len(collisions) > 1 else ""
-            name = f"{link}_collision{suffix}"
-            form = {**_form(shape, place), **_contact(shape)}
-            if (link, count) in self.bits:
-                form |= zip(("contype", "conaffinity"), map(str, self.bits[link, count]), strict=True)
-            element(body, "geom", name=name, class_="collision", **form)
+        group = [(one, place @ pose) for one, pose in self.groups[link]]
+        for one, pose in group:
+            for shape in self.geometry.of(one, "visual"):
+                own = paint(shape)
+                form = {**_form(shape, pose), **_contact(shape)}
+                material = None if own is None else self.painted[own]
+                element(body, "geom", class_="visual", **form, material=material)
+        before = 0
+        for one, pose in group:
+            collisions = self.geometry.of(one, "collision")
+            for count, shape in enumerate(collisions):
+                suffix = f"_{count}" if len(collisions) > 1 else ""
+                form = {**_form(shape, pose), **_contact(shape)}
+                bits = self.bits.get((link, before + count))
+                if bits is not None:
+                    form |= zip(("contype", "conaffinity"), map(str, bits), strict=True)
+                element(body, "geom", name=f"{one}_collision{suffix}", class_="collision", **form)
+            before += len(collisions)
 
 
 def _inertial(body: Element, inertial: Inertial) -> None:

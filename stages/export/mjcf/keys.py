@@ -1,10 +1,18 @@
 """Configuration of the MJCF writer."""
 
+from typing import Literal
+
 from stages.robot.keys import Keys
 
 
 class MjcfFormatKeys(Keys):
     """The MJCF and its scene."""
+
+    fixed_joints: Literal["merge", "keep"] = "merge"
+    """Links on fixed joints. merge: each is part of the body above it, with its mass, inertia and shapes, and
+    a site has its name and frame; keep: each has a body of its own. MuJoCo's own `fusestatic` would drop the
+    names and frames. What is fixed to a link `world` has a body always, and so has a link that needs one: for
+    a sensor of an MJCF source, a loop, or contacts that MuJoCo could not tell apart."""
 
 
 KEYS = MjcfFormatKeys

@@ -16,9 +16,11 @@ from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos
 from stages.export.mjcf.loops import STIFF, Closures, held
 from stages.export.mujoco_keys import IN_THE_ROBOT
 from stages.export.paints import Paint, materials
+from stages.formats.mjcf_written import as_written, holders
 from stages.formats.numbers import number, spaced
 from stages.formats.xml import Element, element, to_bytes
 from stages.robot.actuation import Actuation
+from stages.robot.fusing import members
 from stages.robot.geometry import Geometry
 from stages.robot.model import Array, Configuration, Relation, Robot, Value
 from stages.robot.names import free
@@ -32,8 +34,11 @@ SOLREF = (0.005, 1.0)
 
 
 def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
-    """The model, whose qpos0 is `given.start` (values of the tree's dofs and of the loops' own)."""
-    robot, geometry, start, actuation = given.robot, given.geometry, given.start, given.actuation
+    """The model, whose qpos0 is `given.start` (values of the tree's dofs and of the loops' own).
+    `kept_apart`: by the links that have bodies."""
+    geometry, start, actuation = given.geometry, given.start, given.actuation
+    groups = members(given.robot, holders(given.robot, given.mjcf_form))
+    robot = as_written(given.robot, given.mjcf_form)
     root = element(None, "mujoco", model=robot.name)
     textures = "assets" if any(shape.texture for shape in geometry.shapes) else None
     element(root, "compiler", angle="radian", meshdir="assets", texturedir=textures, autolimits="true")
@@ -44,7 +49,8 @@ def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
     closures = Closures(robot)
     world = element(root, "worldbody")
     place = given.standing.world_from_root
-    bodies = BodyWriter(world, robot, geometry, start, place, painted, closures, actuation, kept_apart.bits)
+    bits = kept_apart.bits
+    bodies = BodyWriter(world, robot, groups, geometry, start, place, painted, closures, actuation, bits)
     bodies.write()
     cameras = given.keys.scene.cameras
     for link, every in carried_cameras(robot, cameras).items():

@@ -1,15 +1,20 @@
-"""Reports what MJCF cannot express: the cone, effort and zero of ball joints, many classes of contacts."""
+"""Reports what MJCF cannot express: the cone, effort and zero of ball joints, many classes of contacts; and
+which links have no bodies."""
 
 import math
 from collections.abc import Iterator, Sequence
 
 from stages.export.mjcf.filters import CLASSES
+from stages.formats.mjcf_form import AS_IS, MjcfForm
+from stages.formats.mjcf_written import holders
 from stages.robot.adjacency import Pair
 from stages.robot.errors import Diagnostic
 from stages.robot.model import Configuration, Robot, Value
 
 
-def unsupported(robot: Robot, start: Configuration, wide: Sequence[Pair]) -> Iterator[Diagnostic]:
+def unsupported(
+    robot: Robot, start: Configuration, wide: Sequence[Pair], form: MjcfForm = AS_IS
+) -> Iterator[Diagnostic]:
     """One diagnostic for each kind of loss. `start`: qpos0, by dof. `wide`: see `Filters`."""
     file = f"{robot.name}.xml"
     balls = [dof for dof in robot.dofs if dof.kind == "ball"]
@@ -47,6 +52,15 @@ def unsupported(robot: Robot, start: Configuration, wide: Sequence[Pair]) -> Ite
             + ", ".join(f"{one} and {other}" for one, other in wide),
             file,
             "links with fewer colliders, or others in contact.exclude, leave classes for these",
+        )
+    held = holders(robot, form)
+    into = [f"{link} into {held[link][0]}" for link in form.fused]
+    if into:
+        yield Diagnostic(
+            "I-MJCF-MERGED",
+            f"links on fixed joints are sites of the bodies above them: {', '.join(into)}",
+            file,
+            "robot.json has the place of each, under fused; export.mjcf.fixed_joints=keep gives each a body",
         )
 
 

@@ -13,18 +13,19 @@ class MjcfWriter:
         return (f"{robot}.xml", "scene.xml")
 
     def write(self, given: WriterInput) -> Exported:
-        from stages.export.mjcf.filters import filters
+        from stages.export.mjcf.form import filters_of
         from stages.export.mjcf.model import write_mjcf
         from stages.export.mjcf.scene import write_scene
         from stages.export.mjcf.unsupported import unsupported
 
         model, scene = self.paths(given.robot.name)
-        kept_apart = filters(given.robot, given.geometry)
+        kept_apart = filters_of(given.robot, given.geometry, given.mjcf_form)
         files = {
             model: write_mjcf(given, kept_apart),
             scene: write_scene(given.robot.name, given.keys, given.standing),
         }
-        return Exported(files, tuple(unsupported(given.robot, given.start, kept_apart.wide)))
+        lost = unsupported(given.robot, given.start, kept_apart.wide, given.mjcf_form)
+        return Exported(files, tuple(lost))
 
 
 WRITER = MjcfWriter()

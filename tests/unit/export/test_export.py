@@ -78,7 +78,7 @@ def test_qpos0_is_the_saved_pose_where_loops_do_not_close_at_zero(kit: Kit, tmp_
     pinocchio = Pinocchio((tmp_path / "robot.urdf").read_bytes())
     q = {joint.name: 0.1 * n for n, joint in enumerate(robot.joints)}
     there, here = pinocchio.poses(q), model.poses(q)
-    assert all(np.abs(here[name] - there[name]).max() < 1e-9 for name in here)
+    assert all(np.abs(here[name] - there[name]).max() < 1e-9 for name in there)
 
 
 def crooked_bar(kit: Kit) -> None:
@@ -162,7 +162,7 @@ def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_
             robot,
             NO_MESHES,
             SimpleNamespace(
-                export=SimpleNamespace(chosen=chosen, urdf=plan.export.urdf),
+                export=SimpleNamespace(chosen=chosen, urdf=plan.export.urdf, mjcf=None),
                 actuators={},
                 scene=plan.scene,
                 ground=plan.ground,

@@ -1,0 +1,34 @@
+"""What robot.json says of actuators and sensors."""
+
+from typing import Any
+
+from stages.export.json_values import as_float, short
+from stages.robot.actuation import Actuator
+from stages.robot.model import Sensor
+
+
+def actuator_record(actuator: Actuator) -> dict[str, Any]:
+    return {
+        "name": actuator.name,
+        "dof": actuator.dof,
+        "type": actuator.type,
+        "gear": as_float(actuator.gear),
+        "kp": as_float(actuator.kp),
+        "kv": as_float(actuator.kv),
+        **({"terms": dict(actuator.terms)} if actuator.terms else {}),
+        "control": None if actuator.control is None else [as_float(end) for end in actuator.control],
+        "force": None if actuator.force is None else [as_float(end) for end in actuator.force],
+        "home": as_float(actuator.home, max(1.0, abs(actuator.home))),
+        "load": short(actuator.load),
+        "home_load": short(actuator.home_load),
+        "sag": short(actuator.sag),
+        "estimated": list(actuator.estimated),
+    }
+
+
+def sensor_record(sensor: Sensor) -> dict[str, Any]:
+    """`on` and `relative_to`: {kind, name}, null for nothing."""
+    ends = (sensor.target, sensor.name_of_target), (sensor.relative_to, sensor.name_of_relative)
+    on, of = ({"kind": kind, "name": name} if kind else None for kind, name in ends)
+    numbers = {"noise": as_float(sensor.noise), "cutoff": as_float(sensor.cutoff)}
+    return {"name": sensor.name, "type": sensor.type, "on": on, "relative_to": of, **numbers}

@@ -1,0 +1,33 @@
+"""The form of a robot's MJCF, as the configuration wants it."""
+
+from typing import TYPE_CHECKING
+
+from stages.export.mjcf.filters import Filters, filters
+from stages.formats.mjcf_form import AS_IS, MjcfForm
+from stages.formats.mjcf_written import as_written, form_with, holders
+from stages.robot.fused_geometry import fused_geometry
+from stages.robot.geometry import Geometry
+from stages.robot.model import Robot
+
+if TYPE_CHECKING:
+    from stages.export.keys import ExportKeys
+
+
+def form_of(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> MjcfForm:
+    """How the robot's MJCF differs from the robot. Links keep their bodies where MuJoCo's classes of
+    colliders do not suffice to keep their shapes, and not those of the body above, from colliding."""
+    mjcf = keys.export.mjcf
+    if mjcf is None or mjcf.fixed_joints == "keep":
+        return AS_IS
+    form = form_with(robot)
+    if not form.fused:
+        return AS_IS
+    wide = {link for pair in filters_of(robot, geometry, form).wide for link in pair}
+    held = holders(robot, form)
+    lost = [link for link in form.fused if held[link][0] in wide]
+    return form_with(robot, lost) if lost else form
+
+
+def filters_of(robot: Robot, geometry: Geometry, form: MjcfForm) -> Filters:
+    """What keeps the excludes of `geometry` from colliding, by the links that have bodies."""
+    return filters(as_written(robot, form), fused_geometry(robot, geometry, holders(robot, form)))

@@ -1,0 +1,67 @@
+"""The robot that an MJCF describes, where its form differs from that of the robot."""
+
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from stages.formats.mjcf_form import MjcfForm
+from stages.robot.fusing import Holders, fused, on_fixed_joints
+from stages.robot.fusing import holders as holders_of
+from stages.robot.model import Frame, Robot, frozen
+from stages.robot.sensing import SensorTarget
+
+
+def holders(robot: Robot, form: MjcfForm) -> Holders:
+    """By link: the link whose body has it, and holder_from_link (4, 4)."""
+    return holders_of(robot, form.fused)
+
+
+def form_with(robot: Robot, kept: Collection[str] = ()) -> MjcfForm:
+    """The form in which links on fixed joints have no bodies, but for those that are `kept` or need one: a
+    sensor is on it, another place has its name, or both ends of a loop would be on one body."""
+    bodies = {*kept, *_measured(robot, "body", "xbody"), *_named_twice(robot)}
+    candidates = set(on_fixed_joints(robot)) - bodies
+    # Their sensors are at the centre of mass, which what is fused would move.
+    weighed = set(_measured(robot, "body"))
+    holder = {robot.root.name: robot.root.name}
+    for joint in robot.joints:
+        above = holder[joint.parent]
+        fuses = joint.child in candidates and above not in weighed
+        holder[joint.child] = above if fuses else joint.child
+    ends = {
+        end
+        for loop in robot.loops
+        if holder[loop.link_a] == holder[loop.link_b]
+        for end in (loop.link_a, loop.link_b)
+    }
+    return MjcfForm(tuple(link for link, above in holder.items() if link != above and link not in ends))
+
+
+def as_written(robot: Robot, form: MjcfForm) -> Robot:
+    """The robot that the MJCF of this form describes: all that was on fused links is on their holders, and
+    each is a frame there."""
+    if not form.fused:
+        return robot
+    held = holders(robot, form)
+    named = {frame.name for frame in robot.frames}
+    places = tuple(
+        Frame(link, held[link][0], frozen(held[link][1]), "") for link in form.fused if link not in named
+    )
+    whole = fused(robot, held)
+    return replace(whole, frames=(*places, *whole.frames))
+
+
+def _measured(robot: Robot, *kinds: SensorTarget) -> Iterator[str]:
+    """The names of what sensors of these `kinds` are on."""
+    for one in robot.sensors:
+        for kind, name in ((one.target, one.name_of_target), (one.relative_to, one.name_of_relative)):
+            if kind in kinds:
+                yield name
+
+
+def _named_twice(robot: Robot) -> Iterator[str]:
+    """The names of frames that are elsewhere than the links of these names."""
+    for frame in robot.frames:
+        if frame.link != frame.name or not np.array_equal(frame.link_from_frame, np.eye(4)):
+            yield frame.name
