@@ -29,8 +29,9 @@ _ROUGHLY = 0.1
 _CLASS = 1.2
 """Parts whose tolerances differ by less than this factor have the least of them."""
 
-_FAR = 3.5
-"""A hull that stands out by more is as bad as one that stands out by so many tolerances."""
+_FAR = 10.0
+"""A hull that stands out by more is as bad as one that stands out by so many tolerances. Well beyond what is
+ever allowed: where pieces that stand out too far already have to be joined, the least bad are to be first."""
 
 _FIRST, _SECOND = 0.7548776662466927, 0.5698402909980532
 """The steps of the R2 sequence; see `measure.samples`."""
@@ -88,7 +89,7 @@ class Overhang:
 
     def standing(self, points: Points) -> npt.NDArray[np.float64]:
         """(n,): by how many of its tolerances points (n, 3) are outside of the part nearest by that, at most
-        3.5; 0 where that is less than one, or inside."""
+        10; 0 where that is less than one, or inside."""
         ratios = np.full(len(points), _FAR)
         for tolerance, tree in self.near:
             far, _ = tree.query(points, eps=self.roughly, distance_upper_bound=_FAR * tolerance)
