@@ -98,9 +98,10 @@ def build_files(
             ahead = Ahead(module for stage in stages for module in stage.modules)
             context.import_ahead = ahead.start
             context.require_room = functools.partial(require_room, store, output, suffix)
-            for stage in stages:
-                run.stage(stage, context)
-                ahead.wait()
+            with ahead:
+                for stage in stages:
+                    run.stage(stage, context)
+                    ahead.wait()
             files = products(context)
             log.secrets.check(files)
             done = run.finished(context, files)

@@ -3,7 +3,7 @@
 import contextlib
 from collections.abc import Iterable
 from importlib import import_module
-from threading import Lock, Thread
+from threading import Event, Lock, Thread
 
 
 class Ahead:
@@ -13,6 +13,7 @@ class Ahead:
         self._modules = tuple(modules)
         self._thread: Thread | None = None
         self._lock = Lock()
+        self.ending = Event()
 
     def start(self) -> None:
         """Starts the thread once; returns immediately."""
@@ -26,8 +27,21 @@ class Ahead:
         if self._thread is not None:
             self._thread.join()
 
+    def __enter__(self) -> "Ahead":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Begins no further import, and waits for the one that runs.
+
+        For a build that fails: a process that ends while a library is being loaded may crash.
+        """
+        self.ending.set()
+        self.wait()
+
     def _run(self) -> None:
         for module in self._modules:
+            if self.ending.is_set():
+                return
             # The stage that needs the module reports the error.
             with contextlib.suppress(Exception):
                 import_module(module)

@@ -8,7 +8,8 @@ import os
 import signal
 
 import pytest
-from hypothesis import settings
+from hypothesis import Phase, settings
+from hypothesis.internal.conjecture import engine
 
 from tests.support.kit import Kit
 
@@ -27,9 +28,14 @@ for name in [name for name in os.environ if name.upper().startswith(SURROUNDINGS
 # A terminal of one size, whatever the tests are started from.
 os.environ |= {"COLUMNS": "120", "LINES": "40", "TERM": "xterm-256color"}
 
-settings.register_profile("same", derandomize=True, deadline=None)
+# Why an example fails is for a person to find out: to explain it by more examples takes minutes.
+PHASES = (Phase.explicit, Phase.reuse, Phase.generate, Phase.target, Phase.shrink)
+settings.register_profile("same", derandomize=True, deadline=None, phases=PHASES, report_multiple_bugs=False)
 settings.register_profile("explore", max_examples=2000, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
+if os.environ.get("HYPOTHESIS_PROFILE", "same") == "same":
+    # [s], of 300. There is no setting for it.
+    engine.MAX_SHRINKING_SECONDS = 60
 
 
 # While tests are collected nearly nothing is garbage.

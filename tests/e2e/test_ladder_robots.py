@@ -7,7 +7,7 @@ the MJCF as MuJoCo compiles it, poses are drawn and loops closed by MuJoCo's own
 import json
 import re
 import resource
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 from unittest.mock import patch
@@ -15,6 +15,7 @@ from unittest.mock import patch
 import mujoco
 import numpy as np
 import pytest
+from filelock import FileLock
 
 from stages.robot import guest
 from tests.support import seen_parts
@@ -65,24 +66,41 @@ def told(name: str) -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def here(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("robots")
+def here(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> Path:
+    """A folder that all processes of this run share."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base if worker_id == "master" else base.parent) / "robots"
+    folder.mkdir(exist_ok=True)
+    return folder
 
 
 @pytest.fixture(scope="module")
 def build(here: Path):
+    """The build of a robot, which the first process that asks for it makes, each with a cache of its own."""
+
     @cache
     def build(name: str) -> Built:
         if not is_here(name):
             pytest.skip("needs the robots of others")
-        before = resource.getrusage(resource.RUSAGE_CHILDREN)
-        done = linkwright(here, *told(name), environ=environment(here, seeded=False), timeout=3600)
-        after = resource.getrusage(resource.RUSAGE_CHILDREN)
-        assert done.returncode == 0, done.stdout + done.stderr
-        seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-        return Built(name, here / name, seconds)
+        made = here / name / "made.json"
+        with FileLock(here / f"{name}.lock"):
+            if not made.exists():
+                built = cold(here / name, name)
+                made.write_text(json.dumps(asdict(built) | {"folder": str(built.folder)}))
+        facts = json.loads(made.read_text())
+        return Built(**facts | {"folder": Path(facts["folder"])})
 
     return build
+
+
+def cold(here: Path, name: str) -> Built:
+    here.mkdir(exist_ok=True)
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = linkwright(here, *told(name), environ=environment(here, seeded=False), timeout=3600)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    assert done.returncode == 0, done.stdout + done.stderr
+    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return Built(name, here / name, seconds)
 
 
 @pytest.mark.slow
@@ -132,9 +150,9 @@ def test_colliders_are_made_once(build, here: Path, name: str) -> None:
 
     again = [*told(name)[:-2], "mesh.visual.max_faces=19000", f"output={name}_again", "until=export"]
     with patch.object(guest, "ask", refuse):
-        done = called(here, *again)
+        done = called(here / name, *again)
     assert done.returncode == 0, done.stdout + done.stderr
-    report = json.loads((here / f"{name}_again" / "report.json").read_text())
+    report = json.loads((here / name / f"{name}_again" / "report.json").read_text())
     failed = {row["link"] for row in report["details"]["colliders"] if row["failed"]}
     assert all(row["cached"] for row in report["details"]["colliders"] if row["link"] not in failed)
 

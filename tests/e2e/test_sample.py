@@ -59,9 +59,9 @@ def test_a_second_build_runs_no_stage_and_gives_the_same_bytes(built: Path) -> N
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", ["0", "4711"])
-def test_hash_seed_process_and_bypass_change_no_byte(built: Path, tmp_path: Path, seed: str) -> None:
-    done = linkwright(tmp_path, "cache.mode=bypass", environ=environment(tmp_path, PYTHONHASHSEED=seed))
+def test_hash_seed_process_and_bypass_change_no_byte(built: Path, tmp_path: Path) -> None:
+    environ = environment(tmp_path, PYTHONHASHSEED="4711")
+    done = linkwright(tmp_path, "cache.mode=bypass", environ=environ, timeout=600)
     assert done.returncode == 0, done.stderr
     assert robot_files(tmp_path / "outputs" / "sample") == robot_files(built / "outputs" / "sample")
 

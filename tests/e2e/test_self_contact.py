@@ -12,6 +12,7 @@ from pipeline.config.compose import compose_plan
 from stages.robot import codec
 from stages.robot.pose_samples import sampled_poses
 from stages.robot.start_pose import home
+from tests.support import kept_colliders
 from tests.support.places import SHARED
 from tests.support.touching import geoms_in_mujoco, in_mujoco
 
@@ -38,6 +39,7 @@ WHERE = {"so101": ("urdf", SO101), "duck": ("urdf", DUCK), "reachy": ("mjcf", RE
 def built(name: str, folder):
     """The robot, its report, and its model; and a model with every contact, whatever is excluded. `ladder`:
     the sample, with the colliders that the ladder makes; else each link has its hull."""
+    kept_colliders.seed(folder / "cache")
     told = [f"cache.dir={folder}/cache", f"output={folder}/out", "until=export"]
     told.append("mesh=ladder" if name == "ladder" else "mesh=hull")
     if name in ("sample", "ladder"):

@@ -1,5 +1,7 @@
 """Checks the content of a reply before it is cached or used."""
 
+from threading import Lock
+
 import orjson
 
 from stages.fetch.onshape import configuration, definition, documents, features, mass_check
@@ -13,6 +15,10 @@ from stages.fetch.onshape.requests import (
 )
 from stages.formats import triangles as compact
 from stages.robot.errors import ProtocolError
+
+NOT_JSON, NO_BODIES = "not JSON", "no bodies"
+_ALONE = Lock()
+"""Replies arrive in several threads; one at a time is in memory as Python objects."""
 
 
 def accepted(request: str, body: bytes) -> bytes:
@@ -68,13 +74,25 @@ def check(request: str, body: bytes) -> None:
     if is_features(request) or path.startswith("/variables/"):
         features.check(body, describe(request), tables=not is_features(request))
         return
-    try:
-        data = orjson.loads(body)
-    except orjson.JSONDecodeError:
+    with _ALONE:
+        wrong = _not_of_bodies(body)
+    if wrong == NOT_JSON:
         msg = f"the reply with {describe(request)} is not JSON, or was cut short"
-        raise ProtocolError(msg, hint="run the same command again; what was fetched is kept") from None
-    if not (isinstance(data, dict) and isinstance(data.get("bodies"), dict)):
+        raise ProtocolError(msg, hint="run the same command again; what was fetched is kept")
+    if wrong:
         msg = f"the reply with {describe(request)} has no bodies"
         raise ProtocolError(
             msg, hint="run the same command again; if it fails each time, the API has changed"
         )
+
+
+def _not_of_bodies(body: bytes) -> str:
+    """What is wrong with a reply that should have bodies, or "".
+
+    The parsed reply, many times as large as `body`, ends here: an error raised from here would keep it.
+    """
+    try:
+        data = orjson.loads(body)
+    except orjson.JSONDecodeError:
+        return NOT_JSON
+    return "" if isinstance(data, dict) and isinstance(data.get("bodies"), dict) else NO_BODIES

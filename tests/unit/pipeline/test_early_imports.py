@@ -1,6 +1,8 @@
 """Imports beside the network: begun by the first calls that later stages wait for, and by no others."""
 
 import sys
+from threading import Event
+from types import SimpleNamespace
 
 import pytest
 
@@ -23,6 +25,21 @@ def test_modules_are_imported_once_and_what_is_wrong_with_one_stops_no_other(tmp
         ahead.start()
         ahead.wait()
     assert sys.modules.pop("ahead_two").runs == 0
+
+
+def test_a_build_that_ends_waits_for_the_import_that_runs_and_begins_no_other(tmp_path, monkeypatch) -> None:
+    reached, ahead = Event(), Ahead(["ahead_slow", "ahead_late"])
+    gate = SimpleNamespace(reached=reached.set, over=lambda: ahead.ending.wait(60))
+    monkeypatch.setitem(sys.modules, "ahead_gate", gate)
+    slow = "import ahead_gate\nahead_gate.reached()\nended = ahead_gate.over()\n"
+    for name, text in {"ahead_slow": slow, "ahead_late": ""}.items():
+        (tmp_path / f"{name}.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    with ahead:
+        ahead.start()
+        assert reached.wait(60)
+    assert sys.modules.pop("ahead_slow").ended
+    assert "ahead_late" not in sys.modules
 
 
 @pytest.mark.parametrize("stage", STAGES, ids=lambda stage: stage.name)
