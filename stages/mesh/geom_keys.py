@@ -48,7 +48,7 @@ class GeomContactKeys(Keys):
 
 
 class GeomKeys(Keys):
-    """Properties of the geoms of the links that a glob matches."""
+    """Properties of the geoms of the links, or of the colliders of the parts, that a glob matches."""
 
     visual: GeomContactKeys = GeomContactKeys()
     """Of visual geoms, which touch nothing unless your own changes to the model make them."""

@@ -1,5 +1,6 @@
 """The robot's geometry: each link's meshes and colliders, made once, then named."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -15,14 +16,14 @@ from stages.mesh.contact_parts import reported as too_small_reported
 from stages.mesh.contact_parts import too_small, with_basis
 from stages.mesh.contacts.analysis import self_contacts
 from stages.mesh.diagnostics import diagnostics
-from stages.mesh.geoms import contact_properties, with_properties
+from stages.mesh.geoms import GeomRules
 from stages.mesh.library import MeshLibrary
 from stages.mesh.link_mesh import Finding, LinkMesh, Use
 from stages.mesh.mesh_file import MeshFile
 from stages.mesh.names import file_names, part_words
 from stages.mesh.visuals.budget import Decimator
 from stages.robot.bundle import Bundle
-from stages.robot.geometry import Geometry, Role, Shape
+from stages.robot.geometry import ColliderFigures, Geometry, Role, Shape
 from stages.robot.model import Link, Part, Robot
 
 if TYPE_CHECKING:
@@ -58,11 +59,11 @@ def geometry(
     robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo", shown: "Shown | None" = None
 ) -> Geometry:
     """The shapes of all links. ProtocolError where triangles cannot be read, MeshError where a glob of
-    `geoms` matches no link, or one of `mesh.colliders` no link and no part."""
-    properties = contact_properties([link.name for link in robot.links], keys.geoms)
+    `geoms` or `mesh.colliders` matches no link and no part."""
+    rules = GeomRules(robot.links, keys.geoms)
     links = [with_basis(link, bundle.kind, keys.mesh.basis) for link in robot.links]
     library = MeshLibrary(links, bundle)
-    used = _used(links, library, keys.mesh, memo)
+    used = _used(links, library, keys.mesh, rules, memo)
     jobs = [job for link in links for job in used[link.name].jobs(link.name)]
     collided = collide(jobs, library, memo, shown)
     named, files = _named(links, used, collided)
@@ -76,20 +77,24 @@ def geometry(
     problems += colliders_reported(collided)
     problems += too_small_reported({name: one for name in used if (one := _small_names(used[name]))})
     problems += unbalanced(links, library.of_parts, shapes, files)
-    figures = tuple(
-        figures_of(one, [used[one.job.link].parts[part].name for part in one.job.parts]) for one in collided
-    )
+    figures, parts = list[ColliderFigures](), dict[tuple[str, int], list[Part]]()
+    for made, number in zip(collided, _numbers(collided), strict=True):
+        its = [used[made.job.link].parts[part] for part in made.job.parts]
+        parts[made.job.link, number] = its
+        figures.append(figures_of(made, [part.name for part in its]))
     # Of those that are written: an exclude counts them.
     solid = [shape for shape in shapes if shape.file is None or keys.mesh.assets == "files"]
     contacts = self_contacts(robot, solid, files, keys.contact, memo, figures)
     problems += contacts.diagnostics
-    (written_shapes, assets), left_out = written(with_properties(shapes, properties), files, keys.mesh)
+    (written_shapes, assets), left_out = written(rules.with_properties(shapes, parts), files, keys.mesh)
     every = (*problems, *left_out)
-    return Geometry(written_shapes, assets, every, contacts.on, contacts.excludes, contacts.touching, figures)
+    return Geometry(
+        written_shapes, assets, every, contacts.on, contacts.excludes, contacts.touching, tuple(figures)
+    )
 
 
 def _used(
-    links: Sequence[Link], library: MeshLibrary, section: "MeshSection", memo: "Memo"
+    links: Sequence[Link], library: MeshLibrary, section: "MeshSection", rules: GeomRules, memo: "Memo"
 ) -> dict[str, _LinkUses]:
     """The parts of each link that have a mesh, by the link's name, and their visual meshes."""
     chosen, decimator = choices(links, section), Decimator()
@@ -103,7 +108,10 @@ def _used(
         triples.sort(key=lambda triple: triple[0].key())
         uses = [use for use, _, _ in triples]
         parts = [part for _, part, _ in triples]
-        makers = [maker for _, _, maker in triples]
+        makers = [
+            replace(maker, apart=True) if rules.set_apart(link.name, part) else maker
+            for _, part, maker in triples
+        ]
         mesh = _link_mesh(uses, library, decimator, section, memo)
         small = too_small(parts, mesh, makers, section.min_size)
         found[link.name] = _LinkUses(tuple(parts), tuple(uses), tuple(makers), mesh, small)
@@ -138,11 +146,9 @@ def _named(
 ) -> tuple[dict[str, list[Shape]], dict[str, bytes]]:
     """The shapes of each link's meshes and colliders, and their files by name."""
     solid: dict[str, list[tuple[int, Collider]]] = {link.name: [] for link in links}
-    numbers = dict.fromkeys(solid, 0)
-    for one in collided:
-        link, number = one.job.link, numbers[one.job.link]
-        solid[link] += ((number, piece) for piece in colliders(one.collision, one.job.link_from_subject))
-        numbers[link] += 1
+    for one, number in zip(collided, _numbers(collided), strict=True):
+        pieces = colliders(one.collision, one.job.link_from_subject)
+        solid[one.job.link] += ((number, piece) for piece in pieces)
     names = file_names({name: _counts(used[name], solid[name]) for name in solid})
     shapes: dict[str, list[Shape]] = {}
     files: dict[str, bytes] = {}
@@ -162,6 +168,16 @@ def _named(
             shapes[link].append(_shape(link, "visual", name, file))
             files[name] = file.data
     return shapes, dict(sorted(files.items()))
+
+
+def _numbers(collided: Sequence[Collided]) -> list[int]:
+    """Of each collider, which of its link's it is."""
+    taken: Counter[str] = Counter()
+    numbers = []
+    for one in collided:
+        numbers.append(taken[one.job.link])
+        taken[one.job.link] += 1
+    return numbers
 
 
 def _counts(used: _LinkUses, solid: Sequence[tuple[int, Collider]]) -> tuple[int | list[str], int]:

@@ -1,50 +1,76 @@
-"""The properties of contact that `geoms` gives the shapes of links."""
+"""The properties of contact that `geoms` gives the shapes of links and of CAD parts."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from stages.mesh.choices import names_of
 from stages.robot.errors import Diagnostic, MeshError
 from stages.robot.geometry import ContactProperties, Role, Shape
-from stages.robot.globs import fits, listed
+from stages.robot.globs import fits, listed, unnumbered
+from stages.robot.model import Link, Part
 
 if TYPE_CHECKING:
     from stages.mesh.geom_keys import GeomKeys
 
 _WHERE = "geoms"
 
-PRESET = ("*", "*foot*")
+PRESET = ("*", "*[Ff]oot*")
 """Globs that may match nothing: they come from our own presets (conf/robot/legged.yaml)."""
 
-Properties = Mapping[tuple[str, Role], ContactProperties]
-"""By link and role, where there are any."""
+
+class GeomRules:
+    """What `geoms` says. A glob means links; or CAD parts, of which the colliders alone have properties."""
+
+    def __init__(self, links: Sequence[Link], wanted: Mapping[str, "GeomKeys"]) -> None:
+        """MeshError with E-GLOB for each glob that matches no link and no part, but for those of our own
+        presets."""
+        self._wanted = wanted
+        parts = [part for link in links for part in link.parts]
+        problems = [
+            Diagnostic("E-GLOB", f"no link and no part matches {glob!r}", _WHERE, _there_are(links, parts))
+            for glob in wanted
+            if glob not in PRESET
+            and not any(fits(link.name, glob) for link in links)
+            and not any(_means(glob, part) for part in parts)
+        ]
+        if problems:
+            msg = "the links or parts whose geoms have properties cannot be found"
+            raise MeshError(msg, _WHERE, problems=problems)
+
+    def set_apart(self, link: str, part: Part) -> bool:
+        """Whether a part has properties that its link has not: then it has a collider of its own."""
+        return any(
+            keys.collision.model_dump(exclude_none=True) and _means(glob, part) and not fits(link, glob)
+            for glob, keys in self._wanted.items()
+        )
+
+    def with_properties(
+        self, shapes: Sequence[Shape], parts: Mapping[tuple[str, int], Sequence[Part]]
+    ) -> tuple[Shape, ...]:
+        """The shapes, each with the properties of its link and role, and of its parts. `parts`: by link and
+        number the parts of each collider."""
+        return tuple(
+            replace(shape, contact=self._of(shape.link, shape.role, parts.get((shape.link, shape.collider))))
+            if shape.collider is not None
+            else replace(shape, contact=self._of(shape.link, shape.role))
+            for shape in shapes
+        )
+
+    def _of(self, link: str, role: Role, parts: Sequence[Part] | None = None) -> ContactProperties | None:
+        """Later entries win, property by property."""
+        found: ContactProperties | None = None
+        for glob, keys in self._wanted.items():
+            given = getattr(keys, role).model_dump(exclude_none=True)
+            if given and (fits(link, glob) or (parts and all(_means(glob, part) for part in parts))):
+                found = replace(found or ContactProperties(), **given)
+        return found
 
 
-def contact_properties(links: Sequence[str], wanted: Mapping[str, "GeomKeys"]) -> Properties:
-    """The properties of the links' shapes; later entries win, property by property.
-
-    MeshError with E-GLOB for each glob that matches no link, but for those of our own presets.
-    """
-    hint = f"links are: {listed(links) or 'none'}"
-    problems = [
-        Diagnostic("E-GLOB", f"no link matches {glob!r}", _WHERE, hint)
-        for glob in wanted
-        if glob not in PRESET and not any(fits(link, glob) for link in links)
-    ]
-    if problems:
-        msg = "the links whose geoms have properties cannot be found"
-        raise MeshError(msg, _WHERE, problems=problems)
-    found: dict[tuple[str, Role], ContactProperties] = {}
-    roles: tuple[Role, ...] = ("visual", "collision")
-    for link in links:
-        for glob, keys in wanted.items():
-            for role in roles:
-                given = getattr(keys, role).model_dump(exclude_none=True)
-                if given and fits(link, glob):
-                    found[link, role] = replace(found.get((link, role), ContactProperties()), **given)
-    return found
+def _means(glob: str, part: Part) -> bool:
+    return any(fits(name, glob) for name in names_of(part))
 
 
-def with_properties(shapes: Sequence[Shape], properties: Properties) -> tuple[Shape, ...]:
-    """The shapes, each with the properties of its link and role."""
-    return tuple(replace(shape, contact=properties.get((shape.link, shape.role))) for shape in shapes)
+def _there_are(links: Sequence[Link], parts: Sequence[Part]) -> str:
+    named = listed({unnumbered(part.name.rpartition("/")[2]) for part in parts}) or "none"
+    return f"links are: {listed(link.name for link in links) or 'none'}; parts are: {named}"

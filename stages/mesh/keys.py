@@ -105,7 +105,8 @@ class MeshKeys(Keys):
     geoms: Annotated[
         dict[Text, GeomKeys], example({"*foot*": {"collision": {"friction": [1.2, 0.005, 0.0001]}}})
     ] = Field(default_factory=dict)
-    """Glob on link names → properties of their geoms in the MJCF; later entries win, property by property."""
+    """Glob on links, or on CAD parts for their colliders → properties of these geoms in the MJCF; later
+    entries win, property by property. A part that a glob names, and not its link, has its own collider."""
 
     contact: ContactKeys = ContactKeys()
     """Contact between the links of the robot."""

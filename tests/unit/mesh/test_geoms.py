@@ -14,14 +14,15 @@ from stages.mesh import make_geometry
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.colliders import hull
 from stages.mesh.collision import Collision
-from stages.mesh.geoms import contact_properties
+from stages.mesh.geoms import GeomRules
 from stages.mesh.surface import Surface
 from stages.robot import codec
 from stages.robot.errors import ConfigError, MeshError
-from stages.robot.geometry import ContactProperties, Geometry
+from stages.robot.geometry import ContactProperties, Geometry, Shape
 from stages.robot.model import Primitive, Robot, frozen
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.kit import SIDE, TOP, Kit
+from tests.support.robots import joint, robot_with
 
 RUBBER = {"friction": [1.2, 0.005, 0.0001], "priority": 1, "condim": 4, "margin": 0.001}
 SOFT = {"solref": [0.01, 1], "solimp": [0.9, 0.95, 0.001, 0.5, 2]}
@@ -122,9 +123,32 @@ def test_a_base_for_legged_robots_needs_no_feet_and_gives_them_contact_of_their_
     (tmp_path / "robot" / "dog.yaml").write_text(text)
     plan = compose_plan(["robot=dog"], cwd=tmp_path).plan
     assert (plan.scene.option.cone, plan.scene.option.impratio, plan.root.base) == ("elliptic", 100, "free")
-    assert contact_properties(["body"], plan.geoms) == {}
-    found = contact_properties(["body", "left_foot"], plan.geoms)
-    assert list(found) == [("left_foot", "collision")]
-    assert found["left_foot", "collision"].priority == 1
+    (glob,) = plan.geoms
+    links = robot_with([joint("revolute", "body", "left_foot")], root="body").links
+    places = (("body", "collision"), ("left_foot", "collision"), ("left_foot", "visual"))
+    shapes = tuple(Shape(link, role, None, None, 0, 0, 0.0, 0.0) for link, role in places)
+    found = [one.contact for one in GeomRules(links, plan.geoms).with_properties(shapes, {})]
+    assert [one and one.priority for one in found] == [None, 1, None]
+    assert GeomRules(links[:1], plan.geoms).with_properties(shapes[:1], {}) == shapes[:1]
     with pytest.raises(MeshError):
-        contact_properties(["body"], {"*hoof*": plan.geoms["*foot*"]})
+        GeomRules(links, {"*hoof*": plan.geoms[glob]})
+
+
+def test_a_part_that_is_named_has_a_collider_with_properties_of_its_own(kit: Kit, tmp_path: Path) -> None:
+    """A foot that is fastened to its shank, in one link, by each maker; and by a link's name both."""
+    base, shank, foot = kit.place("Base", fixed=True), kit.place("Shank"), kit.place("Foot")
+    kit.root.revolute("Knee", (shank, TOP), (base, SIDE), value=0.3, limits=(-1, 1))
+    kit.root.fasten("On", (foot, SIDE), (shank, SIDE))
+    robot = robot_of(kit.document)
+    for collider in ("hull", "ladder", "primitives"):
+        plan = plan_of(geoms={"Foo*": {"collision": RUBBER}}, mesh={"collider": collider})
+        shapes = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
+        properties = [one.contact for one in shapes.of("shank", "collision")]
+        assert len(properties) == 2
+        assert sorted(one.priority if one else 0 for one in properties) == [0, 1]
+        assert all(
+            one.contact is None for one in (*shapes.of("base", "collision"), *shapes.of("shank", "visual"))
+        )
+    plan = plan_of(geoms={"shank": {"collision": RUBBER}}, mesh={"collider": "hull"})
+    shapes = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
+    assert [one.contact.priority for one in shapes.of("shank", "collision")] == [1]
