@@ -1,6 +1,6 @@
 """The mesh files of a robot in the form that `mesh.format` and `mesh.assets` ask for."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -24,28 +24,48 @@ def written(
     shapes: Sequence[Shape], files: Mapping[str, bytes], section: "MeshSection"
 ) -> tuple[Assets, list[Diagnostic]]:
     """Shapes and files as they are written, out of meshes that are all named .stl, those with a texture being
-    OBJ files, and images; I-NO-ASSETS and W-NO-COLLIDER where meshes are left out. A mesh with a texture
-    stays an OBJ, since an STL has no texture coordinates."""
+    OBJ files, and images: meshes of the same content are one file. I-NO-ASSETS and W-NO-COLLIDER where meshes
+    are left out. A mesh with a texture stays an OBJ, since an STL has no texture coordinates."""
     if section.assets == "none":
         kept = tuple(shape for shape in shapes if shape.file is None)
         return (kept, {}), _left_out(shapes)
     found = {name: data for name, data in files.items() if name.endswith(textures.IMAGE)}
+    first = _first_names(shapes, files)
     renamed = []
     for shape in shapes:
         if shape.file is None:
             renamed.append(shape)
             continue
-        data, name = files[shape.file], shape.file
+        data = files[shape.file]
+        name = first[_content(shape, data)]
         if shape.texture is not None:
             name = _obj(name)
-            found |= textures.dressed(shape, name, data)
+            if name not in found:
+                found |= textures.dressed(shape, name, data)
         elif section.format == "obj":
             name = _obj(name)
-            found[name] = obj.write(surface(data))
+            if name not in found:
+                found[name] = obj.write(surface(data))
         else:
             found[name] = data
         renamed.append(replace(shape, file=name))
     return (tuple(renamed), dict(sorted(found.items()))), []
+
+
+def _first_names(shapes: Sequence[Shape], files: Mapping[str, bytes]) -> dict[Hashable, str]:
+    """By content: the name of the first mesh that has it, in the order of the links, of each the visual ones
+    first."""
+    order = {link: index for index, link in enumerate(dict.fromkeys(shape.link for shape in shapes))}
+    found: dict[Hashable, str] = {}
+    for shape in sorted(shapes, key=lambda one: (order[one.link], one.role == "collision")):
+        if shape.file is not None:
+            found.setdefault(_content(shape, files[shape.file]), shape.file)
+    return found
+
+
+def _content(shape: Shape, data: bytes) -> Hashable:
+    """What a mesh file, and the material in its library, are made of."""
+    return (data, shape.texture, shape.colour) if shape.texture is not None else data
 
 
 def surface(data: bytes) -> Surface:

@@ -97,11 +97,10 @@ def _assets(root: Element, geometry: Geometry) -> dict[Paint, str]:
     for (colour, texture), name in names.items():
         image = stem(texture) if texture else None
         element(asset, "material", name=name, texture=image, rgba=spaced(colour))
-    for shape in geometry.shapes:
+    seen = {shape.file for shape in geometry.shapes if shape.role == "visual"}
+    for file in dict.fromkeys(shape.file for shape in geometry.shapes if shape.file is not None):
         # Geoms have no mass here, so the volume of a mesh does not matter; "shell" accepts open meshes.
-        if shape.file is not None:
-            inertia = "shell" if shape.role == "visual" else None
-            element(asset, "mesh", file=shape.file, inertia=inertia)
+        element(asset, "mesh", file=file, inertia="shell" if file in seen else None)
     return names
 
 

@@ -1,6 +1,7 @@
 """Mesh files as they are written: STL or OBJ, by colour or by part, or none at all."""
 
 import io
+from dataclasses import replace
 from pathlib import Path
 
 import mujoco
@@ -10,10 +11,10 @@ import trimesh
 
 from stages.formats.xml import parse
 from stages.mesh import make_geometry, obj, stl
-from stages.mesh.assets import surface
+from stages.mesh.assets import surface, written
 from stages.mesh.names import file_names, part_words
 from stages.mesh.surface import Surface, rounded
-from stages.robot.geometry import Geometry
+from stages.robot.geometry import Geometry, Shape
 from stages.robot.model import Robot
 from stages.validate import validate
 from tests.support.building import bundle_of, plan_of, robot_of, write
@@ -115,3 +116,70 @@ def test_names_of_parts_are_stable_and_unique() -> None:
         ["arm_collision_1.stl", "arm_collision_2.stl"],
     )
     assert names["base"] == (["base.stl"], ["base_collision.stl"])
+
+
+def two_arms(kit: Kit, **mesh: object) -> tuple[Robot, Geometry, object]:
+    """A base with two equal arms, each held at its top."""
+    base, left, right = kit.place("Base", fixed=True), kit.place("Left"), kit.place("Right")
+    kit.root.revolute("One", (left, TOP), (base, SIDE), value=0.3, limits=(-1, 1))
+    kit.root.revolute("Two", (right, TOP), (base, TOP), value=-0.2, limits=(-1, 1))
+    robot, plan = robot_of(kit.document), plan_of(mesh=mesh)
+    geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
+    return robot, geometry, plan
+
+
+@pytest.mark.parametrize("form", ["stl", "obj"])
+def test_meshes_of_the_same_content_are_one_file(kit: Kit, tmp_path: Path, form: str) -> None:
+    robot, geometry, plan = two_arms(kit, format=form)
+    assert len(set(geometry.files.values())) == len(geometry.files)
+    names = {shape.link: shape.file for shape in geometry.shapes if shape.role == "visual"}
+    assert names["right"] == names["left"] == f"left.{form}"
+    write(robot, tmp_path, plan, geometry)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    assert model.nmesh == len(geometry.files)
+    urdf = parse((tmp_path / "robot.urdf").read_bytes())
+    assert {f"assets/{name}" for name in geometry.files} == set(urdf.xpath("//mesh/@filename"))
+    assert [check for check in validate(tmp_path, robot, plan) if not check.passed] == []
+    # The corners of each link's bar, in the frame of its body, in closed form.
+    half = np.array([0.02, 0.03, 0.1]) / 2
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    for link in robot.links:
+        (part,) = link.parts
+        corners = part.inertial.com + signs * half
+        expected = corners @ part.link_from_part[:3, :3].T + part.link_from_part[:3, 3]
+        body = model.body(link.name)
+        for geom in range(int(body.geomadr[0]), int(body.geomadr[0] + body.geomnum[0])):
+            found = _corners(model, geom)
+            assert np.abs(found[:, None] - expected[None]).max(axis=2).min(axis=1).max() < 1e-6
+            assert np.abs(found[:, None] - expected[None]).max(axis=2).min(axis=0).max() < 1e-6
+
+
+def _corners(model: mujoco.MjModel, geom: int) -> np.ndarray:
+    """The vertices of a geom's mesh in the frame of its body."""
+    mesh = int(model.geom_dataid[geom])
+    first = int(model.mesh_vertadr[mesh])
+    points = model.mesh_vert[first : first + int(model.mesh_vertnum[mesh])]
+    turn = np.empty(9)
+    mujoco.mju_quat2Mat(turn, model.geom_quat[geom])
+    return points @ turn.reshape(3, 3).T + model.geom_pos[geom]
+
+
+def test_what_differs_in_colour_alone_is_one_mesh_but_for_its_texture() -> None:
+    data = stl.write(lump(1))
+    shapes = [
+        Shape("b", "collision", "b_collision.stl", None, 3, 1, 1.0, 1.0),
+        Shape("b", "visual", "b.stl", (1.0, 0.0, 0.0, 1.0), 3, 1, 1.0, 1.0),
+        Shape("a", "visual", "a.stl", (0.0, 1.0, 0.0, 1.0), 3, 1, 1.0, 1.0),
+        Shape("c", "visual", "c.stl", None, 3, 1, 1.0, 1.0),
+    ]
+    files = {"b_collision.stl": data, "b.stl": data, "a.stl": data, "c.stl": stl.write(lump(2))}
+    section = plan_of().mesh
+    (found, kept), _ = written(shapes, files, section)
+    assert [shape.file for shape in found] == ["b.stl", "b.stl", "b.stl", "c.stl"]
+    assert kept == {"b.stl": data, "c.stl": files["c.stl"]}
+    assert [shape.colour for shape in found] == [shape.colour for shape in shapes]
+    dressed = [replace(shape, texture="wood.png") for shape in shapes[1:3]]
+    textured = {"b.stl": obj.write(lump(1)), "a.stl": obj.write(lump(1)), "wood.png": b"PNG"}
+    (found, kept), _ = written([*dressed, replace(dressed[0], link="d", file="a.stl")], textured, section)
+    assert [shape.file for shape in found] == ["b.obj", "a.obj", "b.obj"]
+    assert sorted(kept) == ["a.mtl", "a.obj", "b.mtl", "b.obj", "wood.png"]

@@ -218,8 +218,8 @@ def test_primitives_follow_the_meshes_of_their_link_with_their_own_figures():
         ("tip", "visual", None, PILL),
         ("tip", "collision", None, BALL),
         ("tip", "visual", None, BALL),
-        ("end", "collision", "end_collision.stl", None),
-        ("end", "visual", "end.stl", None),
+        ("end", "collision", "tool_collision.stl", None),
+        ("end", "visual", "tool.stl", None),
     ]
     assert set(result.files) == {"tool.stl", "tool_collision.stl", "end.stl", "end_collision.stl"}
     post, _, box, pill, _, ball = (shape for shape in result.shapes if shape.primitive)
