@@ -43,6 +43,10 @@ often = gc.get_threshold()
 gc.set_threshold(100_000, 50, 100)
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: item.get_closest_marker("first") is None)
+
+
 def pytest_collection_finish() -> None:
     """Leaves all that is there now, which stays until the end, out of the garbage collector's rounds."""
     gc.collect()

@@ -23,12 +23,16 @@ from tests.support.command import called, environment, linkwright
 from tests.support.fidelity import fidelity, pieces_of
 from tests.support.other_robots import FILES, ROBOTS, is_here, source_of
 
+pytestmark = [pytest.mark.slow, pytest.mark.first]
+
 SHARE = {"reachy2": 1.0}
 """The share of the parts that may miss, where it is not 5 %. What is seen of reachy2 are whole assemblies in
 hollow covers, as open sheets by the thousand: no 16 convex pieces are within 1.5 % of one."""
 
 CRITICAL = re.compile("foot|finger|jaw|gripper|tool|tip")
 """Parts that have to meet the tolerance, by the name of their link or mesh."""
+
+LONGEST_FIRST = ROBOTS[::-1]
 
 SLACK = 1.1
 """Two measurements by samples differ by less."""
@@ -103,8 +107,7 @@ def cold(here: Path, name: str) -> Built:
     return Built(name, here / name, seconds)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", LONGEST_FIRST)
 def test_the_colliders_are_as_near_to_what_is_seen_as_they_say(build, name: str) -> None:
     built = build(name)
     report, model, seen = built.report(), built.model(), built.seen()
@@ -139,8 +142,7 @@ def test_the_colliders_are_as_near_to_what_is_seen_as_they_say(build, name: str)
     assert model.mesh_vertnum[model.geom_dataid[solid]].max(initial=0) <= 64
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", LONGEST_FIRST)
 def test_colliders_are_made_once(build, here: Path, name: str) -> None:
     """Other visual meshes, so that the stage runs again: it asks for no decomposition."""
     build(name)
@@ -157,8 +159,7 @@ def test_colliders_are_made_once(build, here: Path, name: str) -> None:
     assert all(row["cached"] for row in report["details"]["colliders"] if row["link"] not in failed)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", LONGEST_FIRST)
 def test_what_touches_itself_is_excluded_with_a_reason_or_free_to(build, name: str) -> None:
     built = build(name)
     report, model = built.report(), built.model()

@@ -10,6 +10,7 @@ import pytest
 from tests.support.cases import mostly_slow
 from tests.support.command import called, linkwright, robot_files, tree
 from tests.support.mjcfs import body, model, written
+from tests.support.other_robots import AS_IT_IS
 from tests.support.places import SHARED
 
 SO101 = SHARED / "data/robots/so101/Simulation/SO101"
@@ -24,7 +25,7 @@ REAL = pytest.mark.skipif(not SO101.exists(), reason="needs the real robots in .
 @pytest.mark.parametrize("name", ["scene.xml", "so101_old_calib.xml"])
 def test_a_real_arm_passes_every_check_and_moves_as_it_did(tmp_path: Path, name: str) -> None:
     done = linkwright(
-        tmp_path, "source=mjcf", f"source.path={SO101 / name}", "output=out", "mesh=hull", PLACE
+        tmp_path, "source=mjcf", f"source.path={SO101 / name}", "output=out", "mesh=hull", PLACE, *AS_IT_IS
     )
     assert done.returncode == 0, done.stdout + done.stderr
     report = json.loads((tmp_path / "out" / "report.json").read_text())

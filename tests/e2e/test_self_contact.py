@@ -13,6 +13,7 @@ from stages.robot import codec
 from stages.robot.pose_samples import sampled_poses
 from stages.robot.start_pose import home
 from tests.support import kept_colliders
+from tests.support.other_robots import AS_IT_IS
 from tests.support.places import SHARED
 from tests.support.touching import geoms_in_mujoco, in_mujoco
 
@@ -48,7 +49,7 @@ def built(name: str, folder):
         kind, path = WHERE[name]
         if not path.exists():
             pytest.skip("needs the robots of others")
-        told += [f"source={kind}", f"source.path={path}"]
+        told += [f"source={kind}", f"source.path={path}", *AS_IT_IS]
     made = build_files(compose_plan(told, cwd=folder).plan, in_memory=True)
     files = {path: data for path, data in made.files.items() if path.startswith("assets/")}
     (file,) = [path for path in made.files if path.endswith(".xml") and path != "scene.xml"]

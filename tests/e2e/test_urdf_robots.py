@@ -23,6 +23,7 @@ from tests.support.building import bundle_of, plan_of
 from tests.support.cases import mostly_slow
 from tests.support.command import called, linkwright
 from tests.support.engines import Mujoco
+from tests.support.other_robots import AS_IT_IS
 from tests.support.places import SHARED
 from tests.support.urdfs import parity, same_bounds
 
@@ -49,7 +50,7 @@ def made(bundle: Bundle, plan: Plan, folder: Path) -> tuple[Robot, Geometry, dic
 
 
 def from_file(path: Path, folder: Path) -> tuple[Robot, Geometry, dict[str, bytes]]:
-    plan = plan_of(source={"kind": "urdf", "path": str(path)})
+    plan = plan_of(source={"kind": "urdf", "path": str(path)}, mesh={"visual": {"max_faces": 2_000_000}})
     bundle, _ = gather(plan.source, {})
     return made(bundle, plan, folder)
 
@@ -70,13 +71,13 @@ def test_a_real_robot_is_its_file_and_valid(name: str, tmp_path: Path) -> None:
 @pytest.mark.skipif(not ROBOTS.exists(), reason="there are no shared data")
 def test_a_real_robot_by_the_command(tmp_path: Path) -> None:
     path = ROBOTS / FILES["reachy2"]
-    done = linkwright(tmp_path, "source=urdf", f"source.path={path}", "mesh=hull")
+    done = linkwright(tmp_path, "source=urdf", f"source.path={path}", "mesh=hull", *AS_IT_IS)
     assert done.returncode == 0, done.stderr
     out = tmp_path / "outputs" / "reachy2"
     assert {"reachy2.urdf", "reachy2.xml", "scene.xml", "robot.json"} <= {one.name for one in out.iterdir()}
     written = b"".join(one.read_bytes() for one in out.iterdir() if one.suffix in (".urdf", ".xml", ".json"))
     assert str(ROBOTS).encode() not in written
-    again = linkwright(tmp_path, "source=urdf", f"source.path={path}", "mesh=hull")
+    again = linkwright(tmp_path, "source=urdf", f"source.path={path}", "mesh=hull", *AS_IT_IS)
     assert again.stdout.count("cached") >= 5, again.stdout
 
 

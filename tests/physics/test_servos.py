@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.support.command import linkwright
+from tests.support.other_robots import AS_IT_IS
 from tests.support.places import SHARED
 
 ROBOTS = SHARED / "data" / "robots"
@@ -33,8 +34,7 @@ def build(name: str, folder: Path) -> mujoco.MjModel:
         if not (ROBOTS / path).exists():
             pytest.skip("there are no shared data")
         source = ("source=urdf", f"source.path={ROBOTS / path}", f"root={base}", "actuators=position")
-        # Decimating visual meshes takes a minute, and moves nothing.
-        done = linkwright(folder, *source, "mesh=hull", "mesh.visual.max_faces=2000000", "output=out")
+        done = linkwright(folder, *source, "mesh=hull", *AS_IT_IS, "output=out")
     assert done.returncode == 0, done.stdout + done.stderr
     model = mujoco.MjModel.from_xml_path(str(folder / "out" / "scene.xml"))
     shutil.rmtree(folder / "out")
@@ -95,9 +95,9 @@ def test_ten_seconds_of_control_noise_over_the_full_range_are_stable(
     assert np.isfinite(data.qpos).all()
 
 
-def test_the_samples_arm_follows_a_trajectory_of_five_seconds(tmp_path: Path) -> None:
+@pytest.mark.parametrize("model", ["sample"], indirect=True)
+def test_the_samples_arm_follows_a_trajectory_of_five_seconds(model: mujoco.MjModel) -> None:
     """From home to another pose and on to a third, with speeds that begin and end at 0 (minimum jerk)."""
-    model = build("sample", tmp_path)
     data = at_home(model)
     joints = model.actuator_trnid[:, 0]
     turns = model.jnt_type[joints] == mujoco.mjtJoint.mjJNT_HINGE

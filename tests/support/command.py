@@ -29,7 +29,7 @@ def environment(here: Path, *, seeded: bool = True, **more: str) -> dict[str, st
 
 
 def linkwright(
-    here: Path, *arguments: str, environ: Mapping[str, str] | None = None, timeout: float = 120
+    here: Path, *arguments: str, environ: Mapping[str, str] | None = None, timeout: float = 600
 ) -> subprocess.CompletedProcess[str]:
     """Runs the command in the folder `here`."""
     return subprocess.run(

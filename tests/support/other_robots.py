@@ -12,6 +12,9 @@ FILES = {
 
 ROBOTS = ("sample", *FILES)
 
+AS_IT_IS = ("mesh.visual.max_faces=2000000",)
+"""For tests of anything but visual meshes: decimating those of a real robot takes a minute."""
+
 
 def is_here(name: str) -> bool:
     return name not in FILES or FILES[name][1].exists()

@@ -49,7 +49,11 @@ def exported(robot: Robot, geometry: Geometry) -> Exported:
 
 def model_of(robot: Robot, geometry: Geometry, folder: Path) -> mujoco.MjModel:
     """The exported MJCF, compiled."""
-    for name, data in exported(robot, geometry).files.items():
+    return compiled(exported(robot, geometry), robot, folder)
+
+
+def compiled(made: Exported, robot: Robot, folder: Path) -> mujoco.MjModel:
+    for name, data in made.files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(data)
     return mujoco.MjModel.from_xml_path(str(folder / f"{robot.name}.xml"))

@@ -11,7 +11,7 @@ from stages.export.mjcf.left_out import LeftOut
 from stages.robot.geometry import Exclude, Geometry, Shape
 from stages.robot.start_pose import home
 from tests.support.robots import joint, robot_with
-from tests.support.touching import ball, exported, geoms_in_mujoco, model_of
+from tests.support.touching import ball, compiled, exported, geoms_in_mujoco, model_of
 
 
 def robot_of(counts, fixed=True):
@@ -90,10 +90,11 @@ def test_thirty_classes_are_told_apart_and_what_is_beyond_them_is_said(tmp_path)
     assert found.pairs == found.wide
     assert len(set(found.bits.values())) == CLASSES
     assert all(0 < number < 1 << 31 for bits in found.bits.values() for number in bits)
-    losses = [one for one in exported(robot, geometry).diagnostics if one.code == "W-WIDE-EXCLUDE"]
+    made = exported(robot, geometry)
+    losses = [one for one in made.diagnostics if one.code == "W-WIDE-EXCLUDE"]
     assert len(losses) == 1
     assert all(f"{one} and {other}" in losses[0].message for one, other in found.wide)
-    model = model_of(robot, geometry, tmp_path)
+    model = compiled(made, robot, tmp_path)
     lost = {pair for pair in every_pair(robot, geometry) if (pair[0][0], pair[1][0]) in found.wide}
     assert len(lost) == 3 * 2
     assert geoms_in_mujoco(model, robot, home(robot)) == every_pair(robot, geometry) - lost
