@@ -76,8 +76,11 @@ EFFORTS: Mapping[str, Search] = {
 """How thoroughly each effort searches."""
 
 
-def search(effort: str, given: Mapping[str, Any]) -> Search:
-    """The parameters of an effort with those that the user gave; ConfigError where one is wrong."""
+def search(effort: str, given: Mapping[str, Any], hasty: bool = False) -> Search:
+    """The parameters of an effort with those that the user gave; ConfigError where one is wrong.
+
+    A `hasty` one has half of the effort's iterations.
+    """
     names = [one.name for one in fields(Search)]
     for name, value in given.items():
         where = f"mesh.coacd.{name}"
@@ -88,7 +91,10 @@ def search(effort: str, given: Mapping[str, Any]) -> Search:
         problem = _problem(name, value)
         if problem:
             raise ConfigError(f"{value!r} is {problem}", where)
-    result = replace(EFFORTS[effort], **given)
+    usual = EFFORTS[effort]
+    if hasty:
+        usual = replace(usual, mcts_iterations=usual.mcts_iterations // 2)
+    result = replace(usual, **given)
     if result.threshold is not None and not result.real_metric and not 0.01 <= result.threshold <= 1.0:
         msg = f"{result.threshold:g} is not between 0.01 and 1"
         raise ConfigError(msg, "mesh.coacd.threshold", "with real_metric: true it is a length in metres")

@@ -46,9 +46,10 @@ class Judge:
         allowed = settings.extra_volume * (volume + skin) / volume if volume > 0 else float("inf")
         return Judge(solid, target, tolerance, allowed)
 
-    def hopeless(self, pieces: Sequence[Piece]) -> bool:
-        """A quick no: whether some points say already that the pieces are too far off."""
-        return hopeless(self.target, pieces, self.tolerance)
+    def hopeless(self, pieces: Sequence[Piece], tolerances: float = 1.0) -> bool:
+        """A quick no: whether some points say already that the pieces are too far off, by so many times the
+        tolerance."""
+        return hopeless(self.target, pieces, tolerances * self.tolerance)
 
     def measure(self, pieces: Sequence[Piece]) -> Measures:
         return measure(self.target, pieces)

@@ -44,7 +44,7 @@ def _decomposition(surface: Surface, tolerance: float, arguments: dict[str, Any]
     pitch = grid(_size(surface))
     hulls = [hull.vertices for part in parts if (hull := convex_hull(on_grid(part, pitch)))]
     hulls.sort(key=lambda hull: hull.tobytes())
-    return _finished(made, hulls, Overhang.of([surface], [tolerance], Inside.of(joined(made.bodies))))
+    return _finished(made, hulls, Overhang.quick(surface, tolerance, Inside.of(joined(made.bodies))))
 
 
 def _finished(made: Prepared, hulls: list[Points], overhang: Overhang) -> Decomposition:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
+from stages.mesh.decompose.field import Field
 from stages.mesh.decompose.remesh import one_a_cell
 from stages.mesh.surface import Points, Surface
 
@@ -23,6 +24,9 @@ a collider may stand out at most."""
 _FEWEST, _MOST, _MOST_OF_PART = 100, 1500, 300_000
 _DENSE = 0.8
 """The spacing of the points that stand for a part, in tolerances."""
+
+_DENSER = 0.4
+"""The same where a grid is made of them, so that a wall of them has no gap."""
 
 _ROUGHLY = 0.1
 
@@ -51,13 +55,14 @@ class Overhang:
     """Parts to compare hulls with, each within its own tolerance [m]; `tolerance` is the least of them.
 
     `near`: the points that stand for the parts of each tolerance; `inside` of the parts; `roughly`: the share
-    by which a distance may be told too large.
+    by which a distance may be told too large; `field`: where it is, distances are read off it instead.
     """
 
     tolerance: float
     near: tuple[tuple[float, cKDTree], ...]
     inside: Callable[[Points], npt.NDArray[np.bool_]]
     roughly: float = 0.0
+    field: Field | None = None
 
     @staticmethod
     def of(
@@ -81,6 +86,15 @@ class Overhang:
         near = tuple((one, cKDTree(np.concatenate(points[one]))) for one in sorted(points))
         return Overhang(min(tolerances), near, inside, roughly)
 
+    @staticmethod
+    def quick(
+        surface: Surface, tolerance: float, inside: Callable[[Points], npt.NDArray[np.bool_]]
+    ) -> Overhang:
+        """Of one part, for many hulls: distances are told from a grid, to about a tenth of the tolerance,
+        unless the grid would be too large."""
+        slow = Overhang.of([surface], [tolerance], inside, _DENSER)
+        return replace(slow, field=Field.of(np.asarray(slow.near[0][1].data), inside, tolerance))
+
     def __call__(self, hull: Any) -> Standing:
         """Of a convex body of manifold3d."""
         points, area = self._samples(hull)
@@ -90,6 +104,9 @@ class Overhang:
     def standing(self, points: Points) -> npt.NDArray[np.float64]:
         """(n,): by how many of its tolerances points (n, 3) are outside of the part nearest by that, at most
         10; 0 where that is less than one, or inside."""
+        if self.field is not None:
+            ratios = np.minimum(self.field(points) / self.near[0][0], _FAR)
+            return np.where(ratios > 1, ratios, 0.0)
         ratios = np.full(len(points), _FAR)
         for tolerance, tree in self.near:
             far, _ = tree.query(points, eps=self.roughly, distance_upper_bound=_FAR * tolerance)

@@ -12,7 +12,7 @@ _SAMPLES = 10_000
 _VERTICES = 10_000
 """Vertices of a surface that are looked at; of more, evenly many by their order."""
 
-_PIECE = 1 / 100
+_PIECE = 1 / 40
 """Of the size of a surface: the longest side of the pieces that its triangles are cut into for the search."""
 
 _MOST_PIECES = 400_000
