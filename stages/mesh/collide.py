@@ -231,9 +231,11 @@ def _affordable(wanting: Mapping[str, Collided]) -> dict[str, float]:
         choice = wanting[name].job.choice
         options = DecomposeOptions(
             wanting[name].collision.tolerance or 1.0,
-            search=search(choice.settings.effort, choice.settings.coacd),
+            search=search(choice.settings.effort, choice.settings.coacd, hasty=choice.maker == "ladder"),
         )
-        cost = estimated_cost(wanting[name].collision.faces, options)
+        measures = wanting[name].collision.measures
+        closed = measures is None or measures.by == "boolean"
+        cost = estimated_cost(wanting[name].collision.faces, options, closed)
         asked = choice.maker == "coacd" or choice.entry >= 0
         if asked or spent + cost <= BUDGET[choice.settings.effort]:
             found[name] = 0.0 if asked else cost

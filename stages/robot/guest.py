@@ -45,18 +45,22 @@ _PATIENCE = 5.0
 
 _LONGEST_LINE = 200
 _STATM = "/proc/{}/statm"
+_STAT = "/proc/{}/stat"
 
 
 @dataclass(frozen=True, slots=True)
 class Bounds:
-    """Limits of a guest: wall-clock time [s], resident memory and the length of its reply [bytes].
+    """Limits of a guest: time [s], resident memory and the length of its reply [bytes].
 
+    The time is that of the wall clock. One that only computes is given its processor time instead, and
+    `shared` times as much of the clock's, so that a machine with much else to do gives the same results.
     Where a system does not show the memory of a process (Windows), time alone is bounded.
     """
 
     seconds: float
     memory: int
     reply: int
+    shared: float = 1.0
 
 
 class Ended(Exception):
@@ -82,7 +86,7 @@ def ask(
     head = {
         "module": module,
         "path": _libraries(),
-        "seconds": bounds.seconds + _PATIENCE,
+        "seconds": bounds.shared * bounds.seconds + _PATIENCE,
         "parent": os.getpid(),
         "environ": sorted(environ),
     }
@@ -123,7 +127,7 @@ class _Guest:
             reader.join(look)
             if halt is not None and halt.is_set():
                 raise Ended("was interrupted")
-            if time.monotonic() - started > self._bounds.seconds:
+            if self._spent(time.monotonic() - started) > self._bounds.seconds:
                 raise Ended(f"took longer than {self._bounds.seconds:g} s")
             if resident(self._process.pid) > self._bounds.memory:
                 raise Ended(f"needed more than {self._bounds.memory / 1e9:.3g} GB of memory")
@@ -137,6 +141,12 @@ class _Guest:
             raise _error(body)
         errors.join(_PATIENCE)
         raise Ended(self._how_it_ended())
+
+    def _spent(self, passed: float) -> float:
+        """The time [s] that counts, of what the clock says has passed."""
+        if self._bounds.shared == 1.0:
+            return passed
+        return max(passed / self._bounds.shared, min(computed(self._process.pid, passed), passed))
 
     def end(self) -> None:
         """Ends the process with all that it started; no process is left behind."""
@@ -188,6 +198,16 @@ def resident(process: int) -> int:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
     except (OSError, IndexError, ValueError):
         return 0 if os.path.exists(_STATM.format("self")) else _resident_by_ps(process)  # noqa: PTH110
+
+
+def computed(process: int, unknown: float) -> float:
+    """The processor time of a process [s], `unknown` where the system does not show it."""
+    try:
+        # The name of the program, in brackets, may hold anything.
+        fields = Path(_STAT.format(process)).read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    except (OSError, IndexError, ValueError):
+        return unknown
 
 
 def _resident_by_ps(process: int) -> int:

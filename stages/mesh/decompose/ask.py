@@ -22,8 +22,9 @@ from stages.robot.guest import Bounds
 
 GUEST = "stages.mesh.decompose.coacd_guest"
 
-BOUNDS = Bounds(seconds=60, memory=2 << 30, reply=64 << 20)
-"""Limits of one decomposition."""
+BOUNDS = Bounds(seconds=60, memory=2 << 30, reply=64 << 20, shared=4)
+"""Limits of one decomposition, the time that of its processor: by the clock it would depend on what else the
+machine does whether a part is decomposed."""
 
 _ENVIRON = dict.fromkeys(
     (

@@ -442,6 +442,8 @@ def test_the_dearer_search_and_the_larger_mesh_are_estimated_dearer() -> None:
     assert costs[0] < costs[-1]
     assert estimated_cost(500, OPTIONS) < estimated_cost(2500, OPTIONS) < estimated_cost(10**6, OPTIONS)
     assert estimated_cost(10**6, OPTIONS) < 60
+    hasty = DecomposeOptions(0.001, search=search("normal", {}, hasty=True))
+    assert estimated_cost(2500, hasty) < estimated_cost(2500, OPTIONS) < estimated_cost(2500, OPTIONS, False)
 
 
 def test_a_hull_of_fewer_vertices_contains_the_one_it_stands_for() -> None:

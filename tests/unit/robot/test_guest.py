@@ -114,6 +114,16 @@ def test_one_that_takes_too_long_ends_with_all_that_it_started(asked, tmp_path):
     assert gone(place)
 
 
+def test_one_that_only_computes_is_given_its_processor_time(asked):
+    """What else the machine does is not counted, but within a limit: `shared` times as much by the clock."""
+    waits = "import time\ntime.sleep(1.5)\nreturn b'done'"
+    assert asked(waits, bounds=Bounds(seconds=1, memory=1 << 30, reply=10, shared=20)) == b"done"
+    with pytest.raises(Ended, match="took longer than 1 s"):
+        asked("while True: pass", bounds=Bounds(seconds=1, memory=1 << 30, reply=10, shared=1000))
+    with pytest.raises(Ended, match=r"took longer than 0\.2 s"):
+        asked("import time\ntime.sleep(1000)", bounds=Bounds(0.2, memory=1 << 30, reply=10, shared=4))
+
+
 def test_one_that_needs_too_much_memory_ends(asked):
     lines = "import time\nheld = b'x' * (400 << 20)\ntime.sleep(1000)"
     with pytest.raises(Ended, match=r"needed more than 0\.22 GB of memory"):
