@@ -90,7 +90,9 @@ def describe(
         "links": [_link(link) for link in robot.links],
         "joints": [_joint(joint, start, estimated) for joint in robot.joints],
         "relations": [_relation(relation) for relation in robot.relations],
-        "loops": [_loop(loop, names.ends[loop.name], loop.name in form.closed) for loop in robot.loops],
+        "loops": [
+            _loop(loop, names.ends[loop.name], loop.name in form.closed, estimated) for loop in robot.loops
+        ],
         "frames": [_frame(frame, names.frames[frame.name]) for frame in robot.frames],
         "lowered": [_lowered(item) for item in lower(robot) if item.between],
     }
@@ -228,7 +230,7 @@ def _mate(mate: MateRef | None) -> dict[str, Any] | None:
     return {"owner": list(mate.owner), "feature": mate.feature, "name": mate.name, "type": mate.type}
 
 
-def _loop(loop: Loop, ends: tuple[str, str], mimic: bool) -> dict[str, Any]:
+def _loop(loop: Loop, ends: tuple[str, str], mimic: bool, estimated: Collection[str]) -> dict[str, Any]:
     return {
         "name": loop.name,
         "type": loop.type,
@@ -238,7 +240,7 @@ def _loop(loop: Loop, ends: tuple[str, str], mimic: bool) -> dict[str, Any]:
         "frame_b": as_pose(loop.b_from_frame),
         "urdf": list(ends),
         "mimic": mimic,
-        "dofs": [_dof(dof) for dof in loop.dofs],
+        "dofs": [{**_dof(dof), "provenance": provenance(dof, dof.name in estimated)} for dof in loop.dofs],
         "residual": as_float(loop.residual, 1.0),
         "cad": _mate(loop.mate),
     }

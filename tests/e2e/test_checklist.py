@@ -1,0 +1,76 @@
+"""The points that a model made by hand meets (`tests.support.checklist`), on robots of every source."""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from lxml import etree
+
+from tests.fake_onshape.bundle import bundle_bytes
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.quadruped import YAML, quadruped_document
+from tests.fake_onshape.random_document import documents
+from tests.fake_onshape.sample import sample_document
+from tests.support.checklist import Built, Point, compiled, simulated, text
+from tests.support.command import called
+from tests.support.other_robots import FILES, is_here, source_of
+
+STILL = (*text.POINTS, *compiled.POINTS)
+"""Points for any robot, also for one that cannot hold itself."""
+
+POINTS = (*STILL, *simulated.POINTS)
+
+BASES = {"so101": "fixed", "duck": "free", "reachy2": "fixed"}
+
+LIGHT = ("mesh=hull", "mesh.visual.max_faces=2000000")
+"""The colliders of the robots of others cost minutes, and have tests of their own."""
+
+
+def built(name: str, folder: Path) -> Built:
+    mass: float | None = None
+    if name == "quadruped":
+        document = quadruped_document()
+        (folder / "quadruped.zip").write_bytes(bundle_bytes(document))
+        (folder / "robot").mkdir()
+        (folder / "robot" / "quadruped.yaml").write_text(YAML)
+        mass, told = document.truth.total_mass(), ["robot=quadruped"]
+    elif name == "sample":
+        mass, told = sample_document().truth.total_mass(), ["robot=sample"]
+    else:
+        told = [*source_of(name), f"root={BASES[name]}", "actuators=position", *LIGHT]
+        if FILES[name][0] == "urdf":
+            mass = sum(float(one.get("value")) for one in etree.parse(str(FILES[name][1])).iter("mass"))
+    done = called(folder, *told, "output=out")
+    assert done.returncode == 0, done.stdout + done.stderr
+    return Built(folder / "out", mass)
+
+
+@pytest.fixture(
+    scope="module",
+    params=["sample", "quadruped", *(pytest.param(name, marks=pytest.mark.slow) for name in FILES)],
+)
+def robot(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Built:
+    if not is_here(request.param):
+        pytest.skip("needs the robots of others")
+    return built(request.param, tmp_path_factory.mktemp(request.param))
+
+
+@pytest.mark.slow
+@settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)))
+def test_random_documents_meet_the_points_of_files(document: Document) -> None:
+    with TemporaryDirectory() as place:
+        folder = Path(place)
+        (folder / "random.zip").write_bytes(bundle_bytes(document))
+        told = ["source=bundle", "source.path=random.zip", "mesh=hull", "contact.self=none", "output=out"]
+        done = called(folder, *told)
+        assert done.returncode == 0, done.stdout + done.stderr
+        made = Built(folder / "out", document.truth.total_mass())
+        assert [(point.__name__, fault) for point in STILL for fault in point(made)] == []
+
+
+@pytest.mark.parametrize("point", POINTS, ids=lambda it: it.__name__)
+def test_a_point_of_the_checklist(robot: Built, point: Point) -> None:
+    assert list(point(robot)) == []

@@ -1,0 +1,81 @@
+"""What a model of the grade of MuJoCo Menagerie must meet: points that a file, or what MuJoCo compiles of it,
+has or has not. Each is a function of a build that names the faults it finds; none when all is well.
+
+Nothing here asks the product: files are read as XML and JSON, and simulated by MuJoCo.
+"""
+
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import mujoco
+import numpy as np
+from lxml import etree
+
+Point = Callable[["Built"], Iterator[str]]
+
+
+@dataclass(frozen=True)
+class Built:
+    """The folder of a build, and what its source says of it: the total mass [kg]."""
+
+    folder: Path
+    mass: float | None = None
+
+    @cached_property
+    def report(self) -> dict:
+        return json.loads((self.folder / "report.json").read_text())
+
+    @cached_property
+    def robot(self) -> dict:
+        return json.loads((self.folder / "robot.json").read_text())
+
+    @property
+    def path(self) -> Path:
+        return self.folder / f"{self.robot['name']}.xml"
+
+    @cached_property
+    def xml(self) -> etree._Element:
+        return etree.parse(str(self.path)).getroot()
+
+    @cached_property
+    def scene_xml(self) -> etree._Element:
+        return etree.parse(str(self.folder / "scene.xml")).getroot()
+
+    @cached_property
+    def model(self) -> mujoco.MjModel:
+        """The robot alone."""
+        return mujoco.MjModel.from_xml_path(str(self.path))
+
+    @cached_property
+    def scene(self) -> mujoco.MjModel:
+        """The robot in its world."""
+        return mujoco.MjModel.from_xml_path(str(self.folder / "scene.xml"))
+
+    @cached_property
+    def told(self) -> str:
+        """What the build says in words."""
+        return "\n".join(one["message"] for one in self.report["diagnostics"])
+
+    @property
+    def dofs(self) -> dict[str, dict]:
+        """The dofs of the tree and of the loops, by name."""
+        return {dof["name"]: dof for one in self.robot["joints"] + self.robot["loops"] for dof in one["dofs"]}
+
+    def at_home(self) -> mujoco.MjData:
+        """The scene at `home`, with its controls."""
+        data = mujoco.MjData(self.scene)
+        mujoco.mj_resetDataKeyframe(self.scene, data, self.scene.key("home").id)
+        mujoco.mj_forward(self.scene, data)
+        return data
+
+
+def roles(model: mujoco.MjModel) -> tuple[np.ndarray, np.ndarray]:
+    """The geoms that are seen and those that collide, by their group."""
+    return np.flatnonzero(model.geom_group == 2), np.flatnonzero(model.geom_group == 3)
+
+
+def names(model: mujoco.MjModel, kind: str, count: int) -> list[str]:
+    return [getattr(model, kind)(index).name for index in range(count)]
