@@ -183,9 +183,12 @@ def both_formats(built: Built) -> Iterator[str]:
     spec = mujoco.MjSpec.from_string(etree.tostring(root).decode())
     other, model = spec.compile(), built.model
     urdf = names(other, "joint", other.njnt)
-    mjcf = [name for name in names(model, "joint", model.njnt) if name in urdf]
-    if sorted(urdf) != sorted(mjcf):
-        yield f"joints {urdf} and {mjcf}"
+    mjcf = {model.joint(index).name: int(model.jnt_type[index]) for index in range(model.njnt)}
+    scalars = {one["name"] for joint in built.robot["joints"] for one in joint["dofs"]} & mjcf.keys()
+    balls = {name for name in scalars if mjcf[name] == mujoco.mjtJoint.mjJNT_BALL}
+    expected = scalars - balls | {f"{name}_{axis}" for name in balls for axis in "xyz"}
+    if set(urdf) != expected:
+        yield f"joints {sorted(urdf)}, and of the MJCF {sorted(expected)}"
     for name in urdf:
         # A URDF has to bound both sides, the source perhaps only one.
         for side, said in enumerate(built.dofs[name]["limits"] if name in built.dofs else ()):
