@@ -19,10 +19,12 @@ Point = Callable[["Built"], Iterator[str]]
 
 @dataclass(frozen=True)
 class Built:
-    """The folder of a build, and what its source says of it: the total mass [kg]."""
+    """The folder of a build, and what its source says of it: the total mass [kg]. `cad`: whether the masses
+    are those of CAD, not of a file that somebody wrote."""
 
     folder: Path
     mass: float | None = None
+    cad: bool = True
 
     @cached_property
     def report(self) -> dict:

@@ -39,12 +39,12 @@ def roles_of_geoms(built: Built) -> Iterator[str]:
 
 
 def colliders(built: Built) -> Iterator[str]:
-    """6: each body that moves collides, or the build says that it does not."""
+    """6: each body that is seen collides, or the build says that it does not."""
     model = built.model
-    _, solid = roles(model)
-    bare = set(range(1, model.nbody)) - set(model.geom_bodyid[solid].tolist())
+    seen, solid = roles(model)
+    bare = set(model.geom_bodyid[seen].tolist()) - set(model.geom_bodyid[solid].tolist())
     for name in (model.body(index).name for index in sorted(bare)):
-        if name not in built.told and "_carrier" not in name:
+        if name not in built.told:
             yield f"{name} has no collider, and nobody says so"
 
 
@@ -57,7 +57,7 @@ def inertias(built: Built) -> Iterator[str]:
         if a <= 0 or a + b < c * (1 - 1e-9):
             yield f"{name}: inertia {a}, {b}, {c}"
         above = model.body_parentid[index]
-        if above and model.body_mass[above] > RATIO * mass and name not in built.told:
+        if built.cad and above and model.body_mass[above] > RATIO * mass and name not in built.told:
             yield f"{name} weighs {mass}, what it hangs on {model.body_mass[above]}"
 
 

@@ -17,7 +17,7 @@ NUMBER = re.compile(r"-?\d+(\.\d+)?([eE][-+]?\d+)?")
 WRITTEN = 1e-5
 """MuJoCo writes numbers with six digits."""
 
-NOISE = 1e-11
+NOISE = 1e-12
 """A number below this share of the largest of its attribute is noise."""
 
 
