@@ -33,7 +33,7 @@ class Wanted:
 
 def wanted_of(robot: Robot, entries: Mapping[str, ActuatorKeys], log: Diagnostics) -> dict[str, Wanted]:
     """By dof of the tree that an entry matches, in tree order; later entries win, property by property, and
-    one of another type begins anew.
+    an entry with another type starts from that type's defaults.
 
     E-GLOB for an entry but "*" that matches no dof; E-ACTUATOR for one that names a dof that cannot be
     driven, for parameters that are not of the type, and for a number for turns and slides at once.
