@@ -8,6 +8,7 @@ import json
 import subprocess
 import zlib
 from collections.abc import Callable, Iterator, Mapping
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -65,14 +66,15 @@ BODY = b'{"bodies":[{"id":"JHD","faces":['
 
 
 def twice_packed() -> bytes:
-    return gzip.compress(packed((bytes(MB), 10_000)), 9)
+    return gzip.compress(packed((bytes(MB), 4000)), 9)
 
 
+@cache
 def endless() -> bytes:
     return packed((b" " * MB, 2000))
 
 
-# The bodies are made where they are used: packing them takes a minute.
+# The bodies are made where they are used: packing each takes seconds.
 REPLIES: Mapping[str, tuple[str, Callable[[], bytes], Mapping[str, str], str]] = {
     "packed twice": (MASS, twice_packed, {"Content-Encoding": "gzip, gzip"}, "unexpected encoding"),
     "a definition without end": (DEFINITION, endless, GZIP, "(64 MB)"),

@@ -10,6 +10,7 @@ import pytest
 
 from pipeline.build import Built, build_files
 from pipeline.config.compose import compose_plan
+from tests.support import kept_colliders
 
 SIDE = 0.02
 """Of the cube [m]."""
@@ -33,6 +34,7 @@ TOUCHING = 0.006
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
     folder = tmp_path_factory.mktemp("gripper")
+    kept_colliders.seed(folder / "cache")
     told = ["robot=sample", "mesh=ladder", "contact.self=auto", "actuators=none", "until=export"]
     told += [f"cache.dir={folder}/cache", f"output={folder}/out"]
     return build_files(compose_plan(told, cwd=folder).plan, in_memory=True)
