@@ -189,7 +189,7 @@ versions = st.sampled_from([16, 17])
 slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
 
 
-@settings(max_examples=25, **slowly)
+@settings(max_examples=12, **slowly)
 @given(documents(), places, places, places, versions)
 def test_both_files_are_the_document(
     document: Document, root: int, shuffle: int, seed: int, api: int
@@ -204,7 +204,7 @@ def test_loops_change_nothing_about_the_tree(document: Document, root: int, shuf
     agree(document, root, shuffle, seed)
 
 
-@settings(max_examples=15, **slowly)
+@settings(max_examples=8, **slowly)
 @given(documents(everything=True), places, places, places, versions)
 def test_everything_that_can_be_drawn(
     document: Document, root: int, shuffle: int, seed: int, api: int
