@@ -15,7 +15,7 @@ class LoopGroups:
         self._robot = robot
         self._ways = Ways(robot)
         self._links = {link.name: link for link in robot.links}
-        self._child = {dof.name: joint.child for joint in robot.joints for dof in joint.dofs}
+        self._around = {dof.name: (joint.parent, joint.child) for joint in robot.joints for dof in joint.dofs}
         self._drivers = {one.follower: one.driver for one in robot.relations}
         self._driven: dict[str, list[Relation]] = {}
         for one in robot.relations:
@@ -44,7 +44,8 @@ class LoopGroups:
         relations = [one for name in sorted(moved) for one in self._driven.get(name, ())]
         tied = moved | {one.follower for one in relations}
         ends = {end for loop in loops for end in (loop.link_a, loop.link_b)}
-        ends |= {self._child[name] for name in tied if name in self._child}
+        # The link above a joint too: a driver may be above all that it drives.
+        ends |= {end for name in tied for end in self._around.get(name, ())}
         top, joints = self._ways.tree_of(sorted(ends))
         names = [top, *(joint.child for joint in joints)]
         return replace(
