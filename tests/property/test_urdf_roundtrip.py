@@ -26,9 +26,20 @@ TOLERANCE = 1e-9
 slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
 
 
-@settings(max_examples=40, **slowly)
+@settings(max_examples=15, **slowly)
 @given(urdfs())
 def test_the_files_are_the_urdf(text: str) -> None:
+    is_exact(text)
+
+
+@pytest.mark.slow
+@settings(max_examples=60, **slowly)
+@given(urdfs())
+def test_the_files_are_the_urdf_many_times(text: str) -> None:
+    is_exact(text)
+
+
+def is_exact(text: str) -> None:
     robot = urdf_robot(text)
     with tempfile.TemporaryDirectory() as folder:
         files = write(robot, Path(folder)).files
