@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from stages.export.json_values import as_float, short
+from stages.export.json_values import as_float, as_floats, short
+from stages.formats.numbers import TURN
 from stages.robot.actuation import Actuator
 from stages.robot.model import Sensor
 
@@ -16,9 +17,9 @@ def actuator_record(actuator: Actuator) -> dict[str, Any]:
         "kp": as_float(actuator.kp),
         "kv": as_float(actuator.kv),
         **({"terms": dict(actuator.terms)} if actuator.terms else {}),
-        "control": None if actuator.control is None else [as_float(end) for end in actuator.control],
-        "force": None if actuator.force is None else [as_float(end) for end in actuator.force],
-        "home": as_float(actuator.home, max(1.0, abs(actuator.home))),
+        "control": None if actuator.control is None else as_floats(actuator.control),
+        "force": None if actuator.force is None else as_floats(actuator.force),
+        "home": as_float(actuator.home, TURN),
         "load": short(actuator.load),
         "home_load": short(actuator.home_load),
         "sag": short(actuator.sag),

@@ -39,6 +39,7 @@ from stages.export.urdf.lowering import Lowered, lower, unset
 from stages.formats.mjcf_form import AS_IS as EVERY_BODY
 from stages.formats.mjcf_form import MjcfForm
 from stages.formats.mjcf_written import holders as bodies
+from stages.formats.numbers import LENGTH, TURN, least_of
 from stages.formats.urdf.as_written import as_written, holders
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.formats.urdf.names import urdf_names
@@ -142,7 +143,7 @@ def _link(link: Link) -> dict[str, Any]:
     return {
         "name": link.name,
         "mass": as_float(link.inertial.mass),
-        "com": as_floats(link.inertial.com),
+        "com": as_floats(link.inertial.com, LENGTH),
         "inertia": as_floats(link.inertial.inertia),
         "given": link.given is not None,
         "cad": {"path": list(link.path)} if link.path or link.parts else None,
@@ -205,7 +206,7 @@ def _dof(dof: Dof, backwards: bool = False) -> dict[str, Any]:
         "kind": dof.kind,
         "axis": as_floats(dof.axis) if scalar else None,
         "origin": None if np.array_equal(dof.origin, np.eye(4)) else as_pose(dof.origin),
-        "limits": [as_float(dof.limits.lower), as_float(dof.limits.upper)],
+        "limits": [as_float(end, least_of(dof.kind)) for end in (dof.limits.lower, dof.limits.upper)],
         "damping": as_float(dof.dynamics.damping),
         "friction": as_float(dof.dynamics.friction),
         "armature": as_float(dof.dynamics.armature),
@@ -241,7 +242,7 @@ def _loop(loop: Loop, ends: tuple[str, str], mimic: bool, estimated: Collection[
         "urdf": list(ends),
         "mimic": mimic,
         "dofs": [{**_dof(dof), "provenance": provenance(dof, dof.name in estimated)} for dof in loop.dofs],
-        "residual": as_float(loop.residual, 1.0),
+        "residual": as_float(loop.residual, TURN),
         "cad": _mate(loop.mate),
     }
 
@@ -252,7 +253,7 @@ def _relation(relation: Relation) -> dict[str, Any]:
         "follower": relation.follower,
         "driver": relation.driver,
         "multiplier": as_float(relation.multiplier),
-        "offset": as_float(relation.offset),
+        "offset": as_float(relation.offset, TURN),
     }
 
 

@@ -1,7 +1,9 @@
 """The one formatter of numbers in robot files.
 
 Each number is the shortest text within 1e-12 of its vector's largest entry, so noise such as
-1e-17 beside 0.3 prints as 0, and 0.1 + 0.2 prints as 0.3. There is no "-0".
+1e-17 beside 0.3 prints as 0, and 0.1 + 0.2 prints as 0.3. There is no "-0". A vector that may be
+all noise, such as a position at an origin, is measured by `least` where its entries are smaller: `LENGTH` for
+what is in metres, `TURN` for what is in radians or of unit length.
 """
 
 from collections.abc import Iterable
@@ -12,11 +14,18 @@ from stages.robot.model import Array
 
 TOLERANCE = 1e-12
 
+LENGTH = 0.1
+"""m: below a tenth of a picometre a position is the noise of its making."""
 
-def number(value: float, scale: float | None = None) -> str:
-    """The shortest text within 1e-12 · `scale` of `value`; `scale` is |value| unless given."""
+TURN = 1.0
+"""rad: likewise of angles, and of the entries of what has unit length."""
+
+
+def number(value: float, scale: float | None = None, least: float = 0.0) -> str:
+    """The shortest text within 1e-12 · `scale` of `value`; `scale` is |value| unless given, or
+    `least` where that is larger."""
     value = float(value)
-    tolerance = TOLERANCE * (abs(value) if scale is None else scale)
+    tolerance = TOLERANCE * max(least, abs(value) if scale is None else scale)
     if abs(value) <= tolerance:
         return "0"
     for digits in range(1, 18):
@@ -37,11 +46,11 @@ def tidy(text: str) -> str:
     return f"{mantissa}e{power}"
 
 
-def numbers(values: Iterable[float], scale: float | None = None) -> list[str]:
-    """Texts of a vector or tensor, all measured by its largest entry."""
+def numbers(values: Iterable[float], scale: float | None = None, least: float = 0.0) -> list[str]:
+    """Texts of a vector or tensor, all measured by its largest entry, or by `least` where that is larger."""
     flat = [float(value) for value in np.ravel(np.asarray(values, dtype=float))]
     largest = max((abs(value) for value in flat), default=0.0) if scale is None else scale
-    return [number(value, largest) for value in flat]
+    return [number(value, largest, least) for value in flat]
 
 
 def rounded(values: Array) -> Array:
@@ -49,6 +58,11 @@ def rounded(values: Array) -> Array:
     return np.array(numbers(values), dtype=float).reshape(values.shape)
 
 
-def spaced(values: Iterable[float], scale: float | None = None) -> str:
+def spaced(values: Iterable[float], scale: float | None = None, least: float = 0.0) -> str:
     """A vector as XML attributes want it: "0 0 0.3"."""
-    return " ".join(numbers(values, scale))
+    return " ".join(numbers(values, scale, least))
+
+
+def least_of(kind: str) -> float:
+    """What the values of a dof of this kind are measured by: of a slide in metres, of others in radians."""
+    return LENGTH if kind == "slide" else TURN

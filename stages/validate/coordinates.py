@@ -132,7 +132,7 @@ def root_pose(model: Any, data: Any, robot: Robot) -> Array:
     """world_from_root (4, 4): a root called `world` is the world itself, or the site of that name."""
     site = site_index(model, robot.root.name)
     if robot.root.name == "world" and site >= 0:
-        return site_pose(data, site)
+        return site_pose(model, data, site)
     return pose_of(data, body_index(model, robot.root.name))
 
 
@@ -141,7 +141,7 @@ def link_pose(model: Any, data: Any, robot: Robot, link: str) -> Array:
     if link == robot.root.name:
         return root_pose(model, data, robot)
     body = body_index(model, link)
-    return pose_of(data, body) if body >= 0 else site_pose(data, site_index(model, link))
+    return pose_of(data, body) if body >= 0 else site_pose(model, data, site_index(model, link))
 
 
 def pose_of(data: Any, body: int) -> Array:
@@ -151,11 +151,10 @@ def pose_of(data: Any, body: int) -> Array:
     return pose
 
 
-def site_pose(data: Any, site: int) -> Array:
-    pose = np.eye(4)
-    pose[:3, :3] = data.site_xmat[site].reshape(3, 3)
-    pose[:3, 3] = data.site_xpos[site]
-    return pose
+def site_pose(model: Any, data: Any, site: int) -> Array:
+    """By its place on its body: MuJoCo's kinematics takes frames for the same that differ by up to 1e-6."""
+    on_body = placed(model.site_quat[site], model.site_pos[site])
+    return pose_of(data, int(model.site_bodyid[site])) @ on_body
 
 
 def placed(quat: Array, position: Array) -> Array:

@@ -124,20 +124,22 @@ class Mujoco:
         return found
 
     def poses(self, values: Values) -> dict[str, np.ndarray]:
-        """Of bodies, and of the sites of links that have none."""
+        """Of bodies, and of the sites of links that have none, by their places on their bodies: MuJoCo's own
+        kinematics takes frames for the same that differ by up to 1e-6."""
         self._set(values)
-        model, data = self.model, self.data
-        places = {
-            model.site(index).name: (data.site_xmat, data.site_xpos, index) for index in range(model.nsite)
-        }
-        places |= {model.body(index).name: (data.xmat, data.xpos, index) for index in range(model.nbody)}
-        found = {}
-        for name, (turns, shifts, index) in places.items():
+        model, data, bodies = self.model, self.data, []
+        for index in range(model.nbody):
             pose = np.eye(4)
-            pose[:3, :3] = turns[index].reshape(3, 3)
-            pose[:3, 3] = shifts[index]
-            found[name] = pose
-        return found
+            pose[:3, :3] = data.xmat[index].reshape(3, 3)
+            pose[:3, 3] = data.xpos[index]
+            bodies.append(pose)
+        found = {}
+        for index in range(model.nsite):
+            pose = np.eye(4)
+            pose[:3, :3] = _rotation(model.site_quat[index]).as_matrix()
+            pose[:3, 3] = model.site_pos[index]
+            found[model.site(index).name] = bodies[model.site_bodyid[index]] @ pose
+        return found | {model.body(index).name: pose for index, pose in enumerate(bodies)}
 
     def mass_matrix(self, values: Values, dofs: Sequence[str]) -> np.ndarray:
         """Without armature, which is not part of the mechanism."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from stages.formats.numbers import number
+from stages.formats.numbers import TURN, number, spaced
 from stages.formats.xml import Element, element
 from stages.robot.actuation import Actuation
 from stages.robot.home_control import control_at
@@ -61,7 +61,7 @@ def _write_actuators(root: Element, actuation: Actuation) -> None:
 
 def controls(actuation: Actuation, at: Configuration | None = None) -> str | None:
     """The `ctrl` of the keyframe `home`, or of another with these values; None without actuators."""
-    return " ".join(number(one, max(1.0, abs(one))) for one in _controls(actuation, at)) or None
+    return " ".join(number(one, least=TURN) for one in _controls(actuation, at)) or None
 
 
 def _controls(actuation: Actuation, at: Configuration | None) -> Iterator[float]:
@@ -75,4 +75,4 @@ def _number(value: float | None) -> str | None:
 
 
 def _range(ends: tuple[float, float] | None) -> str | None:
-    return None if ends is None else f"{number(ends[0])} {number(ends[1])}"
+    return None if ends is None else spaced(ends)

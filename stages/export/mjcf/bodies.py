@@ -9,7 +9,7 @@ from stages.export.mjcf.joints import free_joint_name, write_joints
 from stages.export.mjcf.loops import Closures
 from stages.export.mjcf.placement import placement
 from stages.export.paints import Paint, paint
-from stages.formats.numbers import number, rounded, spaced
+from stages.formats.numbers import LENGTH, number, rounded, spaced
 from stages.formats.xml import Element, element
 from stages.robot.actuation import Actuation
 from stages.robot.geometry import Geometry, Shape
@@ -124,7 +124,7 @@ def _inertial(body: Element, inertial: Inertial) -> None:
     element(
         body,
         "inertial",
-        pos=spaced(inertial.com, max(0.1, float(np.abs(inertial.com).max()))),
+        pos=spaced(inertial.com, least=LENGTH),
         **placement(from_parts(axes, np.zeros(3))),
         mass=number(inertial.mass),
         diaginertia=spaced(moments),

@@ -7,7 +7,7 @@ ball's value is relative to the pose at qpos0; a free joint's value is the pose 
 
 from collections.abc import Collection, Sequence
 
-from stages.formats.numbers import number, spaced
+from stages.formats.numbers import LENGTH, least_of, number, spaced
 from stages.formats.xml import Element, element
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Dof, Robot, Value
@@ -35,14 +35,14 @@ def write_joints(
 
 def _joint(body: Element, dof: Dof, body_from_dof: Array, start: Value, compensating: bool) -> None:
     dynamics = dof.dynamics
-    position = spaced(body_from_dof[:3, 3], 1.0)
+    position = spaced(body_from_dof[:3, 3], least=LENGTH)
     more: dict[str, str | None] = {}
     if not isinstance(start, tuple):
-        effort = dynamics.effort
+        effort, ref = dynamics.effort, number(start, least=least_of(dof.kind))
         more = {
             "axis": spaced(body_from_dof[:3, :3] @ dof.axis),
             "range": _range(dof),
-            "ref": None if start == 0.0 else number(start),
+            "ref": None if ref == "0" else ref,
             "actuatorfrcrange": None if effort is None else f"{number(-effort)} {number(effort)}",
         }
     element(
@@ -70,7 +70,9 @@ def _range(dof: Dof) -> str | None:
     lower, upper = dof.limits.lower, dof.limits.upper
     if lower is None and upper is None:
         return None
-    return f"{_number(lower) or '-' + OPEN} {_number(upper) or OPEN}"
+    least = least_of(dof.kind)
+    texts = spaced([end for end in (lower, upper) if end is not None], least=least).split()
+    return " ".join(["-" + OPEN] * (lower is None) + texts + [OPEN] * (upper is None))
 
 
 def qpos(dof: Dof, value: Value, start: Value, world_from_joint: Array) -> str:
@@ -79,7 +81,7 @@ def qpos(dof: Dof, value: Value, start: Value, world_from_joint: Array) -> str:
     `world_from_joint` (4, 4): for a free joint, the frame that its value is relative to.
     """
     if not isinstance(value, tuple):
-        return number(value, max(1.0, abs(value)))
+        return number(value, least=least_of(dof.kind))
     pose = motion(dof.kind, dof.axis, value)
     if dof.kind == "free":
         return free_qpos(world_from_joint @ pose)
@@ -89,7 +91,7 @@ def qpos(dof: Dof, value: Value, start: Value, world_from_joint: Array) -> str:
 
 def free_qpos(pose: Array) -> str:
     """The seven numbers of a free joint at a pose (4, 4) in the world."""
-    return f"{spaced(pose[:3, 3])} {spaced(quat_from_rotation(pose[:3, :3]))}"
+    return f"{spaced(pose[:3, 3], least=LENGTH)} {spaced(quat_from_rotation(pose[:3, :3]))}"
 
 
 def free_joint_name(robot: Robot) -> str:

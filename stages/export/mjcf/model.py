@@ -17,7 +17,7 @@ from stages.export.mjcf.loops import STIFF, Closures, held
 from stages.export.mujoco_keys import IN_THE_ROBOT
 from stages.export.paints import Paint, materials
 from stages.formats.mjcf_written import as_written, holders
-from stages.formats.numbers import number, spaced
+from stages.formats.numbers import TURN, number, spaced
 from stages.formats.xml import Element, element, to_bytes
 from stages.robot.actuation import Actuation
 from stages.robot.fusing import members
@@ -135,14 +135,14 @@ def _relation(equality: Element, relation: Relation, start: Configuration, solre
         y, x, factor, offset = x, y, 1 / factor, -offset / factor
     constant = factor * _scalar(start[x]) + offset - _scalar(start[y])
     # Where qpos0 satisfies the relation the constant is rounding noise on the joints' own scale.
-    scale = max(1.0, abs(_scalar(start[y])))
+    scale = abs(_scalar(start[y]))
     element(
         equality,
         "joint",
         name=relation.name,
         joint1=y,
         joint2=x,
-        polycoef=f"{number(constant, scale)} {number(factor)} 0 0 0",
+        polycoef=f"{number(constant, scale, TURN)} {number(factor)} 0 0 0",
         solref=solref,
         solimp=STIFF,
     )

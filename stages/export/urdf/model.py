@@ -12,7 +12,7 @@ import numpy as np
 from stages.export.paints import Paint, materials, paint
 from stages.export.urdf.keys import UrdfFormatKeys
 from stages.export.urdf.lowering import LoweredJoint, lower
-from stages.formats.numbers import number, numbers, spaced
+from stages.formats.numbers import LENGTH, TURN, number, numbers, spaced
 from stages.formats.urdf.as_written import as_written, holders
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.formats.urdf.names import UrdfNames, urdf_names
@@ -61,12 +61,13 @@ def write_urdf(
         node = _joint(root, joint)
         relation = relations.get(joint.name)
         if relation is not None:
+            offset = number(relation.offset, least=LENGTH if joint.type == "prismatic" else TURN)
             element(
                 node,
                 "mimic",
                 joint=relation.driver,
                 multiplier=number(relation.multiplier),
-                offset=number(relation.offset) if relation.offset else None,
+                offset=None if offset == "0" else offset,
             )
     _frames(root, robot, urdf_names(robot), massless)
     for text in robot.controls:
@@ -76,8 +77,7 @@ def write_urdf(
 
 def _origin(parent: Element, pose: Array) -> None:
     rpy = rpy_from_rotation(pose[:3, :3])
-    # Angles are measured on the scale of a turn: 1e-12 rad, whatever the other two are.
-    element(parent, "origin", xyz=spaced(pose[:3, 3]), rpy=spaced(rpy, 1.0))
+    element(parent, "origin", xyz=spaced(pose[:3, 3], least=LENGTH), rpy=spaced(rpy, least=TURN))
 
 
 def _assets_of(keys: UrdfFormatKeys, robot: str) -> str:
@@ -100,7 +100,7 @@ def _link(root: Element, name: str, body: Inertial, shaped: bool) -> Element:
     # MuJoCo would derive the mass of a link without an inertial from its shapes.
     if body.mass > 0 or shaped:
         inertial = element(node, "inertial")
-        element(inertial, "origin", xyz=spaced(body.com), rpy="0 0 0")
+        element(inertial, "origin", xyz=spaced(body.com, least=LENGTH), rpy="0 0 0")
         element(inertial, "mass", value=number(body.mass))
         texts = numbers(body.inertia)
         keys = {"ixx": 0, "ixy": 1, "ixz": 2, "iyy": 4, "iyz": 5, "izz": 8}
@@ -161,7 +161,7 @@ def _joint(root: Element, joint: LoweredJoint) -> Element:
         return node
     limits, dynamics = joint.limits, joint.dynamics
     element(node, "axis", xyz=spaced(joint.axis))
-    low, high = (None, None) if joint.type == "continuous" else map(number, _range(joint.type, limits))
+    low, high = (None, None) if joint.type == "continuous" else _ends(joint.type, limits)
     element(
         node,
         "limit",
@@ -178,6 +178,11 @@ def _joint(root: Element, joint: LoweredJoint) -> Element:
             friction=number(dynamics.friction or 0.0),
         )
     return node
+
+
+def _ends(kind: str, limits: Limits) -> list[str]:
+    """The texts of both ends of the range."""
+    return numbers(_range(kind, limits), least=LENGTH if kind == "prismatic" else TURN)
 
 
 def _range(kind: str, limits: Limits) -> tuple[float, float]:

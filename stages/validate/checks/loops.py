@@ -105,7 +105,7 @@ def _frames_of_loops(compiled: CompiledModel) -> Check:
     for loop in robot.loops:
         index = equality_index(model, loop)
         found = {
-            int(model.site_bodyid[site]): root_from_world @ site_pose(data, site)
+            int(model.site_bodyid[site]): root_from_world @ site_pose(model, data, site)
             for site in (sites(model, index) if index >= 0 else ())
         }
         for body, pose in _frames(model, loop, poses, chain(loop.dofs, q)):

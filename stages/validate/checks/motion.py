@@ -63,6 +63,7 @@ def _worst(compiled: CompiledModel, data: Any, q: Configuration) -> tuple[float,
 
 def _frame(model: Any, data: Any, name: str, urdf: bool) -> Array:
     """The pose of a frame: a site, in a URDF a body. NaN where it is missing."""
-    index, pose = (body_index, pose_of) if urdf else (site_index, site_pose)
-    found = index(model, name)
-    return pose(data, found) if found >= 0 else np.full((4, 4), np.nan)
+    found = (body_index if urdf else site_index)(model, name)
+    if found < 0:
+        return np.full((4, 4), np.nan)
+    return pose_of(data, found) if urdf else site_pose(model, data, found)

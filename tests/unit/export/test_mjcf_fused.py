@@ -17,6 +17,7 @@ from stages.formats.xml import parse
 from stages.mesh.primitives import shapes as primitive_shapes
 from stages.robot.geometry import Exclude, Geometry, Shape, Touch
 from stages.robot.model import Array, Frame, Primitive, Robot, Sensor, frozen
+from stages.robot.poses import from_parts, turn
 from stages.validate import validate
 from tests.support.building import plan_of, write
 from tests.support.engines import Mujoco, Pinocchio
@@ -168,6 +169,16 @@ def test_links_that_need_a_body_keep_it() -> None:
     assert form_with(replace(robot, loops=(rigid,))).fused == ("plate", "mast")
     hand = loop("revolute", "hand", "mast", np.eye(4), np.eye(4))
     assert form_with(replace(robot, loops=(hand,))).fused == ("plate", "tip", "mast")
+
+
+def test_a_link_whose_frame_is_nearly_that_of_its_body_is_where_it_was(tmp_path: Path) -> None:
+    """MuJoCo takes frames for the same that differ by less than 1e-6; the file does not."""
+    turned = from_parts(turn(np.array([0.0, 0.6, 0.8]), 6.5e-7), np.array([0.0, 0.0, 0.3]))
+    robot = robot_with([joint("revolute", "base", "arm"), joint("fixed", "arm", "plate", place=turned)])
+    engine = written(robot, Geometry((), {}), tmp_path)
+    poses = engine.poses({"arm_joint": 0.4})
+    assert bodies(engine) == ["base", "arm"]
+    assert np.abs(np.linalg.inv(poses["arm"]) @ poses["plate"] - turned).max() < 1e-12
 
 
 def test_a_site_of_the_name_is_there_once(tmp_path: Path) -> None:

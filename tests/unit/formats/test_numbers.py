@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stages.formats.numbers import TOLERANCE, number, numbers, spaced
+from stages.formats.numbers import LENGTH, TOLERANCE, TURN, least_of, number, numbers, spaced
 
 finite = st.floats(-1e9, 1e9, allow_nan=False, allow_subnormal=False)
 
@@ -35,6 +35,17 @@ def test_noise_beside_a_large_entry_is_zero() -> None:
 
 def test_a_vector_of_zeros_is_zeros() -> None:
     assert spaced([0.0, -0.0, 0.0]) == "0 0 0"
+
+
+def test_a_vector_that_is_all_noise_is_measured_by_what_it_is() -> None:
+    assert spaced([8e-15, -1e-13, 0.1]) == "0 0 0.1"
+    assert spaced([8e-15, -9e-14, 0.0]) == "8e-15 -9e-14 0"
+    assert spaced([8e-15, -9e-14, 0.0], least=LENGTH) == "0 0 0"
+    assert spaced([3e-13, 0.0, 0.0], least=LENGTH) == "3e-13 0 0"
+    assert spaced([3e-13, -0.0, 200.0], least=LENGTH) == "0 0 200"
+    assert number(-9e-13, least=TURN) == "0"
+    assert number(-9e-13, least=least_of("slide")) == "-9e-13"
+    assert [least_of(kind) for kind in ("turn", "slide", "ball")] == [TURN, LENGTH, TURN]
 
 
 @given(st.lists(finite, min_size=1, max_size=9))

@@ -123,7 +123,7 @@ FAULTS = {
         lambda text: re.sub(r'(<joint name="rail".*?<origin xyz=")[^ ]+', r"\g<1>9", text, flags=re.DOTALL),
     ),
     "a mass changed in urdf": ("robot.urdf", swap('<mass value="0.06"/>', '<mass value="0.07"/>')),
-    "a mesh lost": ("robot.urdf", swap("assets/cart.stl", "assets/nothing.stl")),
+    "a mesh lost": ("robot.urdf", swap("assets/base.stl", "assets/nothing.stl")),
 }
 
 
