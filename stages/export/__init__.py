@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 19
+VERSION = 20
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
