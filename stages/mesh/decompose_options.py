@@ -121,9 +121,10 @@ def _problem(name: str, value: Any) -> str:
 @dataclass(frozen=True, slots=True)
 class DecomposeOptions:
     """How a part is decomposed: the tolerance of its collider [m], at most how many pieces with how many
-    vertices each, and CoACD's parameters."""
+    vertices each, CoACD's parameters, and whether a part around a hole is first cut into sectors."""
 
     tolerance: float
     most_pieces: int = MOST_PIECES
     most_vertices: int = 64
     search: Search = field(default_factory=Search)
+    sectors: bool = False

@@ -24,6 +24,7 @@ from stages.mesh.decompose.cost import estimated_cost
 from stages.mesh.decompose.joining import groups
 from stages.mesh.decompose.pool import Making, side_by_side
 from stages.mesh.decompose.seams import containing
+from stages.mesh.decompose.sectors import hole
 from stages.mesh.decompose.wire import Decomposition, read
 from stages.mesh.decompose_options import EFFORTS, MOST_PIECES, DecomposeOptions, Search, search
 from stages.mesh.fit import capped_hull
@@ -43,6 +44,7 @@ __all__ = [
     "decomposition",
     "decomposition_key",
     "estimated_cost",
+    "hole",
     "pieces",
     "read",
     "search",

@@ -15,6 +15,7 @@ from stages.mesh.decompose.joining import joinings
 from stages.mesh.decompose.overhang import Overhang
 from stages.mesh.decompose.prepare import Prepared, prepared
 from stages.mesh.decompose.seams import OVERLAP_OF_SIZE, grown
+from stages.mesh.decompose.sectors import Hole, hole, sectors
 from stages.mesh.decompose.tighten import tightened
 from stages.mesh.decompose.wire import Decomposition, refusal
 from stages.mesh.rays import Inside
@@ -27,18 +28,26 @@ tolerance."""
 
 
 def answer(request: bytes) -> bytes:
-    """To a `wire.request` with the `tolerance` [m] and CoACD's `arguments`: a `wire.Decomposition`."""
+    """To a `wire.request` with the `tolerance` [m], CoACD's `arguments` and whether to cut into `sectors`
+    first: a `wire.Decomposition`."""
     head, vertices, triangles = wire.read_request(request)
-    return wire.write(_decomposition(Surface(vertices, triangles), head["tolerance"], head["arguments"]))
+    surface, tolerance = Surface(vertices, triangles), head["tolerance"]
+    through = hole(surface, tolerance) if head["sectors"] else None
+    return wire.write(_decomposition(surface, tolerance, head["arguments"], through))
 
 
-def _decomposition(surface: Surface, tolerance: float, arguments: dict[str, Any]) -> Decomposition:
+def _decomposition(
+    surface: Surface, tolerance: float, arguments: dict[str, Any], through: Hole | None
+) -> Decomposition:
     if convex_hull(surface.vertices) is None:
         return refusal("the mesh is flat")
     made = prepared(surface, tolerance)
     if isinstance(made, str):
         return refusal(made)
-    parts = [piece for body in made.bodies for piece in _pieces(body, tolerance, arguments)]
+    bodies = made.bodies
+    if through is not None:
+        bodies = tuple(sector for body in bodies for sector in sectors(body, through))
+    parts = [piece for body in bodies for piece in _pieces(body, tolerance, arguments)]
     if made.around:
         parts = tightened(parts, surface, made.around, tolerance)
     pitch = grid(_size(surface))

@@ -60,10 +60,12 @@ def prepared(surface: Surface, tolerance: float) -> Prepared | str:
 
 def _bodies(surface: Surface, tolerance: float, way: str) -> tuple[Surface, ...] | None:
     """The simplified bodies of a surface; None where it is not manifold."""
-    solid = _solid(surface.vertices, surface.triangles)
+    solid = solid_of(surface.vertices, surface.triangles)
     if solid is None:
         return None
-    bodies = [_surface(body) for body in _simplified(solid, tolerance, way).decompose() if body.volume() > 0]
+    bodies = [
+        surface_of(body) for body in _simplified(solid, tolerance, way).decompose() if body.volume() > 0
+    ]
     return tuple(sorted(bodies, key=lambda body: (-len(body.triangles), body.vertices.tobytes())))
 
 
@@ -74,7 +76,7 @@ def _lies_across_itself(body: Surface) -> bool:
     return int((times > 1).sum() + (times < 0).sum()) > _ACROSS * int((times != 0).sum())
 
 
-def _solid(vertices: Points, triangles: Triangles) -> Any:
+def solid_of(vertices: Points, triangles: Triangles) -> Any:
     """The manifold3d body of a mesh, turned outside out; None where it is not manifold, or is empty."""
     import manifold3d
 
@@ -83,7 +85,7 @@ def _solid(vertices: Points, triangles: Triangles) -> Any:
     if solid.status() != manifold3d.Error.NoError or solid.is_empty():
         return None
     if solid.volume() < 0:
-        return _solid(vertices, triangles[:, ::-1])
+        return solid_of(vertices, triangles[:, ::-1])
     return solid
 
 
@@ -96,7 +98,8 @@ def _simplified(solid: Any, tolerance: float, way: str) -> Any:
     return solid
 
 
-def _surface(body: Any) -> Surface:
+def surface_of(body: Any) -> Surface:
+    """The surface of a body of manifold3d."""
     mesh = body.to_mesh64()
     vertices = np.array(mesh.vert_properties, dtype=np.float64)[:, :3]
     return Surface(vertices, np.array(mesh.tri_verts).astype(np.int64))
