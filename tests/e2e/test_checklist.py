@@ -10,7 +10,7 @@ from lxml import etree
 
 from tests.fake_onshape.bundle import bundle_bytes
 from tests.fake_onshape.document import Document
-from tests.fake_onshape.quadruped import YAML, quadruped_document
+from tests.fake_onshape.quadruped import write_quadruped
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document
 from tests.support.checklist import Built, Point, compiled, simulated, text
@@ -36,11 +36,7 @@ SETTLED = {"reachy2": [f"contact.exclude=[{SHOULDERS}]"]}
 def built(name: str, folder: Path) -> Built:
     mass: float | None = None
     if name == "quadruped":
-        document = quadruped_document()
-        (folder / "quadruped.zip").write_bytes(bundle_bytes(document))
-        (folder / "robot").mkdir()
-        (folder / "robot" / "quadruped.yaml").write_text(YAML)
-        mass, told = document.truth.total_mass(), ["robot=quadruped"]
+        mass, told = write_quadruped(folder).truth.total_mass(), ["robot=quadruped"]
     elif name == "sample":
         mass, told = sample_document().truth.total_mass(), ["robot=sample"]
     else:

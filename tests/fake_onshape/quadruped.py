@@ -5,8 +5,10 @@ lowest point is below the hips' axes.
 """
 
 import math
+from pathlib import Path
 
 from tests.fake_onshape import solids
+from tests.fake_onshape.bundle import bundle_bytes
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.frames import frame, turn
 
@@ -79,4 +81,13 @@ name: quadruped
 joints:
   "*": {damping: 0.1, armature: 0.005, effort: 12, velocity: 20}
 """
-"""A robot's file; the bundle is beside it."""
+"""A robot's file; the bundle is where the command runs."""
+
+
+def write_quadruped(folder: Path) -> Document:
+    """Writes the document's bundle and the robot `quadruped`, as a user has them."""
+    document = quadruped_document()
+    (folder / "quadruped.zip").write_bytes(bundle_bytes(document))
+    (folder / "robot").mkdir()
+    (folder / "robot" / "quadruped.yaml").write_text(YAML)
+    return document

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from tests.fake_onshape.quadruped import write_quadruped
 from tests.support.command import linkwright
 from tests.support.other_robots import AS_IT_IS
 from tests.support.places import SHARED
@@ -29,6 +30,9 @@ DEEPEST = 5e-4
 def build(name: str, folder: Path) -> mujoco.MjModel:
     if name == "sample":
         done = linkwright(folder, "robot=sample", "mesh=hull", "output=out")
+    elif name == "quadruped":
+        write_quadruped(folder)
+        done = linkwright(folder, "robot=quadruped", "output=out")
     else:
         path, base = REAL[name]
         if not (ROBOTS / path).exists():
@@ -42,7 +46,8 @@ def build(name: str, folder: Path) -> mujoco.MjModel:
 
 
 @pytest.fixture(
-    scope="module", params=["sample", *(pytest.param(name, marks=pytest.mark.slow) for name in REAL)]
+    scope="module",
+    params=["sample", "quadruped", *(pytest.param(name, marks=pytest.mark.slow) for name in REAL)],
 )
 def model(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> mujoco.MjModel:
     return build(request.param, tmp_path_factory.mktemp(request.param))
