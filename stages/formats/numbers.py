@@ -6,6 +6,8 @@ all noise, such as a position at an origin, is measured by `least` where its ent
 what is in metres, `TURN` for what is in radians or of unit length.
 """
 
+import functools
+import math
 from collections.abc import Iterable
 
 import numpy as np
@@ -21,18 +23,45 @@ TURN = 1.0
 """rad: likewise of angles, and of the entries of what has unit length."""
 
 
+REMEMBERED = 16384
+"""Texts that are kept: the formats, robot.json and each trial run have the same numbers."""
+
+WHOLE = 1e15
+"""Below this whole numbers are exact, and written out."""
+
+
+@functools.lru_cache(maxsize=REMEMBERED)
 def number(value: float, scale: float | None = None, least: float = 0.0) -> str:
     """The shortest text within 1e-12 · `scale` of `value`; `scale` is |value| unless given, or
     `least` where that is larger."""
     value = float(value)
-    tolerance = TOLERANCE * max(least, abs(value) if scale is None else scale)
-    if abs(value) <= tolerance:
+    size = abs(value)
+    tolerance = TOLERANCE * max(least, size if scale is None else scale)
+    if size <= tolerance:
         return "0"
-    for digits in range(1, 18):
-        text = f"{value:.{digits}g}"
-        if abs(float(text) - value) <= tolerance:
-            return tidy(text)
-    return tidy(repr(value))
+    if tolerance < 1.0 and size < WHOLE and value.is_integer():
+        return str(int(value))
+    # Of a finer grid the nearest point is never further away: the search goes one way from a good guess.
+    digits = 17
+    if tolerance > 1e-18 * size:
+        digits = min(17, max(1, math.ceil(math.log10(0.5 * size / tolerance))))
+    text = f"{value:.{digits}g}"
+    if abs(float(text) - value) > tolerance:
+        while digits < 17 and abs(float(text) - value) > tolerance:
+            digits += 1
+            text = f"{value:.{digits}g}"
+        return tidy(text if abs(float(text) - value) <= tolerance else repr(value))
+    while digits > 1:
+        shorter = f"{value:.{digits - 1}g}"
+        if abs(float(shorter) - value) > tolerance:
+            break
+        text, digits = shorter, _digits(shorter)
+    return tidy(text if size < 1e4 else f"{value:.{digits}g}")
+
+
+def _digits(text: str) -> int:
+    """How many digits a number's text has, from the first to the last that is not zero."""
+    return len(text.partition("e")[0].replace("-", "").replace(".", "").strip("0"))
 
 
 def tidy(text: str) -> str:
@@ -48,8 +77,8 @@ def tidy(text: str) -> str:
 
 def numbers(values: Iterable[float], scale: float | None = None, least: float = 0.0) -> list[str]:
     """Texts of a vector or tensor, all measured by its largest entry, or by `least` where that is larger."""
-    flat = [float(value) for value in np.ravel(np.asarray(values, dtype=float))]
-    largest = max((abs(value) for value in flat), default=0.0) if scale is None else scale
+    flat: list[float] = np.asarray(values, dtype=float).ravel().tolist()
+    largest = max(map(abs, flat), default=0.0) if scale is None else scale
     return [number(value, largest, least) for value in flat]
 
 

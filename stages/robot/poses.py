@@ -87,22 +87,21 @@ def quat_from_rotation(rotation: Array) -> Array:
 
     Shepperd's method: the largest of the four squares is the divisor, so no branch loses digits.
     """
-    r = rotation
-    trace = r[0, 0] + r[1, 1] + r[2, 2]
-    squares = [trace, r[0, 0], r[1, 1], r[2, 2]]
-    largest = int(np.argmax(squares))
+    r: list[list[float]] = np.asarray(rotation, dtype=float).tolist()
+    trace = r[0][0] + r[1][1] + r[2][2]
+    squares = [trace, r[0][0], r[1][1], r[2][2]]
+    largest = squares.index(max(squares))
     if largest == 0:
-        q = np.array([1 + trace, r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]])
+        q = [1 + trace, r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
     else:
         i = largest - 1
         j, k = (i + 1) % 3, (i + 2) % 3
-        q = np.empty(4)
-        q[0] = r[k, j] - r[j, k]
-        q[1 + i] = 1 + r[i, i] - r[j, j] - r[k, k]
-        q[1 + j] = r[j, i] + r[i, j]
-        q[1 + k] = r[k, i] + r[i, k]
-    q /= np.linalg.norm(q)
-    return -q if q[0] < 0 else q
+        q = [r[k][j] - r[j][k], 0.0, 0.0, 0.0]
+        q[1 + i] = 1 + r[i][i] - r[j][j] - r[k][k]
+        q[1 + j] = r[j][i] + r[i][j]
+        q[1 + k] = r[k][i] + r[i][k]
+    length = math.copysign(math.hypot(*q), q[0])
+    return np.array([part / length for part in q])
 
 
 def rotation_from_quat(quat: Array) -> Array:

@@ -7,6 +7,8 @@ ball's value is relative to the pose at qpos0; a free joint's value is the pose 
 
 from collections.abc import Collection, Sequence
 
+import numpy as np
+
 from stages.formats.numbers import LENGTH, least_of, number, spaced
 from stages.formats.xml import Element, element
 from stages.robot.kinematics import chain
@@ -26,7 +28,8 @@ def write_joints(
     """The `<joint>`s of a body whose pose in its parent is the chain of `dofs` at `start`. `compensating`:
     the dofs whose actuators hold the weight that bodies compensate."""
     for index, dof in enumerate(dofs):
-        body_from_dof = inverse(chain(dofs[index + 1 :], start))
+        after = dofs[index + 1 :]
+        body_from_dof = inverse(chain(after, start)) if after else np.eye(4)
         if dof.kind == "free":
             element(body, "freejoint", name=dof.name)
         else:

@@ -1,10 +1,10 @@
 """The one formatter of numbers."""
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from stages.formats.numbers import LENGTH, TOLERANCE, TURN, least_of, number, numbers, spaced
+from stages.formats.numbers import LENGTH, TOLERANCE, TURN, least_of, number, numbers, spaced, tidy
 
 finite = st.floats(-1e9, 1e9, allow_nan=False, allow_subnormal=False)
 
@@ -55,6 +55,22 @@ def test_every_entry_is_within_the_tolerance_of_the_largest(values: list[float])
     for value, text in zip(values, texts, strict=True):
         assert abs(float(text) - value) <= TOLERANCE * largest
         assert text != "-0"
+
+
+@settings(max_examples=2000)
+@given(
+    finite | st.integers(-(10**17), 10**17).map(float) | st.integers(-(10**7), 10**7).map(lambda n: n / 1000),
+    st.none() | st.floats(0.0, 1e13),
+)
+@example(1e16, None)
+@example(999999.0, 1e12)
+def test_the_text_is_the_first_that_is_near_enough(value: float, scale: float | None) -> None:
+    """Every number of digits is tried, from one on."""
+    tolerance = TOLERANCE * (abs(value) if scale is None else scale)
+    texts = [f"{value:.{digits}g}" for digits in range(1, 18)]
+    near = [text for text in texts if abs(float(text) - value) <= tolerance]
+    expected = "0" if abs(value) <= tolerance else tidy([*near, repr(value)][0])
+    assert number(value, scale) == expected
 
 
 @given(finite)

@@ -1,0 +1,79 @@
+"""`python -m tests.benchmarks.text [LINKS]`: how long the text of a chain of so many links takes.
+
+Without meshes. A whole export does more: it looks for `home`, and it drives and places the robot.
+"""
+
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+
+from stages.export import export, writer_of
+from stages.export.mjcf.form import form_of as mjcf_form_of
+from stages.export.standing import stand
+from stages.export.urdf.form import form_of
+from stages.export.writer import WriterInput
+from stages.formats.numbers import number
+from stages.robot.actuation import NONE
+from stages.robot.model import Limits, Robot
+from stages.robot.start_pose import starting_point
+from tests.support.building import NO_MESHES, plan_of
+from tests.support.robots import joint, pose, robot_with
+
+TEXT = "urdf and mjcf"
+
+LINKS, GOAL = 1000, 150.0
+"""The chain, and what MJCF and URDF together may take [ms]."""
+
+
+def chain(links: int) -> Robot:
+    """Links on hinges, one on the other, each turned and with limits."""
+    rng = np.random.default_rng(1)
+    names = ["base", *(f"link_{number}" for number in range(1, links))]
+    limits = {f"{name}_joint": Limits(-1.0, 1.5) for name in names}
+    return robot_with(
+        [joint("revolute", one, other, place=pose(rng), limits=limits) for one, other in pairwise(names)]
+    )
+
+
+def written(robot: Robot) -> dict[str, Callable[[], object]]:
+    """The work of each format, and of the whole export."""
+    plan = plan_of()
+    start, standing = starting_point(robot), stand(robot, NO_MESHES, plan)
+    form, mjcf_form = form_of(robot, plan, NONE), mjcf_form_of(robot, NO_MESHES, plan)
+    given = WriterInput(robot, NO_MESHES, plan, start, {}, NONE, standing, form, mjcf_form)
+
+    def text(*formats: str) -> Callable[[], object]:
+        return lambda: [writer_of(name).write(given) for name in formats]
+
+    return {
+        TEXT: text("urdf", "mjcf"),
+        "urdf": text("urdf"),
+        "mjcf": text("mjcf"),
+        "whole export": lambda: export(robot, NO_MESHES, plan),
+    }
+
+
+def milliseconds(work: Callable[[], object], times: int = 7) -> float:
+    """The median time of the processor, which other work on the machine does not lengthen much."""
+    taken = []
+    for _ in range(times):
+        number.cache_clear()
+        before = time.process_time()
+        work()
+        taken.append(1000 * (time.process_time() - before))
+    return statistics.median(taken)
+
+
+def main(links: int) -> None:
+    found = {name: milliseconds(work) for name, work in written(chain(links)).items()}
+    print(f"{links} links {'ms':>10}  goal")
+    for name, taken in found.items():
+        print(f"{name:14} {taken:7.0f}  {f'< {GOAL:.0f}' if name == TEXT else ''}")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else LINKS)
