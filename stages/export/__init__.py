@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 20
+VERSION = 21
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -38,6 +38,7 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     """The robot's files in every chosen format, sorted by path. A diagnostic names each thing that a
     format cannot express."""
     from stages.export.actuators.advice import advice
+    from stages.export.actuators.gravity import gravity_of
     from stages.export.driven import driven
     from stages.export.mjcf.form import form_of as mjcf_form_of
     from stages.export.robot_json import describe
@@ -64,7 +65,7 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
         files |= one.files
     diagnostics = tuple(diagnostic for one in exported for diagnostic in one.diagnostics)
     told = (*diagnostics, *standing.diagnostics, *remarks)
-    tip = advice(robot, actuation, place)
+    tip = advice(robot, actuation, place, gravity_of(keys.scene.option))
     return Exported(dict(sorted(files.items())), told, actuation, tip, form, mjcf_form)
 
 

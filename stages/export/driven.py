@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stages.export import writer_of
+from stages.export.actuators.gravity import gravity_of
 from stages.export.actuators.resolve import actuate
 from stages.export.writer import WriterInput
 from stages.robot.actuation import Actuation
@@ -28,7 +29,9 @@ def driven(
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
     """The actuation of the robot, by the configuration and, where an MJCF is written, by its trial run."""
     timestep = keys.scene.option.timestep
-    actuation, found = actuate(robot, keys.actuators, timestep, standing.world_from_root)
+    actuation, found = actuate(
+        robot, keys.actuators, timestep, standing.world_from_root, gravity_of(keys.scene.option)
+    )
     if FORMAT not in keys.export.chosen or not _worth_a_trial(robot):
         return actuation, found
     from stages.export.mjcf.form import form_of

@@ -20,9 +20,6 @@ class Extents:
         for shape in geometry.shapes:
             self._shapes.setdefault((shape.link, shape.role), []).append(shape)
 
-    def has(self, link: str, role: Role) -> bool:
-        return (link, role) in self._shapes
-
     def least(self, links: Iterable[str], role: Role, direction: Array) -> float:
         """The least of direction · x [m] over all points x in the world of these links' shapes; infinite
         where they have none. `direction` (3,), a unit vector in the world."""
@@ -33,13 +30,20 @@ class Extents:
 
     def box(self) -> tuple[Array, Array]:
         """The lower and upper corner (3,) [m] of the box around everything; infinite without a shape."""
-        links = list(self._poses)
-        ends = [
-            min(self.least(links, role, sign * axis) for role in ("visual", "collision"))
-            for sign in (1.0, -1.0)
-            for axis in np.eye(3)
-        ]
-        return np.array(ends[:3]), -np.array(ends[3:])
+        low, high = np.full(3, np.inf), np.full(3, -np.inf)
+        for shape in (shape for every in self._shapes.values() for shape in every):
+            own = self._box(shape)
+            low, high = np.minimum(low, own[0]), np.maximum(high, own[1])
+        return low, high
+
+    def _box(self, shape: Shape) -> tuple[Array, Array]:
+        if shape.file is None:
+            ends = [self._least(shape, sign * axis) for sign in (1.0, -1.0) for axis in np.eye(3)]
+            return np.array(ends[:3]), -np.array(ends[3:])
+        pose = self._poses[shape.link]
+        points = self._mesh(shape.file) @ pose[:3, :3].T
+        low, high = points.min(axis=0, initial=np.inf), points.max(axis=0, initial=-np.inf)
+        return low + pose[:3, 3], high + pose[:3, 3]
 
     def _least(self, shape: Shape, direction: Array) -> float:
         world_from_link = self._poses[shape.link]
@@ -48,10 +52,12 @@ class Extents:
         if shape.primitive is not None:
             return offset + _least_of_primitive(shape.primitive, along)
         assert shape.file is not None
-        if shape.file not in self._points:
-            points = mesh_points(shape.file, self._geometry.files[shape.file])
-            self._points[shape.file] = points
-        return offset + float((self._points[shape.file] @ along).min(initial=np.inf))
+        return offset + float((self._mesh(shape.file) @ along).min(initial=np.inf))
+
+    def _mesh(self, file: str) -> Array:
+        if file not in self._points:
+            self._points[file] = mesh_points(file, self._geometry.files[file])
+        return self._points[file]
 
 
 def _least_of_primitive(shape: Primitive, direction: Array) -> float:

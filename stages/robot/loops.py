@@ -12,6 +12,9 @@ from stages.robot.poses import at_rest, inverse, quat_from_rotation
 CLOSED = 1e-6
 """A loop counts as closed when its frames meet within this [m, and rad]."""
 
+POINTWISE = frozenset({"fixed", "revolute", "ball"})
+"""Types of loops that close by holding points together: no dof of theirs is in the simulation."""
+
 
 def gap(loop: Loop, poses: Mapping[str, Array]) -> float:
     """How far a loop is from closed at the links' `poses`: the larger of the offset [m] and the turn

@@ -5,8 +5,8 @@ import numpy as np
 from stages.robot.model import Array, Dof, Robot
 from stages.robot.pose_batch import Values, count_of, placed
 
-GRAVITY = 9.81
-"""m/s², MuJoCo's."""
+GRAVITY = (0.0, 0.0, -9.81)
+"""m/s², MuJoCo's own."""
 
 
 def holding_forces(robot: Robot, values: Values, up: Array, support: float = 0.0) -> dict[str, Array]:
@@ -14,8 +14,8 @@ def holding_forces(robot: Robot, values: Values, up: Array, support: float = 0.0
     its child's axes, that holds the weight of all that it moves, where every dof is on its own and the root
     is held.
 
-    `up` (3,): against gravity, in the root link's axes. With `support` above 0 the dof's own child is held
-    instead, and that share of the rest of the robot's weight is on it: as of a leg on the ground.
+    `up` (3,) [m/s²]: against gravity, in the root link's axes. With `support` above 0 the dof's own child is
+    held instead, and that share of the rest of the robot's weight is on it: as of a leg on the ground.
     """
     poses, frames = placed(robot.root.name, robot.joints, values)
     count = count_of(values)
@@ -35,12 +35,12 @@ def holding_forces(robot: Robot, values: Values, up: Array, support: float = 0.0
             carried = support * (carried[0] - whole[0]), support * (carried[1] - whole[1])
         for dof in joint.dofs:
             if dof.kind != "free":
-                found[dof.name] = GRAVITY * _against(dof, *frames[dof.name], *carried, up)
+                found[dof.name] = _against(dof, *frames[dof.name], *carried, up)
     return found
 
 
 def _against(dof: Dof, before: Array, after: Array, mass: Array, moment: Array, up: Array) -> Array:
-    """The rise (n, 1 or 3) of Σ m x along `up` for unit speeds of the dof: power against a unit gravity."""
+    """The rise (n, 1 or 3) of Σ m x along `up` for unit speeds of the dof: power against gravity."""
     axis = before[:, :3, :3] @ dof.axis
     if dof.kind == "slide":
         rise: Array = (mass * (axis @ up))[:, None]

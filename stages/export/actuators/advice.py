@@ -1,5 +1,7 @@
 """What a user may try with a robot that nothing drives."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from stages.robot.actuation import Actuation
@@ -12,27 +14,29 @@ NEGLIGIBLE = 1e-6
 """A force is none [N m or N] below this share of the robot's weight (times one metre)."""
 
 
-def advice(robot: Robot, actuation: Actuation, world_from_root: Array) -> str:
+def advice(
+    robot: Robot, actuation: Actuation, world_from_root: Array, gravity: Sequence[float] = GRAVITY
+) -> str:
     """The override that makes a robot hold itself, where at `home` a dof that nothing drives bears more
-    weight than its friction holds; "" where none does."""
+    weight than its friction holds; "" where none does. `gravity` (3,) [m/s²]: in the world."""
     if actuation.actuators or not robot.mobility.dof:
         return ""
-    fallen = _not_held(robot, world_from_root)
+    fallen = _not_held(robot, world_from_root, gravity)
     if not fallen:
         return ""
     return f"nothing holds {fallen} against its weight: try actuators=position"
 
 
-def _not_held(robot: Robot, world_from_root: Array) -> str:
+def _not_held(robot: Robot, world_from_root: Array, gravity: Sequence[float]) -> str:
     """The first such dof from the leaves on: of most robots the first that is looked at."""
     poses = link_poses(robot, home(robot))
-    up = world_from_root[:3, :3].T @ (0.0, 0.0, 1.0)
-    weight = {link.name: GRAVITY * link.inertial.mass for link in robot.links}
+    up = -world_from_root[:3, :3].T @ gravity
+    weight = {link.name: link.inertial.mass for link in robot.links}
     moment = {
         link.name: weight[link.name] * (poses[link.name] @ np.append(link.inertial.com, 1.0))[:3]
         for link in robot.links
     }
-    least = NEGLIGIBLE * sum(weight.values())
+    least = NEGLIGIBLE * sum(weight.values()) * float(np.linalg.norm(up))
     for joint in reversed(robot.joints):
         dof = joint.dofs[-1] if joint.dofs else None
         if dof is not None and dof.kind in ("turn", "slide"):

@@ -57,8 +57,8 @@ def loads(
     compensated: Mapping[str, float],
     up: Array,
 ) -> dict[str, Load]:
-    """By driven dof. `up` (3,): against gravity, in the root link's axes. `compensated`: share of the weight
-    of links that something else holds.
+    """By driven dof. `up` (3,) [m/s²]: against gravity, in the root link's axes. `compensated`: share of the
+    weight of links that something else holds.
 
     On a free base half of the feet carry the whole robot: the dofs between a foot and the root also get
     that.

@@ -22,17 +22,23 @@ from stages.robot.model import Array, Dof, Robot, Value
 from stages.robot.names import free
 from stages.robot.plural import count
 from stages.robot.start_pose import home
+from stages.robot.statics import GRAVITY
 
 if TYPE_CHECKING:
     from stages.export.actuator_keys import ActuatorKeys
 
 
 def actuate(
-    robot: Robot, entries: Mapping[str, ActuatorKeys], timestep: float, world_from_root: Array
+    robot: Robot,
+    entries: Mapping[str, ActuatorKeys],
+    timestep: float,
+    world_from_root: Array,
+    gravity: Sequence[float] = GRAVITY,
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
     """What drives the robot, and what is worth knowing about it. ExportError with all problems of the key.
 
-    `timestep` [s]: that of the simulation; `world_from_root` (4, 4): how the scene puts the robot.
+    `timestep` [s]: that of the simulation; `world_from_root` (4, 4): how the scene puts the robot;
+    `gravity` (3,) [m/s²]: in the world.
     """
     log = Diagnostics()
     wanted = wanted_of(robot, entries, log)
@@ -49,7 +55,7 @@ def actuate(
     chosen = couplings.independent(order)
     # What is named drives, even where it fights others; those are still counted as one motion.
     driven = [dof.name for dof in robot.dofs if dof.name in {*chosen, *named}]
-    up = world_from_root[:3, :3].T @ (0.0, 0.0, 1.0)
+    up = -world_from_root[:3, :3].T @ gravity
     rates = couplings.moved_by([dof for dof in driven if dof in chosen])
     shares = compensated_links(robot, wanted, rates)
     found = loads(robot, values, couplings, [dof for dof in driven if dof in chosen], shares, up)

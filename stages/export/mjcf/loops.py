@@ -21,6 +21,7 @@ from stages.formats.numbers import spaced
 from stages.formats.xml import Element, element
 from stages.robot.inertia import moved
 from stages.robot.kinematics import chain
+from stages.robot.loops import POINTWISE
 from stages.robot.model import Array, Configuration, Dof, Inertial, Loop, Robot, frozen
 from stages.robot.names import free
 from stages.robot.poses import inverse
@@ -129,7 +130,7 @@ def held(solref: tuple[float, float], timestep: float) -> tuple[float, float]:
 def _carriers(robot: Robot) -> Iterator[Carrier]:
     taken, moving = {link.name for link in robot.links}, _moving(robot)
     for loop in robot.loops:
-        if loop.type in ("fixed", *POINTS):
+        if loop.type in POINTWISE:
             continue
         name = free(f"{loop.name}_carrier", taken)
         taken.add(name)

@@ -13,6 +13,7 @@ from stages.robot.armatures import with_armatures
 from stages.robot.dynamics import SPEEDS, mass_matrix
 from stages.robot.errors import Diagnostic
 from stages.robot.globs import listed
+from stages.robot.loops import POINTWISE
 from stages.robot.model import Dof, Robot
 from stages.robot.start_pose import home
 from stages.robot.trial_run import Trial
@@ -76,7 +77,7 @@ def _sorted(robot: Robot, armatures: Iterable[Armature]) -> tuple[Armature, ...]
 
 def _every(robot: Robot) -> list[Dof]:
     """The dofs that the simulation has: those of the tree, and of loops that points alone do not close."""
-    carried = [loop for loop in robot.loops if loop.type not in ("fixed", "revolute", "ball")]
+    carried = [loop for loop in robot.loops if loop.type not in POINTWISE]
     return [*robot.dofs, *(dof for loop in carried for dof in loop.dofs)]
 
 

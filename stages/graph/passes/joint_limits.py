@@ -6,13 +6,11 @@ from dataclasses import replace
 from stages.graph.keys import JointKeys
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits, listed
+from stages.robot.loops import POINTWISE
 from stages.robot.model import Dof, Dynamics, Joint, Limits, Loop, Robot
 
 BEYOND = 1e-6
 """How far [rad or m] a saved value may lie beyond its limits before it is reported."""
-
-POINTWISE = frozenset({"fixed", "revolute", "ball"})
-"""Types of loops that close by holding points together: no dof of theirs is in the simulation."""
 
 
 def with_each_dof(robot: Robot, change: Callable[[Dof], Dof]) -> Robot:

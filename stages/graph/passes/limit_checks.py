@@ -7,9 +7,10 @@ from dataclasses import replace
 from stages.graph.added_keys import AddedLinkKeys
 from stages.graph.keys import GraphKeys, JointKeys
 from stages.graph.mechanism import Connection, Mechanism
-from stages.graph.passes.joint_limits import BEYOND, POINTWISE, with_each_dof
+from stages.graph.passes.joint_limits import BEYOND, with_each_dof
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import as_key, fits
+from stages.robot.loops import POINTWISE
 from stages.robot.model import Dof, DofKind, Joint, Limits, Robot, Value
 
 LOCKED_PLAY = 1e-6

@@ -467,3 +467,21 @@ def test_actuate_scales_with_the_time_step() -> None:
         h: actuate(pendulum(), plan.actuators, h, np.eye(4))[0].armatures[0].value for h in (0.001, 0.002)
     }
     assert found[0.002] / found[0.001] == pytest.approx(4, rel=0.05)
+
+
+@pytest.mark.parametrize("gravity", [[0, 0, -1.62], [3.0, 0, -5.0], [0, 0, 0]])
+def test_the_weight_is_that_of_the_gravity_that_is_asked_for(gravity: list[float]) -> None:
+    """A pendulum out along x: τ = −m g_z l at home, by which its servo sags in MuJoCo."""
+    option = {"gravity": gravity}
+    found = exported(pendulum(), actuators={"*": "position"}, scene__option=option).actuation
+    assert found is not None
+    (servo,) = found.actuators
+    assert servo.home_load == pytest.approx(MASS * ARM * -gravity[2], abs=1e-9)
+    model = compiled(pendulum(), actuators={"*": "position"}, scene__option=option)
+    model.opt.gravity[:] = gravity
+    data = at_home(model, 2.0)
+    assert data.qpos[0] == pytest.approx(-servo.sag, rel=0.02, abs=1e-9)
+    flag = exported(pendulum(), actuators={"*": "position"}, scene__option={"flag": {"gravity": "disable"}})
+    assert flag.actuation is not None
+    assert flag.actuation.actuators[0].load == 0.0
+    assert bool(exported(pendulum(), scene__option=option).advice) == bool(gravity[2])
