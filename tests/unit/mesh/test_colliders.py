@@ -42,9 +42,9 @@ KINDS: dict[int, PrimitiveKind] = {
 BALL = Primitive("sphere", (0.02,), frozen(np.eye(4)))
 
 
-def hull_ball_hull(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+def hull_ball_tetrahedron(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
     (whole,) = hull.make(surfaces, settings).pieces
-    return Collision((whole, BALL, whole))
+    return Collision((whole, BALL, tetrahedron(0.02)))
 
 
 def test_every_collider_of_the_table_is_a_module_and_an_option() -> None:
@@ -128,7 +128,7 @@ def test_a_link_with_several_colliders_has_them_all_in_every_file(
 ) -> None:
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, limits=(-1, 1))
-    monkeypatch.setitem(sys.modules, "stages.mesh.colliders.hull", SimpleNamespace(make=hull_ball_hull))
+    monkeypatch.setitem(sys.modules, "stages.mesh.colliders.hull", SimpleNamespace(make=hull_ball_tetrahedron))
     robot, plan = robot_of(kit.document), plan_of()
     geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
     assert [shape.file for shape in geometry.of("arm", "collision")] == [
