@@ -134,7 +134,7 @@ def test_a_link_with_several_colliders_has_them_all_in_every_file(
     assert [shape.file for shape in geometry.of("arm", "collision")] == [
         "arm_collision_1.stl",
         None,
-        "arm_collision_2.stl",
+        "base_collision_2.stl",  # the same bytes
     ]
     write(robot, tmp_path, plan, geometry)
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
