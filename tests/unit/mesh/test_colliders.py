@@ -42,7 +42,7 @@ KINDS: dict[int, PrimitiveKind] = {
 BALL = Primitive("sphere", (0.02,), frozen(np.eye(4)))
 
 
-def hull_ball_tetrahedron(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
+def three_pieces(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:
     (whole,) = hull.make(surfaces, settings).pieces
     return Collision((whole, BALL, tetrahedron(0.02)))
 
@@ -128,7 +128,7 @@ def test_a_link_with_several_colliders_has_them_all_in_every_file(
 ) -> None:
     base, arm = kit.place("Base", fixed=True), kit.place("Arm")
     kit.root.revolute("Elbow", (arm, TOP), (base, SIDE), value=0.3, limits=(-1, 1))
-    monkeypatch.setitem(sys.modules, "stages.mesh.colliders.hull", SimpleNamespace(make=hull_ball_tetrahedron))
+    monkeypatch.setitem(sys.modules, "stages.mesh.colliders.hull", SimpleNamespace(make=three_pieces))
     robot, plan = robot_of(kit.document), plan_of()
     geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
     assert [shape.file for shape in geometry.of("arm", "collision")] == [
