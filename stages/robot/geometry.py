@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Literal
@@ -168,4 +169,12 @@ class Geometry:
         return not any(one.failed for one in self.colliders)
 
     def of(self, link: str, role: Role) -> tuple[Shape, ...]:
+        """Looks through all shapes: `by_link` is for who asks for every link."""
         return tuple(shape for shape in self.shapes if shape.link == link and shape.role == role)
+
+    def by_link(self) -> defaultdict[tuple[str, Role], list[Shape]]:
+        """The same of all links at once, an empty list where there is none."""
+        found: defaultdict[tuple[str, Role], list[Shape]] = defaultdict(list)
+        for shape in self.shapes:
+            found[shape.link, shape.role].append(shape)
+        return found

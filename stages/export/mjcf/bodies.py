@@ -39,7 +39,7 @@ class BodyWriter:
         self.world = world
         self.robot = robot
         self.groups = groups
-        self.geometry = geometry
+        self.shapes = geometry.by_link()
         self.start = start
         self.world_from_root = world_from_root
         self.painted = painted
@@ -96,14 +96,14 @@ class BodyWriter:
     def _geoms(self, body: Element, link: str, place: Array) -> None:
         group = [(one, place @ pose) for one, pose in self.groups[link]]
         for one, pose in group:
-            for shape in self.geometry.of(one, "visual"):
+            for shape in self.shapes[one, "visual"]:
                 own = paint(shape)
                 form = {**_form(shape, pose), **_contact(shape)}
                 material = None if own is None else self.painted[own]
                 element(body, "geom", class_="visual", **form, material=material)
         before = 0
         for one, pose in group:
-            collisions = self.geometry.of(one, "collision")
+            collisions = self.shapes[one, "collision"]
             for count, shape in enumerate(collisions):
                 suffix = f"_{count}" if len(collisions) > 1 else ""
                 form = {**_form(shape, pose), **_contact(shape)}

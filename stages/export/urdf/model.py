@@ -43,6 +43,7 @@ def write_urdf(
     element(mujoco, "compiler", strippath="false", fusestatic="false", discardvisual="false")
     painted = _materials(root, geometry, assets)
     solid = {held[shape.link][0] for shape in geometry.shapes}
+    shapes = geometry.by_link()
     on: dict[str, list[str]] = {}
     for name, (holder, _) in held.items():
         on.setdefault(holder, []).append(name)
@@ -51,7 +52,7 @@ def write_urdf(
         weightless = link.inertial.mass == 0 and link.name != "world"
         inertial = massless if weightless else link.inertial
         node = _link(root, link.name, inertial, link.name in solid)
-        _shapes(node, [(name, held[name][1]) for name in on[link.name]], geometry, painted, assets)
+        _shapes(node, [(name, held[name][1]) for name in on[link.name]], shapes, painted, assets)
     lowered = lower(robot)
     for item in lowered:
         for name in item.between:
@@ -111,14 +112,14 @@ def _link(root: Element, name: str, body: Inertial, shaped: bool) -> Element:
 def _shapes(
     node: Element,
     links: Sequence[tuple[str, Array]],
-    geometry: Geometry,
+    shapes: Mapping[tuple[str, Role], Sequence[Shape]],
     painted: Mapping[Paint, str],
     assets: str,
 ) -> None:
     """The shapes of `links` at their places (4, 4) in the link of `node`."""
     roles: tuple[Role, ...] = ("visual", "collision")
     for role in roles:
-        for place, shape in ((at, one) for link, at in links for one in geometry.of(link, role)):
+        for place, shape in ((at, one) for link, at in links for one in shapes[link, role]):
             for pose, tag, attributes in _solids(shape, assets):
                 holder = element(node, role)
                 _origin(holder, place @ pose)

@@ -54,13 +54,14 @@ def _contacts(compiled: CompiledModel, geometry: Geometry, data: Any) -> Iterato
     position among the link's collision shapes."""
     model = compiled.model
     known: dict[int, tuple[int, str, int]] = {}
+    colliders = geometry.by_link()
     for place, link in enumerate(compiled.robot.links):
         body = body_index(model, link.name)
         first = int(model.body_geomadr[body])
         every = range(first, first + int(model.body_geomnum[body]))
         solid = [geom for geom in every if model.geom_contype[geom] or model.geom_conaffinity[geom]]
         # Below a root that is the world there is the ground too.
-        own = len(geometry.of(link.name, "collision"))
+        own = len(colliders[link.name, "collision"])
         known |= {geom: (place, link.name, position) for position, geom in enumerate(solid[:own])}
     for contact in data.contact[: data.ncon]:
         if contact.dist < -DEEP and all(geom in known for geom in contact.geom):

@@ -8,17 +8,23 @@ from tempfile import TemporaryDirectory
 from types import FrameType
 from typing import Any
 
+import numpy as np
 import pytest
 
 from stages.export import export
+from stages.formats.numbers import number
 from stages.graph import build_robot
 from stages.graph.view.views import views
+from stages.mesh.primitives import shapes as primitive_shapes
 from stages.robot.bundle import Bundle
 from stages.robot.codec import decode_robot, encode_robot
+from stages.robot.geometry import Geometry
+from stages.robot.model import Primitive, frozen
 from tests.benchmarks.large import large
 from tests.benchmarks.shapes import chain, gears, ladder, screws, star
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.mjcfs import at_home, bundle_of, model, written
+from tests.support.robots import joint, robot_with
 from tests.support.urdfs import urdf_bundle
 
 STAGES = str(Path(sys.modules["stages.graph"].__file__).parents[1])
@@ -47,6 +53,8 @@ def lines_run(work: Callable[[], object]) -> Counter[Line]:
     def enter(frame: FrameType, event: str, _: Any) -> Any:
         return local if frame.f_code.co_filename.startswith(STAGES) else None
 
+    # Texts that are remembered from the smaller assembly would not be counted.
+    number.cache_clear()
     before = sys.gettrace()
     sys.settrace(enter)
     try:
@@ -145,6 +153,30 @@ def test_no_line_runs_more_often_than_the_assembly_grows(make: Callable[[int], B
     beyond = {line: pair for line, pair in grown.items() if pair[1] > MOST * pair[0]}
     shown = [f"{file}:{line} {first} -> {then}" for (file, line), (first, then) in sorted(beyond.items())]
     assert not shown, "\n".join(shown)
+
+
+def test_the_shapes_of_links_are_written_in_proportion_to_their_number() -> None:
+    """A chain with a ball on each link, every third of them on a fixed joint."""
+
+    def exported(size: int) -> Counter[Line]:
+        names = ["base", *(f"l{number}" for number in range(size))]
+        kinds = ["fixed" if number % 3 == 0 else "revolute" for number in range(size)]
+        rows = [joint(kind, a, b) for kind, a, b in zip(kinds, names, names[1:], strict=False)]
+        ball = (Primitive("sphere", (0.01,), frozen(np.eye(4))),)
+        robot = robot_with(rows, shapes=dict.fromkeys(names, ball))
+        geometry = Geometry(tuple(one for link in robot.links for one in primitive_shapes(link)), {})
+        plan = plan_of(actuators={})
+        return lines_run(lambda: export(robot, geometry, plan))
+
+    exported(20)
+    before, after = exported(20), exported(TIMES * 20)
+    beyond = [
+        (line, before[line], count)
+        for line, count in after.items()
+        if count > FEW and count > MOST * before[line]
+    ]
+    assert beyond == []
+    assert max(after.values()) > FEW
 
 
 def test_a_file_is_read_in_proportion_to_its_length() -> None:
