@@ -60,11 +60,12 @@ class Search:
     seed: int = 0
     real_metric: bool = False
 
-    def arguments(self, tolerance: float) -> dict[str, Any]:
-        """The arguments of `coacd.run_coacd` for a tolerance [m] and a mesh that is closed by now."""
+    def arguments(self, tolerance: float, coarser: float = 1.0) -> dict[str, Any]:
+        """The arguments of `coacd.run_coacd` for a tolerance [m] and a mesh that is closed by now; with a
+        threshold so many times as large, where none is given."""
         given = asdict(self)
         if self.threshold is None:
-            given.update(threshold=_OF_TOLERANCE * tolerance, real_metric=True)
+            given.update(threshold=_OF_TOLERANCE * coarser * tolerance, real_metric=True)
         return given | {"preprocess_mode": "on" if self.preprocess_mode == "on" else "off"}
 
 
@@ -121,10 +122,17 @@ def _problem(name: str, value: Any) -> str:
 @dataclass(frozen=True, slots=True)
 class DecomposeOptions:
     """How a part is decomposed: the tolerance of its collider [m], at most how many pieces with how many
-    vertices each, CoACD's parameters, and whether a part around a hole is first cut into sectors."""
+    vertices each, CoACD's parameters, whether a part around a hole is first cut into sectors, and how many
+    times as large as usual CoACD's threshold is."""
 
     tolerance: float
     most_pieces: int = MOST_PIECES
     most_vertices: int = 64
     search: Search = field(default_factory=Search)
     sectors: bool = False
+    coarser: float = 1.0
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """The arguments of `coacd.run_coacd`."""
+        return self.search.arguments(self.tolerance, self.coarser)

@@ -62,8 +62,7 @@ def decomposition(surface: Surface, options: DecomposeOptions, by: Guest | None 
     canonical = snapped(surface)
     if not len(canonical.triangles):
         return wire.write(refusal("the mesh has no triangle"))
-    arguments = options.search.arguments(options.tolerance)
-    head = {"tolerance": options.tolerance, "arguments": arguments, "sectors": options.sectors}
+    head = {"tolerance": options.tolerance, "arguments": options.arguments, "sectors": options.sectors}
     request = wire.request(canonical, head)
     try:
         reply = guest.ask(by.module, request, by.bounds, _ENVIRON, by.halt)
@@ -90,7 +89,7 @@ def decomposition_key(surface: Surface, options: DecomposeOptions) -> dict[str, 
         "tolerance": options.tolerance.hex(),
         "arguments": {
             name: value.hex() if isinstance(value, float) else value
-            for name, value in options.search.arguments(options.tolerance).items()
+            for name, value in options.arguments.items()
         },
         "sectors": options.sectors,
         "libraries": _versions(),
