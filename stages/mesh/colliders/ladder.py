@@ -53,8 +53,9 @@ _COARSER = 1.4
 """The threshold of a hasty attempt, of the usual one: it takes three quarters of the time."""
 
 _IN_REACH = 1.5
-"""A part that is off by more times the tolerance is not tried again: it needs more pieces than it may have.
-"""
+_MANY = 48
+"""A part that is off by more times the tolerance, and in many more pieces than it may have before they are
+joined, is not decomposed more finely: that would give yet more pieces."""
 
 _NEAR = 1.3
 """A fit whose error is at most so many tolerances is measured: the error is known from few points."""
@@ -106,8 +107,9 @@ def improve(
     if isinstance(judge, str) or made.measures is None:
         return made
     best = made
+    out_of_reach = False
     for attempt in _ATTEMPTS:
-        if attempt.sectors and hole(judge.surface, judge.tolerance) is None:
+        if hole(judge.surface, judge.tolerance) is None if attempt.sectors else out_of_reach:
             continue
         how = search(settings.effort, settings.coacd, attempt.hasty)
         coarser = _COARSER if attempt.hasty else 1.0
@@ -117,8 +119,10 @@ def improve(
         if found.refused:
             return best.with_note(found.refused)
         best = _of_pieces(judge, found, settings, best)
-        if best.meets or best.measures is None or miss(best.measures, judge.tolerance) > _IN_REACH:
+        if best.meets:
             break
+        off = miss(best.measures, judge.tolerance) if best.measures else 0.0
+        out_of_reach = off > _IN_REACH and len(found.pieces) > _MANY
     return best
 
 
