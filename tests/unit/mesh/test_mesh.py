@@ -221,7 +221,7 @@ def test_primitives_follow_the_meshes_of_their_link_with_their_own_figures():
         ("end", "collision", "tool_collision.stl", None),
         ("end", "visual", "tool.stl", None),
     ]
-    assert set(result.files) == {"tool.stl", "tool_collision.stl", "end.stl", "end_collision.stl"}
+    assert set(result.files) == {"tool.stl", "tool_collision.stl"}
     post, _, box, pill, _, ball = (shape for shape in result.shapes if shape.primitive)
     assert (box.colour, ball.colour, post.colour) == (BOX.colour, NEUTRAL, None)
     assert {(shape.vertices, shape.faces) for shape in (post, box, pill, ball)} == {(0, 0)}
