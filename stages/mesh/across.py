@@ -42,7 +42,7 @@ _FINE = 0.5
 _BURIED = 1e-3
 """How deep in another piece a point is within it, in tolerances."""
 
-_SAFE = 0.95
+_SAFE = 0.8
 """Of the share that may stand out: points tell how large it is."""
 
 
