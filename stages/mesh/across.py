@@ -83,7 +83,7 @@ def across(surfaces: Sequence[Surface], pieces: Sequence[Piece], settings: Colli
 
     def near(tried: Sequence[Piece]) -> bool:
         share, furthest = _standing(verdict, tried)
-        few = share <= max(_SAFE * 0.05, before[0])
+        few = share <= _SAFE * 0.05
         return few and furthest <= max(MOST_OF_TOLERANCE, min(before[1], _FURTHEST))
 
     most = next((count for of in _WORTH if near(taken(count := int(of * len(pieces))))), 0)

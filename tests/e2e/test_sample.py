@@ -44,10 +44,10 @@ def test_without_arguments_the_sample_is_built_and_valid(built: Path) -> None:
     assert names >= {"sample.urdf", "sample.xml", "scene.xml", "assets", "robot.json", "report.json"}
 
 
-def test_the_sample_has_no_diagnostic_but_of_colliders_its_loop_and_what_a_urdf_lacks(built: Path) -> None:
+def test_the_sample_has_no_diagnostic_but_of_contacts_its_loop_and_what_a_urdf_lacks(built: Path) -> None:
     codes = [diagnostic["code"] for diagnostic in report(built / "outputs" / "sample")["diagnostics"]]
     of_formats = ["I-URDF-ARMATURE", "I-URDF-LOOP"]
-    assert codes == ["W-COLLIDER", "I-ALWAYS-CONTACT", *of_formats, "I-ACTUATOR"]
+    assert codes == ["I-ALWAYS-CONTACT", *of_formats, "I-ACTUATOR"]
 
 
 def test_a_second_build_runs_no_stage_and_gives_the_same_bytes(built: Path) -> None:
