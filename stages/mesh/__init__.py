@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 27
+VERSION = 28
 """Grows with every change of what this stage makes of the same input."""
 
 
@@ -71,7 +71,7 @@ def make_geometry(
     """The shapes of all links and their files. Diagnostics: W-NO-MESH, W-FLAT,
     W-MESH-VOLUME, W-COM-OUTSIDE, W-VISUAL-FACES, I-DECIMATED, I-NO-ASSETS,
     W-NO-COLLIDER, W-COLLIDER, I-SMALL-PARTS, I-RAW, I-ALWAYS-CONTACT, W-SELF-CONTACT.
-    MeshError where `geoms`, `mesh.colliders` or `contact.exclude` match nothing, or MuJoCo refuses
+    MeshError where `geoms`, `mesh.colliders`, `ignore` or `contact.exclude` match nothing, or MuJoCo refuses
     a collider.
 
     Each link's visual meshes and each part's collider are made through `memo`, by content: renaming one

@@ -17,6 +17,7 @@ from stages.mesh.contact_parts import too_small, with_basis
 from stages.mesh.contacts.analysis import self_contacts
 from stages.mesh.diagnostics import diagnostics
 from stages.mesh.geoms import GeomRules
+from stages.mesh.ignored import without_ignored
 from stages.mesh.library import MeshLibrary
 from stages.mesh.link_mesh import Finding, LinkMesh, Use
 from stages.mesh.mesh_file import MeshFile
@@ -59,9 +60,10 @@ def geometry(
     robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo", shown: "Shown | None" = None
 ) -> Geometry:
     """The shapes of all links. ProtocolError where triangles cannot be read, MeshError where a glob of
-    `geoms` or `mesh.colliders` matches no link and no part."""
+    `geoms`, `mesh.colliders` or `ignore` matches no link and no part."""
     rules = GeomRules(robot.links, keys.geoms)
     links = [with_basis(link, bundle.kind, keys.mesh.basis) for link in robot.links]
+    links = without_ignored(links, keys.ignore)
     library = MeshLibrary(links, bundle)
     used = _used(links, library, keys.mesh, rules, memo)
     jobs = [job for link in links for job in used[link.name].jobs(link.name)]

@@ -96,6 +96,16 @@ class ContactKeys(Keys):
     objects."""
 
 
+class IgnoreKeys(Keys):
+    """Links and parts without visual geometry, or without colliders."""
+
+    visual: Annotated[tuple[Text, ...], example(["*cable*"])] = ()
+    """Globs on links or parts that are not drawn."""
+
+    collision: Annotated[tuple[Text, ...], example(["*screw*"])] = ()
+    """Globs on links or parts that have no collider, whatever mesh.colliders says, and cost none."""
+
+
 class MeshKeys(Keys):
     """The mesh stage's part of the configuration."""
 
@@ -110,3 +120,6 @@ class MeshKeys(Keys):
 
     contact: ContactKeys = ContactKeys()
     """Contact between the links of the robot."""
+
+    ignore: IgnoreKeys = IgnoreKeys()
+    """Links and parts without visual geometry, or without colliders, in every format. Their masses stay."""

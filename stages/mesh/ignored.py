@@ -1,0 +1,68 @@
+"""Links and parts that `ignore` leaves without visual geometry or colliders. Their masses stay."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from stages.mesh.choices import names_of
+from stages.robot.errors import Diagnostic, MeshError
+from stages.robot.globs import fits, listed, unnumbered
+from stages.robot.model import Link, Part
+
+if TYPE_CHECKING:
+    from stages.mesh.keys import IgnoreKeys
+
+
+def without_ignored(links: Sequence[Link], keys: IgnoreKeys) -> list[Link]:
+    """The links, whose parts and primitives are neither drawn nor solid where `ignore` says so.
+
+    MeshError with E-GLOB for each glob but "*" that matches no link and no part.
+    """
+    wanted = {"ignore.visual": keys.visual, "ignore.collision": keys.collision}
+    problems = [
+        Diagnostic("E-GLOB", f"no link and no part matches {glob!r}", where, _there_are(links))
+        for where, globs in wanted.items()
+        for glob in dict.fromkeys(globs)
+        if glob != "*" and not any(_means(glob, link) for link in links)
+    ]
+    if problems:
+        msg = "the links or parts to ignore cannot be found"
+        raise MeshError(msg, "ignore", problems=problems)
+    return [_without(link, keys) for link in links]
+
+
+def _without(link: Link, keys: IgnoreKeys) -> Link:
+    parts = tuple(
+        replace(
+            part,
+            seen=part.seen and not _named(keys.visual, link, part),
+            collides=part.collides and not _named(keys.collision, link, part),
+        )
+        for part in link.parts
+    )
+    shapes = tuple(
+        replace(
+            one,
+            visual=one.visual and not _named(keys.visual, link),
+            collision=one.collision and not _named(keys.collision, link),
+        )
+        for one in link.shapes
+    )
+    return replace(link, parts=parts, shapes=shapes)
+
+
+def _named(globs: Collection[str], link: Link, part: Part | None = None) -> bool:
+    """Whether one of the globs means the link, or this part of it."""
+    names = (link.name, *(names_of(part) if part else ()))
+    return any(fits(name, glob) for glob in globs for name in names)
+
+
+def _means(glob: str, link: Link) -> bool:
+    return fits(link.name, glob) or any(_named((glob,), link, part) for part in link.parts)
+
+
+def _there_are(links: Sequence[Link]) -> str:
+    parts = {unnumbered(part.name.rpartition("/")[2]) for link in links for part in link.parts}
+    return f"links are: {listed(link.name for link in links)}; parts are: {listed(parts) or 'none'}"
