@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 21
+VERSION = 22
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -42,6 +42,7 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     from stages.export.driven import driven
     from stages.export.mjcf.form import form_of as mjcf_form_of
     from stages.export.robot_json import describe
+    from stages.export.sensors.resolve import sensing_of
     from stages.export.standing import stand
     from stages.export.urdf.form import form_of
     from stages.robot.armatures import with_armatures
@@ -52,15 +53,16 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     actuation, remarks = driven(robot, geometry, keys, start, standing)
     robot = with_armatures(robot, actuation)
     form, mjcf_form = form_of(robot, keys, actuation), mjcf_form_of(robot, geometry, keys)
+    sensing = sensing_of(robot, geometry, actuation, keys, mjcf_form.fused)
     written: dict[str, Exported] = {}
     for name in _needed(keys.export.chosen):
         writer = writer_of(name)
         own = {path: data for other in writer.reads for path, data in written[other].files.items()}
-        given = WriterInput(robot, geometry, keys, start, own, actuation, standing, form, mjcf_form)
+        given = WriterInput(robot, geometry, keys, start, own, actuation, standing, form, mjcf_form, sensing)
         written[name] = writer.write(given)
     exported = [written[name] for name in keys.export.chosen]
     files = {f"assets/{name}": data for name, data in geometry.files.items()}
-    files["robot.json"] = describe(robot, start, actuation, form, mjcf_form)
+    files["robot.json"] = describe(robot, start, actuation, form, mjcf_form, sensing)
     for one in exported:
         files |= one.files
     diagnostics = tuple(diagnostic for one in exported for diagnostic in one.diagnostics)

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from stages.robot.keys import Keys, NonNegative, Number, Positive, Text, example, invalid, not_yet
+from stages.robot.keys import Flag, Keys, NonNegative, Number, Positive, Text, example, invalid, not_yet
 
 DynamicsName = Literal["none", "integrator", "filter", "filterexact", "muscle", "user"]
 ActuatorName = Literal["none", "motor", "position", "velocity", "general"]
@@ -93,6 +93,14 @@ class ActuatorKeys(Keys):
     dynprm: Annotated[Parameters | None, example([1])] = None
     """Of general: as MuJoCo's attribute of that name."""
 
+    encoder: Annotated[Flag | None, example(True)] = None
+    """Whether sensors measure the actuator's length and speed: `<actuator>_pos` and `<actuator>_vel`; null:
+    as in an earlier entry that matches, else not."""
+
+    force: Annotated[Flag | None, example(True)] = None
+    """Whether a sensor measures the actuator's force: `<actuator>_force`; null: as in an earlier entry that
+    matches, else not."""
+
     motor: Text | None = not_yet(None)
     """A motor of the library."""
 
@@ -102,6 +110,8 @@ class ActuatorKeys(Keys):
             return self
         allowed = (*PARAMETERS[self.type], *(SHARED if self.type != "none" else ()))
         wrong = [name for name in self.given() if name not in allowed]
+        if self.type == "none":
+            wrong += [name for name in ("encoder", "force") if getattr(self, name)]
         if wrong:
             takes = f"takes {', '.join(allowed)}" if allowed else "takes nothing else"
             raise invalid(f"type {self.type} {takes}; not {', '.join(wrong)}")

@@ -2,10 +2,11 @@
 
 from typing import Any
 
-from stages.export.json_values import as_float, as_floats, short
+from stages.export.json_values import as_float, as_floats, as_pose, short
 from stages.formats.numbers import TURN
 from stages.robot.actuation import Actuator
 from stages.robot.model import Sensor
+from stages.robot.sensing import Sensing, SensorCamera, SensorSite
 
 
 def actuator_record(actuator: Actuator) -> dict[str, Any]:
@@ -24,6 +25,31 @@ def actuator_record(actuator: Actuator) -> dict[str, Any]:
         "home_load": short(actuator.home_load),
         "sag": short(actuator.sag),
         "estimated": list(actuator.estimated),
+    }
+
+
+def sensing_records(sensing: Sensing) -> dict[str, Any]:
+    """The tables of sensors, and of their places and cameras, as far as there are some."""
+    tables = {
+        "sensors": [sensor_record(one) for one in sensing.sensors],
+        "sensor_sites": [_site(one) for one in sensing.sites],
+        "cameras": [_camera(one) for one in sensing.cameras],
+    }
+    return {name: rows for name, rows in tables.items() if rows}
+
+
+def _site(site: SensorSite) -> dict[str, Any]:
+    size = as_floats(site.size) if site.size else None
+    return {"name": site.name, "link": site.link, "pose": as_pose(site.link_from_site), "size": size}
+
+
+def _camera(camera: SensorCamera) -> dict[str, Any]:
+    return {
+        "name": camera.name,
+        "link": camera.link,
+        "pose": as_pose(camera.link_from_camera),
+        "fovy": as_float(camera.fovy),
+        "resolution": list(camera.resolution),
     }
 
 

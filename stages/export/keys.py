@@ -8,6 +8,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, create_model, model_s
 from stages.export import WRITERS, writer_of
 from stages.export.actuator_keys import ActuatorChoice
 from stages.export.scene_keys import GroundKeys, SceneKeys
+from stages.export.sensor_keys import SensorChoice
 from stages.robot.keys import (
     Keys,
     Text,
@@ -73,8 +74,10 @@ class ExportKeys(Keys):
     the followers of relations, and of closed loops drives as many dofs as these leave free, the nearest to
     the root; a name without wildcards drives that dof."""
 
-    sensors: dict[Text, Any] = not_yet(dict)
-    """Sensors, by name."""
+    sensors: Annotated[
+        dict[Text, SensorChoice], example({"imu": {"frame": "imu_mount", "type": "imu"}, "foot": "touch"})
+    ] = Field(default_factory=dict)
+    """Sensors, by name, in the MJCF; their names are unique, also among those of the source."""
 
     elements: dict[Text, Any] = not_yet(dict)
     """XML elements of your own, by name."""

@@ -21,7 +21,9 @@ source names what drives the joints; `actuators` where the robot has any: `contr
 `home` is the control at the keyframe of that name, `load` the largest force at the dof by the robot's weight,
 `home_load` that at home, and `sag` how far it moves the servo's dof there. `provenance` says where a dof's
 limits and dynamics come from. `estimated` lists what Linkwright chose, of a dof too. `sensors` where the
-source has any.
+robot has any, in the order of `sensordata`; `sensor_sites` are the places on links that are there for
+sensors alone (`size` [m]: the radius of a ball or the lengths of a box in which contact is felt), `cameras`
+the cameras that it carries (`fovy` [deg], `resolution` [pixels]): these look along z, x to the right, y down.
 """
 
 import json
@@ -31,7 +33,7 @@ from typing import Any
 import numpy as np
 
 from stages.export.coupling_records import coupling_records
-from stages.export.driving_records import actuator_record, sensor_record
+from stages.export.driving_records import actuator_record, sensing_records
 from stages.export.json_values import as_float, as_floats, as_pose, as_value
 from stages.export.mjcf.joints import free_joint_name
 from stages.export.provenance import provenance
@@ -64,6 +66,7 @@ from stages.robot.model import (
 )
 from stages.robot.poses import at_rest
 from stages.robot.printable import printable_lines
+from stages.robot.sensing import Sensing
 
 FORMAT = "linkwright-robot"
 
@@ -74,8 +77,10 @@ def describe(
     actuation: Actuation = NONE,
     form: UrdfForm = AS_IS,
     mjcf_form: MjcfForm = EVERY_BODY,
+    sensing: Sensing | None = None,
 ) -> bytes:
-    """The file. `start`: the MJCF's qpos0, by dof; `form`: of the URDF; `mjcf_form`: of the MJCF."""
+    """The file. `start`: the MJCF's qpos0, by dof; `form`: of the URDF; `mjcf_form`: of the MJCF; `sensing`:
+    what measures the robot (None: the sensors of the source)."""
     names = urdf_names(as_written(robot, form))
     estimated = {one.dof for one in actuation.armatures}
     table = {
@@ -111,8 +116,7 @@ def describe(
         table["transmissions"] = [plain(transmission) for transmission in robot.transmissions]
     if actuation.actuators:
         table["actuators"] = [actuator_record(one) for one in actuation.actuators]
-    if robot.sensors:
-        table["sensors"] = [sensor_record(one) for one in measuring(robot, actuation)]
+    table |= sensing_records(sensing or Sensing(measuring(robot, actuation)))
     return (printable_lines(json.dumps(table, indent=2, ensure_ascii=False)) + "\n").encode()
 
 

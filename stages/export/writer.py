@@ -8,6 +8,7 @@ from stages.formats.mjcf_form import AS_IS as EVERY_BODY
 from stages.formats.mjcf_form import MjcfForm
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.robot.errors import Diagnostic
+from stages.robot.sensing import NOTHING, Sensing
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
@@ -37,7 +38,7 @@ class WriterInput:
 
     `start`: the value of every dof in a fresh simulation (qpos0). `files`: the files of the writers that this
     one names in `reads`, by path. `standing`: where the scene puts the robot. `form`: that of its URDF;
-    `mjcf_form`: that of its MJCF.
+    `mjcf_form`: that of its MJCF. `sensing`: what measures it.
     """
 
     robot: "Robot"
@@ -49,6 +50,7 @@ class WriterInput:
     standing: "Stance"
     form: UrdfForm = AS_IS
     mjcf_form: MjcfForm = EVERY_BODY
+    sensing: Sensing = NOTHING
 
 
 class Writer(Protocol):

@@ -20,7 +20,7 @@ def holders(robot: Robot, form: MjcfForm) -> Holders:
 def form_with(robot: Robot, kept: Collection[str] = ()) -> MjcfForm:
     """The form in which links on fixed joints have no bodies, but for those that are `kept` or need one: a
     sensor is on it, another place has its name, or both ends of a loop would be on one body."""
-    bodies = {*kept, *_measured(robot, "body", "xbody"), *_named_twice(robot)}
+    bodies = {*kept, *_measured(robot, "body", "xbody"), *_loaded(robot), *_named_twice(robot)}
     candidates = set(on_fixed_joints(robot)) - bodies
     # Their sensors are at the centre of mass, which what is fused would move.
     weighed = set(_measured(robot, "body"))
@@ -58,6 +58,14 @@ def _measured(robot: Robot, *kinds: SensorTarget) -> Iterator[str]:
         for kind, name in ((one.target, one.name_of_target), (one.relative_to, one.name_of_relative)):
             if kind in kinds:
                 yield name
+
+
+def _loaded(robot: Robot) -> Iterator[str]:
+    """The links on which sensors measure what the body above exerts."""
+    links = {frame.name: frame.link for frame in robot.frames}
+    for one in robot.sensors:
+        if one.type in ("force", "torque") and one.name_of_target in links:
+            yield links[one.name_of_target]
 
 
 def _named_twice(robot: Robot) -> Iterator[str]:

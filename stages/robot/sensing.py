@@ -1,17 +1,20 @@
-"""What measures a robot: sensors, in the words of MJCF."""
+"""What measures a robot: sensors, in the words of MJCF, and the places and cameras that they need."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
-SensorTarget = Literal["", "joint", "actuator", "site", "body", "xbody"]
+if TYPE_CHECKING:
+    from stages.robot.arrays import Array
+
+SensorTarget = Literal["", "joint", "actuator", "site", "body", "xbody", "camera"]
 """What a sensor is on; "" for the whole model. body: a link's centre of mass; xbody: its frame."""
 
 
 @dataclass(frozen=True, slots=True)
 class Sensor:
     """A sensor of MJCF's `type`, on the `target` of that `name_of_target`: a dof, an actuator, a frame or a
-    link. `relative_to`: likewise, of a sensor of a frame in another. `noise`: standard deviation; `cutoff`:
-    the largest value, 0 for none; both in the unit of the sensor."""
+    link. `relative_to`: likewise, of a sensor of a frame in another, and of one in the image of a camera.
+    `noise`: standard deviation; `cutoff`: the largest value, 0 for none; both in the unit of the sensor."""
 
     name: str
     type: str
@@ -21,3 +24,39 @@ class Sensor:
     name_of_relative: str = ""
     noise: float = 0.0
     cutoff: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SensorSite:
+    """A place on a link that is there for a sensor alone. `size` [m]: (radius,) of a ball or the lengths of a
+    box around it, inside which contact is felt; () for a point."""
+
+    name: str
+    link: str
+    link_from_site: "Array"
+    size: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SensorCamera:
+    """A camera on a link, which looks along its z axis, with x to the right and y down in the image. `fovy`:
+    vertical field of view [deg]; `resolution`: width and height [pixels]."""
+
+    name: str
+    link: str
+    link_from_camera: "Array"
+    fovy: float
+    resolution: tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Sensing:
+    """All sensors of a robot, in the order of MuJoCo's `sensordata`, with their places and cameras."""
+
+    sensors: tuple[Sensor, ...] = ()
+    sites: tuple[SensorSite, ...] = ()
+    cameras: tuple[SensorCamera, ...] = ()
+
+
+NOTHING = Sensing()
+"""Nothing measures the robot."""

@@ -231,14 +231,6 @@ def test_a_number_as_the_name_of_a_joint_is_reported_to_be_quoted():
             ("export.sdf", "not supported yet (given {})", "formats so far: urdf, mjcf"),
         ),
         (
-            {"sensors": {"a": 1}},
-            (
-                "sensors",
-                "not supported yet (given {'a': 1})",
-                "leave it out: only its default works so far, {}",
-            ),
-        ),
-        (
             {"plugins": ["mine"]},
             (
                 "plugins",
@@ -253,7 +245,6 @@ def test_what_is_not_there_yet_is_refused_by_name(data, shown):
 
 
 LATER = [
-    {"sensors": {"imu": {}}},
     {"elements": {"a": {}}}, {"attributes": {"a": {}}}, {"plugins": ["mine"]},
 ]  # fmt: skip
 
@@ -266,7 +257,7 @@ def test_every_key_without_function_is_refused_unless_at_its_default(data):
 
 
 def test_keys_without_function_may_be_given_their_default():
-    Plan.parse({"source": SAMPLE, "sensors": {}, "plugins": []})
+    Plan.parse({"source": SAMPLE, "plugins": []})
 
 
 def test_every_key_of_the_tree_is_documented():

@@ -96,7 +96,7 @@ def test_the_schema_accepts_every_valid_robot(text):
 
 @pytest.mark.parametrize(
     "text",
-    ["jionts: {}", "joints: {a: {dampin: 1}}", "root: {base: fix}", "sensors: {a: {}}", "name: 1"],
+    ["jionts: {}", "joints: {a: {dampin: 1}}", "root: {base: fix}", "sensors: {a: sonar}", "name: 1"],
 )
 def test_the_schema_refuses_what_the_configuration_does(text):
     with pytest.raises(jsonschema.ValidationError):
@@ -138,7 +138,8 @@ def test_everything_can_be_explained(name):
         ("joints.elbow.damping", "joints.<glob>.damping"),
         ("source.path", "source.path (of source=mjcf)"),
         ("mass.", "mass.missing"),
-        ("sensors", "Not supported yet."),
+        ("plugins", "Not supported yet."),
+        ("sensors.imu.noise", "sensors.<name>.noise"),
         ("onshape_auth", "ONSHAPE_AUTH"),
     ],
 )

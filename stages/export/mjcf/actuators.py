@@ -1,20 +1,18 @@
 """MJCF's actuators, by the shortcuts of MuJoCo's XML reference where they have one, and its sensors."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from stages.formats.numbers import TURN, number, spaced
 from stages.formats.xml import Element, element
 from stages.robot.actuation import Actuation
 from stages.robot.home_control import control_at
-from stages.robot.measuring import measuring
-from stages.robot.model import Configuration, Robot, Sensor
+from stages.robot.model import Configuration, Sensor
 
 
-def write_actuation(root: Element, robot: Robot, actuation: Actuation) -> None:
-    """An element for each actuator, in the order of the dofs, and for each sensor of the source."""
+def write_actuation(root: Element, actuation: Actuation, sensors: Sequence[Sensor]) -> None:
+    """An element for each actuator, in the order of the dofs, and for each sensor."""
     if actuation.actuators:
         _write_actuators(root, actuation)
-    sensors = measuring(robot, actuation)
     if sensors:
         above = element(root, "sensor")
         for one in sensors:
@@ -32,6 +30,8 @@ def _ends(sensor: Sensor) -> dict[str, str | None]:
     """What a sensor is on: named by its kind, of a frame's sensor by two attributes."""
     if not sensor.target:
         return {}
+    if sensor.relative_to == "camera":
+        return {"camera": sensor.name_of_relative, sensor.target: sensor.name_of_target}
     if not sensor.type.startswith("frame"):
         return {sensor.target: sensor.name_of_target}
     return {

@@ -12,6 +12,7 @@ from stages.robot.errors import Diagnostic, ExportError
 from stages.robot.globs import listed
 from stages.robot.model import Array, Robot, frozen
 from stages.robot.poses import from_parts, rotation_from_rpy
+from stages.robot.sensing import SensorCamera
 
 if TYPE_CHECKING:
     from stages.export.scene_keys import CameraKeys
@@ -62,6 +63,12 @@ def write_camera(above: Element, name: str, camera: "CameraKeys", above_from_fra
     _camera(above, name, pose, camera.fovy, camera.resolution)
 
 
+def write_sensor_camera(above: Element, above_from_camera: Array, camera: SensorCamera) -> Element:
+    """A camera of the robot under the element of a body, in whose axes `above_from_camera` (4, 4) is."""
+    pose = above_from_camera @ OURS_FROM_MUJOCO
+    return _camera(above, camera.name, pose, camera.fovy, camera.resolution)
+
+
 def overview(world: Element, middle: Array, radius: float) -> None:
     """A camera that sees all of the sphere of this `radius` [m] around `middle` (3,)."""
     away = FROM / np.linalg.norm(FROM)
@@ -71,9 +78,11 @@ def overview(world: Element, middle: Array, radius: float) -> None:
     _camera(world, "overview", pose, FOVY, None)
 
 
-def _camera(above: Element, name: str, pose: Array, fovy: float, resolution: Collection[int] | None) -> None:
+def _camera(
+    above: Element, name: str, pose: Array, fovy: float, resolution: Collection[int] | None
+) -> Element:
     size = None if resolution is None else " ".join(map(str, resolution))
-    element(above, "camera", name=name, **placement(pose), fovy=number(fovy), resolution=size)
+    return element(above, "camera", name=name, **placement(pose), fovy=number(fovy), resolution=size)
 
 
 def _looking(way: Array) -> Array:

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from stages.export.mjcf.filters import Filters, filters
+from stages.export.sensor_mounts import loaded_links
 from stages.formats.mjcf_form import AS_IS, MjcfForm
 from stages.formats.mjcf_written import as_written, form_with, holders
 from stages.robot.fused_geometry import fused_geometry
@@ -15,17 +16,19 @@ if TYPE_CHECKING:
 
 def form_of(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> MjcfForm:
     """How the robot's MJCF differs from the robot. Links keep their bodies where MuJoCo's classes of
-    colliders do not suffice to keep their shapes, and not those of the body above, from colliding."""
+    colliders do not suffice to keep their shapes, and not those of the body above, from colliding, and where
+    a sensor measures their load."""
     mjcf = keys.export.mjcf
     if mjcf is None or mjcf.fixed_joints == "keep":
         return AS_IS
-    form = form_with(robot)
+    loaded = loaded_links(robot, keys.sensors)
+    form = form_with(robot, loaded)
     if not form.fused:
         return AS_IS
     wide = {link for pair in filters_of(robot, geometry, form).wide for link in pair}
     held = holders(robot, form)
     lost = [link for link in form.fused if held[link][0] in wide]
-    return form_with(robot, lost) if lost else form
+    return form_with(robot, {*loaded, *lost}) if lost else form
 
 
 def filters_of(robot: Robot, geometry: Geometry, form: MjcfForm) -> Filters:

@@ -14,6 +14,7 @@ from stages.export.mjcf.classes import write_classes
 from stages.export.mjcf.filters import Filters
 from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos
 from stages.export.mjcf.loops import STIFF, Closures, held
+from stages.export.mjcf.sensing import write_mounted
 from stages.export.mujoco_keys import IN_THE_ROBOT
 from stages.export.paints import Paint, materials
 from stages.formats.mjcf_written import as_written, holders
@@ -37,7 +38,8 @@ def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
     """The model, whose qpos0 is `given.start` (values of the tree's dofs and of the loops' own).
     `kept_apart`: by the links that have bodies."""
     geometry, start, actuation = given.geometry, given.start, given.actuation
-    groups = members(given.robot, holders(given.robot, given.mjcf_form))
+    held_by = holders(given.robot, given.mjcf_form)
+    groups = members(given.robot, held_by)
     robot = as_written(given.robot, given.mjcf_form)
     root = element(None, "mujoco", model=robot.name)
     textures = "assets" if any(shape.texture for shape in geometry.shapes) else None
@@ -57,11 +59,12 @@ def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
         body, body_from_link = bodies.elements[link]
         for name, link_from_frame in every:
             write_camera(body, name, cameras[name], body_from_link @ link_from_frame)
+    write_mounted(bodies.elements, held_by, given.sensing)
     for body in world.iterchildren("body"):
         body.set("childclass", top)
     _excludes(root, kept_apart)
     _equalities(root, robot, start, closures, given.keys.scene.option.timestep)
-    write_actuation(root, robot, actuation)
+    write_actuation(root, actuation, given.sensing.sensors)
     _keyframes(root, world, robot, start, place, actuation)
     write_classes(root, classes, {top, "main", "visual", "collision"})
     return to_bytes(root)

@@ -1,0 +1,49 @@
+"""The sites and cameras of sensors in MJCF."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from stages.export.mjcf.cameras import write_sensor_camera
+from stages.export.mjcf.placement import placement
+from stages.formats.numbers import spaced
+from stages.formats.xml import Element, element
+from stages.robot.fusing import Holders
+from stages.robot.model import Array
+from stages.robot.sensing import Sensing
+
+HIDDEN = "3"
+"""A group of sites that MuJoCo's viewers do not show unless asked."""
+
+
+def write_mounted(elements: Mapping[str, tuple[Element, Array]], holders: Holders, sensing: Sensing) -> None:
+    """The sites and cameras under the bodies that carry them. `elements`: by link that has one, its element,
+    with element_from_link (4, 4)."""
+
+    def at(link: str, link_from_it: Array) -> tuple[Element, Array]:
+        holder, holder_from_link = holders[link]
+        body, body_from_holder = elements[holder]
+        return body, body_from_holder @ holder_from_link @ link_from_it
+
+    for site in sensing.sites:
+        body, pose = at(site.link, site.link_from_site)
+        _above_bodies(body, element(body, "site", name=site.name, **placement(pose), **_form(site.size)))
+    for camera in sensing.cameras:
+        body, pose = at(camera.link, camera.link_from_camera)
+        _above_bodies(body, write_sensor_camera(body, pose, camera))
+
+
+def _above_bodies(body: Element, made: Element) -> None:
+    """Moves what was made last to before the bodies below, so that a body's own things stay together."""
+    first = body.find("body")
+    if first is not None:
+        first.addprevious(made)
+
+
+def _form(size: tuple[float, ...]) -> dict[str, str]:
+    """MuJoCo's shape of a site, whose sizes are halves; hidden in viewers, since it covers a link."""
+    if not size:
+        return {}
+    if len(size) == 1:
+        return {"type": "sphere", "size": spaced(size), "group": HIDDEN}
+    return {"type": "box", "size": spaced(np.array(size) / 2), "group": HIDDEN}

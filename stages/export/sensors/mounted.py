@@ -1,0 +1,158 @@
+"""Sensors and cameras that a frame or link carries."""
+
+from collections.abc import Collection, Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stages.export.extents import Extents
+from stages.export.sensor_keys import MEASURES
+from stages.export.sensor_mounts import Mount, mounts_of, report_unknown
+from stages.robot.diagnostics import Diagnostics
+from stages.robot.geometry import Geometry
+from stages.robot.model import Array, Robot, Sensor, frozen
+from stages.robot.names import free
+from stages.robot.poses import from_parts, inverse, rotation_from_rpy
+from stages.robot.sensing import SensorCamera, SensorSite, SensorTarget
+
+if TYPE_CHECKING:
+    from stages.export.sensor_keys import SensorKeys
+
+WORLD = "world"
+"""The link that is the assembly's origin: a site has its name in the MJCF."""
+
+OF_LOOPS = ("a", "b", "a_axis", "b_axis")
+"""What the names of sites that close loops end with."""
+
+MARGIN = 1e-3
+"""How far [m] the box in which contact is felt reaches beyond the colliders."""
+
+
+class Mounted:
+    """Makes the sensors that something carries, and collects their `sites` and `cameras`.
+
+    `fused`: links that are sites of bodies; `seen`: the names of cameras that are there already."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        geometry: Geometry,
+        fused: Collection[str],
+        seen: Collection[str],
+        log: Diagnostics,
+    ) -> None:
+        self.sites: list[SensorSite] = []
+        self.cameras: list[SensorCamera] = []
+        self._geometry = geometry
+        self._mounts = mounts_of(robot)
+        self._are_sites = {WORLD, *fused}
+        self._seen = set(seen)
+        self._taken = set(self._mounts)
+        self._taken |= {f"{loop.name}_{end}" for loop in robot.loops for end in OF_LOOPS}
+        self._log = log
+
+    def sensors(self, name: str, keys: "SensorKeys") -> Iterator[Sensor]:
+        """The sensors of an entry; none where a name is wrong, which the log has."""
+        mount = self._mount(keys.frame or name, f"sensors.{name}.frame")
+        if mount is None:
+            return
+        if keys.type == "camera":
+            yield from self._camera(name, keys, mount)
+            return
+        on, of = self._on(name, keys, mount), self._reference(name, keys)
+        if on is None or of is None:
+            return
+        several = len(MEASURES[keys.type]) > 1
+        for measured in keys.measured:
+            kind = MEASURES[keys.type][measured]
+            yield Sensor(
+                f"{name}_{measured}" if several else name,
+                kind,
+                *on,
+                *of,
+                noise=keys.noise_of(measured),
+                cutoff=keys.cutoff_of(measured),
+            )
+
+    def _mount(self, name: str, where: str) -> Mount | None:
+        if name not in self._mounts:
+            report_unknown(name, where, self._mounts, self._log)
+        return self._mounts.get(name)
+
+    def _reference(self, name: str, keys: "SensorKeys") -> tuple[SensorTarget, str] | None:
+        """What the sensor is relative to; None where there is no such thing."""
+        if keys.relative_to is None:
+            return "", ""
+        mount = self._mount(keys.relative_to, f"sensors.{name}.relative_to")
+        return None if mount is None else self._end(mount)
+
+    def _end(self, mount: Mount) -> tuple[SensorTarget, str]:
+        """A frame or link in MJCF's words: a site where there is one."""
+        return "site" if mount.is_frame or mount.name in self._are_sites else "xbody", mount.name
+
+    def _on(self, name: str, keys: "SensorKeys", mount: Mount) -> tuple[SensorTarget, str] | None:
+        """What the sensor is on: what carries it, where that will do, else a site of its own."""
+        pose = mount.link_from_mount @ _offset(keys)
+        if keys.type == "touch":
+            return self._zone(name, keys, mount, pose)
+        if not any((*keys.xyz, *keys.rpy)):
+            end = self._end(mount)
+            if keys.type == "frame" or end[0] == "site":
+                return end
+        return self._site(name, mount, pose)
+
+    def _site(
+        self, name: str, mount: Mount, link_from_site: Array, size: tuple[float, ...] = ()
+    ) -> tuple[SensorTarget, str]:
+        own = free(name, self._taken)
+        self._taken.add(own)
+        self.sites.append(SensorSite(own, mount.link, frozen(link_from_site), size))
+        return "site", own
+
+    def _zone(
+        self, name: str, keys: "SensorKeys", mount: Mount, link_from_site: Array
+    ) -> tuple[SensorTarget, str] | None:
+        """The site inside which contact is felt; by default the box around the link's colliders."""
+        if keys.size is not None:
+            return self._site(name, mount, link_from_site, keys.size)
+        shapes = tuple(self._geometry.of(mount.link, "collision"))
+        low, high = Extents(
+            Geometry(shapes, self._geometry.files), {mount.link: inverse(link_from_site)}
+        ).box()
+        if not np.isfinite(low).all():
+            text = f"{mount.link} has no collider, so nothing presses on it"
+            self._log.report("E-SENSOR", text, f"sensors.{name}", "give the touch sensor a size")
+            return None
+        middle = link_from_site @ from_parts(np.eye(3), (low + high) / 2)
+        lengths = high - low + 2 * MARGIN
+        return self._site(name, mount, middle, tuple(float(one) for one in lengths))
+
+    def _camera(self, name: str, keys: "SensorKeys", mount: Mount) -> Iterator[Sensor]:
+        if name in self._seen:
+            text = f"there is a camera {name!r} already, in scene.cameras"
+            self._log.report("E-SENSOR", text, f"sensors.{name}", "give this camera another name")
+            return
+        pose = frozen(mount.link_from_mount @ _offset(keys))
+        self.cameras.append(SensorCamera(name, mount.link, pose, keys.fovy, keys.resolution))
+        for seen in keys.sees:
+            target = self._mount(seen, f"sensors.{name}.sees")
+            if target is None:
+                continue
+            kind, site = self._end(target)
+            if kind != "site":
+                _, site = self._site(f"{name}_{seen}", target, target.link_from_mount)
+            yield Sensor(
+                f"{name}_{seen}",
+                MEASURES["camera"]["projection"],
+                "site",
+                site,
+                "camera",
+                name,
+                noise=keys.noise_of("projection"),
+                cutoff=keys.cutoff_of("projection"),
+            )
+
+
+def _offset(keys: "SensorKeys") -> Array:
+    """mount_from_sensor (4, 4)."""
+    return from_parts(rotation_from_rpy(keys.rpy), np.array(keys.xyz))

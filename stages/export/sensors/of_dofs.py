@@ -1,0 +1,118 @@
+"""Sensors of dofs and of actuators, by name or glob."""
+
+from collections.abc import Collection, Iterator, Mapping
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+from stages.export.sensor_keys import MEASURES
+from stages.robot.actuation import Actuation
+from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import fits, listed
+from stages.robot.model import Dof, Robot, Sensor
+
+if TYPE_CHECKING:
+    from stages.export.actuator_keys import ActuatorKeys
+    from stages.export.sensor_keys import SensorKeys
+
+OF_BALLS = {"pos": "ballquat", "vel": "ballangvel"}
+"""What is measured of a ball → MuJoCo's element."""
+
+ENCODER = {"pos": "actuatorpos", "vel": "actuatorvel"}
+
+
+def joint_sensors(name: str, keys: "SensorKeys", robot: Robot, log: Diagnostics) -> Iterator[Sensor]:
+    """The sensors of the dofs that an entry names, dof by dof. A glob leaves out what a dof does not have."""
+    where, glob = f"sensors.{name}.joints", keys.joints or "*"
+    dofs = [dof for dof in robot.dofs if fits(dof.name, glob)]
+    if not dofs:
+        _report_dof(glob, where, robot, log)
+        return
+    exact = [dof.name for dof in dofs] == [glob]
+    for measured in keys.measured:
+        lacking = [why for dof in dofs if (why := _why_not(dof, measured))]
+        if len(lacking) == len(dofs):
+            first = f"{dofs[0].name} {lacking[0]}"
+            text = first if exact else f"no joint that {glob!r} matches has {measured}: {first}"
+            log.report("E-SENSOR", text, where, f"leave {measured} out of measure, or name another joint")
+    for dof in dofs:
+        for measured in keys.measured:
+            if _why_not(dof, measured):
+                continue
+            of_ball = measured in OF_BALLS and dof.kind == "ball"
+            yield Sensor(
+                f"{name}_{measured}" if exact else f"{name}_{dof.name}_{measured}",
+                OF_BALLS[measured] if of_ball else MEASURES["joint"][measured],
+                "joint",
+                dof.name,
+                noise=keys.noise_of(measured),
+                cutoff=0.0 if of_ball and measured == "pos" else keys.cutoff_of(measured),
+            )
+
+
+def _why_not(dof: Dof, measured: str) -> str:
+    """Why a dof lacks what is to be measured; "" if it has it."""
+    if dof.kind == "free":
+        return "moves freely: a sensor of type frame measures where its link is"
+    if dof.kind == "ball":
+        return "" if measured in OF_BALLS else f"is a ball: it has pos and vel, but no {measured}"
+    if measured.startswith("limit_") and dof.limits.lower is None and dof.limits.upper is None:
+        return f"has no limits, so it has no {measured}"
+    return ""
+
+
+def _report_dof(glob: str, where: str, robot: Robot, log: Diagnostics) -> None:
+    of_joint = [dof.name for one in robot.joints if fits(one.name, glob) for dof in one.dofs]
+    if of_joint:
+        text = f"{glob!r} names a joint of several dofs (or several such joints), not one dof"
+        log.report("E-GLOB", text, where, f"name one of its dofs: {', '.join(of_joint)}")
+    else:
+        _report_unmatched(glob, "joint", [dof.name for dof in robot.dofs], where, log)
+
+
+def _report_unmatched(glob: str, kind: str, names: Collection[str], where: str, log: Diagnostics) -> None:
+    """E-GLOB: nothing matches; `*` may match nothing."""
+    if glob == "*":
+        return
+    near = get_close_matches(glob, names, 1)
+    hint = f"did you mean {near[0]}? " if near else ""
+    log.report(
+        "E-GLOB", f"no {kind} matches {glob!r}", where, f"{hint}{kind}s are: {listed(names) or 'none'}"
+    )
+
+
+def actuator_sensors(
+    name: str, keys: "SensorKeys", actuation: Actuation, log: Diagnostics
+) -> Iterator[Sensor]:
+    """The sensors of the actuators that an entry names, actuator by actuator."""
+    glob = keys.actuators or "*"
+    every = [one.name for one in actuation.actuators]
+    names = [one for one in every if fits(one, glob)]
+    if not names:
+        _report_unmatched(glob, "actuator", every, f"sensors.{name}.actuators", log)
+    exact = names == [glob]
+    for actuator in names:
+        for measured in keys.measured:
+            yield Sensor(
+                f"{name}_{measured}" if exact else f"{name}_{actuator}_{measured}",
+                MEASURES["actuator"][measured],
+                "actuator",
+                actuator,
+                noise=keys.noise_of(measured),
+                cutoff=keys.cutoff_of(measured),
+            )
+
+
+def encoders(actuation: Actuation, entries: Mapping[str, "ActuatorKeys"]) -> Iterator[tuple[str, Sensor]]:
+    """The sensors that the entries of `actuators` ask for, actuator by actuator, each with its key."""
+    for one in actuation.actuators:
+        for key, measures in (("encoder", ENCODER), ("force", {"force": "actuatorfrc"})):
+            said = [
+                (glob, value)
+                for glob, keys in entries.items()
+                if fits(one.dof, glob)
+                if (value := getattr(keys, key)) is not None
+            ]
+            if said and said[-1][1]:
+                for measured, kind in measures.items():
+                    made = Sensor(f"{one.name}_{measured}", kind, "actuator", one.name)
+                    yield f"actuators.{said[-1][0]}.{key}", made

@@ -1,0 +1,60 @@
+"""From the keys `sensors` and `actuators`, and the sensors that the source has, to what measures a robot."""
+
+from collections.abc import Collection
+from typing import TYPE_CHECKING
+
+from stages.export.sensors.mounted import Mounted
+from stages.export.sensors.of_dofs import actuator_sensors, encoders, joint_sensors
+from stages.robot.actuation import Actuation
+from stages.robot.diagnostics import Diagnostics
+from stages.robot.errors import ExportError
+from stages.robot.geometry import Geometry
+from stages.robot.measuring import measuring
+from stages.robot.model import Robot, Sensor
+from stages.robot.names import plain
+from stages.robot.plural import count
+from stages.robot.sensing import Sensing
+
+if TYPE_CHECKING:
+    from stages.export.keys import ExportKeys
+
+OVERVIEW = "overview"
+"""The camera that every scene has."""
+
+
+def sensing_of(
+    robot: Robot, geometry: Geometry, actuation: Actuation, keys: "ExportKeys", fused: Collection[str] = ()
+) -> Sensing:
+    """What measures the robot: the sensors of the source, those of actuators, and those of the key, in this
+    order. `fused`: the links that have no bodies of their own in the MJCF. ExportError with all problems."""
+    log = Diagnostics()
+    made = Mounted(robot, geometry, fused, {*keys.scene.cameras, OVERVIEW}, log)
+    found = [("", one) for one in measuring(robot, actuation)]
+    found += encoders(actuation, keys.actuators)
+    for name, sensor in keys.sensors.items():
+        where = f"sensors.{name}"
+        if plain(name) != name:
+            text = f"invalid name {name!r}: only letters without accents, digits and _ are allowed"
+            log.report("E-SENSOR", text, where, f"for example {plain(name)}")
+        elif sensor.type == "joint":
+            found += ((where, one) for one in joint_sensors(name, sensor, robot, log))
+        elif sensor.type == "actuator":
+            found += ((where, one) for one in actuator_sensors(name, sensor, actuation, log))
+        else:
+            found += ((where, one) for one in made.sensors(name, sensor))
+    _check_names(found, log)
+    if log.problems:
+        msg = f"the sensors cannot be made: {count(len(log.problems), 'problem')}"
+        raise ExportError(msg, problems=sorted(log.problems, key=lambda one: (one.where, one.message)))
+    return Sensing(tuple(one for _, one in found), tuple(made.sites), tuple(made.cameras))
+
+
+def _check_names(found: list[tuple[str, Sensor]], log: Diagnostics) -> None:
+    """E-SENSOR for each name that two sensors have."""
+    owners: dict[str, str] = {}
+    for where, one in found:
+        if one.name in owners:
+            other = owners[one.name] or "the source"
+            text = f"the sensor {one.name!r} is there already, from {other}"
+            log.report("E-SENSOR", text, where, "give this entry another name")
+        owners.setdefault(one.name, where)

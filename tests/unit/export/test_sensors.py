@@ -1,0 +1,479 @@
+"""The key `sensors`: what measures the robot, and what the compiled model measures."""
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+import yaml
+
+from pipeline.config.plan import Plan
+from stages.export import Exported, export
+from stages.export.sensor_keys import MEASURES
+from stages.formats.xml import parse
+from stages.mesh.primitives import shapes as primitive_shapes
+from stages.robot.errors import ConfigError, ExportError
+from stages.robot.geometry import Geometry
+from stages.robot.model import Array, Frame, Limits, Primitive, Robot, Sensor, frozen
+from stages.robot.poses import from_parts, turn
+from stages.validate import validate
+from tests.support.building import NO_MESHES, plan_of, write
+from tests.support.robots import at, joint, loop, pose, robot_with
+
+GRAVITY = 9.81
+GOLDEN = yaml.safe_load((Path(__file__).parent / "golden" / "sensors.yaml").read_text(encoding="utf-8"))
+"""Type → an entry called `it`, and the elements that it comes to."""
+
+TILT = pose(np.random.default_rng(1))
+PLACE = pose(np.random.default_rng(2))
+
+
+def arm(**more: Any) -> Robot:
+    """base – turn with limits – arm – fixed – hand, with the frame `mount` – ball – eye."""
+    joints = [
+        joint("revolute", "base", "arm", place=PLACE, limits={"arm_joint": Limits(-1.0, 1.0)}),
+        joint("fixed", "arm", "hand", place=TILT),
+        joint("ball", "hand", "eye", place=at(0, 0.1, 0)),
+    ]
+    frames = (Frame("mount", "hand", frozen(PLACE @ TILT), "Mount"),)
+    box = {"hand": (Primitive("box", (0.1, 0.2, 0.3), frozen(at(0.01, 0.02, 0.03))),)}
+    return robot_with(joints, frames=frames, shapes=box, **more)
+
+
+def solid(robot: Robot) -> Geometry:
+    return Geometry(tuple(one for link in robot.links for one in primitive_shapes(link)), {})
+
+
+def exported(robot: Robot, geometry: Geometry | None = None, **keys: object) -> Exported:
+    return export(robot, solid(robot) if geometry is None else geometry, plan_of(**keys))
+
+
+def compiled(robot: Robot, **keys: object) -> mujoco.MjModel:
+    return mujoco.MjModel.from_xml_string(exported(robot, **keys).files["robot.xml"].decode())
+
+
+def forward(model: mujoco.MjModel, **speeds: float) -> mujoco.MjData:
+    """The state at the keyframe `home` with these speeds of joints."""
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    for name, speed in speeds.items():
+        data.joint(name).qvel[0] = speed
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def read(data: mujoco.MjData, name: str) -> Array:
+    return np.array(data.sensor(name).data)
+
+
+def site(data: mujoco.MjData, name: str) -> Array:
+    """world_from_site (4, 4)."""
+    found = data.site(name)
+    return from_parts(found.xmat.reshape(3, 3), found.xpos)
+
+
+def problem(robot: Robot, sensors: dict[str, Any], **keys: object) -> tuple[str, str, str, str]:
+    with pytest.raises(ExportError) as error:
+        exported(robot, sensors=sensors, **keys)
+    (only,) = error.value.problems
+    return only.code, only.where, only.message, only.hint
+
+
+@pytest.mark.parametrize("kind", GOLDEN)
+def test_an_entry_of_each_type_comes_to_its_golden_and_compiles(kind: str) -> None:
+    keys, expected = GOLDEN[kind]["keys"], GOLDEN[kind]["elements"]
+    bare, found = (
+        exported(arm(), actuators={"arm_joint": {"type": "motor"}}, sensors=sensors)
+        for sensors in ({}, {"it": keys})
+    )
+    texts = [
+        f"{node.tag} {' '.join(f'{key}={value}' for key, value in node.attrib.items())}"
+        for node in parse(found.files["robot.xml"]).iter("site", "camera", *mujoco_sensors(found))
+        if node.get("name") != "mount"
+    ]
+    assert texts == expected
+    model = mujoco.MjModel.from_xml_string(found.files["robot.xml"].decode())
+    assert [model.sensor(index).name for index in range(model.nsensor)] == [
+        text.split("name=")[1].split()[0] for text in expected if not text.startswith(("site ", "camera "))
+    ]
+    assert found.files["robot.urdf"] == bare.files["robot.urdf"]
+
+
+def mujoco_sensors(found: Exported) -> list[str]:
+    """The tags of the model's sensors."""
+    section = parse(found.files["robot.xml"]).find("sensor")
+    return [] if section is None else [node.tag for node in section]
+
+
+def test_every_type_and_all_that_it_measures_has_a_golden() -> None:
+    assert set(GOLDEN) == set(MEASURES)
+    for kind, measures in MEASURES.items():
+        tags = {text.split()[0] for text in GOLDEN[kind]["elements"]}
+        assert set(measures.values()) <= tags, kind
+
+
+def test_an_accelerometer_at_rest_reads_gravity_upwards_in_the_axes_of_the_frame() -> None:
+    model = compiled(
+        arm(), sensors={"imu": {"type": "imu", "frame": "mount", "xyz": [0.1, 0, 0], "rpy": [1, 2, 3]}}
+    )
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_EQUALITY
+    model.dof_damping[:] = 1e9  # holds it still
+    model.dof_armature[:] = 1e9
+    data = forward(model)
+    world_from_imu = site(data, "imu")
+    upwards = world_from_imu[:3, :3].T @ [0, 0, GRAVITY]
+    np.testing.assert_allclose(read(data, "imu_accelerometer"), upwards, atol=1e-6)
+    offset = np.linalg.inv(site(data, "mount")) @ world_from_imu
+    np.testing.assert_allclose(offset[:3, 3], [0.1, 0, 0], atol=1e-12)
+    w, x, y, z = read(data, "imu_quat")
+    rotated = np.zeros(9)
+    mujoco.mju_quat2Mat(rotated, [w, x, y, z])
+    np.testing.assert_allclose(rotated.reshape(3, 3), world_from_imu[:3, :3], atol=1e-12)
+
+
+def test_a_gyro_reads_the_speed_of_the_joint_about_its_axis_and_a_velocimeter_what_that_moves() -> None:
+    measure = ["gyro", "velocimeter", "magnetometer"]
+    model = compiled(arm(), sensors={"mount": {"type": "imu", "measure": measure}})
+    data = forward(model, arm_joint=0.7)
+    axis, anchor = data.joint("arm_joint").xaxis, data.joint("arm_joint").xanchor
+    world_from_mount = site(data, "mount")
+    turned, away = world_from_mount[:3, :3], world_from_mount[:3, 3] - anchor
+    np.testing.assert_allclose(read(data, "mount_gyro"), turned.T @ axis * 0.7, atol=1e-12)
+    np.testing.assert_allclose(
+        read(data, "mount_velocimeter"), turned.T @ np.cross(axis * 0.7, away), atol=1e-12
+    )
+    np.testing.assert_allclose(read(data, "mount_magnetometer"), turned.T @ model.opt.magnetic, atol=1e-12)
+
+
+def test_sensors_of_joints_read_their_values_and_of_a_ball_its_quaternion() -> None:
+    every = ["pos", "vel", "actuator_force", "limit_pos", "limit_vel", "limit_force"]
+    sensors = {"all": {"type": "joint", "measure": every}, "one": {"type": "joint", "joints": "arm_joint"}}
+    model = compiled(arm(), sensors=sensors, actuators={"*": "motor"})
+    data = forward(model)
+    data.joint("arm_joint").qpos[0], data.joint("arm_joint").qvel[0] = 1.1, 0.4
+    data.ctrl[0] = 0.3
+    mujoco.mj_forward(model, data)
+    expected = {"pos": 1.1, "vel": 0.4, "actuator_force": 0.3, "limit_pos": -0.1, "limit_vel": -0.4}
+    for name, value in expected.items():
+        assert read(data, f"all_arm_joint_{name}") == pytest.approx(value), name
+    assert read(data, "all_arm_joint_limit_force") > 0
+    np.testing.assert_array_equal(read(data, "all_eye_joint_pos"), [1, 0, 0, 0])
+    assert len(read(data, "all_eye_joint_vel")) == 3
+    assert read(data, "one_pos") == read(data, "all_arm_joint_pos")
+    assert read(data, "one_vel") == read(data, "all_arm_joint_vel")
+    names = {model.sensor(index).name for index in range(model.nsensor)}
+    assert "all_eye_joint_limit_pos" not in names
+
+
+def test_an_encoder_and_a_force_sensor_of_an_actuator_by_glob() -> None:
+    actuators = {"*": {"type": "position", "kp": 50, "kv": 3, "gear": 2, "encoder": True, "force": True}}
+    model = compiled(arm(), actuators=actuators)
+    data = forward(model)
+    data.joint("arm_joint").qpos[0], data.joint("arm_joint").qvel[0], data.ctrl[0] = 0.5, 0.2, 0.7
+    mujoco.mj_forward(model, data)
+    assert [model.sensor(index).name for index in range(3)] == [
+        "arm_joint_pos",
+        "arm_joint_vel",
+        "arm_joint_force",
+    ]
+    assert read(data, "arm_joint_pos") == pytest.approx(2 * 0.5)
+    assert read(data, "arm_joint_vel") == pytest.approx(2 * 0.2)
+    assert read(data, "arm_joint_force") == pytest.approx(50 * (0.7 - 1.0) - 3 * 0.4)
+
+
+def test_a_later_entry_takes_an_encoder_away_and_an_actuator_may_have_a_sensor_with_noise() -> None:
+    actuators = {"*": {"type": "motor", "encoder": True}, "arm_joint": {"encoder": False, "force": True}}
+    sensors = {"drive": {"type": "actuator", "measure": ["force", "pos"], "noise": {"pos": 0.1, "*": 0.2}}}
+    model = compiled(arm(), actuators=actuators, sensors=sensors)
+    names = [model.sensor(index).name for index in range(model.nsensor)]
+    assert names == ["arm_joint_force", "drive_arm_joint_force", "drive_arm_joint_pos"]
+    np.testing.assert_allclose(model.sensor_noise, [0, 0.2, 0.2])
+
+
+def test_force_and_torque_are_those_that_hold_the_link_though_it_is_on_a_fixed_joint() -> None:
+    """Its weight, and that of what hangs on it, about the frame; a fixed link has a body of its own then."""
+    robot = arm()
+    model = compiled(robot, sensors={"load": {"type": "force_torque", "frame": "mount"}})
+    model.dof_armature[:] = 1e9
+    data = forward(model)
+    held = [model.body(name).id for name in ("hand", "eye")]
+    mass = model.body_mass[held]
+    assert mass.sum() == pytest.approx(sum(robot.link(name).inertial.mass for name in ("hand", "eye")))
+    world_from_mount = site(data, "mount")
+    weights = np.outer(mass, [0, 0, -GRAVITY])
+    force = -weights.sum(axis=0)
+    torque = -np.cross(data.xipos[held] - world_from_mount[:3, 3], weights).sum(axis=0)
+    turned = world_from_mount[:3, :3].T
+    np.testing.assert_allclose(read(data, "load_force"), turned @ force, atol=1e-6)
+    np.testing.assert_allclose(read(data, "load_torque"), turned @ torque, atol=1e-6)
+
+
+def test_a_force_sensor_of_the_source_keeps_its_body_too() -> None:
+    robot = replace(arm(), sensors=(Sensor("load", "force", "site", "mount"),))
+    model = compiled(robot)
+    assert model.body("hand").id > 0
+    assert mujoco.mj_name2id(compiled(arm()), mujoco.mjtObj.mjOBJ_BODY, "hand") == -1
+
+
+def cube(touch: object, folder: Path) -> tuple[mujoco.MjModel, mujoco.MjData]:
+    """A cube that lies on the ground, after a second."""
+    box = Primitive("box", (0.1, 0.1, 0.1), frozen(at(0.2, 0, 0)))
+    robot = robot_with(
+        fixed=False, shapes={"base": (box,)}, frames=(Frame("pad", "base", frozen(at(0.2, 0, 0)), ""),)
+    )
+    write(
+        robot,
+        folder,
+        plan_of(
+            sensors={"pad": touch, "far": {"type": "touch", "frame": "pad", "xyz": [0, 0, 1], "size": 0.01}}
+        ),
+        solid(robot),
+    )
+    model = mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
+    data = forward(model)
+    for _ in range(1500):
+        mujoco.mj_step(model, data)
+    return model, data
+
+
+@pytest.mark.parametrize(
+    "keys", ["touch", {"type": "touch", "size": [0.2, 0.2, 0.2]}, {"type": "touch", "size": 0.2}], ids=str
+)
+def test_touch_reads_the_weight_of_what_lies_on_the_ground_and_nothing_elsewhere(
+    keys: object, tmp_path: Path
+) -> None:
+    model, data = cube(keys, tmp_path)
+    assert read(data, "pad") == pytest.approx(model.body_subtreemass[1] * GRAVITY, rel=0.01)
+    assert read(data, "far") == 0
+
+
+def test_the_zone_of_a_touch_sensor_is_the_box_around_the_colliders_in_the_axes_of_its_frame() -> None:
+    robot = arm()
+    model = compiled(robot, sensors={"pad": {"type": "touch", "frame": "mount", "rpy": [0.3, 0.2, 0.1]}})
+    data = forward(model)
+    corners = np.array([[x, y, z] for x in (-0.05, 0.05) for y in (-0.1, 0.1) for z in (-0.15, 0.15)])
+    world_from_hand = from_parts(data.body("arm").xmat.reshape(3, 3), data.body("arm").xpos) @ TILT
+    world = (world_from_hand[:3, :3] @ (corners + np.array([0.01, 0.02, 0.03])).T).T + world_from_hand[:3, 3]
+    inside = np.linalg.inv(site(data, "pad"))
+    reach = np.abs(world @ inside[:3, :3].T + inside[:3, 3]).max(axis=0)
+    np.testing.assert_allclose(model.site("pad").size, reach + 1e-3, atol=1e-9)
+
+
+def test_a_rangefinder_reads_how_far_the_ground_is_along_its_z_axis(tmp_path: Path) -> None:
+    slope = 0.4
+    robot = robot_with([joint("revolute", "base", "arm", place=at(0, 0, 0.8))])
+    down = {"type": "rangefinder", "frame": "base", "xyz": [0, 0, 0.5], "rpy": [math.pi - slope, 0, 0]}
+    up = {"type": "rangefinder", "frame": "base"}
+    write(robot, tmp_path, plan_of(sensors={"down": down, "up": up}, scene__pose="given"), NO_MESHES)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
+    data = forward(model)
+    assert read(data, "down") == pytest.approx(0.5 / math.cos(slope), abs=1e-9)
+    assert read(data, "up") == -1
+
+
+def test_a_frame_is_measured_in_the_world_and_relative_to_another() -> None:
+    every = ["pos", "quat", "xaxis", "yaxis", "zaxis", "linvel", "angvel"]
+    sensors = {
+        "alone": {"type": "frame", "frame": "mount", "measure": [*every, "linacc", "angacc"]},
+        "eye": {"type": "frame", "relative_to": "arm", "measure": every},
+    }
+    model = compiled(arm(), sensors=sensors)
+    data = forward(model, arm_joint=0.7)
+    mount = site(data, "mount")
+    arm_, eye = (
+        from_parts(data.body(name).xmat.reshape(3, 3), data.body(name).xpos) for name in ("arm", "eye")
+    )
+    for name, expected in (("alone", mount), ("eye", np.linalg.inv(arm_) @ eye)):
+        np.testing.assert_allclose(read(data, f"{name}_pos"), expected[:3, 3], atol=1e-12)
+        for column, axis in enumerate(("xaxis", "yaxis", "zaxis")):
+            np.testing.assert_allclose(read(data, f"{name}_{axis}"), expected[:3, column], atol=1e-12)
+        rotated = np.zeros(9)
+        mujoco.mju_quat2Mat(rotated, read(data, f"{name}_quat"))
+        np.testing.assert_allclose(rotated.reshape(3, 3), expected[:3, :3], atol=1e-12)
+    axis, anchor = data.joint("arm_joint").xaxis, data.joint("arm_joint").xanchor
+    np.testing.assert_allclose(read(data, "alone_angvel"), axis * 0.7, atol=1e-12)
+    np.testing.assert_allclose(
+        read(data, "alone_linvel"), np.cross(axis * 0.7, mount[:3, 3] - anchor), atol=1e-12
+    )
+    np.testing.assert_allclose(read(data, "eye_linvel"), 0, atol=1e-12)
+    assert np.abs(read(data, "alone_linacc")).max() > 0.1
+    assert len(read(data, "alone_angacc")) == 3
+
+
+def test_a_camera_looks_along_z_and_says_where_in_its_image_a_frame_is() -> None:
+    camera = {"type": "camera", "frame": "mount", "rpy": [0.2, 0.1, 0], "fovy": 60, "resolution": [200, 100]}
+    ahead = Frame("ahead", "hand", frozen(PLACE @ TILT @ turn_of(0.2, 0.1) @ at(0.3, 0.2, 2.0)), "")
+    base = arm()
+    robot = replace(base, frames=(*base.frames, ahead))
+    model = compiled(robot, sensors={"view": {**camera, "sees": ["ahead", "eye"]}})
+    assert model.camera("view").fovy[0] == 60
+    assert model.cam_resolution[0].tolist() == [200, 100]
+    data = forward(model)
+    focal = 100 / 2 / math.tan(math.radians(30))
+    np.testing.assert_allclose(read(data, "view_ahead"), [100 + focal * 0.15, 50 + focal * 0.1], atol=1e-4)
+    assert len(read(data, "view_eye")) == 2
+
+
+def turn_of(roll: float, pitch: float) -> Array:
+    """Roll, then pitch about fixed axes (4, 4)."""
+    across, along = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
+    return from_parts(turn(across, pitch) @ turn(along, roll), np.zeros(3))
+
+
+def test_noise_and_cutoff_are_in_the_model_and_a_cutoff_bounds_what_is_measured() -> None:
+    keys = {"type": "imu", "frame": "mount", "noise": {"*": 0.01, "accelerometer": 0.05}, "cutoff": 0.3}
+    model = compiled(arm(), sensors={"imu": keys})
+    np.testing.assert_allclose(model.sensor_noise, [0.01, 0.05, 0.01])
+    np.testing.assert_allclose(model.sensor_cutoff, [0.3, 0.3, 0])
+    data = forward(model, arm_joint=10.0)
+    assert np.abs(read(data, "imu_gyro")).max() == pytest.approx(0.3)
+
+
+def test_robot_json_lists_sensors_with_their_places_and_cameras() -> None:
+    sensors = {
+        "imu": {"type": "imu", "frame": "hand", "measure": ["gyro"], "noise": 0.01},
+        "pad": {"type": "touch", "frame": "hand", "size": 0.1},
+        "view": {"type": "camera", "frame": "hand", "xyz": [0, 0, 0.1]},
+    }
+    table = json.loads(exported(arm(), sensors=sensors).files["robot.json"])
+    on = {"kind": "site", "name": "hand"}
+    expected = {
+        "name": "imu_gyro",
+        "type": "gyro",
+        "on": on,
+        "relative_to": None,
+        "noise": 0.01,
+        "cutoff": 0.0,
+    }
+    assert table["sensors"][0] == expected
+    identity = {"xyz": [0.0, 0.0, 0.0], "quat": [1.0, 0.0, 0.0, 0.0]}
+    assert table["sensor_sites"] == [{"name": "pad", "link": "hand", "pose": identity, "size": [0.1]}]
+    assert table["cameras"][0]["pose"]["xyz"] == [0, 0, 0.1]
+    assert "sensors" not in json.loads(exported(arm()).files["robot.json"])
+
+
+def test_what_validates_knows_the_sensors_and_names_of_sites_are_free(tmp_path: Path) -> None:
+    base = arm()
+    closed = loop("ball", "arm", "base", np.eye(4), PLACE, name="close")
+    robot = robot_with(base.joints[:1], loops=(closed,))
+    plan = plan_of(sensors={"close_a": {"type": "imu", "frame": "arm"}, "base": "imu"})
+    found = write(robot, tmp_path, plan)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    names = [model.site(index).name for index in range(model.nsite)]
+    assert len(set(names)) == len(names) == 4
+    checks = validate(tmp_path, robot, plan, found.actuation, NO_MESHES, found.form, found.mjcf_form)
+    assert [check.name for check in checks if not check.passed] == []
+
+
+@pytest.mark.parametrize(
+    ("sensors", "code", "where", "words"),
+    [
+        ({"imu": "imu"}, "E-FRAME", "sensors.imu.frame", ("no frame or link 'imu'", "mount")),
+        (
+            {"i": {"type": "imu", "frame": "mont"}},
+            "E-FRAME",
+            "sensors.i.frame",
+            ("'mont'", "did you mean mount?", "hand"),
+        ),
+        (
+            {"hand": {"type": "frame", "relative_to": "bse"}},
+            "E-FRAME",
+            "sensors.hand.relative_to",
+            ("'bse'", "did you mean base?"),
+        ),
+        (
+            {"hand": {"type": "camera", "sees": ["ey"]}},
+            "E-FRAME",
+            "sensors.hand.sees",
+            ("'ey'", "did you mean eye?"),
+        ),
+        (
+            {"j": {"type": "joint", "joints": "arm_jont"}},
+            "E-GLOB",
+            "sensors.j.joints",
+            ("did you mean arm_joint?", "eye_joint"),
+        ),
+        (
+            {"a": {"type": "actuator", "actuators": "x*"}},
+            "E-GLOB",
+            "sensors.a.actuators",
+            ("no actuator matches 'x*'", "none"),
+        ),
+        (
+            {"j": {"type": "joint", "joints": "eye_joint", "measure": ["limit_pos"]}},
+            "E-SENSOR",
+            "sensors.j.joints",
+            ("eye_joint is a ball", "leave limit_pos out"),
+        ),
+        ({"eye": "touch"}, "E-SENSOR", "sensors.eye", ("eye has no collider", "size")),
+        (
+            {"overview": {"type": "camera", "frame": "hand"}},
+            "E-SENSOR",
+            "sensors.overview",
+            ("already", "another name"),
+        ),
+        ({"né": {"type": "imu", "frame": "hand"}}, "E-SENSOR", "sensors.né", ("invalid name", "ne")),
+        (
+            {
+                "a": {"type": "joint", "joints": "arm_joint"},
+                "a_pos": {"type": "rangefinder", "frame": "hand"},
+            },
+            "E-SENSOR",
+            "sensors.a_pos",
+            ("'a_pos' is there already, from sensors.a",),
+        ),
+    ],
+    ids=lambda value: str(value)[:40],
+)  # fmt: skip
+def test_what_does_not_exist_or_cannot_be_measured_is_named(
+    sensors: dict[str, Any], code: str, where: str, words: tuple[str, ...]
+) -> None:
+    found = problem(arm(), sensors)
+    assert found[:2] == (code, where)
+    for word in words:
+        assert word in f"{found[2]} {found[3]}"
+
+
+def test_a_sensor_of_the_source_keeps_its_name() -> None:
+    robot = replace(arm(), sensors=(Sensor("arm_joint_pos", "jointpos", "joint", "arm_joint"),))
+    actuators = {"arm_joint": {"type": "motor", "encoder": True}}
+    code, where, message, _ = problem(robot, {}, actuators=actuators)
+    assert (code, where) == ("E-SENSOR", "actuators.arm_joint.encoder")
+    assert "'arm_joint_pos' is there already, from the source" in message
+    model = compiled(robot, sensors={"imu": {"type": "imu", "frame": "mount"}})
+    assert [model.sensor(index).name for index in range(2)] == ["arm_joint_pos", "imu_gyro"]
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({}, "type"),
+        ({"type": "sonar"}, "rangefinder"),
+        (
+            {"type": "imu", "joints": "*"},
+            "type imu takes frame, xyz, rpy, measure, noise, cutoff; not joints",
+        ),
+        (
+            {"type": "imu", "measure": ["gyr"]},
+            "type imu measures gyro, accelerometer, quat, velocimeter, magnetometer; not gyr",
+        ),
+        ({"type": "imu", "measure": []}, "measure must name something"),
+        ({"type": "joint", "measure": ["pos", "pos"]}, "measure must name each thing once"),
+        ({"type": "frame", "relative_to": "base", "measure": ["linacc"]}, "exclude relative_to"),
+        ({"type": "imu", "noise": {"acc": 1}}, "noise names acc, but measured are gyro, accelerometer, quat"),
+        ({"type": "imu", "cutoff": {"quat": 1}}, "cutoff does not go with quat"),
+        ({"type": "imu", "noise": -1}, "greater than or equal to 0"),
+        ({"type": "touch", "size": [1, 2]}, "radius of a ball"),
+        ({"type": "touch", "size": 0}, "greater than 0"),
+        ({"type": "camera", "fovy": 180}, "less than 180"),
+    ],
+    ids=str,
+)  # fmt: skip
+def test_a_bad_value_is_refused_with_what_is_allowed(keys: dict[str, Any], words: str) -> None:
+    with pytest.raises(ConfigError) as error:
+        Plan.parse({"name": "r", "source": {"kind": "sample"}, "sensors": {"it": keys}})
+    assert words in str(error.value) + str(getattr(error.value, "problems", ""))
