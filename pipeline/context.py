@@ -13,6 +13,7 @@ from stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
     from stages.export.writer import Exported
+    from stages.fetch.source import Calls
     from stages.formats.mjcf_form import MjcfForm
     from stages.formats.urdf.form import UrdfForm
     from stages.robot.actuation import Actuation
@@ -129,3 +130,16 @@ def notes(
 ) -> bytes:
     found = {"summary": summary, "diagnostics": codec.plain(diagnostics), "figures": figures or {}, **more}
     return json.dumps(found, indent=1).encode()
+
+
+def spent(calls: "Calls") -> dict[str, Any]:
+    """The calls of a fetch, as the report has them."""
+    spent: dict[str, Any] = {"made": calls.made, "saved": calls.saved}
+    if calls.made:
+        spent |= {
+            "counted_this_year": calls.year,
+            "remaining": dict(calls.remaining),
+            "served": dict(calls.served),
+            "waited": round(calls.waited, 1),
+        }
+    return spent

@@ -9,19 +9,16 @@ import functools
 import importlib.metadata
 from collections.abc import Mapping
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from pipeline.caching import bundles
 from pipeline.caching.actions import Remembered
 from pipeline.config.plan import Plan, section
-from pipeline.context import FILES, NOTES, ROBOT, BuildContext, facts, notes
+from pipeline.context import FILES, NOTES, ROBOT, BuildContext, facts, notes, spent
 from pipeline.mesh_details import noted, shown
 from stages.robot import codec
 from stages.robot.errors import ConfigError
 from stages.robot.plural import count
-
-if TYPE_CHECKING:
-    from stages.fetch.source import Calls
 
 
 @functools.cache
@@ -139,7 +136,7 @@ class FetchStage(StageBase):
             )
         finally:
             # Also the calls of a fetch that failed.
-            context.calls |= _spent(calls)
+            context.calls |= spent(calls)
         bundle = fetched.bundle
         context.cache.check(bundles.named(bundle))
         size = sum(len(body) for body in bundle.blobs.values())
@@ -153,19 +150,6 @@ class FetchStage(StageBase):
                 stale=fetched.stale,
             ),
         }
-
-
-def _spent(calls: "Calls") -> dict[str, Any]:
-    """The calls of a fetch, as the report has them."""
-    spent: dict[str, Any] = {"made": calls.made, "saved": calls.saved}
-    if calls.made:
-        spent |= {
-            "counted_this_year": calls.year,
-            "remaining": dict(calls.remaining),
-            "served": dict(calls.served),
-            "waited": round(calls.waited, 1),
-        }
-    return spent
 
 
 class GraphStage(StageBase):
@@ -247,6 +231,11 @@ class ExportStage(StageBase):
         from stages.export import WRITERS, writer_of
 
         return tuple(module for name in WRITERS for module in writer_of(name).modules)
+
+    def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
+        from stages.export.actuators.versions import require
+
+        require(plan.actuators)
 
     def config(self, context: BuildContext) -> Any:
         from stages.export.keys import ExportKeys

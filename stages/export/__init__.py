@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 22
+VERSION = 23
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -45,13 +45,13 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     from stages.export.sensors.resolve import sensing_of
     from stages.export.standing import stand
     from stages.export.urdf.form import form_of
-    from stages.robot.armatures import with_armatures
+    from stages.robot.driven import as_driven
     from stages.robot.start_pose import starting_point
 
     start, standing = starting_point(robot), stand(robot, geometry, keys)
     place = standing.world_from_root
     actuation, remarks = driven(robot, geometry, keys, start, standing)
-    robot = with_armatures(robot, actuation)
+    robot = as_driven(robot, actuation)
     form, mjcf_form = form_of(robot, keys, actuation), mjcf_form_of(robot, geometry, keys)
     sensing = sensing_of(robot, geometry, actuation, keys, mjcf_form.fused)
     written: dict[str, Exported] = {}

@@ -10,19 +10,35 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from stages.robot.keys import Flag, Keys, NonNegative, Number, Positive, Text, example, invalid, not_yet
 
 DynamicsName = Literal["none", "integrator", "filter", "filterexact", "muscle", "user"]
-ActuatorName = Literal["none", "motor", "position", "velocity", "general"]
+ActuatorName = Literal[
+    "none", "motor", "position", "velocity", "intvelocity", "damper", "pid", "dcmotor", "general"
+]
+
+DC_MOTOR = (
+    "motorconst", "resistance", "nominal", "saturation", "inductance", "cogging", "thermal", "lugre",
+)  # fmt: skip
+"""Parameters of a DC motor, by MuJoCo's own names."""
 
 PARAMETERS: Mapping[str, tuple[str, ...]] = {
     "none": (),
-    "motor": (),
-    "position": ("kp", "kv", "dampratio"),
-    "velocity": ("kv",),
-    "general": ("gaintype", "biastype", "dyntype", "gainprm", "biasprm", "dynprm"),
+    "motor": ("forcerange",),
+    "position": ("kp", "kv", "dampratio", "forcerange"),
+    "velocity": ("kv", "forcerange"),
+    "intvelocity": ("kp", "kv", "dampratio", "forcerange"),
+    "damper": ("kv", "forcerange"),
+    "pid": ("kp", "kv", "dampratio", "ki", "imax", "slewmax", "forcerange"),
+    "dcmotor": DC_MOTOR,
+    "general": ("gaintype", "biastype", "dyntype", "gainprm", "biasprm", "dynprm", "forcerange"),
 }
 """Type → the fields that only some types have; every type but none has the others."""
 
-SHARED = ("gear", "ctrlrange", "forcerange", "gravcomp")
+SHARED = ("gear", "ctrlrange", "gravcomp", "delay", "interp")
 """Fields of every type but none."""
+
+
+def fields_of(kind: str) -> tuple[str, ...]:
+    """The fields that a type of actuator has."""
+    return (*PARAMETERS[kind], *(SHARED if kind != "none" else ()))
 
 
 def _ascending(pair: tuple[float, float]) -> tuple[float, float]:
@@ -47,33 +63,53 @@ class ActuatorKeys(Keys):
 
     type: Annotated[ActuatorName | None, example("position")] = None
     """none: nothing, also not what the source has; motor: the control is the torque or force; position: a
-    servo that holds a value; velocity: a servo that holds a speed; general: MuJoCo's own parameters. null: as
-    in an earlier entry that matches."""
+    servo that holds a value; velocity: a servo that holds a speed; intvelocity: a servo whose target moves
+    at the speed of the control; damper: the control is a share of the damping `kv`; pid: a position servo
+    with an integral part (MuJoCo 3.12); dcmotor: the control is the voltage of a DC motor (MuJoCo 3.7);
+    general: MuJoCo's own parameters. null: as in an earlier entry that matches, else none."""
 
     gear: Annotated[Annotated[Number, AfterValidator(_not_zero)] | None, example(50)] = None
     """Ratio of the actuator's motion to the dof's [-]; null: 1. The control and the parameters are those of
     the actuator, before the gear."""
 
     kp: Annotated[Positive | None, example(80)] = None
-    """Of position: stiffness [N m/rad or N/m]. null: estimated for each dof, so that the robot's weight moves
-    it by less than 0.01 rad or 1 mm anywhere in its range."""
+    """Of position, intvelocity and pid: stiffness [N m/rad or N/m]. null: estimated for each dof, so that the
+    robot's weight moves it by less than 0.01 rad or 1 mm anywhere in its range."""
 
     kv: Annotated[NonNegative | None, example(2)] = None
-    """Of position and velocity: damping [N m s/rad or N s/m]; null: estimated."""
+    """Of position, velocity, intvelocity, damper and pid: damping [N m s/rad or N s/m]; null: estimated."""
 
     dampratio: Annotated[NonNegative | None, example(1)] = None
-    """Of position: damping ratio [-] of the dof at `home`, from which `kv` follows; null: 1."""
+    """Of position, intvelocity and pid: damping ratio [-] of the dof at `home`, from which `kv` follows;
+    null: 1."""
+
+    ki: Annotated[Positive | None, example(20)] = None
+    """Of pid: force per error and second [N m/(rad s) or N/(m s)], so that nothing sags for long; null: no
+    integral part."""
+
+    imax: Annotated[Positive | None, example(2)] = None
+    """Of pid: the largest integral of the error [rad s or m s] that counts; null: no limit."""
+
+    slewmax: Annotated[Positive | None, example(3)] = None
+    """Of pid: the largest speed [rad/s or m/s] at which the target follows the control; null: no limit."""
 
     ctrlrange: Annotated[Pair | None, example([-1, 1])] = None
-    """Range of the control [rad, m, rad/s, m/s, N m or N]; null: the limits of the dof, its velocity, or
-    its effort."""
+    """Range of the control [rad, m, rad/s, m/s, N m, N or V; of a damper -]; null: the limits of the dof, its
+    velocity, its effort, the voltage of the motor, or of a damper [0, 1]."""
 
     forcerange: Annotated[Pair | None, example([-12, 12])] = None
     """Range of the actuator's force [N m or N], beside the effort of the dof, which always counts; null: no
-    other."""
+    other. Not of dcmotor, which has `saturation`."""
 
     gravcomp: Annotated[Annotated[Number, Field(ge=0, le=1)] | None, example(1)] = None
     """Share [-] of the weight of the links beyond the dof that the actuator holds by itself; null: 0."""
+
+    delay: Annotated[Positive | None, example(0.01)] = None
+    """Time [s] after which the control acts (MuJoCo 3.5); null: at once. After a reset, also to a keyframe,
+    the control counts as 0 for that time."""
+
+    interp: Annotated[Literal["zoh", "linear", "cubic"] | None, example("linear")] = None
+    """How a delayed control is read between time steps; null: zoh, the last one."""
 
     gaintype: Annotated[Literal["fixed", "affine", "muscle", "user"] | None, example("fixed")] = None
     """Of general: as MuJoCo's attribute of that name."""
@@ -101,6 +137,41 @@ class ActuatorKeys(Keys):
     """Whether a sensor measures the actuator's force: `<actuator>_force`; null: as in an earlier entry that
     matches, else not."""
 
+    motorconst: Annotated[
+        Annotated[tuple[Positive, ...], Field(min_length=1, max_length=2)] | None, example([0.05])
+    ] = None
+    """Of dcmotor: torque per current [N m/A], and voltage per speed [V s/rad] where it differs."""
+
+    resistance: Annotated[Positive | None, example(2)] = None
+    """Of dcmotor: of the winding [ohm]."""
+
+    nominal: Annotated[tuple[Positive, Positive, Positive] | None, example([12, 3, 5])] = None
+    """Of dcmotor, in place of `motorconst` and `resistance`: voltage [V], and the stall torque [N m] and
+    no-load speed [rad/s] at it."""
+
+    saturation: Annotated[
+        Annotated[tuple[NonNegative, ...], Field(min_length=1, max_length=3)] | None, example([3])
+    ] = None
+    """Of dcmotor: as MuJoCo's attribute of that name."""
+
+    inductance: Annotated[
+        Annotated[tuple[NonNegative, ...], Field(min_length=1, max_length=2)] | None, example([0.001])
+    ] = None
+    """Of dcmotor: as MuJoCo's attribute of that name."""
+
+    cogging: Annotated[tuple[Number, Number, Number] | None, example([0.01, 6, 0])] = None
+    """Of dcmotor: as MuJoCo's attribute of that name."""
+
+    thermal: Annotated[
+        tuple[Number, Number, Number, Number, Number, Number] | None, example([10, 5, 1, 0.004, 25, 25])
+    ] = None
+    """Of dcmotor: as MuJoCo's attribute of that name."""
+
+    lugre: Annotated[
+        tuple[Number, Number, Number, Number, Number] | None, example([100, 1, 0.1, 0.15, 0.1])
+    ] = None
+    """Of dcmotor: as MuJoCo's attribute of that name."""
+
     motor: Text | None = not_yet(None)
     """A motor of the library."""
 
@@ -108,7 +179,7 @@ class ActuatorKeys(Keys):
     def _of_the_type(self) -> Self:
         if self.type is None:
             return self
-        allowed = (*PARAMETERS[self.type], *(SHARED if self.type != "none" else ()))
+        allowed = fields_of(self.type)
         wrong = [name for name in self.given() if name not in allowed]
         if self.type == "none":
             wrong += [name for name in ("encoder", "force") if getattr(self, name)]
@@ -117,10 +188,12 @@ class ActuatorKeys(Keys):
             raise invalid(f"type {self.type} {takes}; not {', '.join(wrong)}")
         if self.kv is not None and self.dampratio is not None:
             raise invalid("kv and dampratio exclude each other")
+        if self.type == "damper" and self.ctrlrange is not None and self.ctrlrange[0] < 0:
+            raise invalid("the control of a damper is never negative: ctrlrange begins at 0 or above")
         return self
 
     def given(self) -> dict[str, Any]:
-        """The parameters that have a value, without the type."""
+        """The parameters that have a value, without the type and the motor."""
         names = (*SHARED, *dict.fromkeys(name for row in PARAMETERS.values() for name in row))
         return {name: value for name in names if (value := getattr(self, name)) is not None}
 

@@ -7,8 +7,12 @@ affine in that length and its speed (MuJoCo's documentation, "Computation", on a
 from dataclasses import dataclass
 from typing import Literal
 
-ActuatorType = Literal["motor", "position", "velocity", "general"]
-"""motor: the control is the force; position, velocity: servos; general: every parameter is given."""
+ActuatorType = Literal["motor", "position", "velocity", "intvelocity", "damper", "pid", "dcmotor", "general"]
+"""motor: the control is the force; position, velocity, intvelocity, pid: servos; damper: the control is a
+share of the damping; dcmotor: the control is a voltage; general: every parameter is given."""
+
+SERVOS = ("position", "intvelocity", "pid")
+"""The types that hold a value, with a stiffness `kp`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,8 +21,9 @@ class Actuator:
 
     `gear`: length of the actuator per value of the dof. `kp` [N m/rad or N/m] and `kv` [N m s/rad or
     N s/m] of servos. `control` and `force`: (lowest, highest), None without limits; control in the unit of
-    the type, force at the actuator. `terms`: MJCF's other attributes, those of `general`. `home`: the control
-    at the keyframe `home`.
+    the type, force at the actuator. `terms`: MJCF's other attributes, those of `general` and of single types.
+    `home`: the control at the keyframe `home`. `motor`: of the library, "" for none; `sources`: (parameter,
+    where its value comes from) of those that it gives.
 
     `load` [N m or N]: the largest force at the dof that holds the robot's weight, over its range, None where
     the weight is unknown; `home_load`: at `home`. `estimated`: the values that Linkwright has chosen.
@@ -37,12 +42,16 @@ class Actuator:
     load: float | None = None
     home_load: float | None = None
     estimated: tuple[str, ...] = ()
+    motor: str = ""
+    sources: tuple[tuple[str, str], ...] = ()
 
     @property
     def sag(self) -> float | None:
         """How far [rad or m] the weight moves a servo's dof from its target at `home`; None without kp."""
-        if self.type != "position" or not self.kp or self.home_load is None:
+        if self.type not in SERVOS or not self.kp or self.home_load is None:
             return None
+        if any(name == "ki" for name, _ in self.terms):
+            return 0.0
         return self.home_load / (self.kp * self.gear**2)
 
 
@@ -56,17 +65,29 @@ class Armature:
 
 
 @dataclass(frozen=True, slots=True)
+class Supplied:
+    """What a motor of the library gives a dof: a `quantity` of its dynamics, at the dof. `source`: the motor,
+    and where its value comes from."""
+
+    dof: str
+    quantity: str
+    value: float
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
 class Actuation:
     """What drives a robot, in the order of its dofs.
 
-    `armatures`: of dofs that have none of their own. `compensated`: (link, share of its weight) that
-    actuators carry; `compensating`: the dofs whose actuators do so.
+    `supplied`: by motors; `armatures`: of dofs that have none by then. `compensated`: (link, share of its
+    weight) that actuators carry; `compensating`: the dofs whose actuators do so.
     """
 
     actuators: tuple[Actuator, ...] = ()
     armatures: tuple[Armature, ...] = ()
     compensated: tuple[tuple[str, float], ...] = ()
     compensating: tuple[str, ...] = ()
+    supplied: tuple[Supplied, ...] = ()
 
     def of(self, dof: str) -> Actuator | None:
         """The first actuator of a dof."""

@@ -1,5 +1,6 @@
-"""The control that an actuator has at a keyframe."""
+"""The control and the state that an actuator has at a keyframe."""
 
+import math
 from collections.abc import Mapping
 
 from stages.robot.actuation import Actuator
@@ -9,8 +10,8 @@ def home_control(actuator: Actuator, value: float, force: float) -> float:
     """A servo's is its target: where its force is 0 at rest with the dof at `value`. Any other's makes the
     `force` at the dof that holds the robot's weight.
 
-    The force is gain · control + b₀ + b₁ · length + b₂ · speed. An actuator with a state of its own, or of a
-    kind that has no such form, rests at 0. Within the control range.
+    The force is gain · control + b₀ + b₁ · length + b₂ · speed. An actuator whose control moves its state, a
+    damper, or one of a kind that has no such form, rests at 0. Within the control range.
     """
     gain, b0, b1 = _affine(actuator)
     control = 0.0
@@ -27,15 +28,35 @@ def control_at(actuator: Actuator, value: float) -> float:
     return home_control(actuator, value, 0.0) if _affine(actuator)[2] else actuator.home
 
 
+def state_at(actuator: Actuator, value: float) -> tuple[float, ...]:
+    """The activations for the dof to rest at `value`, as many as MuJoCo has for it: the target where it is a
+    state, else 0."""
+    terms = dict(actuator.terms)
+    if actuator.type == "intvelocity":
+        return (actuator.gear * value,)
+    if actuator.type == "pid":
+        target = (control_at(actuator, value),) if "slewmax" in terms else ()
+        return (*target, *((0.0,) if "ki" in terms else ()))
+    if actuator.type == "dcmotor":
+        return (0.0,) * sum(name in terms for name in ("inductance", "thermal", "lugre"))
+    if terms.get("dyntype", "none") == "none":
+        return ()
+    return (0.0,) * int(terms.get("actdim", "1"))
+
+
 def _affine(actuator: Actuator) -> tuple[float, float, float]:
     """Gain, b₀ and b₁; gain 0 for no such form."""
     if actuator.type == "motor":
         return 1.0, 0.0, 0.0
-    if actuator.type == "position":
+    if actuator.type in ("position", "pid"):
         kp = actuator.kp or 0.0
         return kp, 0.0, -kp
     if actuator.type == "velocity":
         return actuator.kv or 0.0, 0.0, 0.0
+    if actuator.type == "dcmotor":
+        return torque_per_volt(actuator), 0.0, 0.0
+    if actuator.type != "general":
+        return 0.0, 0.0, 0.0
     terms = dict(actuator.terms)
     if terms.get("dyntype", "none") != "none" or terms.get("gaintype", "fixed") != "fixed":
         return 0.0, 0.0, 0.0
@@ -44,6 +65,17 @@ def _affine(actuator: Actuator) -> tuple[float, float, float]:
         return gain, 0.0, 0.0
     b0, b1 = (*_numbers(terms, "biasprm", ()), 0.0, 0.0)[:2]
     return gain, b0, b1
+
+
+def torque_per_volt(actuator: Actuator) -> float:
+    """Of a DC motor at rest [N m/V], before the gear: the motor constant over the resistance, or stall torque
+    over the voltage. With two constants MuJoCo takes their geometric mean."""
+    terms = dict(actuator.terms)
+    if "nominal" in terms:
+        voltage, stall, _ = _numbers(terms, "nominal", ())
+        return stall / voltage
+    constants = _numbers(terms, "motorconst", ())
+    return math.prod(constants) ** (1 / len(constants)) / float(terms["resistance"])
 
 
 def _numbers(terms: Mapping[str, str], name: str, default: tuple[float, ...]) -> tuple[float, ...]:

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from stages.robot.model import Robot
     from stages.validate.keys import ValidateKeys
 
-VERSION = 12
+VERSION = 13
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)

@@ -11,8 +11,8 @@ from stages.formats.mjcf_form import MjcfForm
 from stages.formats.urdf.as_written import as_written
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.robot.actuation import NONE, Actuation
-from stages.robot.armatures import with_armatures
 from stages.robot.check import Check
+from stages.robot.driven import as_driven
 from stages.robot.fused_geometry import fused_geometry
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
@@ -32,7 +32,7 @@ def check_files(
 ) -> Iterator[Check]:
     """The results of every file in `folder` that one of the engines reads. Without `checks`, whether each
     compiles."""
-    robot = with_armatures(robot, actuation)
+    robot = as_driven(robot, actuation)
     urdf, mjcf = as_written(robot, form), mjcf_written.as_written(robot, mjcf_form)
     held = mjcf_written.holders(robot, mjcf_form)
     solid = None if geometry is None else fused_geometry(robot, geometry, held)

@@ -213,7 +213,7 @@ def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
         (["export=[urdf,sdf]"], "E-LATER export=sdf: not supported yet\n      options: mjcf, urdf"),
         (["export=[urdf,obj]"], "E-OPTION export=obj: there is no such option\n      options: mjcf, urdf"),
         (["export=[]"], "E-VALUE export: no format is chosen"),
-        (["actuators=positon"], "did you mean position? options: general, motor, none, position, velocity"),
+        (["actuators=positon"], "did you mean position? options: damper, general, intvelocity"),
         (["mesh/collider=x"], "E-OVERRIDE mesh/collider=x: there is no such group\n      groups: actuators"),
         (["hydra.searchpath=[x]"], "this part of Hydra is set by linkwright"),
         (["~nope"], "E-OVERRIDE ~nope: does not exist, so it cannot be deleted"),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 WHERE = "actuators"
 
-OF_ONE_KIND = ("kp", "kv", "ctrlrange", "forcerange")
+OF_ONE_KIND = ("kp", "kv", "ki", "imax", "slewmax", "ctrlrange", "forcerange")
 """Parameters whose unit depends on the kind of dof: one number cannot be right for a turn and a slide."""
 
 
@@ -51,7 +51,7 @@ def wanted_of(robot: Robot, entries: Mapping[str, ActuatorKeys], log: Diagnostic
 
 
 def _merged(dof: Dof, entries: Mapping[str, ActuatorKeys], log: Diagnostics) -> Wanted | None:
-    from stages.export.actuator_keys import PARAMETERS, SHARED
+    from stages.export.actuator_keys import fields_of
 
     kind: str | None = None
     parameters: dict[str, Any] = {}
@@ -73,15 +73,31 @@ def _merged(dof: Dof, entries: Mapping[str, ActuatorKeys], log: Diagnostics) -> 
         return None
     if kind is None:
         text = f"{matched!r} has no type of actuator for {dof.name}"
-        log.report("E-ACTUATOR", text, WHERE, "type: motor, position, velocity or general")
+        log.report("E-ACTUATOR", text, WHERE, "type: motor, position, velocity, ..., or a motor")
         return None
-    allowed = (*PARAMETERS[kind], *(SHARED if kind != "none" else ()))
+    allowed = fields_of(kind)
     for name in parameters:
         if name not in allowed:
             text = f"{origin[name]!r} gives {name}, which type {kind} of {dof.name} does not have"
             hint = f"type {kind} takes {', '.join(allowed) or 'nothing else'}"
             log.report("E-ACTUATOR", text, WHERE, hint)
+    for text, hint in _incomplete(kind, parameters):
+        log.report("E-ACTUATOR", f"{matched!r}: {text}, for {dof.name}", WHERE, hint)
     return Wanted(kind, parameters, named)
+
+
+def _incomplete(kind: str, parameters: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """(problem, hint) of parameters that need others."""
+    if "imax" in parameters and "ki" not in parameters:
+        yield "imax limits the integral part, and there is none", "give ki"
+    if "interp" in parameters and "delay" not in parameters:
+        yield "interp is about a delayed control, and there is no delay", "give delay"
+    constants = [name for name in ("motorconst", "resistance") if name in parameters]
+    if kind == "dcmotor" and "nominal" in parameters and constants:
+        text = f"nominal stands in place of {' and '.join(constants)}"
+        yield text, "give nominal, or motorconst and resistance"
+    elif kind == "dcmotor" and "nominal" not in parameters and len(constants) < 2:
+        yield "type dcmotor lacks its motor", "give nominal, or motorconst and resistance"
 
 
 def _check(glob: str, keys: ActuatorKeys, robot: Robot, log: Diagnostics) -> None:

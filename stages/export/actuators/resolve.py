@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
@@ -12,8 +11,10 @@ import numpy as np
 from stages.export.actuators import estimates
 from stages.export.actuators.choices import Wanted, driven_order, wanted_of
 from stages.export.actuators.loads import Load, loads, postures
+from stages.export.actuators.ranges import control_range
 from stages.export.actuators.remarks import remark
-from stages.robot.actuation import Actuation, Actuator, ActuatorType, Armature
+from stages.export.actuators.terms import terms_of
+from stages.robot.actuation import SERVOS, Actuation, Actuator, ActuatorType, Armature
 from stages.robot.couplings import Couplings, Rates
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic, ExportError
@@ -143,12 +144,12 @@ class _Maker:
             type=cast(ActuatorType, wanted.type),
             gear=gear,
             force=given.get("forcerange"),
-            terms=_terms(given) if wanted.type == "general" else (),
+            terms=terms_of(wanted.type, given, dof, gear, self._timestep),
             load=None if load is None else load.most,
             home_load=None if load is None else abs(load.home),
         )
         made = self._servo(made, dof, given, stiff, armature)
-        made = replace(made, control=given.get("ctrlrange") or _control(dof, made))
+        made = replace(made, control=given.get("ctrlrange") or control_range(dof, made, given))
         return self._at_home(made, load)
 
     def kept(self, dof: Dof, own: Actuator) -> Actuator:
@@ -184,7 +185,7 @@ class _Maker:
         load = self._loads.get(dof.name)
         own = 0.0 if dof.dynamics.armature is not None else armature
         inertia = (load.inertia if load else 0.0) + own
-        if made.type == "position":
+        if made.type in SERVOS:
             if kp is None:
                 kp = estimates.rounded(stiff / made.gear**2)
                 estimated.append("kp")
@@ -192,7 +193,7 @@ class _Maker:
                 ratio = given.get("dampratio", 1.0)
                 kv = estimates.rounded(estimates.damping(stiff, ratio, inertia) / made.gear**2)
                 estimated.append("kv")
-        elif made.type == "velocity" and kv is None:
+        elif made.type in ("velocity", "damper") and kv is None:
             drag = 1.0 if load is None else estimates.drag(dof.kind, load, own)
             kv = estimates.rounded(drag / made.gear**2)
             estimated.append("kv")
@@ -205,26 +206,3 @@ class _Maker:
         force = load.home if load is not None and self._fixed else 0.0
         assert not isinstance(value, tuple)
         return replace(made, home=home_control(made, value, force))
-
-
-def _terms(given: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
-    """MuJoCo's own attributes, as text."""
-    names = ("dyntype", "gaintype", "biastype", "dynprm", "gainprm", "biasprm")
-    return tuple((name, _text(given[name])) for name in names if name in given)
-
-
-def _text(value: str | Sequence[float]) -> str:
-    return value if isinstance(value, str) else " ".join(f"{one:.12g}" for one in value)
-
-
-def _control(dof: Dof, made: Actuator) -> tuple[float, float] | None:
-    """The range of the control that the dof's limits, velocity or effort ask for; None where one is open."""
-    gear = made.gear
-    if made.type == "position":
-        low, high = sorted(gear * end for end in dof.limits.interval)
-        return None if math.isinf(low) or math.isinf(high) or low == high else (low, high)
-    most = {"velocity": dof.dynamics.velocity, "motor": dof.dynamics.effort}.get(made.type)
-    if most is None:
-        return None
-    most *= abs(gear) if made.type == "velocity" else 1.0 / abs(gear)
-    return -most, most

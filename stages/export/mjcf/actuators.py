@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 from stages.formats.numbers import TURN, number, spaced
 from stages.formats.xml import Element, element
 from stages.robot.actuation import Actuation
-from stages.robot.home_control import control_at
+from stages.robot.home_control import control_at, state_at
 from stages.robot.model import Configuration, Sensor
 
 
@@ -68,6 +68,15 @@ def _controls(actuation: Actuation, at: Configuration | None) -> Iterator[float]
     for one in actuation.actuators:
         value = None if at is None else at[one.dof]
         yield one.home if value is None or isinstance(value, tuple) else control_at(one, value)
+
+
+def states(actuation: Actuation, at: Configuration) -> str | None:
+    """The `act` of a keyframe with these values; None where all are 0."""
+    every: list[float] = []
+    for one in actuation.actuators:
+        value = at[one.dof]
+        every += () if isinstance(value, tuple) else state_at(one, value)
+    return " ".join(number(one, least=TURN) for one in every) if any(every) else None
 
 
 def _number(value: float | None) -> str | None:

@@ -7,7 +7,7 @@ Element and attribute rules are those of MuJoCo's XML reference. Every body has 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-from stages.export.mjcf.actuators import controls, write_actuation
+from stages.export.mjcf.actuators import controls, states, write_actuation
 from stages.export.mjcf.bodies import BodyWriter, stem
 from stages.export.mjcf.cameras import carried_cameras, write_camera
 from stages.export.mjcf.classes import write_classes
@@ -173,7 +173,7 @@ def _keyframes(
         texts = dict(_qpos(robot, q, start, world_from_root))
         qpos_text = " ".join(texts[joint] for joint in joints)
         ctrl = controls(actuation, None if name == HOME else q)
-        element(keyframe, "key", name=name, qpos=qpos_text, ctrl=ctrl)
+        element(keyframe, "key", name=name, qpos=qpos_text, act=states(actuation, q), ctrl=ctrl)
 
 
 def _qpos(

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 
 from stages.robot.actuation import Actuation, Armature
-from stages.robot.armatures import with_armatures
+from stages.robot.driven import as_driven
 from stages.robot.dynamics import SPEEDS, mass_matrix
 from stages.robot.errors import Diagnostic
 from stages.robot.globs import listed
@@ -40,10 +40,10 @@ Run = Callable[[Robot, Actuation, float], Trial | None]
 def steadied(robot: Robot, actuation: Actuation, run: Run) -> tuple[Actuation, tuple[Diagnostic, ...]]:
     """The actuation with the armatures that the robot needs, and their diagnostic; unchanged where it needs
     none, or where none helps."""
-    outcome = run(with_armatures(robot, actuation), actuation, 1.0)
+    outcome = run(as_driven(robot, actuation), actuation, 1.0)
     if outcome is None or not outcome.failed:
         return actuation, ()
-    groups = _Coupled(with_armatures(robot, actuation))
+    groups = _Coupled(as_driven(robot, actuation))
     levels: dict[int, int] = {}
     for count in range(MOST_RUNS):
         number = next((groups.of[name] for name in outcome.joints if groups.of.get(name) is not None), None)
@@ -54,7 +54,7 @@ def steadied(robot: Robot, actuation: Actuation, run: Run) -> tuple[Actuation, t
             levels = {one: max(level, levels[number]) for one, level in levels.items()}
         added = groups.armatures({one: SHARES[level] for one, level in levels.items()})
         steady = replace(actuation, armatures=_sorted(robot, (*actuation.armatures, *added)))
-        outcome = run(with_armatures(robot, steady), steady, MARGIN)
+        outcome = run(as_driven(robot, steady), steady, MARGIN)
         if outcome is None:
             return actuation, ()
         if not outcome.failed:

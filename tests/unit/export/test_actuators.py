@@ -393,7 +393,7 @@ def test_a_servo_that_sags_is_reported_with_its_load_its_limit_and_its_sag() -> 
             {"lift": "motor", "li*": {"kp": 3}},
             "E-ACTUATOR",
             "'li*' gives kp, which type motor of lift does not have",
-            "type motor takes gear, ctrlrange, forcerange, gravcomp",
+            "type motor takes forcerange, gear, ctrlrange, gravcomp",
         ),
         (
             {"*": {"type": "position", "kp": 3}},

@@ -11,7 +11,7 @@ import pytest
 from stages.export import Exported, export
 from stages.export.mjcf.loops import held
 from stages.robot.actuation import Actuation, Armature
-from stages.robot.armatures import with_armatures
+from stages.robot.driven import as_driven
 from stages.robot.model import Dynamics, Robot
 from stages.robot.trial_run import trial_run
 from stages.validate import validate
@@ -151,7 +151,7 @@ def test_a_carriers_dof_can_get_an_armature() -> None:
     arms = [joint("revolute", "base", name, [0.0]) for name in ("one", "two")]
     slide = loop("prismatic", "one", "two", np.eye(4), np.eye(4), [0.0], name="rail")
     robot = robot_with(arms, loops=[slide])
-    built = with_armatures(robot, Actuation(armatures=(Armature("rail", 0.3, "stability"),)))
+    built = as_driven(robot, Actuation(armatures=(Armature("rail", 0.3, "stability"),)))
     assert built.loops[0].dofs[0].dynamics.armature == 0.3
 
 
