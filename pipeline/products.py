@@ -32,8 +32,8 @@ def digests(context: BuildContext, files: Mapping[str, bytes]) -> dict[str, str]
 
 
 def described(context: BuildContext) -> bytes:
-    """`robot.json` as the export stage writes it of a robot that nothing drives, since the trial run needs
-    its meshes; cached, since writing it needs slow imports."""
+    """`robot.json` as the export stage writes it of a robot that nothing drives and only its source measures,
+    since the trial run needs its meshes; cached, since writing it needs slow imports."""
     from stages.export import VERSION
 
     def make() -> bytes:
@@ -50,5 +50,9 @@ def described(context: BuildContext) -> bytes:
 
     export = next(stage for stage in STAGES if stage.name == "export")
     memo = context.cache.memo("export", VERSION, libraries(export))
-    formats = context.plan.export.identity()
-    return memo("description", {"robot": context.files["graph"].digests[ROBOT], "formats": formats}, make)
+    key = {
+        "robot": context.files["graph"].digests[ROBOT],
+        "formats": context.plan.export.identity(),
+        "sensors": {name: keys.identity() for name, keys in context.plan.sensors.items()},
+    }
+    return memo("description", key, make)

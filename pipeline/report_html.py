@@ -22,6 +22,7 @@ from pipeline.markup import (
 from pipeline.reference.codes import explanations
 from pipeline.report import Report
 from pipeline.report_colliders import colliders
+from pipeline.report_order import order
 from pipeline.secrets import Secrets
 from stages.graph.view.views import PICTURE, TABLES
 from stages.mesh.view.views import PICTURES
@@ -52,6 +53,7 @@ def page(report: Report, shown: Mapping[str, str], sizes: Mapping[str, int], sec
         *(section(text(one["title"]), plain_table(one["header"], one["rows"])) for one in tables),
         colliders(tree["details"], shown.get(PICTURES, ""), secrets),
         _excludes(tree["details"].get("excludes", [])),
+        order(tree["details"].get("order", {})),
         _facts(tree),
         _outputs(tree["outputs"], sizes),
         _codes(tree),

@@ -254,7 +254,7 @@ class ExportStage(StageBase):
         return {
             **{FILES + path: data for path, data in exported.files.items()},
             **facts(exported),
-            NOTES: notes(summary, exported.diagnostics, advice=exported.advice),
+            NOTES: notes(summary, exported.diagnostics, advice=exported.advice, details=exported.details),
         }
 
 

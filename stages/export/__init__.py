@@ -41,6 +41,7 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     from stages.export.actuators.gravity import gravity_of
     from stages.export.driven import driven
     from stages.export.mjcf.form import form_of as mjcf_form_of
+    from stages.export.order_tables import order_tables
     from stages.export.robot_json import describe
     from stages.export.sensors.resolve import sensing_of
     from stages.export.standing import stand
@@ -62,13 +63,14 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
         written[name] = writer.write(given)
     exported = [written[name] for name in keys.export.chosen]
     files = {f"assets/{name}": data for name, data in geometry.files.items()}
-    files["robot.json"] = describe(robot, start, actuation, form, mjcf_form, sensing)
     for one in exported:
         files |= one.files
+    order = order_tables(robot, actuation, form, files)
+    files["robot.json"] = describe(robot, start, actuation, form, mjcf_form, sensing, order)
     diagnostics = tuple(diagnostic for one in exported for diagnostic in one.diagnostics)
     told = (*diagnostics, *standing.diagnostics, *remarks)
     tip = advice(robot, actuation, place, gravity_of(keys.scene.option))
-    return Exported(dict(sorted(files.items())), told, actuation, tip, form, mjcf_form)
+    return Exported(dict(sorted(files.items())), told, actuation, tip, form, mjcf_form, order)
 
 
 def _needed(chosen: Collection[str]) -> list[str]:

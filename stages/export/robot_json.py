@@ -24,10 +24,14 @@ limits and dynamics come from. `estimated` lists what Linkwright chose, of a dof
 robot has any, in the order of `sensordata`; `sensor_sites` are the places on links that are there for
 sensors alone (`size` [m]: the radius of a ball or the lengths of a box in which contact is felt), `cameras`
 the cameras that it carries (`fovy` [deg], `resolution` [pixels]): these look along z, x to the right, y down.
+`order` has the joints, actuators and sensors of each file in its order. In the MJCF: `qpos` and `dof` of a
+joint are its first number in MuJoCo's arrays and how many it has, `ctrl` is an actuator's number, `address`
+and `dim` say where a sensor is in `sensordata`. In the URDF: `index` is a joint's place among those that move
+in the file, `tree` that in a walk down the tree with siblings by name, as Pinocchio has them.
 """
 
 import json
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -78,9 +82,10 @@ def describe(
     form: UrdfForm = AS_IS,
     mjcf_form: MjcfForm = EVERY_BODY,
     sensing: Sensing | None = None,
+    order: Mapping[str, Any] | None = None,
 ) -> bytes:
     """The file. `start`: the MJCF's qpos0, by dof; `form`: of the URDF; `mjcf_form`: of the MJCF; `sensing`:
-    what measures the robot (None: the sensors of the source)."""
+    what measures the robot (None: the sensors of the source); `order`: see `stages.export.order`."""
     names = urdf_names(as_written(robot, form))
     estimated = {one.dof for one in actuation.armatures}
     table = {
@@ -117,6 +122,8 @@ def describe(
     if actuation.actuators:
         table["actuators"] = [actuator_record(one) for one in actuation.actuators]
     table |= sensing_records(sensing or Sensing(measuring(robot, actuation)))
+    if order:
+        table["order"] = order
     return (printable_lines(json.dumps(table, indent=2, ensure_ascii=False)) + "\n").encode()
 
 

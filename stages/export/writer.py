@@ -1,8 +1,8 @@
 """The interface of the writers of all formats."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Protocol
 
 from stages.formats.mjcf_form import AS_IS as EVERY_BODY
 from stages.formats.mjcf_form import MjcfForm
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 class Exported:
     """`files`: path below the output folder → bytes. `diagnostics`: losses of the format. `actuation`: what
     drives the robot in the files; `advice`: what a user may want to try; `form`: of the URDF;
-    `mjcf_form`: of the MJCF."""
+    `mjcf_form`: of the MJCF; `order`: the tables of joints, actuators and sensors by format."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...] = ()
@@ -30,6 +30,12 @@ class Exported:
     advice: str = ""
     form: UrdfForm = AS_IS
     mjcf_form: MjcfForm = EVERY_BODY
+    order: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def details(self) -> dict[str, Any]:
+        """What the report tells of the files."""
+        return {"order": self.order} if self.order else {}
 
 
 @dataclass(frozen=True, slots=True)

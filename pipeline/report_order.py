@@ -1,0 +1,72 @@
+"""The order of joints, actuators and sensors in the files, for people: the vectors of a policy."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from pipeline.markup import plain_table, section
+
+Row = Mapping[str, Any]
+
+
+def order(tables: Mapping[str, Any]) -> str:
+    """The sections; nothing without tables. `tables`: `order` of the report's details."""
+    mjcf, urdf = tables.get("mjcf", {}), tables.get("urdf", {})
+    found = [
+        section("Joints in the order of MuJoCo", _joints(mjcf.get("joints", []))),
+        section("Actuators in the order of ctrl", _actuators(mjcf.get("actuators", []))),
+        section("Sensors in the order of sensordata", _sensors(mjcf.get("sensors", []))),
+        section("Joints in the order of the URDF", _urdf(urdf.get("joints", []))),
+    ]
+    return "\n".join(one for one in found if one)
+
+
+def _joints(rows: Sequence[Row]) -> str:
+    header = ["joint", "kind", "qpos", "dof", "unit", "in the URDF", "CAD"]
+    cells = [
+        [
+            row["name"],
+            row["kind"],
+            _span(*row["qpos"]),
+            _span(*row["dof"]),
+            row["unit"],
+            ", ".join(row["urdf"]),
+            row["cad"],
+        ]
+        for row in rows
+    ]
+    return plain_table(header, cells)
+
+
+def _actuators(rows: Sequence[Row]) -> str:
+    header = ["actuator", "ctrl", "type", "joint", "range", "unit", "CAD"]
+    keys = ("name", "ctrl", "type", "joint")
+    cells = [[*(row[key] for key in keys), _range(row["range"]), row["unit"], row["cad"]] for row in rows]
+    return plain_table(header, cells)
+
+
+def _sensors(rows: Sequence[Row]) -> str:
+    header = ["sensor", "sensordata", "type", "on", "unit", "CAD"]
+    cells = [
+        [
+            row["name"],
+            "" if row["address"] is None or row["dim"] is None else _span(row["address"], row["dim"]),
+            *(row[key] for key in ("type", "on", "unit", "cad")),
+        ]
+        for row in rows
+    ]
+    return plain_table(header, cells)
+
+
+def _urdf(rows: Sequence[Row]) -> str:
+    header = ["joint", "in the file", "in the tree", "type", "unit", "follows", "CAD"]
+    keys = ("name", "index", "tree", "type", "unit", "follows", "cad")
+    return plain_table(header, [[row[key] for key in keys] for row in rows])
+
+
+def _span(first: int, count: int) -> str:
+    """A number, or the first and the last."""
+    return str(first) if count == 1 else f"{first} to {first + count - 1}"
+
+
+def _range(ends: Sequence[float] | None) -> str:
+    return "" if ends is None else f"{ends[0]:.6g} to {ends[1]:.6g}"

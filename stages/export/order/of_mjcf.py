@@ -1,0 +1,128 @@
+"""The tables of an MJCF: where each joint, actuator and sensor is in MuJoCo's arrays."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from stages.export.json_values import as_float
+from stages.export.order.mjcf_joints import joints_in_order
+from stages.formats.xml import Element
+from stages.robot.actuation import Actuation, Actuator
+from stages.robot.model import Dof, Robot
+from stages.robot.sensor_kinds import DIMENSIONS, LENGTHS, QUATERNION, unit_of
+
+SIZES = {"turn": (1, 1), "slide": (1, 1), "ball": (4, 3), "free": (7, 6)}
+"""Kind of dof → how many numbers it has in `qpos`, and in `qvel`."""
+
+KINDS = {"hinge": "turn", "slide": "slide", "ball": "ball", "free": "free"}
+"""MJCF's type of joint → kind of dof."""
+
+UNITS = {"turn": "rad", "slide": "m", "ball": QUATERNION, "free": f"m, {QUATERNION}"}
+"""Kind of dof → unit of its numbers in `qpos`."""
+
+_CONTROL = {"motor": "force", "position": "value", "velocity": "speed"}
+"""Type of actuator → what its control is."""
+
+Row = dict[str, Any]
+
+
+class MjcfOrder:
+    """The tables of one finished file. `mates`: dof → what CAD calls its mate; `urdf`: dof → its joints in
+    the URDF."""
+
+    def __init__(
+        self,
+        root: Element,
+        robot: Robot,
+        actuation: Actuation,
+        mates: Mapping[str, str],
+        urdf: Mapping[str, list[str]],
+    ) -> None:
+        self._root = root
+        self._mates = mates
+        self._urdf = urdf
+        every = [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]
+        self._dofs: dict[str, Dof] = {dof.name: dof for dof in every}
+        self._actuators = {one.name: one for one in actuation.actuators}
+
+    def tables(self) -> dict[str, list[Row]]:
+        rows = {"joints": self._joints(), "actuators": self._driven(), "sensors": self._sensors()}
+        return {name: list(found) for name, found in rows.items()}
+
+    def _joints(self) -> Iterator[Row]:
+        """`qpos` and `dof`: the first number, and how many."""
+        qpos = dof = 0
+        for node, kind_of_mjcf in joints_in_order(self._root):
+            name, kind = node.get("name"), KINDS[kind_of_mjcf]
+            numbers, speeds = SIZES[kind]
+            yield {
+                "name": name,
+                "kind": kind,
+                "unit": UNITS[kind],
+                "qpos": [qpos, numbers],
+                "dof": [dof, speeds],
+                "urdf": self._urdf.get(name, []),
+                "cad": self._mates.get(name),
+            }
+            qpos, dof = qpos + numbers, dof + speeds
+
+    def _driven(self) -> Iterator[Row]:
+        nodes = [node for section in self._root.iterchildren("actuator") for node in section]
+        for index, node in enumerate(node for node in nodes if isinstance(node.tag, str)):
+            own = self._actuators.get(node.get("name"))
+            joint = node.get("joint") or (own.dof if own else None)
+            yield {
+                "name": node.get("name"),
+                "ctrl": index,
+                "type": node.tag,
+                "joint": joint,
+                "unit": self._unit_of_control(own) if own else None,
+                "range": _range(node, own),
+                "cad": self._mates.get(joint or ""),
+            }
+
+    def _unit_of_control(self, one: Actuator) -> str | None:
+        value, force = LENGTHS[self._dofs[one.dof].kind]
+        said = {"force": force, "value": value, "speed": f"{value}/s"}
+        return said.get(_CONTROL.get(one.type, ""))
+
+    def _sensors(self) -> Iterator[Row]:
+        """`address`: of the first number in `sensordata`; null after one whose numbers are not known."""
+        address: int | None = 0
+        nodes = [node for section in self._root.iterchildren("sensor") for node in section]
+        for index, node in enumerate(node for node in nodes if isinstance(node.tag, str)):
+            count = DIMENSIONS.get(node.tag) or (int(node.get("dim", 0)) if node.tag == "user" else 0)
+            plain = node.tag != "rangefinder" or (node.get("site") and node.get("data") is None)
+            known = count if plain else 0
+            on = node.get("joint") or self._dof_of(node.get("actuator"))
+            dof = self._dofs.get(on or "")
+            yield {
+                "name": node.get("name"),
+                "index": index,
+                "type": node.tag,
+                "on": _on(node),
+                "address": address,
+                "dim": known or None,
+                "unit": unit_of(node.tag, dof.kind if dof else ""),
+                "cad": self._mates.get(on or ""),
+            }
+            address = address + known if known and address is not None else None
+
+    def _dof_of(self, actuator: str | None) -> str | None:
+        one = self._actuators.get(actuator or "")
+        return one.dof if one else None
+
+
+def _range(node: Element, own: Actuator | None) -> list[float | None] | None:
+    """The range of the control, as the file has it, else as the actuator, whose class may hold it."""
+    text = node.get("ctrlrange")
+    if text is not None:
+        return [as_float(float(end)) for end in text.split()]
+    return None if own is None or own.control is None else [as_float(end) for end in own.control]
+
+
+def _on(node: Element) -> str | None:
+    """What a sensor is on, by its name."""
+    for key in ("joint", "actuator", "site", "objname", "body", "camera", "tendon"):
+        if node.get(key) is not None:
+            return str(node.get(key))
+    return None

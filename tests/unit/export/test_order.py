@@ -1,0 +1,224 @@
+"""The order of joints, actuators and sensors is that of MuJoCo's arrays and of Pinocchio's tree."""
+
+import json
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from stages.export import Exported, export
+from stages.export.order.mjcf_joints import joints_in_order
+from stages.export.order.of_mjcf import MjcfOrder
+from stages.export.sensor_keys import MEASURES
+from stages.fetch.mjcf.actuation import _PLAIN_SENSORS
+from stages.formats.xml import parse
+from stages.robot.actuation import NONE
+from stages.robot.model import Joint, Loop, Robot
+from stages.robot.sensor_kinds import DIMENSIONS, unit_of
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.random_document import documents
+from tests.fake_onshape.sample import sample_document
+from tests.support.building import NO_MESHES, plan_of, robot_of
+from tests.support.pinocchio import pin
+from tests.support.robots import CARRIED, EVERY, at, joint, loop, pose, robot_with
+
+KINDS = {"free": 0, "ball": 1, "slide": 2, "turn": 3}
+
+
+def exported(robot: Robot, **keys: Any) -> Exported:
+    place = {"type": "frame", "frame": robot.root.name, "measure": ["quat", "pos"]}
+    sensors = {"joints": "joint", "drives": "actuator", "place": place, "imu": {**place, "type": "imu"}}
+    sensors["imu"]["measure"] = ["gyro", "quat"]
+    actuators = {"*": {"type": "position", "encoder": True, "force": True}}
+    return export(robot, NO_MESHES, plan_of(sensors=sensors, actuators=actuators, **keys))
+
+
+def agrees(found: Exported) -> dict[str, Any]:
+    """The tables of robot.json, compared with the compiled model and with Pinocchio's."""
+    order = json.loads(found.files["robot.json"])["order"]
+    model = mujoco.MjModel.from_xml_string(found.files["robot.xml"].decode())
+    as_mujoco(order["mjcf"], model)
+    urdf = pin.buildModelFromXML(found.files["robot.urdf"].decode())
+    rows = order["urdf"]["joints"]
+    assert [row["name"] for row in sorted(rows, key=lambda row: row["tree"])] == list(urdf.names)[1:]
+    nodes = [node for node in parse(found.files["robot.urdf"]).iter("joint") if node.get("type")]
+    moving = [node.get("name") for node in nodes if node.get("type") != "fixed"]
+    assert [row["name"] for row in rows] == moving
+    assert [row["index"] for row in rows] == list(range(len(rows)))
+    there = {row["name"]: row["urdf"] for row in order["mjcf"]["joints"]}
+    for row in rows:
+        assert row["name"] in there[row["dof"]]
+    return order
+
+
+def as_mujoco(order: dict[str, Any], model: mujoco.MjModel) -> None:
+    joints = order["joints"]
+    assert [row["name"] for row in joints] == [model.joint(index).name for index in range(model.njnt)]
+    assert [KINDS[row["kind"]] for row in joints] == list(model.jnt_type)
+    assert [row["qpos"][0] for row in joints] == list(model.jnt_qposadr)
+    assert [row["dof"][0] for row in joints] == list(model.jnt_dofadr)
+    assert sum(row["qpos"][1] for row in joints) == model.nq
+    assert sum(row["dof"][1] for row in joints) == model.nv
+    actuators = order["actuators"]
+    assert [row["ctrl"] for row in actuators] == list(range(model.nu))
+    for row in actuators:
+        own = model.actuator(row["name"])
+        assert own.id == row["ctrl"]
+        assert model.joint(own.trnid[0]).name == row["joint"]
+        limited = bool(model.actuator_ctrllimited[own.id])
+        assert limited == (row["range"] is not None)
+        if limited:
+            np.testing.assert_allclose(row["range"], own.ctrlrange, atol=1e-12)
+    sensors = order["sensors"]
+    assert [row["name"] for row in sensors] == [model.sensor(index).name for index in range(model.nsensor)]
+    assert [row["address"] for row in sensors] == list(model.sensor_adr)
+    assert [row["dim"] for row in sensors] == list(model.sensor_dim)
+
+
+def test_of_the_sample_with_the_names_of_its_mates_and_units() -> None:
+    robot = robot_of(sample_document())
+    found = exported(robot)
+    order = agrees(found)
+    mates = {dof.name: one.mate.name for one in robot.joints if one.mate for dof in one.dofs}
+    units = {"turn": ("rad", "rad/s"), "slide": ("m", "m/s")}
+    rows = {row["name"]: row for row in order["mjcf"]["joints"]}
+    assert {name: row["cad"] for name, row in rows.items()} == mates
+    assert {row["name"]: row["cad"] for row in order["urdf"]["joints"]} == mates
+    for dof in robot.dofs:
+        value, speed = units[dof.kind]
+        assert rows[dof.name]["unit"] == value
+        sensors = {row["name"]: row["unit"] for row in order["mjcf"]["sensors"] if row["on"] == dof.name}
+        assert sensors[f"joints_{dof.name}_pos"] == value
+        assert sensors[f"joints_{dof.name}_vel"] == speed
+    assert len(order["mjcf"]["actuators"]) > 1
+    for row in order["mjcf"]["actuators"]:
+        assert row["unit"] == rows[row["joint"]]["unit"]
+        assert row["cad"] == mates[row["joint"]]
+    followers = {row["name"]: row["follows"] for row in order["urdf"]["joints"] if row["follows"]}
+    assert followers == {one.follower: one.driver for one in (*robot.relations, *found.form.mimics)}
+    assert len(followers) > len(robot.relations) > 0
+
+
+def mixed(fixed: bool) -> Robot:
+    """Joints of every type, listed so that a link's children are not beside each other, and fixed ones."""
+    rng = np.random.default_rng(3)
+    kinds = [kind for kind in EVERY if kind != "free"]
+    links = [f"{name}{number}" for number, name in enumerate("mzkbxacd")]
+    parents = ["base", "base", links[0], links[1], links[0], "base", links[3], links[1]]
+    joints: list[Joint] = [
+        joint(kind, parent, link, place=pose(rng))
+        for kind, parent, link in zip(kinds, parents, links, strict=True)
+    ]
+    loops: list[Loop] = [
+        loop(kind, links[-1], links[number], at(0.1, 0, 0), pose(rng), name=f"loop_{kind}")
+        for number, kind in enumerate(CARRIED)
+    ]
+    loose = [joint("free", "base", "loose", place=pose(rng))]
+    return robot_with([*joints[:4], *loose, *joints[4:]] if fixed else joints, loops=loops, fixed=fixed)
+
+
+@pytest.mark.parametrize("fixed", [True, False])
+@pytest.mark.parametrize("form", ["merge", "keep"])
+def test_of_joints_of_every_type_with_loops_and_fixed_links(fixed: bool, form: str) -> None:
+    robot = mixed(fixed)
+    keys = {"mjcf": {"fixed_joints": form}, "urdf": {"fixed_joints": form}}
+    order = agrees(exported(robot, export=keys))
+    rows = {row["name"]: row for row in order["mjcf"]["joints"]}
+    carried = [dof.name for one in robot.loops for dof in one.dofs]
+    assert all(rows[name]["urdf"] == [] for name in carried)
+    assert rows[carried[0]]["cad"] == robot.loops[0].mate.name
+    assert len(next(row["urdf"] for row in rows.values() if row["kind"] == "ball")) == 3
+    if not fixed:
+        assert order["mjcf"]["joints"][0]["kind"] == "free"
+        assert order["mjcf"]["joints"][0]["cad"] is None
+
+
+slowly = {
+    "deadline": None,
+    "suppress_health_check": [HealthCheck.too_slow, HealthCheck.filter_too_much, HealthCheck.data_too_large],
+}
+
+
+@settings(max_examples=5, **slowly)
+@given(documents(loops=True, max_bodies=8, everything=True), st.sampled_from(["auto", "free"]))
+def test_of_a_few_random_documents(document: Document, base: str) -> None:
+    robot = robot_of(document)
+    base = "auto" if robot.root.name == "world" else base
+    agrees(exported(robot_of(document, plan_of(root={"base": base}))))
+
+
+@pytest.mark.slow
+@settings(max_examples=200, **slowly)
+@given(documents(loops=True, everything=True), st.sampled_from(["auto", "free"]))
+def test_of_many_random_documents(document: Document, base: str) -> None:
+    robot = robot_of(document)
+    base = "auto" if robot.root.name == "world" else base
+    agrees(exported(robot_of(document, plan_of(root={"base": base}))))
+
+
+def test_only_of_the_formats_that_are_written() -> None:
+    robot = robot_with([joint("revolute", "base", "arm")])
+    for name, other in (("mjcf", "urdf"), ("urdf", "mjcf")):
+        found = export(robot, NO_MESHES, plan_of(export={name: {}, other: None}))
+        assert list(json.loads(found.files["robot.json"])["order"]) == [name]
+    assert found.details == {"order": found.order}
+
+
+OTHERS = """<mujoco><default><default class="a"><joint type="slide"/><default class="b"><geom size="1"/>
+  </default></default></default>
+  <worldbody><body name="one" childclass="b"><geom/><frame childclass="main">
+    <body name="two"><joint name="y"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/></body>
+    </frame><frame><joint name="x"/></frame><joint name="w" class="main"/></body></worldbody>
+  <worldbody><body name="three"><freejoint name="v"/><geom size="1"/></body>
+    <body name="four"><joint type="ball" name="u"/><geom size="1"/></body></worldbody>
+  <tendon><fixed name="t"><joint joint="x" coef="1"/></fixed></tendon>
+  <actuator><motor name="pull" tendon="t" ctrlrange="-2 3"/></actuator>
+  <sensor><tendonpos name="reach" tendon="t"/><user name="mine" dim="5"/><gyro name="g" site="s"/></sensor>
+  <worldbody><site name="s"/></worldbody>
+</mujoco>"""
+
+
+def test_of_what_users_add_by_hand() -> None:
+    """Frames, classes, more sections, and things that the robot does not know."""
+    model = mujoco.MjModel.from_xml_string(OTHERS)
+    tables = MjcfOrder(parse(OTHERS.encode()), robot_with(), NONE, {}, {}).tables()
+    assert [row["name"] for row in tables["joints"]] == [model.joint(i).name for i in range(model.njnt)]
+    assert [row["qpos"][0] for row in tables["joints"]] == list(model.jnt_qposadr)
+    assert [KINDS[row["kind"]] for row in tables["joints"]] == list(model.jnt_type)
+    assert [row["address"] for row in tables["sensors"]] == list(model.sensor_adr)
+    assert [row["dim"] for row in tables["sensors"]] == list(model.sensor_dim)
+
+
+def test_the_range_of_an_actuator_that_users_add() -> None:
+    (row,) = MjcfOrder(parse(OTHERS.encode()), robot_with(), NONE, {}, {}).tables()["actuators"]
+    assert (row["name"], row["ctrl"], row["range"], row["unit"]) == ("pull", 0, [-2, 3], None)
+
+
+def test_after_a_sensor_of_unknown_size_no_address_is_told() -> None:
+    text = b"<mujoco><sensor><clock name='a'/><plugin name='b'/><clock name='c'/></sensor></mujoco>"
+    rows = MjcfOrder(parse(text), robot_with(), NONE, {}, {}).tables()["sensors"]
+    assert [(row["address"], row["dim"]) for row in rows] == [(0, 1), (1, None), (None, 1)]
+
+
+def test_a_deep_tree_is_walked() -> None:
+    text = "<body><joint/>" * 1500 + "</body>" * 1500
+    root = parse(f"<mujoco><worldbody>{text}</worldbody></mujoco>".encode(), large=True)
+    assert len(list(joints_in_order(root))) == 1500
+
+
+def test_every_sensor_that_is_made_or_carried_over_has_a_size_and_a_unit() -> None:
+    made = {kind for measures in MEASURES.values() for kind in measures.values()}
+    for kind in made | set(_PLAIN_SENSORS):
+        assert kind in DIMENSIONS
+        assert unit_of(kind, "turn"), kind
+        assert unit_of(kind, "slide"), kind
+    assert unit_of("actuatorfrc", "slide") == "N"
+    assert unit_of("jointlimitvel", "turn") == "rad/s"
+
+
+def test_the_files_are_the_same_again() -> None:
+    robot = mixed(True)
+    assert exported(robot).files == exported(robot).files
