@@ -9,6 +9,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
+from pipeline.motor_files import is_motor, library
 from pipeline.reference.key_entries import entries, is_any, matching
 
 CONF = Path(__file__).resolve().parents[1] / "conf"
@@ -21,6 +22,9 @@ LAUNCHERS: Mapping[str, tuple[str, ...]] = {
     "hydra_ray_launcher": ("ray", "ray_aws"),
 }
 """Package in `hydra_plugins` → the launchers in it."""
+
+MOTOR = "actuators.<glob>.motor"
+"""The key whose values are the names of motors."""
 
 PATHS = ("source.path", "output", "cache.dir", "robot")
 """Keys whose values are files or folders."""
@@ -183,6 +187,8 @@ def _values(key: str, start: str, folders: Sequence[Path]) -> list[str]:
         found += _launchers() if key == "hydra/launcher" else ()
     else:
         found = [word for entry in matching(key, entries()) for word in entry.words]
+        if any(entry.key == MOTOR for entry in matching(key, entries())):
+            found += library(folders)
     paths = _files(start, folders[0]) if key in PATHS and (key != "robot" or "/" in start) else []
     return [*_starting(found, start), *paths]
 
@@ -201,7 +207,8 @@ def _launchers() -> list[str]:
 
 def _options(group: Path) -> Iterator[str]:
     for file in group.rglob("*.yaml"):
-        yield file.relative_to(group).with_suffix("").as_posix()
+        if not is_motor(file, group):
+            yield file.relative_to(group).with_suffix("").as_posix()
 
 
 def _files(start: str, here: Path) -> list[str]:

@@ -210,7 +210,8 @@ class Composer:
         draft.problems += [one for one in overridden(map(content, files)) if one.where not in places]
         draft.problems += self._presets.chosen_twice(files)
         draft.problems += untrusted(resolved, self.reading.trusting(good), files, self._environ, command)
-        plan = Plan.parse(resolved, draft.problems, unsure=draft.unsure, judge=self._judge)
+        known, folders = draft.problems, self._presets.with_motors
+        plan = Plan.parse(resolved, known, unsure=draft.unsure, judge=self._judge, folders=folders)
         return Composed(plan, resolved, robot, sweeping, config, computed)
 
     def _leaks(self, config: DictConfig, tree: dict[str, Any]) -> list[Diagnostic]:

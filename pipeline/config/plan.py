@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, ValidationError
 
 from pipeline.config.messages import diagnostics
+from pipeline.config.motor_library import with_motors
 from pipeline.errors import Diagnostic, refusal
 from stages.export.keys import ExportKeys
 from stages.fetch.keys import FetchKeys
@@ -81,14 +82,17 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
         *,
         unsure: Callable[[Diagnostic], bool] = lambda _: False,
         judge: "Judge | None" = None,
+        folders: Sequence[Path] = (),
     ) -> "Plan":
         """The plan that `data`, plain mappings and lists, describes.
 
         One ConfigError lists all problems: the `known` problems; each key that is unknown, missing, not
         supported yet or has a value that is not allowed, except those that may only follow from a known
-        problem (`unsure`); and the problems that `judge` finds in the rest.
+        problem (`unsure`); and the problems that `judge` finds in the rest. `folders`: the user's own, which
+        hold `robot/` and may hold `motors/`.
         """
-        problems = list(known)
+        data, missing = with_motors(data, folders)
+        problems = [*known, *missing]
         plan: Plan | None
         try:
             plan = cls.model_validate(dict(data))

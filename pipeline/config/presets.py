@@ -14,6 +14,8 @@ from pipeline.config import yaml_file
 from pipeline.config.choices import Choices
 from pipeline.config.messages import EXPERIMENT, nearest
 from pipeline.key_path import Place, key_of
+from pipeline.motor_files import FOLDER as MOTORS
+from pipeline.motor_files import is_motor
 from stages.export.keys import LATER_FORMATS
 from stages.robot.errors import ConfigError, Diagnostic
 
@@ -71,6 +73,8 @@ class Presets:
         found = set()
         for folder in (OURS, *self.own):
             for file in (folder / group).rglob("*.yaml"):
+                if is_motor(file, folder / group):
+                    continue
                 found.add(file.relative_to(folder / group).with_suffix("").as_posix())
         return sorted(found)
 
@@ -79,7 +83,15 @@ class Presets:
         found = [folder / group / f"{option}.yaml" for folder in (OURS, *self.own)]
         if option.startswith("../"):
             found = found[:1]
+        elif group == "actuators" and option.startswith(f"{MOTORS}/"):
+            return []
         return [file for file in found if file.is_file()]
+
+    @property
+    def with_motors(self) -> tuple[Path, ...]:
+        """The folders that may hold motors: also where the user works, without a `robot/` there."""
+        here = self._here.resolve()
+        return tuple(dict.fromkeys([*([here] if (here / MOTORS).is_dir() else []), *self.own]))
 
     def own_files(self, paths: Iterable[str]) -> list[Path]:
         """The files of a composed tree that are not ours, by their paths in the search path."""
@@ -139,7 +151,7 @@ class Presets:
     def own_groups(self) -> list[str]:
         """The groups that exist only in the user's folders, such as `experiment`; sorted."""
         folders = [folder for own in self.own for folder in own.iterdir() if any(folder.glob("*.yaml"))]
-        return sorted({folder.name for folder in folders} - {*GROUPS, "hydra"})
+        return sorted({folder.name for folder in folders} - {*GROUPS, "hydra", MOTORS})
 
     def choices(
         self, robot: str, formats: tuple[str, ...], overrides: Iterable[str], paths: Iterable[str] = ()

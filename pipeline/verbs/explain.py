@@ -1,26 +1,30 @@
-"""`linkwright explain CODE|KEY`: the entry of a diagnostic, a key or a variable of the environment."""
+"""`linkwright explain CODE|KEY|MOTOR`: the entry of a diagnostic, a key, a motor or a variable of the
+environment."""
 
 import textwrap
 from collections.abc import Sequence
+from pathlib import Path
 
 from pipeline.errors import ConfigError
+from pipeline.motor_files import library
 from pipeline.reference import SCHEMA
 from pipeline.reference.codes import explanations, level
 from pipeline.reference.environment import VARIABLES
 from pipeline.reference.key_entries import KeyEntry, entries, matching, nearest
 
 HELP = """\
-linkwright explain: the meaning of a code, a key or an environment variable.
+linkwright explain: the meaning of a code, a key, a motor or an environment variable.
 
-usage: linkwright explain CODE|KEY|VARIABLE
+usage: linkwright explain CODE|KEY|MOTOR|VARIABLE
        linkwright explain --schema
 
   linkwright explain W-LIMIT                    a code of a diagnostic: its meaning, and what to do
   linkwright explain joints.elbow.damping       a key: its type, unit, default, allowed values, an example
   linkwright explain mesh                       a section: its keys
+  linkwright explain sts3215                    a motor of the library: its values, and their sources
   linkwright explain --schema                   the path of the JSON Schema of robot files, for editors
 
-exit status: 0 explained; 2 no such code, key or variable
+exit status: 0 explained; 2 no such code, key, motor or variable
 """
 
 _WIDTH = 100
@@ -39,7 +43,8 @@ def run(arguments: Sequence[str]) -> int:
 
 def names() -> list[str]:
     """Everything that can be explained."""
-    return [*explanations(), *(entry.key for entry in entries()), *(one.name for one in VARIABLES)]
+    keys = (entry.key for entry in entries())
+    return [*explanations(), *keys, *(one.name for one in VARIABLES), *library([Path.cwd()])]
 
 
 def explained(asked: str) -> str:
@@ -50,11 +55,14 @@ def explained(asked: str) -> str:
     variable = next((one for one in VARIABLES if one.name == code), None)
     if variable is not None:
         return _entry(variable.name, variable.meaning)
+    motors = library([Path.cwd()])
+    if asked in motors:
+        return _motor(asked, motors[asked])
     found = matching(asked.partition("=")[0].strip("."), entries())
     if not found:
         near = nearest(asked, names()) or nearest(code, names())
         hint = f"did you mean {' or '.join(near)}?" if near else "linkwright --help lists the keys"
-        raise ConfigError("there is no such code, key or variable", asked, hint)
+        raise ConfigError("there is no such code, key, motor or variable", asked, hint)
     return "\n\n".join(_key(entry) for entry in found)
 
 
@@ -63,6 +71,21 @@ def _code(code: str) -> str:
     title = f"{code} ({level(code)}, reported by {found.stages})"
     remedy = [] if found.remedy == "–" else [f"→ {found.remedy}"]
     return _entry(title, found.meaning, *remedy)
+
+
+def _motor(name: str, file: Path) -> str:
+    """The entry of a motor; ConfigError where its file is wrong."""
+    from pipeline.config.plan import Plan
+    from stages.export.motor_keys import QUANTITIES
+
+    tree = {"source": {"kind": "sample"}, "actuators": {"*": {"motor": name}}}
+    motor = Plan.parse(tree, folders=[Path.cwd()]).motors[name]
+    lines = [_entry(f"{name} (a motor: actuators.<glob>.motor={name})", motor.title, motor.notes or "")]
+    for quantity, one in motor.values.items():
+        unit = "" if QUANTITIES[quantity] == "-" else f" {QUANTITIES[quantity]}"
+        lines.append(f"  {quantity:<15} {one.value:g}{unit} ({one.kind})")
+        lines.append(textwrap.fill(one.source, _WIDTH, initial_indent=" " * 6, subsequent_indent=" " * 6))
+    return "\n".join(lines)
 
 
 def _key(entry: KeyEntry) -> str:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 23
+VERSION = 24
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (

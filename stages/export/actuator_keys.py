@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
-from stages.robot.keys import Flag, Keys, NonNegative, Number, Positive, Text, example, invalid, not_yet
+from stages.robot.keys import Flag, Keys, NonNegative, Number, Positive, Text, example, invalid
 
 DynamicsName = Literal["none", "integrator", "filter", "filterexact", "muscle", "user"]
 ActuatorName = Literal[
@@ -172,8 +172,10 @@ class ActuatorKeys(Keys):
     ] = None
     """Of dcmotor: as MuJoCo's attribute of that name."""
 
-    motor: Text | None = not_yet(None)
-    """A motor of the library."""
+    motor: Annotated[Text | None, example("sts3215")] = None
+    """A motor of the library, or of your own: `motors/<name>.yaml` beside `robot/`. What is known of its
+    inertia, damping, friction, torque and speed holds for the dof, unless `joints` says otherwise. `gear` is
+    then one between the motor and the dof."""
 
     @model_validator(mode="after")
     def _of_the_type(self) -> Self:
@@ -182,7 +184,7 @@ class ActuatorKeys(Keys):
         allowed = fields_of(self.type)
         wrong = [name for name in self.given() if name not in allowed]
         if self.type == "none":
-            wrong += [name for name in ("encoder", "force") if getattr(self, name)]
+            wrong += [name for name in ("encoder", "force", "motor") if getattr(self, name)]
         if wrong:
             takes = f"takes {', '.join(allowed)}" if allowed else "takes nothing else"
             raise invalid(f"type {self.type} {takes}; not {', '.join(wrong)}")

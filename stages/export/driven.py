@@ -30,7 +30,12 @@ def driven(
     """The actuation of the robot, by the configuration and, where an MJCF is written, by its trial run."""
     timestep = keys.scene.option.timestep
     actuation, found = actuate(
-        robot, keys.actuators, timestep, standing.world_from_root, gravity_of(keys.scene.option)
+        robot,
+        keys.actuators,
+        timestep,
+        standing.world_from_root,
+        gravity_of(keys.scene.option),
+        keys.motors,
     )
     if FORMAT not in keys.export.chosen or not _worth_a_trial(robot):
         return actuation, found

@@ -25,6 +25,8 @@ def actuator_record(actuator: Actuator) -> dict[str, Any]:
         "home_load": short(actuator.home_load),
         "sag": short(actuator.sag),
         "estimated": list(actuator.estimated),
+        **({"motor": actuator.motor} if actuator.motor else {}),
+        **({"provenance": dict(actuator.sources)} if actuator.sources else {}),
     }
 
 

@@ -7,6 +7,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, create_model, model_s
 
 from stages.export import WRITERS, writer_of
 from stages.export.actuator_keys import ActuatorChoice
+from stages.export.motor_keys import MotorKeys
 from stages.export.scene_keys import GroundKeys, SceneKeys
 from stages.export.sensor_keys import SensorChoice
 from stages.robot.keys import (
@@ -73,6 +74,20 @@ class ExportKeys(Keys):
     """Glob on names of dofs → what drives them; later entries win, property by property. A glob leaves out
     the followers of relations, and of closed loops drives as many dofs as these leave free, the nearest to
     the root; a name without wildcards drives that dof."""
+
+    motors: Annotated[
+        dict[Text, MotorKeys],
+        example(
+            {
+                "my_servo": {
+                    "title": "My servo, 7.4 V",
+                    "values": {"effort": {"value": 3, "source": "its maker's page", "kind": "datasheet"}},
+                }
+            }
+        ),
+    ] = Field(default_factory=dict)
+    """Motors, by name. Those of the library that `actuators` names are put here when the configuration is
+    made; a robot may also describe its own here."""
 
     sensors: Annotated[
         dict[Text, SensorChoice], example({"imu": {"frame": "imu_mount", "type": "imu"}, "foot": "touch"})

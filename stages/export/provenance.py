@@ -1,15 +1,18 @@
 """Where the limits and dynamics of a dof come from."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import fields
 
+from stages.robot.actuation import Supplied
 from stages.robot.model import Dof, Dynamics
 
 
-def provenance(dof: Dof, estimated: bool = False) -> dict[str, str]:
-    """By quantity: given (by the configuration), source (by CAD or the file), estimated, or unset, for which
-    URDF gets a default where it requires a number. `estimated`: whether its armature is."""
-    return dict(_each(dof, estimated))
+def provenance(dof: Dof, estimated: bool = False, motors: Sequence[Supplied] = ()) -> dict[str, str]:
+    """By quantity: given (by the configuration), source (by CAD or the file), estimated, a motor with where
+    its value comes from, or unset, for which URDF gets a default where it requires a number. `estimated`:
+    whether its armature is; `motors`: what those of all dofs give."""
+    own = {one.quantity: one.source for one in motors if one.dof == dof.name}
+    return dict(_each(dof, estimated)) | own
 
 
 def _each(dof: Dof, estimated: bool) -> Iterator[tuple[str, str]]:

@@ -18,20 +18,21 @@ of its first and second frame; `mimic`: whether <mimic> joints alone close it th
 closed loops make follow what: follower = multiplier · driver + offset, off by at most `error` where the
 driver is in `range`; `mimic`: whether that is exact, and so in the URDF. `transmissions` is there where the
 source names what drives the joints; `actuators` where the robot has any: `control` and `force` are ranges,
-`home` is the control at the keyframe of that name, `load` the largest force at the dof by the robot's weight,
-`home_load` that at home, and `sag` how far it moves the servo's dof there. `provenance` says where a dof's
-limits and dynamics come from. `estimated` lists what Linkwright chose, of a dof too. `sensors` where the
-robot has any, in the order of `sensordata`; `sensor_sites` are the places on links that are there for
-sensors alone (`size` [m]: the radius of a ball or the lengths of a box in which contact is felt), `cameras`
-the cameras that it carries (`fovy` [deg], `resolution` [pixels]): these look along z, x to the right, y down.
-`order` has the joints, actuators and sensors of each file in its order. In the MJCF: `qpos` and `dof` of a
-joint are its first number in MuJoCo's arrays and how many it has, `ctrl` is an actuator's number, `address`
-and `dim` say where a sensor is in `sensordata`. In the URDF: `index` is a joint's place among those that move
-in the file, `tree` that in a walk down the tree with siblings by name, as Pinocchio has them.
+`home` is the control at the keyframe of that name, `motor` one of the library, `load` the largest force at
+the dof by the robot's weight, `home_load` that at home, and `sag` how far it moves the servo's dof there.
+`provenance` says where a dof's limits and dynamics come from. `estimated` lists what Linkwright chose, of a
+dof too. `sensors` where the robot has any, in the order of `sensordata`; `sensor_sites` are the places on
+links that are there for sensors alone (`size` [m]: the radius of a ball or the lengths of a box in which
+contact is felt), `cameras` the cameras that it carries (`fovy` [deg], `resolution` [pixels]): these look
+along z, x to the right, y down. `order` has the joints, actuators and sensors of each file in its order. In
+the MJCF: `qpos` and `dof` of a joint are its first number in MuJoCo's arrays and how many it has, `ctrl` is
+an actuator's number, `address` and `dim` say where a sensor is in `sensordata`. In the URDF: `index` is a
+joint's place among those that move in the file, `tree` that in a walk down the tree with siblings by name,
+as Pinocchio has them.
 """
 
 import json
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -49,7 +50,7 @@ from stages.formats.numbers import LENGTH, TURN, least_of
 from stages.formats.urdf.as_written import as_written, holders
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.formats.urdf.names import urdf_names
-from stages.robot.actuation import NONE, Actuation
+from stages.robot.actuation import NONE, Actuation, Supplied
 from stages.robot.codec import plain
 from stages.robot.measuring import measuring
 from stages.robot.model import (
@@ -99,7 +100,7 @@ def describe(
         "mass": as_float(sum(link.inertial.mass for link in robot.links)),
         "mobility": _mobility(robot.mobility),
         "links": [_link(link) for link in robot.links],
-        "joints": [_joint(joint, start, estimated) for joint in robot.joints],
+        "joints": [_joint(joint, start, estimated, actuation.supplied) for joint in robot.joints],
         "relations": [_relation(relation) for relation in robot.relations],
         "loops": [
             _loop(loop, names.ends[loop.name], loop.name in form.closed, estimated) for loop in robot.loops
@@ -187,7 +188,9 @@ def _shape(shape: Primitive) -> dict[str, Any]:
     }
 
 
-def _joint(joint: Joint, start: Configuration, estimated: Collection[str]) -> dict[str, Any]:
+def _joint(
+    joint: Joint, start: Configuration, estimated: Collection[str], motors: Sequence[Supplied]
+) -> dict[str, Any]:
     return {
         "name": joint.name,
         "type": joint.type,
@@ -199,7 +202,7 @@ def _joint(joint: Joint, start: Configuration, estimated: Collection[str]) -> di
             {
                 **_dof(dof, joint.backwards),
                 "unset": unset(dof),
-                "provenance": provenance(dof, dof.name in estimated),
+                "provenance": provenance(dof, dof.name in estimated, motors),
                 **({"estimated": ["armature"]} if dof.name in estimated else {}),
                 "qpos0": as_value(start[dof.name]),
                 **({"zero": _zero(start[dof.name])} if dof.kind == "ball" else {}),

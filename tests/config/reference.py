@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 
 from pipeline.config.plan import SECTIONS, Plan
 from pipeline.config.schema import is_section
+from pipeline.motor_files import library
 from pipeline.reference.environment import VARIABLES
 from pipeline.reference.key_entries import KeyEntry, is_any
 from stages.fetch.keys import SOURCES
@@ -271,6 +272,9 @@ def markdown() -> str:
             if source:
                 pages.append(f"### `source={source}`\n\n{_documentation(SOURCES[source])}\n")
             pages.append(_keys(entry for entry in inside if entry.source == source))
+        if top.key == "motors":
+            pages.append("The library, whose values and sources `linkwright explain <motor>` tells:\n")
+            pages.append(_table(("motor", "title", "what is known"), _motors()))
     later = [[f"`{entry.key}`", _escaped(entry.meaning)] for entry in found if entry.later]
     pages.append(RESERVED)
     pages.append(_table(("key", "meaning"), later))
@@ -278,6 +282,12 @@ def markdown() -> str:
     variables = [[f"`{one.name}{'=' if one.value else ''}{one.value}`", one.meaning] for one in VARIABLES]
     pages.append(_table(("variable", "meaning"), variables))
     return "\n".join(pages)
+
+
+def _motors() -> Iterator[list[str]]:
+    for name, file in library().items():
+        content = yaml.safe_load(file.read_text(encoding="utf-8"))
+        yield [f"`{name}`", content["title"], ", ".join(content["values"])]
 
 
 def _keys(found: Iterable[KeyEntry]) -> str:

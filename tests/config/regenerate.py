@@ -1,7 +1,7 @@
 """Golden YAML of every file in `conf`, and the reference of all keys: `python -m tests.config.regenerate`.
 
-An option's golden is its section of the plan, a robot's and `build`'s the whole plan, and that of a
-file for Hydra itself Hydra's own composed section.
+An option's golden is its section of the plan, a robot's and `build`'s the whole plan, that of a motor what
+the plan has of it, and that of a file for Hydra itself Hydra's own composed section.
 """
 
 from pathlib import Path
@@ -40,6 +40,9 @@ def composed(name: str, empty: Path) -> Any:
     group, _, option = name.rpartition(".")
     if group.startswith("hydra."):
         return _hydra_section(group, option)
+    if group == "actuators.motors":
+        arguments = ["source=sample", f"actuators.lift.motor={option}"]
+        return {"motors": compose_plan(arguments, cwd=empty).plan.tree()["motors"]}
     choice = [f"{group}={option}"]
     if group != "source" and name != "robot.sample":
         choice.append("source=sample")

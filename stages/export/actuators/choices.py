@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,7 @@ from stages.robot.model import Dof, Robot
 
 if TYPE_CHECKING:
     from stages.export.actuator_keys import ActuatorKeys
+    from stages.export.motor_keys import MotorKeys
 
 WHERE = "actuators"
 
@@ -24,19 +25,23 @@ OF_ONE_KIND = ("kp", "kv", "ki", "imax", "slewmax", "ctrlrange", "forcerange")
 @dataclass(frozen=True, slots=True)
 class Wanted:
     """What the key says of a dof. `named`: by a name without wildcards, so that it is driven even where it
-    follows others."""
+    follows others. `motor`: of the library, "" for none."""
 
     type: str
     parameters: Mapping[str, Any]
     named: bool
+    motor: str = ""
 
 
-def wanted_of(robot: Robot, entries: Mapping[str, ActuatorKeys], log: Diagnostics) -> dict[str, Wanted]:
+def wanted_of(
+    robot: Robot, entries: Mapping[str, ActuatorKeys], motors: Mapping[str, MotorKeys], log: Diagnostics
+) -> dict[str, Wanted]:
     """By dof of the tree that an entry matches, in tree order; later entries win, property by property, and
-    an entry with another type starts from that type's defaults.
+    an entry with another type starts from that type's defaults, and keeps the motor.
 
     E-GLOB for an entry but "*" that matches no dof; E-ACTUATOR for one that names a dof that cannot be
-    driven, for parameters that are not of the type, and for a number for turns and slides at once.
+    driven, for parameters that are not of the type, and for a number for turns and slides at once; E-MOTOR
+    for a motor that cannot drive the dof.
     """
     for glob, keys in entries.items():
         _check(glob, keys, robot, log)
@@ -44,16 +49,17 @@ def wanted_of(robot: Robot, entries: Mapping[str, ActuatorKeys], log: Diagnostic
     for dof in robot.dofs:
         if dof.kind not in ("turn", "slide"):
             continue
-        wanted = _merged(dof, entries, log)
+        wanted = _merged(dof, entries, motors, log)
         if wanted is not None:
             found[dof.name] = wanted
     return found
 
 
-def _merged(dof: Dof, entries: Mapping[str, ActuatorKeys], log: Diagnostics) -> Wanted | None:
-    from stages.export.actuator_keys import fields_of
-
+def _merged(
+    dof: Dof, entries: Mapping[str, ActuatorKeys], motors: Mapping[str, MotorKeys], log: Diagnostics
+) -> Wanted | None:
     kind: str | None = None
+    motor = ""
     parameters: dict[str, Any] = {}
     origin: dict[str, str] = {}
     named, matched = False, ""
@@ -67,26 +73,71 @@ def _merged(dof: Dof, entries: Mapping[str, ActuatorKeys], log: Diagnostics) -> 
         if "kv" in given or "dampratio" in given:
             parameters = {name: one for name, one in parameters.items() if name not in ("kv", "dampratio")}
         parameters |= given
+        motor = keys.motor or motor
         origin |= dict.fromkeys(given, glob)
         named = named or (glob == dof.name and kind != "none")
     if not matched:
         return None
+    if kind == "none":
+        motor = ""
+    if motor and not _drives(motor, motors, dof, parameters, log):
+        return None
+    if kind is None and motor:
+        kind = motors[motor].type
     if kind is None:
         text = f"{matched!r} has no type of actuator for {dof.name}"
         log.report("E-ACTUATOR", text, WHERE, "type: motor, position, velocity, ..., or a motor")
         return None
-    allowed = fields_of(kind)
-    for name in parameters:
+    wanted = Wanted(kind, parameters, named, motor)
+    _judge(wanted, dof, origin, matched, motors, log)
+    return wanted
+
+
+def _judge(
+    wanted: Wanted,
+    dof: Dof,
+    origin: Mapping[str, str],
+    matched: str,
+    motors: Mapping[str, MotorKeys],
+    log: Diagnostics,
+) -> None:
+    """E-ACTUATOR for parameters that the type does not have, and for those that need others."""
+    from stages.export.actuator_keys import fields_of
+
+    allowed = fields_of(wanted.type)
+    for name in wanted.parameters:
         if name not in allowed:
-            text = f"{origin[name]!r} gives {name}, which type {kind} of {dof.name} does not have"
-            hint = f"type {kind} takes {', '.join(allowed) or 'nothing else'}"
+            text = f"{origin[name]!r} gives {name}, which type {wanted.type} of {dof.name} does not have"
+            hint = f"type {wanted.type} takes {', '.join(allowed) or 'nothing else'}"
             log.report("E-ACTUATOR", text, WHERE, hint)
-    for text, hint in _incomplete(kind, parameters):
+    given = set(wanted.parameters)
+    if wanted.motor and "nominal" not in given:
+        known = motors[wanted.motor].values
+        given |= {"motorconst"} if "torque_constant" in known else set()
+        given |= {"resistance"} if "resistance" in known else set()
+    for text, hint in _incomplete(wanted.type, given):
         log.report("E-ACTUATOR", f"{matched!r}: {text}, for {dof.name}", WHERE, hint)
-    return Wanted(kind, parameters, named)
 
 
-def _incomplete(kind: str, parameters: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+def _drives(
+    motor: str, motors: Mapping[str, MotorKeys], dof: Dof, parameters: Mapping[str, Any], log: Diagnostics
+) -> bool:
+    """Whether the motor is known and can drive the dof."""
+    if motor not in motors:
+        near = get_close_matches(motor, motors, 1)
+        hint = f"did you mean {near[0]}? " if near else ""
+        hint += f"motors: {', '.join(motors) or 'none'}"
+        log.report("E-MOTOR", f"there is no motor {motor}", WHERE, hint)
+    elif dof.kind == "slide" and "gear" not in parameters:
+        text = f"the motor {motor} turns, and {dof.name} slides"
+        hint = f"give the turn of the motor per metre [rad/m]: actuators: {{{dof.name}: {{gear: ...}}}}"
+        log.report("E-MOTOR", text, WHERE, hint)
+    else:
+        return True
+    return False
+
+
+def _incomplete(kind: str, parameters: Collection[str]) -> Iterator[tuple[str, str]]:
     """(problem, hint) of parameters that need others."""
     if "imax" in parameters and "ki" not in parameters:
         yield "imax limits the integral part, and there is none", "give ki"

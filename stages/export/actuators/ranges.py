@@ -30,6 +30,5 @@ def _most(dof: Dof, kind: str, given: Mapping[str, Any]) -> float | None:
     if kind == "motor":
         return dof.dynamics.effort
     if kind == "dcmotor":
-        voltage: float | None = given["nominal"][0] if "nominal" in given else given.get("voltage")
-        return voltage
+        return float(given["nominal"][0]) if "nominal" in given else None
     return None

@@ -11,12 +11,14 @@ import numpy as np
 from stages.export.actuators import estimates
 from stages.export.actuators.choices import Wanted, driven_order, wanted_of
 from stages.export.actuators.loads import Load, loads, postures
+from stages.export.actuators.motors import Motors, completed, supplied
 from stages.export.actuators.ranges import control_range
 from stages.export.actuators.remarks import remark
 from stages.export.actuators.terms import terms_of
 from stages.robot.actuation import SERVOS, Actuation, Actuator, ActuatorType, Armature
 from stages.robot.couplings import Couplings, Rates
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.driven import with_motors
 from stages.robot.errors import Diagnostic, ExportError
 from stages.robot.home_control import home_control
 from stages.robot.model import Array, Dof, Robot, Value
@@ -28,6 +30,8 @@ from stages.robot.statics import GRAVITY
 if TYPE_CHECKING:
     from stages.export.actuator_keys import ActuatorKeys
 
+NO_MOTORS: Motors = {}
+
 
 def actuate(
     robot: Robot,
@@ -35,14 +39,15 @@ def actuate(
     timestep: float,
     world_from_root: Array,
     gravity: Sequence[float] = GRAVITY,
+    motors: Motors = NO_MOTORS,
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
     """What drives the robot, and what is worth knowing about it. ExportError with all problems of the key.
 
     `timestep` [s]: that of the simulation; `world_from_root` (4, 4): how the scene puts the robot;
-    `gravity` (3,) [m/s²]: in the world.
+    `gravity` (3,) [m/s²]: in the world; `motors`: those that entries name.
     """
     log = Diagnostics()
-    wanted = wanted_of(robot, entries, log)
+    wanted = wanted_of(robot, entries, motors, log)
     if log.problems:
         msg = f"the actuators cannot be made: {count(len(log.problems), 'problem')}"
         raise ExportError(msg, problems=sorted(log.problems, key=lambda one: (one.message, one.where)))
@@ -56,11 +61,13 @@ def actuate(
     chosen = couplings.independent(order)
     # What is named drives, even where it fights others; those are still counted as one motion.
     driven = [dof.name for dof in robot.dofs if dof.name in {*chosen, *named}]
+    gifts = supplied([dof for dof in robot.dofs if dof.name in driven], wanted, motors, log)
+    robot = with_motors(robot, gifts)
     up = -world_from_root[:3, :3].T @ gravity
     rates = couplings.moved_by([dof for dof in driven if dof in chosen])
     shares = compensated_links(robot, wanted, rates)
     found = loads(robot, values, couplings, [dof for dof in driven if dof in chosen], shares, up)
-    maker = _Maker(robot, timestep, found, {one.name for one in kept}, couplings.coupled)
+    maker = _Maker(robot, timestep, found, {one.name for one in kept}, couplings.coupled, motors)
     actuators = [
         made
         for dof in robot.dofs
@@ -77,6 +84,7 @@ def actuate(
         armatures=tuple(maker.armatures),
         compensated=tuple(sorted(shares.items())),
         compensating=tuple(dof for dof in driven if dof in wanted and _share(wanted[dof])),
+        supplied=tuple(gifts),
     )
     looped = [dof for dof in driven if dof in couplings.in_loops]
     remark(robot, actuation, looped, [dof for dof in order if dof not in driven], log)
@@ -120,7 +128,9 @@ class _Maker:
         found: Mapping[str, Load],
         taken: Collection[str],
         coupled: Collection[str],
+        motors: Motors,
     ) -> None:
+        self._motors = motors
         self._coupled = coupled
         self._taken = set(taken)
         self._timestep = timestep
@@ -131,7 +141,7 @@ class _Maker:
 
     def made(self, dof: Dof, wanted: Wanted) -> Actuator:
         """The actuator of a dof, with what is not given estimated."""
-        given = wanted.parameters
+        given, sources = completed(wanted, self._motors)
         gear = float(given.get("gear", 1.0))
         load = self._loads.get(dof.name)
         stiff = self._stiffness(dof, load, given.get("kp"), gear)
@@ -147,6 +157,8 @@ class _Maker:
             terms=terms_of(wanted.type, given, dof, gear, self._timestep),
             load=None if load is None else load.most,
             home_load=None if load is None else abs(load.home),
+            motor=wanted.motor,
+            sources=sources,
         )
         made = self._servo(made, dof, given, stiff, armature)
         made = replace(made, control=given.get("ctrlrange") or control_range(dof, made, given))

@@ -18,6 +18,8 @@ def here(tmp_path, monkeypatch):
     (tmp_path / "experiment").mkdir()
     (tmp_path / "experiment" / "wide.yaml").touch()
     (tmp_path / "there").mkdir()
+    (tmp_path / "motors").mkdir()
+    (tmp_path / "motors" / "my_servo.yaml").touch()
     write(tmp_path / "there", other=MY_ARM)
     return write(tmp_path, my_arm=MY_ARM, **{"legs/left": MY_ARM})
 
@@ -61,6 +63,11 @@ def here(tmp_path, monkeypatch):
         ("--package ", []),
         ("explain W-LIM", ["W-LIMIT", "W-LIMIT-DOUBT", "W-LIMIT-LOCKED", "W-LIMIT-LOST"]),
         ("explain joints.<glob>.d", ["joints.<glob>.damping"]),
+        ("actuators.elbow.motor=mx", ["actuators.elbow.motor=mx106", "actuators.elbow.motor=mx64"]),
+        ("actuators.elbow.motor=my", ["actuators.elbow.motor=my_servo"]),
+        ("actuators=m", ["actuators=motor"]),
+        ("motors=", []),
+        ("explain sts", ["sts3215"]),
         ("nothing.like.it", []),
         ("nothing=", []),
     ],
