@@ -8,9 +8,11 @@ thing in the document: null where CAD does not have it.
 Every joint has its `dofs`, from parent to child, each with an axis (null for a ball and for free
 motion) in its own frame, and the `origin` of that in the frame which the dof before it moves
 (null where they are the same). Values are numbers [rad or m], a ball's quaternion, or the seven
-numbers of free motion (x, y, z, quat). A ball's are its chain's, from parent to child; `mate_quat` is
-the saved value as the mate has it: the inverse where the joint runs backwards. A ball's q = 0 is its
-mate's zero in the URDF, but its pose at qpos0 in the MJCF, which has no `ref` for it: `zero` has both.
+numbers of free motion (x, y, z, quat). `mate` is the way back to the mate's own value, as CAD shows it:
+zero + sign · value; of a ball or free motion the pose `zero` times the value. A ball's are its chain's,
+from parent to child; `mate_quat` is the saved value as the mate has it: the inverse where the joint runs
+backwards. A ball's q = 0 is its mate's zero in the URDF, but its pose at qpos0 in the MJCF, which has no
+`ref` for it: `zero` has both.
 `lowered` lists the joints that are several joints in the URDF, with links between them, `merged` the links
 that are part of others there, at this pose in them, and `fused` likewise those that are sites
 in the MJCF. `urdf` is the URDF link of a frame; of a loop, the links
@@ -227,6 +229,7 @@ def _dof(dof: Dof, backwards: bool = False) -> dict[str, Any]:
         "effort": as_float(dof.dynamics.effort),
         "velocity": as_float(dof.dynamics.velocity),
         "saved": as_value(dof.saved),
+        "mate": {"sign": dof.in_mate.sign, "zero": as_value(dof.in_mate.zero)},
     }
     if dof.kind == "ball" and isinstance(dof.saved, tuple):
         w, x, y, z = dof.saved

@@ -5,7 +5,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from stages.export.mujoco_keys import CompilerSection, OptionSection
-from stages.robot.keys import Count, Flag, Keys, NonNegative, Number, Positive, Text, Triple, example, invalid
+from stages.robot.keys import Count, Flag, Keys, NonNegative, Number, Text, Triple, example, invalid
+from stages.robot.quantity_keys import Degrees, Position, PositiveLength, Turns
 
 Share = Annotated[Number, Field(ge=0, le=1)]
 Colour = tuple[Share, Share, Share]
@@ -18,14 +19,14 @@ class GroundKeys(Keys):
     kind: Literal["none", "plane"] = "plane"
     """Shape of the ground."""
 
-    size: tuple[Positive, Positive] | None = (4, 4)
+    size: tuple[PositiveLength, PositiveLength] | None = (4, 4)
     """Length along x and y of the plane that is drawn [m]; null: drawn as far as one sees. Contact is not
     limited to it."""
 
-    xyz: Triple = (0, 0, 0)
+    xyz: Position = (0, 0, 0)
     """Position in the world [m]."""
 
-    rpy: Triple = (0, 0, 0)
+    rpy: Turns = (0, 0, 0)
     """Roll, pitch and yaw in the world [rad]."""
 
     friction: tuple[NonNegative, NonNegative, NonNegative] = (1, 0.005, 0.0001)
@@ -46,10 +47,10 @@ class PoseKeys(Keys):
     """touch: upright at the origin, with its lowest collider on the ground at `home` (of a fixed base, the
     lowest of what is fixed), and without a ground at the origin; given: as the other keys say."""
 
-    xyz: Annotated[Triple, example([0, 0, 0.2])] = (0, 0, 0)
+    xyz: Annotated[Position, example([0, 0, 0.2])] = (0, 0, 0)
     """Position [m]."""
 
-    rpy: Triple = (0, 0, 0)
+    rpy: Turns = (0, 0, 0)
     """Roll, pitch and yaw [rad]."""
 
     @model_validator(mode="after")
@@ -65,7 +66,7 @@ class LightKeys(Keys):
     kind: Literal["directional", "point", "spot", "none"] = "directional"
     """directional: parallel, like the sun's; point: to all sides; spot: a cone; none: no light."""
 
-    xyz: Triple = (0, 0, 2.5)
+    xyz: Position = (0, 0, 2.5)
     """Position [m]."""
 
     direction: Annotated[Triple, example([0, 0, -1])] = (0, 0, -1)
@@ -83,7 +84,7 @@ class LightKeys(Keys):
     shadow: Flag = True
     """Whether it casts shadows."""
 
-    cutoff: Annotated[Number, Field(gt=0, le=180)] = 45
+    cutoff: Annotated[Degrees, Field(gt=0, le=180)] = 45
     """Of a spot: half angle of the cone [deg], as MuJoCo has it."""
 
     @model_validator(mode="after")
@@ -99,16 +100,16 @@ class CameraKeys(Keys):
     frame: Annotated[Text | None, example("camera_mount")] = None
     """A frame or link of the robot that carries it, in whose axes the pose is; null: the world."""
 
-    xyz: Annotated[Triple, example([1.2, -0.8, 0.6])] = (0, 0, 0)
+    xyz: Annotated[Position, example([1.2, -0.8, 0.6])] = (0, 0, 0)
     """Position [m]."""
 
-    rpy: Triple = (0, 0, 0)
+    rpy: Turns = (0, 0, 0)
     """Roll, pitch and yaw [rad]."""
 
-    look_at: Annotated[Triple | None, example([0, 0, 0.2])] = None
+    look_at: Annotated[Position | None, example([0, 0, 0.2])] = None
     """Of a camera in the world: the point [m] that it looks at, upright; then `rpy` says nothing."""
 
-    fovy: Annotated[Number, Field(gt=0, lt=180)] = 45
+    fovy: Annotated[Degrees, Field(gt=0, lt=180)] = 45
     """Vertical field of view [deg], as MuJoCo has it."""
 
     resolution: tuple[Count, Count] = (640, 480)

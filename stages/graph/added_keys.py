@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from stages.graph.mass_keys import Inertia
-from stages.robot.keys import Interval, Keys, Positive, Text, Triple, example, invalid
+from stages.robot.keys import Keys, Positive, Text, Triple, example, invalid
+from stages.robot.quantity_keys import Position, PositiveLength, Range, Turns, misfit
 
 if TYPE_CHECKING:
     from stages.robot.model import PrimitiveKind
@@ -28,44 +29,44 @@ class AddedFrameKeys(Keys):
     link: Annotated[Text, example("palm")]
     """The link or frame to which it is fixed."""
 
-    xyz: Annotated[Triple, example([0, 0.03, 0.02])] = (0, 0, 0)
+    xyz: Annotated[Position, example([0, 0.03, 0.02])] = (0, 0, 0)
     """Position in that link or frame [m]."""
 
-    rpy: Annotated[Triple, example([0, -1.57, 0])] = (0, 0, 0)
+    rpy: Annotated[Turns, example([0, -1.57, 0])] = (0, 0, 0)
     """Roll, pitch and yaw in that link or frame [rad]."""
 
 
 class SphereKeys(Keys):
     """A sphere about the link's origin."""
 
-    radius: Annotated[Positive, example(0.03)]
+    radius: Annotated[PositiveLength, example(0.03)]
     """Radius [m]."""
 
 
 class BoxKeys(Keys):
     """A box about the link's origin."""
 
-    size: Annotated[tuple[Positive, Positive, Positive], example([0.1, 0.1, 0.05])]
+    size: Annotated[tuple[PositiveLength, PositiveLength, PositiveLength], example([0.1, 0.1, 0.05])]
     """Lengths along x, y and z [m]."""
 
 
 class CylinderKeys(Keys):
     """A cylinder about the link's origin, along z."""
 
-    radius: Annotated[Positive, example(0.03)]
+    radius: Annotated[PositiveLength, example(0.03)]
     """Radius [m]."""
 
-    length: Annotated[Positive, example(0.1)]
+    length: Annotated[PositiveLength, example(0.1)]
     """Length [m]."""
 
 
 class CapsuleKeys(Keys):
     """A cylinder with a hemisphere at each end, about the link's origin, along z."""
 
-    radius: Annotated[Positive, example(0.03)]
+    radius: Annotated[PositiveLength, example(0.03)]
     """Radius [m]."""
 
-    length: Annotated[Positive, example(0.1)]
+    length: Annotated[PositiveLength, example(0.1)]
     """Length without the hemispheres [m]."""
 
 
@@ -117,13 +118,17 @@ class AddedJointKeys(Keys):
     axis: Direction = (0, 0, 1)
     """Axis of rotation or translation, in the link's frame."""
 
-    limits: Annotated[Interval | None, example([-1.57, 1.57])] = None
+    limits: Annotated[Range | None, example([-1.57, 1.57])] = None
     """[lower, upper] [rad or m]; null leaves a side open."""
 
     @model_validator(mode="after")
     def _limited(self) -> Self:
         if self.limits is not None and self.type in ("fixed", "continuous"):
             raise invalid(f"must have no limits: it is {self.type}")
+        kind: Literal["slide", "turn"] = "slide" if self.type == "prismatic" else "turn"
+        for end in self.limits or ():
+            if wrong := misfit(end, kind):
+                raise invalid(f"limits: {wrong}, and the joint is {self.type}")
         return self
 
 
@@ -140,16 +145,16 @@ class AddedLinkKeys(Keys):
     child: Annotated[Text | None, example("base_plate")] = None
     """Instead of a parent: the root link, of which this link becomes the parent."""
 
-    xyz: Annotated[Triple, example([0, 0, 0.05])] = (0, 0, 0)
+    xyz: Annotated[Position, example([0, 0, 0.05])] = (0, 0, 0)
     """Position in the parent [m]; with `child`, the position of the child in this link."""
 
-    rpy: Annotated[Triple, example([0, 0, 1.57])] = (0, 0, 0)
+    rpy: Annotated[Turns, example([0, 0, 1.57])] = (0, 0, 0)
     """Roll, pitch and yaw in the parent [rad]; with `child`, those of the child in this link."""
 
     mass: Annotated[Positive | None, example(0.3)] = None
     """Mass [kg]; null: no mass, the link is a named frame."""
 
-    com: Annotated[Triple | None, example([0, 0, 0.01])] = None
+    com: Annotated[Position | None, example([0, 0, 0.01])] = None
     """Centre of mass in its own frame [m]; null: its origin."""
 
     inertia: Annotated[Inertia | None, example([1e-4, 1e-4, 1e-4])] = None

@@ -37,7 +37,7 @@ def assemble(bundle: Bundle, keys: GraphKeys, read: MechanismReader) -> Robot:
     check_links(robot, log, mechanism.has_saved_pose)
     robot = with_least_inertias(robot, log)
     robot = with_added_frames(robot, keys.frames.add, log)
-    robot = with_zero(robot, keys.zero, log)
+    robot = with_zero(robot, keys.zero, keys.joints, log)
     robot = with_mobility(robot, log)
     log.raise_errors()
     robot = with_keyframes(robot, keys.keyframes, log)

@@ -1,24 +1,23 @@
 """Configuration of the graph stage: how an assembly becomes links and joints."""
 
 import re
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field, Strict
+from pydantic import AfterValidator, Field, Strict, model_validator
 
 from stages.graph.added_keys import AddedFrameKeys, AddedLinkKeys
 from stages.graph.mass_keys import MassKeys
 from stages.robot.keys import (
     Flag,
-    Interval,
     Keys,
     NonNegative,
-    Number,
     Positive,
     Solref,
     Text,
     example,
     invalid,
 )
+from stages.robot.quantity_keys import Coordinate, Range
 
 NAME_PATTERN = "[A-Za-z0-9_-]+"
 
@@ -82,7 +81,7 @@ class NamesKeys(Keys):
 class JointKeys(Keys):
     """Properties of the degrees of freedom (dofs) that a glob matches; null: as in the source."""
 
-    limits: Annotated[Interval | None, example([-1.57, 1.57])] = None
+    limits: Annotated[Range | None, example([-1.57, 1.57])] = None
     """[lower, upper] in the mate's own value [rad or m]; null leaves a side open. For a ball joint
     [null, cone]: the largest angle between its two z axes."""
 
@@ -101,6 +100,26 @@ class JointKeys(Keys):
     armature: Annotated[NonNegative | None, example(0.01)] = None
     """Inertia of the rotor, reflected to the joint [kg m² or kg]."""
 
+    rotor_inertia: Annotated[NonNegative | None, example(1.2e-5)] = None
+    """In place of `armature`: inertia of the rotor itself [kg m²]; the armature is this times `gear`²."""
+
+    gear: Annotated[Positive | None, example(50)] = None
+    """Of `rotor_inertia`: turns of the rotor per turn of the joint [-], or its angle per length of a slide
+    [rad/m]; null: 1."""
+
+    zero: Annotated[Coordinate | None, example(0.3)] = None
+    """The mate's own value [rad or m] where the joint's value is 0; null: as the key `zero` has it. Limits
+    stay in the mate's own value; keyframes, controls and everything exported are in the joint's."""
+
+    invert: Annotated[Flag | None, example(True)] = None
+    """Whether the joint's value grows where the mate's own falls."""
+
+    @model_validator(mode="after")
+    def _one_armature(self) -> Self:
+        if self.armature is not None and self.rotor_inertia is not None:
+            raise invalid("must have an armature or a rotor_inertia, not both")
+        return self
+
 
 class RelationKeys(Keys):
     """Properties of the relations that a glob matches. What is left out or null stays as in CAD."""
@@ -108,7 +127,7 @@ class RelationKeys(Keys):
     invert: Annotated[Flag | None, example(True)] = None
     """Whether the follower moves in the opposite direction."""
 
-    offset: Annotated[Number | None, example(0.1)] = None
+    offset: Annotated[Coordinate | None, example(0.1)] = None
     """Value of the follower where its driver is at 0, in the mates' own values [rad or m]; null: as in the
     saved pose."""
 
@@ -197,7 +216,7 @@ class GraphKeys(Keys):
     """Closed kinematic loops."""
 
     keyframes: Annotated[
-        dict[Text, dict[Text, Number]], example({"home": {"*knee*": 0.6}, "crouch": {"*knee*": 1.2}})
+        dict[Text, dict[Text, Coordinate]], example({"home": {"*knee*": 0.6}, "crouch": {"*knee*": 1.2}})
     ] = Field(default_factory=dict)
     """Name → glob on names of dofs → value [rad or m]; later entries win. The other joints are as near to
     `home` as limits, relations and loops allow; those of `home` itself as near to the saved pose. `home` and

@@ -4,7 +4,8 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
-from stages.robot.keys import Keys, NonNegative, Number, Positive, Text, Triple, example, invalid
+from stages.robot.keys import Keys, NonNegative, Number, Positive, Text, example, invalid
+from stages.robot.quantity_keys import Position
 
 if TYPE_CHECKING:
     from stages.robot.model import Array
@@ -42,7 +43,7 @@ class PartMassKeys(Keys):
     density: Annotated[Positive | None, example(1100)] = None
     """Density [kg/m³], in place of the mass: the mass is the density times the volume."""
 
-    com: Annotated[Triple | None, example([0, 0, 0.01])] = None
+    com: Annotated[Position | None, example([0, 0, 0.01])] = None
     """Centre of mass in the part's own frame [m]."""
 
     inertia: Annotated[Inertia | None, example([1e-4, 1e-4, 1e-4])] = None
@@ -62,7 +63,7 @@ class LinkMassKeys(Keys):
     mass: Annotated[Positive | None, example(0.2)] = None
     """Mass [kg]; the inertia is scaled with it."""
 
-    com: Annotated[Triple | None, example([0, 0, 0.01])] = None
+    com: Annotated[Position | None, example([0, 0, 0.01])] = None
     """Centre of mass in the link's frame [m]."""
 
     inertia: Annotated[Inertia | None, example([1e-4, 1e-4, 1e-4])] = None

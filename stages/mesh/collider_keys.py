@@ -9,7 +9,8 @@ from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 from stages.mesh import COLLIDERS, PRIMITIVES
 from stages.mesh.decompose_options import search
 from stages.robot.errors import ConfigError
-from stages.robot.keys import Count, Keys, NonNegative, Positive, Text, example, invalid
+from stages.robot.keys import Count, Keys, NonNegative, Text, example, invalid
+from stages.robot.quantity_keys import PositiveLength
 
 if TYPE_CHECKING:
     ColliderName = str
@@ -35,17 +36,17 @@ VertexCount = Annotated[Count, Field(ge=4)]
 class RoundSizeKeys(Keys):
     """The size of a sphere."""
 
-    radius: Annotated[Positive | None, example(0.02)] = None
+    radius: Annotated[PositiveLength | None, example(0.02)] = None
     """Radius [m]; null: what fits."""
 
 
 class LongSizeKeys(Keys):
     """The size of a cylinder or capsule."""
 
-    radius: Annotated[Positive | None, example(0.02)] = None
+    radius: Annotated[PositiveLength | None, example(0.02)] = None
     """Radius [m]; null: what fits."""
 
-    length: Annotated[Positive | None, example(0.1)] = None
+    length: Annotated[PositiveLength | None, example(0.1)] = None
     """Length [m], of a capsule without its caps; null: what fits."""
 
 
@@ -53,7 +54,8 @@ class BoxSizeKeys(Keys):
     """The size of a box that stands along the axes of the part, or of the link."""
 
     size: Annotated[
-        tuple[Positive | None, Positive | None, Positive | None] | None, example([0.1, 0.05, None])
+        tuple[PositiveLength | None, PositiveLength | None, PositiveLength | None] | None,
+        example([0.1, 0.05, None]),
     ] = None
     """Lengths along x, y and z [m]; null: what fits."""
 
@@ -78,7 +80,7 @@ class ColliderKeys(Keys):
     capsule: LongSizeKeys | None = None
     """A capsule of a given size, where it fits best."""
 
-    tolerance: Annotated[Positive | None, example(0.001)] = None
+    tolerance: Annotated[PositiveLength | None, example(0.001)] = None
     """As mesh.tolerance [m]; null: what that says."""
 
     extra_volume: Annotated[NonNegative | None, example(0.3)] = None

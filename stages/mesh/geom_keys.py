@@ -5,6 +5,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Strict
 
 from stages.robot.keys import Keys, NonNegative, Number, Solref, example, invalid
+from stages.robot.quantity_keys import NonNegativeLength
 
 Solimp = tuple[Number, Number, Number, Number, Number]
 
@@ -40,7 +41,7 @@ class GeomContactKeys(Keys):
     solimp: Annotated[Solimp | None, AfterValidator(_possible), example([0.9, 0.95, 0.001, 0.5, 2])] = None
     """[d0, dwidth, width, midpoint, power]: impedance from d0 to dwidth over a width [m] of penetration."""
 
-    margin: Annotated[NonNegative | None, example(0.001)] = None
+    margin: Annotated[NonNegativeLength | None, example(0.001)] = None
     """Distance at which contacts begin [m]."""
 
     priority: Annotated[int | None, Strict(), example(1)] = None

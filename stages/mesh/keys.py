@@ -6,7 +6,8 @@ from pydantic import Field
 
 from stages.mesh.collider_keys import CoacdParameters, ColliderChoice, ColliderName, VertexCount
 from stages.mesh.geom_keys import GeomKeys
-from stages.robot.keys import Count, Keys, NonNegative, Positive, Text, example
+from stages.robot.keys import Count, Keys, NonNegative, Text, example
+from stages.robot.quantity_keys import NonNegativeLength, PositiveLength
 
 
 class VisualKeys(Keys):
@@ -39,7 +40,7 @@ class MeshSection(Keys):
     """Glob on names of links or parts → how their colliders are made; the last glob that matches counts. Of
     a link that is named, one box or hull is for all of its parts; of a part, for this part alone."""
 
-    tolerance: Annotated[Positive | None, example(0.002)] = None
+    tolerance: Annotated[PositiveLength | None, example(0.002)] = None
     """Largest distance between a part's surface and its collider's [m], for the colliders that can follow it;
     a twentieth of the collider's surface may stand out up to three times as far. null: 1.5 % of the diagonal
     of the part's bounding box, at least 0.001."""
@@ -51,7 +52,7 @@ class MeshSection(Keys):
     max_vertices: VertexCount = 64
     """Largest number of vertices of one hull or convex piece."""
 
-    min_size: Annotated[NonNegative | None, example(0.005)] = None
+    min_size: Annotated[NonNegativeLength | None, example(0.005)] = None
     """Parts with a smaller diagonal [m] have no collider, unless mesh.colliders names them or the link has
     no other part; null: the tolerance of the whole link, 1.5 % of its diagonal and at least 0.001."""
 

@@ -19,7 +19,7 @@ Configuration = Mapping[str, Value]
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """The dof's range [rad or m] in the mate's own value; None is open. A ball's `upper` is the half
+    """The dof's range [rad or m]; None is open. A ball's `upper` is the half
     angle [rad] of the cone that its z axis stays in."""
 
     lower: float | None = None
@@ -68,6 +68,30 @@ class Dynamics:
     velocity: float | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class MateValue:
+    """The way from a dof's value back to the mate's own: `zero` + `sign` · value, for a turn or a slide.
+
+    Of a ball the quaternion `zero` times the value; `sign` is 1. Each as the dof's chain has it, from parent
+    to child.
+    """
+
+    sign: int = 1
+    zero: Value = 0.0
+
+    def of(self, value: float) -> float:
+        """The mate's own value [rad or m] of a turn or slide."""
+        return float(self.zero) + self.sign * value if isinstance(self.zero, float) else value
+
+    def inverse(self, mate: float) -> float:
+        """The value [rad or m] at which the mate's own is `mate`."""
+        return self.sign * (mate - self.zero) + 0.0 if isinstance(self.zero, float) else mate
+
+
+AS_THE_MATE = MateValue()
+"""The mate's own value."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Dof:
     """A coordinate of a joint: a turn about or a slide along `axis` (3,), a ball, or free motion.
@@ -76,7 +100,7 @@ class Dof:
     (4, 4) is that frame in the one which the dof before it moves (previous_from_dof); the first has
     the identity. The only dof of a joint has the joint's name. `saved`: the value in the pose that
     CAD was left in. `given`: those of `limits` and of the dynamics, by name, that the configuration gives;
-    the others are the source's.
+    the others are the source's. `in_mate`: how its value is counted in the mate's own.
     """
 
     name: str
@@ -87,3 +111,4 @@ class Dof:
     dynamics: Dynamics
     saved: Value
     given: tuple[str, ...] = ()
+    in_mate: MateValue = AS_THE_MATE

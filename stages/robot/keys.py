@@ -66,17 +66,6 @@ def invalid(text: str) -> PydanticCustomError:
     return PydanticCustomError("invalid", "{text}", {"text": text})
 
 
-def _ascending(pair: tuple[float | None, float | None]) -> tuple[float | None, float | None]:
-    lower, upper = pair
-    if lower is not None and upper is not None and not lower < upper:
-        raise invalid("must be [lower, upper] with lower < upper")
-    return pair
-
-
-Interval = Annotated[tuple[Number | None, Number | None], AfterValidator(_ascending)]
-"""[lower, upper]; null is an open side."""
-
-
 def _of_one_form(solref: tuple[float, float]) -> tuple[float, float]:
     if not (min(solref) > 0 or max(solref) < 0):
         raise invalid("must be [time constant, damping ratio] above 0, or [-stiffness, -damping]")

@@ -5,7 +5,7 @@ frame b to frame a, so names read left to right and cancel. Arrays are float64 a
 
 A link's frame is its joint's frame; the root link's frame is the assembly origin, or the frame that
 the user chose. q = 0 is where the two mate frames coincide, and q is the pose of the mate's first
-entity relative to its second.
+entity relative to its second, unless the user counts it from another zero or in the opposite direction.
 """
 
 from dataclasses import dataclass, field
@@ -20,6 +20,7 @@ from stages.robot.dofs import Dof as Dof
 from stages.robot.dofs import DofKind as DofKind
 from stages.robot.dofs import Dynamics as Dynamics
 from stages.robot.dofs import Limits as Limits
+from stages.robot.dofs import MateValue as MateValue
 from stages.robot.dofs import Value as Value
 from stages.robot.errors import Diagnostic
 from stages.robot.sensing import Sensor as Sensor
@@ -180,7 +181,7 @@ class Loop:
 
 @dataclass(frozen=True, slots=True)
 class Relation:
-    """`follower` = multiplier · `driver` + offset: names of dofs, in the mates' own values."""
+    """`follower` = multiplier · `driver` + offset: names of dofs."""
 
     name: str
     follower: str

@@ -245,7 +245,8 @@ Generated from `stages/*/keys.py`, `stages/*/*/keys.py` and `pipeline/config/pla
 `python -m tests.config.regenerate`; do not edit. `linkwright explain KEY` prints an entry.
 
 A key stands in a robot's file as YAML, or on the command line as `key=value`. Lengths are in metres, angles
-in radians, masses in kilograms. `<name>` stands for a name, `<glob>` for a name or a pattern with `*`, `?`
+in radians, masses in kilograms; each length and each angle also takes a text with its unit: `"25 mm"`,
+`"-90 deg"`. `<name>` stands for a name, `<glob>` for a name or a pattern with `*`, `?`
 and `[...]`. A value may be an interpolation of Hydra's: `${vars.reach}`, `${oc.env:DAMPING,0.1}`.
 """
 

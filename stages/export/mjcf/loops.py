@@ -165,5 +165,7 @@ def _reversed(dofs: tuple[Dof, ...]) -> tuple[Dof, ...]:
 
 def _along_axis(pose: Array, loop: Loop) -> Array:
     shifted = np.array(pose)
-    shifted[:3, 3] += pose[:3, :3] @ loop.dofs[0].axis * loop.lever
+    (dof,) = loop.dofs
+    # The mate's own axis: the direction in which the user counts must not move the point.
+    shifted[:3, 3] += pose[:3, :3] @ dof.axis * dof.in_mate.sign * loop.lever
     return shifted

@@ -14,9 +14,9 @@ from typing import Any, Literal, get_args
 import orjson
 
 from stages.formats.onshape_configuration import encoded, joined, split
-from stages.formats.onshape_units import SI, UNITS, Measure
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import ProtocolError, SourceError
+from stages.robot.units import SI, UNITS, Measure
 
 Kind = Literal["Enum", "Boolean", "Quantity", "String"]
 _KEY = "source.configuration"

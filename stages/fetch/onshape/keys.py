@@ -8,7 +8,8 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from stages.fetch.onshape.url import AssemblyUrl, parse
 from stages.fetch.source_keys import ADDRESS, Setting, SourceKeys
 from stages.robot.errors import ConfigError
-from stages.robot.keys import Count, Flag, Keys, NonNegative, Positive, Text, example, invalid
+from stages.robot.keys import Count, Flag, Keys, NonNegative, Text, example, invalid
+from stages.robot.quantity_keys import PositiveAngle, PositiveLength
 
 
 def _parsed(text: str) -> AssemblyUrl:
@@ -36,13 +37,13 @@ Address = Annotated[AssemblyUrl, GetPydanticSchema(_from_text)]
 class TessellationKeys(Keys):
     """How finely Onshape divides curved faces into triangles."""
 
-    angle: Annotated[Positive, Field(le=3.2)] = 0.2
+    angle: Annotated[PositiveAngle, Field(le=3.2)] = 0.2
     """Largest angle between neighbouring facets [rad]."""
 
-    chord: Positive = 0.0005
+    chord: PositiveLength = 0.0005
     """Largest distance between a facet and the true surface [m]."""
 
-    max_facet_width: Annotated[Positive | None, example(0.005)] = None
+    max_facet_width: Annotated[PositiveLength | None, example(0.005)] = None
     """Largest width of a facet [m]; null: no bound."""
 
 

@@ -22,7 +22,6 @@ from stages.fetch.onshape.cached_client import CachedClient
 from stages.fetch.onshape.freshness import Workspace
 from stages.fetch.onshape.session import Session
 from stages.fetch.onshape.url import AssemblyUrl
-from stages.formats.onshape_units import SI, Measure
 from stages.robot.errors import (
     AuthError,
     Diagnostic,
@@ -33,6 +32,7 @@ from stages.robot.errors import (
     SourceError,
 )
 from stages.robot.plural import count
+from stages.robot.units import SI, Measure
 
 _KEY = "source.variables"
 _SENT = ("name", "type", "expression", "description")

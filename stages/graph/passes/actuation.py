@@ -1,9 +1,12 @@
-"""The transmissions and controls of the source, under the present names of the joints."""
+"""The transmissions, controls and actuators of the source, under the present names and in the present values
+of the joints."""
 
 from dataclasses import replace
 
+from stages.formats.urdf.transmission_counts import with_counts
 from stages.formats.urdf.transmissions import with_joints
 from stages.graph.mechanism import Mechanism
+from stages.graph.passes.actuator_counts import recounted
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import listed
 from stages.robot.model import Robot, Sensor, Transmission
@@ -11,13 +14,13 @@ from stages.robot.model import Robot, Sensor, Transmission
 
 def with_actuation(robot: Robot, mechanism: Mechanism, log: Diagnostics) -> Robot:
     """The robot with the mechanism's transmissions and controls, as far as their joints are still there."""
-    controls = _controls(mechanism, robot, log)
-    dofs = {dof.name for dof in robot.dofs}
+    counts = {dof.name: dof.in_mate for dof in robot.dofs}
+    controls = tuple(with_counts(text, counts) for text in _controls(mechanism, robot, log))
     return replace(
         robot,
         transmissions=_transmissions(mechanism, robot),
         controls=controls,
-        actuators=tuple(one for one in mechanism.actuators if one.dof in dofs),
+        actuators=tuple(recounted(one, counts[one.dof]) for one in mechanism.actuators if one.dof in counts),
         sensors=tuple(one for one in mechanism.sensors if _is_there(robot, one)),
     )
 
@@ -35,8 +38,12 @@ def _is_there(robot: Robot, sensor: Sensor) -> bool:
 
 
 def _transmissions(mechanism: Mechanism, robot: Robot) -> tuple[Transmission, ...]:
-    dofs = {joint.mate.name: joint.dofs[0].name for joint in robot.joints if joint.mate and joint.dofs}
-    return tuple(replace(one, joint=dofs[one.joint]) for one in mechanism.transmissions if one.joint in dofs)
+    dofs = {joint.mate.name: joint.dofs[:1] for joint in robot.joints if joint.mate}
+    return tuple(
+        replace(one, joint=dof.name, reduction=one.reduction * dof.in_mate.sign)
+        for one in mechanism.transmissions
+        for dof in dofs.get(one.joint, ())
+    )
 
 
 def _controls(mechanism: Mechanism, robot: Robot, log: Diagnostics) -> tuple[str, ...]:

@@ -144,7 +144,7 @@ def _joint(name: str, keys: AddedJointKeys, parent: str, child: str, parent_from
         kind="slide" if keys.type == "prismatic" else "turn",
         axis=frozen(axis / np.linalg.norm(axis)),
         origin=frozen(np.eye(4)),
-        limits=Limits(*keys.limits) if keys.limits else Limits(),
+        limits=Limits(*(None if end is None else float(end) for end in keys.limits or ())),
         dynamics=Dynamics(),
         saved=0.0,
         given=("limits",) if keys.limits else (),

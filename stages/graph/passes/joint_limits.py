@@ -8,6 +8,7 @@ from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits, listed
 from stages.robot.loops import POINTWISE
 from stages.robot.model import Dof, Dynamics, Joint, Limits, Loop, Robot
+from stages.robot.quantity_keys import misfit
 
 BEYOND = 1e-6
 """How far [rad or m] a saved value may lie beyond its limits before it is reported."""
@@ -28,7 +29,9 @@ def with_properties(robot: Robot, wanted: Mapping[str, JointKeys], log: Diagnost
     """
     dofs = (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
     for glob, keys in wanted.items():
-        _check_glob(glob, keys, [dof for dof in dofs if fits(dof.name, glob)], robot, log)
+        matched = [dof for dof in dofs if fits(dof.name, glob)]
+        _check_glob(glob, keys, matched, robot, log)
+        _check_gear(glob, keys, matched, wanted, log)
         _report_idle(glob, keys, robot.loops, log)
     return with_each_dof(robot, lambda dof: unwrapped(_with(dof, wanted)))
 
@@ -43,6 +46,7 @@ def _check_glob(glob: str, keys: JointKeys, matched: Sequence[Dof], robot: Robot
             return
         known = listed(dof.name for one in every for dof in one.dofs)
         log.report("E-GLOB", f"no joint matches {glob!r}", "joints", f"joints are: {known or 'none'}")
+    _check_units(glob, keys, matched, log)
     if keys.limits is None:
         return
     kinds = {dof.kind for dof in matched}
@@ -57,9 +61,35 @@ def _check_glob(glob: str, keys: JointKeys, matched: Sequence[Dof], robot: Robot
         log.report("E-JOINT", text, "joints", "limits: [null, cone]")
 
 
+def _check_units(glob: str, keys: JointKeys, matched: Sequence[Dof], log: Diagnostics) -> None:
+    """E-JOINT for a length given to a turn, or an angle to a slide."""
+    for key, values in (("limits", keys.limits or ()), ("zero", (keys.zero,))):
+        wrong = [(text, dof) for value in values for dof in matched if (text := misfit(value, dof.kind))]
+        for text, dof in wrong[:1]:
+            log.report("E-JOINT", f"{key} of {glob!r}: {text}, and {dof.name} is a {dof.kind}", "joints")
+
+
+def _check_gear(
+    glob: str, keys: JointKeys, matched: Sequence[Dof], wanted: Mapping[str, JointKeys], log: Diagnostics
+) -> None:
+    """E-JOINT for a gear without a rotor, and for a rotor of what is neither a turn nor a slide."""
+    rotors = [other for other, one in wanted.items() if one.rotor_inertia is not None]
+    if (
+        keys.gear is not None
+        and matched
+        and not any(fits(d.name, other) for d in matched for other in rotors)
+    ):
+        text = f"{glob!r} gives a gear to joints that have no rotor_inertia"
+        hint = "give rotor_inertia too [kg m²]; the gear of an actuator is actuators.<name>.gear"
+        log.report("E-JOINT", text, "joints", hint)
+    if keys.rotor_inertia is not None and matched and not any(d.kind in ("turn", "slide") for d in matched):
+        text = f"{glob!r} gives a rotor_inertia to {matched[0].name}, which is neither a turn nor a slide"
+        log.report("E-JOINT", text, "joints", "give armature")
+
+
 def _report_idle(glob: str, keys: JointKeys, loops: Sequence[Loop], log: Diagnostics) -> None:
     """W-LOOP-DYNAMICS for dynamics of a dof that no simulation has; "*" means only those that it has."""
-    given = [key for key in Dynamics.__slots__ if getattr(keys, key) is not None]
+    given = [key for key in (*Dynamics.__slots__, "rotor_inertia") if getattr(keys, key) is not None]
     idle = [dof.name for one in loops if one.type in POINTWISE for dof in one.dofs]
     idle = [name for name in idle if fits(name, glob)]
     if glob != "*" and given and idle:
@@ -70,16 +100,25 @@ def _report_idle(glob: str, keys: JointKeys, loops: Sequence[Loop], log: Diagnos
 
 def _with(dof: Dof, wanted: Mapping[str, JointKeys]) -> Dof:
     limits, dynamics, told = dof.limits, dof.dynamics, set(dof.given)
+    rotor, gear = None, 1.0
     for glob, keys in wanted.items():
         if not fits(dof.name, glob):
             continue
         if keys.limits is not None:
-            limits = Limits(*keys.limits)
+            limits = Limits(*(None if end is None else float(end) for end in keys.limits))
             told.add("limits")
         every = {key: getattr(keys, key) for key in Dynamics.__slots__}
         given = {key: value for key, value in every.items() if value is not None}
         dynamics = replace(dynamics, **given)
         told |= set(given)
+        gear = keys.gear or gear
+        # An armature and a rotor's inertia are two ways to give one value: the later one counts.
+        rotor = (
+            keys.rotor_inertia if keys.rotor_inertia is not None else None if "armature" in given else rotor
+        )
+    if rotor is not None and dof.kind in ("turn", "slide"):
+        dynamics = replace(dynamics, armature=rotor * gear**2)
+        told.add("armature")
     return replace(dof, limits=limits, dynamics=dynamics, given=tuple(sorted(told)))
 
 

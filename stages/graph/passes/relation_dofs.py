@@ -12,6 +12,7 @@ from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import as_key, listed
 from stages.robot.model import DofKind, Joint, Robot
 from stages.robot.names import free, legal
+from stages.robot.quantity_keys import misfit
 
 PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
     "GEAR": (("turn", "turn"),),
@@ -49,7 +50,7 @@ def configured(
     for spec, fits in zip(specs, entries_of(things, wanted, "relations", "relation", log), strict=True):
         given: dict[str, bool | float] = {}
         for index in fits:
-            given |= entries[index].model_dump(exclude_none=True)
+            given |= {key: value for key, value in entries[index] if value is not None}
         if given.get("drop"):
             continue
         against = bool(given.get("invert"))
@@ -86,12 +87,18 @@ def dof_relations(robot: Robot, specs: Sequence[RelationSpec], log: Diagnostics)
             mates = listed(map(repr, spec.connections))
             text = f"a SCREW relation needs one CYLINDRICAL mate; {mates} is not one"
             log.report("E-RELATION", text, spec.title, "make the mate CYLINDRICAL")
+        elif text := misfit(spec.offset, _kind(robot, one.follower)):
+            log.report("E-RELATION", f"offset: {text}, and so is not of {one.follower}", spec.title)
         elif one.driver == one.follower:
             text = f"the joint {one.driver!r} is related to itself"
             log.report("E-RELATION", text, spec.title, "choose two different joints")
         else:
             found.append(one)
     return tuple(found)
+
+
+def _kind(robot: Robot, name: str) -> DofKind:
+    return next(dof.kind for dof in robot.dofs if dof.name == name)
 
 
 def _joined(robot: Robot, joints: Mapping[str, Joint], spec: RelationSpec) -> DofRelation | None:
@@ -108,7 +115,8 @@ def _joined(robot: Robot, joints: Mapping[str, Joint], spec: RelationSpec) -> Do
     kinds, (driver, follower) = _dofs(spec, *meant)
     factor = _factor(spec, kinds)
     factor = factor if spec.reverse else -factor
-    return DofRelation(spec.title, driver, follower, factor, spec.offset, spec.name, sure=spec.sure)
+    offset = None if spec.offset is None else float(spec.offset)
+    return DofRelation(spec.title, driver, follower, factor, offset, spec.name, sure=spec.sure)
 
 
 def _mimicked(robot: Robot, scalar: Collection[str], spec: RelationSpec) -> DofRelation:
@@ -117,7 +125,8 @@ def _mimicked(robot: Robot, scalar: Collection[str], spec: RelationSpec) -> DofR
     for name in spec.connections:
         if name not in scalar:
             raise _Unfit(_why_no_joint(robot, name))
-    return DofRelation(spec.title, driver, follower, spec.ratio, spec.offset or 0.0, spec.name, complete=True)
+    offset = float(spec.offset or 0.0)
+    return DofRelation(spec.title, driver, follower, spec.ratio, offset, spec.name, complete=True)
 
 
 def _joints(robot: Robot, joints: Mapping[str, Joint], spec: RelationSpec) -> tuple[Joint, ...]:

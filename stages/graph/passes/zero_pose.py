@@ -1,4 +1,8 @@
-"""The zero of q: the saved pose in place of the pose where the mates' frames coincide."""
+"""How q is counted: from which value of the mate, and in which direction.
+
+q = 0 is where the mates' frames coincide, or with `zero: saved` the saved pose; `joints` gives a dof a zero
+of its own, and inverts it: mate = zero + sign · q.
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -6,68 +10,129 @@ from typing import Literal
 
 import numpy as np
 
+from stages.graph.keys import JointKeys
 from stages.graph.passes.relations import negligible
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.model import Array, Dof, Limits, Relation, Robot, Value, frozen
+from stages.robot.dofs import AS_THE_MATE
+from stages.robot.globs import fits
+from stages.robot.model import Array, Dof, Limits, MateValue, Relation, Robot, frozen
 from stages.robot.poses import at_rest, motion
 
+SCALAR = ("turn", "slide")
 
-def with_zero(robot: Robot, zero: Literal["mate", "saved"], log: Diagnostics) -> Robot:
-    """The robot with q = 0 where the key `zero` has it."""
-    return zeroed(robot, log) if zero == "saved" else robot
+
+def with_zero(
+    robot: Robot, zero: Literal["mate", "saved"], joints: Mapping[str, JointKeys], log: Diagnostics
+) -> Robot:
+    """The robot with q as the keys `zero` and `joints.*.zero` and `invert` count it; later entries win.
+
+    E-JOINT for an entry that names no turn or slide. W-ZERO for a ball with a cone: it keeps its zero, as the
+    cone is about the mate's own axis.
+    """
+    dofs = (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs))
+    _check(dofs, joints, log)
+    counts = {dof.name: _count(dof, zero, joints, log) for dof in dofs}
+    measured = {name for name, own in counts.items() if zero == "saved" and not _has_own_zero(name, joints)}
+    return counted(robot, counts, measured)
 
 
 def zeroed(robot: Robot, log: Diagnostics) -> Robot:
-    """The same robot with q = 0 at the saved pose: limits and offsets of relations are shifted.
+    """The same robot with q = 0 at the saved pose."""
+    return with_zero(robot, "saved", {}, log)
 
-    M(s + q) = M(s) M(q) for turns and slides, and for a ball with the product of quaternions: each
-    M(s) goes to the transform before its dof, so that every link keeps its frame at every pose. A
-    ball with a cone keeps its zero, as the cone is about the mate's own axis (W-ZERO).
+
+def counted(robot: Robot, counts: Mapping[str, MateValue], measured: frozenset[str] | set[str]) -> Robot:
+    """The same robot with every q counted anew: limits, saved values and relations are carried over.
+
+    With M the motion about an axis a, M(a, z + s q) = M(a, z) M(s a, q) for turns and slides, and for a ball
+    with the product of quaternions: each M(a, z) goes to the transform before its dof, so that every link
+    keeps its frame at every pose. `measured`: the dofs whose zero is the saved value, where an offset of a
+    relation may be rounding.
     """
-    for dof in (*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)):
-        if _keeps_its_zero(dof):
-            text = "a ball with a cone keeps q = 0 where its mate's frames coincide"
-            hint = "the cone is about the mate's own axis: remove the limit to count from the saved pose"
-            log.report("W-ZERO", text, dof.name, hint)
+    if all(own == AS_THE_MATE for own in counts.values()):
+        return robot
     joints, loops = [], []
     for joint in robot.joints:
-        start, dofs = _moved_up(joint.parent_from_joint, joint.dofs)
+        start, dofs = _moved_up(joint.parent_from_joint, joint.dofs, counts)
         joints.append(replace(joint, parent_from_joint=start, dofs=dofs))
     for loop in robot.loops:
-        start, dofs = _moved_up(loop.b_from_frame, loop.dofs)
+        start, dofs = _moved_up(loop.b_from_frame, loop.dofs, counts)
         loops.append(replace(loop, b_from_frame=start, dofs=dofs))
-    saved = {dof.name: dof.saved for dof in robot.dofs}
-    relations = tuple(_shifted(relation, saved) for relation in robot.relations)
+    relations = tuple(_carried(relation, counts, measured) for relation in robot.relations)
     return replace(robot, joints=tuple(joints), loops=tuple(loops), relations=relations)
 
 
-def _keeps_its_zero(dof: Dof) -> bool:
-    return dof.kind == "ball" and dof.limits != Limits() and dof.saved != at_rest("ball")
+def _check(dofs: Sequence[Dof], joints: Mapping[str, JointKeys], log: Diagnostics) -> None:
+    for glob, keys in joints.items():
+        matched = [dof for dof in dofs if fits(dof.name, glob)]
+        kinds = {dof.kind for dof in matched}
+        asked = [key for key in ("zero", "invert") if getattr(keys, key) is not None]
+        if asked and matched and not kinds & set(SCALAR):
+            text = f"{glob!r} matches only balls or free joints, which have no {' and no '.join(asked)}"
+            log.report("E-JOINT", text, "joints", f"leave {' and '.join(asked)} out")
+        elif keys.zero and kinds >= set(SCALAR):
+            named = ", ".join(f"{dof.name} ({dof.kind})" for dof in matched if dof.kind in SCALAR)
+            text = f"{glob!r} gives one zero to dofs of several kinds: {named}"
+            log.report("E-JOINT", text, "joints", "give a zero to each kind under its own glob")
 
 
-def _moved_up(start: Array, dofs: Sequence[Dof]) -> tuple[Array, tuple[Dof, ...]]:
-    """The transform (4, 4) before a chain, and the chain, counted from the saved pose."""
-    made: list[Dof] = []
-    for dof in dofs:
-        if _keeps_its_zero(dof):
-            made.append(dof)
-            continue
-        origin = frozen(dof.origin @ motion(dof.kind, dof.axis, dof.saved) + 0.0)
-        limits = dof.limits
-        if isinstance(dof.saved, float):
-            lower, upper = (None if end is None else end - dof.saved for end in (limits.lower, limits.upper))
-            limits = Limits(lower, upper)
-        made.append(replace(dof, origin=origin, limits=limits, saved=at_rest(dof.kind)))
+def _has_own_zero(name: str, joints: Mapping[str, JointKeys]) -> bool:
+    return any(keys.zero is not None and fits(name, glob) for glob, keys in joints.items())
+
+
+def _count(
+    dof: Dof, zero: Literal["mate", "saved"], joints: Mapping[str, JointKeys], log: Diagnostics
+) -> MateValue:
+    if dof.kind not in SCALAR:
+        if zero == "mate":
+            return AS_THE_MATE
+        if dof.kind == "ball" and dof.limits != Limits() and dof.saved != at_rest("ball"):
+            text = "a ball with a cone keeps q = 0 where its mate's frames coincide"
+            hint = "the cone is about the mate's own axis: remove the limit to count from the saved pose"
+            log.report("W-ZERO", text, dof.name, hint)
+            return AS_THE_MATE
+        return MateValue(1, dof.saved)
+    own = MateValue(1, dof.saved) if zero == "saved" else AS_THE_MATE
+    for glob, keys in joints.items():
+        if fits(dof.name, glob):
+            own = own if keys.zero is None else replace(own, zero=float(keys.zero))
+            own = own if keys.invert is None else replace(own, sign=-1 if keys.invert else 1)
+    return own
+
+
+def _moved_up(
+    start: Array, dofs: Sequence[Dof], counts: Mapping[str, MateValue]
+) -> tuple[Array, tuple[Dof, ...]]:
+    """The transform (4, 4) before a chain, and the chain, counted anew."""
+    made = [_counted(dof, counts[dof.name]) for dof in dofs]
     if not made:
         return start, ()
-    start = frozen(start @ made[0].origin + 0.0)
+    if not np.array_equal(made[0].origin, np.eye(4)):
+        start = frozen(start @ made[0].origin + 0.0)
     return start, (replace(made[0], origin=frozen(np.eye(4))), *made[1:])
 
 
-def _shifted(relation: Relation, saved: Mapping[str, Value]) -> Relation:
-    """f + s_f = k (d + s_d) + offset; a rest that is only rounding of the saved pose is dropped."""
-    driver, follower = saved[relation.driver], saved[relation.follower]
-    if not isinstance(driver, float) or not isinstance(follower, float):
-        return relation
-    offset = relation.multiplier * driver + relation.offset - follower
-    return replace(relation, offset=0.0 if negligible(offset, relation.multiplier) else offset)
+def _counted(dof: Dof, own: MateValue) -> Dof:
+    if own == AS_THE_MATE:
+        return dof
+    at_zero = motion(dof.kind, dof.axis, own.zero)
+    moved = replace(dof, origin=frozen(dof.origin @ at_zero + 0.0), in_mate=own)
+    if not isinstance(dof.saved, float):
+        return replace(moved, saved=at_rest(dof.kind))
+    ends = [None if end is None else own.inverse(end) for end in (dof.limits.lower, dof.limits.upper)]
+    limits = Limits(*(ends if own.sign > 0 else reversed(ends)))
+    axis = frozen(own.sign * dof.axis + 0.0)
+    return replace(moved, axis=axis, limits=limits, saved=own.inverse(dof.saved))
+
+
+def _carried(
+    relation: Relation, counts: Mapping[str, MateValue], measured: frozenset[str] | set[str]
+) -> Relation:
+    """z_f + s_f f = k (z_d + s_d d) + offset, solved for f; a rest that is only rounding of the saved pose is
+    dropped."""
+    driver, follower = counts[relation.driver], counts[relation.follower]
+    factor = follower.sign * driver.sign * relation.multiplier + 0.0
+    offset = follower.inverse(relation.multiplier * driver.of(0.0) + relation.offset)
+    if {relation.driver, relation.follower} <= measured and negligible(offset, factor):
+        offset = 0.0
+    return replace(relation, multiplier=factor, offset=offset)

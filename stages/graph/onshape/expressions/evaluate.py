@@ -7,7 +7,6 @@ of FeatureScript: arithmetic, comparison, `cond ? a : b`, and the functions of i
 
 from collections.abc import Callable, Mapping, Sequence
 
-from stages.formats.onshape_units import UNITS, Measure
 from stages.graph.onshape.expressions.functions import CONSTANTS, FUNCTIONS
 from stages.graph.onshape.expressions.quantity import (
     NONE,
@@ -19,6 +18,7 @@ from stages.graph.onshape.expressions.quantity import (
     unit,
 )
 from stages.graph.onshape.expressions.syntax import DEEPEST, Expression, parse
+from stages.robot.units import UNITS, Measure
 
 __all__ = ["ExpressionError", "Quantity", "Scope", "UnknownVariable", "Value", "evaluate", "measured"]
 

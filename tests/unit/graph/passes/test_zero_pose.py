@@ -45,7 +45,15 @@ def every_joint(seed: int) -> Robot:
         joints.append(joint(kind, parent, name, values, place=pose(rng), origins=origins, **way))
         parent = name
     loops = [
-        loop(kind, "link_1", "link_4", pose(rng), pose(rng), [some_value(w, rng) for _, w, _ in CHAINS[kind]])
+        loop(
+            kind,
+            "link_1",
+            "link_4",
+            pose(rng),
+            pose(rng),
+            [some_value(w, rng) for _, w, _ in CHAINS[kind]],
+            name=f"loop_{kind}",
+        )
         for kind in LOOPS
     ]
     return robot_with(joints, loops=loops)

@@ -1,0 +1,124 @@
+"""Keys that are lengths or angles: numbers in SI, or texts with a unit, such as "25 mm" and "-90 deg"."""
+
+import re
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Field,
+    PlainSerializer,
+    Strict,
+    ValidatorFunctionWrapHandler,
+    WrapValidator,
+)
+
+from stages.robot.keys import invalid
+from stages.robot.units import SI, UNITS, Measure
+
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_TYPED = re.compile(rf"\s*({_NUMBER})\s*(\S.*?)?\s*")
+
+_EXAMPLES = {"length": "25 mm", "angle": "-90 deg"}
+
+_NAMED = {"length": "nm, um, mm, cm, m, in, ft, ...", "angle": "deg, rad, rev"}
+
+
+class TypedNumber(float):
+    """A number in SI that was typed with a unit. `measure`: what the unit measures; `typed`: the text."""
+
+    measure: Measure
+    typed: str
+
+
+def quantity(text: str, *measures: Measure) -> TypedNumber:
+    """What a text is in SI: a number and a unit of one of the measures; an error that says so otherwise."""
+    shown = " or ".join(f"{_EXAMPLES[one]!r}" for one in measures)
+    kinds = " or ".join(f"{'an' if one == 'angle' else 'a'} {one}" for one in measures)
+    expected = f"must be a number in {' or '.join(SI[one] for one in measures)}, or {kinds} as {shown}"
+    match = _TYPED.fullmatch(text)
+    if match is None:
+        raise invalid(expected)
+    number, unit = match.groups()
+    if unit is None:
+        raise invalid(f"{expected}: without quotes, or with a unit")
+    known = UNITS.get(unit)
+    if known is None or known[1] not in measures:
+        names = "; ".join(_NAMED[one] for one in measures)
+        is_what = "unknown" if known is None else f"a unit of {known[1]}"
+        raise invalid(f"{expected}: {unit!r} is {is_what}; units are {names}")
+    found = TypedNumber(float(number) * known[0])
+    found.measure, found.typed = known[1], text
+    return found
+
+
+def _length(value: Any) -> Any:
+    return float(quantity(value, "length")) if isinstance(value, str) else value
+
+
+def _angle(value: Any) -> Any:
+    return float(quantity(value, "angle")) if isinstance(value, str) else value
+
+
+def _degrees(value: Any) -> Any:
+    if not isinstance(value, str):
+        return value
+    found = quantity(value, "angle")
+    return round(float(found) / UNITS["deg"][0], 12)
+
+
+def _either(value: Any, handler: ValidatorFunctionWrapHandler) -> Any:
+    return quantity(value, "angle", "length") if isinstance(value, str) else handler(value)
+
+
+def _as_typed(value: float | None) -> float | str | None:
+    return value.typed if isinstance(value, TypedNumber) else value
+
+
+Typed = float | str
+
+Length = Annotated[float, Strict(), BeforeValidator(_length, json_schema_input_type=Typed)]
+"""A length [m]."""
+
+Angle = Annotated[float, Strict(), BeforeValidator(_angle, json_schema_input_type=Typed)]
+"""An angle [rad]."""
+
+Degrees = Annotated[float, Strict(), BeforeValidator(_degrees, json_schema_input_type=Typed)]
+"""An angle [deg], where MuJoCo has degrees whatever its compiler says."""
+
+Coordinate = Annotated[
+    float,
+    Strict(),
+    WrapValidator(_either, json_schema_input_type=Typed),
+    PlainSerializer(_as_typed, return_type=float | str),
+]
+"""A value of a joint [rad or m], whose kind only the robot tells: a `TypedNumber` keeps what was typed."""
+
+PositiveLength = Annotated[Length, Field(gt=0)]
+NonNegativeLength = Annotated[Length, Field(ge=0)]
+PositiveAngle = Annotated[Angle, Field(gt=0)]
+
+Position = tuple[Length, Length, Length]
+"""x, y and z [m]."""
+
+Turns = tuple[Angle, Angle, Angle]
+"""Roll, pitch and yaw [rad]."""
+
+
+def _ascending(pair: tuple[float | None, float | None]) -> tuple[float | None, float | None]:
+    lower, upper = pair
+    if lower is not None and upper is not None and not lower < upper:
+        raise invalid("must be [lower, upper] with lower < upper")
+    return pair
+
+
+Range = Annotated[tuple[Coordinate | None, Coordinate | None], AfterValidator(_ascending)]
+"""[lower, upper] [rad or m]; null is an open side."""
+
+
+def misfit(value: object, kind: Literal["turn", "slide", "ball", "free"]) -> str:
+    """Why a value that was typed with a unit does not suit a dof of this kind; "" where it does."""
+    if not isinstance(value, TypedNumber) or kind == "free":
+        return ""
+    wanted = "length" if kind == "slide" else "angle"
+    return "" if value.measure == wanted else f"{value.typed!r} is no {wanted}"

@@ -1,0 +1,173 @@
+"""Joints in the user's own terms: a zero and a direction of each joint change no physics.
+
+The untouched robot is the oracle. `robot.json` has the map from each new value to the mate's own; through it
+poses, inertia, gravity, limits, followers and loops of both files are those of the untouched robot's.
+"""
+
+import json
+import tempfile
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from lxml import etree
+
+from stages.robot.model import Robot, Value
+from stages.robot.start_pose import starting_point
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.random_document import documents
+from tests.property.test_parity import drawn, same, slowly
+from tests.support.building import plan_of, robot_of, write
+from tests.support.engines import Mujoco, Pinocchio
+
+Counts = dict[str, tuple[int, float]]
+
+
+def counts_of(robot_json: bytes) -> Counts:
+    """By dof, the sign and zero that robot.json gives: mate = zero + sign · value."""
+    table = json.loads(robot_json)
+    every = [dof for one in (*table["joints"], *table["loops"]) for dof in one["dofs"]]
+    return {
+        dof["name"]: (dof["mate"]["sign"], dof["mate"]["zero"])
+        for dof in every
+        if dof["kind"] in ("turn", "slide")
+    }
+
+
+def chosen(robot: Robot, seed: int) -> dict[str, dict[str, object]]:
+    """A zero, a direction, both or neither for each turn and slide, those of loops too."""
+    random = np.random.default_rng(seed)
+    every = [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]
+    wanted: dict[str, dict[str, object]] = {}
+    for dof in every:
+        if dof.kind in ("turn", "slide"):
+            both = {"zero": float(random.uniform(-1, 1)), "invert": bool(random.integers(2))}
+            wanted[dof.name] = {key: value for key, value in both.items() if random.random() < 0.7}
+    return {name: keys for name, keys in wanted.items() if keys}
+
+
+def alike(document: Document, seed: int, zero: str) -> None:
+    plain = robot_of(document, plan_of(zero=zero))
+    wanted = chosen(plain, seed)
+    plan = plan_of(zero=zero, joints=wanted)
+    counted = robot_of(document, plan)
+    names = [dof.name for dof in plain.dofs]
+    assert [dof.name for dof in counted.dofs] == names
+    with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as other:
+        old = write(plain, Path(one))
+        new = write(counted, Path(other), plan)
+        engines = [
+            (Pinocchio(old.files["robot.urdf"]), Pinocchio(new.files["robot.urdf"])),
+            (
+                Mujoco(Path(one) / "robot.xml", balls(plain)),
+                Mujoco(Path(other) / "robot.xml", balls(counted)),
+            ),
+        ]
+    before, after = counts_of(old.files["robot.json"]), counts_of(new.files["robot.json"])
+    for name, keys in wanted.items():
+        # A pose is told by the mate's own value, whatever `zero` says of the others.
+        assert after[name] == pytest.approx(
+            (-1 if keys.get("invert") else 1, keys.get("zero", before[name][1])), abs=1e-12
+        )
+    random = np.random.default_rng(seed)
+    signs = np.concatenate([[after[n][0]] if n in after else np.ones(3) for n in names] or [[]])
+    for _ in range(2):
+        q = drawn(plain, random)
+        moved = {n: after[n][0] * (before[n][1] + v - after[n][1]) if n in after else v for n, v in q.items()}
+        for left, right in engines:
+            poses, found = left.poses(q), right.poses(moved)
+            for link in plain.links:
+                same(found[link.name], poses[link.name])
+            if not names:
+                continue
+            same(right.mass_matrix(moved, names), left.mass_matrix(q, names) * np.outer(signs, signs))
+            same(right.gravity(moved, names), left.gravity(q, names) * signs)
+        left, right = engines[1]
+        if names:
+            # A loop's own joint stands in the MJCF where no equality can replace it, with a value of its own.
+            carried = {n: float(random.uniform(-1, 1)) for n in after if n not in q and has_joint(left, n)}
+            there = {n: after[n][0] * (before[n][1] + v - after[n][1]) for n, v in carried.items()}
+            held(left, right, q | carried, moved | there)
+        mimicked(old.files["robot.urdf"], new.files["robot.urdf"], q, before, after)
+    limited(plain, counted, before, after)
+
+
+def has_joint(engine: Mujoco, name: str) -> bool:
+    return mujoco.mj_name2id(engine.model, mujoco.mjtObj.mjOBJ_JOINT, name) >= 0
+
+
+def balls(robot: Robot) -> dict[str, Value]:
+    """The pose in which the MJCF's bodies stand, which a ball's value there counts from."""
+    return {name: value for name, value in starting_point(robot).items() if isinstance(value, tuple)}
+
+
+def held(left: Mujoco, right: Mujoco, q: dict[str, float], moved: dict[str, float]) -> None:
+    """Every equality is off by as much, whichever values count it."""
+
+    def off(engine: Mujoco, values: dict[str, float]) -> dict[str, float]:
+        model, data = engine.model, engine.data
+        engine._set(values)
+        mujoco.mj_makeConstraint(model, data)
+        rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+        found: dict[str, float] = {}
+        for number, value in zip(data.efc_id[rows], data.efc_pos[rows], strict=True):
+            name = f"{model.equality(int(number)).name}/{number}"
+            found[name] = float(np.hypot(found.get(name, 0.0), value))
+        return found
+
+    before, after = off(left, q), off(right, moved)
+    assert after.keys() == before.keys()
+    for name, value in before.items():
+        assert abs(after[name] - value) < 1e-9 * max(1.0, value)
+
+
+def mimicked(old: bytes, new: bytes, q: dict[str, float], before: Counts, after: Counts) -> None:
+    """A follower's value, by the URDF's own <mimic>, is the same value of its mate."""
+
+    def followed(urdf: bytes, counts: Counts) -> dict[str, float]:
+        found = {}
+        for joint in etree.fromstring(urdf).iterfind("joint"):
+            mimic = joint.find("mimic")
+            if mimic is None or joint.get("name") not in counts:
+                continue
+            sign, zero = counts[mimic.get("joint")]
+            mate = before[mimic.get("joint")]
+            driver = sign * (mate[1] + q[mimic.get("joint")] - zero)
+            value = float(mimic.get("multiplier", 1)) * driver + float(mimic.get("offset", 0))
+            sign, zero = counts[joint.get("name")]
+            found[joint.get("name")] = zero + sign * value
+        return found
+
+    one, other = followed(old, before), followed(new, after)
+    assert other == pytest.approx(one, rel=1e-9, abs=1e-9)
+
+
+def limited(plain: Robot, counted: Robot, before: Counts, after: Counts) -> None:
+    """The same range of the mate's own value, and the same saved pose."""
+    for one, other in zip(plain.dofs, counted.dofs, strict=True):
+        if one.name not in after:
+            continue
+        ranges = []
+        for dof, (sign, zero) in ((one, before[one.name]), (other, after[one.name])):
+            low, high = dof.limits.interval
+            ranges.append([*sorted((zero + sign * low, zero + sign * high)), zero + sign * dof.saved])
+        assert ranges[1] == pytest.approx(ranges[0], abs=1e-9)
+
+
+zeros = st.sampled_from(["mate", "saved"])
+
+
+@settings(max_examples=8, **slowly)
+@given(documents(everything=True), st.integers(0, 1000), zeros)
+def test_a_zero_and_a_direction_change_no_physics(document: Document, seed: int, zero: str) -> None:
+    alike(document, seed, zero)
+
+
+@pytest.mark.slow
+@settings(max_examples=60, **slowly)
+@given(documents(everything=True, loops=True), st.integers(0, 1000), zeros)
+def test_a_zero_and_a_direction_change_no_physics_of_loops(document: Document, seed: int, zero: str) -> None:
+    alike(document, seed, zero)
