@@ -8,7 +8,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from stages.robot.globs import fits
-from stages.robot.keys import Count, Keys, NonNegative, Number, Positive, Text, Triple, example, invalid
+from stages.robot.keys import Count, Keys, NonNegative, Number, Positive, Text, example, invalid
+from stages.robot.quantity_keys import Degrees, Position, Turns
 
 SensorName = Literal[
     "joint",
@@ -138,10 +139,10 @@ class SensorKeys(Keys):
     """Of what is mounted: the frame or link of the robot that carries it. null: the one that has the name of
     the sensor."""
 
-    xyz: Annotated[Triple, example([0, 0, 0.02])] = (0, 0, 0)
+    xyz: Annotated[Position, example([0, 0, 0.02])] = (0, 0, 0)
     """Of what is mounted: position in the frame [m]."""
 
-    rpy: Annotated[Triple, example([0, 1.57, 0])] = (0, 0, 0)
+    rpy: Annotated[Turns, example([0, 1.57, 0])] = (0, 0, 0)
     """Of what is mounted: roll, pitch and yaw in the frame [rad]. A rangefinder and a camera look along z."""
 
     relative_to: Annotated[Text | None, example("torso")] = None
@@ -157,7 +158,7 @@ class SensorKeys(Keys):
     """Of touch: radius of a ball, or lengths of a box [m], around the frame, inside which contact counts.
     null: a box around the colliders of the link."""
 
-    fovy: Annotated[Annotated[Number, Field(gt=0, lt=180)], example(60)] = 45
+    fovy: Annotated[Annotated[Degrees, Field(gt=0, lt=180)], example(60)] = 45
     """Of camera: vertical field of view [deg], as MuJoCo has it."""
 
     resolution: tuple[Count, Count] = (640, 480)
