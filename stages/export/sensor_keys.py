@@ -8,8 +8,8 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from stages.robot.globs import fits
-from stages.robot.keys import Count, Keys, NonNegative, Number, Positive, Text, example, invalid
-from stages.robot.quantity_keys import Degrees, Position, Turns
+from stages.robot.keys import Count, Keys, NonNegative, Text, example, invalid
+from stages.robot.quantity_keys import Degrees, Position, PositiveLength, Turns
 
 SensorName = Literal[
     "joint",
@@ -96,7 +96,7 @@ def _for_all(value: Any) -> Any:
 
 
 def _radius(value: Any) -> Any:
-    return (value,) if isinstance(value, int | float) and not isinstance(value, bool) else value
+    return (value,) if isinstance(value, int | float | str) and not isinstance(value, bool) else value
 
 
 def _one_or_three(size: tuple[float, ...]) -> tuple[float, ...]:
@@ -112,9 +112,9 @@ ByMeasure = Annotated[
 """What is measured, or a glob on it → a number; a number alone is for all."""
 
 Size = Annotated[
-    tuple[Positive, ...],
+    tuple[PositiveLength, ...],
     AfterValidator(_one_or_three),
-    BeforeValidator(_radius, json_schema_input_type=tuple[Positive, ...] | Positive),
+    BeforeValidator(_radius, json_schema_input_type=tuple[PositiveLength, ...] | PositiveLength),
 ]
 
 
