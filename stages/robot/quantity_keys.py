@@ -19,7 +19,8 @@ from stages.robot.units import SI, UNITS, Measure
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _TYPED = re.compile(rf"\s*({_NUMBER})\s*(\S.*?)?\s*")
 
-_EXAMPLES = {"length": "25 mm", "angle": "-90 deg"}
+EXAMPLES = {"length": "25 mm", "angle": "-90 deg"}
+"""A text of each measure, for messages."""
 
 _NAMED = {"length": "nm, um, mm, cm, m, in, ft, ...", "angle": "deg, rad, rev"}
 
@@ -33,7 +34,7 @@ class TypedNumber(float):
 
 def quantity(text: str, *measures: Measure) -> TypedNumber:
     """What a text is in SI: a number and a unit of one of the measures; an error that says so otherwise."""
-    shown = " or ".join(f"{_EXAMPLES[one]!r}" for one in measures)
+    shown = " or ".join(f"{EXAMPLES[one]!r}" for one in measures)
     kinds = " or ".join(f"{'an' if one == 'angle' else 'a'} {one}" for one in measures)
     expected = f"must be a number in {' or '.join(SI[one] for one in measures)}, or {kinds} as {shown}"
     match = _TYPED.fullmatch(text)
@@ -120,5 +121,16 @@ def misfit(value: object, kind: Literal["turn", "slide", "ball", "free"]) -> str
     """Why a value that was typed with a unit does not suit a dof of this kind; "" where it does."""
     if not isinstance(value, TypedNumber) or kind == "free":
         return ""
-    wanted = "length" if kind == "slide" else "angle"
+    wanted = measure_of(kind)
     return "" if value.measure == wanted else f"{value.typed!r} is no {wanted}"
+
+
+def measure_of(kind: Literal["turn", "slide", "ball", "free"]) -> Measure:
+    """What the value of a dof of this kind measures."""
+    return "length" if kind == "slide" else "angle"
+
+
+def as_typed(kind: Literal["turn", "slide", "ball", "free"]) -> str:
+    """The hint for a value of a dof of this kind."""
+    measure = measure_of(kind)
+    return f"give it in {SI[measure]}, or as {EXAMPLES[measure]!r}"

@@ -127,3 +127,15 @@ def test_the_configuration_keeps_what_was_typed_for_a_joint():
     found = plan(joints=joints)
     assert found.tree()["joints"]["elbow"]["limits"] == ["-90 deg", 1.5]
     assert Plan.parse(found.tree()) == found
+
+
+def test_an_offset_of_a_relation_is_of_its_follower():
+    kit = Kit()
+    base, wheel, rack = kit.place("Base", fixed=True), kit.place("Wheel"), kit.place("Rack")
+    turned = kit.root.revolute("Pinion", (wheel, frame((0, 0, 0))), (base, frame((0, 0, 0.1))))
+    moved = kit.root.slider("Rail", (rack, frame((0, 0, 0))), (base, frame((0.1, 0, 0))))
+    kit.root.rack("Gearing", turned, moved, 0.05)
+    right = robot_of(kit.document, plan_of(relations={"Gearing": {"offset": "5 mm"}}))
+    assert right.relations[0].offset == pytest.approx(0.005)
+    with pytest.raises(AssemblyError, match="'5 deg' is no length, and rail is a slide"):
+        robot_of(kit.document, plan_of(relations={"Gearing": {"offset": "5 deg"}}))

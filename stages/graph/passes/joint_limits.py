@@ -8,7 +8,7 @@ from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits, listed
 from stages.robot.loops import POINTWISE
 from stages.robot.model import Dof, Dynamics, Joint, Limits, Loop, Robot
-from stages.robot.quantity_keys import misfit
+from stages.robot.quantity_keys import as_typed, misfit
 
 BEYOND = 1e-6
 """How far [rad or m] a saved value may lie beyond its limits before it is reported."""
@@ -66,7 +66,8 @@ def _check_units(glob: str, keys: JointKeys, matched: Sequence[Dof], log: Diagno
     for key, values in (("limits", keys.limits or ()), ("zero", (keys.zero,))):
         wrong = [(text, dof) for value in values for dof in matched if (text := misfit(value, dof.kind))]
         for text, dof in wrong[:1]:
-            log.report("E-JOINT", f"{key} of {glob!r}: {text}, and {dof.name} is a {dof.kind}", "joints")
+            text = f"{key} of {glob!r}: {text}, and {dof.name} is a {dof.kind}"
+            log.report("E-JOINT", text, "joints", as_typed(dof.kind))
 
 
 def _check_gear(

@@ -7,7 +7,7 @@ from stages.robot.diagnostics import Diagnostics
 from stages.robot.dof_ranges import ranges
 from stages.robot.globs import fits, listed
 from stages.robot.model import Dof, Keyframe, Robot
-from stages.robot.quantity_keys import misfit
+from stages.robot.quantity_keys import as_typed, misfit
 from stages.robot.start_pose import HOME, SAVED, home, keyframes, open_loops
 
 BEYOND = 1e-9
@@ -47,7 +47,8 @@ def _keyframe(robot: Robot, name: str, wanted: Mapping[str, float], log: Diagnos
             log.report("E-KEYFRAME", text, where, "leave it out: they stay as they were saved")
         wrong = [(text, dof) for dof in scalars if (text := misfit(value, dof.kind))]
         for text, dof in wrong[:1]:
-            log.report("E-KEYFRAME", f"{glob!r}: {text}, and {dof.name} is a {dof.kind}", where)
+            text = f"{glob!r}: {text}, and {dof.name} is a {dof.kind}"
+            log.report("E-KEYFRAME", text, where, as_typed(dof.kind))
         given |= {dof.name: float(value) for dof in scalars}
     _check_limits(robot, given, where, log)
     return Keyframe(name, tuple(_with_drivers(robot, given, where, log).items()))

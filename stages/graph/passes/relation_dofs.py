@@ -12,7 +12,7 @@ from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import as_key, listed
 from stages.robot.model import DofKind, Joint, Robot
 from stages.robot.names import free, legal
-from stages.robot.quantity_keys import misfit
+from stages.robot.quantity_keys import as_typed, misfit
 
 PAIRS: Mapping[str, tuple[tuple[DofKind, DofKind], ...]] = {
     "GEAR": (("turn", "turn"),),
@@ -87,8 +87,9 @@ def dof_relations(robot: Robot, specs: Sequence[RelationSpec], log: Diagnostics)
             mates = listed(map(repr, spec.connections))
             text = f"a SCREW relation needs one CYLINDRICAL mate; {mates} is not one"
             log.report("E-RELATION", text, spec.title, "make the mate CYLINDRICAL")
-        elif text := misfit(spec.offset, _kind(robot, one.follower)):
-            log.report("E-RELATION", f"offset: {text}, and so is not of {one.follower}", spec.title)
+        elif text := misfit(spec.offset, kind := _kind(robot, one.follower)):
+            text = f"offset: {text}, and {one.follower} is a {kind}"
+            log.report("E-RELATION", text, spec.title, as_typed(kind))
         elif one.driver == one.follower:
             text = f"the joint {one.driver!r} is related to itself"
             log.report("E-RELATION", text, spec.title, "choose two different joints")
