@@ -90,7 +90,8 @@ def test_every_dof_has_one_form_and_its_own_numbers() -> None:
     assert list(dofs) == [dof.name for dof in robot.dofs]
     forms = {" ".join(dof) for dof in dofs.values() if dof["kind"] != "ball"}
     assert forms == {
-        "name kind axis origin limits damping friction armature effort velocity saved mate unset provenance qpos0"
+        "name kind axis origin limits damping friction armature effort velocity saved mate unset provenance "
+        "qpos0"
     }
     x, turn = dofs["arm_joint_x"], dofs["arm_joint_turn"]
     assert (x["axis"], x["limits"], x["origin"], x["saved"]) == ([1, 0, 0], [-0.1, 0.2], None, 0.1)
