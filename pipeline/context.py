@@ -20,12 +20,14 @@ if TYPE_CHECKING:
     from stages.robot.bundle import Bundle
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
+    from stages.robot.sensing import Sensing
 
 NOTES = "notes.json"
 ROBOT = "robot.json"
 ACTUATION = "actuation.json"
 FORM = "form.json"
 MJCF_FORM = "mjcf_form.json"
+SENSING = "sensing.json"
 FILES = "files/"
 """The folder of the files that the export stage writes for the user."""
 
@@ -84,9 +86,17 @@ class BuildContext:
         return codec.load(Actuation, self.files["export"][ACTUATION])
 
     @property
-    def exported(self) -> "tuple[Actuation, Geometry, UrdfForm, MjcfForm]":
-        """What drives the robot in the exported files, its shapes, and the forms of its URDF and MJCF."""
-        return self.actuation, self.shapes, self.form, self.mjcf_form
+    def exported(self) -> "tuple[Actuation, Geometry, UrdfForm, MjcfForm, Sensing]":
+        """What drives the robot in the exported files, its shapes, the forms of its URDF and MJCF, and what
+        measures it."""
+        return self.actuation, self.shapes, self.form, self.mjcf_form, self.sensing
+
+    @property
+    def sensing(self) -> "Sensing":
+        """What measures the robot in the exported files."""
+        from stages.robot.sensing import Sensing
+
+        return codec.load(Sensing, self.files["export"][SENSING])
 
     @property
     def form(self) -> "UrdfForm":
@@ -119,6 +129,7 @@ def facts(exported: "Exported") -> dict[str, bytes]:
         ACTUATION: codec.dump(exported.actuation),
         FORM: codec.dump(exported.form),
         MJCF_FORM: codec.dump(exported.mjcf_form),
+        SENSING: codec.dump(exported.sensing),
     }
 
 

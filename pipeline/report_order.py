@@ -39,8 +39,18 @@ def _joints(rows: Sequence[Row]) -> str:
 
 def _actuators(rows: Sequence[Row]) -> str:
     header = ["actuator", "ctrl", "type", "joint", "range", "unit", "CAD"]
-    keys = ("name", "ctrl", "type", "joint")
-    cells = [[*(row[key] for key in keys), _range(row["range"]), row["unit"], row["cad"]] for row in rows]
+    cells = [
+        [
+            row["name"],
+            _span(*row["ctrl"]),
+            row["type"],
+            row["joint"],
+            _range(row["range"]),
+            row["unit"],
+            row["cad"],
+        ]
+        for row in rows
+    ]
     return plain_table(header, cells)
 
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 24
+VERSION = 25
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -70,7 +70,7 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     diagnostics = tuple(diagnostic for one in exported for diagnostic in one.diagnostics)
     told = (*diagnostics, *standing.diagnostics, *remarks)
     tip = advice(robot, actuation, place, gravity_of(keys.scene.option))
-    return Exported(dict(sorted(files.items())), told, actuation, tip, form, mjcf_form, order)
+    return Exported(dict(sorted(files.items())), told, actuation, tip, form, mjcf_form, order, sensing)
 
 
 def _needed(chosen: Collection[str]) -> list[str]:

@@ -27,8 +27,8 @@ dof too. `sensors` where the robot has any, in the order of `sensordata`; `senso
 links that are there for sensors alone (`size` [m]: the radius of a ball or the lengths of a box in which
 contact is felt), `cameras` the cameras that it carries (`fovy` [deg], `resolution` [pixels]): these look
 along z, x to the right, y down. `order` has the joints, actuators and sensors of each file in its order. In
-the MJCF: `qpos` and `dof` of a joint are its first number in MuJoCo's arrays and how many it has, `ctrl` is
-an actuator's number, `address` and `dim` say where a sensor is in `sensordata`. In the URDF: `index` is a
+the MJCF: `qpos` and `dof` of a joint are its first number in MuJoCo's arrays and how many it has, as is
+`ctrl` of an actuator; `address` and `dim` say where a sensor is in `sensordata`. In the URDF: `index` is a
 joint's place among those that move in the file, `tree` that in a walk down the tree with siblings by name,
 as Pinocchio has them.
 """

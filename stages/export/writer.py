@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 class Exported:
     """`files`: path below the output folder → bytes. `diagnostics`: losses of the format. `actuation`: what
     drives the robot in the files; `advice`: what a user may want to try; `form`: of the URDF;
-    `mjcf_form`: of the MJCF; `order`: the tables of joints, actuators and sensors by format."""
+    `mjcf_form`: of the MJCF; `order`: the tables of joints, actuators and sensors by format;
+    `sensing`: what measures the robot in the files."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...] = ()
@@ -31,6 +32,7 @@ class Exported:
     form: UrdfForm = AS_IS
     mjcf_form: MjcfForm = EVERY_BODY
     order: Mapping[str, Any] = field(default_factory=dict)
+    sensing: Sensing = NOTHING
 
     @property
     def details(self) -> dict[str, Any]:

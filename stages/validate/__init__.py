@@ -10,9 +10,10 @@ if TYPE_CHECKING:
     from stages.robot.check import Check
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
+    from stages.robot.sensing import Sensing
     from stages.validate.keys import ValidateKeys
 
-VERSION = 13
+VERSION = 14
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -29,6 +30,7 @@ CHECKS = (
     "loops",
     "keyframes",
     "actuators",
+    "sensors",
     "self_contact",
     "trial",
 )
@@ -45,17 +47,20 @@ def validate(
     geometry: "Geometry | None" = None,
     form: "UrdfForm | None" = None,
     mjcf_form: "MjcfForm | None" = None,
+    sensing: "Sensing | None" = None,
 ) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only that each compiles. A check
     that fails does not stop the others. `actuation`: what drives the robot in these files;
     `geometry`: its shapes, without their files, and which of them collide; `form`: how the URDF differs
     from the robot, by default as closed loops ask; `mjcf_form`: how the MJCF does, by default with links on
-    fixed joints as part of others."""
+    fixed joints as part of others; `sensing`: what measures the robot."""
     from stages.formats import mjcf_written
     from stages.formats.urdf.as_written import form_with
     from stages.robot.actuation import NONE
+    from stages.robot.sensing import NOTHING
     from stages.validate.run import check_files
 
     checks = () if keys.validate.level == "quick" else CHECKS
     forms = form or form_with(robot), mjcf_form or mjcf_written.form_with(robot)
-    return tuple(check_files(folder, robot, ENGINES, checks, actuation or NONE, geometry, *forms))
+    known = (actuation or NONE, geometry, *forms, sensing or NOTHING)
+    return tuple(check_files(folder, robot, ENGINES, checks, *known))

@@ -2,14 +2,16 @@
 
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
 from stages.robot.actuation import NONE, Actuation
 from stages.robot.check import Check
+from stages.robot.fusing import Holders
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
+from stages.robot.sensing import NOTHING, Sensing
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,8 +39,8 @@ class Engine(Protocol):
 @dataclass(frozen=True, slots=True, eq=False)
 class CompiledModel:
     """A compiled model, the file that it was compiled from, and the robot, with what drives it and its shapes
-    (None where nothing is known of them), that it must agree with. `closed`: the robot's loops that a URDF
-    closes by its relations."""
+    (None where nothing is known of them) and what measures it, that it must agree with. `closed`: the robot's
+    loops that a URDF closes by its relations; `held`: the bodies of an MJCF that have links, and where."""
 
     path: Path
     model: Any
@@ -46,6 +48,8 @@ class CompiledModel:
     actuation: Actuation = NONE
     geometry: Geometry | None = None
     closed: tuple[str, ...] = ()
+    sensing: Sensing = NOTHING
+    held: Holders = field(default_factory=dict)
 
     @property
     def urdf(self) -> bool:

@@ -16,6 +16,7 @@ from stages.robot.driven import as_driven
 from stages.robot.fused_geometry import fused_geometry
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
+from stages.robot.sensing import NOTHING, Sensing
 from stages.validate.compiled import CheckFunction, CompiledModel, Engine, without_warnings
 from stages.validate.coordinates import missing_names
 
@@ -29,6 +30,7 @@ def check_files(
     geometry: Geometry | None = None,
     form: UrdfForm = AS_IS,
     mjcf_form: MjcfForm = EVERY_BODY,
+    sensing: Sensing = NOTHING,
 ) -> Iterator[Check]:
     """The results of every file in `folder` that one of the engines reads. Without `checks`, whether each
     compiles."""
@@ -41,7 +43,8 @@ def check_files(
         for file in engine.files(robot.name):
             if (folder / file).exists():
                 described, shapes = (urdf, geometry) if file.endswith(".urdf") else (mjcf, solid)
-                given = CompiledModel(folder / file, None, described, actuation, shapes, form.closed)
+                known = (actuation, shapes, form.closed, sensing, held)
+                given = CompiledModel(folder / file, None, described, *known)
                 yield from _check_file(given, engine, checks)
 
 

@@ -19,8 +19,19 @@ KINDS = {"hinge": "turn", "slide": "slide", "ball": "ball", "free": "free"}
 UNITS = {"turn": "rad", "slide": "m", "ball": QUATERNION, "free": f"m, {QUATERNION}"}
 """Kind of dof → unit of its numbers in `qpos`."""
 
-_CONTROL = {"motor": "force", "position": "value", "velocity": "speed"}
+_CONTROL = {
+    "motor": "force",
+    "position": "value",
+    "pid": "value",
+    "velocity": "speed",
+    "intvelocity": "speed",
+    "damper": "share",
+    "dcmotor": "voltage",
+}
 """Type of actuator → what its control is."""
+
+_OF_PID = "pos vel"
+"""The controls of MuJoCo's pid unless it says which."""
 
 Row = dict[str, Any]
 
@@ -66,23 +77,27 @@ class MjcfOrder:
             qpos, dof = qpos + numbers, dof + speeds
 
     def _driven(self) -> Iterator[Row]:
+        """`ctrl`: the first number, and how many."""
         nodes = [node for section in self._root.iterchildren("actuator") for node in section]
-        for index, node in enumerate(node for node in nodes if isinstance(node.tag, str)):
+        first = 0
+        for node in (node for node in nodes if isinstance(node.tag, str)):
             own = self._actuators.get(node.get("name"))
             joint = node.get("joint") or (own.dof if own else None)
+            count = _controls(node, own)
             yield {
                 "name": node.get("name"),
-                "ctrl": index,
+                "ctrl": [first, count],
                 "type": node.tag,
                 "joint": joint,
                 "unit": self._unit_of_control(own) if own else None,
                 "range": _range(node, own),
                 "cad": self._mates.get(joint or ""),
             }
+            first += count
 
     def _unit_of_control(self, one: Actuator) -> str | None:
         value, force = LENGTHS[self._dofs[one.dof].kind]
-        said = {"force": force, "value": value, "speed": f"{value}/s"}
+        said = {"force": force, "value": value, "speed": f"{value}/s", "share": "-", "voltage": "V"}
         return said.get(_CONTROL.get(one.type, ""))
 
     def _sensors(self) -> Iterator[Row]:
@@ -110,6 +125,14 @@ class MjcfOrder:
     def _dof_of(self, actuator: str | None) -> str | None:
         one = self._actuators.get(actuator or "")
         return one.dof if one else None
+
+
+def _controls(node: Element, own: Actuator | None) -> int:
+    """How many controls an actuator has: a pid one for each of its inputs."""
+    if node.tag != "pid":
+        return 1
+    said = node.get("input") or (dict(own.terms).get("input") if own else None)
+    return len((said or _OF_PID).split())
 
 
 def _range(node: Element, own: Actuator | None) -> list[float | None] | None:

@@ -15,7 +15,7 @@ from stages.export.order.of_mjcf import MjcfOrder
 from stages.export.sensor_keys import MEASURES
 from stages.fetch.mjcf.actuation import _PLAIN_SENSORS
 from stages.formats.xml import parse
-from stages.robot.actuation import NONE
+from stages.robot.actuation import NONE, Actuation, Actuator
 from stages.robot.model import Joint, Loop, Robot
 from stages.robot.sensor_kinds import DIMENSIONS, unit_of
 from tests.fake_onshape.document import Document
@@ -63,10 +63,9 @@ def as_mujoco(order: dict[str, Any], model: mujoco.MjModel) -> None:
     assert sum(row["qpos"][1] for row in joints) == model.nq
     assert sum(row["dof"][1] for row in joints) == model.nv
     actuators = order["actuators"]
-    assert [row["ctrl"] for row in actuators] == list(range(model.nu))
+    assert [row["ctrl"][0] for row in actuators] == [int(model.actuator(row["name"]).id) for row in actuators]
     for row in actuators:
         own = model.actuator(row["name"])
-        assert own.id == row["ctrl"]
         assert model.joint(own.trnid[0]).name == row["joint"]
         limited = bool(model.actuator_ctrllimited[own.id])
         assert limited == (row["range"] is not None)
@@ -194,7 +193,51 @@ def test_of_what_users_add_by_hand() -> None:
 
 def test_the_range_of_an_actuator_that_users_add() -> None:
     (row,) = MjcfOrder(parse(OTHERS.encode()), robot_with(), NONE, {}, {}).tables()["actuators"]
-    assert (row["name"], row["ctrl"], row["range"], row["unit"]) == ("pull", 0, [-2, 3], None)
+    assert (row["name"], row["ctrl"], row["range"], row["unit"]) == ("pull", [0, 1], [-2, 3], None)
+
+
+def test_of_actuators_with_several_controls() -> None:
+    """MuJoCo 3.12 has them: a pid with a position, a speed and a force."""
+    pids = '<pid name="a" joint="j" kp="1"/><motor name="b" joint="j"/><pid name="c" joint="j" input="pos"/>'
+    text = f"<mujoco><worldbody><body><joint name='j'/><geom size='1'/></body></worldbody><actuator>{pids}"
+    text += (
+        '<pid name="d" joint="j" kp="1" input="pos vel ff"/><motor name="e" joint="j"/></actuator></mujoco>'
+    )
+    rows = MjcfOrder(parse(text.encode()), robot_with(), NONE, {}, {}).tables()["actuators"]
+    assert [row["ctrl"] for row in rows] == [[0, 2], [2, 1], [3, 1], [4, 3], [7, 1]]
+    model = compiled_if_it_can(text)
+    assert [row["ctrl"][0] for row in rows] == list(model.actuator_ctrladr)
+    assert [row["ctrl"][1] for row in rows] == list(model.actuator_ctrlnum)
+
+
+def compiled_if_it_can(text: str) -> mujoco.MjModel:
+    try:
+        model = mujoco.MjModel.from_xml_string(text)
+    except ValueError:
+        pytest.skip("this MuJoCo has no pid")
+    if not hasattr(model, "actuator_ctrladr"):
+        pytest.skip("this MuJoCo's actuators have one control each")
+    return model
+
+
+UNITS = {
+    "motor": ("N m", "N"),
+    "position": ("rad", "m"),
+    "velocity": ("rad/s", "m/s"),
+    "intvelocity": ("rad/s", "m/s"),
+    "damper": ("-", "-"),
+    "pid": ("rad", "m"),
+}
+
+
+@pytest.mark.parametrize("kind", UNITS)
+def test_the_unit_of_a_control_is_that_of_its_actuator(kind: str) -> None:
+    robot = robot_with([joint("revolute", "base", "arm"), joint("prismatic", "arm", "hand")])
+    made = Actuation(tuple(Actuator(f"{one.child}_drive", one.name, kind) for one in robot.joints))
+    nodes = "".join(f'<{kind} name="{one.child}_drive" joint="{one.name}"/>' for one in robot.joints)
+    root = parse(f"<mujoco><actuator>{nodes}</actuator></mujoco>".encode())
+    rows = MjcfOrder(root, robot, made, {}, {}).tables()["actuators"]
+    assert tuple(row["unit"] for row in rows) == UNITS[kind]
 
 
 def test_after_a_sensor_of_unknown_size_no_address_is_told() -> None:

@@ -35,7 +35,7 @@ TABLES = {
         "actuators": [
             {
                 "name": "push",
-                "ctrl": 3,
+                "ctrl": [3, 2],
                 "type": "motor",
                 "joint": "lift",
                 "unit": "N",
@@ -93,6 +93,7 @@ def test_the_page_has_a_table_of_each() -> None:
         "Ball <1>",
         "Actuators in the order of ctrl",
         "-5 to 5",
+        "3 to 4",
         "Sensors in the order of sensordata",
         "2 to 4",
         "Joints in the order of the URDF",
