@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from pipeline.caching.actions import Cache, Files
 from pipeline.config.plan import Plan
+from pipeline.element_files import element_texts
 from stages.robot import codec
 from stages.robot.errors import Diagnostic
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from stages.formats.mjcf_form import MjcfForm
     from stages.formats.urdf.form import UrdfForm
     from stages.robot.actuation import Actuation
+    from stages.robot.amendments import Amendments
     from stages.robot.bundle import Bundle
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
@@ -28,6 +30,7 @@ ACTUATION = "actuation.json"
 FORM = "form.json"
 MJCF_FORM = "mjcf_form.json"
 SENSING = "sensing.json"
+AMENDMENTS = "amendments.json"
 FILES = "files/"
 """The folder of the files that the export stage writes for the user."""
 
@@ -86,10 +89,10 @@ class BuildContext:
         return codec.load(Actuation, self.files["export"][ACTUATION])
 
     @property
-    def exported(self) -> "tuple[Actuation, Geometry, UrdfForm, MjcfForm, Sensing]":
-        """What drives the robot in the exported files, its shapes, the forms of its URDF and MJCF, and what
-        measures it."""
-        return self.actuation, self.shapes, self.form, self.mjcf_form, self.sensing
+    def exported(self) -> "tuple[Actuation, Geometry, UrdfForm, MjcfForm, Sensing, Amendments]":
+        """What drives the robot in the exported files, its shapes, the forms of its URDF and MJCF, what
+        measures it, and what the user's own XML changed in them."""
+        return self.actuation, self.shapes, self.form, self.mjcf_form, self.sensing, self.amendments
 
     @property
     def sensing(self) -> "Sensing":
@@ -97,6 +100,18 @@ class BuildContext:
         from stages.robot.sensing import Sensing
 
         return codec.load(Sensing, self.files["export"][SENSING])
+
+    @property
+    def amendments(self) -> "Amendments":
+        """What the user's own XML changed in the exported files."""
+        from stages.robot.amendments import Amendments
+
+        return codec.load(Amendments, self.files["export"][AMENDMENTS])
+
+    @functools.cached_property
+    def element_texts(self) -> Mapping[str, str]:
+        """The texts of the files that `elements` name, read once in a build."""
+        return element_texts(self.plan)
 
     @property
     def form(self) -> "UrdfForm":
@@ -130,6 +145,7 @@ def facts(exported: "Exported") -> dict[str, bytes]:
         FORM: codec.dump(exported.form),
         MJCF_FORM: codec.dump(exported.mjcf_form),
         SENSING: codec.dump(exported.sensing),
+        AMENDMENTS: codec.dump(exported.amendments),
     }
 
 

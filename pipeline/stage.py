@@ -15,6 +15,8 @@ from pipeline.caching import bundles
 from pipeline.caching.actions import Remembered
 from pipeline.config.plan import Plan, section
 from pipeline.context import FILES, NOTES, ROBOT, BuildContext, facts, notes, spent
+from pipeline.digest import sha256
+from pipeline.element_files import require_entries
 from pipeline.mesh_details import noted, shown
 from stages.robot import codec
 from stages.robot.errors import ConfigError
@@ -236,6 +238,7 @@ class ExportStage(StageBase):
         from stages.export.actuators.versions import require
 
         require(plan.actuators)
+        require_entries(plan)
 
     def config(self, context: BuildContext) -> Any:
         from stages.export.keys import ExportKeys
@@ -243,12 +246,13 @@ class ExportStage(StageBase):
         return section(context.plan, ExportKeys)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
-        return {**context.digests("graph"), **context.digests("mesh")}
+        texts = {f"elements/{name}": sha256(text.encode()) for name, text in context.element_texts.items()}
+        return {**context.digests("graph"), **context.digests("mesh"), **texts}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.export import export
 
-        exported = export(context.robot, context.geometry, context.plan)
+        exported = export(context.robot, context.geometry, context.plan, context.element_texts)
         size = sum(len(data) for data in exported.files.values())
         summary = f"{count(len(exported.files), 'file')}, {size / 1e6:.2f} MB"
         return {

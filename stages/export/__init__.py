@@ -1,17 +1,18 @@
 """The export stage: a robot and its geometry become files, and the same input gives the same bytes."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from importlib import import_module
 from typing import TYPE_CHECKING
 
 from stages.export.writer import Exported, Writer, WriterInput
 
 if TYPE_CHECKING:
+    from stages.export.amend.amend import Amended
     from stages.export.keys import ExportKeys
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 25
+VERSION = 26
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -34,9 +35,11 @@ def expected_paths(keys: "ExportKeys", robot: str) -> list[str]:
     return ["robot.json", "assets/*", *paths]
 
 
-def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported:
+def export(
+    robot: "Robot", geometry: "Geometry", keys: "ExportKeys", texts: Mapping[str, str] | None = None
+) -> Exported:
     """The robot's files in every chosen format, sorted by path. A diagnostic names each thing that a
-    format cannot express."""
+    format cannot express. `texts`: of the files that `elements` name, by entry."""
     from stages.export.actuators.advice import advice
     from stages.export.actuators.gravity import gravity_of
     from stages.export.driven import driven
@@ -65,12 +68,28 @@ def export(robot: "Robot", geometry: "Geometry", keys: "ExportKeys") -> Exported
     files = {f"assets/{name}": data for name, data in geometry.files.items()}
     for one in exported:
         files |= one.files
+    mine = _amended(files, robot.name, keys, texts or {})
+    files |= mine.files
     order = order_tables(robot, actuation, form, files)
-    files["robot.json"] = describe(robot, start, actuation, form, mjcf_form, sensing, order)
+    files["robot.json"] = describe(robot, start, actuation, form, mjcf_form, sensing, order, mine.amendments)
     diagnostics = tuple(diagnostic for one in exported for diagnostic in one.diagnostics)
-    told = (*diagnostics, *standing.diagnostics, *remarks)
+    told = (*diagnostics, *standing.diagnostics, *remarks, *mine.diagnostics)
     tip = advice(robot, actuation, place, gravity_of(keys.scene.option))
-    return Exported(dict(sorted(files.items())), told, actuation, tip, form, mjcf_form, order, sensing)
+    return Exported(
+        dict(sorted(files.items())), told, actuation, tip, form, mjcf_form, order, sensing, mine.amendments
+    )
+
+
+def _amended(
+    files: Mapping[str, bytes], robot: str, keys: "ExportKeys", texts: Mapping[str, str]
+) -> "Amended":
+    """The files with the user's own XML."""
+    from stages.export.amend.amend import Amended, amended
+
+    if not keys.elements and not keys.attributes:
+        return Amended({})
+    formats = {name: writer_of(name).paths(robot) for name in keys.export.chosen}
+    return amended(files, formats, keys, texts)
 
 
 def _needed(chosen: Collection[str]) -> list[str]:

@@ -7,6 +7,7 @@ from pydantic import Field, SerializerFunctionWrapHandler, create_model, model_s
 
 from stages.export import WRITERS, writer_of
 from stages.export.actuator_keys import ActuatorChoice
+from stages.export.element_keys import AttributeChoice, ElementKeys
 from stages.export.motor_keys import MotorKeys
 from stages.export.scene_keys import GroundKeys, SceneKeys
 from stages.export.sensor_keys import SensorChoice
@@ -15,7 +16,6 @@ from stages.robot.keys import (
     Text,
     example,
     invalid,
-    not_yet,
 )
 
 LATER_FORMATS = ("sdf", "usd", "ros")
@@ -94,11 +94,18 @@ class ExportKeys(Keys):
     ] = Field(default_factory=dict)
     """Sensors, by name, in the MJCF; their names are unique, also among those of the source."""
 
-    elements: dict[Text, Any] = not_yet(dict)
-    """XML elements of your own, by name."""
+    elements: Annotated[
+        dict[Text, ElementKeys],
+        example({"front": {"into": {"name": "torso"}, "xml": "<camera name='front' pos='0.1 0 0'/>"}}),
+    ] = Field(default_factory=dict)
+    """XML elements of your own, by a name of your choice; added in this order when all else is written."""
 
-    attributes: dict[Text, Any] = not_yet(dict)
-    """Name of an element → attributes to set on it."""
+    attributes: Annotated[dict[Text, AttributeChoice], example({"floor": {"friction": [1, 0.5, 0.5]}})] = (
+        Field(default_factory=dict)
+    )
+    """Name of an element, of any kind → attributes to set on it, last of all; null takes an attribute away.
+    In the MJCF, or in those of `formats`: [urdf, mjcf]. Where several have the name, `tag` says which: a tag,
+    or a section such as actuator."""
 
     export: ExportSection = ExportSection.model_validate({"urdf": {}, "mjcf": {}})
     """Formats to write; null leaves a format out."""

@@ -31,6 +31,7 @@ the MJCF: `qpos` and `dof` of a joint are its first number in MuJoCo's arrays an
 `ctrl` of an actuator; `address` and `dim` say where a sensor is in `sensordata`. In the URDF: `index` is a
 joint's place among those that move in the file, `tree` that in a walk down the tree with siblings by name,
 as Pinocchio has them.
+`amendments` lists what `elements` and `attributes` added to the files and set in them.
 """
 
 import json
@@ -53,6 +54,7 @@ from stages.formats.urdf.as_written import as_written, holders
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.formats.urdf.names import urdf_names
 from stages.robot.actuation import NONE, Actuation, Supplied
+from stages.robot.amendments import UNCHANGED, Amendments
 from stages.robot.codec import plain
 from stages.robot.measuring import measuring
 from stages.robot.model import (
@@ -86,9 +88,11 @@ def describe(
     mjcf_form: MjcfForm = EVERY_BODY,
     sensing: Sensing | None = None,
     order: Mapping[str, Any] | None = None,
+    amendments: Amendments = UNCHANGED,
 ) -> bytes:
     """The file. `start`: the MJCF's qpos0, by dof; `form`: of the URDF; `mjcf_form`: of the MJCF; `sensing`:
-    what measures the robot (None: the sensors of the source); `order`: see `stages.export.order`."""
+    what measures the robot (None: the sensors of the source); `order`: see `stages.export.order`;
+    `amendments`: what the user's own XML changed in the files."""
     names = urdf_names(as_written(robot, form))
     estimated = {one.dof for one in actuation.armatures}
     table = {
@@ -127,6 +131,8 @@ def describe(
     table |= sensing_records(sensing or Sensing(measuring(robot, actuation)))
     if order:
         table["order"] = order
+    if amendments.changes:
+        table["amendments"] = plain(amendments.changes)
     return (printable_lines(json.dumps(table, indent=2, ensure_ascii=False)) + "\n").encode()
 
 

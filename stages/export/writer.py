@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 from stages.formats.mjcf_form import AS_IS as EVERY_BODY
 from stages.formats.mjcf_form import MjcfForm
 from stages.formats.urdf.form import AS_IS, UrdfForm
+from stages.robot.amendments import UNCHANGED, Amendments
 from stages.robot.errors import Diagnostic
 from stages.robot.sensing import NOTHING, Sensing
 
@@ -23,7 +24,8 @@ class Exported:
     """`files`: path below the output folder → bytes. `diagnostics`: losses of the format. `actuation`: what
     drives the robot in the files; `advice`: what a user may want to try; `form`: of the URDF;
     `mjcf_form`: of the MJCF; `order`: the tables of joints, actuators and sensors by format;
-    `sensing`: what measures the robot in the files."""
+    `sensing`: what measures the robot in the files; `amendments`: what the user's
+    own XML changed in them."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...] = ()
@@ -33,6 +35,7 @@ class Exported:
     mjcf_form: MjcfForm = EVERY_BODY
     order: Mapping[str, Any] = field(default_factory=dict)
     sensing: Sensing = NOTHING
+    amendments: Amendments = UNCHANGED
 
     @property
     def details(self) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """XML in and out: one place that parses and writes, with entities and the network off."""
 
+import re
 from copy import deepcopy
 from typing import Any, TypeAlias
 
@@ -13,7 +14,18 @@ _MOST_LEVELS = 100
 
 
 class Malformed(ValueError):
-    """The text is not XML, or uses entities, or exceeds the limits of nesting or length."""
+    """The text is not XML, or uses entities, or exceeds the limits of nesting or length. `line`, `column`:
+    where, from 1, as far as that is known; `what` is wrong there."""
+
+    def __init__(self, what: str, line: int | None = None, column: int | None = None) -> None:
+        super().__init__(what if line is None else f"line {line}: {what}")
+        self.what, self.line, self.column = what, line, column
+
+    @property
+    def place(self) -> str:
+        """The message with line and column."""
+        column = "" if self.column is None else f", column {self.column}"
+        return self.what if self.line is None else f"line {self.line}{column}: {self.what}"
 
 
 def element(parent: Element | None, tag: str, **attributes: str | None) -> Element:
@@ -84,13 +96,57 @@ def parse(data: bytes, *, large: bool = False) -> Element:
         # The error's own log holds those of earlier texts too.
         found = list(parser.error_log)
         if not found or any(one.domain != etree.ErrorDomains.NAMESPACE for one in found):
-            raise Malformed(_why(error, found)) from None
+            raise _why(error, found) from None
         root = etree.fromstring(data, _parser(large, recover=True))
     dtd = root.getroottree().docinfo.internalDTD
     if dtd is not None and next(dtd.iterentities(), None) is not None:
         msg = "it declares entities, which are not read"
         raise Malformed(msg)
     return root
+
+
+def fragment(text: str) -> list[Element]:
+    """The elements of a text that has one or several of them, and comments, which are left out. Malformed as
+    `parse`, and where there is no element, or text outside of one."""
+    begin, end = f"<{_AROUND}>", f"</{_AROUND}>"
+    bare = _DECLARATION.sub(lambda found: re.sub(r"\S", " ", found.group()), text.removeprefix("\ufeff"))
+    try:
+        root = parse(f"{begin}{bare}{end}".encode())
+    except Malformed as error:
+        column = error.column
+        if error.line is not None and column is not None:
+            # What is wrong at the end is found in what is around the text.
+            shift = len(begin) if error.line == 1 else 0
+            column = min(max(1, column - shift), len(bare.splitlines()[error.line - 1]) + 1 if bare else 1)
+        unclosed = _MISMATCH.match(error.what)
+        what = error.what
+        if unclosed is not None:
+            tag, line, other = unclosed.groups()
+            what = f"</{other}> does not close <{tag}> of line {line}"
+            if _AROUND in (tag, other):
+                what = (
+                    f"<{tag}> of line {line} is not closed"
+                    if other == _AROUND
+                    else f"</{other}> closes nothing"
+                )
+        raise Malformed(what.replace(_AROUND, "text"), error.line, column) from None
+    for words, line in ((root.text, 1), *((one.tail, one.sourceline) for one in root)):
+        if words is not None and words.strip():
+            raise Malformed(f"text outside of an element: {words.strip()[:40]!r}", line)
+    if not len(root):
+        raise Malformed("there is no element")
+    found = list(root)
+    for one in found:
+        root.remove(one)
+        one.tail = None
+    return found
+
+
+_AROUND = "linkwright.fragment"
+
+_DECLARATION = re.compile(r"\A\s*<\?xml[^>]*\?>")
+
+_MISMATCH = re.compile(r"Opening and ending tag mismatch: (\S+) line (\d+) and (\S+)")
 
 
 def _parser(large: bool, *, recover: bool = False) -> Any:
@@ -105,14 +161,14 @@ def _parser(large: bool, *, recover: bool = False) -> Any:
     )
 
 
-def _why(error: Any, found: list[Any]) -> str:
+def _why(error: Any, found: list[Any]) -> Malformed:
     """The first thing that is wrong, with its line."""
     if not found:
-        return str(error.msg)
+        return Malformed(str(error.msg))
     first = next((one for one in found if one.domain != etree.ErrorDomains.NAMESPACE), found[0])
     text = " ".join(first.message.split())[:200]
     own = next((ours for theirs, ours in _LIMITS.items() if theirs in text), text)
-    return f"line {first.line}: {own}"
+    return Malformed(own, first.line, first.column)
 
 
 _LIMITS = {

@@ -7,13 +7,14 @@ if TYPE_CHECKING:
     from stages.formats.mjcf_form import MjcfForm
     from stages.formats.urdf.form import UrdfForm
     from stages.robot.actuation import Actuation
+    from stages.robot.amendments import Amendments
     from stages.robot.check import Check
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
     from stages.robot.sensing import Sensing
     from stages.validate.keys import ValidateKeys
 
-VERSION = 14
+VERSION = 15
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -48,19 +49,22 @@ def validate(
     form: "UrdfForm | None" = None,
     mjcf_form: "MjcfForm | None" = None,
     sensing: "Sensing | None" = None,
+    amendments: "Amendments | None" = None,
 ) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only that each compiles. A check
     that fails does not stop the others. `actuation`: what drives the robot in these files;
     `geometry`: its shapes, without their files, and which of them collide; `form`: how the URDF differs
     from the robot, by default as closed loops ask; `mjcf_form`: how the MJCF does, by default with links on
-    fixed joints as part of others; `sensing`: what measures the robot."""
+    fixed joints as part of others; `sensing`: what measures the robot; `amendments`: what
+    the user's own XML changed in the files."""
     from stages.formats import mjcf_written
     from stages.formats.urdf.as_written import form_with
     from stages.robot.actuation import NONE
+    from stages.robot.amendments import UNCHANGED
     from stages.robot.sensing import NOTHING
     from stages.validate.run import check_files
 
     checks = () if keys.validate.level == "quick" else CHECKS
     forms = form or form_with(robot), mjcf_form or mjcf_written.form_with(robot)
-    known = (actuation or NONE, geometry, *forms, sensing or NOTHING)
+    known = (actuation or NONE, geometry, *forms, sensing or NOTHING, amendments or UNCHANGED)
     return tuple(check_files(folder, robot, ENGINES, checks, *known))

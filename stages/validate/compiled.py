@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from stages.robot.actuation import NONE, Actuation
+from stages.robot.amendments import UNCHANGED, Amendments, Surplus
 from stages.robot.check import Check
 from stages.robot.fusing import Holders
 from stages.robot.geometry import Geometry
@@ -40,7 +41,8 @@ class Engine(Protocol):
 class CompiledModel:
     """A compiled model, the file that it was compiled from, and the robot, with what drives it and its shapes
     (None where nothing is known of them) and what measures it, that it must agree with. `closed`: the robot's
-    loops that a URDF closes by its relations; `held`: the bodies of an MJCF that have links, and where."""
+    loops that a URDF closes by its relations; `held`: the bodies of an MJCF that have links, and where;
+    `amendments`: what the user's own XML changed in the files."""
 
     path: Path
     model: Any
@@ -50,6 +52,12 @@ class CompiledModel:
     closed: tuple[str, ...] = ()
     sensing: Sensing = NOTHING
     held: Holders = field(default_factory=dict)
+    amendments: Amendments = UNCHANGED
+
+    @property
+    def surplus(self) -> Surplus:
+        """What the file has more than the robot, after what is the robot's own."""
+        return self.amendments.surplus_of(self.path.name)
 
     @property
     def urdf(self) -> bool:

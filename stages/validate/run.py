@@ -1,5 +1,6 @@
 """The run of a validation: every engine reads its files, and every check looks at what it compiled."""
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from importlib import import_module
@@ -11,10 +12,12 @@ from stages.formats.mjcf_form import MjcfForm
 from stages.formats.urdf.as_written import as_written
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.robot.actuation import NONE, Actuation
+from stages.robot.amendments import UNCHANGED, Amendment, Amendments
 from stages.robot.check import Check
 from stages.robot.driven import as_driven
 from stages.robot.fused_geometry import fused_geometry
 from stages.robot.geometry import Geometry
+from stages.robot.globs import listed
 from stages.robot.model import Robot
 from stages.robot.sensing import NOTHING, Sensing
 from stages.validate.compiled import CheckFunction, CompiledModel, Engine, without_warnings
@@ -31,6 +34,7 @@ def check_files(
     form: UrdfForm = AS_IS,
     mjcf_form: MjcfForm = EVERY_BODY,
     sensing: Sensing = NOTHING,
+    amendments: Amendments = UNCHANGED,
 ) -> Iterator[Check]:
     """The results of every file in `folder` that one of the engines reads. Without `checks`, whether each
     compiles."""
@@ -43,9 +47,10 @@ def check_files(
         for file in engine.files(robot.name):
             if (folder / file).exists():
                 described, shapes = (urdf, geometry) if file.endswith(".urdf") else (mjcf, solid)
-                known = (actuation, shapes, form.closed, sensing, held)
+                known = (actuation, shapes, form.closed, sensing, held, amendments)
                 given = CompiledModel(folder / file, None, described, *known)
-                yield from _check_file(given, engine, checks)
+                changes = amendments.of(file, *engine.files(robot.name)[:1] if file == "scene.xml" else ())
+                yield from (_with_changes(one, changes) for one in _check_file(given, engine, checks))
 
 
 def _check_file(given: CompiledModel, engine: Engine, checks: Sequence[str]) -> list[Check]:
@@ -59,6 +64,17 @@ def _check_file(given: CompiledModel, engine: Engine, checks: Sequence[str]) -> 
     with engine.warnings() as warnings:
         found = list(_check_model(compiled, checks))
     return [loaded.check, *found, without_warnings(f"{path.name}: runs", warnings)]
+
+
+def _with_changes(check: Check, changes: Sequence[Amendment]) -> Check:
+    """A check that fails says which of the user's own changes to the file may be why: those of what it names,
+    else all."""
+    if check.passed or not changes:
+        return check
+    words = set(re.findall(r"[\w.-]+", check.detail))
+    near = [one for one in changes if words & {*one.target.split(), *" ".join(one.adds).split()}]
+    keys = listed(one.key for one in near or changes)
+    return replace(check, detail=f"{check.detail}; the file was changed by {keys}")
 
 
 def _check_model(compiled: CompiledModel, checks: Sequence[str]) -> Iterator[Check]:

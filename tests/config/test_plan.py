@@ -245,7 +245,7 @@ def test_what_is_not_there_yet_is_refused_by_name(data, shown):
 
 
 LATER = [
-    {"elements": {"a": {}}}, {"attributes": {"a": {}}}, {"plugins": ["mine"]},
+    {"plugins": ["mine"]},
 ]  # fmt: skip
 
 
@@ -294,7 +294,7 @@ def test_each_key_belongs_to_one_stage():
 def test_the_part_of_a_stage_holds_that_stage_alone_and_keeps_the_order_of_mappings():
     plan = Plan.parse({"source": SAMPLE, "joints": {"b": {"damping": 1}, "a": {}}})
     assert list(section(plan, GraphKeys)["joints"]) == ["b", "a"]
-    assert set(section(plan, MeshKeys)) == {"mesh", "geoms", "contact"}
+    assert set(section(plan, MeshKeys)) == {"mesh", "geoms", "contact", "ignore"}
     assert section(plan, MeshKeys)["contact"] == {"exclude": [], "self": "auto"}
 
 

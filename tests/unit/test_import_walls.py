@@ -21,6 +21,7 @@ HOMES = {
         "stages/robot/mujoco_warnings.py",
         "stages/robot/trial_run.py",
         "stages/export/stability/",
+        "stages/export/amend/compiled.py",
     ),
     "trimesh": ("stages/mesh/", "stages/fetch/urdf/"),
     "coacd": ("stages/mesh/decompose/coacd_guest.py",),

@@ -19,17 +19,16 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if compiled.urdf:
         return
     model, expected = compiled.model, compiled.actuation.actuators
-    if not expected and not model.nu:
+    number = len(expected) + compiled.surplus.actuators
+    if not expected and model.nu == number:
         return
     wrong = [one.name for one in expected if not _fits(model, one)]
     detail = f"{len(expected)} actuators with their dofs, gains and ranges"
     if wrong:
         detail = f"differ: {', '.join(wrong)}"
-    elif model.nu != len(expected):
-        detail = f"expected {len(expected)} actuators, found {model.nu}"
-    yield compiled.result(
-        "actuators", not wrong and model.nu == len(expected), detail, float(len(wrong)), 0.0
-    )
+    elif model.nu != number:
+        detail = f"expected {number} actuators, found {model.nu}"
+    yield compiled.result("actuators", not wrong and model.nu == number, detail, float(len(wrong)), 0.0)
 
 
 def _fits(model: Any, one: Actuator) -> bool:

@@ -12,6 +12,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     robot, model = compiled.robot, compiled.model
     floating = 0 if robot.base.fixed or compiled.urdf else 6
     expected = sum(WIDTH[kind] for _, kind, _ in joints_of(robot, compiled.urdf)) + floating
+    expected += compiled.surplus.dofs
     surplus = model.nv - expected
     missing = missing_names(compiled)
     detail = f"{count(len(robot.links), 'link')}, {_dofs(model.nv)}"

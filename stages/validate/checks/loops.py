@@ -47,7 +47,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     robot, model = compiled.robot, compiled.model
     found = Counter(
         (int(kind), frozenset(int(model.site_bodyid[site]) for site in sites(model, index)))
-        for index, kind in enumerate(model.eq_type)
+        for index, kind in enumerate(model.eq_type[: model.neq - compiled.surplus.equalities])
         if int(kind) in (CONNECT, WELD)
     )
     expected: Counter[tuple[int, frozenset[int]]] = Counter()

@@ -36,7 +36,8 @@ def _found(compiled: CompiledModel) -> Pairs:
     model = compiled.model
     if compiled.urdf and not reads_mimic():
         return mimics(model, compiled.path.read_bytes())
-    rows = np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT)
+    own = model.eq_type[: model.neq - compiled.surplus.equalities]
+    rows = np.flatnonzero(own == mujoco.mjtEq.mjEQ_JOINT)
     return {(int(model.eq_obj1id[row]), int(model.eq_obj2id[row])): model.eq_data[row][:5] for row in rows}
 
 

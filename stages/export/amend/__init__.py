@@ -1,0 +1,1 @@
+"""Amendments: the user's own XML, in files that are otherwise complete."""

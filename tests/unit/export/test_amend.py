@@ -1,0 +1,330 @@
+"""`elements` and `attributes`: XML of the user's own, in the files and in the compiled model."""
+
+import difflib
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from stages.export import Exported, export
+from stages.formats.xml import parse
+from stages.robot.amendments import Surplus
+from stages.robot.check import Check
+from stages.robot.errors import ConfigError, ExportError
+from stages.robot.model import Base, Robot
+from stages.validate import validate
+from tests.support.building import plan_of, write
+from tests.support.robots import joint, robot_with
+from tests.unit.export.test_scene import arm
+from tests.unit.export.test_standing import geometry_of
+
+BALL = "<body name='ball' pos='1 0 1'><freejoint name='rolls'/><geom size='0.1'/></body>"
+SERVOS = {"*": "position"}
+
+
+def add(xml: str, into: Mapping[str, str], **more: Any) -> dict[str, Any]:
+    return {"into": into, "xml": xml, **more}
+
+
+def made(folder: Path, robot: Robot | None = None, **keys: Any) -> Exported:
+    robot = robot or arm()
+    return write(robot, folder, plan_of(**keys), geometry_of(robot))
+
+
+def model(folder: Path, name: str = "scene.xml") -> mujoco.MjModel:
+    return mujoco.MjModel.from_xml_path(str(folder / name))
+
+
+def checks(folder: Path, exported: Exported, robot: Robot | None = None) -> list[Check]:
+    robot = robot or arm()
+    known = exported.form, exported.mjcf_form, exported.sensing, exported.amendments
+    shapes = geometry_of(robot)
+    return list(validate(folder, robot, plan_of(), exported.actuation, shapes, *known))
+
+
+def lines_added(folder: Path, **keys: Any) -> dict[str, list[str]]:
+    """By file, the lines that these keys add (+) and take away (-)."""
+    without, given = made(folder / "without"), made(folder / "with", **keys)
+    found = {}
+    for name in ("robot.urdf", "robot.xml", "scene.xml"):
+        one, other = (files.files[name].decode().splitlines() for files in (without, given))
+        changed = [line for line in difflib.ndiff(one, other) if line[0] in "+-"]
+        found[name] = [line[0] + line[1:].strip() for line in changed]
+    return found
+
+
+@pytest.mark.parametrize(
+    ("keys", "expected"),
+    [
+        (
+            {"elements": {"cam": add("<site name='s'/>", {"name": "arm"})}},
+            {"robot.xml": ['+<site name="s"/>']},
+        ),
+        (
+            {"elements": {"cam": add("<camera name='c' fovy='30'/><!-- c -->", {"name": "eye"})}},
+            {"robot.xml": ['+<frame pos="0.1 0 0.05">', '+<camera name="c" fovy="30"/>', "+</frame>"]},
+        ),
+        (
+            {"elements": {"top": add("<gyro name='g' site='eye'/>", {"tag": "sensor"})}},
+            {"robot.xml": ["+<sensor>", '+<gyro name="g" site="eye"/>', "+</sensor>"]},
+        ),
+        (
+            {"elements": {"root": add("<custom><numeric name='n' data='1'/></custom>", {"tag": "mujoco"})}},
+            {"robot.xml": ["+<custom>", '+<numeric name="n" data="1"/>', "+</custom>"]},
+        ),
+        (
+            {"elements": {"lamp": add("<light name='l'/>", {"tag": "worldbody", "file": "scene"})}},
+            {"scene.xml": ['+<light name="l"/>']},
+        ),
+        (
+            {"elements": {"gz": add("<gazebo reference='arm'/>", {"tag": "robot"})}},
+            {"robot.urdf": ['+<gazebo reference="arm"/>']},
+        ),
+        (
+            {"elements": {"both": add("<plugin/>", {"name": "elbow"}, formats=["urdf"])}},
+            {"robot.urdf": ["+<plugin/>"]},
+        ),
+        (
+            {
+                "elements": {"size": add("<size nuser_jnt='2'/>", {"tag": "mujoco"})},
+                "attributes": {"elbow": {"user": [1, 0.5], "group": 2, "limited": False, "axis": None}},
+            },
+            {
+                "robot.xml": [
+                    '+<size nuser_jnt="2"/>',
+                    '-<joint name="elbow" class="hinge" axis="0 0 1"/>',
+                    '+<joint name="elbow" class="hinge" user="1 0.5" group="2" limited="false"/>',
+                ]
+            },
+        ),
+        (
+            {"attributes": {"elbow": {"formats": ["urdf"], "tag": "joint", "type": "revolute"}}},
+            {
+                "robot.urdf": [
+                    '-<joint name="elbow" type="continuous">',
+                    '+<joint name="elbow" type="revolute">',
+                ]
+            },
+        ),
+    ],
+)
+def test_the_files_have_what_was_asked_for_and_nothing_else(
+    tmp_path: Path, keys: dict[str, Any], expected: dict[str, list[str]]
+) -> None:
+    found = {name: lines for name, lines in lines_added(tmp_path, **keys).items() if lines}
+    assert {name: sorted(lines) for name, lines in found.items()} == {
+        name: sorted(lines) for name, lines in expected.items()
+    }
+
+
+def test_elements_go_in_by_name_of_any_kind_and_in_their_order(tmp_path: Path) -> None:
+    elements = {
+        "one": add("<body name='tray' pos='0 0 0.2'><geom name='plate' size='0.1'/></body>", {"name": "arm"}),
+        "two": add("<site name='on_tray' pos='0 0 0.1'/>", {"name": "tray"}),
+        "three": add("<framepos name='where' objtype='site' objname='on_tray'/>", {"tag": "sensor"}),
+        "four": add("<velocimeter name='fast' site='on_tray'/>", {"tag": "sensor"}),
+    }
+    made(tmp_path, elements=elements, attributes={"on_tray": {"pos": [0, 0, 0.3]}})
+    found = model(tmp_path)
+    data = mujoco.MjData(found)
+    data.joint("elbow").qpos[0] = 0.7
+    mujoco.mj_forward(found, data)
+    assert found.body(found.body("tray").parentid[0]).name == "arm"
+    expected = data.body("arm").xmat.reshape(3, 3) @ [0, 0, 0.5] + data.body("arm").xpos
+    np.testing.assert_allclose(data.sensor("where").data, expected, atol=1e-12)
+    assert [found.sensor(number).name for number in range(found.nsensor)] == ["where", "fast"]
+
+
+def test_what_is_added_to_a_frame_stands_there_and_moves_with_it(tmp_path: Path) -> None:
+    made(tmp_path, elements={"lens": add("<site name='lens' pos='0 0 0.01'/>", {"name": "eye"})})
+    found = model(tmp_path)
+    data = mujoco.MjData(found)
+    for value in (0.0, 1.1):
+        data.joint("elbow").qpos[0] = value
+        mujoco.mj_forward(found, data)
+        eye = data.site("eye")
+        expected = eye.xpos + eye.xmat.reshape(3, 3) @ [0, 0, 0.01]
+        np.testing.assert_allclose(data.site("lens").xpos, expected, atol=1e-12)
+
+
+def test_a_name_is_looked_for_in_the_robots_file_and_then_in_the_scene(tmp_path: Path) -> None:
+    friction = {"friction": "1 0.5 0.5"}
+    made(tmp_path, attributes={"floor": friction, "arm_collision": friction})
+    found = model(tmp_path)
+    for name in ("floor", "arm_collision"):
+        assert found.geom(name).friction.tolist() == [1, 0.5, 0.5]
+    assert found.geom("base_collision").friction.tolist() != [1, 0.5, 0.5]
+
+
+def test_keyframes_and_checks_know_what_was_added(tmp_path: Path) -> None:
+    """A ball that is free to roll, and a motor, before and after all that is the robot's own."""
+    robot = replace(arm(), base=Base(False, "it floats"))
+    elements = {
+        "first": add("<body name='hung' pos='0 0 0.3'><joint name='swings' ref='0.2'/>"
+                     "<geom size='0.01' contype='0' conaffinity='0'/></body>", {"name": "base"}),
+        "ball": add(BALL, {"tag": "worldbody"}),
+        "motor": add("<motor name='extra' joint='swings' gear='2'/>", {"tag": "actuator"}),
+        "weld": add("<joint name='held' joint1='swings'/>", {"tag": "equality"}),
+    }  # fmt: skip
+    exported = made(tmp_path, robot, elements=elements, actuators=SERVOS)
+    made(tmp_path / "plain", robot, actuators=SERVOS)
+    assert [one for one in checks(tmp_path, exported, robot) if not one.passed] == []
+    assert exported.amendments.surplus_of("scene.xml") == Surplus("scene.xml", 7, 1, 1)
+    found, before = model(tmp_path), model(tmp_path / "plain")
+    assert (found.nu, found.nkey) == (2, before.nkey)
+    for name in ("home", "cad"):
+        key, old = found.key(name), before.key(name)
+        for one in ("elbow", "robot_freejoint", "free"):
+            if mujoco.mj_name2id(before, mujoco.mjtObj.mjOBJ_JOINT, one) >= 0:
+                here, there = found.joint(one).qposadr[0], before.joint(one).qposadr[0]
+                width = 7 if before.joint(one).type[0] == 0 else 1
+                assert key.qpos[here : here + width].tolist() == old.qpos[there : there + width].tolist()
+        assert key.qpos[found.joint("swings").qposadr[0]] == 0.2
+        first = found.joint("rolls").qposadr[0]
+        assert key.qpos[first : first + 7].tolist() == [1, 0, 1, 1, 0, 0, 0]
+        assert key.ctrl[found.actuator("elbow").id] == old.ctrl[0]
+        assert key.ctrl[found.actuator("extra").id] == 0
+
+
+def test_a_check_that_fails_names_the_key_that_did_it(tmp_path: Path) -> None:
+    attributes = {"elbow": {"damping": 3}, "floor": {"friction": [1, 0.5, 0.5]}}
+    exported = made(tmp_path, attributes=attributes)
+    failed = [one for one in checks(tmp_path, exported) if not one.passed]
+    assert [one.name for one in failed] == ["robot.xml: joints", "scene.xml: joints"]
+    for one in failed:
+        assert one.detail == "differ: elbow; the file was changed by attributes.elbow"
+
+
+def test_weight_that_is_added_is_found(tmp_path: Path) -> None:
+    heavy = add("<inertial pos='0 0 0' mass='9' diaginertia='1 1 1'/>", {"name": "tray"})
+    tray = add("<body name='tray'><geom size='0.1'/></body>", {"name": "arm"})
+    exported = made(tmp_path, elements={"tray": tray, "heavy": heavy})
+    assert [one for one in checks(tmp_path, exported) if not one.passed] == []
+    exported = made(tmp_path / "arm", attributes={"arm": {"pos": [0, 0, 0.1]}})
+    failed = [one for one in checks(tmp_path / "arm", exported) if not one.passed]
+    assert failed
+    assert all("attributes.arm" in one.detail for one in failed)
+
+
+def test_robot_json_says_what_was_changed(tmp_path: Path) -> None:
+    elements = {"ball": add(BALL, {"tag": "worldbody"}), "gz": add("<gazebo/>", {"tag": "robot"})}
+    exported = made(tmp_path, elements=elements, attributes={"floor": {"rgba": "1 0 0 1"}})
+    table = json.loads(exported.files["robot.json"])
+    assert [tuple(one.values()) for one in table["amendments"]] == [
+        ("elements.gz", "robot.urdf", "robot robot", ["<gazebo>"], []),
+        ("elements.ball", "robot.xml", "<worldbody>", ["body ball"], []),
+        ("attributes.floor", "scene.xml", "geom floor", [], ["rgba"]),
+    ]
+    assert list(table["amendments"][0]) == ["key", "file", "target", "adds", "sets"]
+    assert "amendments" not in json.loads(made(tmp_path / "plain").files["robot.json"])
+
+
+def test_entries_of_a_format_that_is_not_written_are_named(tmp_path: Path) -> None:
+    elements = {"ball": add(BALL, {"tag": "worldbody"}), "gz": add("<gazebo/>", {"tag": "robot"})}
+    keys = {"elements": elements, "attributes": {"floor": {"rgba": "1 0 0 1"}}}
+    exported = made(tmp_path, **keys, export={"urdf": {}})
+    (remark,) = (one for one in exported.diagnostics if one.code == "I-ELEMENT")
+    assert "elements.ball" in remark.message
+    assert "attributes.floor" in remark.message
+    assert "elements.gz" not in remark.message
+    assert b"<gazebo/>" in exported.files["robot.urdf"]
+
+
+def test_the_text_of_a_file_stands_for_it() -> None:
+    robot = arm()
+    plan = plan_of(elements={"cam": {"into": {"name": "arm"}, "file": "mount.xml"}})
+    exported = export(robot, geometry_of(robot), plan, {"cam": "<site name='s'/>"})
+    root = parse(exported.files["robot.xml"])
+    assert root.find(".//body[@name='arm']/site[@name='s']") is not None
+
+
+REFUSED = [
+    ({"a": add("<site/>", {"name": "arn"})}, {}, "elements.a.into", "did you mean arm?"),
+    ({"a": add("<site/>", {"name": "zzz"})}, {}, "elements.a.into", "there are: arm, "),
+    ({"a": add("<site/>", {"tag": "bdy"})}, {}, "elements.a.into", "did you mean body?"),
+    ({"a": add("<light/>", {"name": "arm", "file": "scene"})}, {}, "elements.a.into", "in scene.xml"),
+    ({"a": add("<gazebo/>", {"tag": "worldbody"})}, {}, "elements.a.into", "robot.urdf has no element"),
+    ({"a": add("<site name='eye'/>", {"name": "arm"})}, {}, "elements.a", "so is a site in robot.xml"),
+    ({"a": add("<geom name='floor' size='1'/>", {"name": "arm"})}, {}, "elements.a", "in scene.xml"),
+    ({"a": add("<site name='s'/><site name='s'/>", {"name": "arm"})}, {}, "elements.a", "'s'"),
+    ({"a": add("<sitee/>", {"name": "arm"})}, {}, "elements.a", "nor URDF has an element <sitee>"),
+    ({"a": add("<site nme='s'/>", {"name": "arm"})}, {}, "elements.a", "did you mean name?"),
+    ({"a": add("<geom size='0'/>", {"name": "arm"}), "b": add("<site/>", {"name": "arm"})}, {}, "elements.a",
+     "size 0 must be positive"),
+    ({"a": add("<link name='arm'/>", {"tag": "robot"})}, {}, "elements.a", "so is a link in robot.urdf"),
+    ({"a": add(BALL, {"tag": "worldbody", "file": "scene"})}, {}, "elements.a", "leave out `file: scene`"),
+    ({}, {"flor": {"rgba": "1 0 0 1"}}, "attributes.flor", "did you mean floor?"),
+    ({}, {"elbow": {"damping": 1}}, "attributes.elbow", "say which: tag: actuator or joint or position"),
+    ({}, {"arm": {"tag": "joint", "damping": 1}}, "attributes.arm", "no element <joint> is named 'arm'"),
+    ({}, {"arm": {"mass": None}}, "attributes.arm.mass", "its own attributes are: name"),
+    ({}, {"arm": {"gravcmp": 1}}, "attributes.arm", "did you mean gravcomp?"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("elements", "attributes", "where", "said"), REFUSED, ids=lambda one: str(one)[:40])
+def test_what_cannot_be_is_named_with_what_there_is(
+    tmp_path: Path, elements: Any, attributes: Any, where: str, said: str
+) -> None:
+    with pytest.raises(ExportError) as caught:
+        made(tmp_path, elements=elements, attributes=attributes, actuators=SERVOS)
+    (problem,) = caught.value.problems
+    assert (problem.code, problem.where) == ("E-ELEMENT", where)
+    assert said in f"{problem.message} {problem.hint}"
+
+
+def test_all_problems_are_told_at_once(tmp_path: Path) -> None:
+    with pytest.raises(ExportError) as caught:
+        made(
+            tmp_path,
+            elements={"a": add("<site/>", {"name": "arn"}), "b": add("<gazebo/>", {"tag": "lnk"})},
+            attributes={"flor": {"rgba": "1 0 0 1"}},
+        )
+    assert {one.where for one in caught.value.problems} == {
+        "elements.a.into", "elements.b.into", "attributes.flor",
+    }  # fmt: skip
+
+
+BAD = [
+    ({"elements": {"a": {"into": {}, "xml": "<site/>"}}}, "elements.a.into", "{tag: worldbody}"),
+    ({"elements": {"a": {"xml": "<site/>"}}}, "elements.a.into", "missing"),
+    ({"elements": {"a": {"into": {"tag": "b"}}}}, "elements.a", "either xml or file"),
+    ({"elements": {"a": add("<site/>", {"tag": "b"}, file="c.xml")}}, "elements.a", "either xml or file"),
+    ({"elements": {"a": add("<site>", {"tag": "b"})}}, "elements.a.xml", "line 1, column 7"),
+    ({"elements": {"a": add("<site/>", {"tag": "b"}, formats=["x"])}}, "elements.a.formats[0]", "urdf"),
+    ({"elements": {"a": add("<site/>", {"tag": "b"}, formats=[])}}, "elements.a", "must name a format"),
+    ({"elements": {"a": add("<gazebo/>", {"tag": "b", "file": "scene"}, formats=["urdf"])}}, "elements.a",
+     "of an MJCF alone"),
+    ({"elements": {"a": add("<site/>", {"tag": "b", "name": "c", "fiel": "d"})}}, "elements.a.into.fiel",
+     "elements.a.into.file"),
+    ({"attributes": {"a": {}}}, "attributes.a", "at least one attribute"),
+    ({"attributes": {"a": {"formats": ["mjcf"]}}}, "attributes.a", "at least one attribute"),
+    ({"attributes": {"a": {"b": 1, "formats": ["mjfc"]}}}, "attributes.a", "urdf, mjcf"),
+    ({"attributes": {"a": {"b c": 1}}}, "attributes.a", "'b c' cannot be the name"),
+    ({"attributes": {"a": {"b": {"c": 1}}}}, "attributes.a.b", "list of numbers"),
+    ({"attributes": {"a": {"b": "\x00"}}}, "attributes.a.b", "characters"),
+    ({"attributes": {"a": {"b": 1, "tag": 3}}}, "attributes.a", "tag must be text"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("keys", "where", "said"), BAD, ids=lambda one: str(one)[:40])
+def test_a_bad_key_is_named(keys: Any, where: str, said: str) -> None:
+    with pytest.raises(ConfigError) as caught:
+        plan_of(**keys)
+    (problem,) = caught.value.problems
+    assert problem.where == where
+    assert said in f"{problem.message} {problem.hint}"
+
+
+def test_a_link_that_is_added_to_a_urdf_counts(tmp_path: Path) -> None:
+    xml = """<link name='fin'/><joint name='flap' type='revolute'><parent link='arm'/><child link='fin'/>
+    <axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>"""
+    robot = robot_with([joint("revolute", "base", "arm", name="elbow")])
+    exported = made(tmp_path, robot, elements={"fin": add(xml, {"tag": "robot"})})
+    assert exported.amendments.surplus_of("robot.urdf").dofs == 1
+    failed = [one for one in checks(tmp_path, exported, robot) if not one.passed]
+    assert [one.name for one in failed if "links and joints" in one.name] == []

@@ -1,0 +1,73 @@
+"""XML of a user's own: several elements as one text, and which format they are of."""
+
+import pytest
+
+from stages.formats.own_xml import MJCF, SECTIONS, language_of, unknown_tag
+from stages.formats.xml import Malformed, fragment, to_text
+from tests.support.mujoco_schema import schema
+
+
+@pytest.mark.parametrize(
+    ("text", "elements"),
+    [
+        ("<a x='1'/>", ['<a x="1"/>']),
+        ("<!-- one --><a/> <!-- <b> -->\n<b>t</b>\n", ["<a/>", "<b>t</b>"]),
+        ("\ufeff<?xml version='1.0' encoding='utf-8'?>\n<a/>", ["<a/>"]),
+        ("<g:a/>", ["<g:a/>"]),
+        ("<a x='&lt;&#233;'/>", ['<a x="&lt;é"/>']),
+    ],
+)
+def test_a_fragment_is_its_elements(text: str, elements: list[str]) -> None:
+    assert [to_text(one) for one in fragment(text)] == elements
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("", "there is no element"),
+        ("<!-- nothing -->", "there is no element"),
+        ("<a>", "line 1, column 4: <a> of line 1 is not closed"),
+        ("<a>\n  <b></a>", "line 2, column 10: </a> does not close <b> of line 2"),
+        ("</a>", "line 1, column 5: </a> closes nothing"),
+        ("<a/>\n  <b x=3/>", "line 2, column 8:"),
+        ("word <a/>", "line 1: text outside of an element: 'word'"),
+        ("<a/>\n<b/> word", "line 2: text outside of an element: 'word'"),
+        ("<!DOCTYPE a [<!ENTITY x 'y'>]><a>&x;</a>", "line 1, column 2:"),
+        ("<a>&x;</a>", "line 1, column 7: Entity 'x' not defined"),
+        ("<a/></linkwright.fragment><linkwright.fragment>", "line 1, column"),
+    ],
+)
+def test_what_is_no_fragment_is_named_with_line_and_column(text: str, place: str) -> None:
+    with pytest.raises(Malformed) as caught:
+        fragment(text)
+    assert caught.value.place.startswith(place)
+    assert "linkwright" not in caught.value.place
+
+
+def test_every_element_of_mujoco_is_known() -> None:
+    found = {where for where, _ in schema() if where}
+    assert {tag for where in found for tag in where} <= MJCF
+    assert {where[0] for where in found} - {"body"} <= SECTIONS
+    assert {"sensor", "worldbody"} <= SECTIONS
+
+
+@pytest.mark.parametrize(
+    ("text", "language"),
+    [
+        ("<site name='a'/>", "mjcf"),
+        ("<body><freejoint/><geom size='1'/></body>", "mjcf"),
+        ("<inertial pos='0 0 0' mass='1'/>", "mjcf"),
+        ("<inertial><mass value='1'/></inertial>", "urdf"),
+        ("<gazebo reference='arm'><kp>1</kp></gazebo>", "urdf"),
+        ("<link name='a'/><joint name='b' type='fixed'><parent link='a'/><child link='c'/></joint>", "urdf"),
+        ("<visual><geometry><sphere radius='1'/></geometry></visual>", "urdf"),
+        ("<ros2_control name='a'/>", "urdf"),
+        ("<drake:joint/>", "urdf"),
+        ("<sitee/>", None),
+        ("<site/><gazebo_/>", None),
+    ],
+)
+def test_the_elements_say_which_format_they_are_of(text: str, language: str | None) -> None:
+    elements = fragment(text)
+    assert language_of(elements) == language
+    assert (unknown_tag(elements) != "") == (language is None or ":" in text)

@@ -1,0 +1,74 @@
+"""The files that `elements` names are read before a build, and what they hold decides its result."""
+
+from pathlib import Path
+
+import pytest
+
+from pipeline.build import build_files
+from pipeline.config.plan import Plan
+from pipeline.element_files import LARGEST, element_texts, require_entries
+from pipeline.errors import ConfigError
+from pipeline.preflight import plan_problems
+
+
+def plan_with(file: str, **more: object) -> Plan:
+    mount = {"into": {"name": "forearm"}, "file": file}
+    keys = {"mesh": {"collider": "visual"}, "until": "export", **more}
+    return Plan.parse({"name": "arm", "source": {"kind": "sample"}, "elements": {"mount": mount}, **keys})
+
+
+def test_a_new_content_makes_new_files_and_the_old_one_the_old_ones(tmp_path: Path) -> None:
+    file = tmp_path / "mount.xml"
+    plan = plan_with(str(file), cache={"dir": str(tmp_path / "cache")})
+
+    def built(text: str) -> tuple[bytes, list[bool]]:
+        file.write_text(text, encoding="utf-8")
+        made = build_files(plan, in_memory=True)
+        return made.files["arm.xml"], [stage.cached for stage in made.report.stages]
+
+    first, _ = built("<site name='here'/>")
+    second, cached = built("<site name='there'/>")
+    assert cached == [True, True, True, False]
+    assert b'<site name="here"/>' in first
+    assert b'<site name="there"/>' in second
+    assert built("<site name='here'/>") == (first, [True] * 4)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (None, "does not exist"),
+        (b"<site>", "is not XML: line 1, column 7: <site> of line 1 is not closed"),
+        (b"<site name='\xff'/>", "is not readable as text"),
+        (b"<!-- nothing -->", "there is no element"),
+        (b" " * (LARGEST + 1), "more than"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_named_before_the_build(
+    tmp_path: Path, content: bytes | None, said: str
+) -> None:
+    file = tmp_path / "mount.xml"
+    if content is not None:
+        file.write_bytes(content)
+    (problem,) = plan_problems(plan_with(str(file)), {})
+    assert problem.where == "elements.mount.file"
+    assert said in problem.message
+
+
+def test_a_folder_is_no_file_and_paths_start_where_one_works(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(ConfigError, match="is a folder"):
+        element_texts(plan_with(str(tmp_path)))
+    (tmp_path / "mount.xml").write_text("<site/>", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert element_texts(plan_with("mount.xml")) == {"mount": "<site/>"}
+
+
+def test_xml_of_no_format_is_named_before_the_build(tmp_path: Path) -> None:
+    (tmp_path / "mount.xml").write_text("<sitee/>", encoding="utf-8")
+    with pytest.raises(ConfigError) as caught:
+        require_entries(plan_with(str(tmp_path / "mount.xml")))
+    (problem,) = caught.value.problems
+    assert (problem.code, problem.where) == ("E-ELEMENT", "elements.mount")
+    assert "<sitee>" in problem.message
