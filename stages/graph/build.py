@@ -13,6 +13,7 @@ from stages.graph.passes.link_mass import check_links, with_given_masses, with_l
 from stages.graph.passes.mobility import with_mobility
 from stages.graph.passes.relations import with_relations
 from stages.graph.passes.rename import renamed
+from stages.graph.passes.total_mass import with_total
 from stages.graph.passes.zero_pose import with_zero
 from stages.graph.robot_from_tree import place
 from stages.graph.tree import Tree, spanning_tree
@@ -34,6 +35,7 @@ def assemble(bundle: Bundle, keys: GraphKeys, read: MechanismReader) -> Robot:
     robot = with_relations(robot, mechanism.relations, log, keys.relations)
     robot = with_checked_limits(robot, mechanism, keys, log)
     robot = with_given_masses(robot, keys.mass.links, log)
+    robot = with_total(robot, keys.mass.total, log)
     check_links(robot, log, mechanism.has_saved_pose)
     robot = with_least_inertias(robot, log)
     robot = with_added_frames(robot, keys.frames.add, log)

@@ -82,6 +82,10 @@ class MassKeys(Keys):
     density: Positive = 1200
     """Density for parts without a mass [kg/m³]."""
 
+    total: Annotated[Positive | None, example(3.31)] = None
+    """Mass of the whole robot [kg], as a scale shows it: the estimated masses are scaled so that it is met,
+    with their inertias; those of CAD and of `parts` and `links` stay. null: the estimates stay."""
+
     parts: Annotated[dict[Text, PartMassKeys], example({"Foot*": {"density": 1100}})] = Field(
         default_factory=dict
     )

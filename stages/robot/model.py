@@ -67,7 +67,7 @@ class Part:
     `path`: instance ids from the root; `name`: the same in words, joined by "/". `inertial` and `volume` [m³]
     are CAD's, in the part's own frame. `collides`: whether its shape takes part in contact; a sheet without
     mass is only visual. `seen`: whether it is visual; a mesh made only for contact is not. `standard`:
-    whether it is standard content, such as a screw.
+    whether it is standard content, such as a screw. `estimated`: whether its mass is, from its volume.
     """
 
     path: tuple[str, ...]
@@ -81,6 +81,7 @@ class Part:
     collides: bool = True
     seen: bool = True
     standard: bool = False
+    estimated: bool = False
 
 
 PrimitiveKind = Literal["box", "sphere", "cylinder", "capsule"]

@@ -9,7 +9,7 @@ sheet has no mass, unless one is given to it.
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import orjson
 
@@ -27,8 +27,14 @@ from stages.robot.plural import count
 
 PartKey = tuple[StudioKey, str]
 
-Weight = tuple[Inertial, float]
-"""An inertial in the part's frame, and the volume [m³]."""
+
+class Weight(NamedTuple):
+    """An inertial in the part's frame, the volume [m³], and whether the mass is an estimate."""
+
+    inertial: Inertial
+    volume: float
+    estimated: bool = False
+
 
 SHEET = "sheet"
 """The type of a body that is a surface."""
@@ -98,7 +104,7 @@ def weighed(
     weights: dict[Path, Weight] = {}
     for kind in kinds:
         mass = supposed.get(kind.key, 0.0) if kind.mass is None else kind.mass
-        weight = _inertial(kind, mass, log), kind.volume
+        weight = Weight(_inertial(kind, mass, log), kind.volume, kind.key in supposed and kind.mass is None)
         if kind.mass is not None:
             _check_density(kind, log)
         weights.update((occurrence.path, weight) for occurrence in kind.occurrences)
@@ -272,7 +278,7 @@ def read_masses(bundle: OnshapeBundle) -> dict[PartKey, Weight]:
                 bodies = orjson.loads(bundle.body(digest))["bodies"]
                 for part in sorted(set(bodies) - {"-all-"}):
                     volume = _first(bodies[part].get("volume"))
-                    found[studio.key, part] = _of_reply(bodies[part]), volume
+                    found[studio.key, part] = Weight(_of_reply(bodies[part]), volume)
     return found
 
 

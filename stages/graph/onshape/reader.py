@@ -17,17 +17,17 @@ from stages.graph.onshape.mates import JOINT_TYPES, dofs_of, right_handed
 from stages.graph.onshape.naming import AssemblyNames, is_link_name, name_everything
 from stages.graph.onshape.onshape_to_robot import translated
 from stages.graph.onshape.parallel_mates import Absorbed, MateKey, combined
-from stages.graph.onshape.part_mass import SHEET, part_key, weighed
+from stages.graph.onshape.part_mass import SHEET, Weight, part_key, weighed
 from stages.graph.onshape.patterns import with_copies
 from stages.robot.bundle import OnshapeBundle
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import AssemblyError
 from stages.robot.kinematics import chain
-from stages.robot.model import Inertial, MeshRef, Part, Provenance, frozen
+from stages.robot.model import MeshRef, Part, Provenance, frozen
 from stages.robot.names import legal
 from stages.robot.poses import inverse
 
-Weights = Mapping[Path, tuple[Inertial, float]]
+Weights = Mapping[Path, Weight]
 
 
 def read_mechanism(bundle: OnshapeBundle, keys: GraphKeys, log: Diagnostics) -> tuple[Mechanism, GraphKeys]:
@@ -46,7 +46,7 @@ def read_mechanism(bundle: OnshapeBundle, keys: GraphKeys, log: Diagnostics) -> 
     _require_mates(assembly, keys)
     weights = weighed(assembly, bundle, keys.mass, log)
     bodies, absorbed = _combined_bodies(assembly, keys, log)
-    names = name_everything(assembly, bodies, {path: volume for path, (_, volume) in weights.items()})
+    names = name_everything(assembly, bodies, {path: one.volume for path, one in weights.items()})
     _report_names(assembly, bodies, names, log)
     limit_remarks = _limit_remarks(assembly, remarks, absorbed)
     connections = tuple(_connection(mate, assembly, bodies, names, limit_remarks) for mate in bodies.moving)
@@ -100,7 +100,7 @@ def _bodies(
             occurrence = assembly.occurrences[path]
             key = part_key(occurrence.record)
             reply = tessellations.get(key[0])
-            inertial, volume = weights[path]
+            weight = weights[path]
             parts.append(
                 Part(
                     path=path,
@@ -109,10 +109,11 @@ def _bodies(
                     mesh=MeshRef(reply, key[1]) if reply else None,
                     link_from_part=occurrence.world_from_occurrence,
                     world_from_part=occurrence.world_from_occurrence,
-                    inertial=inertial,
-                    volume=volume,
-                    collides=assembly.body_types.get(key) != SHEET or inertial.mass > 0,
+                    inertial=weight.inertial,
+                    volume=weight.volume,
+                    collides=assembly.body_types.get(key) != SHEET or weight.inertial.mass > 0,
                     standard=key in assembly.standard,
+                    estimated=weight.estimated,
                 )
             )
             for name in occurrence.names:

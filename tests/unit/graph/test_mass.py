@@ -15,7 +15,7 @@ from stages.graph.onshape.mass_estimate import shape_of
 from stages.graph.onshape.part_mass import weighed
 from stages.graph.passes.link_mass import check_links, with_given_masses
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import ConfigError
+from stages.robot.errors import AssemblyError, ConfigError
 from stages.robot.inertia import ZERO
 from stages.robot.model import Inertial, frozen
 from stages.validate import validate
@@ -83,7 +83,8 @@ def without_triangles(bundle):
 def test_masses_of_cad_are_taken_as_they_are(kit):
     add(kit, "Bar", density=2000)
     found, log = weights(kit)
-    inertial, volume = found["Bar <1>"]
+    inertial, volume, estimated = found["Bar <1>"]
+    assert not estimated
     assert inertial.mass == pytest.approx(2000 * VOLUME, rel=1e-12)
     assert volume == pytest.approx(VOLUME, rel=1e-12)
     np.testing.assert_allclose(inertial.inertia, box_inertia(inertial.mass, *SIZE), rtol=1e-9, atol=1e-15)
@@ -94,7 +95,8 @@ def test_a_density_resolves_what_has_none_with_the_inertia_of_its_solid(kit):
     add(kit, "Bar", count=2)
     found, log = weights(kit, missing="density", density=500)
     for title in ("Bar <1>", "Bar <2>"):
-        inertial, _ = found[title]
+        inertial, _, estimated = found[title]
+        assert estimated
         assert inertial.mass == pytest.approx(500 * VOLUME, rel=1e-12)
         np.testing.assert_allclose(inertial.com, [0, 0, 0], atol=1e-12)
         expected = box_inertia(inertial.mass, *SIZE)
@@ -449,3 +451,64 @@ def test_a_speck_in_a_urdf_gets_the_least_too(moments, policy, tmp_path) -> None
     write(robot, tmp_path)
     assert [check for check in validate(tmp_path, robot, plan_of()) if not check.passed] == []
     assert robot.link("b").inertial.mass == 1e-14
+
+
+def robot_with_screws(**mass):
+    """A base of 1 kg, and an arm with two screws without material."""
+    kit = Kit()
+    base = kit.root.add(kit.studio.part("Base", solids.box(0.1, 0.1, 0.1), density=1000))
+    arm = kit.root.add(kit.studio.part("Arm", solids.box(*SIZE), density=2000))
+    screw = kit.studio.part("Screw", solids.box(0.01, 0.01, 0.01))
+    screws = [kit.root.add(screw) for _ in range(2)]
+    kit.root.revolute("Hinge", (arm, frame()), (base, frame((0, 0, 0.1))), limits=(-1, 1))
+    for number, one in enumerate(screws):
+        kit.root.fasten(f"Screwed {number}", (one, frame()), (arm, frame((0.01 * number, 0, 0.02))))
+    return robot_of(kit.document, plan_of(mass=mass))
+
+
+def test_a_total_scales_what_is_estimated_with_its_inertia_and_nothing_else():
+    plain, whole = robot_with_screws(), robot_with_screws(total=1.15)
+    (before, after) = (
+        {part.name: part for link in one.links for part in link.parts} for one in (plain, whole)
+    )
+    assert sum(link.inertial.mass for link in whole.links) == pytest.approx(1.15, rel=1e-12)
+    known = 1.0 + 2000 * VOLUME
+    factor = (1.15 - known) / (2 * 1200 * 1e-6)
+    for name, part in after.items():
+        times = factor if name.startswith("Screw") else 1.0
+        assert part.inertial.mass == pytest.approx(before[name].inertial.mass * times, rel=1e-12)
+        np.testing.assert_allclose(part.inertial.inertia, before[name].inertial.inertia * times, rtol=1e-12)
+    # The arm by the parallel axis theorem, from its parts alone.
+    (link,) = (one for one in whole.links if any(part.name == "Arm <1>" for part in one.parts))
+    com = (
+        sum(p.inertial.mass * (p.link_from_part @ [*p.inertial.com, 1])[:3] for p in link.parts)
+        / link.inertial.mass
+    )
+    np.testing.assert_allclose(link.inertial.com, com, atol=1e-12)
+    inertia = np.zeros((3, 3))
+    for part in link.parts:
+        turned, arm = part.link_from_part[:3, :3], (part.link_from_part @ [*part.inertial.com, 1])[:3] - com
+        inertia += turned @ part.inertial.inertia @ turned.T
+        inertia += part.inertial.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    np.testing.assert_allclose(link.inertial.inertia, inertia, rtol=1e-9, atol=1e-15)
+    (told_so,) = (one for one in whole.diagnostics if one.code == "I-MASS-TOTAL")
+    assert f"scaled by {factor:.4g}" in told_so.message
+
+
+@pytest.mark.parametrize(
+    ("mass", "message"),
+    [
+        (
+            {"total": 1.05},
+            "1.05 kg is too little: beside 2 parts with estimated masses, it weighs 1.12 kg",
+        ),
+        (
+            {"total": 2, "parts": {"Screw": {"mass": 0.1}}},
+            "the robot weighs 1.32 kg, and no mass is estimated",
+        ),
+        ({"total": 2, "links": {"arm": {"mass": 0.5}}}, "the robot weighs 1.5 kg, and no mass is estimated"),
+    ],
+)
+def test_a_total_that_cannot_be_is_an_error(mass, message):
+    with pytest.raises(AssemblyError, match=message):
+        robot_with_screws(**mass)
