@@ -41,8 +41,8 @@ def sensing_records(sensing: Sensing) -> dict[str, Any]:
 
 
 def _site(site: SensorSite) -> dict[str, Any]:
-    size = as_floats(site.size) if site.size else None
-    return {"name": site.name, "link": site.link, "pose": as_pose(site.link_from_site), "size": size}
+    zone = {"shape": site.shape or None, "size": as_floats(site.size) if site.shape else None}
+    return {"name": site.name, "link": site.link, "pose": as_pose(site.link_from_site), **zone}
 
 
 def _camera(camera: SensorCamera) -> dict[str, Any]:

@@ -24,9 +24,9 @@ source names what drives the joints; `actuators` where the robot has any: `contr
 the dof by the robot's weight, `home_load` that at home, and `sag` how far it moves the servo's dof there.
 `provenance` says where a dof's limits and dynamics come from. `estimated` lists what Linkwright chose, of a
 dof too. `sensors` where the robot has any, in the order of `sensordata`; `sensor_sites` are the places on
-links that are there for sensors alone (`size` [m]: the radius of a ball or the lengths of a box in which
-contact is felt), `cameras` the cameras that it carries (`fovy` [deg], `resolution` [pixels]): these look
-along z, x to the right, y down. `order` has the joints, actuators and sensors of each file in its order. In
+links that are there for sensors alone (`size` [m] of the `shape` in which contact is felt), `cameras` the
+cameras that it carries (`fovy` [deg], `resolution` [pixels]): these look along z, x to the right, y down.
+`order` has the joints, actuators and sensors of each file in its order. In
 the MJCF: `qpos` and `dof` of a joint are its first number in MuJoCo's arrays and how many it has, as is
 `ctrl` of an actuator; `address` and `dim` say where a sensor is in `sensordata`. In the URDF: `index` is a
 joint's place among those that move in the file, `tree` that in a walk down the tree with siblings by name,

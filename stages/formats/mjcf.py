@@ -126,6 +126,8 @@ class MjcfSensor:
     relative_to: MjcfSensorEnd
     noise: float
     cutoff: float
+    shape: str = ""
+    size: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)

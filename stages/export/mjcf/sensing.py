@@ -2,15 +2,13 @@
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from stages.export.mjcf.cameras import write_sensor_camera
 from stages.export.mjcf.placement import placement
 from stages.formats.numbers import spaced
 from stages.formats.xml import Element, element
 from stages.robot.fusing import Holders
 from stages.robot.model import Array
-from stages.robot.sensing import Sensing
+from stages.robot.sensing import Sensing, SensorSite
 
 HIDDEN = "3"
 """A group of sites that MuJoCo's viewers do not show unless asked."""
@@ -27,7 +25,7 @@ def write_mounted(elements: Mapping[str, tuple[Element, Array]], holders: Holder
 
     for site in sensing.sites:
         body, pose = at(site.link, site.link_from_site)
-        _above_bodies(body, element(body, "site", name=site.name, **placement(pose), **_form(site.size)))
+        _above_bodies(body, element(body, "site", name=site.name, **placement(pose), **_form(site)))
     for camera in sensing.cameras:
         body, pose = at(camera.link, camera.link_from_camera)
         _above_bodies(body, write_sensor_camera(body, pose, camera))
@@ -40,10 +38,10 @@ def _above_bodies(body: Element, made: Element) -> None:
         first.addprevious(made)
 
 
-def _form(size: tuple[float, ...]) -> dict[str, str]:
-    """MuJoCo's shape of a site, whose sizes are halves; hidden in viewers, since it covers a link."""
-    if not size:
+def _form(site: SensorSite) -> dict[str, str]:
+    """MuJoCo's shape of a site, whose lengths are halves; hidden in viewers, since it covers a link."""
+    if not site.shape:
         return {}
-    if len(size) == 1:
-        return {"type": "sphere", "size": spaced(size), "group": HIDDEN}
-    return {"type": "box", "size": spaced(np.array(size) / 2), "group": HIDDEN}
+    radii = 0 if site.shape in ("box", "ellipsoid") else 1
+    size = [*site.size[:radii], *(length / 2 for length in site.size[radii:])]
+    return {"type": site.shape, "size": spaced(size), "group": HIDDEN}

@@ -1,6 +1,7 @@
 """Sensors and cameras that a frame or link carries."""
 
 from collections.abc import Collection, Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,7 @@ from stages.robot.geometry import Geometry
 from stages.robot.model import Array, Robot, Sensor, frozen
 from stages.robot.names import free
 from stages.robot.poses import from_parts, inverse, rotation_from_rpy
-from stages.robot.sensing import SensorCamera, SensorSite, SensorTarget
+from stages.robot.sensing import SensorCamera, SensorSite, SensorTarget, ZoneShape
 
 if TYPE_CHECKING:
     from stages.export.sensor_keys import SensorKeys
@@ -26,6 +27,9 @@ OF_LOOPS = ("a", "b", "a_axis", "b_axis")
 
 MARGIN = 1e-3
 """How far [m] the box in which contact is felt reaches beyond the colliders."""
+
+DIGITS = 4
+"""Its sides [m] are rounded to so many."""
 
 
 class Mounted:
@@ -74,6 +78,15 @@ class Mounted:
                 cutoff=keys.cutoff_of(measured),
             )
 
+    def of_source(self, sensor: Sensor) -> Sensor:
+        """A sensor of the source, on a site of its own where that needs a shape."""
+        mount = self._mounts.get(sensor.name_of_target)
+        if not sensor.shape or mount is None:
+            return sensor
+        pose = mount.link_from_mount
+        _, site = self._site(f"{sensor.name_of_target}_zone", mount, pose, sensor.shape, sensor.size)
+        return replace(sensor, name_of_target=site)
+
     def _mount(self, name: str, where: str) -> Mount | None:
         if name not in self._mounts:
             report_unknown(name, where, self._mounts, self._log)
@@ -102,11 +115,16 @@ class Mounted:
         return self._site(name, mount, pose)
 
     def _site(
-        self, name: str, mount: Mount, link_from_site: Array, size: tuple[float, ...] = ()
+        self,
+        name: str,
+        mount: Mount,
+        link_from_site: Array,
+        shape: ZoneShape = "",
+        size: tuple[float, ...] = (),
     ) -> tuple[SensorTarget, str]:
         own = free(name, self._taken)
         self._taken.add(own)
-        self.sites.append(SensorSite(own, mount.link, frozen(link_from_site), size))
+        self.sites.append(SensorSite(own, mount.link, frozen(link_from_site), shape, size))
         return "site", own
 
     def _zone(
@@ -114,7 +132,8 @@ class Mounted:
     ) -> tuple[SensorTarget, str] | None:
         """The site inside which contact is felt; by default the box around the link's colliders."""
         if keys.size is not None:
-            return self._site(name, mount, link_from_site, keys.size)
+            shape: ZoneShape = "sphere" if len(keys.size) == 1 else "box"
+            return self._site(name, mount, link_from_site, shape, keys.size)
         shapes = tuple(self._geometry.of(mount.link, "collision"))
         low, high = Extents(
             Geometry(shapes, self._geometry.files), {mount.link: inverse(link_from_site)}
@@ -123,9 +142,9 @@ class Mounted:
             text = f"{mount.link} has no collider, so nothing presses on it"
             self._log.report("E-SENSOR", text, f"sensors.{name}", "give the touch sensor a size")
             return None
+        low, high = np.round(low - MARGIN, DIGITS), np.round(high + MARGIN, DIGITS)
         middle = link_from_site @ from_parts(np.eye(3), (low + high) / 2)
-        lengths = high - low + 2 * MARGIN
-        return self._site(name, mount, middle, tuple(float(one) for one in lengths))
+        return self._site(name, mount, middle, "box", tuple(float(one) for one in high - low))
 
     def _camera(self, name: str, keys: "SensorKeys", mount: Mount) -> Iterator[Sensor]:
         if name in self._seen:

@@ -29,7 +29,7 @@ def sensing_of(
     order. `fused`: the links that have no bodies of their own in the MJCF. ExportError with all problems."""
     log = Diagnostics()
     made = Mounted(robot, geometry, fused, {*keys.scene.cameras, OVERVIEW}, log)
-    found = [("", one) for one in measuring(robot, actuation)]
+    found = [("", made.of_source(one)) for one in measuring(robot, actuation)]
     found += encoders(actuation, keys.actuators)
     for name, sensor in keys.sensors.items():
         where = f"sensors.{name}"

@@ -155,7 +155,19 @@ def sensor(model: Any, one: int, numbers: Numbers) -> MjcfSensor | None:
         relative_to=of,
         noise=float(model.sensor_noise[one]),
         cutoff=float(model.sensor_cutoff[one]),
+        **(_zone(model, int(model.sensor_objid[one])) if kind == "touch" else {}),
     )
+
+
+def _zone(model: Any, site: int) -> dict[str, Any]:
+    """The shape of a site, and its sizes, which MuJoCo has as halves."""
+    shape = mujoco.mjtGeom(int(model.site_type[site])).name.removeprefix("mjGEOM_").lower()
+    half = [float(length) for length in model.site_size[site]]
+    if shape == "sphere":
+        return {"shape": shape, "size": (half[0],)}
+    if shape in ("capsule", "cylinder"):
+        return {"shape": shape, "size": (half[0], 2 * half[1])}
+    return {"shape": shape, "size": tuple(2 * length for length in half)}
 
 
 def _end(kind: int, number: int, numbers: Numbers) -> MjcfSensorEnd | None:

@@ -7,7 +7,7 @@ from stages.formats.mjcf import Mjcf, MjcfSensorEnd
 from stages.graph.mjcf.naming import MjcfFileNames
 from stages.robot.actuation import Actuator, ActuatorType
 from stages.robot.names import free
-from stages.robot.sensing import Sensor, SensorTarget
+from stages.robot.sensing import Sensor, SensorTarget, ZoneShape
 
 
 def actuators_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Actuator, ...]:
@@ -52,7 +52,8 @@ def sensors_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Sensor, ...]:
         name = one.name or free(f"{on}_{one.type}".lstrip("_"), taken)
         taken.add(name)
         ends = (cast(SensorTarget, one.on.kind), on), (cast(SensorTarget, one.relative_to.kind), of)
-        found.append(Sensor(name, one.type, *ends[0], *ends[1], one.noise, one.cutoff))
+        zone = cast(ZoneShape, one.shape), one.size
+        found.append(Sensor(name, one.type, *ends[0], *ends[1], one.noise, one.cutoff, *zone))
     return tuple(found)
 
 

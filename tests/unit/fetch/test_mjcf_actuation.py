@@ -101,6 +101,26 @@ def test_it_moves_and_measures_as_it_did_under_any_controls(path: Path) -> None:
     np.testing.assert_allclose(now.sensordata, was.sensordata, atol=1e-6)
 
 
+ZONES = {"sphere": "0.03", "capsule": "0.02 0.05", "ellipsoid": "0.1 0.2 0.3", "cylinder": "0.02 0.05"} | {
+    "box": "0.1 0.2 0.3"
+}
+
+
+@pytest.mark.parametrize("shape", ZONES)
+def test_a_touch_sensor_feels_in_the_same_shape_at_the_same_place(tmp_path: Path, shape: str) -> None:
+    zone = f'<site name="sole" pos="0.1 0.2 0.3" quat="1 2 3 4" type="{shape}" size="{ZONES[shape]}"/>'
+    tree = text('<sensor><touch name="press" site="sole"/><gyro site="sole"/></sensor>')
+    path = written(tmp_path, tree.replace('<site name="tip"', f'{zone}<site name="tip"'))
+    was, now = mujoco.MjModel.from_xml_path(str(path)), compiled(exported(path))
+    old, new = was.site("sole"), now.site(int(now.sensor("press").objid[0]))
+    assert now.site(int(now.sensor(1).objid[0])).name == "sole"
+    assert (new.type[0], now.body(int(new.bodyid[0])).name) == (old.type[0], "base")
+    used = len(ZONES[shape].split())
+    np.testing.assert_allclose(new.size[:used], old.size[:used], rtol=1e-12)
+    np.testing.assert_allclose(new.pos, old.pos, atol=1e-12)
+    np.testing.assert_allclose(np.abs(new.quat @ old.quat), 1.0, atol=1e-12)
+
+
 def test_renamed_joints_and_links_keep_theirs(path: Path) -> None:
     names = {"joints": {"b": "elbow"}, "links": {"link_f": "hand"}}
     model = compiled(exported(path, names=names))
