@@ -6,6 +6,8 @@ from stages.formats.xml import Element
 
 JOINTS = ("joint", "freejoint")
 
+TYPES = ("hinge", "slide", "ball", "free")
+
 HINGE = "hinge"
 """The type of a joint that says none."""
 
@@ -28,7 +30,9 @@ def joints_in_order(root: Element) -> Iterator[tuple[Element, str]]:
                 if node.tag == "freejoint":
                     yield node, "free"
                 elif node.tag == "joint":
-                    yield node, node.get("type") or types.get(node.get("class", own), HINGE)
+                    kind = node.get("type") or types.get(node.get("class", own), HINGE)
+                    # What MuJoCo has no word for does not compile, which the validate stage says.
+                    yield node, kind if kind in TYPES else HINGE
                 else:
                     below.append((node, own))
             waiting += reversed(below)

@@ -105,7 +105,7 @@ class MjcfOrder:
         address: int | None = 0
         nodes = [node for section in self._root.iterchildren("sensor") for node in section]
         for index, node in enumerate(node for node in nodes if isinstance(node.tag, str)):
-            count = DIMENSIONS.get(node.tag) or (int(node.get("dim", 0)) if node.tag == "user" else 0)
+            count = DIMENSIONS.get(node.tag) or (_whole(node.get("dim")) if node.tag == "user" else 0)
             plain = node.tag != "rangefinder" or (node.get("site") and node.get("data") is None)
             known = count if plain else 0
             on = node.get("joint") or self._dof_of(node.get("actuator"))
@@ -139,8 +139,15 @@ def _range(node: Element, own: Actuator | None) -> list[float | None] | None:
     """The range of the control, as the file has it, else as the actuator, whose class may hold it."""
     text = node.get("ctrlrange")
     if text is not None:
-        return [as_float(float(end)) for end in text.split()]
+        try:
+            return [as_float(float(end)) for end in text.split()]
+        except ValueError:
+            return None  # It does not compile.
     return None if own is None or own.control is None else [as_float(end) for end in own.control]
+
+
+def _whole(text: str | None) -> int:
+    return int(text) if text is not None and text.isdecimal() else 0
 
 
 def _on(node: Element) -> str | None:

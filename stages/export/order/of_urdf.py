@@ -24,7 +24,7 @@ def urdf_rows(root: Element, dofs: Mapping[str, str], mates: Mapping[str, str]) 
         yield {
             "name": name,
             "index": index,
-            "tree": places[name],
+            "tree": places.get(name),
             "type": node.get("type"),
             "unit": UNITS[node.get("type")],
             "follows": None if mimic is None else mimic.get("joint"),
@@ -38,7 +38,10 @@ def _walked(root: Element) -> Iterator[str]:
     below: dict[str, list[tuple[str, str, bool]]] = {}
     children = set()
     for node in root.iterchildren("joint"):
-        parent, child = node.find("parent").get("link"), node.find("child").get("link")
+        ends = node.find("parent"), node.find("child")
+        if None in ends:
+            continue
+        parent, child = (end.get("link") for end in ends)
         below.setdefault(parent, []).append((node.get("name"), child, node.get("type") in UNITS))
         children.add(child)
     roots = [node.get("name") for node in root.iterchildren("link") if node.get("name") not in children]

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from stages.export import Exported, export
 from stages.export.order.mjcf_joints import joints_in_order
 from stages.export.order.of_mjcf import MjcfOrder
+from stages.export.order.of_urdf import urdf_rows
 from stages.export.sensor_keys import MEASURES
 from stages.fetch.mjcf.actuation import _PLAIN_SENSORS
 from stages.formats.xml import parse
@@ -244,6 +245,18 @@ def test_after_a_sensor_of_unknown_size_no_address_is_told() -> None:
     text = b"<mujoco><sensor><clock name='a'/><plugin name='b'/><clock name='c'/></sensor></mujoco>"
     rows = MjcfOrder(parse(text), robot_with(), NONE, {}, {}).tables()["sensors"]
     assert [(row["address"], row["dim"]) for row in rows] == [(0, 1), (1, None), (None, 1)]
+
+
+def test_what_does_not_compile_is_left_to_the_checks() -> None:
+    joints = '<body><joint name="a" type="bent"/><joint name="b"/></body>'
+    more = '<actuator><motor ctrlrange="a b"/></actuator><sensor><user name="u" dim="x"/></sensor>'
+    text = f"<mujoco><worldbody>{joints}</worldbody>{more}</mujoco>".encode()
+    tables = MjcfOrder(parse(text), robot_with(), NONE, {}, {}).tables()
+    assert [row["name"] for row in tables["joints"]] == ["a", "b"]
+    assert tables["actuators"][0]["range"] is None
+    assert tables["sensors"][0]["dim"] is None
+    urdf = b"<robot><link name='l'/><joint name='j' type='revolute'/></robot>"
+    assert [row["tree"] for row in urdf_rows(parse(urdf), {}, {})] == [None]
 
 
 def test_a_deep_tree_is_walked() -> None:

@@ -332,6 +332,20 @@ def turn_of(roll: float, pitch: float) -> Array:
     return from_parts(turn(across, pitch) @ turn(along, roll), np.zeros(3))
 
 
+def test_lengths_and_angles_take_their_unit() -> None:
+    mount = {"frame": "hand", "xyz": ["25 mm", 0, 0], "rpy": [0, 0, "90 deg"]}
+    sensors = {
+        "it": {"type": "touch", "size": "2 cm", **mount},
+        "eye": {"type": "camera", "fovy": "1 rad", "frame": "hand"},
+    }
+    model = compiled(arm(), sensors=sensors)
+    assert model.site("it").size[0] == pytest.approx(0.02)
+    assert model.camera("eye").fovy[0] == pytest.approx(math.degrees(1))
+    table = json.loads(exported(arm(), sensors=sensors).files["robot.json"])["sensor_sites"][0]
+    assert table["pose"]["xyz"] == [0.025, 0, 0]
+    np.testing.assert_allclose(table["pose"]["quat"], [math.sqrt(0.5), 0, 0, math.sqrt(0.5)], atol=1e-11)
+
+
 def test_noise_and_cutoff_are_in_the_model_and_a_cutoff_bounds_what_is_measured() -> None:
     keys = {"type": "imu", "frame": "mount", "noise": {"*": 0.01, "accelerometer": 0.05}, "cutoff": 0.3}
     model = compiled(arm(), sensors={"imu": keys})
