@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from stages.robot.keys import Flag, Keys, NonNegative, Number, Positive, Text, example, invalid
+from stages.robot.quantity_keys import Coordinate
 
 DynamicsName = Literal["none", "integrator", "filter", "filterexact", "muscle", "user"]
 ActuatorName = Literal[
@@ -54,6 +55,7 @@ def _not_zero(value: float) -> float:
 
 
 Pair = Annotated[tuple[Number, Number], AfterValidator(_ascending)]
+ControlPair = Annotated[tuple[Coordinate, Coordinate], AfterValidator(_ascending)]
 Parameters = Annotated[tuple[Number, ...], Field(min_length=1, max_length=10)]
 
 
@@ -93,7 +95,7 @@ class ActuatorKeys(Keys):
     slewmax: Annotated[Positive | None, example(3)] = None
     """Of pid: the largest speed [rad/s or m/s] at which the target follows the control; null: no limit."""
 
-    ctrlrange: Annotated[Pair | None, example([-1, 1])] = None
+    ctrlrange: Annotated[ControlPair | None, example([-1, 1])] = None
     """Range of the control [rad, m, rad/s, m/s, N m, N or V; of a damper -]; null: the limits of the dof, its
     velocity, its effort, the voltage of the motor, or of a damper [0, 1]."""
 

@@ -11,6 +11,7 @@ from stages.robot.couplings import nearest_first
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits, listed
 from stages.robot.model import Dof, Robot
+from stages.robot.quantity_keys import TypedNumber, as_typed, misfit
 
 if TYPE_CHECKING:
     from stages.export.actuator_keys import ActuatorKeys
@@ -90,7 +91,26 @@ def _merged(
         return None
     wanted = Wanted(kind, parameters, named, motor)
     _judge(wanted, dof, origin, matched, motors, log)
+    if (control := parameters.get("ctrlrange")) is not None:
+        _judge_control(wanted, dof, control, log)
+        parameters["ctrlrange"] = tuple(float(end) for end in control)
     return wanted
+
+
+def _judge_control(wanted: Wanted, dof: Dof, control: Sequence[float], log: Diagnostics) -> None:
+    """E-ACTUATOR for an angle or a length that is not what the actuator's control is."""
+    typed = [end for end in control if isinstance(end, TypedNumber)]
+    if not typed:
+        return
+    text = misfit(typed[0], dof.kind)
+    why = f"{dof.name} is a {dof.kind}"
+    hint = as_typed(dof.kind)
+    if wanted.type not in ("position", "pid"):
+        text = f"{typed[0].typed!r} is an angle or a length"
+        why = f"the control of type {wanted.type} is neither"
+        hint = "give numbers in the unit of the control"
+    if text:
+        log.report("E-ACTUATOR", f"ctrlrange of {dof.name}: {text}, and {why}", WHERE, hint)
 
 
 def _judge(

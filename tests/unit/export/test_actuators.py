@@ -485,3 +485,19 @@ def test_the_weight_is_that_of_the_gravity_that_is_asked_for(gravity: list[float
     assert flag.actuation is not None
     assert flag.actuation.actuators[0].load == 0.0
     assert bool(exported(pendulum(), scene__option=option).advice) == bool(gravity[2])
+
+
+def test_the_control_of_a_position_servo_takes_units() -> None:
+    typed = {"lift": {"type": "position", "ctrlrange": ["0 mm", "150 mm"]}}
+    typed["arm_joint"] = {"type": "position", "ctrlrange": ["-30 deg", 0.5]}
+    model = compiled(both(), actuators=typed)
+    assert model.actuator("lift").ctrlrange == pytest.approx([0.0, 0.15])
+    assert model.actuator("arm_joint").ctrlrange == pytest.approx([-math.pi / 6, 0.5])
+    wrong = {"arm_joint": {"type": "position", "ctrlrange": ["-30 mm", 0.5]}}
+    text = "ctrlrange of arm_joint: '-30 mm' is no angle, and arm_joint is a turn"
+    assert problem(both(), **wrong) == ("E-ACTUATOR", text, "give it in rad, or as '-90 deg'")
+    wrong = {"arm_joint": {"type": "motor", "ctrlrange": ["-30 deg", 0.5]}}
+    text = (
+        "ctrlrange of arm_joint: '-30 deg' is an angle or a length, and the control of type motor is neither"
+    )
+    assert problem(both(), **wrong)[1] == text
