@@ -41,6 +41,10 @@ def state_at(actuator: Actuator, value: float) -> tuple[float, ...]:
         return (0.0,) * sum(name in terms for name in ("inductance", "thermal", "lugre"))
     if terms.get("dyntype", "none") == "none":
         return ()
+    if terms["dyntype"] == "integrator":
+        # As that of an intvelocity, which a file may have in these words.
+        gain, b0, b1 = _of_terms(terms)
+        return ((-b0 - b1 * actuator.gear * value) / gain if gain and b1 else 0.0,)
     return (0.0,) * int(terms.get("actdim", "1"))
 
 
@@ -58,7 +62,12 @@ def _affine(actuator: Actuator) -> tuple[float, float, float]:
     if actuator.type != "general":
         return 0.0, 0.0, 0.0
     terms = dict(actuator.terms)
-    if terms.get("dyntype", "none") != "none" or terms.get("gaintype", "fixed") != "fixed":
+    return (0.0, 0.0, 0.0) if terms.get("dyntype", "none") != "none" else _of_terms(terms)
+
+
+def _of_terms(terms: Mapping[str, str]) -> tuple[float, float, float]:
+    """As `_affine`, of MuJoCo's own parameters, for what enters the gain."""
+    if terms.get("gaintype", "fixed") != "fixed":
         return 0.0, 0.0, 0.0
     gain = _numbers(terms, "gainprm", (1.0,))[0]
     if terms.get("biastype", "none") != "affine":

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from stages.robot.sensing import Sensing
     from stages.validate.keys import ValidateKeys
 
-VERSION = 15
+VERSION = 16
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)

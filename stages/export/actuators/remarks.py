@@ -54,7 +54,10 @@ def _report_sag(actuation: Actuation, robot: Robot, log: Diagnostics) -> None:
         far.append(f"{one.name} by {one.sag:.2g} {unit} (load {one.home_load:.3g}, {limit}, kp {one.kp:.3g})")
     if far:
         text = f"the robot's weight moves servos from home [load in N m or N]: {listed(far)}"
-        log.report("W-ACTUATOR-SAG", text, WHERE, "raise kp, or leave it out: it is estimated then")
+        hint = "raise kp, or leave it out: it is estimated then"
+        if all(one.motor for one in actuation.actuators):
+            hint = "so do these motors with their own kp; give another one, or gravcomp"
+        log.report("W-ACTUATOR-SAG", text, WHERE, hint)
 
 
 def _most(actuator: Actuator, effort: float | None) -> float | None:

@@ -1,4 +1,4 @@
-"""Each actuator drives its dof, with its gains and ranges, and the keyframe `home` has its control."""
+"""Each actuator drives its dof with its gains and ranges, and `home` has its control and its state."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -8,8 +8,9 @@ import numpy as np
 
 from stages.robot.actuation import Actuator
 from stages.robot.check import Check
-from stages.robot.home_control import torque_per_volt
-from stages.robot.model import Array
+from stages.robot.home_control import state_at, torque_per_volt
+from stages.robot.model import Array, Value
+from stages.robot.start_pose import home
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME, joint_index
 
@@ -22,7 +23,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     number = len(expected) + compiled.surplus.actuators
     if not expected and model.nu == number:
         return
-    wrong = [one.name for one in expected if not _fits(model, one)]
+    rest = home(compiled.robot)
+    wrong = [one.name for one in expected if not _fits(model, one, rest[one.dof])]
     detail = f"{len(expected)} actuators with their dofs, gains and ranges"
     if wrong:
         detail = f"differ: {', '.join(wrong)}"
@@ -31,7 +33,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     yield compiled.result("actuators", not wrong and model.nu == number, detail, float(len(wrong)), 0.0)
 
 
-def _fits(model: Any, one: Actuator) -> bool:
+def _fits(model: Any, one: Actuator, value: Value) -> bool:
+    """`value`: of the dof at `home`."""
     index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, one.name)
     if index < 0:
         return False
@@ -46,6 +49,11 @@ def _fits(model: Any, one: Actuator) -> bool:
         pairs += [] if ends is None else zip(numbers, ends, strict=True)
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
     pairs.append((model.key_ctrl[key][index] if key >= 0 else np.nan, one.home))
+    state = () if isinstance(value, tuple) else state_at(one, value)
+    if int(model.actuator_actnum[index]) != len(state):
+        return False
+    first = int(model.actuator_actadr[index])
+    pairs += zip(model.key_act[key][first : first + len(state)], state, strict=True) if state else []
     found, expected = (np.array(side, dtype=float) for side in zip(*pairs, strict=True))
     return int(model.actuator_trnid[index][0]) == joint_index(model, one.dof) and _same(found, expected)
 

@@ -1,6 +1,7 @@
 """Types of actuators with a state of their own, or that only newer MuJoCos have, in the compiled model."""
 
 import importlib.metadata
+import json
 import math
 import re
 from pathlib import Path
@@ -275,3 +276,40 @@ def test_limits_bound_a_pid_as_a_position_servo() -> None:
     found = export(robot, NO_MESHES, plan_of(actuators={"*": "pid"})).actuation
     assert found is not None
     assert found.actuators[0].control == (-0.25, 0.5)
+
+
+@pytest.mark.parametrize("gear", [1.0, -4.0])
+def test_the_target_of_an_integrator_in_mujocos_own_words_is_in_the_keyframe_too(gear: float) -> None:
+    """As an MJCF's intvelocity reads when it is compiled."""
+    entry = {
+        "type": "general",
+        "dyntype": "integrator",
+        "gainprm": [900],
+        "biastype": "affine",
+        "biasprm": [0, -900, -40],
+        "gear": gear,
+    }
+    model = compiled(pendulum(saved=0.4), actuators={"*": entry})
+    assert model.key_act[model.key("home").id][0] == pytest.approx(0.4 * gear, rel=1e-12)
+    assert at_home(model, 2.0).qpos[0] == pytest.approx(0.4, abs=0.01)
+
+
+ORDER = [
+    ("position", "rad", (3, 3)),
+    ("velocity", "rad/s", (3, 3)),
+    ("motor", "N m", (3, 3)),
+    ("intvelocity", "rad/s", (3, 3)),
+    ("damper", "-", (3, 3)),
+    ("pid", "rad", (3, 12)),
+    ({"type": "dcmotor", "nominal": [12, 3, 5]}, "V", (3, 7)),
+]
+
+
+@pytest.mark.parametrize(("entry", "unit", "version"), ORDER)
+def test_the_order_of_the_controls_has_their_units(entry: Any, unit: str, version: tuple[int, int]) -> None:
+    if version > INSTALLED:
+        pytest.skip("not in this MuJoCo")
+    found = export(pendulum(), NO_MESHES, plan_of(actuators={"*": entry}))
+    table = json.loads(found.files["robot.json"])["order"]
+    (row,) = next(one["actuators"] for one in table.values() if one.get("actuators"))
+    assert row["unit"] == unit
