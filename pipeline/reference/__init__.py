@@ -1,7 +1,8 @@
 """The reference for users: keys of the configuration, codes of diagnostics, environment variables.
 
 `KEYS.md`, `keys.json`, `keys.txt` and `robot.schema.json` are generated from the sections of the
-configuration: `python -m tests.config.regenerate`. Imports nothing heavy.
+configuration, and `PEERS.md`, for who comes from another tool, from tests/config/peers.yaml:
+`python -m tests.config.regenerate`. Imports nothing heavy.
 """
 
 from pathlib import Path
@@ -11,4 +12,5 @@ _HERE = Path(__file__).parent
 DATA = _HERE / "keys.json"
 HELP = _HERE / "keys.txt"
 PAGE = _HERE / "KEYS.md"
+PEERS = _HERE / "PEERS.md"
 SCHEMA = _HERE / "robot.schema.json"

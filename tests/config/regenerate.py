@@ -11,8 +11,8 @@ import yaml
 
 from pipeline.config.compose import HYDRA, compose_plan
 from pipeline.config.presets import OURS
-from pipeline.reference import DATA, HELP, PAGE, SCHEMA
-from tests.config import reference
+from pipeline.reference import DATA, HELP, PAGE, PEERS, SCHEMA
+from tests.config import peers, reference
 
 GOLDEN = Path(__file__).parent / "golden"
 
@@ -70,6 +70,7 @@ REFERENCE = {
     DATA: reference.json_text,
     HELP: reference.help_text,
     PAGE: reference.markdown,
+    PEERS: peers.markdown,
     SCHEMA: reference.schema_text,
 }
 """Generated file → its text."""

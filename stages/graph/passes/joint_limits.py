@@ -47,7 +47,7 @@ def _check_glob(glob: str, keys: JointKeys, matched: Sequence[Dof], robot: Robot
         known = listed(dof.name for one in every for dof in one.dofs)
         log.report("E-GLOB", f"no joint matches {glob!r}", "joints", f"joints are: {known or 'none'}")
     _check_units(glob, keys, matched, log)
-    if keys.limits is None:
+    if keys.limits in (None, (None, None)):  # no limits suit dofs of every kind
         return
     kinds = {dof.kind for dof in matched}
     if len(kinds) > 1:

@@ -1,0 +1,57 @@
+"""What the verbs of the original Robot class, and the options of onshape-to-robot, are called here.
+
+The rows of `pipeline/reference/PEERS.md` are in peers.yaml, each with the YAML or the command that
+test_peers.py runs.
+"""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import yaml
+
+
+class Row(NamedTuple):
+    """`theirs`: names that the row stands for; `yaml`: in a robot's file; `command`: after `linkwright`;
+    `python`: with `import linkwright`; `note`: what differs. None of the three: there is no such thing here,
+    and the note says why."""
+
+    theirs: tuple[str, ...]
+    yaml: str = ""
+    command: str = ""
+    python: str = ""
+    note: str = ""
+
+
+_DATA = yaml.safe_load(Path(__file__).with_suffix(".yaml").read_text(encoding="utf-8"))
+
+TITLES = {
+    title: tuple(Row(**{**one, "theirs": tuple(one["theirs"])}) for one in rows)
+    for title, rows in _DATA.items()
+}
+"""Title of a table → its rows."""
+
+ROBOT_CLASS, ONSHAPE_TO_ROBOT = TITLES.values()
+
+INTRODUCTION = """\
+# Coming from another tool
+
+Generated from `tests/config/peers.yaml` by `python -m tests.config.regenerate`; do not edit. YAML stands in a
+robot's file (`robot/my_arm.yaml`), what follows `linkwright` on the command line. A test runs every row.
+"""
+
+
+def markdown() -> str:
+    """The page."""
+    pages = [INTRODUCTION]
+    for title, rows in TITLES.items():
+        lines = [f"## {title}\n", "| there | here | |", "| --- | --- | --- |"]
+        for one in rows:
+            theirs = ", ".join(f"`{name}`" for name in one.theirs)
+            lines.append(f"| {theirs} | {_ours(one)} | {one.note} |")
+        pages.append("\n".join(lines) + "\n")
+    return "\n".join(pages)
+
+
+def _ours(one: Row) -> str:
+    code = one.yaml or one.python or (f"linkwright {one.command}" if one.command else "")
+    return f"`{code}`" if code else "-"
