@@ -8,8 +8,16 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BeforeValidator, Field, model_validator
 
 from stages.robot.globs import fits
-from stages.robot.keys import Count, Keys, NonNegative, Text, example, invalid
-from stages.robot.quantity_keys import Degrees, Position, PositiveLength, Turns
+from stages.robot.keys import Count, Keys, Text, example, invalid
+from stages.robot.quantity_keys import (
+    Coordinate,
+    Degrees,
+    Position,
+    PositiveLength,
+    Turns,
+    TypedNumber,
+)
+from stages.robot.units import Measure
 
 SensorName = Literal[
     "joint",
@@ -91,8 +99,18 @@ PARAMETERS: Mapping[str, tuple[str, ...]] = {
 """Type → the fields that only some types have; every type has `noise` and `cutoff` too."""
 
 
+MEASURED: Mapping[str, tuple[Measure, ...]] = {
+    "joint.pos": ("angle", "length"),
+    "joint.limit_pos": ("angle", "length"),
+    "actuator.pos": ("angle", "length"),
+    "rangefinder.distance": ("length",),
+    "frame.pos": ("length",),
+}
+"""What is measured that may be typed with a unit."""
+
+
 def _for_all(value: Any) -> Any:
-    return {"*": value} if isinstance(value, int | float) and not isinstance(value, bool) else value
+    return {"*": value} if isinstance(value, int | float | str) and not isinstance(value, bool) else value
 
 
 def _radius(value: Any) -> Any:
@@ -105,9 +123,17 @@ def _one_or_three(size: tuple[float, ...]) -> tuple[float, ...]:
     return size
 
 
+def _not_negative(value: float) -> float:
+    if value < 0:
+        raise invalid("must be 0 or above")
+    return value
+
+
+_Amount = Annotated[Coordinate, AfterValidator(_not_negative)]
+
 ByMeasure = Annotated[
-    dict[Text, NonNegative],
-    BeforeValidator(_for_all, json_schema_input_type=dict[Text, NonNegative] | NonNegative),
+    dict[Text, _Amount],
+    BeforeValidator(_for_all, json_schema_input_type=dict[Text, _Amount] | _Amount),
 ]
 """What is measured, or a glob on it → a number; a number alone is for all."""
 
@@ -196,11 +222,14 @@ class SensorKeys(Keys):
         return self
 
     def _check_numbers(self) -> None:
-        measured = ", ".join(self.measured)
         for key in ("noise", "cutoff"):
-            for glob in getattr(self, key) or {}:
-                if not any(fits(name, glob) for name in self.measured):
-                    raise invalid(f"{key} names {glob}, but measured are {measured}")
+            for glob, value in (getattr(self, key) or {}).items():
+                names = [name for name in self.measured if fits(name, glob)]
+                if not names:
+                    raise invalid(f"{key} names {glob}, but measured are {', '.join(self.measured)}")
+                for name in names if isinstance(value, TypedNumber) else ():
+                    if value.measure not in MEASURED.get(f"{self.type}.{name}", ()):
+                        raise invalid(f"{key}: {name} is no {value.measure}, as {value.typed!r} is")
         for name in self.cutoff or {}:
             if name in UNBOUNDED:
                 raise invalid(f"cutoff does not go with {name}, a direction")
@@ -214,11 +243,15 @@ class SensorKeys(Keys):
 
     def noise_of(self, measured: str) -> float:
         """The standard deviation of one thing that is measured."""
-        return _last(self.noise or {}, measured)
+        return float(self.typed("noise", measured))
 
     def cutoff_of(self, measured: str) -> float:
         """The largest value of one thing that is measured; 0 for none."""
-        return 0.0 if measured in UNBOUNDED else _last(self.cutoff or {}, measured)
+        return 0.0 if measured in UNBOUNDED else float(self.typed("cutoff", measured))
+
+    def typed(self, key: Literal["noise", "cutoff"], measured: str) -> float:
+        """A number of one thing that is measured, with the unit that it was typed with."""
+        return _last(getattr(self, key) or {}, measured)
 
 
 def _last(values: Mapping[str, float], measured: str) -> float:

@@ -2,13 +2,14 @@
 
 from collections.abc import Collection, Iterator, Mapping
 from difflib import get_close_matches
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from stages.export.sensor_keys import MEASURES
 from stages.robot.actuation import Actuation
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits, listed
 from stages.robot.model import Dof, Robot, Sensor
+from stages.robot.quantity_keys import as_typed, misfit
 
 if TYPE_CHECKING:
     from stages.export.actuator_keys import ActuatorKeys
@@ -38,6 +39,7 @@ def joint_sensors(name: str, keys: "SensorKeys", robot: Robot, log: Diagnostics)
         for measured in keys.measured:
             if _why_not(dof, measured):
                 continue
+            _check_units(measured, keys, dof, f"sensors.{name}", log)
             of_ball = measured in OF_BALLS and dof.kind == "ball"
             yield Sensor(
                 f"{name}_{measured}" if exact else f"{name}_{dof.name}_{measured}",
@@ -47,6 +49,14 @@ def joint_sensors(name: str, keys: "SensorKeys", robot: Robot, log: Diagnostics)
                 noise=keys.noise_of(measured),
                 cutoff=0.0 if of_ball and measured == "pos" else keys.cutoff_of(measured),
             )
+
+
+def _check_units(measured: str, keys: "SensorKeys", dof: Dof, where: str, log: Diagnostics) -> None:
+    """E-SENSOR for a length where the dof turns, or an angle where it slides."""
+    names: tuple[Literal["noise", "cutoff"], ...] = ("noise", "cutoff")
+    for key in names:
+        if wrong := misfit(keys.typed(key, measured), dof.kind):
+            log.report("E-SENSOR", f"{key} of {measured} of {dof.name}: {wrong}", where, as_typed(dof.kind))
 
 
 def _why_not(dof: Dof, measured: str) -> str:
@@ -81,7 +91,7 @@ def _report_unmatched(glob: str, kind: str, names: Collection[str], where: str, 
 
 
 def actuator_sensors(
-    name: str, keys: "SensorKeys", actuation: Actuation, log: Diagnostics
+    name: str, keys: "SensorKeys", robot: Robot, actuation: Actuation, log: Diagnostics
 ) -> Iterator[Sensor]:
     """The sensors of the actuators that an entry names, actuator by actuator."""
     glob = keys.actuators or "*"
@@ -90,8 +100,11 @@ def actuator_sensors(
     if not names:
         _report_unmatched(glob, "actuator", every, f"sensors.{name}.actuators", log)
     exact = names == [glob]
+    dofs = {dof.name: dof for dof in robot.dofs}
+    driven = {one.name: dofs[one.dof] for one in actuation.actuators}
     for actuator in names:
         for measured in keys.measured:
+            _check_units(measured, keys, driven[actuator], f"sensors.{name}", log)
             yield Sensor(
                 f"{name}_{measured}" if exact else f"{name}_{actuator}_{measured}",
                 MEASURES["actuator"][measured],

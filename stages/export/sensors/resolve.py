@@ -39,7 +39,7 @@ def sensing_of(
         elif sensor.type == "joint":
             found += ((where, one) for one in joint_sensors(name, sensor, robot, log))
         elif sensor.type == "actuator":
-            found += ((where, one) for one in actuator_sensors(name, sensor, actuation, log))
+            found += ((where, one) for one in actuator_sensors(name, sensor, robot, actuation, log))
         else:
             found += ((where, one) for one in made.sensors(name, sensor))
     _check_names(found, log)

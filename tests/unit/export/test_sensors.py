@@ -346,6 +346,24 @@ def test_lengths_and_angles_take_their_unit() -> None:
     np.testing.assert_allclose(table["pose"]["quat"], [math.sqrt(0.5), 0, 0, math.sqrt(0.5)], atol=1e-11)
 
 
+def test_noise_and_cutoff_of_lengths_and_angles_take_their_unit() -> None:
+    sensors = {
+        "it": {"type": "rangefinder", "frame": "hand", "cutoff": "400 cm"},
+        "arm": {"type": "joint", "joints": "arm_joint", "noise": {"pos": "1 deg"}},
+    }
+    model = compiled(arm(), sensors=sensors)
+    assert model.sensor("it").cutoff[0] == pytest.approx(4)
+    assert model.sensor("arm_pos").noise[0] == pytest.approx(math.radians(1))
+    tree = plan_of(sensors=sensors).tree()
+    assert tree["sensors"]["arm"]["noise"] == {"pos": "1 deg"}
+    assert Plan.parse(tree).tree() == tree
+    sensors["arm"]["noise"] = {"pos": "1 mm"}
+    code, where, message, hint = problem(arm(), sensors)
+    assert (code, where) == ("E-SENSOR", "sensors.arm")
+    assert message == "noise of pos of arm_joint: '1 mm' is no angle"
+    assert "deg" in hint
+
+
 def test_noise_and_cutoff_are_in_the_model_and_a_cutoff_bounds_what_is_measured() -> None:
     keys = {"type": "imu", "frame": "mount", "noise": {"*": 0.01, "accelerometer": 0.05}, "cutoff": 0.3}
     model = compiled(arm(), sensors={"imu": keys})
@@ -490,7 +508,10 @@ def test_a_sensor_of_the_source_keeps_its_name() -> None:
         ({"type": "frame", "relative_to": "base", "measure": ["linacc"]}, "exclude relative_to"),
         ({"type": "imu", "noise": {"acc": 1}}, "noise names acc, but measured are gyro, accelerometer, quat"),
         ({"type": "imu", "cutoff": {"quat": 1}}, "cutoff does not go with quat"),
-        ({"type": "imu", "noise": -1}, "greater than or equal to 0"),
+        ({"type": "imu", "noise": -1}, "must be 0 or above"),
+        ({"type": "imu", "noise": "1 deg"}, "noise: gyro is no angle, as '1 deg' is"),
+        ({"type": "rangefinder", "cutoff": "1 deg"}, "distance is no angle"),
+        ({"type": "rangefinder", "cutoff": "1 stone"}, "'stone' is unknown"),
         ({"type": "touch", "size": [1, 2]}, "radius of a ball"),
         ({"type": "touch", "size": 0}, "greater than 0"),
         ({"type": "camera", "fovy": 180}, "less than 180"),
