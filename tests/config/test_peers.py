@@ -162,6 +162,10 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("cache")
 
 
+def equalities(model: mujoco.MjModel) -> set[str]:
+    return {model.equality(number).name for number in range(model.neq)}
+
+
 def joint(made: Made, name: str) -> Any:
     return made.model.joint(name)
 
@@ -171,6 +175,10 @@ EFFECTS: dict[str, Callable[[Made], bool]] = {
     "JointLimits": lambda made: joint(made, "elbow").range.tolist() == [-1, 1]
     and made.urdf.find("joint[@name='elbow']/limit").get("effort") == "12",
     "JointDynamics": lambda made: joint(made, "elbow").damping[0] == 0.1,
+    "Inertia": lambda made: made.model.body("palm").mass[0] == pytest.approx(0.2),
+    "Box": lambda made: made.model.geom("ball_collision").size[0] == 0.02,
+    "JointMimic": lambda made: made.model.equality("finger_gears").data[1] == 1,
+    "gear relation": lambda made: "finger_gears" not in equalities(made.model),
     "set_robot_position": lambda made: made.model.body("base_plate").pos.tolist() == [0, 0, 0.5],
     "set_ground_position": lambda made: made.model.geom("floor").pos.tolist() == [0, 0, -0.1],
     "set_option_attributes": lambda made: (made.model.opt.timestep, made.model.opt.iterations) == (0.001, 50),

@@ -16,10 +16,11 @@ from stages.formats.xml import parse
 from stages.robot.amendments import Surplus
 from stages.robot.check import Check
 from stages.robot.errors import ConfigError, ExportError
+from stages.robot.kinematics import link_poses
 from stages.robot.model import Base, Robot
 from stages.validate import validate
 from tests.support.building import plan_of, write
-from tests.support.robots import joint, robot_with
+from tests.support.robots import at, joint, robot_with
 from tests.unit.export.test_scene import arm
 from tests.unit.export.test_standing import geometry_of
 
@@ -150,6 +151,25 @@ def test_what_is_added_to_a_frame_stands_there_and_moves_with_it(tmp_path: Path)
         eye = data.site("eye")
         expected = eye.xpos + eye.xmat.reshape(3, 3) @ [0, 0, 0.01]
         np.testing.assert_allclose(data.site("lens").xpos, expected, atol=1e-12)
+
+
+def test_on_a_link_that_is_part_of_another_body_it_stands_where_the_link_is(tmp_path: Path) -> None:
+    hand = joint("fixed", "arm", "hand", place=at(0.1, 0.2, 0.3), name="grip")
+    robot = robot_with([joint("revolute", "base", "arm", name="elbow"), hand])
+    camera = "<camera name='seen' pos='0 0 0.05'/><geom name='pad' size='0.01' pos='0 0 0.05'/>"
+    exported = made(tmp_path, robot, elements={"on_hand": add(camera, {"name": "hand"})})
+    assert exported.mjcf_form.fused == ("hand",)
+    found = model(tmp_path)
+    data = mujoco.MjData(found)
+    data.joint("elbow").qpos[0] = 0.6
+    mujoco.mj_forward(found, data)
+    poses = link_poses(robot, {"elbow": 0.6})
+    world_from_root = np.eye(4)
+    world_from_root[:3, 3] = data.body("base").xpos
+    world_from_root[:3, :3] = data.body("base").xmat.reshape(3, 3)
+    expected = (world_from_root @ poses["hand"] @ at(0, 0, 0.05))[:3, 3]
+    np.testing.assert_allclose(data.camera("seen").xpos, expected, atol=1e-12)
+    np.testing.assert_allclose(data.geom("pad").xpos, expected, atol=1e-12)
 
 
 def test_a_name_is_looked_for_in_the_robots_file_and_then_in_the_scene(tmp_path: Path) -> None:
