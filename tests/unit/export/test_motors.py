@@ -14,17 +14,16 @@ import yaml
 from pipeline.config.plan import Plan
 from pipeline.errors import ConfigError
 from pipeline.motor_files import OURS, library
-from stages.export import Exported
+from stages.export import Exported, export
 from stages.export.motor_keys import QUANTITIES, MotorKeys
-from stages.robot.model import Dynamics, Limits, Robot
+from stages.robot.model import Robot
 from stages.validate import validate
-from tests.support.building import plan_of, write
+from tests.fake_onshape.sample import sample_document
+from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.places import SHARED
 from tests.support.robots import joint, robot_with
 from tests.unit.export.test_actuator_types import since
 from tests.unit.export.test_actuators import (
-    ACROSS,
-    ARM,
     at_home,
     both,
     compiled,
@@ -340,7 +339,15 @@ def test_the_plan_of_a_motor_has_its_content_and_so_has_the_cache_key() -> None:
     assert Plan.parse(plan.tree()) == plan
 
 
-def arm_with_limits() -> Robot:
-    limits = {"arm_joint": Limits(-1.0, 1.0)}
-    swing = joint("revolute", "base", "arm", [0.0], place=ACROSS, limits=limits, dynamics=Dynamics())
-    return robot_with([swing], inertials={"arm": lump(0.2, ARM, 0, 0)})
+def test_the_joints_of_a_robots_file_win_over_its_motors() -> None:
+    plan = plan_of(
+        joints={"elbow": {"rotor_inertia": 1e-5, "gear": 50, "effort": 12}},
+        actuators={"elbow": {"motor": "mx106"}},
+    )
+    robot = robot_of(sample_document(), plan)
+    table = json.loads(export(robot, NO_MESHES, plan).files["robot.json"])
+    (elbow,) = (dof for one in table["joints"] for dof in one["dofs"] if dof["name"] == "elbow")
+    assert (elbow["armature"], elbow["effort"]) == (pytest.approx(0.025), 12)
+    assert (elbow["provenance"]["armature"], elbow["provenance"]["effort"]) == ("given", "given")
+    assert elbow["velocity"] == 5.096
+    assert elbow["provenance"]["velocity"].startswith("motor mx106: ")
