@@ -201,6 +201,12 @@ class ActuatorKeys(Keys):
         names = (*SHARED, *dict.fromkeys(name for row in PARAMETERS.values() for name in row))
         return {name: value for name in names if (value := getattr(self, name)) is not None}
 
+    @property
+    def only_measures(self) -> bool:
+        """Whether the entry says nothing of what drives, only what is measured of that."""
+        measures = self.encoder is not None or self.force is not None
+        return measures and self.type is None and self.motor is None and not self.given()
+
 
 def _name_alone(value: Any) -> Any:
     return {"type": value} if isinstance(value, str) else value

@@ -65,7 +65,7 @@ def _merged(
     origin: dict[str, str] = {}
     named, matched = False, ""
     for glob, keys in entries.items():
-        if not fits(dof.name, glob):
+        if not fits(dof.name, glob) or keys.only_measures:
             continue
         matched = glob
         if keys.type is not None and keys.type != kind:

@@ -115,8 +115,18 @@ def actuator_sensors(
             )
 
 
-def encoders(actuation: Actuation, entries: Mapping[str, "ActuatorKeys"]) -> Iterator[tuple[str, Sensor]]:
-    """The sensors that the entries of `actuators` ask for, actuator by actuator, each with its key."""
+def encoders(
+    actuation: Actuation, entries: Mapping[str, "ActuatorKeys"], log: Diagnostics
+) -> Iterator[tuple[str, Sensor]]:
+    """The sensors that the entries of `actuators` ask for, actuator by actuator, each with its key.
+
+    E-SENSOR for an entry that asks for nothing else, where nothing drives.
+    """
+    for glob, keys in entries.items():
+        asked = keys.only_measures and (keys.encoder or keys.force) and glob != "*"
+        if asked and not any(fits(one.dof, glob) for one in actuation.actuators):
+            text = f"nothing drives {glob!r}, so there is nothing to measure"
+            log.report("E-SENSOR", text, f"actuators.{glob}", "give it a type or a motor too")
     for one in actuation.actuators:
         for key, measures in (("encoder", ENCODER), ("force", {"force": "actuatorfrc"})):
             said = [

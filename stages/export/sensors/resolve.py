@@ -30,7 +30,7 @@ def sensing_of(
     log = Diagnostics()
     made = Mounted(robot, geometry, fused, {*keys.scene.cameras, OVERVIEW}, log)
     found = [("", made.of_source(one)) for one in measuring(robot, actuation)]
-    found += encoders(actuation, keys.actuators)
+    found += encoders(actuation, keys.actuators, log)
     for name, sensor in keys.sensors.items():
         where = f"sensors.{name}"
         if plain(name) != name:

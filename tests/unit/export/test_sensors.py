@@ -193,6 +193,15 @@ def test_an_encoder_and_a_force_sensor_of_an_actuator_by_glob() -> None:
     assert read(data, "arm_joint_force") == pytest.approx(50 * (0.7 - 1.0) - 3 * 0.4)
 
 
+def test_an_entry_that_only_measures_drives_nothing() -> None:
+    assert exported(arm(), actuators={"*": {"encoder": True}}).actuation == exported(arm()).actuation
+    code, where, message, hint = problem(arm(), {}, actuators={"arm*": {"force": True}})
+    assert (code, where) == ("E-SENSOR", "actuators.arm*")
+    assert message == "nothing drives 'arm*', so there is nothing to measure"
+    assert "type" in hint
+    exported(arm(), actuators={"arm*": {"force": False}})
+
+
 def test_a_later_entry_takes_an_encoder_away_and_an_actuator_may_have_a_sensor_with_noise() -> None:
     actuators = {"*": {"type": "motor", "encoder": True}, "arm_joint": {"encoder": False, "force": True}}
     sensors = {"drive": {"type": "actuator", "measure": ["force", "pos"], "noise": {"pos": 0.1, "*": 0.2}}}

@@ -101,6 +101,19 @@ def test_it_moves_and_measures_as_it_did_under_any_controls(path: Path) -> None:
     np.testing.assert_allclose(now.sensordata, was.sensordata, atol=1e-6)
 
 
+def test_an_entry_that_only_measures_keeps_the_actuators_of_the_file(path: Path) -> None:
+    bare, found = exported(path), exported(path, actuators={"*": {"encoder": True}, "a": {"force": True}})
+    assert found.actuation == bare.actuation
+    model = compiled(found)
+    added = [model.sensor(i).name for i in range(compiled(bare).nsensor, model.nsensor)]
+    names = [model.actuator(i).name for i in range(model.nu)]
+    expected = [(f"{name}_pos", f"{name}_vel") for name in names]
+    assert [name for name in added if not name.endswith("_force")] == [
+        one for pair in expected for one in pair
+    ]
+    assert [name for name in added if name.endswith("_force")] == ["push_force", "again_force"]
+
+
 ZONES = {"sphere": "0.03", "capsule": "0.02 0.05", "ellipsoid": "0.1 0.2 0.3", "cylinder": "0.02 0.05"} | {
     "box": "0.1 0.2 0.3"
 }
