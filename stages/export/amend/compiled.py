@@ -59,6 +59,11 @@ def fit(
     more = Surplus(robot.path)
     if robot.path in changed:
         model = compiled(documents, "robot", meshes)
+        if model.njnt != len(_joints(robot.root)):
+            text = (
+                "joints that <replicate>, <composite> and the like make have no place in robot.json's `order`"
+            )
+            raise Refused(text, "elements", "write these bodies out, or leave out their joints")
         more = _surplus(robot.path, model, old)
         _fit_keyframes(robot.root, old, model)
         found.append(more)

@@ -54,9 +54,13 @@ class Documents:
         """The first element with a tag in the robot's file, or in that of `role`. Refused where there is
         none; a section of an MJCF is made."""
         (document,) = self._of(role or "robot")
-        found = next(document.root.iter(tag), None)
-        if found is None and self.form == "mjcf" and tag in SECTIONS:
-            found = element(document.root, tag)
+        if self.form == "mjcf" and tag in SECTIONS:
+            found = document.root.find(tag)
+            found = element(document.root, tag) if found is None else found
+        else:
+            # The classes of an MJCF have elements of the same tags as what they are for.
+            every = document.root.iter(tag)
+            found = next((one for one in every if self.form != "mjcf" or section_of(one) != "default"), None)
         if found is None:
             tags = {str(one.tag) for one in document.root.iter()}
             tags |= SECTIONS if self.form == "mjcf" else set()

@@ -20,7 +20,7 @@ from stages.robot.kinematics import link_poses
 from stages.robot.model import Base, Robot
 from stages.validate import validate
 from tests.support.building import plan_of, write
-from tests.support.robots import at, joint, robot_with
+from tests.support.robots import at, joint, loop, robot_with
 from tests.unit.export.test_scene import arm
 from tests.unit.export.test_standing import geometry_of
 
@@ -172,6 +172,25 @@ def test_on_a_link_that_is_part_of_another_body_it_stands_where_the_link_is(tmp_
     np.testing.assert_allclose(data.geom("pad").xpos, expected, atol=1e-12)
 
 
+def test_a_tag_means_no_class(tmp_path: Path) -> None:
+    """The classes of a robot with a loop have <equality>, <joint> and <geom>, too."""
+    loops = [loop("revolute", "arm", "base", at(0.1, 0, 0), at(0.1, 0, 0), name="ring")]
+    robot = robot_with([joint("revolute", "base", "arm", name="elbow")], loops=loops)
+    elements = {
+        "weld": add("<weld name='own' body1='base' body2='arm' active='false'/>", {"tag": "equality"}),
+        "body": add("<site name='first'/>", {"tag": "body"}),
+        "class": add("<default class='own'><joint damping='1'/></default>", {"tag": "default"}),
+    }
+    exported = made(tmp_path, robot, elements=elements)
+    root = parse(exported.files["robot.xml"])
+    assert root.find("default//equality") is not None
+    assert root.find("equality/weld[@name='own']") is not None
+    assert root.find("worldbody/body[@name='base']/site[@name='first']") is not None
+    assert root.find("default/default[@class='own']") is not None
+    assert exported.amendments.surplus_of("robot.xml").equalities == 1
+    assert [one.name for one in checks(tmp_path, exported, robot) if not one.passed] == []
+
+
 def test_a_name_is_looked_for_in_the_robots_file_and_then_in_the_scene(tmp_path: Path) -> None:
     friction = {"friction": "1 0.5 0.5"}
     made(tmp_path, attributes={"floor": friction, "arm_collision": friction})
@@ -278,6 +297,8 @@ REFUSED = [
      "size 0 must be positive"),
     ({"a": add("<link name='arm'/>", {"tag": "robot"})}, {}, "elements.a", "so is a link in robot.urdf"),
     ({"a": add(BALL, {"tag": "worldbody", "file": "scene"})}, {}, "elements.a", "leave out `file: scene`"),
+    ({"a": add("<replicate count='2'><body><joint/><geom size='1'/></body></replicate>", {"name": "arm"})},
+     {}, "elements", "write these bodies out"),
     ({}, {"flor": {"rgba": "1 0 0 1"}}, "attributes.flor", "did you mean floor?"),
     ({}, {"elbow": {"damping": 1}}, "attributes.elbow", "say which: tag: actuator or joint or position"),
     ({}, {"arm": {"tag": "joint", "damping": 1}}, "attributes.arm", "no element <joint> is named 'arm'"),
