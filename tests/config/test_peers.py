@@ -58,7 +58,7 @@ def named(rows: tuple[Row, ...]) -> list[str]:
     ("rows", "names", "more"),
     [
         (ROBOT_CLASS, VERB_NAMES, []),
-        (ONSHAPE_TO_ROBOT, OPTION_NAMES, ["gear relation", "onshape-to-robot DIR"]),
+        (ONSHAPE_TO_ROBOT, OPTION_NAMES, ["gear relation", "onshape-to-robot DIR", "the saved pose is zero"]),
     ],
     ids=["the original Robot class", "onshape-to-robot"],
 )
@@ -201,6 +201,9 @@ EFFECTS: dict[str, Callable[[Made], bool]] = {
     and mujoco.mj_name2id(made.model, mujoco.mjtObj.mjOBJ_ACTUATOR, "wrist_roll") < 0,
     "geom_properties": lambda made: made.model.geom("palm_collision").friction[0] == 1.2,
     "equalities": lambda made: made.model.equality("rod_upper_pivot").solref.tolist() == [0.01, 1],
+    "_inv": lambda made: joint(made, "elbow").axis.tolist() == [0, 0, -1]
+    and joint(made, "elbow").range.tolist() == [-1.3, 0.6],
+    "the saved pose is zero": lambda made: not made.model.key("cad").qpos.any(),
     "additional_xml": lambda made: made.urdf.find("gazebo").get("reference") == "palm",
     "package_name": lambda made: made.urdf.find(".//mesh").get("filename").startswith("package://my_description/"),
     "add_dummy_base_link": lambda made: made.urdf.find("link").get("name") == "base_footprint",
