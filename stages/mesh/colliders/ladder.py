@@ -49,6 +49,14 @@ _ATTEMPTS = (
 )
 """The first of them is enough for three in four of the parts of the sample and so101 that no hull is near."""
 
+_THOROUGH = (
+    Attempt(),
+    Attempt(sectors=True),
+    Attempt(0.7),
+)
+"""Where the user gives a tolerance, for a hole or an edge that matters: half of the search finds pieces of
+which few points stand out, but one corner by twice the tolerance."""
+
 _COARSER = 1.4
 """The threshold of a hasty attempt, of the usual one: it takes three quarters of the time."""
 
@@ -108,7 +116,7 @@ def improve(
         return made
     best = made
     out_of_reach = False
-    for attempt in _ATTEMPTS:
+    for attempt in _ATTEMPTS if settings.tolerance is None else _THOROUGH:
         if hole(judge.surface, judge.tolerance) is None if attempt.sectors else out_of_reach:
             continue
         how = search(settings.effort, settings.coacd, attempt.hasty)
