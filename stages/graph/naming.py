@@ -40,6 +40,7 @@ class Namer:
 
     def __init__(self) -> None:
         self._taken: dict[str, set[str]] = {}
+        self._every = {WORLD_LINK}
         self._changed: list[tuple[str, str, str]] = []
 
     def keep(self, kind: str, given: Iterable[tuple[Key, str]]) -> dict[Key, str]:
@@ -66,12 +67,13 @@ class Namer:
             names[key] = free(wanted, taken)
             taken.add(names[key])
             self._changed.append((kind, name, names[key]))
+        self._every.update(names.values())
         return names
 
     def make(self, kind: str, wanted: str) -> str:
         """A name for something unnamed in the source: `wanted`, with a number where it is taken."""
-        every = {WORLD_LINK}.union(*self._taken.values())
-        name = free(wanted, every)
+        name = free(wanted, self._every)
+        self._every.add(name)
         self._taken.setdefault(kind, set()).add(name)
         return name
 

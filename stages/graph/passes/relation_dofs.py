@@ -71,7 +71,8 @@ def dof_relations(robot: Robot, specs: Sequence[RelationSpec], log: Diagnostics)
     contradict themselves."""
     found = []
     joints = {joint.name: joint for joint in robot.joints}
-    scalar = {dof.name for dof in robot.dofs if dof.kind in ("turn", "slide")}
+    kinds = {dof.name: dof.kind for dof in robot.dofs}
+    scalar = {name for name, kind in kinds.items() if kind in ("turn", "slide")}
     for spec in specs:
         try:
             one = _mimicked(robot, scalar, spec) if spec.type == "MIMIC" else _joined(robot, joints, spec)
@@ -87,7 +88,7 @@ def dof_relations(robot: Robot, specs: Sequence[RelationSpec], log: Diagnostics)
             mates = listed(map(repr, spec.connections))
             text = f"a SCREW relation needs one CYLINDRICAL mate; {mates} is not one"
             log.report("E-RELATION", text, spec.title, "make the mate CYLINDRICAL")
-        elif text := misfit(spec.offset, kind := _kind(robot, one.follower)):
+        elif text := misfit(spec.offset, kind := kinds[one.follower]):
             text = f"offset: {text}, and {one.follower} is a {kind}"
             log.report("E-RELATION", text, spec.title, as_typed(kind))
         elif one.driver == one.follower:
@@ -96,10 +97,6 @@ def dof_relations(robot: Robot, specs: Sequence[RelationSpec], log: Diagnostics)
         else:
             found.append(one)
     return tuple(found)
-
-
-def _kind(robot: Robot, name: str) -> DofKind:
-    return next(dof.kind for dof in robot.dofs if dof.name == name)
 
 
 def _joined(robot: Robot, joints: Mapping[str, Joint], spec: RelationSpec) -> DofRelation | None:
