@@ -1,5 +1,6 @@
 """Named poses of a robot: `saved`, `home`, the user's, and the one where a fresh simulation starts."""
 
+import functools
 from collections.abc import Mapping
 
 from stages.robot.dof_ranges import ranges
@@ -51,6 +52,11 @@ def saved(robot: Robot) -> dict[str, Value]:
 
 def home(robot: Robot) -> dict[str, Value]:
     """The pose nearest to the saved one that has the values of the keyframe `home`, if the user gives it."""
+    return dict(_home(robot))
+
+
+@functools.lru_cache(maxsize=4)  # asked for in many places of a stage, of one and the same robot
+def _home(robot: Robot) -> Configuration:
     return nearest(robot, saved(robot), _given(robot).get(HOME, {}))
 
 

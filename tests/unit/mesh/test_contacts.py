@@ -112,18 +112,23 @@ def slide(direction):
     return pose
 
 
-def test_fingers_that_touch_at_home_keep_touching_and_the_yaml_that_settles_it_is_shown(tmp_path):
-    joints = [
+def fingers(saved):
+    """Two that slide towards each other on a palm, saved there."""
+    return [
         joint(
             "prismatic",
             "palm",
             name,
             place=slide(sign * X),
             limits={f"{name}_joint": Limits(-0.06, 0.0)},
-            saved=[-0.058],
+            saved=[saved],
         )
         for name, sign in (("left", 1), ("right", -1))
     ]
+
+
+def test_fingers_that_touch_at_home_keep_touching_and_the_yaml_that_settles_it_is_shown(tmp_path):
+    joints = fingers(-0.058)
     finger = box(0.01, 0.01, 0.01)
     shapes = {"palm": (box(0.01, 0.2, 0.01, at(0, 0.2, 0)),), "left": (finger,), "right": (finger,)}
     robot = robot_with(
@@ -147,17 +152,7 @@ def test_fingers_that_touch_at_home_keep_touching_and_the_yaml_that_settles_it_i
 
 def gripper(at_home=0.0):
     """Two fingers that slide towards each other, with racks that always overlap, and pads that meet."""
-    joints = [
-        joint(
-            "prismatic",
-            "palm",
-            name,
-            place=slide(sign * X),
-            limits={f"{name}_joint": Limits(-0.06, 0.0)},
-            saved=[at_home],
-        )
-        for name, sign in (("left", 1), ("right", -1))
-    ]
+    joints = fingers(at_home)
     rack, pad = box(0.01, 0.01, 0.3), box(0.01, 0.01, 0.01, at(0, 0.1, 0))
     shapes = {"palm": (box(0.01, 0.2, 0.01, at(0, 0.5, 0)),), "left": (rack, pad), "right": (rack, pad)}
     gears = [Relation("gear", "right_joint", "left_joint", 1.0, 0.0)]
