@@ -30,7 +30,7 @@ def without_ignored(links: Sequence[Link], keys: IgnoreKeys) -> list[Link]:
     if problems:
         msg = "the links or parts to ignore cannot be found"
         raise MeshError(msg, "ignore", problems=problems)
-    return [_without(link, keys) for link in links]
+    return [_without(link, keys) for link in links] if keys.visual or keys.collision else list(links)
 
 
 def _without(link: Link, keys: IgnoreKeys) -> Link:
