@@ -59,7 +59,7 @@ groups, each a set of presets (group=option):
   ground      plane, none
   export      [urdf,mjcf], urdf, mjcf
   validate    quick, standard, strict (warnings are errors)
-  actuators   none, motor, position, velocity, intvelocity, pid (servos), damper, general: what drives the joints
+  actuators   none, motor, position, velocity, intvelocity, pid (servos), damper, general: what drives joints
   elements    none
 
 keys (key=value; linkwright explain KEY shows type, unit, default and an example):
