@@ -117,7 +117,8 @@ def _missing(problem: _Problem) -> Diagnostic:
         text = f"must be a list of {len(get_args(problem.owner))} numbers"
         return _value(text, problem.value, key_of(problem.place[:-1]))
     meanings = problem.owner.meanings() if is_section(problem.owner) else {}
-    return Diagnostic("E-MISSING", "missing", problem.key, meanings.get(problem.name, ""))
+    hint = " ".join(meanings.get(problem.name, "").split())
+    return Diagnostic("E-MISSING", "missing", problem.key, hint)
 
 
 def _address(problem: _Problem) -> Diagnostic:

@@ -36,7 +36,7 @@ def with_motors(tree: Mapping[str, Any], own: Sequence[Path] = ()) -> tuple[dict
             continue
         known = library(own) if known is None else known
         if name not in known:
-            problems.append(_unknown(key, name, known, own))
+            problems.append(_unknown(key, name, sorted({*known, *(given or ())}), own))
             continue
         motors[name], wrong = _content(known[name])
         problems += wrong
@@ -52,7 +52,7 @@ def _named(actuators: Any) -> Iterator[tuple[str, str]]:
             yield f"actuators.{glob}.motor", entry["motor"]
 
 
-def _unknown(key: str, name: str, known: Mapping[str, Path], own: Sequence[Path]) -> Diagnostic:
+def _unknown(key: str, name: str, known: Sequence[str], own: Sequence[Path]) -> Diagnostic:
     near = nearest(name, known)
     places = " and ".join(str(folder / FOLDER) for folder in own) or f"./{FOLDER}/ beside ./robot/"
     hint = f"{near} motors: {', '.join(known)}; motors of your own: {places}".strip()

@@ -118,3 +118,14 @@ def test_the_names_of_motors_are_listed_without_heavy_imports() -> None:
     code = "import sys, pipeline.motor_files as m; m.library(); print({'yaml', 'pydantic'} & {*sys.modules})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=dict(os.environ))
     assert done.stdout.strip() == "set()"
+
+
+def test_a_motor_that_is_not_there_is_compared_with_those_of_the_robots_file(tmp_path: Path) -> None:
+    motors = "motors={my_servo:{title:x,values:{kp:{value:1,source:a,kind:measured}}}}"
+    text = told(tmp_path, "source=sample", motors, "actuators.elbow.motor=my_serwo")
+    assert "did you mean my_servo?" in text
+
+
+def test_the_hint_of_a_missing_key_is_one_line(tmp_path: Path) -> None:
+    text = told(tmp_path, "source=sample", "motors={my_servo:{title:x}}")
+    assert "gear [-]; rotor_inertia [kg m²], before the gear; armature [kg m²]; damping [N m s/rad]" in text
