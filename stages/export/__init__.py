@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 28
+VERSION = 29
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (

@@ -45,6 +45,11 @@ class Actuator:
     motor: str = ""
     sources: tuple[tuple[str, str], ...] = ()
 
+    def moves(self, dof: str) -> str:
+        """What the actuator's own motion is before the gear, where it drives a dof of the kind `dof`: a motor
+        of the library turns, also where the dof slides."""
+        return "turn" if self.motor else dof
+
     @property
     def sag(self) -> float | None:
         """How far [rad or m] the weight moves a servo's dof from its target at `home`; None without kp."""

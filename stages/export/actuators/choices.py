@@ -102,9 +102,11 @@ def _judge_control(wanted: Wanted, dof: Dof, control: Sequence[float], log: Diag
     typed = [end for end in control if isinstance(end, TypedNumber)]
     if not typed:
         return
-    text = misfit(typed[0], dof.kind)
-    why = f"{dof.name} is a {dof.kind}"
-    hint = as_typed(dof.kind)
+    kind, why = dof.kind, f"{dof.name} is a {dof.kind}"
+    if wanted.motor:
+        kind, why = "turn", f"the motor {wanted.motor} turns"
+    text = misfit(typed[0], kind)
+    hint = as_typed(kind)
     if wanted.type not in ("position", "pid"):
         text = f"{typed[0].typed!r} is an angle or a length"
         why = f"the control of type {wanted.type} is neither"

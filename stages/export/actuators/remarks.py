@@ -43,7 +43,7 @@ def remark(
 def _report_sag(actuation: Actuation, robot: Robot, log: Diagnostics) -> None:
     """W-ACTUATOR-SAG for servos that the weight moves far from `home`."""
     dofs = {dof.name: dof for dof in robot.dofs}
-    far = []
+    far, by_motor = [], set()
     for one in actuation.actuators:
         kind, effort = dofs[one.dof].kind, dofs[one.dof].dynamics.effort
         if one.sag is None or kind not in FAR or one.sag <= FAR[kind]:
@@ -52,11 +52,14 @@ def _report_sag(actuation: Actuation, robot: Robot, log: Diagnostics) -> None:
         most = _most(one, effort)
         limit = "no force limit" if most is None else f"force limit {most:.3g}"
         far.append(f"{one.name} by {one.sag:.2g} {unit} (load {one.home_load:.3g}, {limit}, kp {one.kp:.3g})")
+        by_motor.add("kp" in dict(one.sources))
     if far:
         text = f"the robot's weight moves servos from home [load in N m or N]: {listed(far)}"
         hint = "raise kp, or leave it out: it is estimated then"
-        if all(one.motor for one in actuation.actuators):
+        if by_motor == {True}:
             hint = "so do these motors with their own kp; give another one, or gravcomp"
+        elif True in by_motor:
+            hint = "raise kp; where a motor gives it, so does the motor: give another one, or gravcomp"
         log.report("W-ACTUATOR-SAG", text, WHERE, hint)
 
 

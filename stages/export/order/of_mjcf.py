@@ -96,7 +96,7 @@ class MjcfOrder:
             first += count
 
     def _unit_of_control(self, one: Actuator) -> str | None:
-        value, force = LENGTHS[self._dofs[one.dof].kind]
+        value, force = LENGTHS[one.moves(self._dofs[one.dof].kind)]
         said = {"force": force, "value": value, "speed": f"{value}/s", "share": "-", "voltage": "V"}
         return said.get(_CONTROL.get(one.type, ""))
 
@@ -108,8 +108,10 @@ class MjcfOrder:
             count = DIMENSIONS.get(node.tag) or (_whole(node.get("dim")) if node.tag == "user" else 0)
             plain = node.tag != "rangefinder" or (node.get("site") and node.get("data") is None)
             known = count if plain else 0
-            on = node.get("joint") or self._dof_of(node.get("actuator"))
+            own = self._actuators.get(node.get("actuator") or "")
+            on = node.get("joint") or (own.dof if own else None)
             dof = self._dofs.get(on or "")
+            kind = dof.kind if dof else ""
             yield {
                 "name": node.get("name"),
                 "index": index,
@@ -117,14 +119,10 @@ class MjcfOrder:
                 "on": _on(node),
                 "address": address,
                 "dim": known or None,
-                "unit": unit_of(node.tag, dof.kind if dof else ""),
+                "unit": unit_of(node.tag, own.moves(kind) if own else kind),
                 "cad": self._mates.get(on or ""),
             }
             address = address + known if known and address is not None else None
-
-    def _dof_of(self, actuator: str | None) -> str | None:
-        one = self._actuators.get(actuator or "")
-        return one.dof if one else None
 
 
 def _controls(node: Element, own: Actuator | None) -> int:

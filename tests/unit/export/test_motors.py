@@ -1,6 +1,7 @@
 """Motors of the library: what they give dofs and actuators, in every format, and where it comes from."""
 
 import json
+import math
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +17,7 @@ from pipeline.errors import ConfigError
 from pipeline.motor_files import OURS, library
 from stages.export import Exported, export
 from stages.export.motor_keys import QUANTITIES, MotorKeys
-from stages.robot.model import Robot
+from stages.robot.model import Limits, Robot
 from stages.validate import validate
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
@@ -24,6 +25,7 @@ from tests.support.places import SHARED
 from tests.support.robots import joint, robot_with
 from tests.unit.export.test_actuator_types import since
 from tests.unit.export.test_actuators import (
+    ACROSS,
     at_home,
     both,
     compiled,
@@ -351,3 +353,46 @@ def test_the_joints_of_a_robots_file_win_over_its_motors() -> None:
     assert (elbow["provenance"]["armature"], elbow["provenance"]["effort"]) == ("given", "given")
     assert elbow["velocity"] == 5.096
     assert elbow["provenance"]["velocity"].startswith("motor mx106: ")
+
+
+def test_the_control_of_a_motor_on_a_slide_is_the_turn_of_the_motor() -> None:
+    entry = {
+        "motor": "own",
+        "gear": 100,
+        "type": "position",
+        "ctrlrange": ["0 deg", "90 deg"],
+        "encoder": True,
+    }
+    found = exported(both(), motors={"own": FULL}, actuators={"lift": entry})
+    assert model_of(found).actuator("lift").ctrlrange == pytest.approx([0, math.pi / 2])
+    order = json.loads(found.files["robot.json"])["order"]["mjcf"]
+    (control,) = order["actuators"]
+    assert control["unit"] == "rad"
+    assert [one["unit"] for one in order["sensors"]] == ["rad", "rad/s"]
+    message = problem_with(both(), {"lift": entry | {"ctrlrange": [0, "90 mm"]}})[1]
+    assert message == "ctrlrange of lift: '90 mm' is no angle, and the motor own turns"
+
+
+@pytest.mark.parametrize(
+    ("entries", "hint"),
+    [
+        ({"*": {"motor": "own"}}, "so do these motors with their own kp; give another one, or gravcomp"),
+        (
+            {"a_joint": {"type": "position", "kp": 1}, "arm_joint": {"motor": "own"}},
+            "raise kp; where a motor gives it, so does the motor: give another one, or gravcomp",
+        ),
+        ({"*": {"type": "position", "kp": 1}}, "raise kp, or leave it out: it is estimated then"),
+    ],
+    ids=["motors", "both", "none"],
+)
+def test_the_hint_of_a_sag_knows_whose_kp_it_is(entries: dict[str, Any], hint: str) -> None:
+    limits = {"a_joint": Limits(-1.0, 1.0), "arm_joint": Limits(-1.0, 1.0)}
+    swings = [
+        joint("revolute", "base", name, [0.0], place=ACROSS, limits=limits, name=f"{name}_joint")
+        for name in ("a", "arm")
+    ]
+    heavy = lump(5.0, 0.3, 0, 0)
+    robot = robot_with(swings, inertials={"a": heavy, "arm": heavy})
+    found = exported(robot, motors={"own": motor(kp=2, kv=0.1, effort=50)}, actuators=entries)
+    (sag,) = (one for one in found.diagnostics if one.code == "W-ACTUATOR-SAG")
+    assert sag.hint == hint
