@@ -76,7 +76,7 @@ def test_it_moves_and_weighs_as_the_urdf_does(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(
     tuple(map(int, mujoco.__version__.split(".")[:2])) < (3, 4),
-    reason="the fusestatic of MuJoCo 3.3.3 gives a fused body another inertia than 4.0; ours is alike in both",
+    reason="the fusestatic of MuJoCo 3.3.3 gives a body another inertia than 4.0; ours are alike",
 )
 def test_the_bodies_are_those_that_mujoco_makes_of_the_kept_ones(tmp_path: Path) -> None:
     """Its own `fusestatic` is the oracle of masses, inertias and shapes."""
