@@ -6,11 +6,11 @@ All values but `rotor_inertia` are at the output, behind the motor's own gear.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from difflib import get_close_matches
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from stages.robot.globs import did_you_mean
 from stages.robot.keys import Keys, Number, Text, example, invalid
 
 QUANTITIES: Mapping[str, str] = {
@@ -71,9 +71,8 @@ class MotorKeys(Keys):
     def _known_quantities(self) -> Self:
         for name, one in self.values.items():
             if name not in QUANTITIES:
-                near = get_close_matches(name, QUANTITIES, 1)
-                text = f"did you mean {near[0]}? " if near else ""
-                raise invalid(f"{name} is no quantity of a motor: {text}there are {', '.join(QUANTITIES)}")
+                hint = f"{did_you_mean(name, QUANTITIES)} there are {', '.join(QUANTITIES)}"
+                raise invalid(f"{name} is no quantity of a motor: {hint.lstrip()}")
             if one.value == 0 and name not in MAY_BE_ZERO:
                 raise invalid(f"{name} must be above 0")
         if "armature" in self.values and "rotor_inertia" in self.values:

@@ -2,13 +2,12 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import listed
+from stages.robot.globs import did_you_mean, listed
 from stages.robot.model import Array, Robot, frozen
 
 if TYPE_CHECKING:
@@ -37,10 +36,8 @@ def mounts_of(robot: Robot) -> dict[str, Mount]:
 
 def report_unknown(name: str, where: str, mounts: Mapping[str, Mount], log: Diagnostics) -> None:
     """E-FRAME: neither a frame nor a link has this name."""
-    near = get_close_matches(name, mounts, 1)
-    hint = f"did you mean {near[0]}? " if near else ""
-    hint += f"frames and links are: {listed(mounts)}"
-    log.report("E-FRAME", f"there is no frame or link {name!r}", where, hint)
+    hint = f"{did_you_mean(name, mounts)} frames and links are: {listed(mounts)}"
+    log.report("E-FRAME", f"there is no frame or link {name!r}", where, hint.lstrip())
 
 
 def loaded_links(robot: Robot, sensors: Mapping[str, "SensorKeys"]) -> set[str]:

@@ -92,6 +92,11 @@ def spaced(values: Iterable[float], scale: float | None = None, least: float = 0
     return " ".join(numbers(values, scale, least))
 
 
+def exact(values: Iterable[float]) -> str:
+    """A vector without any rounding, in 12 digits where these are all there are."""
+    return " ".join(f"{one:.12g}" if float(f"{one:.12g}") == one else f"{one:.17g}" for one in values)
+
+
 def least_of(kind: str) -> float:
     """What the values of a dof of this kind are measured by: of a slide in metres, of others in radians."""
     return LENGTH if kind == "slide" else TURN

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
 from typing import Any
 
 from stages.robot.errors import ConfigError
+from stages.robot.globs import did_you_mean
 
 MOST_PIECES = 16
 """How many pieces a part has at most, where nothing else is said."""
@@ -86,8 +86,7 @@ def search(effort: str, given: Mapping[str, Any], hasty: bool = False) -> Search
     for name, value in given.items():
         where = f"mesh.coacd.{name}"
         if name not in names:
-            near = difflib.get_close_matches(name, names, 1)
-            hint = f"did you mean {near[0]}?" if near else f"there are {', '.join(names)}"
+            hint = did_you_mean(name, names) or f"there are {', '.join(names)}"
             raise ConfigError("CoACD has no such parameter", where, hint)
         problem = _problem(name, value)
         if problem:

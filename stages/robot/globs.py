@@ -28,6 +28,14 @@ def fits(name: str, glob: str) -> bool:
     return name == glob or fnmatchcase(name, glob)
 
 
+def did_you_mean(name: str, known: Iterable[str], most: int = 1) -> str:
+    """A question with the nearest of the known names, the nearest first; "" where none is near."""
+    from difflib import get_close_matches
+
+    near = get_close_matches(name, list(known), most)
+    return f"did you mean {' or '.join(near)}?" if near else ""
+
+
 def as_key(name: str) -> str:
     """The YAML key whose glob matches only this name."""
     glob = escaped(name)

@@ -1,7 +1,7 @@
 """Keys that are lengths or angles: numbers in SI, or texts with a unit, such as "25 mm" and "-90 deg"."""
 
 import re
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import (
     AfterValidator,
@@ -15,6 +15,9 @@ from pydantic import (
 
 from stages.robot.keys import invalid
 from stages.robot.units import SI, UNITS, Measure
+
+if TYPE_CHECKING:  # numpy comes with it
+    from stages.robot.dofs import DofKind
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _TYPED = re.compile(rf"\s*({_NUMBER})\s*(\S.*?)?\s*")
@@ -117,7 +120,7 @@ Range = Annotated[tuple[Coordinate | None, Coordinate | None], AfterValidator(_a
 """[lower, upper] [rad or m]; null is an open side."""
 
 
-def misfit(value: object, kind: Literal["turn", "slide", "ball", "free"]) -> str:
+def misfit(value: object, kind: "DofKind") -> str:
     """Why a value that was typed with a unit does not suit a dof of this kind; "" where it does."""
     if not isinstance(value, TypedNumber) or kind == "free":
         return ""
@@ -125,12 +128,12 @@ def misfit(value: object, kind: Literal["turn", "slide", "ball", "free"]) -> str
     return "" if value.measure == wanted else f"{value.typed!r} is no {wanted}"
 
 
-def measure_of(kind: Literal["turn", "slide", "ball", "free"]) -> Measure:
+def measure_of(kind: "DofKind") -> Measure:
     """What the value of a dof of this kind measures."""
     return "length" if kind == "slide" else "angle"
 
 
-def as_typed(kind: Literal["turn", "slide", "ball", "free"]) -> str:
+def as_typed(kind: "DofKind") -> str:
     """The hint for a value of a dof of this kind."""
     measure = measure_of(kind)
     return f"give it in {SI[measure]}, or as {EXAMPLES[measure]!r}"

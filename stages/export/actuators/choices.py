@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Any
 
 from stages.robot.couplings import nearest_first
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import fits, listed
+from stages.robot.globs import did_you_mean, fits, listed
 from stages.robot.model import Dof, Robot
 from stages.robot.quantity_keys import TypedNumber, as_typed, misfit
 
@@ -146,10 +145,8 @@ def _drives(
 ) -> bool:
     """Whether the motor is known and can drive the dof."""
     if motor not in motors:
-        near = get_close_matches(motor, motors, 1)
-        hint = f"did you mean {near[0]}? " if near else ""
-        hint += f"motors: {', '.join(motors) or 'none'}"
-        log.report("E-MOTOR", f"there is no motor {motor}", WHERE, hint)
+        hint = f"{did_you_mean(motor, motors)} motors: {', '.join(motors) or 'none'}"
+        log.report("E-MOTOR", f"there is no motor {motor}", WHERE, hint.lstrip())
     elif dof.kind == "slide" and "gear" not in parameters:
         text = f"the motor {motor} turns, and {dof.name} slides"
         hint = f"give the turn of the motor per metre [rad/m]: actuators: {{{dof.name}: {{gear: ...}}}}"
@@ -207,10 +204,9 @@ def _report_unmatched(glob: str, robot: Robot, log: Diagnostics) -> None:
         text = f"{glob!r} names a joint of several dofs (or several such joints), not one dof"
         log.report("E-GLOB", text, WHERE, f"name one of its dofs: {', '.join(of_joint)}")
         return
-    near = get_close_matches(glob, [dof.name for dof in robot.dofs], 1)
-    hint = f"did you mean {near[0]}? " if near else ""
-    hint += f"joints are: {_names(robot) or 'none'}"
-    log.report("E-GLOB", f"no joint matches {glob!r}", WHERE, hint)
+    near = did_you_mean(glob, (dof.name for dof in robot.dofs))
+    hint = f"{near} joints are: {_names(robot) or 'none'}"
+    log.report("E-GLOB", f"no joint matches {glob!r}", WHERE, hint.lstrip())
 
 
 def _names(robot: Robot) -> str:

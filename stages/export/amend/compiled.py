@@ -1,7 +1,6 @@
 """MuJoCo's view of an amended MJCF: whether it compiles, what it has more than the robot, and keyframes with
 values for that."""
 
-import difflib
 import re
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
@@ -13,6 +12,7 @@ from stages.export.amend.documents import Documents, Refused
 from stages.formats.numbers import number
 from stages.formats.xml import Element, to_bytes
 from stages.robot.amendments import Amendment, Surplus
+from stages.robot.globs import did_you_mean
 from stages.robot.mujoco_warnings import listening
 
 _QPOS = {0: 7, 1: 4, 2: 1, 3: 1}
@@ -80,9 +80,8 @@ def likely(message: str) -> str:
     found = _UNKNOWN.search(message)
     if found is not None:
         wrong, tag = found.groups()
-        near = difflib.get_close_matches(wrong, sorted(_attributes(tag)), n=3, cutoff=0.6)
-        if near:
-            return f"did you mean {' or '.join(near)}?"
+        if near := did_you_mean(wrong, sorted(_attributes(tag)), 3):
+            return near
     return "MuJoCo's XML reference says what is allowed there"
 
 

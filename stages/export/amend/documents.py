@@ -1,13 +1,12 @@
 """The XML files of one format, in which elements are looked for by name and by tag."""
 
-import difflib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from stages.formats.own_xml import SECTIONS, kind_of, name_of, names, section_of
 from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.errors import Diagnostic
-from stages.robot.globs import listed
+from stages.robot.globs import did_you_mean, listed
 
 ROLES: Mapping[str, tuple[str, ...]] = {"urdf": ("robot",), "mjcf": ("robot", "scene")}
 """Format → what its files are, in the order in which its writer names them."""
@@ -109,5 +108,4 @@ def _ambiguous(name: str, found: Sequence[Element], document: XmlFile, where: st
 
 
 def _near(name: str, every: Iterable[str]) -> str:
-    near = difflib.get_close_matches(name, sorted(every), n=3, cutoff=0.6)
-    return f"did you mean {' or '.join(near)}?" if near else ""
+    return did_you_mean(name, sorted(every), 3)

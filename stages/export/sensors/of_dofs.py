@@ -1,13 +1,12 @@
 """Sensors of dofs and of actuators, by name or glob."""
 
 from collections.abc import Collection, Iterator, Mapping
-from difflib import get_close_matches
 from typing import TYPE_CHECKING, Literal
 
 from stages.export.sensor_keys import MEASURES
 from stages.robot.actuation import Actuation
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import fits, listed
+from stages.robot.globs import did_you_mean, fits, listed
 from stages.robot.model import Dof, Robot, Sensor
 from stages.robot.quantity_keys import as_typed, misfit
 
@@ -83,11 +82,8 @@ def _report_unmatched(glob: str, kind: str, names: Collection[str], where: str, 
     """E-GLOB: nothing matches; `*` may match nothing."""
     if glob == "*":
         return
-    near = get_close_matches(glob, names, 1)
-    hint = f"did you mean {near[0]}? " if near else ""
-    log.report(
-        "E-GLOB", f"no {kind} matches {glob!r}", where, f"{hint}{kind}s are: {listed(names) or 'none'}"
-    )
+    hint = f"{did_you_mean(glob, names)} {kind}s are: {listed(names) or 'none'}"
+    log.report("E-GLOB", f"no {kind} matches {glob!r}", where, hint.lstrip())
 
 
 def actuator_sensors(

@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 
 from stages.formats.mjcf import MjcfActuator, MjcfSensor, MjcfSensorEnd
+from stages.formats.numbers import exact
 
 _SCALAR = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
 
@@ -85,9 +86,9 @@ def _terms(
     model: Any, one: int, words: Mapping[str, str], numbers: Mapping[str, tuple[float, ...]]
 ) -> tuple[tuple[str, str], ...]:
     found = [(name, words[name]) for name in ("dyntype", "gaintype", "biastype")]
-    found += [(name, _text(numbers[name])) for name in ("dynprm", "gainprm", "biasprm") if numbers[name]]
+    found += [(name, exact(numbers[name])) for name in ("dynprm", "gainprm", "biasprm") if numbers[name]]
     if model.actuator_actlimited[one]:
-        found.append(("actrange", _text(tuple(float(end) for end in model.actuator_actrange[one]))))
+        found.append(("actrange", exact(tuple(float(end) for end in model.actuator_actrange[one]))))
     if model.actuator_actearly[one]:
         found.append(("actearly", "true"))
     return tuple(found)
@@ -99,12 +100,6 @@ def _trimmed(values: Any) -> tuple[float, ...]:
     while found and found[-1] == 0:
         found.pop()
     return tuple(found)
-
-
-def _text(values: tuple[float, ...]) -> str:
-    return " ".join(
-        f"{value:.17g}" if float(f"{value:.12g}") != value else f"{value:.12g}" for value in values
-    )
 
 
 def _range(model: Any, one: int, name: str) -> tuple[float, float] | None:

@@ -4,7 +4,6 @@ The document lists its parameters, so all errors are reported at once, with the 
 text is encoded here, since the server's own encoder would cost a call.
 """
 
-import difflib
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -16,6 +15,7 @@ import orjson
 from stages.formats.onshape_configuration import encoded, joined, split
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import ProtocolError, SourceError
+from stages.robot.globs import did_you_mean
 from stages.robot.units import SI, UNITS, Measure
 
 Kind = Literal["Enum", "Boolean", "Quantity", "String"]
@@ -142,8 +142,8 @@ def _find(name: str, place: str, parameters: Sequence[Parameter], log: Diagnosti
             log.report("E-CONFIGURATION", msg, place, f"use the id: {ids}")
             return None
     names = [parameter.name for parameter in parameters]
-    near = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
-    hint = f"did you mean {near[0]}? " if near else ""
+    near = did_you_mean(name, names)
+    hint = f"{near} " if near else ""
     hint += (
         f"it has: {', '.join(names)}"
         if names

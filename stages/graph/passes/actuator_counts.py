@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from stages.formats.numbers import exact
 from stages.robot.actuation import Actuator
 from stages.robot.model import MateValue
 
@@ -60,5 +61,4 @@ def _numbers(terms: Mapping[str, str], name: str, least: int) -> list[float]:
 
 def _text(values: Sequence[float]) -> str:
     last = max((index for index, value in enumerate(values) if value), default=0)
-    # 12 digits where they are all there are, without the ".0" of whole numbers.
-    return " ".join(repr(v) if float(f"{v:.12g}") != v else f"{v:.12g}" for v in values[: last + 1])
+    return exact(values[: last + 1])

@@ -4,7 +4,7 @@ q = 0 is where the mates' frames coincide, or with `zero: saved` the saved pose;
 of its own, and inverts it: mate = zero + sign · q.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
 
@@ -36,12 +36,7 @@ def with_zero(
     return counted(robot, counts, measured)
 
 
-def zeroed(robot: Robot, log: Diagnostics) -> Robot:
-    """The same robot with q = 0 at the saved pose."""
-    return with_zero(robot, "saved", {}, log)
-
-
-def counted(robot: Robot, counts: Mapping[str, MateValue], measured: frozenset[str] | set[str]) -> Robot:
+def counted(robot: Robot, counts: Mapping[str, MateValue], measured: Collection[str]) -> Robot:
     """The same robot with every q counted anew: limits, saved values and relations are carried over.
 
     With M the motion about an axis a, M(a, z + s q) = M(a, z) M(s a, q) for turns and slides, and for a ball
@@ -125,14 +120,12 @@ def _counted(dof: Dof, own: MateValue) -> Dof:
     return replace(moved, axis=axis, limits=limits, saved=own.inverse(dof.saved))
 
 
-def _carried(
-    relation: Relation, counts: Mapping[str, MateValue], measured: frozenset[str] | set[str]
-) -> Relation:
+def _carried(relation: Relation, counts: Mapping[str, MateValue], measured: Collection[str]) -> Relation:
     """z_f + s_f f = k (z_d + s_d d) + offset, solved for f; a rest that is only rounding of the saved pose is
     dropped."""
     driver, follower = counts[relation.driver], counts[relation.follower]
     factor = follower.sign * driver.sign * relation.multiplier + 0.0
     offset = follower.inverse(relation.multiplier * driver.of(0.0) + relation.offset)
-    if {relation.driver, relation.follower} <= measured and negligible(offset, factor):
+    if relation.driver in measured and relation.follower in measured and negligible(offset, factor):
         offset = 0.0
     return replace(relation, multiplier=factor, offset=offset)
