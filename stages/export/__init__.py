@@ -18,6 +18,7 @@ VERSION = 29
 WRITERS = (
     "urdf",
     "mjcf",
+    "sdf",
 )
 """All formats, in the order in which they are written: folders of this stage, each with its `Writer`."""
 
@@ -85,10 +86,11 @@ def _amended(
 ) -> "Amended":
     """The files with the user's own XML."""
     from stages.export.amend.amend import Amended, amended
+    from stages.export.amend.documents import ROLES as AMENDABLE
 
     if not keys.elements and not keys.attributes:
         return Amended({})
-    formats = {name: writer_of(name).paths(robot) for name in keys.export.chosen}
+    formats = {name: writer_of(name).paths(robot) for name in keys.export.chosen if name in AMENDABLE}
     return amended(files, formats, keys, texts)
 
 

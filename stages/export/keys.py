@@ -18,7 +18,7 @@ from stages.robot.keys import (
     invalid,
 )
 
-LATER_FORMATS = ("sdf", "usd", "ros")
+LATER_FORMATS = ("usd", "ros2", "python")
 """Formats that are decided but not supported yet."""
 
 

@@ -227,8 +227,8 @@ def test_a_number_as_the_name_of_a_joint_is_reported_to_be_quoted():
     ("data", "shown"),
     [
         (
-            {"export": {"mjcf": {}, "sdf": {}}},
-            ("export.sdf", "not supported yet (given {})", "formats so far: urdf, mjcf"),
+            {"export": {"mjcf": {}, "usd": {}}},
+            ("export.usd", "not supported yet (given {})", "formats so far: urdf, mjcf, sdf"),
         ),
         (
             {"plugins": ["mine"]},

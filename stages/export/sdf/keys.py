@@ -1,0 +1,17 @@
+"""Configuration of the SDF writer."""
+
+from typing import Literal
+
+from stages.robot.keys import Keys
+
+
+class SdfFormatKeys(Keys):
+    """The SDF."""
+
+    meshes: Literal["relative", "model"] = "relative"
+    """How the SDF names mesh files. relative: by paths relative to its own folder, wherever that lies; model:
+    as `model://<name>/assets/...`, for readers that look models up by the names of their folders."""
+
+
+KEYS = SdfFormatKeys
+"""The section of the configuration."""

@@ -1,0 +1,57 @@
+"""SDF: the model, and the file by which Gazebo finds it."""
+
+from typing import TYPE_CHECKING
+
+from stages.export.writer import Exported, WriterInput
+
+if TYPE_CHECKING:
+    from stages.export.sdf.model import SdfPlan
+
+
+class SdfWriter:
+    """`<name>.sdf` and `model.config`."""
+
+    reads: tuple[str, ...] = ()
+    modules: tuple[str, ...] = ("stages.export.sdf.model",)
+
+    def paths(self, robot: str) -> tuple[str, ...]:
+        return (f"{robot}.sdf", "model.config")
+
+    def write(self, given: WriterInput) -> Exported:
+        from stages.export.sdf.keys import SdfFormatKeys
+        from stages.export.sdf.model import write_config, write_sdf
+        from stages.export.sdf.unsupported import unsupported
+
+        plan = _plan(given)
+        model, config = self.paths(given.robot.name)
+        keys = given.keys.export.sdf or SdfFormatKeys()
+        files = {
+            model: write_sdf(given.robot, given.geometry, keys, plan),
+            config: write_config(given.robot.name),
+        }
+        return Exported(files, tuple(unsupported(given.robot, given.geometry, given.actuation, plan)))
+
+
+def _plan(given: WriterInput) -> "SdfPlan":
+    from stages.export.sdf.lowering import lower
+    from stages.export.sdf.model import SdfPlan
+    from stages.export.sdf.names import sdf_names
+    from stages.export.sdf.sensors import sensors_of
+
+    robot, geometry = given.robot, given.geometry
+    names = sdf_names(robot)
+    held = [joint.child for joint in robot.joints if joint.type != "free"]
+    solid = sorted({shape.link for shape in geometry.shapes if shape.role == "collision"})
+    # Engines leave out by themselves only what a joint holds together.
+    joined = {frozenset((one.parent, one.child)) for one in robot.joints if one.type != "free"}
+    apart = [one for one in geometry.excludes if frozenset((one.link_a, one.link_b)) not in joined]
+    return SdfPlan(
+        names,
+        lower(robot, given.start, names),
+        sensors_of(robot, given.sensing, held, solid),
+        geometry.self_contact and not apart,
+        given.standing.world_from_root,
+    )
+
+
+WRITER = SdfWriter()

@@ -1,0 +1,262 @@
+"""SDF of every kind of joint, loop and shape, as an independent reader and sdformat's own tool have it."""
+
+import math
+import shutil
+import subprocess
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from stages.export import export
+from stages.formats.xml import parse
+from stages.mesh.primitives import shapes as primitive_shapes
+from stages.robot.dynamics import mass_matrix
+from stages.robot.geometry import Geometry
+from stages.robot.kinematics import link_poses
+from stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Robot, frozen
+from stages.robot.start_pose import starting_point
+from tests.support.building import NO_MESHES, plan_of
+from tests.support.engines import Pinocchio
+from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
+from tests.support.sdf import Sdf, axis_of, transform
+
+TOLERANCE = 1e-9
+
+
+def exported(robot: Robot, geometry: Geometry = NO_MESHES, **keys):
+    keys = {"export": {"sdf": {}, "urdf": {}}} | keys
+    return export(robot, geometry, plan_of(**keys))
+
+
+def sdf(robot: Robot, **keys) -> bytes:
+    return exported(robot, **keys).files["robot.sdf"]
+
+
+def losses(robot: Robot, geometry: Geometry = NO_MESHES, **keys) -> dict[str, str]:
+    found = exported(robot, geometry, export={"sdf": {}}, **keys).diagnostics
+    return {one.code: one.message for one in found if one.where == "robot.sdf"}
+
+
+def moving(robot: Robot, q: dict) -> dict:
+    """Values of what is a joint of the SDF, a free link being one of its own."""
+    free = {one.dofs[0].name: one.child for one in robot.joints if one.type == "free"}
+    return {free.get(name, name): value for name, value in q.items()}
+
+
+def from_world(robot: Robot, q: dict) -> dict:
+    """The same, with a free link's pose in the model as what its link is moved by from where it stands."""
+    stands = link_poses(
+        robot, {d.name: starting_point(robot)[d.name] for d in robot.dofs if d.kind == "free"}
+    )
+    poses, out = link_poses(robot, q), {}
+    for name, value in moving(robot, q).items():
+        if isinstance(value, tuple) and len(value) == 7:
+            moved = np.linalg.inv(stands[name]) @ poses[name]
+            quat = np.roll(Rotation.from_matrix(moved[:3, :3]).as_quat(), 1)
+            value = (*map(float, moved[:3, 3]), *map(float, quat))
+        out[name] = value
+    return out
+
+
+@pytest.mark.parametrize("root", ["base", "world"])
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize("kind", EVERY)
+def test_links_are_where_the_robots_own_kinematics_have_them_and_weigh_the_same(
+    kind, backwards, root
+) -> None:
+    rng = np.random.default_rng(EVERY.index(kind))
+    origins = [pose(rng) for _ in range(3)]
+    rows = [joint(kind, root, "one", place=pose(rng), backwards=backwards, origins=origins)]
+    if kind != "free":
+        rows.insert(0, joint("revolute", root, "zero", place=pose(rng)))
+        rows[1] = replace(rows[1], parent="zero")
+    rows.append(joint("prismatic", "one", "two", place=pose(rng), mirrored=True))
+    robot = robot_with(rows, root=root)
+    files = exported(robot).files
+    read, by_urdf = Sdf(files["robot.sdf"]), Pinocchio(files["robot.urdf"])
+    own = [dof.name for dof in robot.dofs if dof.kind != "free"]
+    fixed = [dof for dof in robot.dofs if dof.kind == "free"]
+    sdf_name = {link.name: "world_link" if link.name == "world" else link.name for link in robot.links}
+    for _ in range(5):
+        q = some_values(robot, rng)
+        found, expected = read.poses(from_world(robot, q)), link_poses(robot, q)
+        for link in expected:
+            assert np.abs(found[sdf_name[link]] - expected[link]).max() < TOLERANCE, link
+        if not fixed:
+            mass = read.mass_matrix(q, own)
+            scale = max(1.0, np.abs(mass).max())
+            assert np.abs(mass - mass_matrix(robot, q)).max() < TOLERANCE * scale
+            assert np.abs(mass - by_urdf.mass_matrix(q, own)).max() < TOLERANCE * scale
+
+
+@pytest.mark.parametrize("kind", LOOPS)
+def test_a_loop_of_any_type_is_a_joint_that_closes_it_where_the_links_stand(kind) -> None:
+    # The saved pose closes the loop, and mate zero does not.
+    rng = np.random.default_rng(LOOPS.index(kind))
+    rows = [
+        joint("planar", "base", "one", [0.2, -0.1, 0.4], place=pose(rng)),
+        joint("ball", "one", "two", [(0.8, 0.6, 0.0, 0.0)], place=pose(rng)),
+    ]
+    robot = robot_with(rows)
+    saved = {dof.name: dof.saved for dof in robot.dofs}
+    poses, near = link_poses(robot, saved), pose(rng)
+    own = [0.3 * (index + 1) for index in range(len(loop(kind, "base", "two", near, near).dofs))]
+    values = [(0.6, 0.0, 0.8, 0.0)] if kind == "ball" else own
+    shut = loop(kind, "two", "base", near, np.eye(4), values, name="shut")
+    across = link_poses(robot_with([joint(kind, "base", "end")]), at_values(kind, values))["end"]
+    shut = replace(shut, b_from_frame=frozen(poses["two"] @ near @ np.linalg.inv(across)))
+    robot = replace(robot, loops=(shut,))
+    text = sdf(robot)
+    read = Sdf(text)
+    assert len(read.loops) == 1
+    last = read.joints[read.loops[0]]
+    assert last.findtext("child") == "two"
+    # The SDF stands at the saved pose.
+    found = read.poses({})
+    for link in poses:
+        assert np.abs(found[link] - poses[link]).max() < TOLERANCE
+    # As its parent has it, through the links between, and as its child has it, the frame is the robot's.
+    first, second = read.ends(read.loops[0], {})
+    assert np.abs(second - poses["two"] @ near).max() < TOLERANCE
+    assert np.abs(first - second).max() < TOLERANCE
+    # Moved along its own dofs, the tree's end stays on the chain of the joints that close the loop.
+    more = {name: 0.1 for name in read.joints if name.startswith("shut_") and name != read.loops[0]}
+    moved, _ = read.ends(read.loops[0], more)
+    turn = np.eye(4)
+    axis = axis_of(last)
+    if last.get("type") in ("revolute", "continuous"):
+        turn[:3, :3] = Rotation.from_rotvec(0.1 * axis).as_matrix()
+    elif last.get("type") == "prismatic":
+        turn[:3, 3] = 0.1 * axis
+    if kind not in ("ball", "fixed"):
+        there = link_poses(robot_with([joint(kind, "base", "end")]), at_values(kind, [v + 0.1 for v in own]))
+        expected = shut.b_from_frame @ there["end"]
+        assert np.abs(moved @ turn - expected).max() < TOLERANCE
+    assert "one_joint_x (0.2)" in losses(robot)["I-SDF-ZERO"]
+
+
+def at_values(kind, values) -> dict:
+    return {dof.name: value for dof, value in zip(joint(kind, "base", "end").dofs, values, strict=True)}
+
+
+def test_limits_and_mimics_count_from_where_the_links_stand() -> None:
+    limits = {"one_joint": Limits(-1, 2)}
+    rows = [
+        joint("revolute", "base", "one", [0.5], limits=limits, dynamics=Dynamics(0.1, 0.2, None, 3, 4)),
+        joint("revolute", "one", "two", [0.7], place=at(1, 0, 0)),
+        joint("revolute", "base", "three", [1.5], place=at(0, 1, 0)),
+    ]
+    robot = robot_with(rows, relations=[Relation("Gear", "three_joint", "one_joint", 2.0, 0.5)])
+    poses = link_poses(robot, {"one_joint": 0.5, "two_joint": 0.7})
+    shut = loop("revolute", "two", "base", np.eye(4), poses["two"], [0.0])
+    read = Sdf(sdf(replace(robot, loops=(shut,))))
+    one, three = read.joints["one_joint"], read.joints["three_joint"]
+    number = {
+        key: float(one.findtext(f"axis/limit/{key}")) for key in ("lower", "upper", "effort", "velocity")
+    }
+    assert number == pytest.approx({"lower": -1.5, "upper": 1.5, "effort": 3, "velocity": 4})
+    assert [one.findtext(f"axis/dynamics/{key}") for key in ("damping", "friction")] == ["0.1", "0.2"]
+    mimic = three.find("axis/mimic")
+    # three stays at its own zero, and is 2 · 0.5 + 0.5 where one stands.
+    assert (mimic.get("joint"), mimic.findtext("multiplier"), mimic.findtext("offset")) == (
+        "one_joint",
+        "2",
+        "1.5",
+    )
+    assert "three_joint" in losses(robot)["I-SDF-MIMIC"]
+
+
+def test_names_are_unique_across_kinds_and_what_changes_is_reported() -> None:
+    rows = [joint("revolute", "base", "arm", name="arm"), joint("fixed", "arm", "__tip__", name="a::b")]
+    robot = robot_with(rows, frames=[Frame("arm", "base", frozen(at(1, 2, 3)), "Arm")])
+    read = Sdf(sdf(robot))
+    assert list(read.links) == ["base", "arm", "tip"]
+    assert list(read.joints) == ["base_fixed", "arm_joint", "a_b"]
+    assert np.abs(read.place("arm_frame") - at(1, 2, 3)).max() < TOLERANCE
+    said = losses(robot)["I-SDF-NAME"]
+    for text in ("joint 'arm' is 'arm_joint'", "frame 'arm' is 'arm_frame'", "link '__tip__' is 'tip'"):
+        assert text in said
+
+
+@pytest.mark.parametrize("fixed", [True, False])
+def test_a_fixed_base_is_held_by_the_world_and_the_model_stands_where_the_scene_puts_it(fixed) -> None:
+    robot = robot_with([joint("revolute", "base", "arm")], fixed=fixed)
+    read = Sdf(sdf(robot, scene={"pose": {"xyz": [1, 2, 3], "rpy": [0.1, 0.2, 0.3]}}))
+    held = [node for node in read.joints.values() if node.findtext("parent") == "world"]
+    assert [node.findtext("child") for node in held] == (["base"] if fixed else [])
+    expected = transform("1 2 3 0.1 0.2 0.3")
+    assert np.abs(transform(read.top.findtext("pose")) - expected).max() < TOLERANCE
+
+
+def sensed() -> tuple[Robot, Geometry, dict]:
+    box = Primitive("box", (0.2, 0.1, 0.1), frozen(np.eye(4)))
+    capsule = Primitive("capsule", (0.05, 0.2), frozen(at(0, 0, 0.1)))
+    robot = robot_with(
+        [
+            joint("revolute", "base", "arm"),
+            joint("ball", "arm", "hand", limits={"hand_joint": Limits(None, 1)}),
+        ],
+        shapes={"arm": (box,), "hand": (capsule,)},
+        frames=[Frame("eye", "hand", frozen(at(0, 0, 0.2)), "Eye")],
+    )
+    geometry = Geometry(tuple(one for link in robot.links for one in primitive_shapes(link)), {})
+    sensors = {
+        "imu": {"type": "imu", "frame": "arm", "noise": {"gyro": 0.01}},
+        "wrist": {"type": "force_torque", "frame": "hand"},
+        "skin": {"type": "touch", "frame": "arm"},
+        "range": {"type": "rangefinder", "frame": "eye", "cutoff": 4},
+        "look": {"type": "camera", "frame": "eye", "fovy": 60, "resolution": [320, 240]},
+        "joints": "joint",
+    }
+    return robot, geometry, {"sensors": sensors, "actuators": {"*": {"type": "motor"}}}
+
+
+def test_sensors_are_those_of_sdf_and_look_where_ours_do() -> None:
+    robot, geometry, keys = sensed()
+    root = parse(exported(robot, geometry, **keys).files["robot.sdf"])
+    found = {node.get("name"): node for node in root.iter("sensor")}
+    types = {name: node.get("type") for name, node in found.items()}
+    assert types == {
+        "imu": "imu",
+        "wrist": "force_torque",
+        "skin": "contact",
+        "range": "gpu_lidar",
+        "look": "camera",
+    }
+    assert found["imu"].findtext("imu/angular_velocity/z/noise/stddev") == "0.01"
+    assert found["wrist"].getparent().get("name") == "hand_joint"
+    assert found["skin"].findtext("contact/collision") == "collision_1"
+    assert found["range"].findtext("lidar/range/max") == "4"
+    # Both look along the z axis of the frame; the image's top is where −y is.
+    for name, up in (("range", None), ("look", [0, -1, 0])):
+        turned = transform(found[name].findtext("pose"))
+        assert np.allclose(turned[:3, 0], [0, 0, 1])
+        assert up is None or np.allclose(turned[:3, 2], up)
+    wide = 2 * math.atan(math.tan(math.radians(30)) * 320 / 240)
+    assert float(found["look"].findtext("camera/horizontal_fov")) == pytest.approx(wide)
+    said = losses(robot, geometry, **keys)
+    assert "joints_arm_joint_pos" in said["I-SDF-SENSOR"]
+    assert "arm_joint" in said["I-SDF-ACTUATOR"]
+    assert said["W-BALL-CONE"].endswith(": hand_joint")
+
+
+def test_sdformats_own_tool_accepts_what_is_written(tmp_path) -> None:
+    if shutil.which("ign") is None:
+        pytest.skip("ign (Debian's ignition-tools and libsdformat-dev) is not installed")
+    rng = np.random.default_rng(0)
+    rows = [joint(kind, "base", f"{kind}_link", place=pose(rng)) for kind in EVERY]
+    rows.append(joint("revolute", "base", "last", name="base"))
+    shut = loop("planar", "ball_link", "revolute_link", pose(rng), pose(rng))
+    every = robot_with(
+        rows, loops=[shut], relations=[Relation("Gear", "base", "revolute_link_joint", 2.0, 0.0)]
+    )
+    robot, geometry, keys = sensed()
+    for text in (sdf(every), exported(robot, geometry, **keys).files["robot.sdf"]):
+        path = tmp_path / "robot.sdf"
+        path.write_bytes(text)
+        run = subprocess.run(["ign", "sdf", "-k", str(path)], capture_output=True, text=True, check=False)
+        assert run.stdout.strip() == "Valid."
+        assert "Error" not in run.stderr, run.stderr
+        assert "Warning" not in run.stderr, run.stderr
