@@ -168,7 +168,7 @@ def test_a_plan_without_source_is_no_plan():
         (
             {"export": {}},
             "export",
-            "no format is chosen; allowed: urdf, mjcf, [urdf, mjcf] (given {})",
+            "no format is chosen; allowed: urdf, mjcf, sdf, [urdf, mjcf, sdf] (given {})",
         ),
     ],
 )
