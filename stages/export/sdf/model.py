@@ -1,7 +1,8 @@
 """SDF 1.9: the model of a robot, in one file.
 
-Element rules are those of sdformat's 1.9 specification; `<mimic>` is that of 1.11, which readers of 1.11 read
-in a file of 1.9 too, and older ones leave alone. A link stands in the frame of the joint that carries it.
+Element rules are those of sdformat's 1.9 specification; `<mimic>` is that of 1.11: sdformat 12 takes it
+as unknown in a file of 1.9, and reports errors for a file that says 1.11. A link stands in the frame of the
+joint that carries it.
 """
 
 from collections.abc import Mapping, Sequence
