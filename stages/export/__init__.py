@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 29
+VERSION = 30
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -72,12 +72,14 @@ def export(
     mine = _amended(files, robot.name, keys, texts or {})
     files |= mine.files
     order = order_tables(robot, actuation, form, files)
-    files["robot.json"] = describe(robot, start, actuation, form, mjcf_form, sensing, order, mine.amendments)
+    told = {name: dict(written[name].record) for name in keys.export.chosen if written[name].record}
+    known = actuation, form, mjcf_form, sensing, order, mine.amendments, told
+    files["robot.json"] = describe(robot, start, *known)
     diagnostics = tuple(diagnostic for one in exported for diagnostic in one.diagnostics)
-    told = (*diagnostics, *standing.diagnostics, *remarks, *mine.diagnostics)
+    remarks = (*diagnostics, *standing.diagnostics, *remarks, *mine.diagnostics)
     tip = advice(robot, actuation, place, gravity_of(keys.scene.option))
     return Exported(
-        dict(sorted(files.items())), told, actuation, tip, form, mjcf_form, order, sensing, mine.amendments
+        dict(sorted(files.items())), remarks, actuation, tip, form, mjcf_form, order, sensing, mine.amendments
     )
 
 

@@ -5,12 +5,15 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import AfterValidator, model_validator
+from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from stages.robot.keys import Keys, Text, example, invalid
 
 AmendableFormat = Literal["urdf", "mjcf"]
-"""The formats whose files are XML."""
+"""The formats that elements and attributes of the user's own reach."""
+
+FINISHED = ("sdf",)
+"""Formats that they do not reach, though their files are XML too."""
 
 _NAMES = get_args(AmendableFormat)
 
@@ -20,6 +23,14 @@ names."""
 
 _ATTRIBUTE = re.compile(r"[A-Za-z_][\w.-]*(:[A-Za-z_][\w.-]*)?\Z", re.ASCII)
 _UNPRINTABLE = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+def _amendable(formats: Any) -> Any:
+    """Refuses, by name, formats that are written as they are."""
+    for name in formats if isinstance(formats, list | tuple) else ():
+        if name in FINISHED:
+            raise invalid(f"may have {' and '.join(_NAMES)} alone: {name} is written without XML of your own")
+    return formats
 
 
 def _well_formed(text: str) -> str:
@@ -60,9 +71,11 @@ class ElementKeys(Keys):
     into: IntoKeys
     """Where they are added."""
 
-    formats: Annotated[tuple[AmendableFormat, ...] | None, example(["mjcf"])] = None
-    """The formats that they are added to, of those that are written. null: the MJCF where MuJoCo knows all of
-    the elements, else the URDF."""
+    formats: Annotated[tuple[AmendableFormat, ...] | None, BeforeValidator(_amendable), example(["mjcf"])] = (
+        None
+    )
+    """The formats that they are added to, of those that are written; never the SDF. null: the MJCF where
+    MuJoCo knows all of the elements, else the URDF."""
 
     xml: Annotated[
         Annotated[Text, AfterValidator(_well_formed)] | None,
@@ -99,6 +112,7 @@ def _value(value: Any) -> Any:
 
 def _attributes(given: dict[str, Any]) -> dict[str, Any]:
     formats = given.get(FORMATS)
+    _amendable(given.get(FORMATS))
     if FORMATS in given and not (isinstance(formats, list) and formats and set(formats) <= set(_NAMES)):
         raise invalid(f"formats must be a list of {', '.join(_NAMES)}")
     if TAG in given and not isinstance(given[TAG], str):

@@ -98,14 +98,15 @@ class ExportKeys(Keys):
         dict[Text, ElementKeys],
         example({"front": {"into": {"name": "torso"}, "xml": "<camera name='front' pos='0.1 0 0'/>"}}),
     ] = Field(default_factory=dict)
-    """XML elements of your own, by a name of your choice; added in this order when all else is written."""
+    """XML elements of your own in the MJCF and the URDF, by a name of your choice; added in this order when
+    all else is written. The SDF gets none of them."""
 
     attributes: Annotated[dict[Text, AttributeChoice], example({"floor": {"friction": [1, 0.5, 0.5]}})] = (
         Field(default_factory=dict)
     )
     """Name of an element, of any kind → attributes to set on it, last of all; null takes an attribute away.
-    In the MJCF, or in those of `formats`: [urdf, mjcf]. Where several have the name, `tag` says which: a tag,
-    or a section such as actuator."""
+    In the MJCF, or in those of `formats`: [urdf, mjcf]; never in the SDF. Where several have the name, `tag`
+    says which: a tag, or a section such as actuator."""
 
     export: ExportSection = ExportSection.model_validate({"urdf": {}, "mjcf": {}})
     """Formats to write; null leaves a format out."""

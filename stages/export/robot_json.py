@@ -32,6 +32,9 @@ the MJCF: `qpos` and `dof` of a joint are its first number in MuJoCo's arrays an
 joint's place among those that move in the file, `tree` that in a walk down the tree with siblings by name,
 as Pinocchio has them.
 `amendments` lists what `elements` and `attributes` added to the files and set in them.
+`sdf` is there where an SDF is written: `renamed` has the names in it of links, joints (by dof, also of loops)
+and frames that are not the robot's; `zeros` the value of each dof that is not 0 where its joint of the SDF is
+(a ball's joint turns on from that pose).
 """
 
 import json
@@ -89,10 +92,11 @@ def describe(
     sensing: Sensing | None = None,
     order: Mapping[str, Any] | None = None,
     amendments: Amendments = UNCHANGED,
+    formats: Mapping[str, Any] | None = None,
 ) -> bytes:
     """The file. `start`: the MJCF's qpos0, by dof; `form`: of the URDF; `mjcf_form`: of the MJCF; `sensing`:
     what measures the robot (None: the sensors of the source); `order`: see `stages.export.order`;
-    `amendments`: what the user's own XML changed in the files."""
+    `amendments`: what the user's own XML changed in the files; `formats`: what others tell, by name."""
     names = urdf_names(as_written(robot, form))
     estimated = {one.dof for one in actuation.armatures}
     table = {
@@ -133,6 +137,7 @@ def describe(
         table["order"] = order
     if amendments.changes:
         table["amendments"] = plain(amendments.changes)
+    table |= formats or {}
     return (printable_lines(json.dumps(table, indent=2, ensure_ascii=False)) + "\n").encode()
 
 

@@ -36,6 +36,7 @@ class Exported:
     order: Mapping[str, Any] = field(default_factory=dict)
     sensing: Sensing = NOTHING
     amendments: Amendments = UNCHANGED
+    record: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def details(self) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from stages.export.sdf.names import SdfNames
+from stages.formats.sdf.names import SdfNames
 from stages.robot.kinematics import link_poses
 from stages.robot.loops import CLOSED, across, closing, gap
 from stages.robot.model import (

@@ -13,9 +13,9 @@ import numpy as np
 from stages.export.paints import paint
 from stages.export.sdf.keys import SdfFormatKeys
 from stages.export.sdf.lowering import SdfJoint, SdfJoints
-from stages.export.sdf.names import SdfNames
 from stages.export.sdf.sensors import SdfSensor, Sensors, write_sensor
 from stages.formats.numbers import LENGTH, TURN, number, numbers, spaced
+from stages.formats.sdf.names import SdfNames
 from stages.formats.xml import Element, element, to_bytes
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.inertia import SPECK

@@ -32,6 +32,9 @@ LONGEST = 100.0
 NEAREST = 1e-3
 """From where on [m] it sees."""
 
+ASIDE = 1e-9
+"""Beyond this [m] from the origin of its joint a sensor counts as elsewhere."""
+
 _NOISY: Mapping[str, tuple[str, ...]] = {
     "gyro": ("angular_velocity",),
     "accelerometer": ("linear_acceleration",),
@@ -58,6 +61,12 @@ class SdfSensor:
     link_from_sensor: Array
     measured: tuple[Sensor, ...]
     camera: SensorCamera | None = None
+
+    @property
+    def aside(self) -> bool:
+        """Whether it measures a torque and is not at the origin of its joint, about which SDF has torques."""
+        torque = any(one.type == "torque" for one in self.measured)
+        return torque and math.hypot(*self.link_from_sensor[:3, 3]) > ASIDE
 
     @property
     def on_joint(self) -> bool:

@@ -136,6 +136,15 @@ def _apart(robot: Robot, actuation: Actuation, plan: SdfPlan, file: str) -> Iter
             file,
             "Gazebo publishes the states of joints and the poses of links by systems of its own",
         )
+    aside = [one.name for one in plan.sensors.mounted if one.aside]
+    if aside:
+        yield Diagnostic(
+            "I-SDF-TORQUE",
+            "SDF measures torques about the origin of the joint above, in the axes of the sensor, so these, "
+            f"which are elsewhere on their links, measure others than in the MJCF: {', '.join(aside)}",
+            file,
+            "the torque about the sensor is the SDF's less (sensor − joint) × force; forces are the same",
+        )
     changed = [f"the {kind} {name!r} is {own!r}" for kind, name, own in plan.names.changed]
     if changed:
         yield Diagnostic(

@@ -1,6 +1,6 @@
 """SDF: the model, and the file by which Gazebo finds it."""
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from stages.export.writer import Exported, WriterInput
 
@@ -29,14 +29,26 @@ class SdfWriter:
             model: write_sdf(given.robot, given.geometry, keys, plan),
             config: write_config(given.robot.name),
         }
-        return Exported(files, tuple(unsupported(given.robot, given.geometry, given.actuation, plan)))
+        losses = tuple(unsupported(given.robot, given.geometry, given.actuation, plan))
+        return Exported(files, losses, record=_record(plan))
+
+
+def _record(plan: "SdfPlan") -> dict[str, Any]:
+    """What robot.json tells of the SDF."""
+    from stages.export.json_values import as_value
+
+    renamed: dict[str, dict[str, str]] = {"links": {}, "joints": {}, "frames": {}}
+    for kind, name, own in plan.names.changed:
+        renamed[f"{kind}s"][name] = own
+    zeros = {name: as_value(value) for name, value in plan.lowered.moved.items()}
+    return {"renamed": renamed, "zeros": zeros}
 
 
 def _plan(given: WriterInput) -> "SdfPlan":
     from stages.export.sdf.lowering import lower
     from stages.export.sdf.model import SdfPlan
-    from stages.export.sdf.names import sdf_names
     from stages.export.sdf.sensors import sensors_of
+    from stages.formats.sdf.names import sdf_names
 
     robot, geometry = given.robot, given.geometry
     names = sdf_names(robot)
