@@ -6,9 +6,9 @@ all noise, such as a position at an origin, is measured by `least` where its ent
 what is in metres, `TURN` for what is in radians or of unit length.
 """
 
-import functools
 import math
 from collections.abc import Iterable
+from typing import TypeAlias
 
 import numpy as np
 
@@ -23,24 +23,32 @@ TURN = 1.0
 """rad: likewise of angles, and of the entries of what has unit length."""
 
 
-REMEMBERED = 16384
-"""Texts that are kept: the formats, robot.json and each trial run have the same numbers."""
-
 WHOLE = 1e15
 """Below this whole numbers are exact, and written out."""
 
 
-@functools.lru_cache(maxsize=REMEMBERED)
 def number(value: float, scale: float | None = None, least: float = 0.0) -> str:
     """The shortest text within 1e-12 · `scale` of `value`; `scale` is |value| unless given, or
     `least` where that is larger."""
     value = float(value)
+    tolerance = TOLERANCE * max(least, abs(value) if scale is None else scale)
+    return _text(value, tolerance, _grid(tolerance))
+
+
+def _text(value: float, tolerance: float, grid: "_Grid") -> str:
+    """The shortest text within `tolerance` of `value`, where `grid` is the tolerance's own."""
     size = abs(value)
-    tolerance = TOLERANCE * max(least, size if scale is None else scale)
     if size <= tolerance:
         return "0"
     if tolerance < 1.0 and size < WHOLE and value.is_integer():
         return str(int(value))
+    if grid is not None and 1e-4 <= size < 1e4 and tolerance > 1e-15 * size:
+        spec, in_doubt = grid
+        text = format(value, spec)
+        if text[-1] not in in_doubt:
+            return text
+        if text[-1] == "0":
+            return text.rstrip("0").rstrip(".")
     # Of a finer grid the nearest point is never further away: the search goes one way from a good guess.
     digits = 17
     if tolerance > 1e-18 * size:
@@ -57,6 +65,27 @@ def number(value: float, scale: float | None = None, least: float = 0.0) -> str:
             break
         text, digits = shorter, _digits(shorter)
     return tidy(text if size < 1e4 else f"{value:.{digits}g}")
+
+
+_Grid: TypeAlias = tuple[str, str] | None
+"""How a number is written with the fewest decimals that are always within a tolerance, and the last digits
+with which one decimal less may do."""
+
+
+def _grid(tolerance: float) -> _Grid:
+    """The grid of a tolerance; None where whole numbers would do, or no decimals are enough."""
+    if not 1e-19 < tolerance < 0.01:
+        return None
+    decimals = math.ceil(-math.log10(2.0 * tolerance) + 1e-9)
+    # Without its last digit c a number moves by |c| or |10 - c| of the grid, and half of it is lost already.
+    reach = int(tolerance * 10.0**decimals + 0.5 + 1e-6)
+    return _SPECS[decimals], _IN_DOUBT[min(reach, 5)]
+
+
+_SPECS = tuple(f".{decimals}f" for decimals in range(20))
+
+_IN_DOUBT = tuple("".join(str(c) for c in range(10) if min(c, 10 - c) <= reach) for reach in range(6))
+"""By how far the tolerance reaches on the grid."""
 
 
 def _digits(text: str) -> int:
@@ -79,7 +108,9 @@ def numbers(values: Iterable[float], scale: float | None = None, least: float = 
     """Texts of a vector or tensor, all measured by its largest entry, or by `least` where that is larger."""
     flat: list[float] = np.asarray(values, dtype=float).ravel().tolist()
     largest = max(map(abs, flat), default=0.0) if scale is None else scale
-    return [number(value, largest, least) for value in flat]
+    tolerance = TOLERANCE * max(least, largest)
+    grid = _grid(tolerance)
+    return [_text(value, tolerance, grid) for value in flat]
 
 
 def rounded(values: Array) -> Array:

@@ -33,7 +33,9 @@ def element(parent: Element | None, tag: str, **attributes: str | None) -> Eleme
 
     Attribute names may end in "_" where the plain name is a Python keyword (class_).
     """
-    given = {key.rstrip("_"): value for key, value in attributes.items() if value is not None}
+    given = {
+        key[:-1] if key[-1] == "_" else key: value for key, value in attributes.items() if value is not None
+    }
     if parent is None:
         return etree.Element(tag, given)
     return etree.SubElement(parent, tag, given)

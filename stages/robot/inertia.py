@@ -84,26 +84,25 @@ def principal_axes(inertia: Array) -> tuple[Array, Array]:
     Jacobi's method in plain arithmetic, so that the same tensor has the same axes on every machine, also
     where moments are equal and any axes between them would do. What is diagonal keeps its axes.
     """
-    tensor: list[list[float]] = np.asarray(inertia, dtype=float).tolist()
-    axes = np.eye(3).tolist()
-    negligible = _ROUNDING * max(abs(entry) for row in tensor for entry in row)
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = np.asarray(inertia, dtype=float).tolist()
+    moments, axes = [xx, yy, zz], [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+    products = [yz, xz, xy]  # each at the index that it is not of
+    negligible = _ROUNDING * max(map(abs, (*moments, *products)))
     for _ in range(_SWEEPS):
-        for p, q in ((0, 1), (0, 2), (1, 2)):
-            if abs(tensor[p][q]) > negligible:
-                half = (tensor[q][q] - tensor[p][p]) / (2 * tensor[p][q])
+        for p, q, r in ((0, 1, 2), (0, 2, 1), (1, 2, 0)):
+            product = products[r]
+            if abs(product) > negligible:
+                half = (moments[q] - moments[p]) / (2 * product)
                 tangent = math.copysign(1.0, half) / (abs(half) + math.sqrt(half * half + 1))
                 cosine = 1 / math.sqrt(tangent * tangent + 1)
-                _turn_columns(tensor, p, q, cosine, tangent * cosine)
-                tensor = [list(row) for row in zip(*tensor, strict=True)]
-                _turn_columns(tensor, p, q, cosine, tangent * cosine)
-                _turn_columns(axes, p, q, cosine, tangent * cosine)
-    return np.array([tensor[i][i] for i in range(3)]), np.array(axes)
-
-
-def _turn_columns(matrix: list[list[float]], p: int, q: int, cosine: float, sine: float) -> None:
-    """Turns columns p and q of a matrix against each other, in place."""
-    for row in matrix:
-        row[p], row[q] = cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]
+                sine = tangent * cosine
+                moments[p] -= tangent * product
+                moments[q] += tangent * product
+                rp, rq = products[q], products[p]
+                products[q], products[p], products[r] = cosine * rp - sine * rq, sine * rp + cosine * rq, 0.0
+                for row in axes:
+                    row[p], row[q] = cosine * row[p] - sine * row[q], sine * row[p] + cosine * row[q]
+    return np.array(moments), np.array(axes)
 
 
 def is_physical(inertial: Inertial) -> bool:

@@ -6,11 +6,13 @@ import numpy as np
 
 from stages.robot.model import Array, DofKind, Value
 
+_UNMOVED = np.eye(4)
+
 
 def inverse(a_from_b: Array) -> Array:
     """b_from_a of a rigid (or reflecting) transform (4, 4)."""
     rotation = a_from_b[:3, :3]
-    out = np.eye(4)
+    out = _UNMOVED.copy()
     out[:3, :3] = rotation.T
     out[:3, 3] = -rotation.T @ a_from_b[:3, 3]
     return out
@@ -18,7 +20,7 @@ def inverse(a_from_b: Array) -> Array:
 
 def from_parts(rotation: Array, position: Array) -> Array:
     """The (4, 4) transform with this rotation (3, 3) and position (3,)."""
-    out = np.eye(4)
+    out = _UNMOVED.copy()
     out[:3, :3] = rotation
     out[:3, 3] = position
     return out
@@ -35,13 +37,13 @@ def at_rest(kind: DofKind) -> Value:
 
 def motion(kind: DofKind, axis: Array, value: Value) -> Array:
     """The transform of a dof at `value` (see `model.Value`); `axis` (3,) of a turn or a slide."""
-    out = np.eye(4)
+    out = _UNMOVED.copy()
     if isinstance(value, tuple):
         out[:3, :3] = rotation_from_quat(np.array(value[-4:]))
         out[:3, 3] = value[:-4] or 0.0
     elif kind == "slide":
         out[:3, 3] = np.asarray(axis) * value
-    else:
+    elif value:
         out[:3, :3] = turn(axis, value)
     return out
 

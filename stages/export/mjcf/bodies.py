@@ -7,16 +7,16 @@ import numpy as np
 from stages.export.mjcf.filters import WORLD, Geom
 from stages.export.mjcf.joints import free_joint_name, write_joints
 from stages.export.mjcf.loops import Closures
-from stages.export.mjcf.placement import placement
+from stages.export.mjcf.placement import orientation, placement
 from stages.export.paints import Paint, paint
 from stages.formats.numbers import LENGTH, number, rounded, spaced
 from stages.formats.xml import Element, element
 from stages.robot.actuation import Actuation
+from stages.robot.arrays import frozen
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.inertia import principal_axes
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Primitive, Robot
-from stages.robot.poses import from_parts
 
 
 class BodyWriter:
@@ -52,12 +52,13 @@ class BodyWriter:
 
     def write(self) -> None:
         joints = {joint.child: joint for joint in self.robot.joints}
+        unmoved = frozen(np.eye(4))
         frames: dict[str, list[Frame]] = {}
         for frame in self.robot.frames:
             frames.setdefault(frame.link, []).append(frame)
         for link in self.robot.links:
             joint = joints.get(link.name)
-            body, place = self._root() if joint is None else (self._child(joint), np.eye(4))
+            body, place = self._root() if joint is None else (self._child(joint), unmoved)
             self.elements[link.name] = body, place
             if link.name in self.compensated:
                 body.set("gravcomp", number(self.compensated[link.name]))
@@ -125,7 +126,7 @@ def _inertial(body: Element, inertial: Inertial) -> None:
         body,
         "inertial",
         pos=spaced(inertial.com, least=LENGTH),
-        **placement(from_parts(axes, np.zeros(3))),
+        **orientation(axes),
         mass=number(inertial.mass),
         diaginertia=spaced(moments),
     )

@@ -11,7 +11,10 @@ def placement(pose: Array) -> dict[str, str]:
     position = spaced(pose[:3, 3], least=LENGTH)
     if position != "0 0 0":
         out["pos"] = position
-    quat = spaced(quat_from_rotation(pose[:3, :3]))
-    if quat != "1 0 0 0":
-        out["quat"] = quat
-    return out
+    return out | orientation(pose[:3, :3])
+
+
+def orientation(rotation: Array) -> dict[str, str]:
+    """`quat` of a (3, 3) rotation; identity is left out."""
+    quat = spaced(quat_from_rotation(rotation))
+    return {} if quat == "1 0 0 0" else {"quat": quat}

@@ -1,7 +1,7 @@
 """Lowering: joints of several degrees of freedom as URDF joints of one each, with links of next to no mass
 between them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -52,14 +52,14 @@ class _Move:
     dynamics: Dynamics
 
 
-def lower(robot: Robot) -> tuple[Lowered, ...]:
-    """The URDF joints of each joint, in the order of the joints.
+def lower(robot: Robot, joints: Sequence[Joint] | None = None) -> tuple[Lowered, ...]:
+    """The URDF joints of each of `joints`, or of all of the robot's, in their order.
 
     A turn or a slide is a joint of the dof's name; a ball is three turns `<name>_x`, `_y`, `_z`, about
     x, then y, then z: R = Rx Ry Rz. Links between them are `<joint>_<n>`.
     """
     names = urdf_names(robot)
-    return tuple(_lowered(joint, names) for joint in robot.joints)
+    return tuple(_lowered(joint, names) for joint in (robot.joints if joints is None else joints))
 
 
 def unset(dof: Dof) -> list[str]:

@@ -6,7 +6,7 @@ from stages.export.urdf.lowering import lower, unset
 from stages.formats.numbers import number
 from stages.formats.urdf.as_written import as_written, holders
 from stages.formats.urdf.form import AS_IS, UrdfForm
-from stages.formats.urdf.names import urdf_names
+from stages.formats.urdf.names import urdf_names, urdf_steps
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Geometry
 from stages.robot.inertia import NEXT_TO_NOTHING
@@ -28,8 +28,7 @@ def unsupported(robot: Robot, geometry: Geometry, form: UrdfForm = AS_IS) -> Ite
 def _several_dofs(robot: Robot, file: str) -> Iterator[Diagnostic]:
     several = [
         f"{item.joint.name} ({item.joint.type}: {', '.join(part.name for part in item.joints)})"
-        for item in lower(robot)
-        if item.between
+        for item in lower(robot, [joint for joint in robot.joints if urdf_steps(joint) > 1])
     ]
     if several:
         yield Diagnostic(

@@ -37,7 +37,7 @@ def urdf_names(robot: Robot) -> UrdfNames:
         for frame in robot.frames
     }
     between = {
-        joint.name: tuple(_taken(f"{joint.name}_{count}", every) for count in range(1, _steps(joint)))
+        joint.name: tuple(_taken(f"{joint.name}_{count}", every) for count in range(1, urdf_steps(joint)))
         for joint in robot.joints
     }
     ends = {
@@ -54,7 +54,7 @@ def urdf_names(robot: Robot) -> UrdfNames:
     return UrdfNames(frames, ends, between, turns, holders)
 
 
-def _steps(joint: Joint) -> int:
+def urdf_steps(joint: Joint) -> int:
     """How many joints of a URDF stand for one."""
     return sum(3 if dof.kind == "ball" else 1 for dof in joint.dofs)
 

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from stages.export import export
-from stages.formats.numbers import number
 from stages.graph import build_robot
 from stages.graph.view.views import views
 from stages.mesh.primitives import shapes as primitive_shapes
@@ -53,8 +52,6 @@ def lines_run(work: Callable[[], object]) -> Counter[Line]:
     def enter(frame: FrameType, event: str, _: Any) -> Any:
         return local if frame.f_code.co_filename.startswith(STAGES) else None
 
-    # Texts that are remembered from the smaller assembly would not be counted.
-    number.cache_clear()
     before = sys.gettrace()
     sys.settrace(enter)
     try:
