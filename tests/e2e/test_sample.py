@@ -8,9 +8,13 @@ from pathlib import Path
 
 import pytest
 
+from stages.export import WRITERS
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import OnshapeServer
 from tests.support.command import COMMAND, environment, linkwright, robot_files
+
+PLAIN = ("robot=sample", "mesh=visual", f"export=[{','.join(WRITERS)}]")
+"""The sample in every format, without colliders, which take most of the time of a build."""
 
 
 def report(folder: Path) -> dict:
@@ -28,9 +32,9 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def plain(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """The files of the sample without colliders, which take most of the time of a build."""
+    """The files of the plain sample."""
     here = tmp_path_factory.mktemp("plain")
-    done = linkwright(here, "robot=sample", "mesh=visual")
+    done = linkwright(here, *PLAIN)
     assert done.returncode == 0, done.stderr
     return robot_files(here / "outputs" / "sample")
 
@@ -67,7 +71,7 @@ def test_hash_seed_process_and_bypass_change_no_byte(built: Path, tmp_path: Path
 
 
 def test_hash_seed_and_bypass_change_no_byte_of_the_rest(plain: dict[str, bytes], tmp_path: Path) -> None:
-    arguments = ["robot=sample", "mesh=visual", "cache.mode=bypass"]
+    arguments = [*PLAIN, "cache.mode=bypass"]
     done = linkwright(tmp_path, *arguments, environ=environment(tmp_path, PYTHONHASHSEED="0"))
     assert done.returncode == 0, done.stderr
     assert robot_files(tmp_path / "outputs" / "sample") == plain
@@ -80,8 +84,7 @@ def test_over_http_the_same_bytes_come_with_one_plus_two_p_calls(
     with OnshapeServer(document) as server:
         done = linkwright(
             tmp_path,
-            "robot=sample",
-            "mesh=visual",
+            *PLAIN,
             "source=onshape",
             f"source.url='{server.document_url()}'",
             environ=environment(tmp_path, **server.environ),
@@ -107,7 +110,7 @@ def test_killed_at_any_moment_the_next_build_is_whole(
     killed = 0
     for _ in range(kills):
         victim = subprocess.Popen(
-            [str(COMMAND), "robot=sample", "mesh=visual", "cache.mode=refresh"],
+            [str(COMMAND), *PLAIN, "cache.mode=refresh"],
             cwd=tmp_path,
             env=environment(tmp_path),
             stdout=subprocess.DEVNULL,
@@ -116,7 +119,7 @@ def test_killed_at_any_moment_the_next_build_is_whole(
         time.sleep(moments.uniform(0.05, 2.5))
         victim.kill()
         killed += victim.wait() != 0
-        done = linkwright(tmp_path, "robot=sample", "mesh=visual")
+        done = linkwright(tmp_path, *PLAIN)
         assert done.returncode == 0, done.stderr
         assert robot_files(tmp_path / "outputs" / "sample") == plain
         left = {path.name for path in (tmp_path / "outputs").iterdir() if path.name != ".linkwright"}

@@ -2,7 +2,7 @@
 no mass between them; and the pose in which the links of the SDF stand."""
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -23,7 +23,7 @@ from stages.robot.model import (
     Robot,
     Value,
 )
-from stages.robot.poses import at_rest, motion
+from stages.robot.poses import at_rest, inverse, motion
 from stages.robot.ways import Ways
 
 SdfJointType = Literal["fixed", "continuous", "revolute", "prismatic", "ball"]
@@ -87,7 +87,9 @@ def lower(robot: Robot, start: Configuration, names: SdfNames) -> SdfJoints:
     stand, so these stand where loops are closed: at zero if they are closed there, else at `start`.
     """
     stands = _stance(robot, start)
-    made = _Chains(names, stands, {relation.follower: relation for relation in robot.relations})
+    turned = {loop.name: _turned(loop) for loop in robot.loops if loop.link_a == robot.root.name}
+    values = stands | _conjugated(turned.values(), stands)
+    made = _Chains(names, values, {relation.follower: relation for relation in robot.relations})
     joints: list[SdfJoint] = []
     floating: dict[str, tuple[str, Array]] = {}
     for joint in robot.joints:
@@ -98,7 +100,7 @@ def lower(robot: Robot, start: Configuration, names: SdfNames) -> SdfJoints:
             floating[child] = (parent, joint.parent_from_joint @ moved)
         else:
             joints += made.of(joint, parent, child, joint.parent_from_joint)
-    for loop in robot.loops:
+    for loop in (turned.get(one.name, one) for one in robot.loops):
         # From its second link to its first, which stands where the tree has it.
         first = names.links[loop.link_a]
         *before, last = made.of(loop, names.links[loop.link_b], first, loop.b_from_frame)
@@ -149,6 +151,29 @@ class _Chains:
         assert not isinstance(driver, tuple)
         offset = relation.offset + relation.multiplier * driver - follower
         return Follows(self.names.joints[relation.driver], relation.multiplier, offset)
+
+
+def _turned(loop: Loop) -> Loop:
+    """The loop from its first link to its second: dofs in reverse, axes negated, so that turns and slides
+    keep their values. For a reader, a joint whose child is the root makes it hang on what hangs on it."""
+    dofs = loop.dofs[::-1]
+    origins = [np.eye(4), *(inverse(dof.origin) for dof in dofs)]
+    return replace(
+        loop,
+        link_a=loop.link_b,
+        link_b=loop.link_a,
+        a_from_frame=loop.b_from_frame @ inverse(origins[-1]),
+        b_from_frame=loop.a_from_frame,
+        dofs=tuple(
+            replace(dof, axis=-dof.axis, origin=origin) for dof, origin in zip(dofs, origins, strict=False)
+        ),
+    )
+
+
+def _conjugated(turned: Iterable[Loop], stands: Configuration) -> dict[str, Value]:
+    """The values of balls the other way round."""
+    balls = {dof.name: stands[dof.name] for loop in turned for dof in loop.dofs if dof.kind == "ball"}
+    return {name: (q[0], -q[1], -q[2], -q[3]) for name, q in balls.items() if isinstance(q, tuple)}
 
 
 def _stance(robot: Robot, start: Configuration) -> dict[str, Value]:
