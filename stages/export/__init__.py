@@ -1,6 +1,7 @@
 """The export stage: a robot and its geometry become files, and the same input gives the same bytes."""
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -19,8 +20,12 @@ WRITERS = (
     "urdf",
     "mjcf",
     "sdf",
+    "ros2",
 )
 """All formats, in the order in which they are written: folders of this stage, each with its `Writer`."""
+
+PACKAGES = ("ros2",)
+"""Those that pack the files of others, as the user's own XML leaves them, with the meshes."""
 
 
 def writer_of(name: str) -> Writer:
@@ -59,23 +64,26 @@ def export(
     robot = as_driven(robot, actuation)
     form, mjcf_form = form_of(robot, keys, actuation), mjcf_form_of(robot, geometry, keys)
     sensing = sensing_of(robot, geometry, actuation, keys, mjcf_form.fused)
+    given = WriterInput(robot, geometry, keys, start, {}, actuation, standing, form, mjcf_form, sensing)
     written: dict[str, Exported] = {}
-    for name in _needed(keys.export.chosen):
+    needed = _needed(keys.export.chosen)
+    alone = [name for name in needed if name not in PACKAGES]
+    for name in alone:
         writer = writer_of(name)
         own = {path: data for other in writer.reads for path, data in written[other].files.items()}
-        given = WriterInput(robot, geometry, keys, start, own, actuation, standing, form, mjcf_form, sensing)
-        written[name] = writer.write(given)
-    exported = [written[name] for name in keys.export.chosen]
-    files = {f"assets/{name}": data for name, data in geometry.files.items()}
-    for one in exported:
-        files |= one.files
-    mine = _amended(files, robot.name, keys, texts or {})
-    files |= mine.files
+        written[name] = writer.write(replace(given, files=own))
+    assets = {f"assets/{name}": data for name, data in geometry.files.items()}
+    mine = _amended(assets | _files(written, alone), robot.name, alone, keys, texts or {})
+    every = {**assets, **_files(written, alone), **mine.files}
+    for name in [name for name in PACKAGES if name in needed]:
+        written[name] = writer_of(name).write(replace(given, files=every))
+    files = assets | _files(written, keys.export.chosen)
+    files |= {path: data for path, data in mine.files.items() if path in files}
     order = order_tables(robot, actuation, form, files)
     told = {name: dict(written[name].record) for name in keys.export.chosen if written[name].record}
     known = actuation, form, mjcf_form, sensing, order, mine.amendments, told
     files["robot.json"] = describe(robot, start, *known)
-    diagnostics = tuple(diagnostic for one in exported for diagnostic in one.diagnostics)
+    diagnostics = tuple(diagnostic for name in needed for diagnostic in written[name].diagnostics)
     remarks = (*diagnostics, *standing.diagnostics, *remarks, *mine.diagnostics)
     tip = advice(robot, actuation, place, gravity_of(keys.scene.option))
     return Exported(
@@ -83,16 +91,25 @@ def export(
     )
 
 
+def _files(written: Mapping[str, Exported], names: Collection[str]) -> dict[str, bytes]:
+    """The files of these formats."""
+    return {path: data for name in names for path, data in written[name].files.items()}
+
+
 def _amended(
-    files: Mapping[str, bytes], robot: str, keys: "ExportKeys", texts: Mapping[str, str]
+    files: Mapping[str, bytes],
+    robot: str,
+    written: Collection[str],
+    keys: "ExportKeys",
+    texts: Mapping[str, str],
 ) -> "Amended":
-    """The files with the user's own XML."""
+    """The files with the user's own XML. `written`: the formats."""
     from stages.export.amend.amend import Amended, amended
     from stages.export.amend.documents import ROLES as AMENDABLE
 
     if not keys.elements and not keys.attributes:
         return Amended({})
-    formats = {name: writer_of(name).paths(robot) for name in keys.export.chosen if name in AMENDABLE}
+    formats = {name: writer_of(name).paths(robot) for name in written if name in AMENDABLE}
     return amended(files, formats, keys, texts)
 
 

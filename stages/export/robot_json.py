@@ -32,6 +32,8 @@ the MJCF: `qpos` and `dof` of a joint are its first number in MuJoCo's arrays an
 joint's place among those that move in the file, `tree` that in a walk down the tree with siblings by name,
 as Pinocchio has them.
 `amendments` lists what `elements` and `attributes` added to the files and set in them.
+`ros2` is there where a ROS 2 package is written: `package` is its name, `renamed` has the names in it of
+links and joints that are not those of the URDF.
 `sdf` is there where an SDF is written: `renamed` has the names in it of links, joints (by dof, also of loops)
 and frames that are not the robot's; `zeros` the value of each dof that is not 0 where its joint of the SDF is
 (a ball's joint turns on from that pose).

@@ -1,6 +1,7 @@
 """XML in and out: one place that parses and writes, with entities and the network off."""
 
 import re
+from collections.abc import Mapping
 from copy import deepcopy
 from typing import Any, TypeAlias
 
@@ -39,6 +40,11 @@ def element(parent: Element | None, tag: str, **attributes: str | None) -> Eleme
     if parent is None:
         return etree.Element(tag, given)
     return etree.SubElement(parent, tag, given)
+
+
+def rooted(tag: str, namespaces: Mapping[str, str], **attributes: str) -> Element:
+    """A root element that declares namespaces: prefix → name. Tags in one of these are "{name}tag"."""
+    return etree.Element(tag, attributes, nsmap=dict(namespaces))
 
 
 def to_bytes(root: Element) -> bytes:

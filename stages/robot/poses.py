@@ -116,3 +116,13 @@ def rotation_from_quat(quat: Array) -> Array:
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ]
     )
+
+
+def turns_from_rotation(rotation: Array) -> tuple[float, float, float]:
+    """(x, y, z) [rad] with Rx(x) Ry(y) Rz(z) = `rotation` (3, 3); z is 0 where y is ±90°."""
+    r = rotation
+    y = math.atan2(r[0, 2], math.hypot(r[0, 0], r[0, 1]))
+    z = math.atan2(-r[0, 1], r[0, 0]) if math.hypot(r[0, 0], r[0, 1]) > 1e-12 else 0.0
+    # With z taken off, Rx Ry has (0, cos x, sin x) for its second column.
+    second = math.cos(z) * r[:, 1] + math.sin(z) * r[:, 0]
+    return math.atan2(second[2], second[1]), y, z

@@ -13,7 +13,7 @@ import numpy as np
 
 from stages.formats.urdf.names import urdf_names
 from stages.robot.model import Array, Configuration, Dof, Robot, Value
-from stages.robot.poses import inverse, motion, quat_from_rotation
+from stages.robot.poses import inverse, motion, quat_from_rotation, turns_from_rotation
 from stages.validate.compiled import CompiledModel
 
 HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
@@ -116,16 +116,6 @@ def spread(robot: Robot, turn: int) -> dict[str, Value]:
         length = math.hypot(*some[-4:])
         values[dof.name] = some[0] if width == 1 else (*some[:-4], *(x / length for x in some[-4:]))
     return values
-
-
-def turns_from_rotation(rotation: Array) -> tuple[float, float, float]:
-    """(x, y, z) [rad] with Rx(x) Ry(y) Rz(z) = `rotation` (3, 3); z is 0 where y is ±90°."""
-    r = rotation
-    y = math.atan2(r[0, 2], math.hypot(r[0, 0], r[0, 1]))
-    z = math.atan2(-r[0, 1], r[0, 0]) if math.hypot(r[0, 0], r[0, 1]) > 1e-12 else 0.0
-    # With z taken off, Rx Ry has (0, cos x, sin x) for its second column.
-    second = math.cos(z) * r[:, 1] + math.sin(z) * r[:, 0]
-    return math.atan2(second[2], second[1]), y, z
 
 
 def root_pose(model: Any, data: Any, robot: Robot) -> Array:

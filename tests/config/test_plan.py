@@ -168,7 +168,7 @@ def test_a_plan_without_source_is_no_plan():
         (
             {"export": {}},
             "export",
-            "no format is chosen; allowed: urdf, mjcf, sdf, [urdf, mjcf, sdf] (given {})",
+            "no format is chosen; allowed: urdf, mjcf, sdf, ros2, [urdf, mjcf, sdf, ros2] (given {})",
         ),
     ],
 )
@@ -228,7 +228,7 @@ def test_a_number_as_the_name_of_a_joint_is_reported_to_be_quoted():
     [
         (
             {"export": {"mjcf": {}, "usd": {}}},
-            ("export.usd", "not supported yet (given {})", "formats so far: urdf, mjcf, sdf"),
+            ("export.usd", "not supported yet (given {})", "formats so far: urdf, mjcf, sdf, ros2"),
         ),
         (
             {"plugins": ["mine"]},

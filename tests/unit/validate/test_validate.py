@@ -12,11 +12,10 @@ import pytest
 from stages.mesh import make_geometry
 from stages.robot.kinematics import chain, link_poses, saved_configuration
 from stages.robot.model import Frame, Limits, Relation, Robot
-from stages.robot.poses import inverse
+from stages.robot.poses import inverse, turns_from_rotation
 from stages.robot.poses import turn as turned
 from stages.validate import CHECKS, ENGINES, validate
 from stages.validate import mujoco_abilities as ability
-from stages.validate.coordinates import turns_from_rotation
 from tests.fake_onshape.frames import turn
 from tests.support import robots
 from tests.support.building import bundle_of, plan_of, robot_of, write

@@ -1,0 +1,1 @@
+"""A ROS 2 package: description, ros2_control, controllers and launch files of a robot."""

@@ -1,0 +1,50 @@
+"""Configuration of the ROS 2 package."""
+
+import re
+from typing import Annotated
+
+from pydantic import AfterValidator
+
+from stages.robot.keys import Keys, Text, example, invalid
+
+
+def _as_package(name: str) -> str:
+    # REP 144.
+    if not re.fullmatch("[a-z][a-z0-9]*(_[a-z0-9]+)*", name) or len(name) < 2:
+        raise invalid("must be the name of a ROS package: a lower-case letter, then a-z, 0-9 and single _")
+    return name
+
+
+def _as_version(text: str) -> str:
+    if not re.fullmatch(r"\d+\.\d+\.\d+", text, re.ASCII):
+        raise invalid("must be three whole numbers with points, as 1.0.0")
+    return text
+
+
+def _as_address(text: str) -> str:
+    if not re.fullmatch(r"[A-Za-z0-9_%+-]+(\.[A-Za-z0-9_%+-]+)*@([A-Za-z0-9-]+\.)+[A-Za-z]{2,}", text):
+        raise invalid("must be an email address, which package.xml requires")
+    return text
+
+
+class Ros2FormatKeys(Keys):
+    """The ROS 2 package."""
+
+    package: Annotated[Text, AfterValidator(_as_package), example("my_arm_description")] | None = None
+    """Its name, and that of its folder in `ros2/`; null: `<name>_description`."""
+
+    version: Annotated[Text, AfterValidator(_as_version), example("1.0.0")] = "0.0.0"
+    """Its version."""
+
+    maintainer: Annotated[Text, example("Ada Lovelace")] = "TODO"
+    """Who maintains it. The defaults are those of `ros2 pkg create`."""
+
+    email: Annotated[Text, AfterValidator(_as_address), example("ada@example.com")] = "user@todo.todo"
+    """The maintainer's address."""
+
+    license: Annotated[Text, example("Apache-2.0")] = "TODO: License declaration"
+    """Its license."""
+
+
+KEYS = Ros2FormatKeys
+"""The section of the configuration."""

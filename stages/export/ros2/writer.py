@@ -1,0 +1,95 @@
+"""A ROS 2 package: the folder that `colcon build` takes."""
+
+from typing import TYPE_CHECKING
+
+from stages.export.writer import Exported, WriterInput
+
+if TYPE_CHECKING:
+    from stages.export.ros2.control import Control
+    from stages.export.ros2.description import Description
+
+FOLDER = "ros2"
+"""Where the package lies in the output: a folder that can be a workspace's `src`."""
+
+
+class Ros2Writer:
+    """`ros2/<package>/`."""
+
+    reads: tuple[str, ...] = ("urdf",)
+    modules: tuple[str, ...] = ("stages.export.ros2.xacro_files", "stages.export.ros2.launch_files")
+
+    def paths(self, robot: str) -> tuple[str, ...]:
+        return (f"{FOLDER}/*",)
+
+    def write(self, given: WriterInput) -> Exported:
+        """Its files, with copies of the meshes."""
+        from stages.export.ros2.control import control_of
+        from stages.export.ros2.description import described
+        from stages.export.ros2.keys import Ros2FormatKeys
+        from stages.export.ros2.names import package_of
+        from stages.export.ros2.unsupported import unsupported
+
+        robot = given.robot
+        keys = given.keys.export.ros2 or Ros2FormatKeys()
+        package = keys.package or package_of(robot.name)
+        description = described(given.files[f"{robot.name}.urdf"], package)
+        control = control_of(robot, given.form, given.actuation, given.sensing, description)
+        own = description.root.find("ros2_control") is not None
+        place = f"{FOLDER}/{package}"
+        told = tuple(unsupported(description.names, control, own, place))
+        files = {f"{place}/{path}": data for path, data in _files(given, package, description, control)}
+        record = {"package": package, "renamed": description.names.renamed}
+        return Exported(files, told, record=record)
+
+
+def _files(
+    given: WriterInput, package: str, description: "Description", control: "Control"
+) -> list[tuple[str, bytes]]:
+    """(path in the package, bytes)."""
+    from stages.export.ros2.controllers import controllers_of, controllers_yaml
+    from stages.export.ros2.keys import Ros2FormatKeys
+    from stages.export.ros2.launch_files import control_launch, display_launch, rviz
+    from stages.export.ros2.names import macro_of
+    from stages.export.ros2.package import ALWAYS, CONTROLLED, cmake_lists, package_xml
+    from stages.export.ros2.xacro_files import control_macro, entry, macro
+    from stages.formats.xml import to_bytes
+    from stages.robot.names import free
+
+    name = given.robot.name
+    keys = given.keys.export.ros2 or Ros2FormatKeys()
+    own = macro_of(name)
+    parts = f"{name}_macro.xacro", f"{name}.ros2_control.xacro"
+    joints = {str(one.get("name")) for one in description.root.iterchildren("joint")}
+    controllers = controllers_of(control)
+    texts = {
+        "PACKAGE": package,
+        "ROBOT": name,
+        "ROOT": description.base,
+        "ENTRY": f"{name}.urdf.xacro",
+        "RVIZ": f"{name}.rviz",
+    }
+    home = {one.name: one.home for one in control.joints if not one.follows}
+    files = [
+        (f"urdf/{parts[0]}", macro(description, own, free(f"{description.base}_mount", joints))),
+        (f"urdf/{parts[1]}", control_macro(control, own)),
+        (f"urdf/{name}.urdf.xacro", entry(name, description, control, own, parts)),
+        (f"urdf/{name}.urdf", to_bytes(description.root)),
+        (f"rviz/{name}.rviz", rviz(description.base, given.standing)),
+        ("launch/display.launch.py", display_launch(texts, home)),
+        *((f"meshes/{file}", data) for file, data in given.geometry.files.items()),
+    ]
+    needs = [*ALWAYS]
+    if controllers:
+        plugin = control.plugin
+        files.append(("config/controllers.yaml", controllers_yaml(controllers)))
+        files.append(
+            ("launch/control.launch.py", control_launch(texts, [one.name for one in controllers], plugin))
+        )
+        needs += [*CONTROLLED, *(one.package for one in controllers)]
+    paths = [path for path, _ in files]
+    files.append(("package.xml", package_xml(package, name, keys, needs)))
+    files.append(("CMakeLists.txt", cmake_lists(package, paths)))
+    return files
+
+
+WRITER = Ros2Writer()

@@ -1,0 +1,137 @@
+"""The xacro files of a ROS 2 package: a macro of the robot, one of its ros2_control, and the file that robots
+are made from.
+
+A macro puts its prefix before the names of all links, joints, materials and sensors, so that a cell may have
+the robot several times.
+"""
+
+from collections.abc import Sequence
+
+from stages.export.ros2.control import INTERFACES, Control
+from stages.export.ros2.description import Description, references, without_control
+from stages.formats.numbers import TURN, number
+from stages.formats.xml import Element, element, rooted, to_bytes
+
+XACRO = "http://www.ros.org/wiki/xacro"
+
+MOCK = "mock_components/GenericSystem"
+"""Hardware that has at once what it is commanded to have."""
+
+ARGUMENTS = (
+    ("prefix", ""),
+    ("parent", ""),
+    ("xyz", "0 0 0"),
+    ("rpy", "0 0 0"),
+    ("use_ros2_control", "true"),
+    ("use_mock_hardware", "true"),
+)
+"""The arguments of the entry, with their defaults, but for that of the hardware's plugin."""
+
+
+def macro(description: Description, name: str, mount: str) -> bytes:
+    """The robot as a macro. `mount`: the name of the joint that holds it, where it has a parent."""
+    plain, _ = without_control(description.root)
+    root = _document()
+    body = element(root, _xacro("macro"), name=name, params="prefix:='' parent:='' xyz:='0 0 0' rpy:='0 0 0'")
+    base = f"${{prefix}}{description.base}"
+    held = element(body, _xacro("if"), value=f"${{parent not in ('', prefix + '{description.base}')}}")
+    joint = element(held, "joint", name=f"${{prefix}}{mount}", type="fixed")
+    element(joint, "parent", link="${parent}")
+    element(joint, "child", link=base)
+    element(joint, "origin", xyz="${xyz}", rpy="${rpy}")
+    _guard(plain)
+    for node, key, _ in list(references(plain)):
+        node.set(key, "${prefix}" + node.get(key))
+    body.extend(list(plain))
+    return to_bytes(root)
+
+
+def control_macro(control: Control, name: str) -> bytes:
+    """The ros2_control of the robot as a macro."""
+    root = _document()
+    params = (
+        f"name:='{name}' prefix:='' use_mock_hardware:=true hardware_plugin:='{_dollars(control.plugin)}'"
+    )
+    body = element(root, _xacro("macro"), name=f"{name}_ros2_control", params=params)
+    top = element(body, "ros2_control", name="${prefix}${name}", type="system")
+    _hardware(top, control)
+    for joint in control.joints:
+        node = element(top, "joint", name=f"${{prefix}}{joint.name}")
+        if joint.follows:
+            # ROS 2 Humble reads these, newer ones the <mimic> of the URDF.
+            driver, multiplier = joint.follows
+            element(node, "param", name="mimic").text = f"${{prefix}}{driver}"
+            element(node, "param", name="multiplier").text = number(multiplier)
+        for interface in joint.commands:
+            element(node, "command_interface", name=interface)
+        for interface in joint.states:
+            state = element(node, "state_interface", name=interface)
+            if interface == "position":
+                element(state, "param", name="initial_value").text = number(joint.home, least=TURN)
+    for sensor in control.sensors:
+        node = element(top, "sensor", name=f"${{prefix}}{sensor.name}")
+        for interface in INTERFACES[sensor.kind]:
+            state = element(node, "state_interface", name=interface)
+            element(state, "param", name="initial_value").text = "1" if interface.endswith(".w") else "0"
+        element(node, "param", name="frame_id").text = f"${{prefix}}{sensor.frame}"
+    return to_bytes(root)
+
+
+def entry(robot: str, description: Description, control: Control, name: str, files: tuple[str, str]) -> bytes:
+    """The file that is expanded. `files`: those of the macros of the robot and of its ros2_control."""
+    root = _document(name=robot)
+    for argument, default in (*ARGUMENTS, ("hardware_plugin", control.plugin)):
+        element(root, _xacro("arg"), name=argument, default=_dollars(default))
+    for file in files:
+        element(root, _xacro("include"), filename=file)
+    for argument in ("prefix", "parent"):
+        element(root, _xacro("property"), name=argument, value=f"$(arg {argument})")
+    new = element(root, _xacro("if"), value=f"${{parent not in ('', prefix + '{description.base}')}}")
+    element(new, "link", name="${parent}")
+    _call(root, name, ("prefix", "parent", "xyz", "rpy"))
+    if control.joints or control.sensors:
+        used = element(root, _xacro("if"), value="$(arg use_ros2_control)")
+        _call(used, f"{name}_ros2_control", ("prefix", "use_mock_hardware", "hardware_plugin"))
+    return to_bytes(root)
+
+
+def _call(above: Element, macro: str, arguments: Sequence[str]) -> None:
+    """The macro with the arguments of the file."""
+    node = element(above, _xacro(macro))
+    for argument in arguments:
+        node.set(argument, f"$(arg {argument})")
+
+
+def _hardware(top: Element, control: Control) -> None:
+    hardware = element(top, "hardware")
+    mock = element(hardware, _xacro("if"), value="${use_mock_hardware}")
+    element(mock, "plugin").text = MOCK
+    if control.commanded("velocity") and not control.commanded("effort"):
+        # Then speeds move the joints; but no controller of efforts may start.
+        element(mock, "param", name="calculate_dynamics").text = "true"
+    own = element(hardware, _xacro("unless"), value="${use_mock_hardware}")
+    text = "hardware_plugin:=... has to name a plugin where use_mock_hardware is false"
+    plugin = f"${{hardware_plugin if hardware_plugin else xacro.fatal('{text}')}}"
+    element(own, "plugin").text = plugin
+    for name, value in control.parameters:
+        element(own, "param", name=_dollars(name)).text = _dollars(value)
+
+
+def _document(**attributes: str) -> Element:
+    return rooted("robot", {"xacro": XACRO}, **attributes)
+
+
+def _xacro(tag: str) -> str:
+    return f"{{{XACRO}}}{tag}"
+
+
+def _guard(root: Element) -> None:
+    """What looks like an expression of xacro stays as it is."""
+    for node in root.iter():
+        for key, value in node.attrib.items():
+            node.set(key, _dollars(value))
+        node.text = _dollars(node.text) if node.text else node.text
+
+
+def _dollars(text: str) -> str:
+    return text.replace("${", "$${").replace("$(", "$$(")

@@ -1,0 +1,287 @@
+"""A ROS 2 package as ROS would take it, without ROS: its xacro expanded, its launch files run, its
+package.xml read.
+
+The launch files run against stand-ins of `launch`, `launch_ros` and `ament_index_python`, made up after their
+documentation: they record what is started and know nothing else.
+"""
+
+import re
+import runpy
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+import yaml
+from lxml import etree
+
+TAGS = (
+    "name|version|description|maintainer|license|url|author|export|build_depend|build_export_depend|depend|"
+    "buildtool_depend|buildtool_export_depend|exec_depend|doc_depend|test_depend|conflict|replace|"
+    "group_depend|member_of_group"
+)
+"""The elements of a package.xml, of REP 149."""
+
+EXECUTABLES = {
+    "robot_state_publisher": {"robot_state_publisher"},
+    "joint_state_publisher": {"joint_state_publisher"},
+    "joint_state_publisher_gui": {"joint_state_publisher_gui"},
+    "rviz2": {"rviz2"},
+    "controller_manager": {"ros2_control_node", "spawner"},
+}
+"""Package → the programs of it that there are."""
+
+CONTROLLERS = {
+    "joint_state_broadcaster/JointStateBroadcaster",
+    "joint_trajectory_controller/JointTrajectoryController",
+    "forward_command_controller/ForwardCommandController",
+    "imu_sensor_broadcaster/IMUSensorBroadcaster",
+    "force_torque_sensor_broadcaster/ForceTorqueSensorBroadcaster",
+}
+"""Controllers that ros2_controllers has."""
+
+
+@dataclass
+class Package:
+    """A package in a folder of its name."""
+
+    folder: Path
+
+    @property
+    def name(self) -> str:
+        return self.folder.name
+
+    @property
+    def entry(self) -> Path:
+        (found,) = (self.folder / "urdf").glob("*.urdf.xacro")
+        return found
+
+    @property
+    def plain(self) -> bytes:
+        (found,) = (self.folder / "urdf").glob("*.urdf")
+        return found.read_bytes()
+
+    def expanded(self, **arguments: str) -> bytes:
+        """The URDF that xacro makes."""
+        xacro = pytest.importorskip("xacro")
+        return xacro.process_file(str(self.entry), mappings=arguments).toxml().encode()
+
+    def controllers(self) -> dict[str, Any]:
+        path = self.folder / "config" / "controllers.yaml"
+        return yaml.safe_load(path.read_text()) if path.exists() else {}
+
+    def file_of(self, uri: str) -> Path:
+        """What `package://` stands for."""
+        name, _, path = uri.removeprefix("package://").partition("/")
+        assert uri.startswith("package://"), uri
+        assert name == self.name
+        return self.folder / path
+
+
+def packed(files: Mapping[str, bytes], folder: Path) -> Package:
+    """The one package among the files of a build, written below a folder."""
+    mine = {path: data for path, data in files.items() if path.startswith("ros2/")}
+    for path, data in mine.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_bytes(data)
+    (manifest,) = (folder / "ros2").glob("*/package.xml")
+    return Package(manifest.parent)
+
+
+def check_manifest(package: Package) -> list[str]:
+    """What the rules of package.xml (REP 149 and 144) demand; returns what the package runs with."""
+    root = etree.fromstring((package.folder / "package.xml").read_bytes())
+    assert (root.tag, root.get("format")) == ("package", "3")
+    tags = [one.tag for one in root]
+    assert all(re.fullmatch(TAGS, one) for one in tags)
+    for required in ("name", "version", "description", "maintainer", "license"):
+        assert tags.count(required) >= 1
+        assert all((one.text or "").strip() for one in root.findall(required))
+    assert all(tags.count(one) == 1 for one in ("name", "version", "description", "export"))
+    assert root.findtext("name") == package.name
+    assert re.fullmatch("[a-z][a-z0-9]*(_[a-z0-9]+)*", package.name)
+    assert re.fullmatch(r"\d+\.\d+\.\d+", root.findtext("version"))
+    assert all("@" in one.get("email") for one in root.findall("maintainer"))
+    assert root.findtext("export/build_type") == "ament_cmake"
+    assert "ament_cmake" in [one.text for one in root.findall("buildtool_depend")]
+    needs = [one.text for one in root.findall("exec_depend")]
+    assert len(set(needs)) == len(needs)
+    cmake = (package.folder / "CMakeLists.txt").read_text()
+    assert re.search(rf"^project\({package.name}\)$", cmake, re.MULTILINE)
+    (folders,) = re.findall(r"DIRECTORY (.*)\n", cmake)
+    assert sorted(folders.split()) == sorted(one.name for one in package.folder.iterdir() if one.is_dir())
+    return needs
+
+
+@dataclass
+class Node:
+    """Imagined: a node that a launch file starts."""
+
+    package: str
+    executable: str
+    parameters: list[Any] = field(default_factory=list)
+    arguments: list[str] = field(default_factory=list)
+    remappings: list[tuple[str, str]] = field(default_factory=list)
+    output: str = "log"
+
+
+@dataclass
+class DeclareLaunchArgument:
+    """Imagined."""
+
+    name: str
+    default_value: str
+    description: str
+
+
+@dataclass
+class OpaqueFunction:
+    """Imagined."""
+
+    function: Callable[[Mapping[str, str]], list[Node]]
+
+
+@dataclass
+class LaunchConfiguration:
+    """Imagined: an argument, performed against the values of all."""
+
+    name: str
+
+    def perform(self, context: Mapping[str, str]) -> str:
+        return context[self.name]
+
+
+@dataclass
+class LaunchDescription:
+    """Imagined."""
+
+    entities: list[Any]
+
+
+@dataclass
+class ParameterValue:
+    """Imagined: a parameter that is a text whatever it looks like."""
+
+    value: Any
+    value_type: type
+
+
+def launched(package: Package, file: str, monkeypatch: pytest.MonkeyPatch, **given: str) -> list[Node]:
+    """The nodes that a launch file starts, every argument not given at its default."""
+
+    def share(name: str) -> str:
+        assert name == package.name
+        return str(package.folder)
+
+    modules: dict[str, dict[str, Any]] = {
+        "launch": {"LaunchDescription": LaunchDescription},
+        "launch.actions": {
+            "DeclareLaunchArgument": DeclareLaunchArgument,
+            "OpaqueFunction": OpaqueFunction,
+        },
+        "launch.substitutions": {"LaunchConfiguration": LaunchConfiguration},
+        "launch_ros": {},
+        "launch_ros.actions": {"Node": Node},
+        "launch_ros.parameter_descriptions": {"ParameterValue": ParameterValue},
+        "ament_index_python": {},
+        "ament_index_python.packages": {"get_package_share_directory": share},
+    }
+    pytest.importorskip("xacro")
+    for name, contents in modules.items():
+        module = ModuleType(name)
+        vars(module).update(contents)
+        monkeypatch.setitem(sys.modules, name, module)
+    made = runpy.run_path(str(package.folder / "launch" / file))["generate_launch_description"]()
+    arguments = {one.name: one for one in made.entities if isinstance(one, DeclareLaunchArgument)}
+    assert set(given) <= set(arguments)
+    assert all(one.description for one in arguments.values())
+    values = {name: one.default_value for name, one in arguments.items()} | given
+    nodes = []
+    for one in made.entities:
+        if isinstance(one, OpaqueFunction):
+            nodes += one.function(values)
+    needs = check_manifest(package)
+    for node in nodes:
+        assert node.executable in EXECUTABLES[node.package]
+        assert node.package in needs
+        for text in node.arguments:
+            assert not text.startswith("/") or text == "/controller_manager" or Path(text).is_file(), text
+    return nodes
+
+
+def check_control(package: Package, urdf: bytes, controllers: Mapping[str, Any], prefix: str = "") -> None:
+    """Every joint of the <ros2_control> moves in the URDF, those that follow another are not commanded, and
+    every controller finds the interfaces that it claims."""
+    root = etree.fromstring(urdf)
+    joints = {one.get("name"): one for one in root.findall("joint")}
+    links = {one.get("name") for one in root.findall("link")}
+    (control,) = root.findall("ros2_control")
+    assert control.get("type") == "system"
+    plugins = [one.text for one in control.findall("hardware/plugin")]
+    assert len(plugins) == 1
+    assert "/" in plugins[0]
+    commands, states = set(), set()
+    names = [one.get("name") for one in control if one.tag in ("joint", "sensor")]
+    assert len(set(names)) == len(names)
+    moving = [
+        name for name, one in joints.items() if one.get("type") in ("revolute", "continuous", "prismatic")
+    ]
+    assert [one.get("name") for one in control.findall("joint")] == moving
+    for node in control.findall("joint"):
+        name = node.get("name")
+        mimic = joints[name].find("mimic")
+        given = {one.get("name"): one.text for one in node.findall("param")}
+        if mimic is not None:
+            assert not node.findall("command_interface")
+            assert given["mimic"] == mimic.get("joint")
+            assert float(given["multiplier"]) == float(mimic.get("multiplier"))
+            assert mimic.get("joint") in names
+        else:
+            assert given == {}
+        commands |= {(name, one.get("name")) for one in node.findall("command_interface")}
+        states |= {(name, one.get("name")) for one in node.findall("state_interface")}
+    for node in control.findall("sensor"):
+        states |= {(node.get("name"), one.get("name")) for one in node.findall("state_interface")}
+        assert node.findtext("param[@name='frame_id']") in links
+    claimed = []
+    manager = dict(controllers["controller_manager"]["ros__parameters"])
+    assert manager.pop("update_rate") > 0
+    assert set(controllers) - {"controller_manager"} <= set(manager)
+    for name, about in manager.items():
+        assert about["type"] in CONTROLLERS
+        kind = about["type"].partition("/")[0]
+        assert kind in check_manifest(package)
+        own = controllers.get(name, {}).get("ros__parameters", {})
+        if kind == "joint_state_broadcaster":
+            assert own == {}
+        elif kind == "joint_trajectory_controller":
+            for joint in own["joints"]:
+                claimed += [(joint, one) for one in own["command_interfaces"]]
+                assert {(joint, one) for one in own["state_interfaces"]} <= states
+        elif kind == "forward_command_controller":
+            claimed += [(joint, own["interface_name"]) for joint in own["joints"]]
+        else:
+            assert own["frame_id"] in links
+            assert own["frame_id"].startswith(prefix)
+            found = {interface for sensor, interface in states if sensor == own["sensor_name"]}
+            wanted = {
+                "imu_sensor_broadcaster": {
+                    *(f"orientation.{axis}" for axis in "xyzw"),
+                    *(
+                        f"{what}.{axis}"
+                        for what in ("angular_velocity", "linear_acceleration")
+                        for axis in "xyz"
+                    ),
+                },
+                "force_torque_sensor_broadcaster": {
+                    f"{what}.{axis}" for what in ("force", "torque") for axis in "xyz"
+                },
+            }
+            assert found == wanted[kind]
+    assert len(set(claimed)) == len(claimed), "two controllers claim one interface"
+    assert set(claimed) <= commands
+    # Each joint that can be commanded is commanded by some controller.
+    assert {joint for joint, _ in claimed} == {joint for joint, _ in commands}
