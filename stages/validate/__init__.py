@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from stages.robot.sensing import Sensing
     from stages.validate.keys import ValidateKeys
 
-VERSION = 16
+VERSION = 17
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -39,6 +39,9 @@ CHECKS = (
 a function `check` (a `CheckFunction`). Where the first finds that a link or joint is missing, the others,
 which look for each by its name, are left out."""
 
+READ_BACK = ("sdf",)
+"""Formats that no engine reads: rooms of this stage, each with a module `read_back` that has the checks."""
+
 
 def validate(
     folder: Path,
@@ -62,9 +65,10 @@ def validate(
     from stages.robot.actuation import NONE
     from stages.robot.amendments import UNCHANGED
     from stages.robot.sensing import NOTHING
-    from stages.validate.run import check_files
+    from stages.validate.run import check_files, check_read_back
 
     checks = () if keys.validate.level == "quick" else CHECKS
     forms = form or form_with(robot), mjcf_form or mjcf_written.form_with(robot)
     known = (actuation or NONE, geometry, *forms, sensing or NOTHING, amendments or UNCHANGED)
-    return tuple(check_files(folder, robot, ENGINES, checks, *known))
+    read_back = check_read_back(folder, robot, READ_BACK, known[0], quick=not checks)
+    return (*check_files(folder, robot, ENGINES, checks, *known), *read_back)

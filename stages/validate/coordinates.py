@@ -26,6 +26,9 @@ WIDTH = {HINGE: 1, SLIDE: 1, BALL: 3, FREE: 6}
 BY_EQUALITY = ("fixed", "revolute", "ball")
 """Types of loops that equalities alone close; of the others the model has the dofs too, on a carrier."""
 
+CAD_ERROR = 1e-6
+"""Poses [m, rad]: the error that CAD's own solver leaves is below this."""
+
 SAME = 1e-9
 """Poses [m, rad] and joint values [rad, m] that two engines compute from the same numbers differ by less."""
 

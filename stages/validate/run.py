@@ -53,6 +53,17 @@ def check_files(
                 yield from (_with_changes(one, changes) for one in _check_file(given, engine, checks))
 
 
+def check_read_back(
+    folder: Path, robot: Robot, formats: Sequence[str], actuation: Actuation, *, quick: bool
+) -> Iterator[Check]:
+    """The results of the files in `folder` that no engine reads. `quick`: only whether each can be read."""
+    for name in formats:
+        if (folder / f"{robot.name}.{name}").exists():
+            reader = import_module(f"stages.validate.{name}.read_back")
+            path = folder / reader.file(robot.name)
+            yield from reader.check_file(path, as_driven(robot, actuation), quick=quick)
+
+
 def _check_file(given: CompiledModel, engine: Engine, checks: Sequence[str]) -> list[Check]:
     """The results of one file, yet without its model, which is given up afterwards: a large one takes half a
     gigabyte."""

@@ -10,9 +10,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from pipeline.config.plan import Plan
+from stages.robot.driven import as_driven
 from stages.robot.kinematics import link_poses
 from stages.robot.model import JointType, Robot
 from stages.robot.poses import at_rest
+from stages.validate.sdf.read_back import check_file
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document
@@ -40,7 +42,10 @@ def agree(document: Document, root: int, seed: int) -> bool:
 def compare(robot: Robot, plan: Plan, seed: int) -> bool:
     rng = np.random.default_rng(seed)
     with tempfile.TemporaryDirectory() as folder:
-        readers = Three(robot, write(robot, Path(folder), plan).files, Path(folder))
+        made = write(robot, Path(folder), plan)
+        readers = Three(robot, made.files, Path(folder))
+        checks = list(check_file(Path(folder) / "robot.sdf", as_driven(robot, made.actuation), quick=False))
+    assert [check for check in checks if not check.passed] == []
     readers.agree(rng)
     return bool(robot.loops) and readers.close_again(rng)
 

@@ -8,10 +8,7 @@ import numpy as np
 from stages.robot.check import Check
 from stages.robot.poses import inverse
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import distance, every_saved, link_pose, root_pose, set_values
-
-LENGTH = 1e-6
-"""Poses [m, rad]: the error that CAD's own solver leaves is below this."""
+from stages.validate.coordinates import CAD_ERROR, distance, every_saved, link_pose, root_pose, set_values
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -31,4 +28,4 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
             if not value < worst:
                 worst, where = value, part.name
     detail = f"parts against CAD's occurrences at the saved pose [m, rad]; worst: {where}"
-    yield compiled.within("poses", worst, LENGTH, detail)
+    yield compiled.within("poses", worst, CAD_ERROR, detail)

@@ -1,0 +1,190 @@
+"""SDF text → `SdfModel`: as far as this product writes SDF, and strict about the rest.
+
+Poses are resolved as SDF 1.9 says: `relative_to` names a link, joint or frame; without it a link is in the
+model's frame, a joint in that of its child, a frame in what it is attached to. What would change a meaning
+and is not read is an error.
+"""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from stages.formats.sdf.model import ReadJoint, SdfFrame, SdfLink, SdfMimic, SdfModel
+from stages.formats.sdf.names import ROOT_OF_ALL
+from stages.formats.xml import Element, Malformed, parse
+from stages.robot.model import Array, Dynamics, Inertial, Limits, frozen
+from stages.robot.poses import from_parts, rotation_from_rpy
+
+VERSIONS = ("1.7", "1.8", "1.9", "1.10", "1.11", "1.12")
+"""With these, names and poses mean the same."""
+
+TYPES = ("fixed", "continuous", "revolute", "prismatic", "ball")
+
+MODEL = "__model__"
+"""What the model's own frame is called."""
+
+_NOT_READ = ("include", "model", "static", "placement_frame")
+"""Elements of a model that would change what the rest means."""
+
+
+class SdfError(ValueError):
+    """The text is no SDF that is read here."""
+
+
+def parse_sdf(data: bytes) -> SdfModel:
+    """The model of a file. SdfError where it is not XML, has no model or several, names a thing twice or one
+    that is not there, lacks a number, or has elements that would have to be understood."""
+    try:
+        root = parse(data)
+    except Malformed as error:
+        raise SdfError(str(error)) from None
+    models = root.findall("model")
+    if root.tag != "sdf" or root.get("version") not in VERSIONS or len(models) != 1:
+        raise SdfError(f"not one model of SDF {VERSIONS[0]} to {VERSIONS[-1]}")
+    return _Reader(models[0]).model()
+
+
+class _Reader:
+    """The model element, with what is named in it."""
+
+    def __init__(self, top: Element) -> None:
+        self._top = top
+        self._kinds = {kind: _named(top, kind) for kind in ("link", "joint", "frame")}
+        self._every: dict[str, Element] = {}
+        for nodes in self._kinds.values():
+            twice = sorted(set(nodes) & set(self._every))
+            if twice:
+                raise SdfError(f"two things are named {twice[0]!r}")
+            self._every |= nodes
+        wrong = [tag for tag in _NOT_READ if top.find(tag) is not None]
+        if wrong:
+            raise SdfError(f"<{wrong[0]}> of a model is not read")
+        if not self._kinds["link"]:
+            raise SdfError("the model has no link")
+        self._places: dict[str, Array | None] = {MODEL: np.eye(4)}
+
+    def model(self) -> SdfModel:
+        links = {name: self._link(name, node) for name, node in self._kinds["link"].items()}
+        root = self._top.get("canonical_link") or next(iter(links))
+        joints = {name: self._joint(name, node) for name, node in self._kinds["joint"].items()}
+        frames = {
+            name: SdfFrame(name, self._moves_with(name), self._place(name)) for name in self._kinds["frame"]
+        }
+        return SdfModel(str(self._top.get("name")), self._link_named(root), links, joints, frames)
+
+    def _link_named(self, name: str) -> str:
+        if name not in self._kinds["link"]:
+            raise SdfError(f"there is no link {name!r}")
+        return name
+
+    def _place(self, name: str) -> Array:
+        """model_from_frame (4, 4) of a link, joint or frame."""
+        if name in self._places:
+            found = self._places[name]
+            if found is None:
+                raise SdfError(f"the pose of {name!r} is relative to itself")
+            return found
+        if name not in self._every:
+            raise SdfError(f"nothing is named {name!r}")
+        self._places[name] = None
+        node = self._every[name]
+        pose = node.find("pose")
+        unless = {"joint": node.findtext("child"), "frame": node.get("attached_to")}.get(node.tag) or MODEL
+        above = self._place((pose.get("relative_to") if pose is not None else None) or unless)
+        self._places[name] = found = above @ _pose(pose)
+        return found
+
+    def _moves_with(self, name: str) -> str:
+        """The link that a frame moves with."""
+        seen: list[str] = []
+        while name not in self._kinds["link"]:
+            if name in seen or name == MODEL or name not in self._every:
+                raise SdfError(f"the frame {seen[0] if seen else name!r} is on no link")
+            seen.append(name)
+            node = self._every[name]
+            name = str(node.findtext("child") if node.tag == "joint" else node.get("attached_to") or MODEL)
+        return name
+
+    def _link(self, name: str, node: Element) -> SdfLink:
+        inertial = _needed(node, "inertial")
+        axes = _pose(inertial.find("pose"))
+        entries = {
+            key: _number(inertial, f"inertia/{key}") for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+        }
+        rows = [["ixx", "ixy", "ixz"], ["ixy", "iyy", "iyz"], ["ixz", "iyz", "izz"]]
+        tensor = np.array([[entries[key] for key in row] for row in rows])
+        turned = axes[:3, :3] @ tensor @ axes[:3, :3].T
+        body = Inertial(_number(inertial, "mass"), frozen(axes[:3, 3]), frozen(turned))
+        return SdfLink(name, frozen(self._place(name)), body)
+
+    def _joint(self, name: str, node: Element) -> ReadJoint:
+        type_, parent = str(node.get("type")), str(_needed(node, "parent").text)
+        if type_ not in TYPES:
+            raise SdfError(f"the type {type_} of the joint {name!r} is not read")
+        if parent != ROOT_OF_ALL:
+            self._link_named(parent)
+        child = self._link_named(str(_needed(node, "child").text))
+        axis = node.find("axis/xyz")
+        if axis is not None and axis.get("expressed_in"):
+            raise SdfError(f"the joint {name!r} has its axis in the frame of something else")
+        limits = Limits(*(_bound(node, f"axis/limit/{key}") for key in ("lower", "upper")))
+        dynamics = Dynamics(
+            damping=_bound(node, "axis/dynamics/damping"),
+            friction=_bound(node, "axis/dynamics/friction"),
+            effort=_bound(node, "axis/limit/effort"),
+            velocity=_bound(node, "axis/limit/velocity"),
+        )
+        place = frozen(self._place(name))
+        turned = None if axis is None else frozen(_numbers(axis, 3))
+        return ReadJoint(name, type_, parent, child, place, turned, limits, dynamics, _mimic(node))
+
+
+def _named(top: Element, tag: str) -> Mapping[str, Element]:
+    nodes = top.findall(tag)
+    found = {str(node.get("name")): node for node in nodes}
+    if len(found) != len(nodes):
+        raise SdfError(f"two elements <{tag}> have one name")
+    return found
+
+
+def _mimic(node: Element) -> SdfMimic | None:
+    mimic = node.find("axis/mimic")
+    if mimic is None:
+        return None
+    keys = ("multiplier", "offset", "reference")
+    return SdfMimic(str(mimic.get("joint")), *(_number(mimic, key) for key in keys))
+
+
+def _pose(node: Element | None) -> Array:
+    """The (4, 4) pose of an element; the identity without one."""
+    if node is None:
+        return np.eye(4)
+    if set(node.attrib) - {"relative_to"}:
+        raise SdfError("of the attributes of a pose only relative_to is read")
+    x, y, z, *rpy = _numbers(node, 6)
+    return from_parts(rotation_from_rpy((rpy[0], rpy[1], rpy[2])), np.array([x, y, z]))
+
+
+def _needed(above: Element, path: str) -> Element:
+    found = above.find(path)
+    if found is None:
+        raise SdfError(f"{above.tag} {above.get('name') or ''} has no <{path}>")
+    return found
+
+
+def _numbers(node: Element, count: int) -> list[float]:
+    try:
+        found = [float(text) for text in (node.text or "").split()]
+    except ValueError:
+        found = []
+    if len(found) != count or not np.isfinite(found).all():
+        raise SdfError(f"<{node.tag}> is not {count} numbers: {node.text!r}")
+    return found
+
+
+def _number(above: Element, path: str) -> float:
+    return _numbers(_needed(above, path), 1)[0]
+
+
+def _bound(above: Element, path: str) -> float | None:
+    return None if above.find(path) is None else _number(above, path)

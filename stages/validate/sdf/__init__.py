@@ -1,0 +1,1 @@
+"""An SDF read back: the checks that it is the robot."""
