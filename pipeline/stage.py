@@ -235,9 +235,9 @@ class ExportStage(StageBase):
         return tuple(module for name in WRITERS for module in writer_of(name).modules)
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
-        from stages.export.actuators.versions import require
+        from stages.export.requirements import require
 
-        require(plan.actuators)
+        require(plan)
         require_entries(plan)
 
     def config(self, context: BuildContext) -> Any:
@@ -246,8 +246,11 @@ class ExportStage(StageBase):
         return section(context.plan, ExportKeys)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
+        from stages.export.requirements import packages
+
         texts = {f"elements/{name}": sha256(text.encode()) for name, text in context.element_texts.items()}
-        return {**context.digests("graph"), **context.digests("mesh"), **texts}
+        of = {f"libraries/{name}": sha256(installed(name).encode()) for name in packages(context.plan)}
+        return {**context.digests("graph"), **context.digests("mesh"), **texts, **of}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.export import export

@@ -21,6 +21,7 @@ WRITERS = (
     "mjcf",
     "sdf",
     "ros2",
+    "usd",
 )
 """All formats, in the order in which they are written: folders of this stage, each with its `Writer`."""
 

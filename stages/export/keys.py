@@ -18,7 +18,7 @@ from stages.robot.keys import (
     invalid,
 )
 
-LATER_FORMATS = ("usd", "python")
+LATER_FORMATS = ("python",)
 """Formats that are decided but not supported yet."""
 
 

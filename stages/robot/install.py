@@ -5,6 +5,7 @@ OPTIONAL = {
     "joblib": ">=1.5,<2",
     "pycollada": ">=0.8,<1",
     "socksio": ">=1.0,<2",
+    "usd-core": ">=26.3,<27",
     "xacro": ">=2.1,<3",
 }
 """The versions of each, as in pyproject.toml."""

@@ -210,7 +210,7 @@ def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
         (["robot=null"], "E-OPTION robot=null: there is no such option"),
         (["robot=[my_arm,bare]"], "E-OPTION robot=[my_arm,bare]: expected one option"),
         (["export="], "E-OPTION export=: expected one option"),
-        (["export=[urdf,usd]"], "E-LATER export=usd: not supported yet\n      options: mjcf, ros2, sdf"),
+        (["export=[urdf,python]"], "E-LATER export=python: not supported yet\n      options: mjcf, ros2"),
         (["export=[urdf,obj]"], "E-OPTION export=obj: there is no such option\n      options: mjcf, ros2"),
         (["export=[]"], "E-VALUE export: no format is chosen"),
         (["actuators=positon"], "did you mean position? options: damper, general, intvelocity"),

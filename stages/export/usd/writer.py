@@ -1,0 +1,65 @@
+"""USD: the robot, and the meshes that it refers to."""
+
+from typing import TYPE_CHECKING, Any
+
+from stages.export.writer import Exported, WriterInput
+
+if TYPE_CHECKING:
+    from stages.export.usd.model import UsdPlan
+
+
+class UsdWriter:
+    """`<name>.usda`, and `<name>_meshes.usd`, the layer that it refers to."""
+
+    reads: tuple[str, ...] = ()
+    modules: tuple[str, ...] = ()
+
+    def paths(self, robot: str) -> tuple[str, ...]:
+        return (f"{robot}.usda", f"{robot}_meshes.usd")
+
+    def write(self, given: WriterInput) -> Exported:
+        from stages.export.usd.keys import UsdFormatKeys
+        from stages.export.usd.model import write_usd
+        from stages.export.usd.shapes import meshes_layer
+        from stages.export.usd.unsupported import unsupported
+
+        robot, geometry, plan = given.robot, given.geometry, _plan(given)
+        keys = given.keys.export.usd or UsdFormatKeys()
+        model, meshes = self.paths(robot.name)
+        layer, places = meshes_layer(geometry)
+        files = {
+            model: write_usd(robot, geometry, plan, places, meshes).bytes(),
+            meshes: layer.bytes(keys.geometry),
+        }
+        losses = tuple(unsupported(robot, geometry, given.actuation, plan))
+        return Exported(files, losses, record=_record(plan))
+
+
+def _record(plan: "UsdPlan") -> dict[str, Any]:
+    """What `robot.json` tells of the USD: names that are not the robot's, by kind."""
+    renamed: dict[str, dict[str, str]] = {"links": {}, "joints": {}}
+    for kind, name, own in plan.names.changed:
+        renamed[f"{kind}s"][name] = own
+    return {"renamed": renamed} if any(renamed.values()) else {}
+
+
+def _plan(given: WriterInput) -> "UsdPlan":
+    from stages.export.usd.drives import drives_of
+    from stages.export.usd.joints import usd_joints
+    from stages.export.usd.model import UsdPlan
+    from stages.export.usd.names import usd_names
+    from stages.robot.start_pose import home
+
+    names = usd_names(given.robot)
+    at_home = home(given.robot)
+    return UsdPlan(
+        names,
+        usd_joints(given.robot, names),
+        drives_of(given.robot, given.actuation, at_home),
+        given.sensing,
+        at_home,
+        given.standing.world_from_root,
+    )
+
+
+WRITER = UsdWriter()

@@ -1,0 +1,432 @@
+"""USD of every kind of joint, loop and shape, as an independent reader has it."""
+
+import importlib.util
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from pipeline.preflight import plan_problems
+from stages.export import export
+from stages.mesh.primitives import shapes as primitive_shapes
+from stages.robot.dynamics import mass_matrix
+from stages.robot.geometry import ContactProperties, Exclude, Geometry
+from stages.robot.kinematics import link_poses
+from stages.robot.model import (
+    Actuator,
+    Dynamics,
+    Frame,
+    Inertial,
+    Keyframe,
+    Limits,
+    Primitive,
+    Relation,
+    Robot,
+    frozen,
+)
+from stages.robot.poses import from_parts
+from stages.robot.start_pose import home
+from tests.support.building import NO_MESHES, plan_of
+from tests.support.engines import Pinocchio
+from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
+from tests.support.usd import Usd, complaints, parsed, pxr, stage_of
+
+TOLERANCE = 1e-5
+"""Of single precision, for robots of about a metre."""
+
+GROUND = {"ground": {"kind": "none"}}
+"""Without one the robot's root is at the origin."""
+
+
+def exported(robot: Robot, geometry: Geometry = NO_MESHES, **keys):
+    assert pxr.Usd
+    keys = {"export": {"usd": {}, "urdf": {}}} | GROUND | keys
+    return export(robot, geometry, plan_of(**keys))
+
+
+def read(folder: Path, robot: Robot, geometry: Geometry = NO_MESHES, **keys) -> Usd:
+    stage = stage_of(exported(robot, geometry, **keys).files, folder)
+    assert complaints(stage) == []
+    return Usd(stage)
+
+
+def losses(robot: Robot, geometry: Geometry = NO_MESHES, **keys) -> dict[str, str]:
+    found = exported(robot, geometry, export={"usd": {}}, **keys).diagnostics
+    return {one.code: one.message for one in found if one.where == "robot.usda"}
+
+
+@pytest.mark.parametrize("root", ["base", "world"])
+@pytest.mark.parametrize("backwards", [False, True])
+@pytest.mark.parametrize("kind", EVERY)
+def test_links_are_where_the_robots_own_kinematics_have_them_and_weigh_the_same(
+    kind, backwards, root, tmp_path
+) -> None:
+    rng = np.random.default_rng(EVERY.index(kind))
+    origins = [pose(rng) for _ in range(3)]
+    rows = [joint(kind, root, "one", place=pose(rng), backwards=backwards, origins=origins)]
+    if kind != "free":
+        rows.insert(0, joint("revolute", root, "zero", place=pose(rng)))
+        rows[1] = replace(rows[1], parent="zero")
+    rows.append(joint("prismatic", "one", "two", place=pose(rng), mirrored=True))
+    robot = robot_with(rows, root=root)
+    files = exported(robot).files
+    usd, by_urdf = Usd(stage_of(files, tmp_path)), Pinocchio(files["robot.urdf"])
+    own = [dof.name for dof in robot.dofs if dof.kind != "free"]
+    for _ in range(3):
+        q = some_values(robot, rng)
+        expected = link_poses(robot, q)
+        free = {one.child: expected[one.child] for one in robot.joints if one.type == "free"}
+        found = usd.poses({name: value for name, value in q.items() if name in own}, free or None)
+        for link in expected:
+            assert np.abs(found[link] - expected[link]).max() < TOLERANCE, link
+        if kind != "free":
+            mass = usd.mass_matrix(q, own)
+            scale = max(1.0, np.abs(mass).max())
+            assert np.abs(mass - mass_matrix(robot, q)).max() < TOLERANCE * scale
+            assert np.abs(mass - by_urdf.mass_matrix(q, own)).max() < TOLERANCE * scale
+
+
+@pytest.mark.parametrize("axis", [(0, 0, -1), (0, -1, 0), (-1, 0, 0), (0, 1, 0), (0.6, 0, -0.8)])
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_an_axis_of_any_direction_is_one_of_the_frames(kind, axis, tmp_path) -> None:
+    rng = np.random.default_rng(1)
+    one = joint(kind, "base", "one", place=pose(rng))
+    robot = robot_with([replace(one, dofs=(replace(one.dofs[0], axis=frozen(np.array(axis, float))),))])
+    usd = read(tmp_path, robot)
+    for q in (-1.2, 0.7):
+        expected = link_poses(robot, {"one_joint": q})["one"]
+        assert np.abs(usd.poses({"one_joint": q})["one"] - expected).max() < TOLERANCE
+
+
+@pytest.mark.parametrize("shifted", [False, True])
+@pytest.mark.parametrize("kind", LOOPS)
+def test_a_loop_of_any_type_is_one_joint_that_holds_what_the_mate_holds(kind, shifted, tmp_path) -> None:
+    rng = np.random.default_rng(LOOPS.index(kind))
+    rows = [
+        joint("planar", "base", "one", [0.2, -0.1, 0.4], place=pose(rng)),
+        joint("ball", "one", "two", [(0.8, 0.6, 0.0, 0.0)], place=pose(rng)),
+    ]
+    robot = robot_with(rows)
+    saved = {dof.name: dof.saved for dof in robot.dofs}
+    poses, near = link_poses(robot, saved), pose(rng)
+    origins = [at(0.1, 0.2, 0.3) for _ in range(3)] if shifted else []
+    mate = joint(kind, "base", "end", name="shut", origins=origins)
+    values = {
+        dof.name: (0.6, 0.0, 0.8, 0.0) if kind == "ball" else 0.3 * (index + 1)
+        for index, dof in enumerate(mate.dofs)
+    }
+    across = link_poses(robot_with([mate]), values)["end"]
+    dofs = tuple(replace(dof, saved=values[dof.name]) for dof in mate.dofs)
+    shut = replace(
+        loop(kind, "two", "base", near, poses["two"] @ near @ np.linalg.inv(across), name="shut"), dofs=dofs
+    )
+    robot = replace(robot, loops=(shut,))
+    usd = read(tmp_path, robot)
+    assert len(usd.loops) == 1
+    (name,) = usd.loops
+    chained = shifted and len(mate.dofs) > 1
+    prim = usd.loops[name].GetPrim()
+    kinds = {"fixed": "Fixed", "revolute": "Revolute", "prismatic": "Prismatic", "ball": "Spherical"}
+    assert chained or prim.GetTypeName() == f"Physics{kinds.get(kind, '')}Joint"
+    assert chained == ("shut" in losses(robot)["I-USD-LOWERED"])
+    # As the bodies stand, and by the joints.
+    assert usd.gap(name, usd.stands) < TOLERANCE
+    assert np.abs(usd.stands["two"] - poses["two"]).max() < TOLERANCE
+    by_joints = usd.poses({**saved, **values})
+    assert usd.gap(name, by_joints) < TOLERANCE
+    # Every way in which the mate yields is free, and every other one is held.
+    if chained:
+        return
+    for free in (*mate.dofs, None):
+        moved = dict(values)
+        if free is not None:
+            moved[free.name] = (0.0, 1.0, 0.0, 0.0) if kind == "ball" else moved[free.name] + 0.2
+        end = shut.b_from_frame @ link_poses(robot_with([mate]), moved)["end"]
+        there = {**by_joints, "two": end @ np.linalg.inv(near)}
+        assert usd.gap(name, there) < TOLERANCE
+        off = end @ at(0.03, 0.03, 0.03) @ np.linalg.inv(near)
+        tilted = end @ pose(rng, 0.0) @ np.linalg.inv(near)
+        held = usd.gap(name, {**by_joints, "two": off}), usd.gap(name, {**by_joints, "two": tilted})
+        assert (held[0] > 1e-2) == (kind != "parallel")
+        assert (held[1] > 1e-2) == (kind != "ball")
+
+
+def test_the_limits_of_a_loop_of_several_dofs_are_those_of_its_joint(tmp_path) -> None:
+    robot = robot_with([joint("planar", "base", "one"), joint("ball", "one", "two")])
+    limits = {"shut_x": Limits(-0.1, 0.2), "shut_turn": Limits(-1, 2)}
+    shut = loop("planar", "two", "base", np.eye(4), np.eye(4), name="shut", limits=limits)
+    x, *others = shut.dofs
+    shut = replace(shut, dofs=(replace(x, axis=frozen(-x.axis)), *others))
+    usd = read(tmp_path, replace(robot, loops=(shut,)))
+    for name, expected in (("transX", [-0.2, 0.1]), ("rotZ", np.degrees([-1, 2]))):
+        found = [usd.value("shut", f"limit:{name}:physics:{end}") for end in ("low", "high")]
+        assert found == pytest.approx(expected)
+    assert usd.value("shut", "limit:transY:physics:low") is None
+
+
+def test_limits_dynamics_and_home_are_in_usds_units(tmp_path) -> None:
+    dynamics = Dynamics(0.1, 0.2, 0.03, 4, 5)
+    rows = [
+        joint("revolute", "base", "one", [0.5], limits={"one_joint": Limits(-1, 2)}, dynamics=dynamics),
+        joint("prismatic", "one", "two", [0.1], limits={"two_joint": Limits(None, 0.3)}, dynamics=dynamics),
+        joint("ball", "two", "three", limits={"three_joint": Limits(None, 0.6)}, dynamics=dynamics),
+        joint("revolute", "three", "four"),
+    ]
+    robot = robot_with(rows)
+    usd = read(tmp_path, robot)
+    assert usd.limits("one_joint") == pytest.approx((-1, 2))
+    assert usd.limits("two_joint") == pytest.approx((-math.inf, 0.3))
+    assert usd.limits("four_joint") == (-math.inf, math.inf)
+    for key in ("coneAngle0Limit", "coneAngle1Limit"):
+        assert usd.value("three_joint", f"physics:{key}") == pytest.approx(math.degrees(0.6))
+    for name, axis, scale in (("one_joint", "angular", 180 / math.pi), ("two_joint", "linear", 1.0)):
+        expected = {
+            "newton:armature": 0.03,
+            "newton:damping": 0.1 / scale,
+            "newton:friction": 0.2,
+            "newton:velocityLimit": 5 * scale,
+            "physxJoint:armature": 0.03,
+            "physxJoint:maxJointVelocity": 5 * scale,
+            f"physxJointAxis:{axis}:armature": 0.03,
+            f"physxJointAxis:{axis}:maxJointVelocity": 5 * scale,
+            f"physxJointAxis:{axis}:viscousFrictionCoefficient": 0.1 / scale,
+            f"physxJointAxis:{axis}:staticFrictionEffort": 0.2,
+            f"physxJointAxis:{axis}:dynamicFrictionEffort": 0.2,
+            f"drive:{axis}:physics:maxForce": 4,
+            f"drive:{axis}:physics:stiffness": 0,
+            f"state:{axis}:physics:position": {"one_joint": 0.5, "two_joint": 0.1}[name] * scale,
+        }
+        assert {key: usd.value(name, key) for key in expected} == pytest.approx(expected)
+        schemas = usd.schemas(usd.joints[name].GetPrim())
+        for schema in ("NewtonJointAPI", "PhysxJointAPI", f"PhysxJointAxisAPI:{axis}"):
+            assert schema in schemas
+        assert {f"PhysicsJointStateAPI:{axis}", f"PhysicsDriveAPI:{axis}"} < set(schemas)
+    assert losses(robot)["I-USD-BALL"].endswith("three_joint")
+
+
+def test_actuators_are_drives_at_the_dof(tmp_path) -> None:
+    rows = [joint("revolute", "base", f"link_{n}", [0.4], name=f"joint_{n}") for n in range(6)]
+    rows[0] = joint("prismatic", "base", "link_0", [0.1], name="joint_0")
+    robot = replace(
+        robot_with(rows),
+        actuators=(
+            Actuator("slide", "joint_0", "position", kp=900, kv=30, force=(-7, 7), home=0.1),
+            Actuator("geared", "joint_1", "position", gear=-2, kp=50, kv=3, force=(-6, 6), home=-0.8),
+            Actuator("speed", "joint_2", "velocity", kv=8),
+            Actuator("motor", "joint_3", "motor", gear=3, control=(-2, 2), home=0.3),
+            Actuator("way", "joint_4", "intvelocity", kp=60, kv=2),
+            Actuator("brake", "joint_5", "damper", kv=1, control=(0, 1)),
+        ),
+    )
+    usd = read(tmp_path, robot)
+    names = ("stiffness", "damping", "maxForce", "targetPosition")
+
+    def drive(number: int, axis: str = "angular") -> tuple[float | None, ...]:
+        return tuple(usd.value(f"joint_{number}", f"drive:{axis}:physics:{name}") for name in names)
+
+    one = math.pi / 180
+    assert drive(0, "linear") == pytest.approx((900, 30, 7, 0.1))
+    assert drive(1) == pytest.approx((200 * one, 12 * one, 12, 0.4 / one))
+    assert drive(2)[:2] == pytest.approx((0, 8 * one))
+    assert drive(3)[:3] == pytest.approx((0, 0, 6))
+    assert drive(4) == pytest.approx((60 * one, 2 * one, math.inf, 0.4 / one))
+    assert drive(5) == (None,) * 4
+    assert losses(robot)["I-USD-ACTUATOR"].endswith(": brake")
+
+
+def test_relations_are_mimics_of_newton_and_of_physx(tmp_path) -> None:
+    rows = [
+        joint("revolute", "base", "one", [0.2], place=at(1, 0, 0)),
+        joint("revolute", "base", "two", [0.9]),
+        joint("prismatic", "base", "three", [0.15]),
+    ]
+    relations = [
+        Relation("Gear", "two_joint", "one_joint", 2.0, 0.5),
+        Relation("Rack", "three_joint", "one_joint", 0.5, 0.05),
+    ]
+    robot = robot_with(rows, relations=relations)
+    usd = read(tmp_path, robot)
+    # q = multiplier · driver + offset, of degrees.
+    assert usd.target("two_joint", "newton:mimicJoint") == "one_joint"
+    coefficients = [usd.value("two_joint", f"newton:mimicCoef{n}") for n in (0, 1)]
+    assert coefficients == pytest.approx([math.degrees(0.5), 2.0])
+    schemas = usd.schemas(usd.joints["three_joint"].GetPrim())
+    assert "NewtonMimicAPI" not in schemas
+    # PhysX: q + gearing · reference + offset = 0, of degrees and metres.
+    for name, driver, expected in (
+        ("two_joint", math.degrees(0.2), math.degrees(0.9)),
+        ("three_joint", math.degrees(0.2), 0.15),
+    ):
+        assert "PhysxMimicJointAPI:rotZ" in usd.schemas(usd.joints[name].GetPrim())
+        assert usd.target(name, "physxMimicJoint:rotZ:referenceJoint") == "one_joint"
+        gearing, offset = (usd.value(name, f"physxMimicJoint:rotZ:{key}") for key in ("gearing", "offset"))
+        assert expected + gearing * driver + offset == pytest.approx(0, abs=1e-5)
+    assert losses(robot)["I-USD-MIMIC"].endswith(": three_joint")
+
+
+@pytest.mark.parametrize("fixed", [True, False])
+def test_the_articulation_begins_at_what_holds_the_robot_and_stands_at_home(fixed, tmp_path) -> None:
+    rng = np.random.default_rng(3)
+    robot = robot_with(
+        [
+            joint("cylindrical", "base", "one", [0.2, 0.4], place=pose(rng)),
+            joint("ball", "one", "two", [(0.8, 0.0, 0.6, 0.0)]),
+        ],
+        fixed=fixed,
+    )
+    robot = replace(robot, keyframes=(Keyframe("home", (("one_joint_turn", 0.7),)), Keyframe("up", ())))
+    usd = read(tmp_path, robot, scene={"pose": {"xyz": [1, 2, 3], "rpy": [0, 0, math.pi / 2]}})
+    world = from_parts(np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]), np.array([1.0, 2, 3]))
+    expected = {link: world @ one for link, one in link_poses(robot, home(robot)).items()}
+    for link, one in expected.items():
+        assert np.abs(usd.stands[link] - one).max() < 1e-9, link
+    by_joints = usd.poses(home(robot))
+    for body, one in by_joints.items():
+        assert np.abs(usd.stands[body] - one).max() < TOLERANCE, body
+    (root,) = usd.roots
+    assert root.GetName() == ("root_joint" if fixed else "base")
+    assert root.GetTypeName() == ("PhysicsFixedJoint" if fixed else "Xform")
+    assert "I-USD-KEYFRAME" in losses(robot)
+    # As the parser of UsdPhysics, which Newton uses, has it.
+    (articulation,) = parsed(usd.stage, "Articulation")
+    assert [str(one.name) for one in articulation.articulatedBodies if one] == sorted(usd.bodies)
+    assert {one.name for one in articulation.articulatedJoints} == set(usd.joints)
+
+
+def test_bodies_of_a_plate_and_of_nothing_have_masses_that_engines_take(tmp_path) -> None:
+    plate = Inertial(0.3, frozen(np.zeros(3)), frozen(np.diag([0.1, 0.2, 0.3]) / 3))
+    nothing = Inertial(0.0, frozen(np.zeros(3)), frozen(np.zeros((3, 3))))
+    robot = robot_with(
+        [joint("revolute", "base", "plate"), joint("fixed", "plate", "tip")],
+        inertials={"plate": plate},
+        given={"tip": nothing},
+    )
+    usd = read(tmp_path, robot)
+    moments = pxr.UsdPhysics.MassAPI(usd.bodies["plate"]).GetDiagonalInertiaAttr().Get()
+    assert np.float32(moments[0]) + np.float32(moments[1]) >= np.float32(moments[2])
+    assert usd.mass("tip")[0] == pytest.approx(1e-12)
+
+
+def test_a_missing_package_is_told_before_anything_is_built(monkeypatch) -> None:
+    plan = plan_of(export={"usd": {}})
+    find = importlib.util.find_spec
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "pxr" else find(name))
+    (problem,) = plan_problems(plan)
+    assert "usd-core, which is not installed" in problem.message
+    assert problem.where == "export.usd"
+    assert "pip install 'usd-core>=" in problem.hint
+    assert plan_problems(plan_of()) == []
+
+
+def shaped() -> tuple[Robot, Geometry]:
+    kinds = {
+        "box": Primitive("box", (0.2, 0.1, 0.3), frozen(at(0, 0, 0.1)), (1.0, 0.5, 0.0, 1.0)),
+        "ball": Primitive("sphere", (0.05,), frozen(np.eye(4))),
+        "rod": Primitive("cylinder", (0.05, 0.2), frozen(np.eye(4))),
+        "pill": Primitive("capsule", (0.05, 0.2), frozen(at(0, 0.1, 0))),
+    }
+    rows = [joint("revolute", "base", name) for name in kinds]
+    robot = robot_with(
+        rows,
+        shapes={name: (one,) for name, one in kinds.items()},
+        frames=[Frame("eye", "pill", frozen(at(0, 0, 0.2)), "Eye")],
+    )
+    shapes = [one for link in robot.links for one in primitive_shapes(link)]
+    rough = ContactProperties(friction=(1.2, 0.01, 0.002), condim=6)
+    shapes = [
+        replace(one, contact=rough) if one.link == "ball" and one.role == "collision" else one
+        for one in shapes
+    ]
+    excludes = (
+        Exclude("base", "box", "Adjacent", 0.0),
+        Exclude("box", "rod", "User", 0.0),
+        Exclude("rod", "pill", "Always", 0.0, ((0, 0),)),
+    )
+    return robot, Geometry(tuple(shapes), {}, self_contact=True, excludes=excludes)
+
+
+def test_shapes_collide_as_they_are_and_look_as_they_do(tmp_path) -> None:
+    robot, geometry = shaped()
+    usd = read(tmp_path, robot, geometry)
+    get = usd.stage.GetPrimAtPath
+    path = str(usd.root.GetPath())
+    sizes = {
+        name: {key: get(f"{path}/{name}/collisions/collision_1").GetAttribute(key).Get() for key in keys}
+        for name, keys in {
+            "box": ["size", "xformOp:scale", "xformOp:translate"],
+            "ball": ["radius"],
+            "rod": ["radius", "height", "axis"],
+            "pill": ["radius", "height", "axis", "xformOp:translate"],
+        }.items()
+    }
+    assert sizes == {
+        "box": {"size": 1, "xformOp:scale": (0.2, 0.1, 0.3), "xformOp:translate": (0, 0, 0.1)},
+        "ball": {"radius": 0.05},
+        "rod": {"radius": 0.05, "height": 0.2, "axis": "Z"},
+        "pill": {"radius": 0.05, "height": 0.2, "axis": "Z", "xformOp:translate": (0, 0.1, 0)},
+    }
+    box = get(f"{path}/box/collisions/collision_1")
+    assert pxr.UsdGeom.Imageable(box).ComputePurpose() == "guide"
+    rough, _ = pxr.UsdShade.MaterialBindingAPI(
+        get(f"{path}/ball/collisions/collision_1")
+    ).ComputeBoundMaterial("physics")
+    names = ("physics:staticFriction", "physics:dynamicFriction", "newton:torsionalFriction")
+    values = [rough.GetPrim().GetAttribute(name).Get() for name in (*names, "newton:rollingFriction")]
+    assert values == pytest.approx([1.2, 1.2, 0.01, 0.002])
+    seen, _ = pxr.UsdShade.MaterialBindingAPI(get(f"{path}/box/visuals/visual_1")).ComputeBoundMaterial()
+    colour = seen.ComputeSurfaceSource()[0].GetInput("diffuseColor").Get()
+    # sRGB's 0.5 is 0.214 of the light.
+    assert colour == pytest.approx((1.0, 0.21404114, 0.0))
+    pairs = {
+        str(one.GetPath()).removeprefix(path): [str(to).removeprefix(path) for to in rel.GetTargets()]
+        for one in usd.stage.Traverse()
+        if (rel := one.GetRelationship("physics:filteredPairs"))
+    }
+    assert pairs == {
+        "/box": ["/rod"],
+        "/rod/collisions/collision_1": ["/pill/collisions/collision_1"],
+    }
+    for name in ("newton:selfCollisionEnabled", "physxArticulation:enabledSelfCollisions"):
+        assert usd.roots[0].GetAttribute(name).Get() is True
+    assert losses(robot, geometry)["I-USD-CONTACT"].endswith("ball: condim")
+
+
+def test_frames_and_cameras_are_where_they_were(tmp_path) -> None:
+    robot, geometry = shaped()
+    sensors = {
+        "look": {"type": "camera", "frame": "eye", "fovy": 60, "resolution": [320, 240]},
+        "imu": {"type": "imu", "frame": "pill"},
+    }
+    usd = read(tmp_path, robot, geometry, sensors=sensors)
+    prim = usd.stage.GetPrimAtPath(f"{usd.root.GetPath()}/pill/look")
+    cache = pxr.UsdGeom.XformCache()
+    eye = np.array(
+        cache.GetLocalToWorldTransform(usd.stage.GetPrimAtPath(f"{usd.root.GetPath()}/pill/eye"))
+    ).T
+    assert np.abs(eye - usd.stands["pill"] @ at(0, 0, 0.2)).max() < 1e-9
+    camera = pxr.UsdGeom.Camera(prim).GetCamera(0)
+    assert camera.GetFieldOfView(camera.FOVVertical) == pytest.approx(60, abs=1e-4)
+    assert camera.aspectRatio == pytest.approx(320 / 240)
+    looks = camera.frustum.ComputeViewDirection(), camera.frustum.ComputeUpVector()
+    # Ours looks along z of its frame, with y down.
+    assert np.abs(np.array(looks) - [eye[:3, 2], -eye[:3, 1]]).max() < 1e-6
+    assert "imu" in losses(robot, geometry, sensors=sensors)["I-USD-SENSOR"]
+
+
+def test_names_that_are_no_identifiers_are_told_and_shown(tmp_path) -> None:
+    rows = [
+        joint("revolute", "base", "joints", name="2nd.axis"),
+        joint("fixed", "joints", "wrist-link", name="wrist"),
+        joint("cylindrical", "joints", "wrist_link", name="rœd"),
+    ]
+    robot = robot_with(rows, frames=[Frame("visuals", "base", frozen(np.eye(4)), "")])
+    usd = read(tmp_path, robot)
+    assert set(usd.bodies) == {"base", "joints", "wrist_link", "wrist_link_2", "roed_1"}
+    assert set(usd.joints) == {"root_joint", "_2nd_axis", "wrist", "roed_slide", "roed_turn"}
+    assert usd.bodies["wrist_link_2"].GetDisplayName() == "wrist-link"
+    assert usd.joints["_2nd_axis"].GetPrim().GetDisplayName() == "2nd.axis"
+    said = losses(robot)["I-USD-NAME"]
+    assert "link 'wrist-link' is 'wrist_link_2'" in said
+    assert "joint '2nd.axis' is '_2nd_axis'" in said
