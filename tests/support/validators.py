@@ -1,0 +1,35 @@
+"""The tools that other worlds check their files with, from Debian: without one, its tests are skipped."""
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+PACKAGES = {"check_urdf": "liburdfdom-tools", "ign": "ignition-tools and libsdformat-dev"}
+"""Tool → what has it in Debian 12."""
+
+
+def check_urdf(path: Path) -> str:
+    """What is wrong with a URDF; "" for nothing."""
+    done = _run("check_urdf", path.name, cwd=path.parent)
+    accepted = done.returncode == 0 and "Successfully Parsed XML" in done.stdout
+    return "" if accepted else done.stdout + done.stderr
+
+
+def ign_sdf(path: Path) -> str:
+    """What sdformat says against an SDF, warnings too; "" for nothing.
+
+    Its exit status says nothing, and its library may end with a backtrace after the verdict.
+    """
+    done = _run("ign", "sdf", "-k", path.name, cwd=path.parent)
+    told = [line for line in done.stderr.splitlines() if "Error" in line or "Warning" in line]
+    if "Valid." in done.stdout and not told:
+        return ""
+    return "\n".join(told) or done.stdout + done.stderr
+
+
+def _run(tool: str, *arguments: str, cwd: Path) -> "subprocess.CompletedProcess[str]":
+    if shutil.which(tool) is None:
+        pytest.skip(f"{tool} is not installed (Debian: {PACKAGES[tool]})")
+    return subprocess.run([tool, *arguments], cwd=cwd, capture_output=True, text=True, check=False)
