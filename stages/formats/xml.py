@@ -47,6 +47,11 @@ def rooted(tag: str, namespaces: Mapping[str, str], **attributes: str) -> Elemen
     return etree.Element(tag, attributes, nsmap=dict(namespaces))
 
 
+def comment(parent: Element, text: str) -> None:
+    """A comment at the end of an element."""
+    parent.append(etree.Comment(f" {text} "))
+
+
 def to_bytes(root: Element) -> bytes:
     """The document as UTF-8 with two spaces a level, of the first hundred, and a newline at the end."""
     _indent(root)

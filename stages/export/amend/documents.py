@@ -9,7 +9,8 @@ from stages.robot.errors import Diagnostic
 from stages.robot.globs import did_you_mean, listed
 
 ROLES: Mapping[str, tuple[str, ...]] = {"urdf": ("robot",), "mjcf": ("robot", "scene")}
-"""Format → what its files are, in the order in which its writer names them."""
+"""Format → what its files are, in the order in which its writer names them; the SRDF, which comes after the
+URDF, has no role: nothing is added to it."""
 
 
 class Refused(Exception):
@@ -34,7 +35,7 @@ class Documents:
 
     def __init__(self, form: str, paths: Sequence[str], files: Mapping[str, bytes]) -> None:
         self.form = form
-        pairs = zip(paths, ROLES[form], strict=True)
+        pairs = zip(paths, ROLES[form], strict=False)
         self.every = [XmlFile(path, role, parse(files[path], large=True)) for path, role in pairs]
 
     def named(self, name: str, tag: str | None, role: str | None, where: str) -> tuple[XmlFile, Element]:

@@ -131,7 +131,7 @@ def test_one_format_alone_is_written_alone(kit: Kit, tmp_path: Path) -> None:
     two_links(kit)
     robot = robot_of(kit.document)
     exported = write(robot, tmp_path / "u", plan_of(export={"urdf": {}}))
-    assert sorted(exported.files) == ["robot.json", "robot.urdf"]
+    assert sorted(exported.files) == ["robot.json", "robot.srdf", "robot.urdf"]
     exported = write(robot, tmp_path / "m", plan_of(export={"mjcf": {}}))
     assert sorted(exported.files) == ["robot.json", "robot.xml", "scene.xml"]
 
@@ -172,7 +172,7 @@ def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_
                 ground=plan.ground,
             ),
         )
-        assert exported.files["seen.txt"] == b"robot.urdf"
+        assert exported.files["seen.txt"] == b"robot.urdf robot.srdf"
         assert ("robot.urdf" in exported.files) == ("urdf" in chosen)
 
 

@@ -1,0 +1,1 @@
+"""SRDF: what MoveIt has to know of a robot beside its URDF."""

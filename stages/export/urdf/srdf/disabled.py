@@ -1,0 +1,63 @@
+"""The pairs of links that MoveIt does not check for collisions."""
+
+from dataclasses import dataclass, replace
+from itertools import combinations
+from typing import Literal
+
+from stages.export.urdf.srdf.apart import apart
+from stages.export.urdf.srdf.convex import bodies_of
+from stages.formats.urdf.as_written import as_written, holders
+from stages.formats.urdf.form import UrdfForm
+from stages.robot.adjacency import Pair, adjacent_pairs
+from stages.robot.fusing import members
+from stages.robot.geometry import Geometry
+from stages.robot.model import Robot
+
+Reason = Literal["Adjacent", "Default", "User", "Never"]
+"""In the words of MoveIt's assistant: next to each other; touching in every pose; the configuration says so;
+never touching."""
+
+
+@dataclass(frozen=True, slots=True)
+class Disabled:
+    """`pairs`: by links of the URDF, in their order. `partly`: those of them of which only some colliders do
+    not collide."""
+
+    pairs: tuple[tuple[Pair, Reason], ...]
+    partly: tuple[Pair, ...]
+
+
+def disabled_pairs(robot: Robot, geometry: Geometry, form: UrdfForm) -> Disabled:
+    """The pairs of a URDF of this form."""
+    groups = members(robot, holders(robot, form))
+    made = {link: bodies_of(geometry, group) for link, group in groups.items()}
+    bodies = {link: one for link, one in made.items() if one is not None}
+    order = [link.name for link in robot.links if link.name in bodies]
+    solid = {shape.link for shape in geometry.shapes if shape.role == "collision"}
+    parts = {link: [one for one, _ in groups[link] if one in solid] for link in order}
+    place = {link.name: number for number, link in enumerate(robot.links)}
+    adjacent = frozenset(adjacent_pairs(robot, solid))
+    given = {(one.link_a, one.link_b): one for one in geometry.excludes}
+    found: dict[Pair, Reason] = {}
+    partly: list[Pair] = []
+    for pair in combinations(order, 2):
+        own = [(a, b) if place[a] < place[b] else (b, a) for a in parts[pair[0]] for b in parts[pair[1]]]
+        known = [given.get(one) for one in own]
+        if not adjacent.isdisjoint(own):
+            found[pair] = "Adjacent"
+        elif not geometry.self_contact:
+            found[pair] = "User"
+        elif any(one is not None and one.reason == "Always" for one in known):
+            found[pair] = "Default"
+            if not all(one is not None and not one.geoms for one in known):
+                partly.append(pair)
+        elif all(known):
+            found[pair] = "User"
+    written = as_written(robot, form)
+    if {loop.name for loop in robot.loops} == set(form.closed):
+        # The relations of the URDF alone close them, which is quicker worked out.
+        written = replace(written, loops=())
+    never = apart(written, bodies, found) if geometry.self_contact else ()
+    found |= dict.fromkeys(never, "Never")
+    pairs = [(pair, found[pair]) for pair in combinations(order, 2) if pair in found]
+    return Disabled(tuple(pairs), tuple(partly))

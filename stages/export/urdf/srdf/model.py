@@ -1,0 +1,102 @@
+"""SRDF: groups, poses, and pairs of links that are not checked for collisions.
+
+Element rules are those of srdfdom, MoveIt's own reader; names are those of the URDF.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from stages.export.urdf.srdf.apart import POSES
+from stages.export.urdf.srdf.disabled import Disabled, disabled_pairs
+from stages.export.urdf.srdf.groups import Groups, groups_of
+from stages.export.urdf.srdf.passive import passive_dofs
+from stages.export.urdf.srdf.states import states_of
+from stages.formats.urdf.as_written import as_written
+from stages.formats.urdf.form import UrdfForm
+from stages.formats.urdf.names import urdf_names
+from stages.formats.xml import Element, comment, element, to_bytes
+from stages.robot.actuation import Actuation
+from stages.robot.geometry import Geometry
+from stages.robot.model import Robot
+from stages.robot.names import free
+
+WORLD = "world"
+"""What the base is fixed to, or flies in."""
+
+
+@dataclass(frozen=True, slots=True)
+class SrdfPlan:
+    """What an SRDF says of a robot. `states`: by pose and joint of the URDF, the text of its value;
+    `passive`: joints of the URDF; `loops`: whose links the URDF does not hold together."""
+
+    groups: Groups
+    states: Mapping[str, Mapping[str, str]]
+    disabled: Disabled
+    passive: tuple[str, ...]
+    loops: tuple[str, ...]
+
+
+def plan_of(robot: Robot, geometry: Geometry, actuation: Actuation, form: UrdfForm) -> SrdfPlan:
+    """What the SRDF beside a URDF of this form says."""
+    written = as_written(robot, form)
+    passive = passive_dofs(robot, written, actuation)
+    turns = urdf_names(written).turns
+    return SrdfPlan(
+        groups_of(written, passive),
+        states_of(written),
+        disabled_pairs(robot, geometry, form),
+        tuple(name for dof in passive for name in turns.get(dof, (dof,))),
+        tuple(loop.name for loop in robot.loops if loop.name not in form.closed),
+    )
+
+
+def write_srdf(robot: Robot, plan: SrdfPlan) -> bytes:
+    """The robot's SRDF."""
+    root = element(None, "robot", name=robot.name)
+    _base(root, robot)
+    for group in plan.groups.groups:
+        node = element(root, "group", name=group.name)
+        if group.tip:
+            element(node, "chain", base_link=group.base, tip_link=group.tip)
+        else:
+            for joint in group.joints:
+                element(node, "joint", name=joint)
+    # Readers that know no groups keep one state of a name: that of the group with the most joints.
+    for group in sorted(plan.groups.groups, key=lambda one: -len(one.joints)):
+        for name, values in plan.states.items():
+            state = element(root, "group_state", name=name, group=group.name)
+            for joint in group.joints:
+                element(state, "joint", name=joint, value=values[joint])
+    for gripper in plan.groups.grippers:
+        element(
+            root,
+            "end_effector",
+            name=gripper.name,
+            parent_link=gripper.parent_link,
+            group=gripper.group,
+            parent_group=gripper.arm,
+        )
+    for joint in plan.passive:
+        element(root, "passive_joint", name=joint)
+    if any(reason == "Never" for _, reason in plan.disabled.pairs):
+        told = f"Never: apart in each of {POSES} seeded poses, with room for what lies between them"
+        comment(root, told)
+    for (one, other), reason in plan.disabled.pairs:
+        element(root, "disable_collisions", link1=one, link2=other, reason=reason)
+    return to_bytes(root)
+
+
+def _base(root: Element, robot: Robot) -> None:
+    """The joint by which the robot is in the world; a root link that is the world needs none."""
+    if robot.root.name == WORLD:
+        return
+    taken = {joint.name for joint in robot.joints} | {dof.name for dof in robot.dofs}
+    taken |= set(urdf_names(robot).holders.values())
+    element(
+        root,
+        "virtual_joint",
+        name=free("world_joint", taken),
+        type="fixed" if robot.base.fixed else "floating",
+        parent_frame=WORLD,
+        child_link=robot.root.name,
+    )

@@ -1,0 +1,33 @@
+"""The values of a URDF's joints at a robot's poses."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from stages.formats.numbers import least_of, number
+from stages.formats.urdf.names import UrdfNames, urdf_names
+from stages.robot.model import Dof, Robot, Value
+from stages.robot.poses import rotation_from_quat, rpy_from_rotation
+from stages.robot.start_pose import HOME, keyframes
+
+
+def states_of(robot: Robot) -> dict[str, dict[str, str]]:
+    """By pose: the text of the value of each joint of the URDF that moves, but for free ones. The poses are
+    `home` and those of the user."""
+    named = [HOME, *(one.name for one in robot.keyframes if one.name != HOME)]
+    poses, names = keyframes(robot), urdf_names(robot)
+    return {
+        name: dict(pair for dof in robot.dofs for pair in _texts(dof, poses[name][dof.name], names))
+        for name in named
+    }
+
+
+def _texts(dof: Dof, value: Value, names: UrdfNames) -> Iterator[tuple[str, str]]:
+    if dof.kind == "ball":
+        # Rx Ry Rz is what Rz Ry Rx is of the opposite angles, backwards.
+        back = rpy_from_rotation(rotation_from_quat(np.array(value)).T)
+        for name, angle in zip(names.turns[dof.name], back, strict=True):
+            yield name, number(-angle, least=least_of("ball"))
+    elif dof.kind != "free":
+        assert not isinstance(value, tuple)
+        yield dof.name, number(value, least=least_of(dof.kind))

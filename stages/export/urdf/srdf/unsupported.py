@@ -1,0 +1,55 @@
+"""Reports what an SRDF cannot express: one diagnostic for each kind of loss."""
+
+from collections.abc import Iterator
+
+from stages.export.urdf.srdf.model import SrdfPlan
+from stages.robot.errors import Diagnostic
+from stages.robot.geometry import Geometry
+from stages.robot.model import Robot
+
+
+def unsupported(robot: Robot, geometry: Geometry, plan: SrdfPlan) -> Iterator[Diagnostic]:
+    """A diagnostic for each kind of loss that this robot has."""
+    file = f"{robot.name}.srdf"
+    if not geometry.self_contact and any(reason == "User" for _, reason in plan.disabled.pairs):
+        yield Diagnostic(
+            "I-SRDF-SELF",
+            "the links do not collide with each other, so MoveIt checks none of their pairs and may plan "
+            "through the robot itself",
+            file,
+            "contact.self=auto lets them collide",
+        )
+    if plan.disabled.partly:
+        pairs = "; ".join(f"{one} and {other}" for one, other in plan.disabled.partly)
+        yield Diagnostic(
+            "I-SRDF-PARTLY",
+            "an SRDF knows only whole links, so these do not collide at all, where only some of their "
+            f"colliders touch in every pose: {pairs}",
+            file,
+            "the MJCF leaves out single colliders",
+        )
+    apart = {pair for pair, _ in plan.disabled.pairs}
+    touching = [one for one in geometry.touching if (one.link_a, one.link_b) not in apart]
+    if touching:
+        pairs = "; ".join(f"{one.link_a} and {one.link_b}" for one in touching)
+        yield Diagnostic(
+            "I-SRDF-TOUCH",
+            f"these touch at home, where MoveIt refuses to plan from: {pairs}",
+            file,
+            "choose another pose (`keyframes: {home: ...}`), or exclude them (`contact: {exclude: ...}`)",
+        )
+    free = [joint.name for joint in robot.joints if joint.type == "free"]
+    if free:
+        yield Diagnostic(
+            "I-SRDF-FREE",
+            f"no group moves a joint of six degrees of freedom, and no pose has its value: {', '.join(free)}",
+            file,
+            "MoveIt takes the poses of these links from what publishes their states",
+        )
+    if plan.loops:
+        yield Diagnostic(
+            "I-SRDF-LOOP",
+            f"MoveIt knows no closed loops and plans as if these were open: {', '.join(plan.loops)}",
+            file,
+            "joints in them that nothing drives are passive joints, whose states must be published",
+        )
