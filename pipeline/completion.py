@@ -127,6 +127,8 @@ def candidates(word: str, before: Sequence[str], here: Path) -> list[str]:
     option = SHORT.get(before[-1], before[-1]) if before else ""
     if option == "--config-dir":
         return [one for one in _files(word, here) if one.endswith("/")]
+    if before[:1] == ["diff"]:
+        return _starting(("--json", "--markdown"), word) if word.startswith("-") else _files(word, here)
     if option in WORDS_OF and (words := _starting(WORDS_OF[option], word)):
         return words
     if word.startswith("-"):

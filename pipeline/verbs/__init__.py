@@ -7,6 +7,7 @@ ConfigError for wrong usage (exit status 2), other errors for failures (1).
 VERBS = {
     "bundle": "pipeline.verbs.bundle",
     "cache": "pipeline.verbs.cache",
+    "diff": "pipeline.verbs.diff",
     "explain": "pipeline.verbs.explain",
 }
 """Verb → the module with its `HELP` and its `run(arguments) -> exit status`."""

@@ -68,6 +68,8 @@ def here(tmp_path, monkeypatch):
         ("actuators=m", ["actuators=motor"]),
         ("motors=", []),
         ("explain sts", ["sts3215"]),
+        ("diff --m", ["--markdown"]),
+        ("diff rob", ["robot/"]),
         ("nothing.like.it", []),
         ("nothing=", []),
     ],

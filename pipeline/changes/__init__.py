@@ -1,0 +1,1 @@
+"""What is different between two robots, as their robot.json describe them."""

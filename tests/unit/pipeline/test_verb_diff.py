@@ -1,0 +1,263 @@
+"""`linkwright diff`: every difference of two robots is told, and none that is none."""
+
+import copy
+import json
+import math
+import re
+import subprocess
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipeline.changes.compare import compare
+from pipeline.cli import run
+from tests.fake_onshape.sample import sample_document
+from tests.support.building import plan_of, robot_of, write
+
+SENSORS = {"imu": {"frame": "tool", "type": "imu"}, "eye": {"frame": "tool", "type": "camera"}}
+
+APART = ("source", "cad", "provenance", "unset", "estimated", "format", "version")
+"""What says where the robot comes from, and what is read before the comparison."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The sample with servos and sensors, exported."""
+    here = tmp_path_factory.mktemp("diff") / "outputs" / "sample"
+    plan = plan_of(sensors=SENSORS, actuators={"*": "position"})
+    write(robot_of(sample_document()), here, plan)
+    return here
+
+
+@pytest.fixture
+def robot(folder: Path) -> dict[str, Any]:
+    table: dict[str, Any] = json.loads((folder / "robot.json").read_text())
+    return table
+
+
+def row(robot: dict[str, Any], table: str, name: str) -> dict[str, Any]:
+    found: dict[str, Any] = next(one for one in robot[table] if one["name"] == name)
+    return found
+
+
+def saved(robot: dict[str, Any], file: Path) -> str:
+    file.write_text(json.dumps(robot))
+    return str(file)
+
+
+def said(before: dict[str, Any], after: dict[str, Any]) -> list[str]:
+    return [f"{one.section} {one.name} {one.kind} {one.text}" for one in compare(before, after)]
+
+
+def leaves(value: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """The paths of all values of a table that have none in them."""
+    pairs = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, one in pairs:
+        if key not in APART:
+            yield from leaves(one, (*path, key))
+    if not isinstance(value, dict | list):
+        yield path
+
+
+def other_than(value: Any) -> Any:
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, int | float):
+        return value + 0.37
+    return "another" if value is None else f"{value}_2"
+
+
+def test_a_robot_is_like_itself(robot):
+    assert compare(robot, copy.deepcopy(robot)) == ()
+
+
+def test_no_change_of_any_value_is_lost(robot):
+    """Each value of robot.json in its turn, but those that only say where it comes from."""
+    paths = [path for path in leaves(robot) if path[0] != "order"]
+    assert len(paths) > 500
+    for path in paths:
+        changed = copy.deepcopy(robot)
+        above = changed
+        for key in path[:-1]:
+            above = above[key]
+        if path[-2:-1] == ("quat",) and sum(map(bool, above)) == 1 and above[path[-1]]:
+            continue  # longer, it is the same orientation
+        above[path[-1]] = other_than(above[path[-1]])
+        assert compare(robot, changed), path
+
+
+def test_every_row_that_is_taken_out_is_told_by_its_name(robot):
+    tables = [key for key, rows in robot.items() if isinstance(rows, list)]
+    assert {"links", "joints", "loops", "relations", "frames", "actuators", "sensors"} <= set(tables)
+    for table in tables:
+        for index, one in enumerate(robot[table]):
+            less = copy.deepcopy(robot)
+            del less[table][index]
+            name = one.get("name") or one.get("follower") or one.get("link") or one.get("joint")
+            for kind, pair in (("removed", (robot, less)), ("added", (less, robot))):
+                found = [change for change in compare(*pair) if change.section == table]
+                assert {change.kind for change in found if change.name == name} == {kind}, (table, name)
+
+
+def test_what_differs_by_rounding_is_alike(robot):
+    def shaken(value: Any) -> Any:
+        if isinstance(value, float):
+            return value * (1 + 1e-12)
+        if isinstance(value, dict):
+            return {key: shaken(one) for key, one in value.items()}
+        return [shaken(one) for one in value] if isinstance(value, list) else value
+
+    assert compare(robot, shaken(robot)) == ()
+    turned = copy.deepcopy(robot)
+    for joint in turned["joints"]:
+        joint["origin"]["quat"] = [-part for part in joint["origin"]["quat"]]
+    assert compare(robot, turned) == ()
+
+
+def test_where_a_robot_comes_from_is_shown_but_is_no_difference(robot, tmp_path, capsys):
+    later = copy.deepcopy(robot)
+    later["source"]["microversion"] = "b" * 24
+    one, other = saved(robot, tmp_path / "a.json"), saved(later, tmp_path / "b.json")
+    assert run(["diff", one, other]) == 0
+    out = capsys.readouterr().out
+    assert f"microversion of the source: {robot['source']['microversion']} → {'b' * 24}" in out
+    assert out.endswith("the same robot\n")
+
+
+def test_changes_are_said_in_the_units_of_the_field(robot):
+    after = copy.deepcopy(robot)
+    row(after, "links", "forearm")["mass"] *= 1.25
+    row(after, "links", "forearm")["com"][0] += 0.0032
+    elbow = row(after, "joints", "elbow")
+    elbow["dofs"][0]["limits"][1] = 1.9
+    elbow["dofs"][0]["axis"] = [0.0, math.sin(0.5), math.cos(0.5)]
+    elbow["origin"]["xyz"][1] += 0.012
+    half = math.radians(3) / 2
+    elbow["origin"]["quat"] = [math.cos(half), math.sin(half), 0.0, 0.0]
+    row(after, "joints", "lift")["dofs"][0]["damping"] = 7.0
+    before = row(robot, "joints", "elbow")
+    assert before["origin"]["quat"] == [1.0, 0.0, 0.0, 0.0]
+    assert before["dofs"][0]["axis"] == [0.0, 0.0, 1.0]
+    text = "\n".join(said(robot, after))
+    mass = row(robot, "links", "forearm")["mass"]
+    assert f"mass {mass:.6g} → {1.25 * mass:.6g} kg (+25 %)" in text
+    assert "center of mass moved by 3.2 mm" in text
+    assert f"upper limit {before['dofs'][0]['limits'][1]:.6g} → 1.9 rad" in text
+    assert "lower limit" not in text
+    assert f"axis turned by {math.degrees(0.5):.3g} deg" in text
+    assert "origin moved by 12 mm, turned by 3 deg" in text
+    assert re.search(r"damping \S+ → 7 N s/m", text)
+
+
+def test_what_cad_has_under_another_name_is_renamed(robot):
+    """And no joint, loop, part or actuator that names it is another for that."""
+    text = json.dumps(robot).replace('"forearm"', '"lower_arm"').replace('"elbow"', '"my_elbow"')
+    assert said(robot, json.loads(text)) == [
+        "links lower_arm renamed was forearm",
+        "joints my_elbow renamed was elbow",
+    ]
+
+
+def test_a_part_that_went_to_another_link_is_told(robot):
+    after = copy.deepcopy(robot)
+    part = row(after, "links", "lift_column")["parts"].pop(1)
+    row(after, "links", "turret")["parts"].append(part)
+    assert said(robot, after) == ["parts Turntable <1> changed went from lift_column to turret"]
+
+
+def test_another_order_of_the_arrays_is_a_difference(robot):
+    after = copy.deepcopy(robot)
+    after["order"]["mjcf"]["actuators"].reverse()
+    (text,) = said(robot, after)
+    names = [one["name"] for one in robot["order"]["mjcf"]["actuators"]]
+    assert f"{', '.join(names)} → {', '.join(reversed(names))}" in text
+
+
+def test_the_exit_status_says_how_it_ended(folder, robot, tmp_path, capsys):
+    robot["mass"] = 7.0
+    other = saved(robot, tmp_path / "other.json")
+    assert run(["diff", str(folder), str(folder / "robot.json")]) == 0
+    assert run(["diff", str(folder), other]) == 3
+    capsys.readouterr()
+    for arguments, status, told in (
+        ([str(folder)], 2, "expected two robots, got 1"),
+        (["--yaml", str(folder), other], 2, "there is no option --yaml"),
+        (["--json", "--markdown", str(folder), other], 2, "exclude each other"),
+        ([str(folder), str(tmp_path / "nothing")], 1, "no such file or folder"),
+        ([str(folder), str(tmp_path)], 1, "the folder has no robot.json"),
+        ([str(folder), str(folder / "robot.urdf")], 1, "it is no JSON"),
+        ([str(folder), "--", other], 2, "there is no option --"),
+    ):
+        assert run(["diff", *arguments]) == status, arguments
+        assert told in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("[]", "it is no robot.json of Linkwright"),
+        ('{"format": "linkwright-robot", "version": 2}', "its version is 2"),
+        ('{"format": "linkwright-robot", "version": 1, "name": "x"}', "it has no links and no joints"),
+        ("\x00", "it is no JSON"),
+    ],
+)
+def test_what_is_no_robot_is_refused(folder, tmp_path, capsys, text, told):
+    (tmp_path / "robot.json").write_text(text)
+    assert run(["diff", str(folder), str(tmp_path)]) == 1
+    assert told in capsys.readouterr().err
+
+
+def test_a_revision_of_git_is_a_robot_too(folder, robot, tmp_path, monkeypatch, capsys):
+    """By its path from the folder of the repository, and from here; a folder or a file."""
+    there = tmp_path / "robots" / "arm"
+    there.mkdir(parents=True)
+    (there / "robot.json").write_bytes((folder / "robot.json").read_bytes())
+    name = ["-c", "user.name=a", "-c", "user.email=a@b.c"]
+    for arguments in (["init", "-q"], ["add", "."], [*name, "commit", "-q", "-m", "one"]):
+        subprocess.run(["git", *arguments], cwd=tmp_path, check=True)
+    robot["name"] = "arm"
+    saved(robot, there / "robot.json")
+    monkeypatch.chdir(tmp_path)
+    for first in ("HEAD:robots/arm", "HEAD:robots/arm/robot.json", "HEAD:./robots/arm"):
+        assert run(["diff", first, "robots/arm"]) == 3
+        assert "name robot → arm" in capsys.readouterr().out
+    monkeypatch.chdir(tmp_path / "robots")
+    for first in ("HEAD:arm", "HEAD:robots/arm", "HEAD:./arm/robot.json"):
+        assert run(["diff", first, "arm"]) == 3
+    monkeypatch.chdir(there)
+    assert run(["diff", "HEAD:.", "."]) == 3
+    capsys.readouterr()
+    for wrong in ("HEAD:robots/leg", "nowhere:robots/arm", "HEAD:robots"):
+        assert run(["diff", wrong, "."]) == 1
+        assert "git has no robot there" in capsys.readouterr().err
+    assert run(["diff", "--output=x:robots/arm", "."]) == 2
+
+
+def test_programs_get_the_values(folder, robot, tmp_path, capsys):
+    before = row(robot, "links", "palm")["mass"]
+    row(robot, "links", "palm")["mass"] = 1.0
+    assert run(["diff", "--json", str(folder), saved(robot, tmp_path / "b.json")]) == 3
+    table = json.loads(capsys.readouterr().out)
+    (change,) = table["changes"]
+    assert (table["format"], table["alike"]) == ("linkwright-diff", False)
+    assert (change["section"], change["name"], change["field"]) == ("links", "palm", "mass")
+    assert (change["before"], change["after"]) == (before, 1.0)
+
+
+def test_hostile_names_do_no_harm(robot, tmp_path, capsys):
+    after = copy.deepcopy(robot)
+    row(after, "links", "palm")["name"] = "a|b\n| `x` <img src=x> \x1b[31m"
+    row(after, "links", "a|b\n| `x` <img src=x> \x1b[31m")["parts"] = []
+    one, other = saved(robot, tmp_path / "a.json"), saved(after, tmp_path / "b.json")
+    assert run(["diff", one, other]) == 3
+    assert "\x1b" not in capsys.readouterr().out
+    assert run(["diff", "--markdown", one, other]) == 3
+    out = capsys.readouterr().out
+    assert "\x1b" not in out
+    assert "<img" not in out
+    rows = [line for line in out.splitlines() if "img" in line]
+    assert rows
+    for line in rows:
+        assert len(re.findall(r"(?<!\\)\|", line)) == 3, line
