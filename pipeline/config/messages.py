@@ -10,7 +10,6 @@ from pydantic_core import ErrorDetails
 
 from pipeline.config.schema import annotation_at, field_at, is_section, leaves, names, options
 from pipeline.key_path import Place, key_of
-from stages.export.keys import LATER_FORMATS, ExportSection
 from stages.fetch.keys import SOURCES
 from stages.fetch.source_keys import ADDRESS
 from stages.robot.errors import Diagnostic
@@ -187,9 +186,6 @@ def _unknown(problem: _Problem) -> Diagnostic:
     place, value, owner, root = problem.place, problem.value, problem.owner, problem.root
     name, key = str(problem.name), problem.key
     given = f"(given {shown(value)})"
-    if owner is ExportSection and name in LATER_FORMATS:
-        hint = f"formats so far: {', '.join(names(owner))}"
-        return Diagnostic("E-LATER", f"not supported yet {given}", key, hint)
     if owner.unknown_is_later:
         hint = f"supported so far: {', '.join(names(owner))}"
         return Diagnostic("E-LATER", f"not supported yet {given}", key, hint)

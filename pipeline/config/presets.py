@@ -16,7 +16,6 @@ from pipeline.config.messages import EXPERIMENT, nearest
 from pipeline.key_path import Place, key_of
 from pipeline.motor_files import FOLDER as MOTORS
 from pipeline.motor_files import is_motor
-from stages.export.keys import LATER_FORMATS
 from stages.robot.errors import ConfigError, Diagnostic
 
 OURS = Path(conf.__file__).parent
@@ -29,11 +28,6 @@ SEVERAL = ("export",)
 
 _PACKAGED = re.compile(r"(\s*#.*\n)*\s*#\s*@package\s+(?!_group_)\S")
 """The head of a file with its place in the tree."""
-
-LATER = {
-    "export": LATER_FORMATS,
-}
-"""Planned options that are not supported yet."""
 
 
 class Presets:
@@ -195,8 +189,6 @@ class Presets:
         if not options:
             hint = f"groups: {', '.join([*GROUPS, *self.own_groups()])}"
             return Diagnostic("E-OPTION", f"there is no folder {group}/", where, hint)
-        if option in LATER.get(group, ()):
-            return Diagnostic("E-LATER", "not supported yet", where, f"options: {', '.join(options)}")
         hint = f"options: {', '.join(options)}"
         if group == "robot" and (option.endswith((".yaml", ".yml")) or "/" in option):
             return Diagnostic("E-OPTION", "there is no such file", where, self._near(option, options))

@@ -22,11 +22,15 @@ WRITERS = (
     "sdf",
     "ros2",
     "usd",
+    "python",
 )
 """All formats, in the order in which they are written: folders of this stage, each with its `Writer`."""
 
 PACKAGES = ("ros2",)
 """Those that pack the files of others, as the user's own XML leaves them, with the meshes."""
+
+OF_ALL = ("python",)
+"""Those that pack robot.json, too."""
 
 
 def writer_of(name: str) -> Writer:
@@ -68,7 +72,7 @@ def export(
     given = WriterInput(robot, geometry, keys, start, {}, actuation, standing, form, mjcf_form, sensing)
     written: dict[str, Exported] = {}
     needed = _needed(keys.export.chosen)
-    alone = [name for name in needed if name not in PACKAGES]
+    alone = [name for name in needed if name not in (*PACKAGES, *OF_ALL)]
     for name in alone:
         writer = writer_of(name)
         own = {path: data for other in writer.reads for path, data in written[other].files.items()}
@@ -78,12 +82,14 @@ def export(
     every = {**assets, **_files(written, alone), **mine.files}
     for name in [name for name in PACKAGES if name in needed]:
         written[name] = writer_of(name).write(replace(given, files=every))
-    files = assets | _files(written, keys.export.chosen)
-    files |= {path: data for path, data in mine.files.items() if path in files}
-    order = order_tables(robot, actuation, form, files)
-    told = {name: dict(written[name].record) for name in keys.export.chosen if written[name].record}
+    order = order_tables(robot, actuation, form, every)
+    told = {name: dict(one.record) for name, one in written.items() if one.record}
     known = actuation, form, mjcf_form, sensing, order, mine.amendments, told
-    files["robot.json"] = describe(robot, start, *known)
+    every["robot.json"] = describe(robot, start, *known)
+    for name in [name for name in OF_ALL if name in needed]:
+        written[name] = writer_of(name).write(replace(given, files=every))
+    files = {**assets, "robot.json": every["robot.json"], **_files(written, keys.export.chosen)}
+    files |= {path: data for path, data in mine.files.items() if path in files}
     diagnostics = tuple(diagnostic for name in needed for diagnostic in written[name].diagnostics)
     remarks = (*diagnostics, *standing.diagnostics, *remarks, *mine.diagnostics)
     tip = advice(robot, actuation, place, gravity_of(keys.scene.option))

@@ -18,9 +18,6 @@ from stages.robot.keys import (
     invalid,
 )
 
-LATER_FORMATS = ("python",)
-"""Formats that are decided but not supported yet."""
-
 
 class _Formats(Keys):
     """The formats that a build writes."""

@@ -168,8 +168,8 @@ def test_a_plan_without_source_is_no_plan():
         (
             {"export": {}},
             "export",
-            "no format is chosen; allowed: urdf, mjcf, sdf, ros2, usd, [urdf, mjcf, sdf, ros2, usd] "
-            "(given {})",
+            "no format is chosen; allowed: urdf, mjcf, sdf, ros2, usd, python, "
+            "[urdf, mjcf, sdf, ros2, usd, python] (given {})",
         ),
     ],
 )
@@ -227,10 +227,6 @@ def test_a_number_as_the_name_of_a_joint_is_reported_to_be_quoted():
 @pytest.mark.parametrize(
     ("data", "shown"),
     [
-        (
-            {"export": {"mjcf": {}, "python": {}}},
-            ("export.python", "not supported yet (given {})", "formats so far: urdf, mjcf, sdf, ros2, usd"),
-        ),
         (
             {"plugins": ["mine"]},
             (

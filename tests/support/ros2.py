@@ -14,9 +14,14 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 from lxml import etree
+
+from tests.support.engines import Pinocchio
+
+TOLERANCE = 1e-9
 
 TAGS = (
     "name|version|description|maintainer|license|url|author|export|build_depend|build_export_depend|depend|"
@@ -285,3 +290,51 @@ def check_control(package: Package, urdf: bytes, controllers: Mapping[str, Any],
     assert set(claimed) <= commands
     # Each joint that can be commanded is commanded by some controller.
     assert {joint for joint, _ in claimed} == {joint for joint, _ in commands}
+
+
+def same_robot(ours: bytes, theirs: bytes, prefix: str = "", shift: np.ndarray | None = None) -> None:
+    """Poses, mass matrix and limits of two URDFs in Pinocchio at drawn values of the joints: in `theirs` the
+    names have a prefix, and the root link is at `shift` (4, 4)."""
+    one, other = Pinocchio(ours), Pinocchio(theirs)
+    shift = np.eye(4) if shift is None else shift
+    names = [name for name in one.model.names if name != "universe"]
+    assert sorted(prefix + name for name in names) == sorted(n for n in other.model.names if n != "universe")
+    ids = [(one.model.getJointId(name), other.model.getJointId(prefix + name)) for name in names]
+    single = [name for name, (index, _) in zip(names, ids, strict=True) if one.model.joints[index].nv == 1]
+    rng = np.random.default_rng(0)
+    for _ in range(3):
+        q = {name: float(rng.uniform(-1.5, 1.5)) for name in single}
+        moved = {prefix + name: value for name, value in q.items()}
+        found, expected = other.poses(moved), one.poses(q)
+        for link in set(expected) - {"world"}:
+            assert np.abs(found[prefix + link] - shift @ expected[link]).max() < TOLERANCE, link
+        if single:
+            mass = other.mass_matrix(moved, [prefix + name for name in single])
+            scale = max(1.0, np.abs(mass).max())
+            assert np.abs(mass - one.mass_matrix(q, single)).max() < TOLERANCE * scale
+    for own, its in ids:
+        mine, yours = one.model.joints[own], other.model.joints[its]
+        for end in ("lowerPositionLimit", "upperPositionLimit"):
+            ends = getattr(one.model, end)[mine.idx_q], getattr(other.model, end)[yours.idx_q]
+            assert ends[0] == ends[1], own
+        for most in ("velocityLimit", "effortLimit"):
+            if hasattr(one.model, most):
+                values = getattr(one.model, most)[mine.idx_v], getattr(other.model, most)[yours.idx_v]
+                assert values[0] == values[1], own
+
+
+def same_text(plain: bytes, expanded: bytes, prefix: str = "") -> None:
+    """Every element of a URDF is in the other, in the same order, with a prefix before names; the rest of the
+    other is what mounts the robot and its ros2_control."""
+    first, second = (etree.fromstring(text) for text in (plain, expanded))
+    ours = [_canonical(one) for one in first if one.tag != "ros2_control"]
+    theirs = [_canonical(one).replace(f'="{prefix}', '="') for one in second.iterchildren(tag="*")]
+    there = set(theirs)
+    assert [one for one in ours if one not in there] == []
+    more = [one for one in theirs if one not in set(ours)]
+    assert [one for one in theirs if one not in more] == ours
+    assert len([one for one in more if not one.startswith("<ros2_control")]) in (0, 2)
+
+
+def _canonical(node: etree._Element) -> str:
+    return etree.canonicalize(etree.tostring(node).decode(), strip_text=True)

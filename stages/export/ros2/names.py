@@ -4,10 +4,10 @@ Frames of TF and joints are named in topics and parameters, where a point, a sla
 its own, and a name that begins with a digit is a number.
 """
 
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from stages.export.package_names import stem_of
 from stages.robot.names import free, plain
 
 TAGS = frozenset(
@@ -52,18 +52,6 @@ def legal_names(names: Iterable[str], kind: str) -> dict[str, str]:
 def _legal(name: str, kind: str) -> str:
     name = plain(name)
     return f"{kind}_{name}" if name[0].isdigit() else name
-
-
-def stem_of(robot: str) -> str:
-    """The name of a robot as that of a package begins with: a-z, 0-9 and single _ (REP 144)."""
-    stem = re.sub("[^a-z0-9]+", "_", robot.lower()).strip("_") or "robot"
-    return stem if stem[0].isalpha() else f"robot_{stem}"
-
-
-def package_of(robot: str) -> str:
-    """The name of a robot's package, where the configuration has none."""
-    stem = stem_of(robot)
-    return stem if stem.endswith("_description") else f"{stem}_description"
 
 
 def macro_of(robot: str) -> str:

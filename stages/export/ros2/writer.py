@@ -23,10 +23,10 @@ class Ros2Writer:
 
     def write(self, given: WriterInput) -> Exported:
         """Its files, with copies of the meshes."""
+        from stages.export.package_names import package_of
         from stages.export.ros2.control import control_of
         from stages.export.ros2.description import described
         from stages.export.ros2.keys import Ros2FormatKeys
-        from stages.export.ros2.names import package_of
         from stages.export.ros2.unsupported import unsupported
 
         robot = given.robot

@@ -12,14 +12,23 @@ import pytest
 from lxml import etree
 
 from stages.export import export
-from stages.export.ros2.names import legal_names, macro_of, package_of
+from stages.export.package_names import package_of
+from stages.export.ros2.names import legal_names, macro_of
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.model import Frame, Limits, Relation, Robot, frozen
 from stages.robot.start_pose import home
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.engines import Pinocchio
-from tests.support.robots import EVERY, at, joint, loop, pose, robot_with, some_values
-from tests.support.ros2 import Package, check_control, check_manifest, launched, packed
+from tests.support.robots import EVERY, at, joint, loop, pose, robot_with
+from tests.support.ros2 import (
+    Package,
+    check_control,
+    check_manifest,
+    launched,
+    packed,
+    same_robot,
+    same_text,
+)
 
 TOLERANCE = 1e-9
 
@@ -36,53 +45,6 @@ def package(robot: Robot, folder: Path, geometry: Geometry = NO_MESHES, **keys) 
 def losses(robot: Robot, **keys) -> dict[str, str]:
     found = exported(robot, **keys).diagnostics
     return {one.code: one.message for one in found if one.where.startswith("ros2/")}
-
-
-def compare(
-    ours: bytes, theirs: bytes, values: list[dict], prefix: str = "", shift: np.ndarray | None = None
-):
-    """Poses, mass matrices and limits of two URDFs, of which the second has a prefix and a place."""
-    one, other = Pinocchio(ours), Pinocchio(theirs)
-    shift = np.eye(4) if shift is None else shift
-    names = sorted(name for name in one.model.names if name != "universe")
-    assert sorted(prefix + name for name in names) == sorted(n for n in other.model.names if n != "universe")
-    for q in values:
-        moved = {prefix + name: value for name, value in q.items()}
-        found, expected = other.poses(moved), one.poses(q)
-        # Pinocchio's own frame for what is fixed has the name of no link here.
-        for link in set(expected) - {"world"}:
-            assert np.abs(found[prefix + link] - shift @ expected[link]).max() < TOLERANCE, link
-        mass = other.mass_matrix(moved, [prefix + name for name in names])
-        assert np.abs(mass - one.mass_matrix(q, names)).max() < TOLERANCE * max(1.0, np.abs(mass).max())
-    limits = [(m.lowerPositionLimit, m.upperPositionLimit, m.velocityLimit) for m in (one.model, other.model)]
-    order = (
-        [one.model.getJointId(name) for name in names],
-        [other.model.getJointId(prefix + n) for n in names],
-    )
-    for left, right in zip(*limits, strict=True):
-        by_name = [
-            [
-                end[model.joints[index].idx_q] if len(end) == model.nq else end[model.joints[index].idx_v]
-                for index in ids
-            ]
-            for model, ids, end in ((one.model, order[0], left), (other.model, order[1], right))
-        ]
-        assert by_name[0] == by_name[1]
-
-
-def canonical(root: etree._Element) -> list[str]:
-    """The elements of a URDF, without white space."""
-    return [
-        etree.canonicalize(etree.tostring(one).decode(), strip_text=True)
-        for one in root.iterchildren(tag="*")
-    ]
-
-
-def drawn(robot: Robot, count: int = 5) -> list[dict]:
-    rng = np.random.default_rng(0)
-    values = [some_values(robot, rng) for _ in range(count)]
-    free = {dof.name for dof in robot.dofs if dof.kind == "free"}
-    return [{name: value for name, value in q.items() if name not in free} for q in values]
 
 
 def every_kind() -> Robot:
@@ -118,7 +80,8 @@ def test_the_xacro_expands_to_the_robot_of_the_plain_urdf(arguments, xyz, tmp_pa
         shift[:2, :2] = [[math.cos(xyz[3]), -math.sin(xyz[3])], [math.sin(xyz[3]), math.cos(xyz[3])]]
     expanded = made.expanded(**arguments)
     prefix = arguments.get("prefix", "")
-    compare(files["robot.urdf"], expanded, drawn(robot), prefix, shift)
+    same_robot(files["robot.urdf"], expanded, prefix, shift)
+    same_text(made.plain, expanded, prefix)
     root = etree.fromstring(expanded)
     assert all(one.get("name").startswith(prefix) for one in root.findall("joint"))
     control = root.findall("ros2_control")
@@ -126,8 +89,7 @@ def test_the_xacro_expands_to_the_robot_of_the_plain_urdf(arguments, xyz, tmp_pa
     tops = [one.get("name") for one in root.findall("link") if not one.get("name").startswith(prefix)]
     assert tops == ([arguments["parent"]] if prefix and "parent" in arguments else [])
     if not arguments:
-        compare(files["robot.urdf"], made.plain, drawn(robot))
-        assert canonical(etree.fromstring(made.plain)) == canonical(root)[:-1]
+        same_robot(files["robot.urdf"], made.plain)
 
 
 def test_two_robots_in_one_file_share_no_name(tmp_path) -> None:

@@ -1,0 +1,1 @@
+"""A Python package that holds a robot's files."""

@@ -1,0 +1,177 @@
+"""The packages of whole robots as their users take them: the ROS 2 package, and what pip installs."""
+
+import json
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from tests.support.command import called, linkwright
+from tests.support.other_robots import AS_IT_IS, FILES, is_here, source_of
+from tests.support.ros2 import Package, check_control, check_manifest, launched, same_robot, same_text
+
+PIP = [sys.executable, "-m", "pip", "--disable-pip-version-check"]
+OFFLINE = ["--no-deps", "--no-build-isolation", "--no-index", "--quiet"]
+
+ASKED = """
+import importlib, json, mujoco, os
+import {module} as robot
+model = mujoco.MjModel.from_xml_path(robot.SCENE_PATH)
+alone = mujoco.MjModel.from_xml_path(robot.MJCF_PATH)
+by_urdf = mujoco.MjModel.from_xml_path(robot.URDF_PATH)
+found = {{"paths": {{name: getattr(robot, name) for name in robot.__all__}}, "cwd": os.getcwd()}}
+found["mass"] = [float(one.body_mass.sum()) for one in (alone, by_urdf)]
+found["joints"] = [sorted(one.joint(i).name for i in range(one.njnt)) for one in (alone, by_urdf)]
+try:
+    pinocchio = importlib.import_module("pinocchio")
+except ModuleNotFoundError:
+    found["pinocchio"] = None
+else:
+    paths = [robot.PACKAGE_PATH, robot.REPOSITORY_PATH, os.path.dirname(robot.URDF_PATH)]
+    pin, _, visual = pinocchio.buildModelsFromUrdf(robot.URDF_PATH, paths)
+    found["pinocchio"] = sum(one.mass for one in pin.inertias)
+    found["visuals"] = visual.ngeoms
+print(json.dumps(found))
+"""
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The output of the sample with both packages, in a folder that git is told to ignore."""
+    here = tmp_path_factory.mktemp("packages")
+    (here / ".git").mkdir()
+    (here / ".gitignore").write_text("outputs/\n*.stl\n")
+    done = called(here, "robot=sample", "mesh=visual", "export=[urdf,mjcf,sdf,ros2,python]")
+    assert done.returncode == 0, done.stderr
+    return here / "outputs" / "sample"
+
+
+def check_ros(output: Path, monkeypatch: pytest.MonkeyPatch) -> Package:
+    """The ROS 2 package of a build has the robot of its URDF, and what each part of it names is there."""
+    (manifest,) = (output / "ros2").glob("*/package.xml")
+    package = Package(manifest.parent)
+    check_manifest(package)
+    (urdf,) = output.glob("*.urdf")
+    for prefix in ("", "left_"):
+        expanded = package.expanded(prefix=prefix)
+        same_text(package.plain, expanded, prefix)
+        same_robot(urdf.read_bytes(), expanded, prefix)
+        for file in ("display.launch.py", "control.launch.py"):
+            assert launched(package, file, monkeypatch, prefix=prefix)
+    check_control(package, package.expanded(), package.controllers())
+    uris = [line.split('"')[1] for line in package.plain.decode().splitlines() if "<mesh filename" in line]
+    assert uris
+    assert all(package.file_of(uri).is_file() for uri in uris)
+    assets = {one.name: one.read_bytes() for one in (output / "assets").iterdir()}
+    assert {one.name: one.read_bytes() for one in (package.folder / "meshes").iterdir()} == assets
+    return package
+
+
+def test_the_ros_package_of_the_sample(built: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    package = check_ros(built, monkeypatch)
+    told = {
+        one["code"]: one["message"] for one in json.loads((built / "report.json").read_text())["diagnostics"]
+    }
+    # What closes the sample's loop follows its shoulder.
+    assert "I-ROS2-PASSIVE" not in told
+    trajectory = package.controllers()["joint_trajectory_controller"]["ros__parameters"]["joints"]
+    driven = [one["dof"] for one in json.loads((built / "robot.json").read_text())["actuators"]]
+    assert trajectory == driven
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FILES)
+def test_the_ros_package_of_a_robot_of_others(name, tmp_path, monkeypatch) -> None:
+    if not is_here(name):
+        pytest.skip("there are no shared data")
+    done = linkwright(
+        tmp_path, *source_of(name), f"name={name}", "mesh=visual", "actuators=position", *AS_IT_IS,
+        "export=[urdf,mjcf,ros2,python]",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    check_ros(tmp_path / "outputs" / name, monkeypatch)
+
+
+def installed(source: Path, folder: Path) -> Path:
+    """What pip installs of a package, without a network."""
+    pytest.importorskip("hatchling", reason="hatchling, with which the package is built, is not installed")
+    if subprocess.run([*PIP, "--version"], capture_output=True, check=False).returncode:
+        pytest.skip("pip is not installed")
+    done = subprocess.run(
+        [*PIP, "install", *OFFLINE, "--target", str(folder), str(source)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+def asked(site: Path, module: str, here: Path) -> dict:
+    """What a program elsewhere finds in an installed package."""
+    code = f"import sys; sys.path.insert(0, {str(site)!r})\n" + ASKED.format(module=module)
+    done = subprocess.run([sys.executable, "-c", code], cwd=here, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_pip_installs_the_robot_and_both_engines_load_it_from_anywhere(built: Path, tmp_path: Path) -> None:
+    before = sorted(built.rglob("*"))
+    site = installed(built / "python", tmp_path / "site")
+    assert sorted(built.rglob("*")) == before
+    (tmp_path / "elsewhere").mkdir()
+    found = asked(site, "sample_description", tmp_path / "elsewhere")
+    paths = {name: Path(path) for name, path in found["paths"].items() if name.endswith("_PATH")}
+    assert set(paths) == {
+        "PACKAGE_PATH", "REPOSITORY_PATH", "URDF_PATH", "MJCF_PATH", "SCENE_PATH", "SDF_PATH",
+        "SRDF_PATH", "ROBOT_JSON_PATH",
+    }  # fmt: skip
+    for name, path in paths.items():
+        assert path.is_relative_to(site), name
+        if path.is_file():
+            assert path.read_bytes() == (built / path.name).read_bytes(), name
+    assert paths["REPOSITORY_PATH"] == site / "sample_description"
+    robot = json.loads((built / "robot.json").read_text())
+    assert found["mass"] == pytest.approx([robot["mass"]] * 2, rel=1e-9)
+    dofs = sorted(dof["name"] for joint in robot["joints"] for dof in joint["dofs"])
+    assert found["joints"] == [dofs, dofs]
+    if found["pinocchio"] is not None:
+        # Pinocchio has a fixed root's mass in the universe.
+        assert found["pinocchio"] == pytest.approx(robot["mass"], rel=1e-9)
+        assert found["visuals"] == (built / "sample.urdf").read_text().count("<visual>")
+
+
+def test_a_wheel_holds_every_file(built: Path, tmp_path: Path) -> None:
+    pytest.importorskip("hatchling", reason="hatchling, with which the package is built, is not installed")
+    done = subprocess.run(
+        [*PIP, "wheel", *OFFLINE, "--wheel-dir", str(tmp_path), str(built / "python")],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if "No module named pip" in done.stderr:
+        pytest.skip("pip is not installed")
+    assert done.returncode == 0, done.stderr
+    (wheel,) = tmp_path.glob("*.whl")
+    assert wheel.name == "sample_description-0.0.0-py3-none-any.whl"
+    with zipfile.ZipFile(wheel) as archive:
+        inside = {name: archive.read(name) for name in archive.namelist() if ".dist-info/" not in name}
+    data = {
+        f"sample_description/sample/{one.relative_to(built)}": one.read_bytes()
+        for one in [
+            *built.glob("assets/*"),
+            *(built / name for name in ("sample.urdf", "sample.xml", "scene.xml")),
+        ]
+    }
+    assert len(data) > 30
+    assert data.items() <= inside.items()
+    assert set(inside) - set(data) == {
+        "sample_description/__init__.py",
+        "sample_description/py.typed",
+        *(
+            f"sample_description/sample/{name}"
+            for name in ("sample.srdf", "sample.sdf", "model.config", "robot.json")
+        ),
+    }
