@@ -42,7 +42,7 @@ class Report:
     the mechanism moves: `coordinates`, `gruebler` and `dof` (see `stages.robot.model.Mobility`).
     `details`: tables of the stages, each a list of rows: `colliders`, `links`, `excludes` and
     `touching` (see `pipeline.mesh_details.details`), and the `order` of joints, actuators and sensors
-    (see `stages.export.order_tables`).
+    (see `stages.export.order_tables`), and what other `readers` drop (see `stages.export.readers`).
     `outline`: the lines of the kinematic tree as text. `outputs`: SHA-256 of each file of the robot, by
     path below `folder` ("" for a build in memory). `error`: of a failed build, its class, message, place,
     hint and problems.

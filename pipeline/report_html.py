@@ -23,6 +23,7 @@ from pipeline.reference.codes import explanations
 from pipeline.report import Report
 from pipeline.report_colliders import colliders
 from pipeline.report_order import order
+from pipeline.report_readers import readers
 from pipeline.secrets import Secrets
 from stages.graph.view.views import PICTURE, TABLES
 from stages.mesh.view.views import PICTURES
@@ -54,6 +55,7 @@ def page(report: Report, shown: Mapping[str, str], sizes: Mapping[str, int], sec
         colliders(tree["details"], shown.get(PICTURES, ""), secrets),
         _excludes(tree["details"].get("excludes", [])),
         order(tree["details"].get("order", {})),
+        readers(tree["details"].get("readers", [])),
         _facts(tree),
         _outputs(tree["outputs"], sizes),
         _codes(tree),

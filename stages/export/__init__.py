@@ -56,6 +56,7 @@ def export(
     from stages.export.driven import driven
     from stages.export.mjcf.form import form_of as mjcf_form_of
     from stages.export.order_tables import order_tables
+    from stages.export.readers import dropped
     from stages.export.robot_json import describe
     from stages.export.sensors.resolve import sensing_of
     from stages.export.standing import stand
@@ -93,9 +94,9 @@ def export(
     diagnostics = tuple(diagnostic for name in needed for diagnostic in written[name].diagnostics)
     remarks = (*diagnostics, *standing.diagnostics, *remarks, *mine.diagnostics)
     tip = advice(robot, actuation, place, gravity_of(keys.scene.option))
-    return Exported(
-        dict(sorted(files.items())), remarks, actuation, tip, form, mjcf_form, order, sensing, mine.amendments
-    )
+    what = actuation, tip, form, mjcf_form, order, sensing, mine.amendments
+    others = dropped(robot, geometry, needed)
+    return Exported(dict(sorted(files.items())), remarks, *what, readers=others)
 
 
 def _files(written: Mapping[str, Exported], names: Collection[str]) -> dict[str, bytes]:

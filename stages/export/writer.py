@@ -1,6 +1,6 @@
 """The interface of the writers of all formats."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -24,8 +24,9 @@ class Exported:
     """`files`: path below the output folder → bytes. `diagnostics`: losses of the format. `actuation`: what
     drives the robot in the files; `advice`: what a user may want to try; `form`: of the URDF;
     `mjcf_form`: of the MJCF; `order`: the tables of joints, actuators and sensors by format;
-    `sensing`: what measures the robot in the files; `amendments`: what the user's
-    own XML changed in them."""
+    `sensing`: what measures the robot in the files; `amendments`: what the user's own XML changed in them;
+    `record`: what robot.json tells of the format, under its name; `readers`: what other readers drop of
+    this robot (`stages.export.readers`)."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...] = ()
@@ -37,11 +38,13 @@ class Exported:
     sensing: Sensing = NOTHING
     amendments: Amendments = UNCHANGED
     record: Mapping[str, Any] = field(default_factory=dict)
+    readers: Sequence[Mapping[str, Any]] = ()
 
     @property
     def details(self) -> dict[str, Any]:
         """What the report tells of the files."""
-        return {"order": self.order} if self.order else {}
+        tables = {"order": self.order, "readers": list(self.readers)}
+        return {name: table for name, table in tables.items() if table}
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,8 +11,8 @@ import yaml
 
 from pipeline.config.compose import HYDRA, compose_plan
 from pipeline.config.presets import OURS
-from pipeline.reference import DATA, HELP, PAGE, PEERS, SCHEMA
-from tests.config import peers, reference
+from pipeline.reference import DATA, HELP, PAGE, PEERS, READERS, SCHEMA
+from tests.config import peers, readers, reference
 
 GOLDEN = Path(__file__).parent / "golden"
 
@@ -71,6 +71,7 @@ REFERENCE = {
     HELP: reference.help_text,
     PAGE: reference.markdown,
     PEERS: peers.markdown,
+    READERS: readers.markdown,
     SCHEMA: reference.schema_text,
 }
 """Generated file → its text."""

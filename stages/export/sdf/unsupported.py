@@ -80,7 +80,7 @@ def _values(robot: Robot, plan: SdfPlan, file: str) -> Iterator[Diagnostic]:
             f"readers before SDF 1.11 (Gazebo Harmonic) ignore <mimic>, so there these move freely: "
             f"{', '.join(names)}",
             file,
-            "use a Gazebo from Harmonic on, or the MJCF",
+            "use a Gazebo from Harmonic on with its engine bullet-featherstone, or the MJCF",
         )
     rotors = [dof.name for dof in robot.dofs if dof.dynamics.armature]
     if rotors:
