@@ -9,5 +9,6 @@ VERBS = {
     "cache": "pipeline.verbs.cache",
     "diff": "pipeline.verbs.diff",
     "explain": "pipeline.verbs.explain",
+    "view": "pipeline.verbs.view",
 }
 """Verb → the module with its `HELP` and its `run(arguments) -> exit status`."""

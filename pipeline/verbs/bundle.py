@@ -53,8 +53,10 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
     the build; OutputError where the build read nothing or the file cannot be written; SecretFound where
     the inputs hold an API key.
     """
+    from pipeline.output.builds import find
+
     asked = parse(arguments)
-    folder = find(asked.name)
+    folder = find(asked.name, "bundle")
     _check_place(asked.out)
     manifest = _manifest(folder)
     data, replies = _packed(folder, manifest, asked, environ)
@@ -81,28 +83,6 @@ def parse(arguments: Sequence[str]) -> Request:
         msg = "expected a folder"
         raise ConfigError(msg, "cache.dir", _USAGE)
     return Request(places[0], Path(places[1]), caches[-1] if caches else None)
-
-
-def find(name: str) -> Path:
-    """The folder of a build: `outputs/<name>`, else `name`; ConfigError if neither holds a build."""
-    from pipeline.output.manifest import is_build
-
-    places = [Path("outputs") / name, Path(name)]
-    for place in places:
-        if is_build(place):
-            return place
-    kin = sorted(str(place) for place in _siblings(Path("outputs"), name) if is_build(place))
-    there = f"there is {', '.join(kin)}: name it" if kin else "build it first, or name the folder of a build"
-    msg = f"there is no build in {places[0]} or {places[1]}"
-    raise ConfigError(msg, "bundle", there)
-
-
-def _siblings(folder: Path, name: str) -> list[Path]:
-    """The folders beside the output of that name: of an earlier stage, or of a failed build."""
-    try:
-        return [place for place in folder.iterdir() if place.name.startswith(f"{name}.")]
-    except OSError:
-        return []
 
 
 def _check_place(out: Path) -> None:
