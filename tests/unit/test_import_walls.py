@@ -20,6 +20,7 @@ HOMES = {
         "stages/mesh/contacts/",
         "stages/robot/mujoco_warnings.py",
         "stages/robot/trial_run.py",
+        "pipeline/verbs/view.py",
         "stages/export/stability/",
         "stages/export/amend/compiled.py",
     ),
