@@ -131,7 +131,7 @@ class Three:
 
     def close_again(self, rng: np.random.Generator) -> bool:
         """Whether MuJoCo finds another pose in which all loops are closed; there they are in the SDF."""
-        q = self._closed(rng)
+        q = self.closed_pose(rng)
         if q is None:
             return False
         self.same_poses({name: q[name] for name in self.names})
@@ -143,7 +143,7 @@ class Three:
             assert stays(self.sdf.joints[name], np.linalg.inv(first) @ second), name
         return True
 
-    def _closed(self, rng: np.random.Generator) -> dict[str, Value] | None:
+    def closed_pose(self, rng: np.random.Generator) -> dict[str, Value] | None:
         """The values of all dofs, of loops too, in a pose that Newton's method finds."""
         model, data = self.mujoco.model, self.mujoco.data
         model.opt.jacobian = mujoco.mjtJacobian.mjJAC_DENSE

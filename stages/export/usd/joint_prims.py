@@ -22,7 +22,8 @@ def write_joint(prim: Prim, joint: UsdJoint) -> None:
         prim.set("physics:excludeFromArticulation", "bool", True, uniform=True)
     if joint.dof is not None:
         prim.token("physics:axis", joint.axis)
-        _passive(prim, joint)
+        if not joint.closes:  # PhysX would warn: only joints of an articulation resist motion
+            _passive(prim, joint)
     if joint.type == "":
         _locks(prim, joint)
     elif joint.type == "Spherical" and joint.limits.upper is not None:

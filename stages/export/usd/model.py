@@ -175,8 +175,9 @@ class _Writer:
         return names[joint.name]
 
     def _filter(self) -> None:
-        """What must not collide, but for the bodies that a joint holds together, which never do."""
-        joined = {frozenset((joint.first, joint.second)) for joint in self.plan.joints}
+        """What must not collide, but for the bodies that a joint of the tree holds together, which never do;
+        of a loop's PhysX needs to be told."""
+        joined = {frozenset((joint.first, joint.second)) for joint in self.plan.joints if not joint.closes}
         pairs: dict[str, tuple[Prim, list[Prim]]] = {}
         links = self.plan.names.links
         for one in self.geometry.excludes:

@@ -2,6 +2,7 @@
 
 import importlib.util
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,8 +12,10 @@ import pytest
 from pipeline.preflight import plan_problems
 from stages.export import export
 from stages.mesh.primitives import shapes as primitive_shapes
+from stages.mesh.stl import write as write_stl
+from stages.mesh.surface import Surface
 from stages.robot.dynamics import mass_matrix
-from stages.robot.geometry import ContactProperties, Exclude, Geometry
+from stages.robot.geometry import ContactProperties, Exclude, Geometry, Shape
 from stages.robot.kinematics import link_poses
 from stages.robot.model import (
     Actuator,
@@ -30,6 +33,7 @@ from stages.robot.poses import from_parts
 from stages.robot.start_pose import home
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.engines import Pinocchio
+from tests.support.places import PROJECT
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
 from tests.support.usd import Usd, complaints, parsed, pxr, stage_of
 
@@ -413,6 +417,81 @@ def test_frames_and_cameras_are_where_they_were(tmp_path) -> None:
     # Ours looks along z of its frame, with y down.
     assert np.abs(np.array(looks) - [eye[:3, 2], -eye[:3, 1]]).max() < 1e-6
     assert "imu" in losses(robot, geometry, sensors=sensors)["I-USD-SENSOR"]
+
+
+def test_the_commands_of_the_page_run(tmp_path, monkeypatch, capsys) -> None:
+    page = (PROJECT / "pipeline/reference/formats/USD.md").read_text()
+    (code,) = re.findall(r"<!-- test -->\n```py\n(.*?)```", page, re.DOTALL)
+    limits = {"elbow": Limits(-1, 2)}
+    robot = robot_with([joint("revolute", "base", "arm", name="elbow", limits=limits)], name="my_arm")
+    stage_of(exported(robot).files, tmp_path / "outputs" / "my_arm", "my_arm")
+    monkeypatch.chdir(tmp_path)
+    exec(compile(code, "USD.md", "exec"), {})
+    name, *ends = capsys.readouterr().out.split()
+    assert name == "elbow"
+    assert [math.radians(float(end)) for end in ends] == pytest.approx([-1, 2])
+
+
+@pytest.mark.parametrize("name", ["2 arms", "räder@home", "def", "world"])
+def test_a_robot_of_any_name_is_a_stage(name, tmp_path) -> None:
+    robot, geometry = shaped()
+    robot = replace(robot, name=name)
+    stage = stage_of(exported(robot, with_mesh(geometry)).files, tmp_path, name)
+    assert complaints(stage) == []
+    usd = Usd(stage)
+    mesh = stage.GetPrimAtPath(f"{usd.root.GetPath()}/base/collisions/collision_1")
+    assert len(mesh.GetAttribute("points").Get()) == 4
+
+
+def with_mesh(geometry: Geometry) -> Geometry:
+    """With a tetrahedron on the base, seen twice."""
+    corners = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]])
+    surface = Surface(corners, np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]))
+    seen = Shape("base", "visual", "base.stl", (1.0, 0.0, 0.0, 0.5), 4, 4, 0.02, 1e-4)
+    hit = replace(seen, role="collision", colour=None)
+    return replace(
+        geometry, shapes=(hit, seen, seen, *geometry.shapes), files={"base.stl": write_stl(surface)}
+    )
+
+
+@pytest.mark.parametrize("encoding", ["binary", "text"])
+def test_a_mesh_is_there_once_and_seen_as_an_instance(encoding, tmp_path) -> None:
+    robot, geometry = shaped()
+    keys = {"export": {"usd": {"geometry": encoding}, "urdf": {}}}
+    files = exported(robot, with_mesh(geometry), **keys).files
+    assert files["robot_meshes.usd"].startswith(b"PXR-USDC" if encoding == "binary" else b"#usda 1.0")
+    stage = stage_of(files, tmp_path)
+    assert complaints(stage) == []
+    path = f"{stage.GetDefaultPrim().GetPath()}/base"
+    first, second = (stage.GetPrimAtPath(f"{path}/visuals/visual_{number}") for number in (1, 2))
+    assert first.IsInstance()
+    assert first.GetPrototype() == second.GetPrototype()
+    mesh = stage.GetPrimAtPath(f"{path}/collisions/collision_1")
+    assert pxr.UsdPhysics.MeshCollisionAPI(mesh).GetApproximationAttr().Get() == "convexHull"
+    points = np.array(mesh.GetAttribute("points").Get())
+    triangles = points[np.array(mesh.GetAttribute("faceVertexIndices").Get()).reshape(-1, 3)]
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    outwards = triangles.mean(axis=1) - points.mean(axis=0)
+    assert (np.einsum("ij,ij->i", normals, outwards) > 0).all()
+
+
+def test_an_image_is_the_texture_of_what_has_its_coordinates(tmp_path) -> None:
+    robot, geometry = shaped()
+    text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nf 1/1 2/2 3/3\n"
+    seen = Shape("base", "visual", "label.obj", (1.0, 1.0, 1.0, 1.0), 3, 1, 0.5, 0.0, texture="label.png")
+    files = {"label.obj": text.encode(), "label.png": b"image"}
+    geometry = replace(geometry, shapes=(seen, *geometry.shapes), files=files)
+    stage = stage_of(exported(robot, geometry).files, tmp_path)
+    assert complaints(stage) == []
+    path = f"{stage.GetDefaultPrim().GetPath()}/base/visuals/visual_1"
+    instance = stage.GetPrimAtPath(path)
+    (mesh,) = instance.GetPrototype().GetChildren()
+    primvar = pxr.UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st")
+    assert primvar.GetInterpolation() == "faceVarying"
+    assert np.array(primvar.Get()).tolist() == [[0, 0], [1, 0], [0, 1]]
+    material, _ = pxr.UsdShade.MaterialBindingAPI(instance).ComputeBoundMaterial()
+    image = stage.GetPrimAtPath(f"{material.GetPath()}/image").GetAttribute("inputs:file").Get()
+    assert Path(image.resolvedPath).name == "label.png"
 
 
 def test_names_that_are_no_identifiers_are_told_and_shown(tmp_path) -> None:

@@ -1,0 +1,34 @@
+"""Real robots as USD: each is that of its MJCF and its URDF."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stages.export import export
+from stages.fetch.urdf.gather import gather
+from stages.graph import build_robot
+from stages.mesh import make_geometry
+from tests.e2e.test_urdf_robots import FILES, ROBOTS
+from tests.support.building import plan_of
+from tests.support.usd import pxr
+from tests.support.usd_parity import UsdParity
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not ROBOTS.exists(), reason="there are no shared data")
+@pytest.mark.parametrize("name", FILES)
+def test_a_real_robot_is_one_in_three_files(name: str, tmp_path: Path) -> None:
+    assert pxr.Usd
+    plan = plan_of(
+        source={"kind": "urdf", "path": str(ROBOTS / FILES[name])},
+        export={"urdf": {}, "mjcf": {}, "usd": {}},
+        mesh={"visual": {"max_faces": 2_000_000}},
+        actuators={"*": {"type": "position"}},
+    )
+    bundle, _ = gather(plan.source, {})
+    robot = build_robot(bundle, plan)
+    geometry = make_geometry(robot, bundle, plan, lambda kind, key, make: make())
+    files = export(robot, geometry, plan).files
+    UsdParity(robot, files, tmp_path).agree(np.random.default_rng(0))
+    assert files == export(robot, geometry, plan).files

@@ -1,0 +1,74 @@
+"""Random documents: the USD is the robot of the MJCF and of the URDF, by three readers."""
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from pipeline.config.plan import Plan
+from stages.robot.model import Robot
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.random_document import documents
+from tests.fake_onshape.sample import sample_document
+from tests.support.building import plan_of, robot_of, write
+from tests.support.sdf_parity import Three
+from tests.support.usd import pxr
+from tests.support.usd_parity import UsdParity
+
+KEYS = {
+    "export": {"urdf": {}, "mjcf": {}, "sdf": {}, "usd": {}},
+    "joints": {"*": {"effort": 5, "velocity": 2, "damping": 0.25, "friction": 0.125}},
+}
+places = st.integers(0, 1000)
+slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
+
+
+def agree(document: Document, root: int, seed: int) -> bool:
+    """Compares; whether another pose closes the loops."""
+    first = robot_of(document)
+    links = ["world"] if first.root.name == "world" else sorted(link.name for link in first.links)
+    base = "fixed" if links == ["world"] else ["fixed", "free"][seed % 2]
+    plan = plan_of(root={"select": links[root % len(links)], "base": base}, **KEYS)
+    return compare(robot_of(document, plan), plan, seed)
+
+
+def compare(robot: Robot, plan: Plan, seed: int) -> bool:
+    assert pxr.Usd
+    rng = np.random.default_rng(seed)
+    with tempfile.TemporaryDirectory() as folder:
+        made = write(robot, Path(folder), plan)
+        readers = UsdParity(robot, made.files, Path(folder))
+        readers.agree(rng)
+        if not robot.loops:
+            return False
+        q = Three(robot, made.files, Path(folder)).closed_pose(rng)
+        if q is not None:
+            readers.closed(q)
+        return q is not None
+
+
+@settings(max_examples=3, **slowly)
+@given(documents(everything=True), places, places)
+def test_the_usd_is_the_document(document: Document, root: int, seed: int) -> None:
+    agree(document, root, seed)
+
+
+@settings(max_examples=3, **slowly)
+@given(documents(everything=True, loops=True), places, places)
+def test_the_usd_has_the_loops_of_the_document(document: Document, root: int, seed: int) -> None:
+    agree(document, root, seed)
+
+
+@pytest.mark.slow
+@settings(max_examples=100, **slowly)
+@given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)), places, places)
+def test_the_usd_is_the_document_many_times(document: Document, root: int, seed: int) -> None:
+    agree(document, root, seed)
+
+
+def test_the_sample_is_one_robot_in_three_files() -> None:
+    plan = plan_of(**KEYS)
+    assert compare(robot_of(sample_document(), plan), plan, 1)
