@@ -50,7 +50,7 @@ def test_without_arguments_the_sample_is_built_and_valid(built: Path) -> None:
 
 def test_the_sample_has_no_diagnostic_but_of_contacts_its_loop_and_what_a_urdf_lacks(built: Path) -> None:
     codes = [diagnostic["code"] for diagnostic in report(built / "outputs" / "sample")["diagnostics"]]
-    of_formats = ["I-URDF-ARMATURE", "I-URDF-LOOP"]
+    of_formats = ["I-URDF-ARMATURE", "I-URDF-LOOP", "I-SRDF-PARTLY"]
     assert codes == ["I-ALWAYS-CONTACT", *of_formats, "I-ACTUATOR"]
 
 

@@ -36,8 +36,12 @@ EXECUTABLES = {
     "joint_state_publisher_gui": {"joint_state_publisher_gui"},
     "rviz2": {"rviz2"},
     "controller_manager": {"ros2_control_node", "spawner"},
+    "moveit_ros_move_group": {"move_group"},
+    "tf2_ros": {"static_transform_publisher"},
 }
 """Package → the programs of it that there are."""
+
+MOVEIT = "*_moveit_config"
 
 CONTROLLERS = {
     "joint_state_broadcaster/JointStateBroadcaster",
@@ -87,13 +91,19 @@ class Package:
 
 
 def packed(files: Mapping[str, bytes], folder: Path) -> Package:
-    """The one package among the files of a build, written below a folder."""
+    """The robot's package among the files of a build, written below a folder."""
     mine = {path: data for path, data in files.items() if path.startswith("ros2/")}
     for path, data in mine.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_bytes(data)
-    (manifest,) = (folder / "ros2").glob("*/package.xml")
+    (manifest,) = [path for path in (folder / "ros2").glob("*/package.xml") if not path.parent.match(MOVEIT)]
     return Package(manifest.parent)
+
+
+def moveit_of(package: Package) -> Package | None:
+    """The package of MoveIt beside another one."""
+    found = [path for path in package.folder.parent.iterdir() if path.match(MOVEIT)]
+    return Package(found[0]) if found else None
 
 
 def check_manifest(package: Package) -> list[str]:
@@ -174,19 +184,99 @@ class ParameterValue:
     value_type: type
 
 
-def launched(package: Package, file: str, monkeypatch: pytest.MonkeyPatch, **given: str) -> list[Node]:
-    """The nodes that a launch file starts, every argument not given at its default."""
+@dataclass
+class PythonLaunchDescriptionSource:
+    """Imagined: a launch file by its path."""
+
+    path: str
+
+
+@dataclass
+class IncludeLaunchDescription:
+    """Imagined: another launch file, with what it is given."""
+
+    source: PythonLaunchDescriptionSource
+    launch_arguments: Any
+
+
+@dataclass
+class MoveItConfigs:
+    """Imagined: what MoveIt's builder has read."""
+
+    robot_description: dict[str, Any] = field(default_factory=dict)
+    robot_description_semantic: dict[str, Any] = field(default_factory=dict)
+    robot_description_kinematics: dict[str, Any] = field(default_factory=dict)
+    planning_pipelines: dict[str, Any] = field(default_factory=dict)
+    trajectory_execution: dict[str, Any] = field(default_factory=dict)
+    joint_limits: dict[str, Any] = field(default_factory=dict)
+    pilz_cartesian_limits: dict[str, Any] = field(default_factory=dict)
+
+    def to_dict(self) -> dict[str, Any]:
+        return {key: value for part in vars(self).values() for key, value in part.items()}
+
+
+def builder_of(share: Callable[[str], str]) -> type:
+    """Imagined: `MoveItConfigsBuilder`, which finds files in a package by the names that it documents."""
+
+    class MoveItConfigsBuilder:
+        def __init__(self, robot_name: str, package_name: str) -> None:
+            self.folder, self.made = Path(share(package_name)), MoveItConfigs()
+            self.config = yaml.safe_load((self.folder / ".setup_assistant").read_text())[
+                "moveit_setup_assistant_config"
+            ]
+
+        def robot_description(self, mappings: Mapping[str, str]) -> "MoveItConfigsBuilder":
+            place = self.config["urdf"]
+            path = Path(share(place["package"])) / place["relative_path"]
+            text = pytest.importorskip("xacro").process_file(str(path), mappings=dict(mappings)).toxml()
+            self.made.robot_description = {"robot_description": text}
+            return self
+
+        def planning_pipelines(self, pipelines: list[str]) -> "MoveItConfigsBuilder":
+            self.made.planning_pipelines = {"planning_pipelines": pipelines}
+            return self
+
+        def to_moveit_configs(self) -> MoveItConfigs:
+            path = self.folder / self.config["srdf"]["relative_path"]
+            # It takes the SRDF for a xacro, too.
+            text = pytest.importorskip("xacro").process_file(str(path)).toxml()
+            self.made.robot_description_semantic = {"robot_description_semantic": text}
+            for part, key, file in (
+                ("robot_description_kinematics", "robot_description_kinematics", "kinematics"),
+                ("joint_limits", "robot_description_planning", "joint_limits"),
+                ("pilz_cartesian_limits", "robot_description_planning", "pilz_cartesian_limits"),
+            ):
+                setattr(self.made, part, {key: self._read(file)})
+            found = list((self.folder / "config").glob("*_controllers.yaml"))
+            if found:
+                (own,) = found
+                self.made.trajectory_execution = self._read(own.stem)
+            return self.made
+
+        def _read(self, name: str) -> Any:
+            return yaml.safe_load((self.folder / "config" / f"{name}.yaml").read_text())
+
+    return MoveItConfigsBuilder
+
+
+def launched(package: Package, file: str, monkeypatch: pytest.MonkeyPatch, **given: str) -> list[Any]:
+    """What a launch file starts, every argument not given at its default: nodes, and other launch files."""
 
     def share(name: str) -> str:
-        assert name == package.name
-        return str(package.folder)
+        found = package.folder.parent / name
+        assert (found / "package.xml").is_file()
+        assert name == package.name or name in check_manifest(package)
+        return str(found)
 
     modules: dict[str, dict[str, Any]] = {
         "launch": {"LaunchDescription": LaunchDescription},
         "launch.actions": {
             "DeclareLaunchArgument": DeclareLaunchArgument,
             "OpaqueFunction": OpaqueFunction,
+            "IncludeLaunchDescription": IncludeLaunchDescription,
         },
+        "launch.launch_description_sources": {"PythonLaunchDescriptionSource": PythonLaunchDescriptionSource},
+        "moveit_configs_utils": {"MoveItConfigsBuilder": builder_of(share)},
         "launch.substitutions": {"LaunchConfiguration": LaunchConfiguration},
         "launch_ros": {},
         "launch_ros.actions": {"Node": Node},
@@ -210,6 +300,9 @@ def launched(package: Package, file: str, monkeypatch: pytest.MonkeyPatch, **giv
             nodes += one.function(values)
     needs = check_manifest(package)
     for node in nodes:
+        if isinstance(node, IncludeLaunchDescription):
+            assert Path(node.source.path).is_file()
+            continue
         assert node.executable in EXECUTABLES[node.package]
         assert node.package in needs
         for text in node.arguments:

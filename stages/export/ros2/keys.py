@@ -45,6 +45,9 @@ class Ros2FormatKeys(Keys):
     license: Annotated[Text, example("Apache-2.0")] = "TODO: License declaration"
     """Its license."""
 
+    moveit: bool = True
+    """Whether there is a second package beside it, `<name>_moveit_config`, for MoveIt, with the SRDF."""
+
 
 KEYS = Ros2FormatKeys
 """The section of the configuration."""

@@ -226,15 +226,15 @@ _SIZE = 1.0
 
 
 def display_launch(given: Mapping[str, str], home: Mapping[str, float]) -> bytes:
-    """`launch/display.launch.py`. `given`: see `_filled`; `home`: values of the joints that have sliders."""
+    """`launch/display.launch.py`. `given`: see `filled`; `home`: values of the joints that have sliders."""
     rows = _rows(f'"{joint}": {_float(value)},' for joint, value in home.items())
-    return _filled(_DISPLAY, {**given, "HOME": rows})
+    return filled(_DISPLAY, {**given, "HOME": rows})
 
 
 def control_launch(given: Mapping[str, str], controllers: Sequence[str], plugin: str) -> bytes:
     """`launch/control.launch.py`. `plugin`: of the source's own hardware, "" for none."""
     rows = _rows(f'"{name}",' for name in controllers)
-    return _filled(_CONTROL, {**given, "CONTROLLERS": rows, "PLUGIN": plugin})
+    return filled(_CONTROL, {**given, "CONTROLLERS": rows, "PLUGIN": plugin})
 
 
 def rviz(root: str, standing: "Stance") -> bytes:
@@ -250,10 +250,10 @@ def rviz(root: str, standing: "Stance") -> bytes:
         "DISTANCE": _rounded(2 * size),
         **dict(zip("XYZ", map(_rounded, centre), strict=True)),
     }
-    return _filled(_RVIZ, {"ROOT": root, **numbers})
+    return filled(_RVIZ, {"ROOT": root, **numbers})
 
 
-def _filled(text: str, given: Mapping[str, str]) -> bytes:
+def filled(text: str, given: Mapping[str, str]) -> bytes:
     """A text in which `@KEY@` stands for what is given."""
     for key, value in given.items():
         text = text.replace(f"@{key}@", value)

@@ -54,6 +54,11 @@ def _legal(name: str, kind: str) -> str:
     return f"{kind}_{name}" if name[0].isdigit() else name
 
 
+def moveit_package_of(package: str) -> str:
+    """The name of MoveIt's package beside that of the description."""
+    return f"{package.removesuffix('_description')}_moveit_config"
+
+
 def macro_of(robot: str) -> str:
     """The name of the xacro macro of a robot."""
     stem = stem_of(robot)

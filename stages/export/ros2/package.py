@@ -26,12 +26,30 @@ _SCHEMA = (
 )
 
 
-def package_xml(package: str, robot: str, keys: Ros2FormatKeys, needs: Collection[str]) -> bytes:
-    """`needs`: the packages that this one runs with."""
+MOVEIT = (
+    "ament_index_python",
+    "joint_state_publisher",
+    "launch",
+    "launch_ros",
+    "moveit_configs_utils",
+    "moveit_kinematics",
+    "moveit_planners",
+    "moveit_ros_move_group",
+    "moveit_ros_visualization",
+    "moveit_simple_controller_manager",
+    "robot_state_publisher",
+    "rviz2",
+    "tf2_ros",
+)
+"""What MoveIt's launch file needs."""
+
+
+def package_xml(package: str, what: str, keys: Ros2FormatKeys, needs: Collection[str]) -> bytes:
+    """`what`: its description; `needs`: the packages that this one runs with."""
     root = element(None, "package", format="3")
     element(root, "name").text = package
     element(root, "version").text = keys.version
-    element(root, "description").text = f"The robot {robot}: URDF, meshes, ros2_control and launch files."
+    element(root, "description").text = what
     element(root, "maintainer", email=keys.email).text = keys.maintainer
     element(root, "license").text = keys.license
     element(root, "buildtool_depend").text = "ament_cmake"
@@ -44,7 +62,10 @@ def package_xml(package: str, robot: str, keys: Ros2FormatKeys, needs: Collectio
 
 
 def cmake_lists(package: str, paths: Iterable[str]) -> bytes:
-    """Installs every folder of the package that has files. `paths`: of these files, in the package."""
+    """Installs every file of the package, in its folder. `paths`: of these files, in the package."""
+    paths = list(paths)
+    single = " ".join(sorted(path for path in paths if "/" not in path))
+    loose = f"\ninstall(\n  FILES {single}\n  DESTINATION share/${{PROJECT_NAME}}\n)\n" if single else ""
     folders = " ".join(sorted({path.partition("/")[0] for path in paths if "/" in path}))
     text = f"""cmake_minimum_required(VERSION 3.8)
 project({package})
@@ -55,7 +76,7 @@ install(
   DIRECTORY {folders}
   DESTINATION share/${{PROJECT_NAME}}
 )
-
+{loose}
 ament_package()
 """
     return text.encode()

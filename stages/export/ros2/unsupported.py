@@ -7,9 +7,11 @@ from stages.export.ros2.names import RosNames
 from stages.robot.errors import Diagnostic
 
 
-def unsupported(names: RosNames, control: Control, own_control: bool, place: str) -> Iterator[Diagnostic]:
+def unsupported(
+    names: RosNames, control: Control, own_control: bool, place: str, moveit: bool
+) -> Iterator[Diagnostic]:
     """A diagnostic for each kind of difference. `own_control`: whether the URDF itself has a <ros2_control>;
-    `place`: the folder of the package."""
+    `place`: the folder of the package; `moveit`: whether MoveIt has one beside it."""
     renamed = [
         f"the {kind[:-1]} {name!r} is {own!r}"
         for kind, table in names.renamed.items()
@@ -23,6 +25,28 @@ def unsupported(names: RosNames, control: Control, own_control: bool, place: str
             place,
             "the other formats keep the names; robot.json has both, under ros2",
         )
+    yield from _commands(control, place, moveit)
+    if control.left_out:
+        yield Diagnostic(
+            "I-ROS2-SENSOR",
+            "ros2_control has no broadcaster for these sensors, or they are at no frame of the URDF, so they "
+            f"are left out: {', '.join(control.left_out)}",
+            place,
+            "put a frame where the sensor is (`frames: {add: ...}`); cameras and the like have drivers of "
+            "their own in ROS",
+        )
+    if own_control:
+        yield Diagnostic(
+            "I-ROS2-CONTROL",
+            "the URDF has a <ros2_control> of its own: it stays in the package's URDF, and its hardware is "
+            "what the xacro uses with use_mock_hardware:=false",
+            place,
+            "the interfaces in the xacro are those of `actuators`, else those of the URDF",
+        )
+
+
+def _commands(control: Control, place: str, moveit: bool) -> Iterator[Diagnostic]:
+    """What is not commanded, or otherwise than it is driven."""
     passive = [one.name for one in control.joints if not one.commands and not one.follows]
     if passive:
         yield Diagnostic(
@@ -48,20 +72,11 @@ def unsupported(names: RosNames, control: Control, own_control: bool, place: str
             place,
             "another type of `actuators`, or an interface of your own in the ros2_control file",
         )
-    if control.left_out:
+    if moveit and not control.commanded("position"):
         yield Diagnostic(
-            "I-ROS2-SENSOR",
-            "ros2_control has no broadcaster for these sensors, or they are at no frame of the URDF, so they "
-            f"are left out: {', '.join(control.left_out)}",
+            "I-ROS2-MOVEIT",
+            "no joint is commanded by position, and so no controller follows trajectories: MoveIt plans for "
+            "the robot, but moves nothing",
             place,
-            "put a frame where the sensor is (`frames: {add: ...}`); cameras and the like have drivers of "
-            "their own in ROS",
-        )
-    if own_control:
-        yield Diagnostic(
-            "I-ROS2-CONTROL",
-            "the URDF has a <ros2_control> of its own: it stays in the package's URDF, and its hardware is "
-            "what the xacro uses with use_mock_hardware:=false",
-            place,
-            "the interfaces in the xacro are those of `actuators`, else those of the URDF",
+            "`actuators=position`, or a controller of your own in moveit_controllers.yaml",
         )

@@ -13,16 +13,20 @@ FOLDER = "ros2"
 
 
 class Ros2Writer:
-    """`ros2/<package>/`."""
+    """`ros2/<package>/`, and MoveIt's package beside it."""
 
     reads: tuple[str, ...] = ("urdf",)
-    modules: tuple[str, ...] = ("stages.export.ros2.xacro_files", "stages.export.ros2.launch_files")
+    modules: tuple[str, ...] = (
+        "stages.export.ros2.xacro_files",
+        "stages.export.ros2.launch_files",
+        "stages.export.ros2.moveit",
+    )
 
     def paths(self, robot: str) -> tuple[str, ...]:
         return (f"{FOLDER}/*",)
 
     def write(self, given: WriterInput) -> Exported:
-        """Its files, with copies of the meshes."""
+        """Its files, with copies of the meshes, and those of MoveIt's package beside it."""
         from stages.export.package_names import package_of
         from stages.export.ros2.control import control_of
         from stages.export.ros2.description import described
@@ -36,8 +40,10 @@ class Ros2Writer:
         control = control_of(robot, given.form, given.actuation, given.sensing, description)
         own = description.root.find("ros2_control") is not None
         place = f"{FOLDER}/{package}"
-        told = tuple(unsupported(description.names, control, own, place))
+        beside = _beside(given, package, description, control)
+        told = tuple(unsupported(description.names, control, own, place, bool(beside)))
         files = {f"{place}/{path}": data for path, data in _files(given, package, description, control)}
+        files |= beside
         record = {"package": package, "renamed": description.names.renamed}
         return Exported(files, told, record=record)
 
@@ -86,10 +92,51 @@ def _files(
             ("launch/control.launch.py", control_launch(texts, [one.name for one in controllers], plugin))
         )
         needs += [*CONTROLLED, *(one.package for one in controllers)]
+    what = f"The robot {name}: URDF, meshes, ros2_control and launch files."
     paths = [path for path, _ in files]
-    files.append(("package.xml", package_xml(package, name, keys, needs)))
+    files.append(("package.xml", package_xml(package, what, keys, needs)))
     files.append(("CMakeLists.txt", cmake_lists(package, paths)))
     return files
+
+
+def _beside(
+    given: WriterInput, package: str, description: "Description", control: "Control"
+) -> dict[str, bytes]:
+    """The files of MoveIt's package by path: none where the configuration wants none, or nothing moves."""
+    from stages.export.ros2.controllers import controllers_of
+    from stages.export.ros2.keys import Ros2FormatKeys
+    from stages.export.ros2.moveit import semantic_files, semantics_of, setup_assistant
+    from stages.export.ros2.moveit_launch import moveit_launch, moveit_rviz
+    from stages.export.ros2.names import moveit_package_of
+    from stages.export.ros2.package import MOVEIT, cmake_lists, package_xml
+
+    name, keys = given.robot.name, given.keys.export.ros2 or Ros2FormatKeys()
+    semantics = semantics_of(given.files[f"{name}.srdf"], description)
+    if not keys.moveit or not semantics.groups:
+        return {}
+    own = moveit_package_of(package)
+    texts = {
+        "PACKAGE": own,
+        "DESCRIPTION": package,
+        "ROBOT": name,
+        "ROOT": description.base,
+        "WORLD": semantics.world,
+        "CONTROLLED": repr(bool(controllers_of(control))),
+        "EXECUTES": repr(bool(control.commanded("position"))),
+        "PLUGIN": control.plugin,
+    }
+    files = [
+        *semantic_files(name, semantics, description, control),
+        ("config/moveit.rviz", moveit_rviz(semantics.world or description.base, semantics.groups[0])),
+        ("launch/moveit.launch.py", moveit_launch(texts)),
+        (".setup_assistant", setup_assistant(name, package, keys.maintainer, keys.email)),
+    ]
+    what = f"MoveIt for the robot {name}: groups, poses, kinematics, limits, controllers and a launch file."
+    files += [
+        ("CMakeLists.txt", cmake_lists(own, [path for path, _ in files])),
+        ("package.xml", package_xml(own, what, keys, [*MOVEIT, package])),
+    ]
+    return {f"{FOLDER}/{own}/{path}": data for path, data in files}
 
 
 WRITER = Ros2Writer()

@@ -5,14 +5,14 @@ quadratic form on a convex set", SIAM J. Control 4, 1966): every step knows a pl
 the distance along its normal is one that they have at least, whether the algorithm has converged or not.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from stages.formats.mesh_points import mesh_points
-from stages.robot.geometry import Geometry, Shape
+from stages.robot.geometry import Geometry, Role, Shape
 from stages.robot.model import Array, Primitive
 
 _STEPS = (1, 1, 2, 4, 8)
@@ -47,9 +47,21 @@ class ConvexBodies:
         return self.points[rows], self.radii[rows]
 
 
-def bodies_of(geometry: Geometry, held: Sequence[tuple[str, Array]]) -> ConvexBodies | None:
-    """The colliders of links that are one, each with holder_from_link (4, 4); None where they have none."""
+def bodies_of(
+    geometry: Geometry, groups: Mapping[str, Sequence[tuple[str, Array]]]
+) -> dict[str, ConvexBodies]:
+    """By link the colliders of all links that are part of it, each with holder_from_link (4, 4). Links
+    without any are left out."""
     shapes = geometry.by_link()
+    made = {link: _of_link(geometry, shapes, held) for link, held in groups.items()}
+    return {link: one for link, one in made.items() if one is not None}
+
+
+def _of_link(
+    geometry: Geometry,
+    shapes: Mapping[tuple[str, Role], Sequence[Shape]],
+    held: Sequence[tuple[str, Array]],
+) -> ConvexBodies | None:
     found = [
         (points @ pose[:3, :3].T + pose[:3, 3], radii)
         for link, pose in held

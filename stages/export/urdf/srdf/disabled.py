@@ -1,5 +1,6 @@
 """The pairs of links that MoveIt does not check for collisions."""
 
+from collections.abc import Set
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import Literal
@@ -29,9 +30,13 @@ class Disabled:
 
 def disabled_pairs(robot: Robot, geometry: Geometry, form: UrdfForm) -> Disabled:
     """The pairs of a URDF of this form."""
+    written = as_written(robot, form)
     groups = members(robot, holders(robot, form))
-    made = {link: bodies_of(geometry, group) for link, group in groups.items()}
-    bodies = {link: one for link, one in made.items() if one is not None}
+    if not geometry.self_contact:
+        solid = {shape.link for shape in geometry.shapes if shape.role == "collision"}
+        with_colliders = {link for link, parts in groups.items() if any(one in solid for one, _ in parts)}
+        return Disabled(tuple((pair, "Adjacent") for pair in _joined(written, with_colliders)), ())
+    bodies = bodies_of(geometry, groups)
     order = [link.name for link in robot.links if link.name in bodies]
     solid = {shape.link for shape in geometry.shapes if shape.role == "collision"}
     parts = {link: [one for one, _ in groups[link] if one in solid] for link in order}
@@ -45,19 +50,24 @@ def disabled_pairs(robot: Robot, geometry: Geometry, form: UrdfForm) -> Disabled
         known = [given.get(one) for one in own]
         if not adjacent.isdisjoint(own):
             found[pair] = "Adjacent"
-        elif not geometry.self_contact:
-            found[pair] = "User"
         elif any(one is not None and one.reason == "Always" for one in known):
             found[pair] = "Default"
             if not all(one is not None and not one.geoms for one in known):
                 partly.append(pair)
         elif all(known):
             found[pair] = "User"
-    written = as_written(robot, form)
     if {loop.name for loop in robot.loops} == set(form.closed):
         # The relations of the URDF alone close them, which is quicker worked out.
         written = replace(written, loops=())
-    never = apart(written, bodies, found) if geometry.self_contact else ()
-    found |= dict.fromkeys(never, "Never")
+    found |= dict.fromkeys(apart(written, bodies, found), "Never")
     pairs = [(pair, found[pair]) for pair in combinations(order, 2) if pair in found]
     return Disabled(tuple(pairs), tuple(partly))
+
+
+def _joined(robot: Robot, solid: Set[str]) -> list[Pair]:
+    """The pairs of links that a joint or a loop joins, in the order of the links."""
+    place = {link.name: number for number, link in enumerate(robot.links)}
+    joined = [(one.parent, one.child) for one in robot.joints if one.type != "free"]
+    joined += [(one.link_a, one.link_b) for one in robot.loops if one.type != "free"]
+    pairs = {tuple(sorted(pair, key=place.__getitem__)) for pair in joined if solid >= set(pair)}
+    return sorted(((a, b) for a, b in pairs if a != b), key=lambda pair: (place[pair[0]], place[pair[1]]))

@@ -7,7 +7,7 @@ import numpy as np
 from stages.formats.numbers import least_of, number
 from stages.formats.urdf.names import UrdfNames, urdf_names
 from stages.robot.model import Dof, Robot, Value
-from stages.robot.poses import rotation_from_quat, rpy_from_rotation
+from stages.robot.poses import rotation_from_quat, turns_from_rotation
 from stages.robot.start_pose import HOME, keyframes
 
 
@@ -24,10 +24,9 @@ def states_of(robot: Robot) -> dict[str, dict[str, str]]:
 
 def _texts(dof: Dof, value: Value, names: UrdfNames) -> Iterator[tuple[str, str]]:
     if dof.kind == "ball":
-        # Rx Ry Rz is what Rz Ry Rx is of the opposite angles, backwards.
-        back = rpy_from_rotation(rotation_from_quat(np.array(value)).T)
-        for name, angle in zip(names.turns[dof.name], back, strict=True):
-            yield name, number(-angle, least=least_of("ball"))
+        turned = turns_from_rotation(rotation_from_quat(np.array(value)))
+        for name, angle in zip(names.turns[dof.name], turned, strict=True):
+            yield name, number(angle, least=least_of("ball"))
     elif dof.kind != "free":
         assert not isinstance(value, tuple)
         yield dof.name, number(value, least=least_of(dof.kind))

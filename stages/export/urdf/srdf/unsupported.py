@@ -11,13 +11,13 @@ from stages.robot.model import Robot
 def unsupported(robot: Robot, geometry: Geometry, plan: SrdfPlan) -> Iterator[Diagnostic]:
     """A diagnostic for each kind of loss that this robot has."""
     file = f"{robot.name}.srdf"
-    if not geometry.self_contact and any(reason == "User" for _, reason in plan.disabled.pairs):
+    if not geometry.self_contact and any(shape.role == "collision" for shape in geometry.shapes):
         yield Diagnostic(
             "I-SRDF-SELF",
-            "the links do not collide with each other, so MoveIt checks none of their pairs and may plan "
-            "through the robot itself",
+            "the links do not collide with each other (contact.self: none), so it is not known which pairs "
+            "always or never touch: MoveIt checks all that no joint joins",
             file,
-            "contact.self=auto lets them collide",
+            "contact.self=auto finds them",
         )
     if plan.disabled.partly:
         pairs = "; ".join(f"{one} and {other}" for one, other in plan.disabled.partly)
