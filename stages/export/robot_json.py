@@ -37,7 +37,7 @@ links and joints that are not those of the URDF.
 `sdf` is there where an SDF is written: `renamed` has the names in it of links, joints (by dof, also of loops)
 and frames that are not the robot's; `zeros` the value of each dof that is not 0 where its joint of the SDF is
 (a ball's joint turns on from that pose).
-`usd` is there where a USD is written in which links or joints have other names: `renamed`, as of an SDF.
+`usd` is there where names (`renamed`) or balls' zeros (`zeros`) of a USD are not the robot's, as of an SDF.
 """
 
 import json

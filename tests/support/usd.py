@@ -93,8 +93,8 @@ class Usd:
         )
 
     def poses(self, values: Values, free: Mapping[str, np.ndarray] | None = None) -> dict[str, np.ndarray]:
-        """world_from_body (4, 4) by the names of bodies. `values`: by joint, of a ball (w, x, y, z); `free`:
-        the pose of bodies that no joint holds, else where they stand."""
+        """world_from_body (4, 4) by the names of bodies. `values`: by joint, of a ball (w, x, y, z) in
+        the axes of its second body; `free`: the pose of bodies that no joint holds, else where they stand."""
         found: dict[str, np.ndarray] = {}
 
         def pose(body: str) -> np.ndarray:
@@ -107,7 +107,7 @@ class Usd:
                     name = self.above[body]
                     joint = self.joints[name]
                     first, second = self.frames(joint)
-                    moved = _motion(joint.GetPrim(), values.get(name, 0.0))
+                    moved = _motion(joint.GetPrim(), values.get(name, 0.0), second)
                     found[body] = pose(self.ends(joint)[0]) @ first @ moved @ np.linalg.inv(second)
             return found[body]
 
@@ -128,7 +128,7 @@ class Usd:
 
     def mass_matrix(self, values: Values, joints: Sequence[str]) -> np.ndarray:
         """(n, n) of the speeds of these joints: Σ Jᵀ M J over the bodies; of a ball the angular velocity in
-        the axes of its frame on the second body."""
+        the axes of its second body."""
         poses = self.poses(values)
         columns = {name: self._twists(name, poses) for name in joints}
         total = np.zeros((sum(len(one) for one in columns.values()),) * 2)
@@ -161,7 +161,8 @@ class Usd:
         place = poses[self.ends(joint)[1]] @ self.frames(joint)[1]
         kind, zero = joint.GetPrim().GetTypeName(), np.zeros(3)
         if kind == "PhysicsSphericalJoint":
-            return [(place[:3, axis], zero, place[:3, 3]) for axis in range(3)]
+            turned = poses[self.ends(joint)[1]]
+            return [(turned[:3, axis], zero, place[:3, 3]) for axis in range(3)]
         axis = place[:3, :3] @ UNITS[joint.GetPrim().GetAttribute("physics:axis").Get()]
         return [(zero, axis, place[:3, 3]) if "Prismatic" in kind else (axis, zero, place[:3, 3])]
 
@@ -226,12 +227,15 @@ def limits_of(prim: Any, before: str) -> tuple[float, float] | None:
     return (low.Get() if low else -math.inf, high.Get() if high else math.inf) if low or high else None
 
 
-def _motion(prim: Any, value: float | tuple[float, ...]) -> np.ndarray:
+def _motion(prim: Any, value: float | tuple[float, ...], second: np.ndarray) -> np.ndarray:
+    """What a joint moves its frame by; `second` (4, 4): that on its second body."""
     out = np.eye(4)
     kind = prim.GetTypeName()
     if kind == "PhysicsSphericalJoint":
+        assert prim.GetAttribute("physics:axis").Get() == "X"
         if isinstance(value, tuple):
-            out[:3, :3] = Rotation.from_quat(np.roll(value, -1)).as_matrix()
+            turned = Rotation.from_quat(np.roll(value, -1)).as_matrix()
+            out[:3, :3] = second[:3, :3].T @ turned @ second[:3, :3]
     elif kind in ("PhysicsRevoluteJoint", "PhysicsPrismaticJoint"):
         axis = np.array(UNITS[prim.GetAttribute("physics:axis").Get()])
         if kind == "PhysicsRevoluteJoint":

@@ -2,11 +2,12 @@
 and Pinocchio on the others. What the USD calls a link or joint, robot.json says."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import mujoco
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from stages.robot.loops import POINTWISE
 from stages.robot.model import Robot, Value
@@ -33,8 +34,9 @@ class UsdParity:
         self.usd = Usd(stage)
         self.mujoco = Mujoco(folder / f"{robot.name}.xml", {dof.name: start[dof.name] for dof in robot.dofs})
         self.pinocchio = Pinocchio(files[f"{robot.name}.urdf"])
-        told = json.loads(files["robot.json"]).get("usd", {}).get("renamed", {})
-        self.links, self.joints = told.get("links", {}), told.get("joints", {})
+        told = json.loads(files["robot.json"]).get("usd", {})
+        renamed, self.zeros = told.get("renamed", {}), told.get("zeros", {})
+        self.links, self.joints = renamed.get("links", {}), renamed.get("joints", {})
         self.names = [dof.name for dof in robot.dofs]
 
     def agree(self, rng: np.random.Generator, poses: int = 2) -> None:
@@ -55,7 +57,7 @@ class UsdParity:
         self.same_relations(rng)
 
     def values(self, q: Mapping[str, Value]) -> dict[str, Value]:
-        return {self.joints.get(name, name): value for name, value in q.items()}
+        return {self.joints.get(name, name): value for name, value in counted(q, self.zeros).items()}
 
     def same_poses(self, q: Mapping[str, Value]) -> dict[str, np.ndarray]:
         """The poses by the names of the USD's bodies, as MuJoCo and Pinocchio have them, too."""
@@ -133,6 +135,15 @@ class UsdParity:
         poses |= self.usd.poses(chains)
         for name in self.usd.loops:
             assert self.usd.gap(name, poses) < TOLERANCE
+
+
+def counted(q: Mapping[str, Value], zeros: Mapping[str, Sequence[float]]) -> dict[str, Value]:
+    """Values as the USD's joints count them: a ball of `zeros` turns on from there."""
+    found = dict(q)
+    for name in zeros.keys() & q.keys():
+        zero, value = (Rotation.from_quat(np.roll(one, -1)) for one in (zeros[name], q[name]))
+        found[name] = tuple(float(part) for part in np.roll((zero.inv() * value).as_quat(), 1))
+    return found
 
 
 def same(found: np.ndarray, expected: np.ndarray) -> None:

@@ -11,18 +11,25 @@ from stages.robot.inertia import SPECK, principal_axes
 from stages.robot.kinematics import link_poses
 from stages.robot.loops import across, closing
 from stages.robot.model import Array, Configuration, Inertial, Robot
-from stages.robot.poses import motion
+from stages.robot.poses import at_rest, motion
 
 
 def body_poses(
-    robot: Robot, names: UsdNames, q: Configuration, joints: tuple[UsdJoint, ...], world_from_root: Array
+    robot: Robot,
+    names: UsdNames,
+    q: Configuration,
+    zeros: Configuration,
+    joints: tuple[UsdJoint, ...],
+    world_from_root: Array,
 ) -> dict[str, Array]:
-    """world_from_body (4, 4) of every body by the name of its prim, with the dofs at `q`."""
+    """world_from_body (4, 4) of every body by the name of its prim, with the dofs at `q`. `zeros`: of balls
+    whose joints turn on from there."""
     at = link_poses(robot, q)
     poses = {names.links[link]: world_from_root @ pose for link, pose in at.items()}
     values = dict(q)
     for loop in robot.loops:
         values |= closing(loop, across(loop, at))
+    values |= {name: at_rest("ball") for name in zeros}
     for joint in joints:
         if joint.second not in poses:
             assert joint.dof is not None

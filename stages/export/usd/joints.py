@@ -5,6 +5,7 @@ articulations of PhysX have no other. A loop is one joint outside the articulati
 nothing without mass is in it: several degrees of freedom are a joint whose others are locked.
 """
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -12,8 +13,8 @@ from typing import Literal
 import numpy as np
 
 from stages.export.usd.names import UsdNames
-from stages.robot.model import Array, Dof, Dynamics, Joint, Limits, Loop, Robot
-from stages.robot.poses import from_parts, rotation_from_quat
+from stages.robot.model import Array, Configuration, Dof, Dynamics, Joint, Limits, Loop, Robot, Value
+from stages.robot.poses import at_rest, from_parts, motion, rotation_from_quat
 
 JointType = Literal["Fixed", "Revolute", "Prismatic", "Spherical", ""]
 """Of UsdPhysics: `Physics<type>Joint`; "" is the general one."""
@@ -21,6 +22,9 @@ JointType = Literal["Fixed", "Revolute", "Prismatic", "Spherical", ""]
 _TYPES: Mapping[str, JointType] = {"turn": "Revolute", "slide": "Prismatic", "ball": "Spherical"}
 
 AXES = "XYZ"
+
+_X_IS_Z = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+"""The rotation (3, 3) whose x axis is z."""
 
 _SAME = 1e-12
 """An axis that is off a coordinate axis by less is that one."""
@@ -74,19 +78,33 @@ class UsdJoint:
         return "angular" if self.turns else "linear"
 
 
-def usd_joints(robot: Robot, names: UsdNames) -> tuple[UsdJoint, ...]:
-    """The joints of the robot and then of its loops, in their order. Free motion needs none."""
+def usd_joints(robot: Robot, names: UsdNames, zeros: Configuration) -> tuple[UsdJoint, ...]:
+    """The joints of the robot and then of its loops, in their order. Free motion needs none. `zeros`: of
+    balls whose joints turn on from a value."""
     found: list[UsdJoint] = []
     for joint in robot.joints:
         if joint.type != "free":
             links = (names.links[joint.parent], *names.between[joint.name], names.links[joint.child])
-            found += _row(joint, links, joint.parent_from_joint, np.eye(4), names)
+            found += _row(joint, links, joint.parent_from_joint, np.eye(4), names, zeros)
     for loop in robot.loops:
         links = (names.links[loop.link_b], *names.between[loop.name], names.links[loop.link_a])
         one = _general(loop, links, names)
-        *before, last = [one] if one else _row(loop, links, loop.b_from_frame, loop.a_from_frame, names)
+        *before, last = [one] if one else _row(loop, links, loop.b_from_frame, loop.a_from_frame, names, {})
         found += [*before, replace(last, closes=True)]
     return tuple(found)
+
+
+def ball_zeros(robot: Robot, home: Configuration) -> dict[str, Value]:
+    """Where the joints of balls are at zero that do not count from the robot's own: at `home`, since engines
+    know the state of turns and slides alone, and start every ball at its zero. The cone of a ball has a
+    middle that must stay."""
+    balls = [dof for dof in robot.dofs if dof.kind == "ball" and dof.limits.upper is None]
+    return {dof.name: home[dof.name] for dof in balls if is_turned(home[dof.name])}
+
+
+def is_turned(value: Value) -> bool:
+    """Whether a ball is not at rest at this value."""
+    return isinstance(value, tuple) and math.hypot(*value[1:]) > _SAME
 
 
 def added_links(robot: Robot, names: UsdNames, joints: tuple[UsdJoint, ...]) -> tuple[tuple[str, str], ...]:
@@ -97,7 +115,12 @@ def added_links(robot: Robot, names: UsdNames, joints: tuple[UsdJoint, ...]) -> 
 
 
 def _row(
-    one: Joint | Loop, links: tuple[str, ...], before: Array, after: Array, names: UsdNames
+    one: Joint | Loop,
+    links: tuple[str, ...],
+    before: Array,
+    after: Array,
+    names: UsdNames,
+    zeros: Configuration,
 ) -> Iterator[UsdJoint]:
     """The joints from the first link to the last: the first is at `before` in its link, the last at
     `after`."""
@@ -111,7 +134,7 @@ def _row(
             _TYPES[dof.kind],
             links[index],
             links[index + 1],
-            before @ dof.origin @ turned,
+            before @ dof.origin @ motion(dof.kind, dof.axis, zeros.get(dof.name, at_rest(dof.kind))) @ turned,
             (after if last else np.eye(4)) @ turned,
             axis,
             dof,
@@ -122,7 +145,8 @@ def _row(
 def _aligned(dof: Dof) -> tuple[str, Array]:
     """An axis of the joint's frame, and dof_from_joint (4, 4), which takes that axis to the dof's own."""
     if dof.kind == "ball":
-        return "Z", np.eye(4)  # the cone is about z
+        # The cone is about z, and PhysX takes no other axis than X.
+        return "X", from_parts(_X_IS_Z, np.zeros(3))
     for index, token in enumerate(AXES):
         unit = np.eye(3)[index]
         if np.abs(dof.axis - unit).max() < _SAME:

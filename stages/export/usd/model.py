@@ -42,13 +42,14 @@ FOCAL = 24.0
 @dataclass(frozen=True, slots=True, eq=False)
 class UsdPlan:
     """How a robot is said in USD. `home`: the values of all dofs in which it stands, at `world_from_root`
-    (4, 4)."""
+    (4, 4); `zeros`: of balls whose joints turn on from there."""
 
     names: UsdNames
     joints: tuple[UsdJoint, ...]
     drives: Drives
     sensing: Sensing
     home: Configuration
+    zeros: Configuration
     world_from_root: Array
 
 
@@ -75,7 +76,8 @@ class _Writer:
         names, joints, root = self.plan.names, self.plan.joints, self.layer.root
         if names.robot != self.robot.name:
             root.call(self.robot.name)
-        poses = body_poses(self.robot, names, self.plan.home, joints, self.plan.world_from_root)
+        plan = self.plan
+        poses = body_poses(self.robot, names, plan.home, plan.zeros, joints, plan.world_from_root)
         shapes = self.geometry.by_link()
         # Written first and read last: a material is there before it is bound.
         for link in self.robot.links:

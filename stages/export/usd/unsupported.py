@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from stages.export.usd.joints import is_turned
 from stages.export.usd.model import UsdPlan
 from stages.formats.numbers import number
 from stages.robot.actuation import Actuation
@@ -43,15 +44,37 @@ def _joints(robot: Robot, plan: UsdPlan, file: str) -> Iterator[Diagnostic]:
             file,
             "the MJCF needs no such links",
         )
+    yield from _balls(robot, plan, file)
     kinds = {dof.name: dof.kind for dof in robot.dofs}
     mixed = [one.follower for one in robot.relations if kinds[one.follower] != kinds[one.driver]]
     if mixed:
         yield Diagnostic(
             "I-USD-MIMIC",
-            "Newton has no relation between a turn and a slide, so there these move freely: "
-            + ", ".join(mixed),
+            "Newton has no relation between a turn and a slide, so there these move freely, or wrongly where "
+            f"it is given the attributes of PhysX: {', '.join(mixed)}",
             file,
             "PhysX (Isaac Sim) has the relation; for Newton use the MJCF",
+        )
+
+
+def _balls(robot: Robot, plan: UsdPlan, file: str) -> Iterator[Diagnostic]:
+    if plan.zeros:
+        yield Diagnostic(
+            "I-USD-ZERO",
+            "engines start ball joints at their zero, so the joints of these are there where the balls are "
+            f"at `home`: {', '.join(plan.zeros)}",
+            file,
+            "robot.json has that pose (usd.zeros): a joint of the USD turns on from there",
+        )
+    balls = [dof.name for dof in robot.dofs if dof.kind == "ball" and dof.name not in plan.zeros]
+    off = [name for name in balls if is_turned(plan.home[name])]
+    if off:
+        yield Diagnostic(
+            "I-USD-START",
+            "engines start ball joints at their zero, which is in the middle of the cone, so these do not "
+            f"begin at `home`: {', '.join(off)}",
+            file,
+            "let the controller turn them, or give them no cone: `joints: {NAME: {limits: [null, null]}}`",
         )
 
 

@@ -36,28 +36,31 @@ class UsdWriter:
 
 
 def _record(plan: "UsdPlan") -> dict[str, Any]:
-    """What `robot.json` tells of the USD: names that are not the robot's, by kind."""
+    """What `robot.json` tells of the USD: names and zeros that are not the robot's."""
     renamed: dict[str, dict[str, str]] = {"links": {}, "joints": {}}
     for kind, name, own in plan.names.changed:
         renamed[f"{kind}s"][name] = own
-    return {"renamed": renamed} if any(renamed.values()) else {}
+    told = {"renamed": renamed} if any(renamed.values()) else {}
+    return {**told, **({"zeros": dict(plan.zeros)} if plan.zeros else {})}
 
 
 def _plan(given: WriterInput) -> "UsdPlan":
     from stages.export.usd.drives import drives_of
-    from stages.export.usd.joints import usd_joints
+    from stages.export.usd.joints import ball_zeros, usd_joints
     from stages.export.usd.model import UsdPlan
     from stages.export.usd.names import usd_names
     from stages.robot.start_pose import home
 
     names = usd_names(given.robot)
     at_home = home(given.robot)
+    zeros = ball_zeros(given.robot, at_home)
     return UsdPlan(
         names,
-        usd_joints(given.robot, names),
+        usd_joints(given.robot, names, zeros),
         drives_of(given.robot, given.actuation, at_home),
         given.sensing,
         at_home,
+        zeros,
         given.standing.world_from_root,
     )
 
