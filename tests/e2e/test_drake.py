@@ -1,0 +1,125 @@
+"""Drake reads the URDF and the SDF as the same robot: kinematics and mass matrix, without loops."""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, assume, given, settings
+
+from stages.robot.model import Robot
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.random_document import documents
+from tests.fake_onshape.sample import sample_document
+from tests.support.building import plan_of, robot_of, write
+from tests.support.command import called
+from tests.support.drake import drake_python, read
+from tests.support.engines import Pinocchio
+from tests.support.other_robots import AS_IT_IS, FILES, is_here, source_of
+from tests.support.robots import EVERY, joint, pose, robot_with, some_values
+from tests.support.sdf import Sdf, transform
+from tests.support.sdf_parity import Three, same
+
+pytestmark = pytest.mark.slow
+
+PLAN = plan_of(export={"urdf": {}, "mjcf": {}, "sdf": {}})
+COUNT = 5
+
+
+@pytest.fixture(scope="session")
+def python(tmp_path_factory: pytest.TempPathFactory) -> str:
+    here = tmp_path_factory.getbasetemp()
+    return drake_python(here.parent if here.name.startswith("popen-") else here)
+
+
+def every_joint() -> Robot:
+    rng = np.random.default_rng(7)
+    rows, above = [], "base"
+    for kind in (one for one in EVERY if one != "free"):
+        rows.append(joint(kind, above, f"{kind}_link", place=pose(rng), backwards=kind == "planar"))
+        above = rows[-1].child if kind in ("revolute", "ball", "planar") else above
+    return robot_with(rows)
+
+
+def agrees_by_sdf(python: str, robot: Robot, folder: Path) -> None:
+    """By the robot's own dofs, against MuJoCo and Pinocchio."""
+    three = Three(robot, write(robot, folder, PLAN).files, folder)
+    rng = np.random.default_rng(0)
+    drawn = [some_values(robot, rng) for _ in range(COUNT)]
+    names = [three.joint(name) for name in three.names]
+    answers = read(python, folder / "robot.sdf", names, [three.values(q) for q in drawn], None)
+    for q, found in zip(drawn, answers, strict=True):
+        expected = three.mujoco.poses(q)
+        for link in robot.links:
+            same(np.array(found["poses"][three.link(link.name)]), expected[link.name])
+        for engine in (three.mujoco, three.pinocchio) if names else ():
+            same(np.array(found["mass"]), engine.mass_matrix(q, three.names))
+
+
+def test_the_sdf_of_every_joint_is_the_robot(python: str, tmp_path: Path) -> None:
+    agrees_by_sdf(python, every_joint(), tmp_path)
+
+
+@settings(max_examples=4, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@given(documents(everything=True, fixed=True))
+def test_both_files_of_a_document_are_the_robot(python: str, document: Document) -> None:
+    robot = robot_of(document, PLAN)
+    assume(robot.base.fixed and not robot.loops)
+    with TemporaryDirectory() as folder:
+        agrees_by_sdf(python, robot, Path(folder))
+        path = Path(folder) / "robot.urdf"
+        agrees_by_urdf(python, path, path.read_bytes(), robot.root.name)
+
+
+def test_the_urdf_of_every_joint_is_the_robot(python: str, tmp_path: Path) -> None:
+    robot = every_joint()
+    agrees_by_urdf(python, tmp_path / "robot.urdf", write(robot, tmp_path, PLAN).files["robot.urdf"], "base")
+
+
+def test_the_urdf_of_the_sample_is_the_robot(python: str, tmp_path: Path) -> None:
+    robot = robot_of(sample_document(), PLAN)
+    files = write(robot, tmp_path, PLAN).files
+    agrees_by_urdf(python, tmp_path / "robot.urdf", files["robot.urdf"], robot.root.name)
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_a_robot_of_others_is_the_same_in_drake(name: str, python: str, tmp_path: Path) -> None:
+    if not is_here(name):
+        pytest.skip("needs the robots of others")
+    told = [*source_of(name), "root=fixed", "mesh=visual", "mesh.assets=none", "validate=quick"]
+    done = called(tmp_path, *told, *AS_IT_IS, "export=[urdf,sdf]", "output=out")
+    assert done.returncode == 0, done.stdout + done.stderr
+    (path,) = (tmp_path / "out").glob("*.sdf")
+    sdf = Sdf(path.read_bytes())
+    root = str(sdf.top.get("canonical_link"))
+    agrees_by_urdf(python, path.with_suffix(".urdf"), path.with_suffix(".urdf").read_bytes(), root)
+    if sdf.loops:
+        return
+    rng = np.random.default_rng(1)
+    names = [one for one in sdf.model.names if one != "universe"]
+    drawn = [{one: float(rng.uniform(-1, 1)) for one in names} for _ in range(COUNT)]
+    for q, found in zip(drawn, read(python, path, names, drawn, None), strict=True):
+        poses = sdf.poses(q)
+        for link, expected in poses.items():
+            same(np.array(found["poses"][link]), sdf_world(sdf) @ expected)
+        same(np.array(found["mass"]), sdf.mass_matrix(q, names))
+
+
+def sdf_world(sdf: Sdf) -> np.ndarray:
+    """world_from_model (4, 4)."""
+    return transform(sdf.top.findtext("pose"))
+
+
+def agrees_by_urdf(python: str, path: Path, text: bytes, root: str) -> None:
+    """By the joints that a URDF has, a ball being three, against Pinocchio."""
+    pinocchio = Pinocchio(text)
+    names = [one for one in pinocchio.model.names if one != "universe"]
+    rng = np.random.default_rng(2)
+    drawn = [{one: float(rng.uniform(-1, 1)) for one in names} for _ in range(COUNT)]
+    weld = None if root == "world" else root
+    for q, found in zip(drawn, read(python, path, names, drawn, weld), strict=True):
+        assert found["positions"] == len(names)
+        poses = pinocchio.poses(q)
+        for link, pose_ in found["poses"].items():
+            same(np.array(pose_), poses[link])
+        same(np.array(found["mass"]), pinocchio.mass_matrix(q, names))
