@@ -1,16 +1,30 @@
 """The packages of whole robots as their users take them: the ROS 2 package, and what pip installs."""
 
 import json
+import re
+import shlex
+import shutil
 import subprocess
 import sys
 import zipfile
 from pathlib import Path
 
 import pytest
+from lxml import etree
 
 from tests.support.command import called, linkwright
 from tests.support.other_robots import AS_IT_IS, FILES, is_here, source_of
-from tests.support.ros2 import Package, check_control, check_manifest, launched, same_robot, same_text
+from tests.support.places import PROJECT
+from tests.support.ros2 import (
+    Package,
+    check_control,
+    check_manifest,
+    launched,
+    package_in,
+    same_robot,
+    same_text,
+)
+from tests.support.validators import colcon_build
 
 PIP = [sys.executable, "-m", "pip", "--disable-pip-version-check"]
 OFFLINE = ["--no-deps", "--no-build-isolation", "--no-index", "--quiet"]
@@ -39,10 +53,10 @@ print(json.dumps(found))
 
 @pytest.fixture(scope="module")
 def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The output of the sample with both packages, in a folder that git is told to ignore."""
+    """The output of the sample with both packages, where git is told to ignore meshes."""
     here = tmp_path_factory.mktemp("packages")
     (here / ".git").mkdir()
-    (here / ".gitignore").write_text("outputs/\n*.stl\n")
+    (here / ".gitignore").write_text("*.stl\nassets/\n")
     done = called(here, "robot=sample", "mesh=visual", "export=[urdf,mjcf,sdf,ros2,python]")
     assert done.returncode == 0, done.stderr
     return here / "outputs" / "sample"
@@ -50,8 +64,7 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def check_ros(output: Path, monkeypatch: pytest.MonkeyPatch) -> Package:
     """The ROS 2 package of a build has the robot of its URDF, and what each part of it names is there."""
-    (manifest,) = (output / "ros2").glob("*/package.xml")
-    package = Package(manifest.parent)
+    package = package_in(output)
     check_manifest(package)
     (urdf,) = output.glob("*.urdf")
     for prefix in ("", "left_"):
@@ -92,6 +105,54 @@ def test_the_ros_package_of_a_robot_of_others(name, tmp_path, monkeypatch) -> No
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     check_ros(tmp_path / "outputs" / name, monkeypatch)
+
+
+@pytest.mark.slow
+def test_colcon_builds_and_installs_the_ros_package(built: Path, tmp_path: Path) -> None:
+    shutil.copytree(built / "ros2", tmp_path / "src")
+    assert colcon_build(tmp_path) == ""
+    sources = [one for one in (built / "ros2").iterdir() if one.is_dir()]
+    assert len(sources) == 2
+    for source in sources:
+        prefix = tmp_path / "install" / source.name
+        files = [one.relative_to(source) for one in source.rglob("*") if one.is_file()]
+        for file in files:
+            if file.name != "CMakeLists.txt":
+                there = prefix / "share" / source.name / file
+                assert there.read_bytes() == (source / file).read_bytes(), file
+        index = prefix / "share" / "ament_index" / "resource_index"
+        assert (index / "packages" / source.name).is_file()
+        needs = (index / "package_run_dependencies" / source.name).read_text().split(";")
+        assert sorted(needs) == sorted(check_manifest(Package(source)))
+
+
+def blocks(page: str, language: str) -> list[str]:
+    """The code of a page in a language, for the sample."""
+    text = (PROJECT / "pipeline" / "reference" / "formats" / page).read_text().replace("my_arm", "sample")
+    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+
+
+def test_what_the_page_says_of_xacro_works(built: Path, tmp_path: Path) -> None:
+    xacro = pytest.importorskip("xacro")
+    urdf = built / "ros2" / "sample_description" / "urdf"
+    lines = [line for text in blocks("ROS2.md", "sh") for line in text.splitlines()]
+    (line,) = (one for one in lines if one.startswith("xacro "))
+    arguments = shlex.split(line.partition(" > ")[0])[1:]
+    command = [sys.executable, "-c", "import xacro; xacro.main()", *arguments]
+    done = subprocess.run(command, cwd=urdf, capture_output=True, check=True)
+    held = etree.fromstring(done.stdout).find("joint[@name='left_base_plate_mount']")
+    assert held.find("parent").get("link") == "world"
+    assert held.find("origin").get("xyz") == "0 0.5 0"
+    (cell,) = blocks("ROS2.md", "xml")
+    cell = cell.replace("$(find sample_description)", str(urdf.parent))
+    path = tmp_path / "cell.xacro"
+    path.write_text(f'<robot name="cell" xmlns:xacro="http://www.ros.org/wiki/xacro">{cell}</robot>')
+    expanded = etree.fromstring(xacro.process_file(str(path)).toxml().encode())
+    controls = [one.get("name") for one in expanded.findall("ros2_control")]
+    assert controls == ["left_sample", "right_sample"]
+    names = [one.get("name") for one in expanded.findall("link")]
+    own = etree.parse(urdf / "sample.urdf").findall("link")
+    assert len(names) == 1 + 2 * len(own) == len(set(names))
 
 
 def installed(source: Path, folder: Path) -> Path:
@@ -137,6 +198,10 @@ def test_pip_installs_the_robot_and_both_engines_load_it_from_anywhere(built: Pa
     assert found["mass"] == pytest.approx([robot["mass"]] * 2, rel=1e-9)
     dofs = sorted(dof["name"] for joint in robot["joints"] for dof in joint["dofs"])
     assert found["joints"] == [dofs, dofs]
+    first, second = blocks("PYTHON.md", "python")
+    for code in [first, *([second] if found["pinocchio"] is not None else [])]:
+        code = f"import sys; sys.path.insert(0, {str(site)!r})\n{code}"
+        subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True)
     if found["pinocchio"] is not None:
         # Pinocchio has a fixed root's mass in the universe.
         assert found["pinocchio"] == pytest.approx(robot["mass"], rel=1e-9)

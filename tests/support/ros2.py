@@ -96,7 +96,12 @@ def packed(files: Mapping[str, bytes], folder: Path) -> Package:
     for path, data in mine.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_bytes(data)
-    (manifest,) = [path for path in (folder / "ros2").glob("*/package.xml") if not path.parent.match(MOVEIT)]
+    return package_in(folder)
+
+
+def package_in(output: Path) -> Package:
+    """The robot's package in the output of a build."""
+    (manifest,) = [path for path in (output / "ros2").glob("*/package.xml") if not path.parent.match(MOVEIT)]
     return Package(manifest.parent)
 
 
@@ -385,6 +390,13 @@ def check_control(package: Package, urdf: bytes, controllers: Mapping[str, Any],
     assert {joint for joint, _ in claimed} == {joint for joint, _ in commands}
 
 
+def home_of(urdf: bytes) -> dict[str, float]:
+    """Where the joints of a <ros2_control> start [rad or m]."""
+    path = "state_interface[@name='position']/param[@name='initial_value']"
+    joints = etree.fromstring(urdf).findall("ros2_control/joint")
+    return {one.get("name"): float(one.findtext(path)) for one in joints}
+
+
 def same_robot(ours: bytes, theirs: bytes, prefix: str = "", shift: np.ndarray | None = None) -> None:
     """Poses, mass matrix and limits of two URDFs in Pinocchio at drawn values of the joints: in `theirs` the
     names have a prefix, and the root link is at `shift` (4, 4)."""
@@ -420,12 +432,16 @@ def same_text(plain: bytes, expanded: bytes, prefix: str = "") -> None:
     """Every element of a URDF is in the other, in the same order, with a prefix before names; the rest of the
     other is what mounts the robot and its ros2_control."""
     first, second = (etree.fromstring(text) for text in (plain, expanded))
-    ours = [_canonical(one) for one in first if one.tag != "ros2_control"]
-    theirs = [_canonical(one).replace(f'="{prefix}', '="') for one in second.iterchildren(tag="*")]
-    there = set(theirs)
-    assert [one for one in ours if one not in there] == []
+    kinds = ("link", "joint", "material", "transmission", "actuator")
+    named = {one.get("name") for one in first.iter(*kinds)}
+    for node in first.iter(tag="*"):
+        for key in ("name", "link", "joint", "reference"):
+            if node.get(key) in named:
+                node.set(key, prefix + node.get(key))
+    ours = [_canonical(one) for one in first.iterchildren(tag="*") if one.tag != "ros2_control"]
+    theirs = [_canonical(one) for one in second.iterchildren(tag="*")]
     more = [one for one in theirs if one not in set(ours)]
-    assert [one for one in theirs if one not in more] == ours
+    assert [one for one in theirs if one not in set(more)] == ours
     assert len([one for one in more if not one.startswith("<ros2_control")]) in (0, 2)
 
 

@@ -6,7 +6,11 @@ from pathlib import Path
 
 import pytest
 
-PACKAGES = {"check_urdf": "liburdfdom-tools", "ign": "ignition-tools and libsdformat-dev"}
+PACKAGES = {
+    "check_urdf": "liburdfdom-tools",
+    "ign": "ignition-tools and libsdformat-dev",
+    "colcon": "colcon, python3-colcon-ros, python3-colcon-cmake, python3-colcon-recursive-crawl, ament-cmake",
+}
 """Tool → what has it in Debian 12."""
 
 
@@ -29,7 +33,21 @@ def ign_sdf(path: Path) -> str:
     return "\n".join(told) or done.stdout + done.stderr
 
 
-def _run(tool: str, *arguments: str, cwd: Path) -> "subprocess.CompletedProcess[str]":
+def colcon_build(workspace: Path) -> str:
+    """What is wrong with the packages in a workspace's `src`; "" where all are built and installed.
+
+    colcon reads each package.xml with catkin_pkg, and a package of ours with ament_cmake.
+    """
+    if not Path("/usr/share/ament_cmake").is_dir():
+        pytest.skip(f"ament_cmake is not installed (Debian: {PACKAGES['colcon']})")
+    # Its own interpreter, not that of the tests, has ament's modules.
+    done = _run("colcon", "build", "--symlink-install", cwd=workspace, env={"PATH": "/usr/bin:/bin"})
+    return "" if done.returncode == 0 and not done.stderr else done.stdout + done.stderr
+
+
+def _run(
+    tool: str, *arguments: str, cwd: Path, env: dict[str, str] | None = None
+) -> "subprocess.CompletedProcess[str]":
     if shutil.which(tool) is None:
         pytest.skip(f"{tool} is not installed (Debian: {PACKAGES[tool]})")
-    return subprocess.run([tool, *arguments], cwd=cwd, capture_output=True, text=True, check=False)
+    return subprocess.run([tool, *arguments], cwd=cwd, env=env, capture_output=True, text=True, check=False)

@@ -47,7 +47,7 @@ def pyproject(package: str, robot: str, keys: PythonFormatKeys) -> bytes:
         *about,
         "",
         "[tool.hatch.build]",
-        "# The files belong to it also where a .gitignore above names this folder.",
+        "# Meshes belong to it also where a .gitignore above names them.",
         "ignore-vcs = true",
         "",
         "[tool.hatch.build.targets.wheel]",
