@@ -200,6 +200,10 @@ class InPinocchio:
             frozenset((link,)) for link in {self._link(one) for one in range(self._geometry.ngeoms)}
         }
 
+    def is_rigid(self, one: str, other: str) -> bool:
+        """Whether two links are on one joint of Pinocchio's tree."""
+        return len({self.model.frames[self.model.getBodyId(name)].parentJoint for name in (one, other)}) == 1
+
     def touching(self, pairs: set[tuple[str, str]], count: int, seed: int) -> set[tuple[str, str]]:
         """Those of the pairs of links that touch at some of so many random values within the limits, with
         each mimic where it follows."""

@@ -6,7 +6,6 @@ from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
-import numpy.typing as npt
 
 from stages.export.urdf.srdf.convex import ConvexBodies, at_least
 from stages.robot.adjacency import Pair
@@ -27,6 +26,9 @@ REACH = 1.0
 
 _LEAST = POSES // 4
 """With fewer poses whose loops close nothing is known."""
+
+_FEW = 6
+"""With more dofs between two links so many poses say too little, unless balls around them stay apart."""
 
 _NEAREST = 32
 """The poses whose distances tell how near other poses may come."""
@@ -80,40 +82,34 @@ def _never(
     least = between - one.reach - other.reach
     if _beyond(least, count) > MARGIN:
         return True
+    if count > _FEW:
+        return False
     worked_out = np.zeros(len(least), dtype=bool)
-    coarse = False
-    while not worked_out[_nearest(least)].all():
-        if worked_out.sum() >= _MOST:
-            return False
-        ahead = _AT_ONCE if worked_out.any() else _FIRST
-        rows = np.argsort(np.where(worked_out, np.inf, least), kind="stable")[:ahead]
+    while not worked_out[np.argsort(least, kind="stable")[:_NEAREST]].all():
+        first_time = not worked_out.any()
+        rows = np.argsort(np.where(worked_out, np.inf, least), kind="stable")
+        rows = rows[: _FIRST if first_time else _AT_ONCE]
         rows = rows[~worked_out[rows]]
-        least[rows] = np.maximum(
-            least[rows], at_least(one, other, _relative(first[rows], second[rows]), MARGIN)
-        )
+        found = at_least(one, other, _relative(first[rows], second[rows]), MARGIN)
+        least[rows] = np.maximum(least[rows], found)
         worked_out[rows] = True
-        if least[rows].min() <= MARGIN:
+        # What is worked out stays, and the rest only grows.
+        if _beyond(least, count, float(least[worked_out].min())) <= MARGIN or worked_out.sum() >= _MOST:
             return False
-        if not coarse and one.box is not None and other.box is not None:
-            coarse = True
+        if first_time and one.box is not None and other.box is not None:
             rest = np.flatnonzero(~worked_out)
             boxes = at_least(one.box, other.box, _relative(first[rest], second[rest]), -np.inf)
             least[rest] = np.maximum(least[rest], boxes)
     return _beyond(least, count) > MARGIN
 
 
-def _nearest(least: Array) -> npt.NDArray[np.intp]:
-    return np.argsort(least, kind="stable")[:_NEAREST]
-
-
-def _beyond(least: Array, count: int) -> float:
-    """The least distance [m] that is to be expected in all poses, of links with so many dofs between them."""
-    nearest = np.sort(least)[:_NEAREST]
-    if len(nearest) < _NEAREST:
-        return float(nearest[0])
-    spread = float(nearest[-1] - nearest[0])
-    unseen: float = spread / (float(_NEAREST) ** (1.0 / count) - 1.0)
-    return float(nearest[0]) - unseen
+def _beyond(least: Array, count: int, nearest: float | None = None) -> float:
+    """The least distance [m] that is to be expected in all poses, of links with so many dofs between them,
+    from those in some; `nearest`: the least of these, unless it is among them."""
+    found = np.partition(least, _NEAREST - 1)[:_NEAREST]
+    first, last = float(found.min()) if nearest is None else nearest, float(found.max())
+    unseen: float = (last - first) / (float(_NEAREST) ** (1.0 / count) - 1.0)
+    return first - unseen
 
 
 def _relative(first: Array, second: Array) -> Array:

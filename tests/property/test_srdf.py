@@ -1,0 +1,120 @@
+"""The SRDF of random documents and of random trees of boxes and balls: its rules, its poses, and that what
+never touches does not."""
+
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from stages.export.urdf.srdf.convex import at_least, bodies_of
+from stages.robot.geometry import Geometry
+from stages.robot.model import Limits, Robot, frozen
+from stages.robot.poses import inverse
+from stages.robot.start_pose import home
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.random_document import documents
+from tests.property.test_self_contact import random_robot
+from tests.support.building import NO_MESHES, plan_of, robot_of, write
+from tests.support.robots import joint, pose, robot_with
+from tests.support.srdf import InPinocchio, Srdf
+from tests.support.touching import apart, ball, box, geometry_of
+
+slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
+SEEDS = [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 40))]
+
+
+def agree(robot: Robot, folder: Path, geometry: Geometry = NO_MESHES) -> Srdf:
+    """Writes a robot, and holds its SRDF against its URDF and its home."""
+    files = write(robot, folder, plan_of(export={"urdf": {}}), geometry).files
+    found = Srdf(files["robot.srdf"], files["robot.urdf"])
+    # A pose that no loop allows within the limits is reported elsewhere.
+    assert [one for one in found.problems() if "outside its limits" not in one] == []
+    at = home(robot)
+    for group in found.groups:
+        for name, value in found.states(group)["home"].items():
+            if name in at:
+                assert value == pytest.approx(at[name], abs=1e-9)
+    return found
+
+
+@settings(max_examples=8, **slowly)
+@given(documents(everything=True), st.booleans())
+def test_the_srdf_of_a_document_keeps_the_rules(document: Document, free: bool) -> None:
+    robot = robot_of(document)
+    if robot.root.name != "world":
+        robot = robot_of(document, plan_of(root={"base": "free" if free else "fixed"}))
+    with tempfile.TemporaryDirectory() as folder:
+        agree(robot, Path(folder))
+
+
+@settings(max_examples=4, **slowly)
+@given(documents(everything=True, loops=True))
+def test_the_srdf_of_a_looped_document_keeps_the_rules(document: Document) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        agree(robot_of(document), Path(folder))
+
+
+def arm(seed: int) -> Robot:
+    """A chain of links with long boxes, whose ends come near each other in some poses, and a few branches."""
+    rng = np.random.default_rng(seed)
+    count = int(rng.integers(4, 9))
+    names = [f"l{n}" for n in range(count)]
+    rows, shapes = [], {}
+    for index, name in enumerate(names):
+        length = rng.uniform(0.05, 0.25)
+        shapes[name] = (box(length, 0.04, 0.04, pose(rng, 0.1)),)
+        if rng.random() < 0.3:
+            shapes[name] += (ball(rng.uniform(0.02, 0.05), pose(rng, 0.1)),)
+        if index:
+            above = names[index - 1] if rng.random() < 0.8 else names[int(rng.integers(index))]
+            reach = rng.uniform(0.3, 3.0)
+            limits = {f"{name}_joint": Limits(-reach, reach * rng.uniform(0.2, 1.0))}
+            kind = "prismatic" if rng.random() < 0.15 else "revolute"
+            rows.append(joint(kind, above, name, place=pose(rng, 0.25), limits=limits))
+    return robot_with(rows, shapes=shapes, root=names[0])
+
+
+@pytest.mark.parametrize("make", [random_robot, arm])
+@pytest.mark.parametrize("seed", SEEDS)
+def test_links_that_never_touch_do_so_in_no_fresh_pose(seed, make, tmp_path) -> None:
+    robot = make(seed)
+    found = agree(robot, tmp_path, geometry_of(robot))
+    never = {pair for pair, reason in found.disabled.items() if reason == "Never"}
+    assert InPinocchio(tmp_path, "robot").touching(never, 1000, seed) == set()
+
+
+def test_such_pairs_are_found_at_all(tmp_path) -> None:
+    pairs = 0
+    for seed in range(3):
+        robot = arm(seed)
+        disabled = agree(robot, tmp_path, geometry_of(robot)).disabled
+        pairs += sum(reason == "Never" for reason in disabled.values())
+    assert pairs > 5
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_bound_is_below_the_distance_and_near_it(seed) -> None:
+    """Two links of a box and a ball each, held against a closed form and, of balls, the exact distance."""
+    rng = np.random.default_rng(seed)
+    one = (box(*rng.uniform(0.05, 0.3, 3), pose(rng, 0.1)), ball(0.05, pose(rng, 0.1)))
+    two = (ball(0.04, pose(rng, 0.1)), ball(0.07, pose(rng, 0.1)))
+    count = 30
+    row = joint("free", "base", "far")
+    robot = robot_with([row], shapes={"base": one, "far": two})
+    geometry = geometry_of(robot)
+    bodies = bodies_of(geometry, {link: [(link, np.eye(4))] for link in ("base", "far")})
+    places = np.stack([pose(rng, 0.6) for _ in range(count)])
+    bounds = at_least(bodies["base"], bodies["far"], places, -np.inf)
+    back = at_least(bodies["far"], bodies["base"], np.stack([inverse(one) for one in places]), -np.inf)
+    near = 0
+    for place, bound, other in zip(places, bounds, back, strict=True):
+        fixed = replace(robot, joints=(replace(row, dofs=(), type="fixed", parent_from_joint=frozen(place)),))
+        true = apart(fixed, {})["base", "far"]
+        # Of links that overlap no more is said than that they are not known to be apart.
+        assert max(bound, other) <= max(true, 0.0) + 1e-9
+        near += true > 0.01 and bound > 0.9 * true
+    assert near > count / 3
