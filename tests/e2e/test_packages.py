@@ -57,7 +57,9 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
     here = tmp_path_factory.mktemp("packages")
     (here / ".git").mkdir()
     (here / ".gitignore").write_text("*.stl\nassets/\n")
-    done = called(here, "robot=sample", "mesh=visual", "export=[urdf,mjcf,sdf,ros2,python]")
+    about = ["export.python.author='Ada \"L\" Ü'", "export.python.license=MIT", "export.python.version=1.2.0"]
+    formats = "export=[urdf,mjcf,sdf,ros2,python]"
+    done = called(here, "robot=sample", "mesh=visual", formats, *about)
     assert done.returncode == 0, done.stderr
     return here / "outputs" / "sample"
 
@@ -220,9 +222,12 @@ def test_a_wheel_holds_every_file(built: Path, tmp_path: Path) -> None:
         pytest.skip("pip is not installed")
     assert done.returncode == 0, done.stderr
     (wheel,) = tmp_path.glob("*.whl")
-    assert wheel.name == "sample_description-0.0.0-py3-none-any.whl"
+    assert wheel.name == "sample_description-1.2.0-py3-none-any.whl"
     with zipfile.ZipFile(wheel) as archive:
-        inside = {name: archive.read(name) for name in archive.namelist() if ".dist-info/" not in name}
+        every = {name: archive.read(name) for name in archive.namelist()}
+    inside = {name: data for name, data in every.items() if ".dist-info/" not in name}
+    about = every["sample_description-1.2.0.dist-info/METADATA"].decode().splitlines()
+    assert {"Name: sample_description", 'Author: Ada "L" Ü', "License: MIT"} <= set(about)
     data = {
         f"sample_description/sample/{one.relative_to(built)}": one.read_bytes()
         for one in [

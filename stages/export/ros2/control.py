@@ -211,13 +211,15 @@ def _frames(
     """(name of a site, frame or link, the link of the package that is there)."""
     written = as_written(robot, form)
     own = description.names.links
-    for link in written.links:
-        yield link.name, own[link.name]
-    for site in sensing.sites:
-        if site.link in own and np.array_equal(site.link_from_site, np.eye(4)):
-            yield site.name, own[site.link]
-    for frame, name in urdf_names(written).frames.items():
-        yield frame, own[name]
+    here = {link.name: link.name for link in written.links}
+    here |= {
+        site.name: site.link
+        for site in sensing.sites
+        if site.link in here and np.array_equal(site.link_from_site, np.eye(4))
+    }
+    here |= urdf_names(written).frames
+    # The user's own XML may have taken a link away.
+    yield from ((name, own[link]) for name, link in here.items() if link in own)
 
 
 def stem_of_names(names: Sequence[str]) -> str:

@@ -146,6 +146,18 @@ def test_what_a_package_cannot_have_is_refused(key, value) -> None:
         plan_of(export={"ros2": {key: value}})
 
 
+def test_a_root_called_world_is_its_own_parent_unless_it_has_a_prefix(tmp_path) -> None:
+    made = package(robot_with([joint("revolute", "world", "arm", place=at(1, 0, 0))], root="world"), tmp_path)
+    for prefix, mounts in (("", []), ("a_", ["a_world_mount"])):
+        expanded = made.expanded(prefix=prefix, parent="world", xyz="0 0 2")
+        root = etree.fromstring(expanded)
+        names = [one.get("name") for one in root.findall("link")]
+        assert names == [*(["world"] if prefix else []), f"{prefix}world", f"{prefix}arm"]
+        assert [one.get("name") for one in root.findall("joint") if one.get("type") == "fixed"] == mounts
+        pose = Pinocchio(expanded).poses({})[f"{prefix}arm"]
+        assert np.abs(pose - at(1, 0, 2 if prefix else 0)).max() < TOLERANCE
+
+
 def test_names_are_made_legal_and_what_changes_is_told(tmp_path) -> None:
     assert legal_names(["a b", "a_b", "1", "ü/x", "on"], "joint") == {
         "a b": "a_b_2",
@@ -251,6 +263,23 @@ def test_interfaces_are_those_of_the_actuators_and_controllers_find_what_they_cl
     assert said["I-ROS2-PASSIVE"].endswith(": five_joint, six_joint_x, six_joint_y, six_joint_z")
     assert "look" in said["I-ROS2-SENSOR"]
     assert "aside_gyro" in said["I-ROS2-SENSOR"]
+
+
+def test_a_sensor_on_a_link_that_is_merged_has_no_frame_there(tmp_path) -> None:
+    rows = [joint("revolute", "base", "arm"), joint("fixed", "arm", "plate", place=at(0, 0, 1))]
+    frames = [Frame("eye", "plate", frozen(at(0, 0, 0.1)), "Eye")]
+    robot = robot_with(rows, frames=frames)
+    keys = {
+        "export": {"ros2": {}, "urdf": {"fixed_joints": "merge"}},
+        "sensors": {"lost": {"type": "imu", "frame": "plate"}, "kept": {"type": "imu", "frame": "eye"}},
+        "attributes": {"arm": {"name": "limb", "formats": ["urdf"], "tag": "link"}},
+    }
+    made = package(robot, tmp_path, **keys)
+    root = etree.fromstring(made.plain)
+    assert {one.get("name") for one in root.findall("link")} == {"base", "limb", "eye"}
+    own = made.controllers()
+    assert own["kept_broadcaster"]["ros__parameters"]["frame_id"] == "eye"
+    assert "lost_gyro" in losses(robot, **keys)["I-ROS2-SENSOR"]
 
 
 @pytest.mark.parametrize(
