@@ -1,22 +1,25 @@
 """Drake reads the URDF and the SDF as the same robot: kinematics and mass matrix, without loops."""
 
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+import trimesh
 from hypothesis import HealthCheck, assume, given, settings
 
-from stages.robot.model import Robot
+from stages.robot.geometry import Geometry, Shape
+from stages.robot.model import Relation, Robot
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write
 from tests.support.command import called
-from tests.support.drake import drake_python, read
+from tests.support.drake import drake_python, read, refusal
 from tests.support.engines import Pinocchio
 from tests.support.other_robots import AS_IT_IS, FILES, is_here, source_of
-from tests.support.robots import EVERY, joint, pose, robot_with, some_values
+from tests.support.robots import EVERY, at, joint, loop, pose, robot_with, some_values
 from tests.support.sdf import Sdf, transform
 from tests.support.sdf_parity import Three, same
 
@@ -24,6 +27,7 @@ pytestmark = pytest.mark.slow
 
 PLAN = plan_of(export={"urdf": {}, "mjcf": {}, "sdf": {}})
 COUNT = 5
+SUFFIXES = ("urdf", "sdf", "xml")
 
 
 @pytest.fixture(scope="session")
@@ -80,6 +84,41 @@ def test_the_urdf_of_the_sample_is_the_robot(python: str, tmp_path: Path) -> Non
     robot = robot_of(sample_document(), PLAN)
     files = write(robot, tmp_path, PLAN).files
     agrees_by_urdf(python, tmp_path / "robot.urdf", files["robot.urdf"], robot.root.name)
+
+
+def boxed(kind: str) -> Geometry:
+    """A collider of the link arm, in a file of that kind."""
+    box = trimesh.creation.box((0.1, 0.1, 0.1)).export(file_type=kind)
+    shape = Shape("arm", "collision", f"arm.{kind}", None, 8, 12, 1.0, 1.0)
+    return Geometry((shape,), {f"arm.{kind}": box if isinstance(box, bytes) else box.encode()})
+
+
+def dropping() -> Robot:
+    rows = [joint("revolute", "base", "arm"), joint("revolute", "base", "gear", place=at(0.1, 0, 0))]
+    return robot_with(rows, relations=[Relation("Gear", "gear_joint", "arm_joint", 0.5, 0.1)])
+
+
+def test_the_table_of_readers_has_what_drake_refuses_and_what_it_leaves_out(
+    python: str, tmp_path: Path
+) -> None:
+    """The rows of `stages/export/readers.py`, as measured again."""
+    for kind in ("stl", "obj"):
+        folder = tmp_path / kind
+        folder.mkdir()
+        write(dropping(), folder, PLAN, boxed(kind))
+        for suffix in SUFFIXES:
+            refused = refusal(python, folder / f"robot.{suffix}")
+            assert (".stl" in refused) == (kind == "stl"), refused
+    found = [read(python, tmp_path / "obj" / f"robot.{suffix}", (), ({},), None)[0] for suffix in SUFFIXES]
+    assert [one["constraints"] for one in found] == [1, 0, 0]
+    # A URDF's root is free.
+    assert [one["positions"] for one in found] == [9, 2, 2]
+    robot = dropping()
+    shut = loop("ball", "arm", "gear", at(0.1, 0, 0), np.eye(4), [(1.0, 0.0, 0.0, 0.0)])
+    write(replace(robot, relations=(), loops=(shut,)), tmp_path, PLAN)
+    assert "form one or more loops" in refusal(python, tmp_path / "robot.sdf")
+    (open_,) = read(python, tmp_path / "robot.xml", (), ({},), None)
+    assert open_["constraints"] == 0
 
 
 @pytest.mark.parametrize("name", FILES)

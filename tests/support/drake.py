@@ -49,9 +49,19 @@ def read(
     python: str, file: Path, joints: Sequence[str], values: Sequence[Mapping[str, object]], weld: str | None
 ) -> list[dict]:
     """What `drake_reader` answers."""
-    given = {"file": str(file), "weld": weld, "joints": list(joints), "values": [dict(one) for one in values]}
-    done = subprocess.run(
-        [python, "-I", str(READER)], input=json.dumps(given), capture_output=True, text=True, check=False
-    )
+    done = _read(python, file, joints, values, weld)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
+
+
+def refusal(python: str, file: Path) -> str:
+    """Why Drake refuses a file; "" where it does not."""
+    return _read(python, file, (), ({},), None).stderr
+
+
+def _read(
+    python: str, file: Path, joints: Sequence[str], values: Sequence[Mapping[str, object]], weld: str | None
+) -> "subprocess.CompletedProcess[str]":
+    given = {"file": str(file), "weld": weld, "joints": list(joints), "values": [dict(one) for one in values]}
+    command = [python, "-I", str(READER)]
+    return subprocess.run(command, input=json.dumps(given), capture_output=True, text=True, check=False)

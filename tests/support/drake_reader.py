@@ -11,24 +11,28 @@ import sys
 import numpy as np
 from pydrake.math import RollPitchYaw, RotationMatrix
 from pydrake.multibody.parsing import Parser
-from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
 from pydrake.multibody.tree import BodyIndex
+from pydrake.systems.framework import DiagramBuilder
 
 
 def main() -> None:
     given = json.load(sys.stdin)
-    # Mimic needs a plant in steps of time.
-    plant = MultibodyPlant(0.001)
+    # Mimic needs a plant in steps of time, colliders a scene.
+    builder = DiagramBuilder()
+    config = MultibodyPlantConfig(time_step=0.001, discrete_contact_approximation="sap")
+    plant, _ = AddMultibodyPlant(config, builder)
     Parser(plant).AddModels(given["file"])
     if given["weld"] is not None:
         plant.WeldFrames(plant.world_frame(), plant.GetBodyByName(given["weld"]).body_frame())
     plant.Finalize()
-    context = plant.CreateDefaultContext()
+    diagram = builder.Build()
+    context = plant.GetMyContextFromRoot(diagram.CreateDefaultContext())
     json.dump([answer(plant, context, given["joints"], values) for values in given["values"]], sys.stdout)
 
 
 def answer(plant, context, joints, values):
-    places = np.zeros(plant.num_positions())
+    places = plant.GetDefaultPositions()
     turned = np.eye(plant.num_velocities())
     order = []
     for name in joints:
@@ -47,7 +51,8 @@ def answer(plant, context, joints, values):
     mass = turned.T @ plant.CalcMassMatrix(context) @ turned
     bodies = [plant.get_body(BodyIndex(index)) for index in range(1, plant.num_bodies())]
     poses = {body.name(): plant.EvalBodyPoseInWorld(context, body).GetAsMatrix4().tolist() for body in bodies}
-    return {"positions": plant.num_positions(), "mass": mass[np.ix_(order, order)].tolist(), "poses": poses}
+    size = {"positions": plant.num_positions(), "constraints": plant.num_constraints()}
+    return {**size, "mass": mass[np.ix_(order, order)].tolist(), "poses": poses}
 
 
 def quaternion(w, x, y, z):

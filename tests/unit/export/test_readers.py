@@ -10,6 +10,7 @@ from stages.export import WRITERS, export
 from stages.export.readers import READERS, dropped
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.model import Dynamics, Frame, Relation, frozen
+from tests.support import drake
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import at, joint, loop, robot_with
 
@@ -62,6 +63,10 @@ def test_a_row_is_measured_or_has_its_source(row) -> None:
     assert row.version
     assert row.does
     assert not row.source or row.source.startswith("https://")
+
+
+def test_the_version_of_drake_is_that_of_the_tests() -> None:
+    assert {row.version for row in READERS if row.reader == "Drake"} == {drake.VERSION}
 
 
 def test_no_reader_has_two_rows_of_one_thing() -> None:

@@ -4,6 +4,7 @@ says of it."""
 import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,9 +17,11 @@ from stages.robot.errors import ConfigError
 from stages.robot.geometry import ContactProperties, Exclude, Geometry, Shape
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Frame, Primitive, Robot, frozen
+from stages.validate.sdf.read_back import check_file
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import at, joint, loop, robot_with
 from tests.support.sdf import Sdf, transform
+from tests.support.validators import ign_sdf
 
 SKIN = Shape("arm", "visual", "skin.obj", (0.7, 0.7, 0.7, 1.0), 8, 12, 1.0, 1.0, texture="skin.png")
 RED = Shape("arm", "visual", "arm.stl", (0.9, 0.1, 0.2, 1.0), 8, 12, 1.0, 1.0)
@@ -161,3 +164,33 @@ def test_a_torque_that_is_not_measured_at_its_joint_is_reported(
 def test_elements_and_attributes_for_the_sdf_are_refused_by_name(keys: dict) -> None:
     with pytest.raises(ConfigError, match="sdf is written without XML of your own"):
         plan_of(**keys)
+
+
+HOSTILE = (
+    "upper arm",
+    "größe",
+    "手",
+    "a::b",
+    "__reserved__",
+    "<&>\"'",
+    "model",
+    "a.b-c",
+    " edge ",
+    "::",
+    "____",
+)
+
+
+def test_hostile_names_are_legal_and_each_thing_is_found_by_what_robot_json_says(tmp_path: Path) -> None:
+    rows = [joint("revolute", "base", name, name=name) for name in HOSTILE]
+    robot = robot_with(rows, frames=[Frame(name, "base", frozen(np.eye(4)), name) for name in HOSTILE])
+    made = exported(robot)
+    text = made.files["robot.sdf"]
+    read, told = Sdf(text), json.loads(made.files["robot.json"])["sdf"]["renamed"]
+    for kind, found in (("links", read.links), ("joints", read.joints), ("frames", read.frames)):
+        names = [told[kind].get(name, name) for name in HOSTILE]
+        assert len(set(names)) == len(HOSTILE)
+        assert set(names) <= set(found)
+    (tmp_path / "robot.sdf").write_bytes(text)
+    assert all(one.passed for one in check_file(tmp_path / "robot.sdf", robot, quick=False))
+    assert ign_sdf(tmp_path / "robot.sdf") == ""
