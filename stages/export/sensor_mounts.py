@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import did_you_mean, listed
+from stages.robot.globs import there_are
 from stages.robot.model import Array, Robot, frozen
 
 if TYPE_CHECKING:
@@ -36,8 +36,8 @@ def mounts_of(robot: Robot) -> dict[str, Mount]:
 
 def report_unknown(name: str, where: str, mounts: Mapping[str, Mount], log: Diagnostics) -> None:
     """E-FRAME: neither a frame nor a link has this name."""
-    hint = f"{did_you_mean(name, mounts)} frames and links are: {listed(mounts)}"
-    log.report("E-FRAME", f"there is no frame or link {name!r}", where, hint.lstrip())
+    hint = there_are(name, {"frames and links": mounts})
+    log.report("E-FRAME", f"there is no frame or link {name!r}", where, hint)
 
 
 def loaded_links(robot: Robot, sensors: Mapping[str, "SensorKeys"]) -> set[str]:

@@ -6,7 +6,7 @@ from fnmatch import translate
 from typing import TypeVar
 
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import listed
+from stages.robot.globs import there_are
 from stages.robot.model import Joint, Loop, Robot
 from stages.robot.names import RESERVED
 
@@ -36,8 +36,7 @@ def entries_of(
     used = {index for indices in found for index in indices}
     for index, glob in enumerate(wanted):
         if index not in used and glob != "*":
-            known = listed(min(names, key=lambda n: (len(n), n)) for names in things)
-            hint = f"{kind}s are: {known or 'none'}"
+            hint = there_are(glob, {f"{kind}s": [min(names, key=lambda n: (len(n), n)) for names in things]})
             log.report("E-GLOB", f"no {kind} matches {glob!r}", where, hint)
     return iter(found)
 

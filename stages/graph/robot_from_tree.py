@@ -16,7 +16,7 @@ from stages.graph.mechanism import Connection, Mechanism, RigidBody
 from stages.graph.root import base_of
 from stages.graph.tree import Edge, Tree
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import fits, listed
+from stages.robot.globs import fits, there_are
 from stages.robot.inertia import merged, moved
 from stages.robot.model import (
     Array,
@@ -184,8 +184,8 @@ def _frames(
     """The mate connectors that `frames.include` chooses, on their links; E-GLOB for what chooses none."""
     for glob in include:
         if glob != "*" and not any(fits(marker.name, glob) for marker in mechanism.markers):
-            there = listed(marker.name for marker in mechanism.markers) or "none"
-            log.report("E-GLOB", f"no frame matches {glob!r}", "frames.include", f"frames are: {there}")
+            hint = there_are(glob, {"frames": [marker.name for marker in mechanism.markers]})
+            log.report("E-GLOB", f"no frame matches {glob!r}", "frames.include", hint)
     frames = [
         Frame(
             marker.name,

@@ -12,7 +12,7 @@ from stages.graph.mechanism import Connection, Mechanism
 from stages.graph.root import choose_root, heaviest
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic, Disconnected
-from stages.robot.globs import fits, listed
+from stages.robot.globs import fits, there_are
 from stages.robot.model import Array, JointType
 from stages.robot.plural import count
 
@@ -90,8 +90,8 @@ def _ranked(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> lis
     related = {name for spec in mechanism.relations for name in spec.connections}
     for glob in cut:
         if not any(_named(connection, glob) for connection in mechanism.connections):
-            there = listed(connection.name for connection in mechanism.connections) or "none"
-            log.report("E-GLOB", f"no mate matches {glob!r}", "loops.cut", f"mates that move are: {there}")
+            hint = there_are(glob, {"mates that move": [one.name for one in mechanism.connections]})
+            log.report("E-GLOB", f"no mate matches {glob!r}", "loops.cut", hint)
 
     def rank(connection: Connection) -> tuple[object, ...]:
         return (

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 from stages.mesh import COLLIDERS, GIVEN, Maker
 from stages.mesh.collider_settings import ColliderSettings
-from stages.robot.errors import Diagnostic, MeshError
-from stages.robot.globs import fits, listed, unnumbered
+from stages.mesh.unmatched import unmatched
+from stages.robot.errors import MeshError
+from stages.robot.globs import fits, unnumbered
 from stages.robot.model import Link, Part
 
 if TYPE_CHECKING:
@@ -88,8 +89,6 @@ def _choice(default: Choice, keys: ColliderKeys, number: int) -> Choice:
 
 
 def _unmatched(globs: Sequence[str], links: Sequence[Link]) -> MeshError:
-    parts = {unnumbered(part.name.rpartition("/")[2]) for link in links for part in link.parts}
-    hint = f"links are: {listed(link.name for link in links)}; parts are: {listed(parts) or 'none'}"
-    problems = [Diagnostic("E-GLOB", f"no link and no part matches {glob!r}", _WHERE, hint) for glob in globs]
+    problems = [unmatched(glob, links, _WHERE) for glob in globs]
     msg = "the links or parts whose colliders are chosen cannot be found"
     return MeshError(msg, _WHERE, problems=problems)

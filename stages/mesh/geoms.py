@@ -5,9 +5,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stages.mesh.choices import names_of
-from stages.robot.errors import Diagnostic, MeshError
+from stages.mesh.unmatched import unmatched
+from stages.robot.errors import MeshError
 from stages.robot.geometry import ContactProperties, Role, Shape
-from stages.robot.globs import fits, listed, unnumbered
+from stages.robot.globs import fits
 from stages.robot.model import Link, Part
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ class GeomRules:
         self._wanted = wanted
         parts = [part for link in links for part in link.parts]
         problems = [
-            Diagnostic("E-GLOB", f"no link and no part matches {glob!r}", _WHERE, _there_are(links, parts))
+            unmatched(glob, links, _WHERE)
             for glob in wanted
             if glob not in PRESET
             and not any(fits(link.name, glob) for link in links)
@@ -69,8 +70,3 @@ class GeomRules:
 
 def _means(glob: str, part: Part) -> bool:
     return any(fits(name, glob) for name in names_of(part))
-
-
-def _there_are(links: Sequence[Link], parts: Sequence[Part]) -> str:
-    named = listed({unnumbered(part.name.rpartition("/")[2]) for part in parts}) or "none"
-    return f"links are: {listed(link.name for link in links) or 'none'}; parts are: {named}"

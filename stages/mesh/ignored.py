@@ -7,8 +7,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stages.mesh.choices import names_of
-from stages.robot.errors import Diagnostic, MeshError
-from stages.robot.globs import fits, listed, unnumbered
+from stages.mesh.unmatched import unmatched
+from stages.robot.errors import MeshError
+from stages.robot.globs import fits
 from stages.robot.model import Link, Part
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ def without_ignored(links: Sequence[Link], keys: IgnoreKeys) -> list[Link]:
     """
     wanted = {"ignore.visual": keys.visual, "ignore.collision": keys.collision}
     problems = [
-        Diagnostic("E-GLOB", f"no link and no part matches {glob!r}", where, _there_are(links))
+        unmatched(glob, links, where)
         for where, globs in wanted.items()
         for glob in dict.fromkeys(globs)
         if glob != "*" and not any(_means(glob, link) for link in links)
@@ -61,8 +62,3 @@ def _named(globs: Collection[str], link: Link, part: Part | None = None) -> bool
 
 def _means(glob: str, link: Link) -> bool:
     return fits(link.name, glob) or any(_named((glob,), link, part) for part in link.parts)
-
-
-def _there_are(links: Sequence[Link]) -> str:
-    parts = {unnumbered(part.name.rpartition("/")[2]) for link in links for part in link.parts}
-    return f"links are: {listed(link.name for link in links)}; parts are: {listed(parts) or 'none'}"

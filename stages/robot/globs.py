@@ -2,7 +2,7 @@
 
 import json
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from fnmatch import fnmatchcase
 
 _SHOWN = 20
@@ -34,6 +34,14 @@ def did_you_mean(name: str, known: Iterable[str], most: int = 1) -> str:
 
     near = get_close_matches(name, list(known), most)
     return f"did you mean {' or '.join(near)}?" if near else ""
+
+
+def there_are(asked: str, known: Mapping[str, Iterable[str]]) -> str:
+    """What a message says of a glob that nothing matches: the nearest name, and what there is, by kind."""
+    names = {kind: list(every) for kind, every in known.items()}
+    near = did_you_mean(asked, [name for every in names.values() for name in every])
+    there = "; ".join(f"{kind} are: {listed(every) or 'none'}" for kind, every in names.items())
+    return f"{near} {there}".lstrip()
 
 
 def as_key(name: str) -> str:

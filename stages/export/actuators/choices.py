@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from stages.robot.couplings import nearest_first
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import did_you_mean, fits, listed
+from stages.robot.globs import did_you_mean, fits, listed, there_are
 from stages.robot.model import Dof, Robot
 from stages.robot.quantity_keys import TypedNumber, as_typed, misfit
 
@@ -204,9 +204,8 @@ def _report_unmatched(glob: str, robot: Robot, log: Diagnostics) -> None:
         text = f"{glob!r} names a joint of several dofs (or several such joints), not one dof"
         log.report("E-GLOB", text, WHERE, f"name one of its dofs: {', '.join(of_joint)}")
         return
-    near = did_you_mean(glob, (dof.name for dof in robot.dofs))
-    hint = f"{near} joints are: {_names(robot) or 'none'}"
-    log.report("E-GLOB", f"no joint matches {glob!r}", WHERE, hint.lstrip())
+    hint = there_are(glob, {"joints": [dof.name for dof in robot.dofs]})
+    log.report("E-GLOB", f"no joint matches {glob!r}", WHERE, hint)
 
 
 def _names(robot: Robot) -> str:

@@ -9,7 +9,7 @@ from stages.export.mjcf.placement import placement
 from stages.formats.numbers import number
 from stages.formats.xml import Element, element
 from stages.robot.errors import Diagnostic, ExportError
-from stages.robot.globs import listed
+from stages.robot.globs import there_are
 from stages.robot.model import Array, Robot, frozen
 from stages.robot.poses import from_parts, rotation_from_rpy
 from stages.robot.sensing import SensorCamera
@@ -38,7 +38,7 @@ def carried_cameras(robot: Robot, cameras: Mapping[str, "CameraKeys"]) -> dict[s
             "E-FRAME",
             f"there is no frame or link {camera.frame!r}",
             f"scene.cameras.{name}.frame",
-            f"frames and links are: {listed(frames)}",
+            there_are(camera.frame, {"frames and links": frames}),
         )
         for name, camera in cameras.items()
         if camera.frame is not None and camera.frame not in frames

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal
 from stages.export.sensor_keys import MEASURES
 from stages.robot.actuation import Actuation
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import did_you_mean, fits, listed
+from stages.robot.globs import fits, there_are
 from stages.robot.model import Dof, Robot, Sensor
 from stages.robot.quantity_keys import as_typed, misfit
 
@@ -82,8 +82,7 @@ def _report_unmatched(glob: str, kind: str, names: Collection[str], where: str, 
     """E-GLOB: nothing matches; `*` may match nothing."""
     if glob == "*":
         return
-    hint = f"{did_you_mean(glob, names)} {kind}s are: {listed(names) or 'none'}"
-    log.report("E-GLOB", f"no {kind} matches {glob!r}", where, hint.lstrip())
+    log.report("E-GLOB", f"no {kind} matches {glob!r}", where, there_are(glob, {f"{kind}s": names}))
 
 
 def actuator_sensors(

@@ -6,7 +6,7 @@ from fnmatch import fnmatchcase
 from stages.graph.keys import DepthKeys
 from stages.graph.onshape.assembly import Assembly, Occurrence, Path
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import listed, unnumbered
+from stages.robot.globs import there_are, unnumbered
 from stages.robot.names import legal
 
 
@@ -38,11 +38,7 @@ def _named(subs: Sequence[Occurrence], globs: Sequence[str], where: str, log: Di
     for glob in globs:
         fits = {sub.path for sub in subs if any(fnmatchcase(text, glob) for text in _texts(sub, glob))}
         if not fits and glob != "*":
-            there = (
-                f"sub-assemblies are: {listed(sub.title for sub in subs)}"
-                if subs
-                else "there are no sub-assemblies"
-            )
+            there = there_are(glob, {"sub-assemblies": [sub.title for sub in subs]})
             log.report("E-GLOB", f"no sub-assembly matches {glob!r}", where, there)
         found |= fits
     return found

@@ -11,7 +11,7 @@ from stages.graph.globs import names_in, unusable
 from stages.graph.mass_keys import tensor
 from stages.graph.mechanism import WORLD_LINK
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import listed
+from stages.robot.globs import there_are
 from stages.robot.inertia import ZERO, primitive_inertial
 from stages.robot.model import (
     Array,
@@ -63,7 +63,10 @@ def with_added_links(robot: Robot, wanted: Mapping[str, AddedLinkKeys], log: Dia
 
     def lost(robot: Robot, name: str, keys: AddedLinkKeys) -> None:
         if keys.child is None:
-            text, hint = f"its parent {keys.parent!r} is not a link or frame", _places(robot)
+            text, hint = (
+                f"its parent {keys.parent!r} is not a link or frame",
+                _places(robot, keys.parent or ""),
+            )
         elif robot.root.name == WORLD_LINK:
             text, hint = "the root is the assembly's origin, which cannot have a parent", "give it a parent"
         else:
@@ -94,7 +97,7 @@ def with_added_frames(robot: Robot, wanted: Mapping[str, AddedFrameKeys], log: D
 
     def lost(robot: Robot, name: str, keys: AddedFrameKeys) -> None:
         text = f"its link {keys.link!r} is not a link or frame"
-        log.report("E-FRAME", text, f"frames.add.{name}", _places(robot))
+        log.report("E-FRAME", text, f"frames.add.{name}", _places(robot, keys.link))
 
     return _one_by_one(robot, wanted, known, add, lost)
 
@@ -180,9 +183,9 @@ def _place(robot: Robot, name: str) -> tuple[str, Array] | None:
     return next(((f.link, f.link_from_frame) for f in robot.frames if f.name == name), None)
 
 
-def _places(robot: Robot) -> str:
-    text = f"links are: {listed(link.name for link in robot.links)}"
-    return f"{text}; frames are: {listed(f.name for f in robot.frames)}" if robot.frames else text
+def _places(robot: Robot, asked: str) -> str:
+    frames = {"frames": [frame.name for frame in robot.frames]} if robot.frames else {}
+    return there_are(asked, {"links": [link.name for link in robot.links], **frames})
 
 
 def _pose(keys: AddedLinkKeys | AddedFrameKeys) -> Array:

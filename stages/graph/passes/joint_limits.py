@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from stages.graph.keys import JointKeys
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import fits, listed
+from stages.robot.globs import fits, there_are
 from stages.robot.loops import POINTWISE
 from stages.robot.model import Dof, Dynamics, Joint, Limits, Loop, Robot
 from stages.robot.quantity_keys import as_typed, misfit
@@ -44,8 +44,8 @@ def _check_glob(glob: str, keys: JointKeys, matched: Sequence[Dof], robot: Robot
             text = f"{glob!r} names a joint of several dofs (or several such joints), not one dof"
             log.report("E-GLOB", text, "joints", f"name one of its dofs: {names}")
             return
-        known = listed(dof.name for one in every for dof in one.dofs)
-        log.report("E-GLOB", f"no joint matches {glob!r}", "joints", f"joints are: {known or 'none'}")
+        hint = there_are(glob, {"joints": [dof.name for one in every for dof in one.dofs]})
+        log.report("E-GLOB", f"no joint matches {glob!r}", "joints", hint)
     _check_units(glob, keys, matched, log)
     if keys.limits in (None, (None, None)):  # no limits suit dofs of every kind
         return

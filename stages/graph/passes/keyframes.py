@@ -5,7 +5,7 @@ from dataclasses import replace
 
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.dof_ranges import ranges
-from stages.robot.globs import fits, listed
+from stages.robot.globs import fits, there_are
 from stages.robot.model import Dof, Keyframe, Robot
 from stages.robot.quantity_keys import as_typed, misfit
 from stages.robot.start_pose import HOME, SAVED, home, keyframes, open_loops
@@ -38,8 +38,8 @@ def _keyframe(robot: Robot, name: str, wanted: Mapping[str, float], log: Diagnos
         matched = [dof for dof in robot.dofs if fits(dof.name, glob)]
         scalars = [dof for dof in matched if dof.kind in ("turn", "slide")]
         if not matched and glob != "*":
-            known = listed(dof.name for dof in robot.dofs)
-            log.report("E-GLOB", f"no joint matches {glob!r}", where, f"joints are: {known or 'none'}")
+            hint = there_are(glob, {"joints": [dof.name for dof in robot.dofs]})
+            log.report("E-GLOB", f"no joint matches {glob!r}", where, hint)
         elif matched and not scalars:
             text = (
                 f"{glob!r} matches only balls or free joints, which have no single value: {matched[0].name}"

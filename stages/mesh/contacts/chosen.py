@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from stages.robot.adjacency import Pair
 from stages.robot.errors import Diagnostic, MeshError
-from stages.robot.globs import fits, listed
+from stages.robot.globs import fits, there_are
 
 _WHERE = "contact.exclude"
 
@@ -18,16 +18,16 @@ def chosen_pairs(links: Sequence[str], wanted: Sequence[tuple[str, str]]) -> fro
     place = {link: index for index, link in enumerate(links)}
     found: set[Pair] = set()
     problems: list[Diagnostic] = []
-    hint = f"links are: {listed(links) or 'none'}"
     for globs in wanted:
         sides = [[link for link in links if fits(link, glob)] for glob in globs]
         for glob, side in zip(globs, sides, strict=True):
             if not side:
+                hint = there_are(glob, {"links": links})
                 problems.append(Diagnostic("E-GLOB", f"no link matches {glob!r}", _WHERE, hint))
         pairs = {(a, b) if place[a] < place[b] else (b, a) for a in sides[0] for b in sides[1] if a != b}
         if all(sides) and not pairs:
             text = f"{globs[0]!r} and {globs[1]!r} match the same link, which cannot touch itself"
-            problems.append(Diagnostic("E-GLOB", text, _WHERE, hint))
+            problems.append(Diagnostic("E-GLOB", text, _WHERE, there_are("", {"links": links})))
         found |= pairs
     if problems:
         msg = "the pairs of links that do not collide cannot be found"
