@@ -1,5 +1,7 @@
 """The SRDF of the sample, and of the robots of others: by the rules of MoveIt, and as Pinocchio reads it."""
 
+import re
+from contextlib import chdir
 from itertools import combinations
 from pathlib import Path
 
@@ -7,6 +9,7 @@ import pytest
 
 from tests.support.command import called
 from tests.support.other_robots import AS_IT_IS, FILES, is_here, source_of
+from tests.support.places import PROJECT
 from tests.support.srdf import InPinocchio, Srdf
 
 EVERY = ["sample", *(pytest.param(name, marks=pytest.mark.slow) for name in FILES)]
@@ -57,6 +60,18 @@ def test_pinocchio_has_home_and_leaves_out_what_is_disabled(built: tuple[Path, s
     # By itself Pinocchio leaves out what is rigid in its tree.
     assert active <= every - disabled
     assert all(reader.is_rigid(*pair) for pair in every - disabled - active)
+
+
+def test_the_page_shows_how_pinocchio_reads_it(built: tuple[Path, str]) -> None:
+    pytest.importorskip("pinocchio")
+    folder, name = built
+    page = (PROJECT / "pipeline/reference/formats/SRDF.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(.*?)```", page, re.DOTALL)
+    here: dict[str, object] = {}
+    with chdir(folder):
+        exec(code.replace("my_arm", name), here)
+    assert len(here["home"]) == here["model"].nq
+    assert len(here["shapes"].collisionPairs) > 0
 
 
 def test_what_never_touches_does_so_in_no_fresh_pose(built: tuple[Path, str]) -> None:

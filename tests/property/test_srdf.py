@@ -1,6 +1,9 @@
 """The SRDF of random documents and of random trees of boxes and balls: its rules, its poses, and that what
 never touches does not."""
 
+import os
+import subprocess
+import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -19,6 +22,7 @@ from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.property.test_self_contact import random_robot
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
+from tests.support.places import PROJECT
 from tests.support.robots import joint, pose, robot_with
 from tests.support.srdf import InPinocchio, Srdf
 from tests.support.touching import apart, ball, box, geometry_of
@@ -94,6 +98,22 @@ def test_such_pairs_are_found_at_all(tmp_path) -> None:
         disabled = agree(robot, tmp_path, geometry_of(robot)).disabled
         pairs += sum(reason == "Never" for reason in disabled.values())
     assert pairs > 5
+
+
+def test_another_process_with_another_hash_seed_writes_the_same_bytes(tmp_path) -> None:
+    robot = arm(1)
+    agree(robot, tmp_path, geometry_of(robot))
+    code = (
+        "import sys; from pathlib import Path; from tests.property.test_srdf import agree, arm, geometry_of; "
+        "robot = arm(1); agree(robot, Path(sys.argv[1]), geometry_of(robot))"
+    )
+    (tmp_path / "other").mkdir()
+    environ = os.environ | {"PYTHONHASHSEED": "77", "PYTHONPATH": str(PROJECT)}
+    command = [sys.executable, "-c", code, str(tmp_path / "other")]
+    subprocess.run(command, env=environ, check=True, capture_output=True, timeout=300)
+    first, second = ((tmp_path / folder / "robot.srdf").read_bytes() for folder in ("", "other"))
+    assert first == second
+    assert b"Never" in first
 
 
 @pytest.mark.parametrize("seed", range(5))
