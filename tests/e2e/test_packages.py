@@ -14,6 +14,7 @@ from lxml import etree
 
 from tests.support.command import called, linkwright
 from tests.support.other_robots import AS_IT_IS, FILES, is_here, source_of
+from tests.support.pinocchio import pin
 from tests.support.places import PROJECT
 from tests.support.ros2 import (
     Package,
@@ -76,9 +77,20 @@ def check_ros(output: Path, monkeypatch: pytest.MonkeyPatch) -> Package:
         for file in ("display.launch.py", "control.launch.py"):
             assert launched(package, file, monkeypatch, prefix=prefix)
     check_control(package, package.expanded(), package.controllers())
-    uris = [line.split('"')[1] for line in package.plain.decode().splitlines() if "<mesh filename" in line]
+    path = package.folder / "urdf" / urdf.name
+    root = etree.parse(path).getroot()
+    visuals = root.findall("link/visual")
+    uris = [one.get("filename") for one in root.iter("mesh", "texture")]
+    assert visuals
     assert uris
     assert all(package.file_of(uri).is_file() for uri in uris)
+    # Pinocchio finds each mesh by the name of its package.
+    _, _, shown = pin.buildModelsFromUrdf(str(path), [str(package.folder.parent)])
+    assert shown.ngeoms == len(visuals)
+    # RViz shows what has no colour of its own in that of the link's first visual, or in red.
+    colours = {one.get("name") for one in root.findall("material[color]")}
+    assert {one.get("name") for one in root.iterfind("link/visual/material")} == colours
+    assert all(one.find("material") is not None for one in visuals)
     assets = {one.name: one.read_bytes() for one in (output / "assets").iterdir()}
     assert {one.name: one.read_bytes() for one in (package.folder / "meshes").iterdir()} == assets
     return package
