@@ -164,7 +164,7 @@ def test_only_of_the_formats_that_are_written() -> None:
     for name, other in (("mjcf", "urdf"), ("urdf", "mjcf")):
         found = export(robot, NO_MESHES, plan_of(export={name: {}, other: None}))
         assert list(json.loads(found.files["robot.json"])["order"]) == [name]
-    assert found.details == {"order": found.order}
+    assert found.details["order"] == found.order
 
 
 OTHERS = """<mujoco><default><default class="a"><joint type="slide"/><default class="b"><geom size="1"/>
