@@ -18,9 +18,12 @@ from stages.validate.sdf.read_back import check_file
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document
+from tests.support import mjcfs
 from tests.support.building import plan_of, robot_of, write
+from tests.support.other_robots import FILES, is_here
 from tests.support.robots import LOOPS, joint, loop, pose, robot_with
 from tests.support.sdf_parity import Three
+from tests.support.urdfs import urdf_robot
 
 KEYS = {
     "export": {"urdf": {}, "mjcf": {}, "sdf": {}},
@@ -101,3 +104,14 @@ def test_a_loop_of_any_type_is_closed_at_another_pose(kind: JointType, saved: bo
     else:
         shut = loop(kind, "four", "base", near, held @ near @ np.linalg.inv(across), list(own.values()))
     assert compare(replace(robot, loops=(shut,)), plan_of(export=KEYS["export"]), 3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FILES)
+def test_a_robot_of_others_is_one_robot_in_three_files(name: str) -> None:
+    if not is_here(name):
+        pytest.skip("needs the robots of others")
+    kind, path = FILES[name]
+    plan = plan_of(export=KEYS["export"])
+    robot = urdf_robot(path.read_bytes(), plan) if kind == "urdf" else mjcfs.robot_of(path)
+    compare(replace(robot, name="robot"), plan, 1)
