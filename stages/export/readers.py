@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 Thing = Literal[
     "balls",
     "colliders in STL",
+    "cones",
     "damping",
     "effort",
     "fixed base",
@@ -92,6 +93,8 @@ READERS: tuple[ReaderRow, ...] = (
     ),
     ReaderRow("ROS (sdformat_urdf)", "Jazzy", "sdf", "loops", "refuses the file", _ROS),
     ReaderRow("ROS (sdformat_urdf)", "Jazzy", "sdf", "balls", "refuses the file", _ROS),
+    ReaderRow("Newton", "1.8.0", "usd", "keyframes", "starts at zero, unless SchemaResolverPhysx is given"),
+    ReaderRow("Newton", "1.8.0", "usd", "cones", "left out, without a word"),
     ReaderRow("Isaac Sim", "6.1.0", "urdf", "damping", "left out, without a word", _ISAAC),
     ReaderRow("Isaac Sim", "6.1.0", "urdf", "friction", "left out, without a word", _ISAAC),
 )
@@ -137,6 +140,7 @@ def _files(*roles: str) -> "Callable[[Robot, Geometry], Iterator[str]]":
 _FOUND: Mapping[Thing, "Callable[[Robot, Geometry], Iterator[str]]"] = {
     "balls": _dofs(lambda dof: dof.kind == "ball"),
     "colliders in STL": _files("collision"),
+    "cones": _dofs(lambda dof: dof.kind == "ball" and dof.limits.upper is not None),
     "damping": _dofs(lambda dof: dof.dynamics.damping),
     "effort": _dofs(lambda dof: dof.dynamics.effort),
     "fixed base": lambda robot, _: iter([robot.root.name] * robot.base.fixed),

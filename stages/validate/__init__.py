@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from stages.robot.sensing import Sensing
     from stages.validate.keys import ValidateKeys
 
-VERSION = 17
+VERSION = 18
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -39,8 +39,9 @@ CHECKS = (
 a function `check` (a `CheckFunction`). Where the first finds that a link or joint is missing, the others,
 which look for each by its name, are left out."""
 
-READ_BACK = ("sdf",)
-"""Formats that no engine reads: rooms of this stage, each with a module `read_back` that has the checks."""
+READ_BACK = (("sdf", ".sdf"), ("usd", ".usda"))
+"""Formats that no engine reads, with the endings of their files: rooms of this stage, each with a module
+`read_back` that has the checks."""
 
 
 def validate(

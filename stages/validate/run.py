@@ -54,13 +54,14 @@ def check_files(
 
 
 def check_read_back(
-    folder: Path, robot: Robot, formats: Sequence[str], actuation: Actuation, *, quick: bool
+    folder: Path, robot: Robot, formats: Sequence[tuple[str, str]], actuation: Actuation, *, quick: bool
 ) -> Iterator[Check]:
-    """The results of the files in `folder` that no engine reads. `quick`: only whether each can be read."""
-    for name in formats:
-        if (folder / f"{robot.name}.{name}").exists():
+    """The results of the files in `folder` that no engine reads, of these formats with their endings.
+    `quick`: only whether each can be read."""
+    for name, ending in formats:
+        path = folder / f"{robot.name}{ending}"
+        if path.exists():
             reader = import_module(f"stages.validate.{name}.read_back")
-            path = folder / reader.file(robot.name)
             yield from reader.check_file(path, as_driven(robot, actuation), quick=quick)
 
 

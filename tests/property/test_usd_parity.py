@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from pipeline.config.plan import Plan
 from stages.robot.model import Robot
+from stages.validate import validate
 from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document
@@ -41,6 +42,8 @@ def compare(robot: Robot, plan: Plan, seed: int) -> bool:
     with tempfile.TemporaryDirectory() as folder:
         made = write(robot, Path(folder), plan)
         readers = UsdParity(robot, made.files, Path(folder))
+        checks = validate(Path(folder), robot, plan, made.actuation, form=made.form)
+        assert [one for one in checks if one.name.startswith("robot.usda") and not one.passed] == []
         readers.agree(rng)
         if not robot.loops:
             return False

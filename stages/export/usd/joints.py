@@ -5,15 +5,14 @@ articulations of PhysX have no other. A loop is one joint outside the articulati
 nothing without mass is in it: several degrees of freedom are a joint whose others are locked.
 """
 
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from stages.export.usd.names import UsdNames
-from stages.robot.model import Array, Configuration, Dof, Dynamics, Joint, Limits, Loop, Robot, Value
+from stages.formats.usd.names import UsdNames
+from stages.robot.model import Array, Configuration, Dof, Dynamics, Joint, Limits, Loop, Robot
 from stages.robot.poses import at_rest, from_parts, motion, rotation_from_quat
 
 JointType = Literal["Fixed", "Revolute", "Prismatic", "Spherical", ""]
@@ -92,19 +91,6 @@ def usd_joints(robot: Robot, names: UsdNames, zeros: Configuration) -> tuple[Usd
         *before, last = [one] if one else _row(loop, links, loop.b_from_frame, loop.a_from_frame, names, {})
         found += [*before, replace(last, closes=True)]
     return tuple(found)
-
-
-def ball_zeros(robot: Robot, home: Configuration) -> dict[str, Value]:
-    """Where the joints of balls are at zero that do not count from the robot's own: at `home`, since engines
-    know the state of turns and slides alone, and start every ball at its zero. The cone of a ball has a
-    middle that must stay."""
-    balls = [dof for dof in robot.dofs if dof.kind == "ball" and dof.limits.upper is None]
-    return {dof.name: home[dof.name] for dof in balls if is_turned(home[dof.name])}
-
-
-def is_turned(value: Value) -> bool:
-    """Whether a ball is not at rest at this value."""
-    return isinstance(value, tuple) and math.hypot(*value[1:]) > _SAME
 
 
 def added_links(robot: Robot, names: UsdNames, joints: tuple[UsdJoint, ...]) -> tuple[tuple[str, str], ...]:

@@ -23,8 +23,8 @@ from stages.export.usd.drives import Drives
 from stages.export.usd.joint_prims import write_frames, write_joint, write_mimic, write_state
 from stages.export.usd.joints import UsdJoint, added_links
 from stages.export.usd.layer import Layer, Prim
-from stages.export.usd.names import UsdNames, identifiers
 from stages.export.usd.shapes import write_colliders, write_materials, write_visuals
+from stages.formats.usd.names import UsdNames, identifiers
 from stages.robot.geometry import Geometry
 from stages.robot.inertia import SPECK
 from stages.robot.model import Array, Configuration, Robot

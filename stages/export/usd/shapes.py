@@ -7,8 +7,8 @@ import numpy as np
 
 from stages.export.paints import Paint, materials, paint
 from stages.export.usd.layer import Layer, Prim
-from stages.export.usd.names import identifiers
 from stages.formats.mesh_faces import MeshFaces, mesh_faces
+from stages.formats.usd.names import identifiers
 from stages.robot.geometry import Colour, Geometry, Shape
 from stages.robot.model import Array, Primitive
 from stages.robot.names import free

@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from stages.export.usd.joints import is_turned
 from stages.export.usd.model import UsdPlan
 from stages.formats.numbers import number
+from stages.formats.usd.zeros import is_turned
 from stages.robot.actuation import Actuation
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Geometry

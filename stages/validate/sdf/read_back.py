@@ -11,11 +11,6 @@ from stages.validate.sdf.checks import CHECKS, links_and_joints
 from stages.validate.sdf.known import ReadSdf
 
 
-def file(robot: str) -> str:
-    """The name of the file, for a robot of this name."""
-    return f"{robot}.sdf"
-
-
 def check_file(path: Path, robot: Robot, *, quick: bool) -> Iterator[Check]:
     """The results. `quick`: only whether it can be read. Where a link or joint is missing, the checks that
     look for each by its name are left out."""

@@ -9,7 +9,7 @@ from pipeline.report_readers import SHOWN, readers
 from stages.export import WRITERS, export
 from stages.export.readers import READERS, dropped
 from stages.robot.geometry import Geometry, Shape
-from stages.robot.model import Dynamics, Frame, Relation, frozen
+from stages.robot.model import Dynamics, Frame, Limits, Relation, frozen
 from tests.support import drake
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import at, joint, loop, robot_with
@@ -22,7 +22,7 @@ def everything():
     dynamics = Dynamics(0.1, 0.2, None, 3.0, 4.0)
     rows = [
         joint("revolute", "base", "arm", dynamics=dynamics),
-        joint("ball", "arm", "hand"),
+        joint("ball", "arm", "hand", limits={"hand_joint": Limits(None, 1.0)}),
         joint("revolute", "base", "gear", dynamics=dynamics),
     ]
     relation = Relation("Gear", "gear_joint", "arm_joint", 2.0, 0.0)

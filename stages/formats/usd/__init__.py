@@ -1,0 +1,1 @@
+"""What is known of a USD of a robot without reading it: names, and where its joints are at zero."""

@@ -1,0 +1,1 @@
+"""The checks of a USD, read by usd-core."""

@@ -1,0 +1,122 @@
+"""The checks of a USD that was read back: the good one passes, and each fault fails what is meant for it."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stages.export import export
+from stages.robot.check import Check
+from stages.robot.kinematics import link_poses
+from stages.robot.model import Dynamics, Limits, Robot
+from stages.robot.poses import at_rest
+from tests.support.building import NO_MESHES, plan_of
+from tests.support.robots import EVERY, LOOPS, joint, loop, pose, robot_with
+from tests.support.usd import pxr
+
+
+def text_of(robot: Robot) -> str:
+    assert pxr.Usd
+    return export(robot, NO_MESHES, plan_of(export={"usd": {}})).files["robot.usda"].decode()
+
+
+def checked(robot: Robot, text: str, folder: Path, *, quick: bool = False) -> list[Check]:
+    from stages.validate.usd.read_back import check_file
+
+    (folder / "robot.usda").write_text(text)
+    (folder / "robot_meshes.usd").write_text("#usda 1.0\n")
+    return list(check_file(folder / "robot.usda", robot, quick=quick))
+
+
+def failed(checks: list[Check]) -> list[str]:
+    return [check.name.partition(": ")[2] for check in checks if not check.passed]
+
+
+@pytest.mark.parametrize("fixed", [True, False])
+@pytest.mark.parametrize("kind", EVERY)
+def test_every_joint_passes_every_check(kind: str, fixed: bool, tmp_path: Path) -> None:
+    rng = np.random.default_rng(EVERY.index(kind))
+    root = "world" if kind == "free" else "base"
+    rows = [
+        joint(kind, root, "one", place=pose(rng), origins=[pose(rng), pose(rng), pose(rng)]),
+        joint("ball", "one", "two", [(0.8, 0.0, 0.6, 0.0)], place=pose(rng)),
+    ]
+    robot = robot_with(rows, root=root, fixed=fixed or kind == "free")
+    assert failed(checked(robot, text_of(robot), tmp_path)) == []
+
+
+def looped(kind: str, shifted: bool = False) -> Robot:
+    rng = np.random.default_rng(LOOPS.index(kind))
+    rows = [
+        joint("planar", "base", "one", [0.2, -0.1, 0.4], place=pose(rng)),
+        joint("revolute", "one", "two", [0.3], place=pose(rng)),
+    ]
+    robot = robot_with(rows)
+    poses, near = link_poses(robot, {dof.name: dof.saved for dof in robot.dofs}), pose(rng)
+    shut = loop(kind, "two", "base", near, poses["two"] @ near, name="shut")
+    shut = replace(shut, dofs=tuple(replace(dof, saved=at_rest(dof.kind)) for dof in shut.dofs))
+    if shifted:
+        mate = joint(kind, "base", "end", name="shut", origins=[pose(rng) for _ in range(3)])
+        across = link_poses(robot_with([mate]), {})["end"]
+        shut = replace(shut, dofs=mate.dofs, b_from_frame=poses["two"] @ near @ np.linalg.inv(across))
+    return replace(robot, loops=(shut,))
+
+
+@pytest.mark.parametrize("shifted", [False, True])
+@pytest.mark.parametrize("kind", LOOPS)
+def test_every_loop_passes_every_check(kind: str, shifted: bool, tmp_path: Path) -> None:
+    robot = looped(kind, shifted)
+    assert failed(checked(robot, text_of(robot), tmp_path)) == []
+
+
+def good() -> Robot:
+    limits = {"elbow": Limits(-1, 2), "slide": Limits(None, 0.5)}
+    rows = [
+        joint("revolute", "base", "arm", name="elbow", limits=limits, dynamics=Dynamics(0.1)),
+        joint("prismatic", "arm", "hand", name="slide", limits=limits),
+    ]
+    return replace(robot_with(rows), loops=(loop("ball", "hand", "base", np.eye(4), np.eye(4), name="shut"),))
+
+
+FAULTS = {
+    "mass": ("float physics:mass = 1.1", "float physics:mass = 1.2", "masses"),
+    "inertia": ("float3 physics:diagonalInertia = (", "float3 physics:diagonalInertia = (1", "masses"),
+    "limit": ("physics:upperLimit = 0.5", "physics:upperLimit = 0.6", "joints"),
+    "type": ('PhysicsRevoluteJoint "elbow"', 'PhysicsPrismaticJoint "elbow"', "joints"),
+    "stance": ("xformOp:translate = (0, 0, 0)", "xformOp:translate = (0, 0, 0.1)", "home"),
+    "inside": ("physics:excludeFromArticulation = 1", "physics:excludeFromArticulation = 0", "loops"),
+    "name": ('PrismaticJoint "slide"', 'PrismaticJoint "slid"', "bodies and joints"),
+    "body": ('Xform "hand"', 'Xform "hnd"', "bodies and joints"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_fails_the_check_that_is_meant_for_it(fault: str, tmp_path: Path) -> None:
+    robot, (before, after, name) = good(), FAULTS[fault]
+    text = text_of(robot)
+    assert failed(checked(robot, text, tmp_path)) == []
+    assert before in text
+    assert name in failed(checked(robot, text.replace(before, after, 1), tmp_path))
+
+
+def test_a_frame_that_is_elsewhere_fails_the_motion(tmp_path: Path) -> None:
+    robot = good()
+    text = text_of(robot)
+    at = text.index('PrismaticJoint "slide"')
+    moved = text[:at] + text[at:].replace("localPos0 = (0, 0, 0)", "localPos0 = (0, 0, 0.01)", 1)
+    assert "motion" in failed(checked(robot, moved, tmp_path))
+
+
+@pytest.mark.parametrize("text", ["", "nonsense", "#usda 1.0\n"])
+def test_what_cannot_be_read_is_one_failed_check(text: str, tmp_path: Path) -> None:
+    (only,) = checked(good(), text, tmp_path)
+    assert not only.passed
+    assert only.name == "robot.usda: reads"
+    assert only.detail
+
+
+def test_quick_only_reads(tmp_path: Path) -> None:
+    robot = good()
+    (only,) = checked(robot, text_of(robot), tmp_path, quick=True)
+    assert only.passed
