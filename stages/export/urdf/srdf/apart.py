@@ -9,10 +9,9 @@ import numpy as np
 
 from stages.export.urdf.srdf.convex import ConvexBodies, at_least
 from stages.robot.adjacency import Pair
-from stages.robot.model import Array, Limits, Robot
+from stages.robot.model import Array, Configuration, Limits, Robot
 from stages.robot.pose_batch import count_of, many_link_poses
 from stages.robot.pose_samples import sampled_poses
-from stages.robot.start_pose import home
 from stages.robot.ways import ways_up
 
 POSES = 512
@@ -40,9 +39,11 @@ _MOST = 256
 that may meet."""
 
 
-def apart(robot: Robot, bodies: Mapping[str, ConvexBodies], known: Collection[Pair]) -> tuple[Pair, ...]:
-    """The pairs of links, none of them `known`, that never meet, in the order of the links. `bodies`: the
-    colliders of those links that have any.
+def apart(
+    robot: Robot, start: Configuration, bodies: Mapping[str, ConvexBodies], known: Collection[Pair]
+) -> tuple[Pair, ...]:
+    """The pairs of links, none of them `known`, that never meet, in the order of the links. `start`: a pose
+    in which the loops are closed; `bodies`: the colliders of those links that have any.
 
     Where the distance of two links grows from its least value at the end of ranges, the n-th least of N
     values over k dofs is (n / N)^(1/k) of the way: the least one that N poses cannot have seen lies
@@ -55,7 +56,7 @@ def apart(robot: Robot, bodies: Mapping[str, ConvexBodies], known: Collection[Pa
     pairs = [(pair, count) for pair, count in pairs if count]
     if not pairs:
         return ()
-    values = sampled_poses(robot, POSES, REACH, home(robot))
+    values = sampled_poses(robot, POSES, REACH, start)
     if robot.dofs and count_of(values) < _LEAST:
         return ()
     poses = many_link_poses(robot, values)

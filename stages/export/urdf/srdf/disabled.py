@@ -13,6 +13,7 @@ from stages.robot.adjacency import Pair, adjacent_pairs
 from stages.robot.fusing import members
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
+from stages.robot.start_pose import home
 
 Reason = Literal["Adjacent", "Default", "User", "Never"]
 """In the words of MoveIt's assistant: next to each other; touching in every pose; the configuration says so;
@@ -59,7 +60,7 @@ def disabled_pairs(robot: Robot, geometry: Geometry, form: UrdfForm) -> Disabled
     if {loop.name for loop in robot.loops} == set(form.closed):
         # The relations of the URDF alone close them, which is quicker worked out.
         written = replace(written, loops=())
-    found |= dict.fromkeys(apart(written, bodies, found), "Never")
+    found |= dict.fromkeys(apart(written, home(robot), bodies, found), "Never")
     pairs = [(pair, found[pair]) for pair in combinations(order, 2) if pair in found]
     return Disabled(tuple(pairs), tuple(partly))
 

@@ -40,12 +40,12 @@ def plan_of(robot: Robot, geometry: Geometry, actuation: Actuation, form: UrdfFo
     """What the SRDF beside a URDF of this form says."""
     written = as_written(robot, form)
     passive = passive_dofs(robot, written, actuation)
-    turns = urdf_names(written).turns
+    names = urdf_names(written)
     return SrdfPlan(
         groups_of(written, passive),
-        states_of(written),
+        states_of(robot, names),
         disabled_pairs(robot, geometry, form),
-        tuple(name for dof in passive for name in turns.get(dof, (dof,))),
+        tuple(name for dof in passive for name in names.turns.get(dof, (dof,))),
         tuple(loop.name for loop in robot.loops if loop.name not in form.closed),
     )
 

@@ -5,17 +5,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from stages.formats.numbers import least_of, number
-from stages.formats.urdf.names import UrdfNames, urdf_names
+from stages.formats.urdf.names import UrdfNames
 from stages.robot.model import Dof, Robot, Value
 from stages.robot.poses import rotation_from_quat, turns_from_rotation
 from stages.robot.start_pose import HOME, keyframes
 
 
-def states_of(robot: Robot) -> dict[str, dict[str, str]]:
+def states_of(robot: Robot, names: UrdfNames) -> dict[str, dict[str, str]]:
     """By pose: the text of the value of each joint of the URDF that moves, but for free ones. The poses are
-    `home` and those of the user."""
+    `home` and those of the user; `names`: those of the URDF."""
     named = [HOME, *(one.name for one in robot.keyframes if one.name != HOME)]
-    poses, names = keyframes(robot), urdf_names(robot)
+    poses = keyframes(robot)
     return {
         name: dict(pair for dof in robot.dofs for pair in _texts(dof, poses[name][dof.name], names))
         for name in named
