@@ -24,8 +24,10 @@ from tests.property.test_self_contact import random_robot
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.places import PROJECT
 from tests.support.robots import joint, pose, robot_with
+from tests.support.ros2 import moveit_of, packed
 from tests.support.srdf import InPinocchio, Srdf
 from tests.support.touching import apart, ball, box, geometry_of
+from tests.unit.export.test_moveit import check
 
 slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
 SEEDS = [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 40))]
@@ -60,6 +62,19 @@ def test_the_srdf_of_a_document_keeps_the_rules(document: Document, free: bool) 
 def test_the_srdf_of_a_looped_document_keeps_the_rules(document: Document) -> None:
     with tempfile.TemporaryDirectory() as folder:
         agree(robot_of(document), Path(folder))
+
+
+@settings(max_examples=5, **slowly)
+@given(documents(everything=True, loops=True), st.booleans())
+def test_every_name_in_moveits_package_of_a_document_means_something(
+    document: Document, driven: bool
+) -> None:
+    keys = {"actuators": {"*": "position" if driven else "motor"}}
+    plan = plan_of(export={"ros2": {}, "urdf": {}}, **keys)
+    with tempfile.TemporaryDirectory() as folder:
+        package = packed(write(robot_of(document, plan), Path(folder), plan).files, Path(folder))
+        if moveit_of(package) is not None:
+            check(package)
 
 
 def arm(seed: int) -> Robot:
