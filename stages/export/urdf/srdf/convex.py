@@ -18,6 +18,9 @@ from stages.robot.model import Array, Primitive
 _STEPS = (1, 1, 2, 4, 8)
 """Steps of the algorithm, after which bodies are left out that cannot be the nearest ones."""
 
+_GUESSED = 4
+"""Steps by which a pose's likely nearest bodies are looked at before all others."""
+
 _SIDES = 16
 """Sides of the prism around a cylinder."""
 
@@ -90,6 +93,8 @@ def at_least(first: ConvexBodies, second: ConvexBodies, first_from_second: Array
     if most.min() <= close:
         blind: Array = gaps.reshape(count, -1).min(axis=1)
         return blind
+    if gaps[0].size > 1:
+        most = np.minimum(most, _first_guess(first, second, turns, shifts, middles, gaps))
     near = gaps < most[:, None, None]
     np.minimum(found, np.where(near, np.inf, gaps).reshape(count, -1).min(axis=1), out=found)
     rows, ones, others = np.nonzero(near)
@@ -106,6 +111,19 @@ def at_least(first: ConvexBodies, second: ConvexBodies, first_from_second: Array
         if most.min() <= close or not len(rows):
             break
     np.minimum.at(found, rows, best)
+    return found
+
+
+def _first_guess(
+    first: ConvexBodies, second: ConvexBodies, turns: Array, shifts: Array, middles: Array, gaps: Array
+) -> Array:
+    """(n,) [m]: how far apart two links are at most, by the two bodies whose balls are the nearest."""
+    poses: npt.NDArray[np.intp] = np.arange(len(gaps))
+    ones, others = np.divmod(gaps.reshape(len(gaps), -1).argmin(axis=1), gaps.shape[2])
+    point = first.middles[ones] - middles[poses, others]
+    best = gaps[poses, ones, others]
+    point = _narrowed(first.of(ones), second.of(others), turns, shifts, best, point, _GUESSED)[1]
+    found: Array = np.linalg.norm(point, axis=1)
     return found
 
 
