@@ -58,21 +58,7 @@ def start(context):
         ),
         Node(package=sliders, executable=sliders, parameters=[{"zeros": zeros}] if zeros else []),
     ]
-    if given["rviz"] == "true":
-        config = str(share / "rviz" / "@RVIZ@")
-        nodes.append(
-            Node(package="rviz2", executable="rviz2", arguments=["-d", config, "-f", given["prefix"] + ROOT])
-        )
-    return nodes
-
-
-def generate_launch_description():
-    arguments = [
-        DeclareLaunchArgument(name, default_value=default, description=text)
-        for name, (default, text) in ARGUMENTS.items()
-    ]
-    return LaunchDescription([*arguments, OpaqueFunction(function=start)])
-'''
+@SHOW@@DESCRIBE@'''
 
 _CONTROL = '''"""Starts the ros2_control of @ROBOT@, with mock hardware unless another plugin is named.
 
@@ -150,13 +136,18 @@ def start(context):
         )
         for name in CONTROLLERS
     ]
-    if given["rviz"] == "true":
+@SHOW@@DESCRIBE@'''
+
+_SHOW = """    if given["rviz"] == "true":
         config = str(share / "rviz" / "@RVIZ@")
         nodes.append(
             Node(package="rviz2", executable="rviz2", arguments=["-d", config, "-f", given["prefix"] + ROOT])
         )
     return nodes
+"""
+"""The end of `start` where RViz shows the robot."""
 
+_DESCRIBE = """
 
 def generate_launch_description():
     arguments = [
@@ -164,7 +155,8 @@ def generate_launch_description():
         for name, (default, text) in ARGUMENTS.items()
     ]
     return LaunchDescription([*arguments, OpaqueFunction(function=start)])
-'''
+"""
+"""The end of every launch file: its arguments, and what it starts with them."""
 
 _RVIZ = """Panels:
   - Class: rviz_common/Displays
@@ -254,8 +246,8 @@ def rviz(root: str, standing: "Stance") -> bytes:
 
 
 def filled(text: str, given: Mapping[str, str]) -> bytes:
-    """A text in which `@KEY@` stands for what is given."""
-    for key, value in given.items():
+    """A text in which `@KEY@` stands for what is given, `@SHOW@` and `@DESCRIBE@` for ends of such files."""
+    for key, value in {"SHOW": _SHOW, "DESCRIBE": _DESCRIBE, **given}.items():
         text = text.replace(f"@{key}@", value)
     return text.encode()
 

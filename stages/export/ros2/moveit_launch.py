@@ -85,15 +85,7 @@ def start(context):
             Node(package="rviz2", executable="rviz2", arguments=["-d", str(view)], parameters=parameters)
         )
     return nodes
-
-
-def generate_launch_description():
-    arguments = [
-        DeclareLaunchArgument(name, default_value=default, description=text)
-        for name, (default, text) in ARGUMENTS.items()
-    ]
-    return LaunchDescription([*arguments, OpaqueFunction(function=start)])
-'''
+@DESCRIBE@'''
 
 _RVIZ = """Panels:
   - Class: rviz_common/Displays
