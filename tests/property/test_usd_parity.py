@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from pipeline.config.plan import Plan
@@ -15,25 +15,20 @@ from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write
+from tests.support.drawn import DYNAMICS, PLACES, SLOWLY, drawn
 from tests.support.sdf_parity import Three
 from tests.support.usd import pxr
 from tests.support.usd_parity import UsdParity
 
 KEYS = {
     "export": {"urdf": {}, "mjcf": {}, "sdf": {}, "usd": {}},
-    "joints": {"*": {"effort": 5, "velocity": 2, "damping": 0.25, "friction": 0.125}},
+    "joints": DYNAMICS,
 }
-places = st.integers(0, 1000)
-slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
 
 
 def agree(document: Document, root: int, seed: int) -> bool:
     """Compares; whether another pose closes the loops."""
-    first = robot_of(document)
-    links = ["world"] if first.root.name == "world" else sorted(link.name for link in first.links)
-    base = "fixed" if links == ["world"] else ["fixed", "free"][seed % 2]
-    plan = plan_of(root={"select": links[root % len(links)], "base": base}, **KEYS)
-    return compare(robot_of(document, plan), plan, seed)
+    return compare(*drawn(document, root, seed, **KEYS), seed)
 
 
 def compare(robot: Robot, plan: Plan, seed: int) -> bool:
@@ -53,21 +48,21 @@ def compare(robot: Robot, plan: Plan, seed: int) -> bool:
         return q is not None
 
 
-@settings(max_examples=3, **slowly)
-@given(documents(everything=True), places, places)
+@settings(max_examples=3, **SLOWLY)
+@given(documents(everything=True), PLACES, PLACES)
 def test_the_usd_is_the_document(document: Document, root: int, seed: int) -> None:
     agree(document, root, seed)
 
 
-@settings(max_examples=3, **slowly)
-@given(documents(everything=True, loops=True), places, places)
+@settings(max_examples=3, **SLOWLY)
+@given(documents(everything=True, loops=True), PLACES, PLACES)
 def test_the_usd_has_the_loops_of_the_document(document: Document, root: int, seed: int) -> None:
     agree(document, root, seed)
 
 
 @pytest.mark.slow
-@settings(max_examples=100, **slowly)
-@given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)), places, places)
+@settings(max_examples=100, **SLOWLY)
+@given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)), PLACES, PLACES)
 def test_the_usd_is_the_document_many_times(document: Document, root: int, seed: int) -> None:
     agree(document, root, seed)
 

@@ -1,6 +1,7 @@
 """Robots made by hand: every type of joint and loop, without a document behind them."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -234,3 +235,15 @@ def robot_with(
         own = (given or {}).get(link)
         links.append(Link(link, own or weight, (part,), (link,), own, (shapes or {}).get(link, ())))
     return assembled(tuple(links))
+
+
+def robot_around(kind: JointType, rng: np.random.Generator, root: str, backwards: bool) -> Robot:
+    """A joint of this type with origins of its own for its dofs, below a hinge (a free one below nothing) and
+    above a slide that is mirrored."""
+    origins = [pose(rng) for _ in range(3)]
+    rows = [joint(kind, root, "one", place=pose(rng), backwards=backwards, origins=origins)]
+    if kind != "free":
+        rows.insert(0, joint("revolute", root, "zero", place=pose(rng)))
+        rows[1] = replace(rows[1], parent="zero")
+    rows.append(joint("prismatic", "one", "two", place=pose(rng), mirrored=True))
+    return robot_with(rows, root=root)

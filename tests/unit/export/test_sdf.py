@@ -17,7 +17,7 @@ from stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Rob
 from stages.robot.start_pose import starting_point
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.engines import Pinocchio
-from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
+from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values
 from tests.support.sdf import Sdf, axis_of, transform
 from tests.support.validators import ign_sdf
 
@@ -66,13 +66,7 @@ def test_links_are_where_the_robots_own_kinematics_have_them_and_weigh_the_same(
     kind, backwards, root
 ) -> None:
     rng = np.random.default_rng(EVERY.index(kind))
-    origins = [pose(rng) for _ in range(3)]
-    rows = [joint(kind, root, "one", place=pose(rng), backwards=backwards, origins=origins)]
-    if kind != "free":
-        rows.insert(0, joint("revolute", root, "zero", place=pose(rng)))
-        rows[1] = replace(rows[1], parent="zero")
-    rows.append(joint("prismatic", "one", "two", place=pose(rng), mirrored=True))
-    robot = robot_with(rows, root=root)
+    robot = robot_around(kind, rng, root, backwards)
     files = exported(robot).files
     read, by_urdf = Sdf(files["robot.sdf"]), Pinocchio(files["robot.urdf"])
     own = [dof.name for dof in robot.dofs if dof.kind != "free"]

@@ -1,7 +1,6 @@
 """URDF of every kind of joint and shape, as Pinocchio and MuJoCo read it."""
 
 import math
-from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -20,7 +19,7 @@ from stages.robot.model import Dynamics, Frame, Limits, Primitive, Relation, Rob
 from stages.validate.mujoco_abilities import reads_mimic
 from tests.support.building import NO_MESHES
 from tests.support.pinocchio import pin
-from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
+from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values
 
 NO_SHAPES = Geometry((), {})
 SEVERAL = {
@@ -96,14 +95,7 @@ def by_mujoco(text: bytes, robot: Robot, q: dict) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("kind", EVERY)
 def test_links_are_where_the_robots_own_kinematics_have_them(kind, backwards, root) -> None:
     rng = np.random.default_rng(EVERY.index(kind))
-    # Dofs with origins of their own, a joint above and one below.
-    origins = [pose(rng) for _ in range(3)]
-    rows = [joint(kind, root, "one", place=pose(rng), backwards=backwards, origins=origins)]
-    if kind != "free":
-        rows.insert(0, joint("revolute", root, "zero", place=pose(rng)))
-        rows[1] = replace(rows[1], parent="zero")
-    rows.append(joint("prismatic", "one", "two", place=pose(rng), mirrored=True))
-    robot = robot_with(rows, root=root)
+    robot = robot_around(kind, rng, root, backwards)
     text = urdf(robot)
     engines = [by_pinocchio] if kind == "free" else [by_pinocchio, by_mujoco]
     for _ in range(5):

@@ -35,7 +35,7 @@ from stages.robot.start_pose import home
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.engines import Pinocchio
 from tests.support.places import PROJECT
-from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, some_values
+from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_around, robot_with, some_values
 from tests.support.usd import Usd, complaints, parsed, pxr, stage_of
 
 TOLERANCE = 1e-5
@@ -74,13 +74,7 @@ def test_links_are_where_the_robots_own_kinematics_have_them_and_weigh_the_same(
     kind, backwards, root, tmp_path
 ) -> None:
     rng = np.random.default_rng(EVERY.index(kind))
-    origins = [pose(rng) for _ in range(3)]
-    rows = [joint(kind, root, "one", place=pose(rng), backwards=backwards, origins=origins)]
-    if kind != "free":
-        rows.insert(0, joint("revolute", root, "zero", place=pose(rng)))
-        rows[1] = replace(rows[1], parent="zero")
-    rows.append(joint("prismatic", "one", "two", place=pose(rng), mirrored=True))
-    robot = robot_with(rows, root=root)
+    robot = robot_around(kind, rng, root, backwards)
     files = exported(robot).files
     usd, by_urdf = Usd(stage_of(files, tmp_path)), Pinocchio(files["robot.urdf"])
     own = [dof.name for dof in robot.dofs if dof.kind != "free"]
