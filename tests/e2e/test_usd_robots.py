@@ -9,6 +9,7 @@ from stages.export import export
 from stages.fetch.urdf.gather import gather
 from stages.graph import build_robot
 from stages.mesh import make_geometry
+from stages.robot.driven import as_driven
 from tests.e2e.test_urdf_robots import FILES, ROBOTS
 from tests.support.building import plan_of
 from tests.support.usd import pxr
@@ -20,6 +21,8 @@ from tests.support.usd_parity import UsdParity
 @pytest.mark.parametrize("name", FILES)
 def test_a_real_robot_is_one_in_three_files(name: str, tmp_path: Path) -> None:
     assert pxr.Usd
+    from stages.validate.usd.read_back import check_file
+
     plan = plan_of(
         source={"kind": "urdf", "path": str(ROBOTS / FILES[name])},
         export={"urdf": {}, "mjcf": {}, "usd": {}},
@@ -29,6 +32,10 @@ def test_a_real_robot_is_one_in_three_files(name: str, tmp_path: Path) -> None:
     bundle, _ = gather(plan.source, {})
     robot = build_robot(bundle, plan)
     geometry = make_geometry(robot, bundle, plan, lambda kind, key, make: make())
-    files = export(robot, geometry, plan).files
+    made = export(robot, geometry, plan)
+    files = made.files
     UsdParity(robot, files, tmp_path).agree(np.random.default_rng(0))
+    checks = list(check_file(tmp_path / f"{robot.name}.usda", as_driven(robot, made.actuation), quick=False))
+    assert [one for one in checks if not one.passed] == []
+    assert len(checks) > 1
     assert files == export(robot, geometry, plan).files

@@ -22,6 +22,7 @@ def text_of(robot: Robot) -> str:
 
 
 def checked(robot: Robot, text: str, folder: Path, *, quick: bool = False) -> list[Check]:
+    assert pxr.Usd
     from stages.validate.usd.read_back import check_file
 
     (folder / "robot.usda").write_text(text)
