@@ -95,6 +95,7 @@ READERS: tuple[ReaderRow, ...] = (
     ReaderRow("ROS (sdformat_urdf)", "Jazzy", "sdf", "balls", "refuses the file", _ROS),
     ReaderRow("Newton", "1.8.0", "usd", "keyframes", "starts at zero, unless SchemaResolverPhysx is given"),
     ReaderRow("Newton", "1.8.0", "usd", "cones", "left out, without a word"),
+    ReaderRow("PhysX", "ovphysx 0.7.0", "usd", "loops", "pushed at the start, or lost (NaN)"),
     ReaderRow("Isaac Sim", "6.1.0", "urdf", "damping", "left out, without a word", _ISAAC),
     ReaderRow("Isaac Sim", "6.1.0", "urdf", "friction", "left out, without a word", _ISAAC),
 )

@@ -44,6 +44,14 @@ def _joints(robot: Robot, plan: UsdPlan, file: str) -> Iterator[Diagnostic]:
             file,
             "the MJCF needs no such links",
         )
+    if robot.loops:
+        yield Diagnostic(
+            "I-USD-LOOP",
+            "PhysX (Isaac Sim) holds loops by joints outside of its articulation, and not every loop: these "
+            f"may jump at the start, or fly apart: {', '.join(one.name for one in robot.loops)}",
+            file,
+            "try it there with armature and damping on the joints; MuJoCo holds the loops of the MJCF",
+        )
     yield from _balls(robot, plan, file)
     kinds = {dof.name: dof.kind for dof in robot.dofs}
     mixed = [one.follower for one in robot.relations if kinds[one.follower] != kinds[one.driver]]

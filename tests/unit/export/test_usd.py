@@ -126,7 +126,9 @@ def test_a_loop_of_any_type_is_one_joint_that_holds_what_the_mate_holds(kind, sh
     shut = replace(
         loop(kind, "two", "base", near, poses["two"] @ near @ np.linalg.inv(across), name="shut"), dofs=dofs
     )
+    assert "I-USD-LOOP" not in losses(robot)
     robot = replace(robot, loops=(shut,))
+    assert losses(robot)["I-USD-LOOP"].endswith(": shut")
     usd = read(tmp_path, robot)
     assert len(usd.loops) == 1
     (name,) = usd.loops
