@@ -73,7 +73,13 @@ READERS: tuple[ReaderRow, ...] = (
     ReaderRow(*_BULLET, "mjcf", "everything", "nothing moves: it reads no classes of joints and geoms"),
     ReaderRow("MuJoCo", "4.0.0", "urdf", "velocity", "left out"),
     ReaderRow("MuJoCo", "before 3.13", "urdf", "relations", "left out"),
-    ReaderRow("Pinocchio", "4.1.0", "urdf", "relations", "followers move freely, unless mimic=True is given"),
+    ReaderRow(
+        "Pinocchio",
+        "4.1.0",
+        "urdf",
+        "relations",
+        "followers move freely, unless mimic=True is given, which refuses continuous joints",
+    ),
     ReaderRow("sdformat", "12.3", "sdf", "relations", "`<mimic>` is unknown to it, as to Gazebo Fortress"),
     ReaderRow(
         "Gazebo with DART",
