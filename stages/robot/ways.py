@@ -55,8 +55,13 @@ class Ways:
         for link in links:
             if top is None:
                 top = link
-            for way in ways_up(top, link, self._parents, self._order):
-                found |= set(way)
-                top = self._parents[way[-1]] if way else top
+            # No link is climbed from twice: the rest of a way that meets another is known.
+            while link != top and link not in found:
+                if self._order[link] > self._order[top]:
+                    found.add(link)
+                    link = self._parents[link]
+                else:
+                    found.add(top)
+                    top = self._parents[top]
         assert top is not None
         return top, [self._above[link] for link in sorted(found, key=self._order.__getitem__)]

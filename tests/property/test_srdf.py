@@ -30,7 +30,7 @@ from tests.support.touching import apart, ball, box, geometry_of
 from tests.unit.export.test_moveit import check
 
 slowly = {"suppress_health_check": [HealthCheck.too_slow, HealthCheck.data_too_large]}
-SEEDS = [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 40))]
+SEEDS = [*range(3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 15))]
 
 
 def agree(robot: Robot, folder: Path, geometry: Geometry = NO_MESHES) -> Srdf:
