@@ -197,7 +197,7 @@ WRITER = ToyWriter()
     output = tree.build("source=sample", "mesh=visual", "export=[toy]", "export.toy.title=Parts")
     lines = (output / "sample.txt").read_text().split("\n")
     links = json.loads((output / "robot.json").read_text())["links"]
-    assert lines == ["Parts", *(link["name"] for link in links), "sample.srdf", "sample.urdf"]
+    assert lines == ["Parts", *(link["name"] for link in links), "sample.urdf", "sample.srdf"]
     assert not list(output.glob("*.urdf"))
 
 
