@@ -40,8 +40,6 @@ def _text(value: float, tolerance: float, grid: "_Grid") -> str:
     size = abs(value)
     if size <= tolerance:
         return "0"
-    if tolerance < 1.0 and size < WHOLE and value.is_integer():
-        return str(int(value))
     if grid is not None and 1e-4 <= size < 1e4 and tolerance > 1e-15 * size:
         spec, in_doubt = grid
         text = format(value, spec)
@@ -49,6 +47,8 @@ def _text(value: float, tolerance: float, grid: "_Grid") -> str:
             return text
         if text[-1] == "0":
             return text.rstrip("0").rstrip(".")
+    if tolerance < 1.0 and size < WHOLE and value.is_integer():
+        return str(int(value))
     # Of a finer grid the nearest point is never further away: the search goes one way from a good guess.
     digits = 17
     if tolerance > 1e-18 * size:
@@ -78,11 +78,12 @@ def _grid(tolerance: float) -> _Grid:
         return None
     decimals = math.ceil(-math.log10(2.0 * tolerance) + 1e-9)
     # Without its last digit c a number moves by |c| or |10 - c| of the grid, and half of it is lost already.
-    reach = int(tolerance * 10.0**decimals + 0.5 + 1e-6)
+    reach = int(tolerance * _TENS[decimals] + 0.5 + 1e-6)
     return _SPECS[decimals], _IN_DOUBT[min(reach, 5)]
 
 
 _SPECS = tuple(f".{decimals}f" for decimals in range(20))
+_TENS = tuple(10.0**decimals for decimals in range(20))
 
 _IN_DOUBT = tuple("".join(str(c) for c in range(10) if min(c, 10 - c) <= reach) for reach in range(6))
 """By how far the tolerance reaches on the grid."""
@@ -106,16 +107,19 @@ def tidy(text: str) -> str:
 
 def numbers(values: Iterable[float], scale: float | None = None, least: float = 0.0) -> list[str]:
     """Texts of a vector or tensor, all measured by its largest entry, or by `least` where that is larger."""
-    flat: list[float] = np.asarray(values, dtype=float).ravel().tolist()
+    listed = values.ravel().tolist() if isinstance(values, np.ndarray) else values
+    flat = [float(value) for value in listed]
     largest = max(map(abs, flat), default=0.0) if scale is None else scale
     tolerance = TOLERANCE * max(least, largest)
     grid = _grid(tolerance)
     return [_text(value, tolerance, grid) for value in flat]
 
 
-def rounded(values: Array) -> Array:
-    """A vector or tensor with the values that its texts have."""
-    return np.array(numbers(values), dtype=float).reshape(values.shape)
+def rounded_tensor(tensor: Array) -> Array:
+    """A symmetric tensor (3, 3) with the values that its texts have."""
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor.tolist()
+    xx, xy, xz, yy, yz, zz = map(float, numbers([xx, xy, xz, yy, yz, zz]))
+    return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
 def spaced(values: Iterable[float], scale: float | None = None, least: float = 0.0) -> str:

@@ -3,10 +3,9 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from stages.robot.inertia import merged, moved
 from stages.robot.model import Array, Frame, Inertial, Joint, Link, Loop, Robot, frozen
+from stages.robot.poses import UNMOVED
 
 Holders = Mapping[str, tuple[str, Array]]
 """By link: the link that it is part of, and holder_from_link (4, 4)."""
@@ -23,11 +22,11 @@ def on_fixed_joints(robot: Robot) -> tuple[str, ...]:
 def holders(robot: Robot, parts: Collection[str]) -> Holders:
     """Every link's holder: its parent's for those that are `parts` of others, itself for the rest."""
     parts = frozenset(parts)
-    found = {robot.root.name: (robot.root.name, np.eye(4))}
+    found = {robot.root.name: (robot.root.name, UNMOVED)}
     for joint in robot.joints:
         holder, pose = found[joint.parent]
         fuses = joint.child in parts
-        found[joint.child] = (holder, pose @ joint.parent_from_joint) if fuses else (joint.child, np.eye(4))
+        found[joint.child] = (holder, pose @ joint.parent_from_joint) if fuses else (joint.child, UNMOVED)
     return found
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from stages.robot.model import Array, Configuration, Dof, Robot
-from stages.robot.poses import at_rest, motion
+from stages.robot.poses import UNMOVED, at_rest, motion
 
 
 def link_poses(robot: Robot, q: Configuration | None = None) -> dict[str, Array]:
@@ -18,7 +18,7 @@ def link_poses(robot: Robot, q: Configuration | None = None) -> dict[str, Array]
 
 def chain(dofs: Iterable[Dof], q: Configuration) -> Array:
     """before_from_after (4, 4) of dofs in a row at the values `q`; a missing one is 0."""
-    pose = np.eye(4)
+    pose: Array = UNMOVED
     for dof in dofs:
         pose = pose @ dof.origin @ motion(dof.kind, dof.axis, q.get(dof.name, at_rest(dof.kind)))
     return pose

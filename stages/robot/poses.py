@@ -4,15 +4,16 @@ import math
 
 import numpy as np
 
-from stages.robot.model import Array, DofKind, Value
+from stages.robot.model import Array, DofKind, Value, frozen
 
-_UNMOVED = np.eye(4)
+UNMOVED = frozen(np.eye(4))
+"""The pose (4, 4) of what has not moved; not to be written to."""
 
 
 def inverse(a_from_b: Array) -> Array:
     """b_from_a of a rigid (or reflecting) transform (4, 4)."""
     rotation = a_from_b[:3, :3]
-    out = _UNMOVED.copy()
+    out = UNMOVED.copy()
     out[:3, :3] = rotation.T
     out[:3, 3] = -rotation.T @ a_from_b[:3, 3]
     return out
@@ -20,7 +21,7 @@ def inverse(a_from_b: Array) -> Array:
 
 def from_parts(rotation: Array, position: Array) -> Array:
     """The (4, 4) transform with this rotation (3, 3) and position (3,)."""
-    out = _UNMOVED.copy()
+    out = UNMOVED.copy()
     out[:3, :3] = rotation
     out[:3, 3] = position
     return out
@@ -37,7 +38,7 @@ def at_rest(kind: DofKind) -> Value:
 
 def motion(kind: DofKind, axis: Array, value: Value) -> Array:
     """The transform of a dof at `value` (see `model.Value`); `axis` (3,) of a turn or a slide."""
-    out = _UNMOVED.copy()
+    out = UNMOVED.copy()
     if isinstance(value, tuple):
         out[:3, :3] = rotation_from_quat(np.array(value[-4:]))
         out[:3, 3] = value[:-4] or 0.0

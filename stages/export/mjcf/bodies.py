@@ -2,21 +2,19 @@
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from stages.export.mjcf.filters import WORLD, Geom
 from stages.export.mjcf.joints import free_joint_name, write_joints
 from stages.export.mjcf.loops import Closures
 from stages.export.mjcf.placement import orientation, placement
 from stages.export.paints import Paint, paint
-from stages.formats.numbers import LENGTH, number, rounded, spaced
+from stages.formats.numbers import LENGTH, number, rounded_tensor, spaced
 from stages.formats.xml import Element, element
 from stages.robot.actuation import Actuation
-from stages.robot.arrays import frozen
 from stages.robot.geometry import Geometry, Shape
 from stages.robot.inertia import principal_axes
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Primitive, Robot
+from stages.robot.poses import UNMOVED
 
 
 class BodyWriter:
@@ -52,13 +50,12 @@ class BodyWriter:
 
     def write(self) -> None:
         joints = {joint.child: joint for joint in self.robot.joints}
-        unmoved = frozen(np.eye(4))
         frames: dict[str, list[Frame]] = {}
         for frame in self.robot.frames:
             frames.setdefault(frame.link, []).append(frame)
         for link in self.robot.links:
             joint = joints.get(link.name)
-            body, place = self._root() if joint is None else (self._child(joint), unmoved)
+            body, place = self._root() if joint is None else (self._child(joint), UNMOVED)
             self.elements[link.name] = body, place
             if link.name in self.compensated:
                 body.set("gravcomp", number(self.compensated[link.name]))
@@ -73,7 +70,7 @@ class BodyWriter:
             body = element(above, "body", name=carrier.name, **placement(pose))
             write_joints(body, carrier.dofs, self.start)
             _inertial(body, self.closures.carries(carrier))
-            self.closures.write_sites(body, carrier.name, np.eye(4))
+            self.closures.write_sites(body, carrier.name, UNMOVED)
 
     def _root(self) -> tuple[Element, Array]:
         name = self.robot.root.name
@@ -83,7 +80,7 @@ class BodyWriter:
         body = element(self.world, "body", name=name, **placement(self.world_from_root))
         if not self.robot.base.fixed:
             element(body, "freejoint", name=free_joint_name(self.robot))
-        return body, np.eye(4)
+        return body, UNMOVED
 
     def _child(self, joint: Joint) -> Element:
         above, place = self.elements[joint.parent]
@@ -121,7 +118,7 @@ def _inertial(body: Element, inertial: Inertial) -> None:
     if inertial.mass == 0.0:
         return
     # Of the rounded tensor: the digits below differ between machines.
-    moments, axes = principal_axes(rounded(inertial.inertia))
+    moments, axes = principal_axes(rounded_tensor(inertial.inertia))
     element(
         body,
         "inertial",

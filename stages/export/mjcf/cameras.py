@@ -11,7 +11,7 @@ from stages.formats.xml import Element, element
 from stages.robot.errors import Diagnostic, ExportError
 from stages.robot.globs import there_are
 from stages.robot.model import Array, Robot, frozen
-from stages.robot.poses import from_parts, rotation_from_rpy
+from stages.robot.poses import UNMOVED, from_parts, rotation_from_rpy
 from stages.robot.sensing import SensorCamera
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def carried_cameras(robot: Robot, cameras: Mapping[str, "CameraKeys"]) -> dict[s
     ExportError for a frame that the robot does not have.
     """
     frames = {frame.name: (frame.link, frame.link_from_frame) for frame in robot.frames}
-    frames |= {link.name: (link.name, np.eye(4)) for link in robot.links}
+    frames |= {link.name: (link.name, UNMOVED) for link in robot.links}
     problems = [
         Diagnostic(
             "E-FRAME",

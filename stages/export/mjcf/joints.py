@@ -7,14 +7,12 @@ ball's value is relative to the pose at qpos0; a free joint's value is the pose 
 
 from collections.abc import Collection, Sequence
 
-import numpy as np
-
 from stages.formats.numbers import LENGTH, least_of, number, spaced
 from stages.formats.xml import Element, element
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Dof, Robot, Value
 from stages.robot.names import free
-from stages.robot.poses import inverse, motion, quat_from_rotation
+from stages.robot.poses import UNMOVED, inverse, motion, quat_from_rotation
 
 OPEN = "1e6"
 """The open end of a one-sided limit: MuJoCo has no one-sided range."""
@@ -29,7 +27,7 @@ def write_joints(
     the dofs whose actuators hold the weight that bodies compensate."""
     for index, dof in enumerate(dofs):
         after = dofs[index + 1 :]
-        body_from_dof = inverse(chain(after, start)) if after else np.eye(4)
+        body_from_dof = inverse(chain(after, start)) if after else UNMOVED
         if dof.kind == "free":
             element(body, "freejoint", name=dof.name)
         else:

@@ -25,6 +25,7 @@ from stages.robot.fusing import members
 from stages.robot.geometry import Geometry
 from stages.robot.model import Array, Configuration, Relation, Robot, Value
 from stages.robot.names import free
+from stages.robot.poses import UNMOVED
 from stages.robot.start_pose import HOME, keyframes
 
 if TYPE_CHECKING:
@@ -186,5 +187,5 @@ def _qpos(
     chains += [(loop.b_from_frame, loop.dofs) for loop in robot.loops]
     for parent_from_joint, dofs in chains:
         for dof in dofs:
-            place = world_from_root @ parent_from_joint
-            yield dof.name, qpos(dof, q[dof.name], start[dof.name], place)
+            world_from_joint = world_from_root @ parent_from_joint if dof.kind == "free" else UNMOVED
+            yield dof.name, qpos(dof, q[dof.name], start[dof.name], world_from_joint)
