@@ -4,8 +4,7 @@ import numpy as np
 
 from stages.export.usd.joints import UsdJoint
 from stages.export.usd.layer import Prim, rounded
-from stages.formats.numbers import LENGTH
-from stages.formats.numbers import rounded_tensor
+from stages.formats.numbers import LENGTH, rounded_tensor
 from stages.formats.usd.names import UsdNames
 from stages.robot.inertia import SPECK, principal_axes
 from stages.robot.kinematics import link_poses
