@@ -4,10 +4,10 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from pipeline.changes.change import Change
-from pipeline.changes.pairs import Entry, Names, paired, renamed
+from pipeline.changes.pairs import Entry, Key, Names, name_of, paired, renamed
 from pipeline.changes.values import alike, described, is_pose
 
-KEYED_BY = {
+KEYED_BY: Mapping[str, Key] = {
     "links": "name",
     "joints": "name",
     "loops": "name",
@@ -19,25 +19,39 @@ KEYED_BY = {
     "fused": "link",
     "transmissions": "name",
     "actuators": "name",
+    "armatures": "dof",
+    "compensated": "link",
+    "keyframes": "name",
     "sensors": "name",
     "sensor_sites": "name",
     "cameras": "name",
+    "shapes": ("link", "role", "number"),
+    "excludes": ("link_a", "link_b"),
+    "touching": ("link_a", "link_b"),
+    "surplus": "file",
 }
 """Table of robot.json → the key by which its rows are found."""
 
 _NAMED_AS: Mapping[str, Callable[[Names], Mapping[str, str]]] = {
-    **dict.fromkeys(("links", "merged", "fused"), lambda names: names.links),
-    **dict.fromkeys(("joints", "loops", "couplings", "lowered", "actuators"), lambda names: names.joints),
+    **dict.fromkeys(("links", "merged", "fused", "compensated"), lambda names: names.links),
+    **dict.fromkeys(("shapes", "excludes", "touching"), lambda names: names.links),
+    **dict.fromkeys(
+        ("joints", "loops", "couplings", "lowered", "actuators", "armatures"), lambda names: names.joints
+    ),
 }
 """Table → the new names of what its rows are found by; others have names of their own."""
 
 _LINKS = ("parent", "child", "link", "link_a", "link_b", "into", "root")
 _JOINTS = ("follower", "driver", "dof", "joint")
-"""Fields that name links, and joints or dofs."""
+_OF_JOINTS = ("given", "values", "compensating")
+"""Fields that name links, joints or dofs, and several of these."""
 
 _APART = ("format", "version", "source", "order", *KEYED_BY)
 """What has rows of its own, or is no property of the robot: its document, and the places in arrays, which
 follow from all else but the order of the rows."""
+
+_OF_PARTS = ("path", "world")
+"""Fields of a part that are its key, or follow from the others: where it stands in the assembly."""
 
 _NOT_COMPARED = ("cad", "provenance", "unset", "estimated", "parts")
 """Fields of a row that say where its values come from; parts have a table of their own."""
@@ -62,25 +76,24 @@ def _tables(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -
         known = _NAMED_AS[table](names) if table in _NAMED_AS else {}
         pairs = paired(before.get(table, ()), after.get(table, ()), key, known)
         for one in pairs.removed:
-            yield Change(table, one[key], "removed", before=one, text=_presence(table, one))
+            yield Change(table, name_of(one, key), "removed", before=one, text=_presence(table, one))
         for one in pairs.added:
-            yield Change(table, one[key], "added", after=one, text=_presence(table, one))
+            yield Change(table, name_of(one, key), "added", after=one, text=_presence(table, one))
         for one, other in pairs.both:
             yield from _rows(table, key, one, other, names)
         if table == "links":
             yield from _parts(before, after, names)
 
 
-def _rows(table: str, key: str, before: Entry, after: Entry, names: Names) -> Iterator[Change]:
+def _rows(table: str, key: Key, before: Entry, after: Entry, names: Names) -> Iterator[Change]:
     """Differences of a row that both robots have."""
-    name = after[key]
+    name, was = name_of(after, key), name_of(before, key)
     # An actuator that has the name of its joint has nothing of its own to tell.
-    if before[key] != name and table in ("links", "joints", "loops"):
-        text = f"was {before[key]}"
-        yield Change(table, name, "renamed", "name", before[key], name, text)
+    if was != name and table in ("links", "joints", "loops"):
+        yield Change(table, name, "renamed", "name", was, name, f"was {was}")
     kind = _kind_of(after)
     for field in dict.fromkeys((*before, *after)):
-        if field in (key, *_NOT_COMPARED):
+        if field == key or field in key or field in _NOT_COMPARED:
             continue
         if field == "dofs":
             yield from _dofs(table, name, before[field], after[field], names)
@@ -121,7 +134,7 @@ def _parts(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) ->
             yield Change("parts", part["name"], "changed", "link", was, link, f"went from {was} to {link}")
         for field in dict.fromkeys((*earlier, *part)):
             # Where a part goes to another link its pose is in another frame.
-            if field != "path" and not (field == "pose" and was != link):
+            if field not in _OF_PARTS and not (field == "pose" and was != link):
                 yield from _fields("parts", part["name"], field, earlier.get(field), part.get(field))
 
 
@@ -146,7 +159,7 @@ def _fields(
     if isinstance(before, Mapping) and isinstance(after, Mapping) and not is_pose(before):
         for key in dict.fromkeys((*before, *after)):
             yield from _fields(section, name, f"{path}.{key}", before.get(key), after.get(key), kind)
-    elif not alike(before, after):
+    elif not alike(before, after, path):
         yield Change(section, name, "changed", path, before, after, described(path, before, after, kind))
 
 
@@ -164,6 +177,10 @@ def _order(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) ->
 
 def _in_new_names(field: str, value: Any, names: Names) -> Any:
     """A value of the first robot with the names that the second has for the same things."""
+    if field in _OF_JOINTS and isinstance(value, Mapping):
+        return {names.joints.get(key, key): one for key, one in value.items()}
+    if field in _OF_JOINTS and isinstance(value, list):
+        return [names.joints.get(one, one) for one in value]
     known = names.links if field in _LINKS else names.joints if field in _JOINTS else {}
     return known.get(value, value) if known and isinstance(value, str) else value
 
@@ -183,6 +200,12 @@ def _presence(table: str, row: Entry) -> str:
         return f"{row['type']}, between {row[ends[0]]} and {row[ends[1]]}"
     if table in ("relations", "couplings"):
         return f"{row['multiplier']:.6g} times {row['driver']}"
+    if table == "shapes":
+        return str(row["file"] or (row["primitive"] or {}).get("kind", ""))
+    if table == "armatures":
+        return f"{row['value']:.6g}, {row['reason']}"
+    if table in ("excludes", "touching"):
+        return f"{1000 * row['depth']:.3g} mm deep at home"
     return f"on {row['link']}" if "link" in row else ""
 
 

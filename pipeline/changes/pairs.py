@@ -1,11 +1,14 @@
 """Which thing of one robot is which of another: by name, and where CAD has it under another name by that."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 Entry = Mapping[str, Any]
 """A row of a table of robot.json."""
+
+Key = str | tuple[str, ...]
+"""The field, or the fields, by which a row is found."""
 
 _SAME_LINK = 0.5
 """A link under another name is one that has at least this share of the parts of both."""
@@ -29,17 +32,31 @@ class Names:
     joints: Mapping[str, str]
 
 
-def paired(before: Sequence[Entry], after: Sequence[Entry], key: str, names: Mapping[str, str]) -> Pairs:
-    """Rows paired by the field `key`, those of `before` by the name that they have in the second robot."""
-    later = {one[key]: one for one in after}
+def paired(before: Sequence[Entry], after: Sequence[Entry], key: Key, names: Mapping[str, str]) -> Pairs:
+    """Rows paired by `key`, those of `before` by the name that they have in the second robot."""
+    later = {_found_by(one, key, {}): one for one in after}
     both, removed = [], []
     for one in before:
-        name = names.get(one[key], one[key])
+        name = _found_by(one, key, names)
         if name in later:
             both.append((one, later.pop(name)))
         else:
             removed.append(one)
     return Pairs(tuple(both), tuple(removed), tuple(later.values()))
+
+
+def name_of(row: Entry, key: Key) -> str:
+    """What a row is called by the fields by which it is found."""
+    if isinstance(key, str):
+        return str(row[key])
+    joint = " and " if key == ("link_a", "link_b") else " "
+    return joint.join(str(row[one]) for one in key)
+
+
+def _found_by(row: Entry, key: Key, names: Mapping[str, str]) -> Hashable:
+    if isinstance(key, str):
+        return names.get(row[key], row[key])
+    return tuple(names.get(row[one], row[one]) if one.startswith("link") else row[one] for one in key)
 
 
 def renamed(before: Mapping[str, Any], after: Mapping[str, Any]) -> Names:

@@ -8,6 +8,14 @@ ALIKE = 1e-9
 """Numbers are alike up to this share of the largest of their vector, lengths and angles of poses up to this
 many metres and radians: two formats of one robot differ by as much."""
 
+ROUGH: Mapping[str, tuple[float, float]] = {
+    "area": (1e-5, 0.0),
+    "volume": (1e-5, 0.0),
+    "depth": (1e-4, 1e-6),
+}
+"""Fields that are worked out of meshes, which are in single precision: they are alike up to this share, and
+up to this much."""
+
 UNITS = {
     "mass": "kg",
     "com": "m",
@@ -21,6 +29,10 @@ UNITS = {
     "saved": ("rad", "m"),
     "qpos0": ("rad", "m"),
     "size": "m",
+    "area": "m²",
+    "volume": "m³",
+    "depth": "m",
+    "lever": "m",
 }
 """Field → its unit, or that of a turn and that of a slide."""
 
@@ -37,8 +49,11 @@ def is_numeric(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-def alike(before: Any, after: Any) -> bool:
-    """Whether two values are the same up to rounding."""
+def alike(before: Any, after: Any, field: str = "") -> bool:
+    """Whether two values of a field are the same up to rounding."""
+    if field in ROUGH and is_numeric(before) and is_numeric(after):
+        share, least = ROUGH[field]
+        return bool(abs(before - after) <= max(least, share * max(abs(before), abs(after))))
     if is_pose(before) and is_pose(after):
         return max(moved(before, after)) <= ALIKE
     if is_numeric(before) and is_numeric(after):
@@ -62,8 +77,13 @@ def moved(before: Mapping[str, Any], after: Mapping[str, Any]) -> tuple[float, f
 def described(field: str, before: Any, after: Any, kind: str = "turn") -> str:
     """What is said of a field that changed; `kind`: of the dof that has it."""
     name = _WORDS.get(field, field.replace("_", " "))
+    above, dot, dof = field.partition(".")
+    if dot and above in _VALUES:
+        name = f"{_VALUES[above]} of {dof}"
     if is_pose(before) and is_pose(after):
         return f"{name} {_motion(*moved(before, after))}"
+    if field == "files" and isinstance(before, list) and isinstance(after, list):
+        return _files(before, after)
     last = field.rpartition(".")[2]
     unit = UNITS.get(last, "")
     shown = f" {unit[kind == 'slide'] if isinstance(unit, tuple) else unit}".rstrip()
@@ -91,6 +111,9 @@ def described(field: str, before: Any, after: Any, kind: str = "turn") -> str:
     return text
 
 
+_VALUES = {"values": "value", "given": "given value"}
+"""Mapping of a keyframe, by dof → what people call its entries."""
+
 _WORDS = {
     "com": "center of mass",
     "saved": "saved pose",
@@ -98,6 +121,13 @@ _WORDS = {
     "dof": "degrees of freedom",
 }
 """Field → what people call it."""
+
+
+def _files(before: Sequence[str], after: Sequence[str]) -> str:
+    """Which files came and went."""
+    told = [("without ", [one for one in before if one not in after])]
+    told.append(("with ", [one for one in after if one not in before]))
+    return "files: " + "; ".join(word + ", ".join(names) for word, names in told if names)
 
 
 def _motion(distance: float, angle: float) -> str:

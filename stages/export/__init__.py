@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 37
+VERSION = 38
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -86,7 +86,8 @@ def export(
     order = order_tables(robot, actuation, form, every)
     told = {name: dict(one.record) for name, one in written.items() if one.record}
     known = actuation, form, mjcf_form, sensing, order, mine.amendments, told
-    every["robot.json"] = describe(robot, start, *known)
+    paths = {*assets, *_files(written, [name for name in keys.export.chosen if name in written])}
+    every["robot.json"] = describe(robot, start, *known, geometry, paths)
     for name in [name for name in OF_ALL if name in needed]:
         written[name] = writer_of(name).write(replace(given, files=every))
     files = {**assets, "robot.json": every["robot.json"], **_files(written, keys.export.chosen)}

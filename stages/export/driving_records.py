@@ -4,12 +4,12 @@ from typing import Any
 
 from stages.export.json_values import as_float, as_floats, as_pose, short
 from stages.formats.numbers import TURN
-from stages.robot.actuation import Actuator
+from stages.robot.actuation import Actuation, Actuator
 from stages.robot.model import Sensor
 from stages.robot.sensing import Sensing, SensorCamera, SensorSite
 
 
-def actuator_record(actuator: Actuator) -> dict[str, Any]:
+def _actuator(actuator: Actuator) -> dict[str, Any]:
     return {
         "name": actuator.name,
         "dof": actuator.dof,
@@ -28,6 +28,20 @@ def actuator_record(actuator: Actuator) -> dict[str, Any]:
         **({"motor": actuator.motor} if actuator.motor else {}),
         **({"provenance": dict(actuator.sources)} if actuator.sources else {}),
     }
+
+
+def actuation_records(actuation: Actuation) -> dict[str, Any]:
+    """The tables of actuators, of added armatures and of compensated weight, as far as there are some."""
+    tables: dict[str, list[Any]] = {
+        "actuators": [_actuator(one) for one in actuation.actuators],
+        "armatures": [
+            {"dof": one.dof, "value": as_float(one.value), "reason": one.reason}
+            for one in actuation.armatures
+        ],
+        "compensated": [{"link": link, "share": as_float(share)} for link, share in actuation.compensated],
+        "compensating": list(actuation.compensating),
+    }
+    return {name: rows for name, rows in tables.items() if rows}
 
 
 def sensing_records(sensing: Sensing) -> dict[str, Any]:
@@ -60,4 +74,5 @@ def sensor_record(sensor: Sensor) -> dict[str, Any]:
     ends = (sensor.target, sensor.name_of_target), (sensor.relative_to, sensor.name_of_relative)
     on, of = ({"kind": kind, "name": name} if kind else None for kind, name in ends)
     numbers = {"noise": as_float(sensor.noise), "cutoff": as_float(sensor.cutoff)}
-    return {"name": sensor.name, "type": sensor.type, "on": on, "relative_to": of, **numbers}
+    zone = {"shape": sensor.shape, "size": as_floats(sensor.size)} if sensor.shape else {}
+    return {"name": sensor.name, "type": sensor.type, "on": on, "relative_to": of, **numbers, **zone}

@@ -1,9 +1,11 @@
 """robot.json: the model in no simulator's format, with its origins in CAD.
 
-Poses are {xyz [m], quat (w, x, y, z)}; inertia is the 3x3 tensor about the centre of mass in the
-link's axes [kg m²]. A part that is `mirrored` has the quat of R·diag(1, 1, -1), R the orthogonal
-matrix of its left-handed pose. `root_pose` is the root link's in the assembly. `cad` identifies the
-thing in the document: null where CAD does not have it.
+Poses are {xyz [m], quat (w, x, y, z)}; inertia is the 3x3 tensor about the centre of mass in the link's
+axes [kg m²]. A part that is `mirrored` has the quat of R·diag(1, 1, -1), R the orthogonal matrix of its
+left-handed pose. `root_pose` is the root link's in the assembly. `cad` identifies the thing in the
+document: null where CAD does not have it. A part's `mass`, `com`, `inertia` and `volume` [m³] are CAD's, in
+its own frame; `pose` is in its link, `world` where its occurrence stands in the assembly; `visual` and
+`collision`: whether its shape is seen, and whether it collides; `estimated`: whether its mass is.
 
 Every joint has its `dofs`, from parent to child, each with an axis (null for a ball and for free
 motion) in its own frame, and the `origin` of that in the frame which the dof before it moves
@@ -14,29 +16,42 @@ from parent to child; `mate_quat` is the saved value as the mate has it: the inv
 backwards. A ball's q = 0 is its mate's zero in the URDF, but its pose at qpos0 in the MJCF, which has no
 `ref` for it: `zero` has both.
 `lowered` lists the joints that are several joints in the URDF, with links between them, `merged` the links
-that are part of others there, at this pose in them, and `fused` likewise those that are sites
-in the MJCF. `urdf` is the URDF link of a frame; of a loop, the links
-of its first and second frame; `mimic`: whether <mimic> joints alone close it there. `couplings` has what
-closed loops make follow what: follower = multiplier · driver + offset, off by at most `error` where the
-driver is in `range`; `mimic`: whether that is exact, and so in the URDF. `transmissions` is there where the
-source names what drives the joints; `actuators` where the robot has any: `control` and `force` are ranges,
-`home` is the control at the keyframe of that name, `motor` one of the library, `load` the largest force at
-the dof by the robot's weight, `home_load` that at home, and `sag` how far it moves the servo's dof there.
-`provenance` says where a dof's limits and dynamics come from. `estimated` lists what Linkwright chose, of a
-dof too. `sensors` where the robot has any, in the order of `sensordata`; `sensor_sites` are the places on
-links that are there for sensors alone (`size` [m] of the `shape` in which contact is felt), `cameras` the
-cameras that it carries (`fovy` [deg], `resolution` [pixels]): these look along z, x to the right, y down.
+that are part of others there, at this pose in them, and `fused` likewise those that are sites in the MJCF.
+`urdf` is the URDF link of a frame; of a loop, the links of its first and second frame; `mimic`: whether
+<mimic> joints alone close it there; `lever` [m] is a length on the loop's own scale, `solref` MuJoCo's of
+its constraints. `couplings` has what closed loops make follow what: follower = multiplier · driver +
+offset, off by at most `error` where the driver is in `range`; `mimic`: whether that is exact, and so in the
+URDF. `transmissions` is there where the source names what drives the joints; `actuators` where the robot
+has any: `control` and `force` are ranges, `home` is the control at the keyframe of that name, `motor` one
+of the library, `load` the largest force at the dof by the robot's weight, `home_load` that at home, and
+`sag` how far it moves the servo's dof there. `provenance` says where a dof's limits and dynamics come from.
+`estimated` lists what Linkwright chose, of a dof too; of dofs `armatures` has the values and the reasons.
+`compensated`: the links whose weight actuators carry, and the share; `compensating`: the dofs that do so.
+`keyframes` are the named poses besides `cad`, which is `saved` of each dof: `values` of all dofs, also of
+loops, and which of them are `given` by the user. `sensors` where the robot has any, in the order of
+`sensordata`; `sensor_sites` are the places on links that are there for sensors alone (`size` [m] of the
+`shape` in which contact is felt), `cameras` the cameras that it carries (`fovy` [deg], `resolution`
+[pixels]): these look along z, x to the right, y down.
 `order` has the joints, actuators and sensors of each file in its order. In
 the MJCF: `qpos` and `dof` of a joint are its first number in MuJoCo's arrays and how many it has, as is
 `ctrl` of an actuator; `address` and `dim` say where a sensor is in `sensordata`. In the URDF: `index` is a
 joint's place among those that move in the file, `tree` that in a walk down the tree with siblings by name,
 as Pinocchio has them.
-`amendments` lists what `elements` and `attributes` added to the files and set in them.
+`shapes` lists what is seen and what collides, of each link in the order in which its files have them
+(`number` counts those of a role): a mesh `file` in the link's frame or a `primitive` (`size` as of the
+`shapes` of a link, which are the user's own), `area` [m²] and `volume` [m³, 0 where a mesh is not closed]
+to six digits, `contact` what is given of MuJoCo's properties, `collider` which one of its link it is a
+piece of. With `self_contact` the links collide with each other but for the `excludes` (of `geoms`, only
+those pairs of colliders, by their numbers); `touching` are others that touch at `home`, `depth` [m] deep.
+These are missing where a build ends before its shapes are made.
+`amendments` lists what `elements` and `attributes` added to the files and set in them, `surplus` how many
+degrees of freedom, actuators and equalities a file has after the robot's own by that. `files` has the paths
+of the robot's other files, but for those of a Python package, which are copies.
 `ros2` is there where a ROS 2 package is written: `package` is its name, `renamed` has the names in it of
 links and joints that are not those of the URDF.
-`sdf` is there where an SDF is written: `renamed` has the names in it of links, joints (by dof, also of loops)
-and frames that are not the robot's; `zeros` the value of each dof that is not 0 where its joint of the SDF is
-(a ball's joint turns on from that pose).
+`sdf` is there where an SDF is written: `renamed` has the names in it of links, joints (by dof, also of
+loops) and frames that are not the robot's; `zeros` the value of each dof that is not 0 where its joint of
+the SDF is (a ball's joint turns on from that pose).
 `usd` is there where names (`renamed`) or balls' zeros (`zeros`) of a USD are not the robot's, as of an SDF.
 """
 
@@ -47,33 +62,34 @@ from typing import Any
 import numpy as np
 
 from stages.export.coupling_records import coupling_records
-from stages.export.driving_records import actuator_record, sensing_records
+from stages.export.driving_records import actuation_records, sensing_records
+from stages.export.geometry_records import geometry_records
 from stages.export.json_values import as_float, as_floats, as_pose, as_value
+from stages.export.keyframe_records import keyframe_records
+from stages.export.link_records import link_record
 from stages.export.mjcf.joints import free_joint_name
 from stages.export.provenance import provenance
 from stages.export.urdf.lowering import Lowered, lower, unset
 from stages.formats.mjcf_form import AS_IS as EVERY_BODY
 from stages.formats.mjcf_form import MjcfForm
 from stages.formats.mjcf_written import holders as bodies
-from stages.formats.numbers import LENGTH, TURN, least_of
+from stages.formats.numbers import TURN, least_of
 from stages.formats.urdf.as_written import as_written, holders
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.formats.urdf.names import urdf_names
 from stages.robot.actuation import NONE, Actuation, Supplied
 from stages.robot.amendments import UNCHANGED, Amendments
 from stages.robot.codec import plain
+from stages.robot.geometry import Geometry
 from stages.robot.measuring import measuring
 from stages.robot.model import (
     Configuration,
     Dof,
     Frame,
     Joint,
-    Link,
     Loop,
     MateRef,
     Mobility,
-    Part,
-    Primitive,
     Provenance,
     Relation,
     Robot,
@@ -96,10 +112,13 @@ def describe(
     order: Mapping[str, Any] | None = None,
     amendments: Amendments = UNCHANGED,
     formats: Mapping[str, Any] | None = None,
+    geometry: Geometry | None = None,
+    files: Collection[str] = (),
 ) -> bytes:
     """The file. `start`: the MJCF's qpos0, by dof; `form`: of the URDF; `mjcf_form`: of the MJCF; `sensing`:
     what measures the robot (None: the sensors of the source); `order`: see `stages.export.order`;
-    `amendments`: what the user's own XML changed in the files; `formats`: what others tell, by name."""
+    `amendments`: what the user's own XML changed in the files; `formats`: what others tell, by name;
+    `geometry`: the shapes, None where they are not made; `files`: the paths of the others."""
     names = urdf_names(as_written(robot, form))
     estimated = {one.dof for one in actuation.armatures}
     table = {
@@ -112,7 +131,7 @@ def describe(
         "base": _base(robot),
         "mass": as_float(sum(link.inertial.mass for link in robot.links)),
         "mobility": _mobility(robot.mobility),
-        "links": [_link(link) for link in robot.links],
+        "links": [link_record(link) for link in robot.links],
         "joints": [_joint(joint, start, estimated, actuation.supplied) for joint in robot.joints],
         "relations": [_relation(relation) for relation in robot.relations],
         "loops": [
@@ -123,6 +142,28 @@ def describe(
     }
     if form.couplings:
         table["couplings"] = coupling_records(form)
+    table |= _held(robot, form, mjcf_form)
+    if robot.transmissions:
+        table["transmissions"] = [plain(transmission) for transmission in robot.transmissions]
+    table |= actuation_records(actuation)
+    table["keyframes"] = keyframe_records(robot)
+    table |= sensing_records(sensing or Sensing(measuring(robot, actuation)))
+    if order:
+        table["order"] = order
+    if geometry is not None:
+        table |= geometry_records(geometry)
+    for key, rows in (("amendments", amendments.changes), ("surplus", amendments.surplus)):
+        if rows:
+            table[key] = plain(rows)
+    if files:
+        table["files"] = sorted(files)
+    table |= formats or {}
+    return (printable_lines(json.dumps(table, indent=2, ensure_ascii=False)) + "\n").encode()
+
+
+def _held(robot: Robot, form: UrdfForm, mjcf_form: MjcfForm) -> dict[str, Any]:
+    """The links that are part of others in the URDF, and in the MJCF, where there are some."""
+    tables = {}
     for key, held in (("merged", holders(robot, form)), ("fused", bodies(robot, mjcf_form))):
         parts = [
             {"link": link, "into": into, "pose": as_pose(pose)}
@@ -130,18 +171,8 @@ def describe(
             if into != link
         ]
         if parts:
-            table[key] = parts
-    if robot.transmissions:
-        table["transmissions"] = [plain(transmission) for transmission in robot.transmissions]
-    if actuation.actuators:
-        table["actuators"] = [actuator_record(one) for one in actuation.actuators]
-    table |= sensing_records(sensing or Sensing(measuring(robot, actuation)))
-    if order:
-        table["order"] = order
-    if amendments.changes:
-        table["amendments"] = plain(amendments.changes)
-    table |= formats or {}
-    return (printable_lines(json.dumps(table, indent=2, ensure_ascii=False)) + "\n").encode()
+            tables[key] = parts
+    return tables
 
 
 def _source(provenance: Provenance) -> dict[str, Any]:
@@ -164,43 +195,6 @@ def _mobility(mobility: Mobility) -> dict[str, Any]:
         "gruebler": mobility.gruebler,
         "dof": mobility.dof,
         "redundant": [{"loop": loop, "conditions": count} for loop, count in mobility.redundant],
-    }
-
-
-def _link(link: Link) -> dict[str, Any]:
-    return {
-        "name": link.name,
-        "mass": as_float(link.inertial.mass),
-        "com": as_floats(link.inertial.com, LENGTH),
-        "inertia": as_floats(link.inertial.inertia),
-        "given": link.given is not None,
-        "cad": {"path": list(link.path)} if link.path or link.parts else None,
-        "parts": [_part(part) for part in link.parts],
-        "shapes": [_shape(shape) for shape in link.shapes],
-    }
-
-
-def _part(part: Part) -> dict[str, Any]:
-    mirrored = bool(np.linalg.det(part.link_from_part[:3, :3]) < 0)
-    pose = part.link_from_part @ np.diag([1.0, 1.0, -1.0, 1.0]) if mirrored else part.link_from_part
-    return {
-        "name": part.name,
-        "path": list(part.path),
-        "part": part.part_id,
-        "mass": as_float(part.inertial.mass),
-        "pose": as_pose(pose),
-        "mirrored": mirrored,
-    }
-
-
-def _shape(shape: Primitive) -> dict[str, Any]:
-    return {
-        "kind": shape.kind,
-        "size": [as_float(length) for length in shape.size],
-        "pose": as_pose(shape.link_from_shape),
-        "colour": None if shape.colour is None else [as_float(part) for part in shape.colour],
-        "visual": shape.visual,
-        "collision": shape.collision,
     }
 
 
@@ -259,7 +253,8 @@ def _zero(start: Value) -> dict[str, Any]:
 def _mate(mate: MateRef | None) -> dict[str, Any] | None:
     if mate is None:
         return None
-    return {"owner": list(mate.owner), "feature": mate.feature, "name": mate.name, "type": mate.type}
+    copy = {"copy": mate.copy} if mate.copy else {}
+    return {"owner": list(mate.owner), "feature": mate.feature, "name": mate.name, "type": mate.type, **copy}
 
 
 def _loop(loop: Loop, ends: tuple[str, str], mimic: bool, estimated: Collection[str]) -> dict[str, Any]:
@@ -274,6 +269,8 @@ def _loop(loop: Loop, ends: tuple[str, str], mimic: bool, estimated: Collection[
         "mimic": mimic,
         "dofs": [{**_dof(dof), "provenance": provenance(dof, dof.name in estimated)} for dof in loop.dofs],
         "residual": as_float(loop.residual, TURN),
+        "lever": as_float(loop.lever),
+        "solref": as_floats(loop.solref),
         "cad": _mate(loop.mate),
     }
 

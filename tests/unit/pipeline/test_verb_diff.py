@@ -13,21 +13,44 @@ import pytest
 
 from pipeline.changes.compare import compare
 from pipeline.cli import run
+from stages.robot.geometry import ContactProperties, Exclude, Geometry, Shape, Touch
+from stages.robot.model import Primitive
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write
+from tests.support.robots import at
 
 SENSORS = {"imu": {"frame": "tool", "type": "imu"}, "eye": {"frame": "tool", "type": "camera"}}
 
-APART = ("source", "cad", "provenance", "unset", "estimated", "format", "version")
-"""What says where the robot comes from, and what is read before the comparison."""
+APART = ("source", "cad", "provenance", "unset", "estimated", "format", "version", "world")
+"""What says where the robot comes from, what is read before the comparison, and where a part stands in the
+assembly, which follows from the pose in its link and the saved values."""
+
+
+BALL = Primitive("sphere", (0.01,), at(0.0, 0.0, 0.02), (0.1, 0.2, 0.3, 1.0))
+HOLD = ContactProperties(friction=(1.0, 0.01, 0.0001), solref=(0.01, 1.0), condim=4, margin=0.001)
+GEOMETRY = Geometry(
+    (
+        Shape("palm", "collision", None, None, 0, 0, 0.001, 4e-6, BALL, HOLD, None, 0),
+        Shape("palm", "visual", None, (0.1, 0.2, 0.3, 1.0), 0, 0, 0.001, 4e-6, BALL),
+        Shape("turret", "collision", None, None, 0, 0, 0.001, 4e-6, BALL),
+        Shape("forearm", "collision", None, None, 0, 0, 0.001, 4e-6, BALL),
+    ),
+    {},
+    self_contact=True,
+    excludes=(
+        Exclude("turret", "forearm", "User", 0.0),
+        Exclude("forearm", "palm", "Adjacent", 0.001, ((0, 0),)),
+    ),
+    touching=(Touch("turret", "palm", 0.002),),
+)
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The sample with servos and sensors, exported."""
     here = tmp_path_factory.mktemp("diff") / "outputs" / "sample"
-    plan = plan_of(sensors=SENSORS, actuators={"*": "position"})
-    write(robot_of(sample_document()), here, plan)
+    plan = plan_of(sensors=SENSORS, actuators={"*": "position"}, keyframes={"up": {"lift": 0.03}})
+    write(robot_of(sample_document(), plan), here, plan, GEOMETRY)
     return here
 
 
@@ -89,13 +112,16 @@ def test_no_change_of_any_value_is_lost(robot):
 
 
 def test_every_row_that_is_taken_out_is_told_by_its_name(robot):
-    tables = [key for key, rows in robot.items() if isinstance(rows, list)]
+    tables = [key for key, rows in robot.items() if isinstance(rows, list) and key != "files"]
     assert {"links", "joints", "loops", "relations", "frames", "actuators", "sensors"} <= set(tables)
+    assert {"armatures", "keyframes", "shapes", "excludes", "touching"} <= set(tables)
     for table in tables:
         for index, one in enumerate(robot[table]):
             less = copy.deepcopy(robot)
             del less[table][index]
-            name = one.get("name") or one.get("follower") or one.get("link") or one.get("joint")
+            name = one.get("name") or one.get("follower") or one.get("dof") or one.get("joint")
+            name = name or " ".join(str(one[key]) for key in ("link", "role", "number") if key in one)
+            name = name or f"{one['link_a']} and {one['link_b']}"
             for kind, pair in (("removed", (robot, less)), ("added", (less, robot))):
                 found = [change for change in compare(*pair) if change.section == table]
                 assert {change.kind for change in found if change.name == name} == {kind}, (table, name)
@@ -165,6 +191,30 @@ def test_a_part_that_went_to_another_link_is_told(robot):
     part = row(after, "links", "lift_column")["parts"].pop(1)
     row(after, "links", "turret")["parts"].append(part)
     assert said(robot, after) == ["parts Turntable <1> changed went from lift_column to turret"]
+
+
+def test_what_is_new_of_shapes_and_poses_is_said_in_words(robot):
+    after = copy.deepcopy(robot)
+    after["shapes"][0]["area"] *= 1.5
+    after["shapes"][0]["volume"] *= 1 + 1e-6  # of meshes in single precision
+    after["shapes"][0]["primitive"]["pose"]["xyz"][0] += 0.001
+    after["shapes"][1]["file"] = "palm.stl"
+    up = next(one for one in after["keyframes"] if one["name"] == "up")
+    up["given"]["lift"], up["values"]["lift"] = 0.05, 0.05
+    row(after, "loops", "rod_upper_pivot")["lever"] *= 2
+    del after["excludes"][1]
+    after["files"] = [*after["files"][1:], "robot.sdf"]
+    text = "\n".join(said(robot, after))
+    assert "shapes palm collision 0 changed area 0.001 → 0.0015 m²" in text
+    assert "volume" not in text
+    assert "shapes palm collision 0 changed primitive.pose moved by 1 mm" in text
+    assert "shapes palm visual 0 changed file none → palm.stl" in text
+    assert "keyframes up changed given value of lift 0.03 → 0.05" in text
+    assert "keyframes up changed value of lift 0.03 → 0.05" in text
+    assert "loops rod_upper_pivot changed lever" in text
+    assert "excludes forearm and palm removed 1 mm deep at home" in text
+    assert f"files: without {robot['files'][0]}; with robot.sdf" in text
+    assert len(said(robot, after)) == 8
 
 
 def test_another_order_of_the_arrays_is_a_difference(robot):

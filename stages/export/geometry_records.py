@@ -1,0 +1,49 @@
+"""What robot.json says of the shapes that the mesh stage made, and of which of them touch."""
+
+from collections import Counter
+from typing import Any
+
+from stages.export.json_values import as_float, short
+from stages.export.link_records import colour_record, primitive_record
+from stages.robot.codec import plain
+from stages.robot.geometry import ContactProperties, Geometry, Shape
+
+
+def geometry_records(geometry: Geometry) -> dict[str, Any]:
+    """The tables `shapes`, `excludes` and `touching`, and `self_contact`."""
+    numbers: Counter[tuple[str, str]] = Counter()
+    shapes = []
+    for shape in geometry.shapes:
+        shapes.append(_shape(shape, numbers[shape.link, shape.role]))
+        numbers[shape.link, shape.role] += 1
+    return {
+        "shapes": shapes,
+        "self_contact": geometry.self_contact,
+        "excludes": [{**plain(one), "depth": short(one.depth)} for one in geometry.excludes],
+        "touching": [{**plain(one), "depth": short(one.depth)} for one in geometry.touching],
+    }
+
+
+def _shape(shape: Shape, number: int) -> dict[str, Any]:
+    return {
+        "link": shape.link,
+        "role": shape.role,
+        "number": number,
+        "file": shape.file,
+        "primitive": None if shape.primitive is None else primitive_record(shape.primitive),
+        "colour": colour_record(shape.colour),
+        "texture": shape.texture,
+        "vertices": shape.vertices,
+        "faces": shape.faces,
+        "area": short(shape.area),
+        "volume": short(shape.volume),
+        "contact": None if shape.contact is None else _contact(shape.contact),
+        "collider": shape.collider,
+    }
+
+
+def _contact(contact: ContactProperties) -> dict[str, Any]:
+    return {
+        key: [as_float(one) for one in value] if isinstance(value, tuple) else value
+        for key, value in contact.given().items()
+    }

@@ -1,0 +1,165 @@
+"""The robot that a robot.json describes, and all else that its files are checked against.
+
+Not in it, since nothing that is checked needs it: the meshes of parts, diagnostics, the source's own words
+for what drives it (`controls`), and its own actuators and sensors apart from those that the files have.
+"""
+
+import json
+from dataclasses import dataclass
+from pathlib import PurePosixPath
+
+from stages.formats.mjcf_form import MjcfForm
+from stages.formats.robot_json.driving import actuation_of, sensing_of, transmission_of
+from stages.formats.robot_json.fields import Fields, RobotJsonError
+from stages.formats.robot_json.joints import frame_of, joint_of, keyframe_of, loop_of, relation_of
+from stages.formats.robot_json.links import link_of
+from stages.formats.robot_json.references import require_names
+from stages.formats.robot_json.shapes import geometry_of
+from stages.formats.urdf.form import UrdfForm
+from stages.robot.actuation import Actuation
+from stages.robot.amendments import Amendment, Amendments, Surplus
+from stages.robot.geometry import Geometry
+from stages.robot.linear_coupling import LinearCoupling
+from stages.robot.model import Base, Joint, Link, Mobility, Provenance, Robot
+from stages.robot.sensing import Sensing
+
+FORMAT, VERSION = "linkwright-robot", 1
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """What the files of a robot must say; `files`: the paths of those that there are."""
+
+    robot: Robot
+    actuation: Actuation
+    geometry: Geometry | None
+    form: UrdfForm
+    mjcf_form: MjcfForm
+    sensing: Sensing
+    amendments: Amendments
+    files: tuple[str, ...]
+
+    @property
+    def known(
+        self,
+    ) -> tuple[Actuation, Geometry | None, UrdfForm, MjcfForm, Sensing, Amendments]:
+        """What `stages.validate.validate` is given besides the robot, in its order."""
+        forms = self.form, self.mjcf_form
+        return self.actuation, self.geometry, *forms, self.sensing, self.amendments
+
+
+def described(data: bytes) -> Truth:
+    """What a robot.json says. RobotJsonError where that is no robot, or one of another version."""
+    try:
+        record = Fields(json.loads(data))
+    except (ValueError, RecursionError) as error:
+        msg = f"it is no JSON: {error}"
+        raise RobotJsonError(msg) from None
+    _require_version(record)
+    robot = _robot(record)
+    require_names(record, robot)
+    files = record.texts("files") if record.has("files") else ()
+    _require_inside(robot.name, *files)
+    loops = record.records("loops")
+    return Truth(
+        robot=robot,
+        actuation=actuation_of(record),
+        geometry=geometry_of(record),
+        form=UrdfForm(
+            merged=bool(record.records("merged")),
+            couplings=tuple(_coupling(one) for one in record.records("couplings")),
+            closed=tuple(one.text("name") for one in loops if one.truth("mimic")),
+        ),
+        mjcf_form=MjcfForm(tuple(one.text("link") for one in record.records("fused"))),
+        sensing=sensing_of(record),
+        amendments=Amendments(
+            tuple(_amendment(one) for one in record.records("amendments")),
+            tuple(_surplus(one) for one in record.records("surplus")),
+        ),
+        files=files,
+    )
+
+
+def _require_version(record: Fields) -> None:
+    if record.table.get("format") != FORMAT:
+        msg = "it is no robot.json of Linkwright"
+        raise RobotJsonError(msg)
+    if record.table.get("version") != VERSION:
+        msg = f"its version is {record.table.get('version')}; this program reads version {VERSION}"
+        raise RobotJsonError(msg)
+
+
+def _require_inside(*paths: str) -> None:
+    """That nothing outside of the folder is looked at, whatever the file names."""
+    for path in paths:
+        parts = PurePosixPath(path).parts
+        if not parts or path.startswith("/") or ".." in parts or "\\" in path or "\0" in path:
+            msg = f"{path!r} is no path below its folder"
+            raise RobotJsonError(msg)
+
+
+def _robot(record: Fields) -> Robot:
+    links = tuple(link_of(one) for one in record.records("links"))
+    joints = tuple(joint_of(one) for one in record.records("joints"))
+    _require_tree(links, joints)
+    base, source = record.inside("base"), record.inside("source")
+    keyframes = (keyframe_of(one) for one in record.records("keyframes"))
+    return Robot(
+        name=record.text("name"),
+        links=links,
+        joints=joints,
+        loops=tuple(loop_of(one) for one in record.records("loops")),
+        relations=tuple(relation_of(one) for one in record.records("relations")),
+        frames=tuple(frame_of(one) for one in record.records("frames")),
+        base=Base(base.truth("fixed"), base.text("reason"), base.text("joint") if base.has("joint") else ""),
+        world_from_root=record.pose("root_pose"),
+        mobility=_mobility(record.inside("mobility")),
+        provenance=Provenance(
+            *(source.text(key) for key in ("document", "element", "microversion", "configuration"))
+        ),
+        transmissions=tuple(transmission_of(one) for one in record.records("transmissions")),
+        keyframes=tuple(one for one in keyframes if one is not None),
+    )
+
+
+def _require_tree(links: tuple[Link, ...], joints: tuple[Joint, ...]) -> None:
+    """Each link but the first is the child of one joint, which comes after that of its parent."""
+    known = [link.name for link in links[:1]]
+    for joint in joints:
+        if joint.parent not in known or joint.child in known:
+            msg = f"joints: {joint.name!r} is between {joint.parent!r} and {joint.child!r}, which is no tree"
+            raise RobotJsonError(msg)
+        known.append(joint.child)
+    if not links or sorted(known) != sorted(link.name for link in links):
+        msg = "links: expected the root and the children of all joints"
+        raise RobotJsonError(msg)
+
+
+def _mobility(record: Fields) -> Mobility:
+    redundant = tuple((one.text("loop"), one.whole("conditions")) for one in record.records("redundant"))
+    coordinates, gruebler, dof = (record.whole(key) for key in ("coordinates", "gruebler", "dof"))
+    return Mobility(coordinates, gruebler, dof, redundant)
+
+
+def _coupling(record: Fields) -> LinearCoupling:
+    low, high = record.numbers("range", 2)
+    return LinearCoupling(
+        follower=record.text("follower"),
+        driver=record.text("driver"),
+        multiplier=record.number("multiplier"),
+        offset=record.number("offset"),
+        error=record.number("error"),
+        exact=record.truth("mimic"),
+        low=low,
+        high=high,
+    )
+
+
+def _amendment(record: Fields) -> Amendment:
+    key, file, target = (record.text(name) for name in ("key", "file", "target"))
+    return Amendment(key, file, target, record.texts("adds"), record.texts("sets"))
+
+
+def _surplus(record: Fields) -> Surplus:
+    counts = (record.whole(key) for key in ("dofs", "actuators", "equalities"))
+    return Surplus(record.text("file"), *counts)

@@ -1,0 +1,85 @@
+"""robot.json alone: what is read from it is the robot that was written, whose files pass every check
+against it."""
+
+import tempfile
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stages.formats.described import described
+from stages.formats.urdf.as_written import as_written
+from stages.robot.driven import as_driven
+from stages.validate import validate
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.random_document import documents
+from tests.fake_onshape.sample import sample_document
+from tests.support.building import NO_MESHES, write
+from tests.support.drawn import PLACES, SLOWLY, drawn
+from tests.support.truth import differences
+
+NEAR = 1e-11
+
+NOT_IN_IT = {
+    "mesh": "the triangles of a part",
+    "diagnostics": "what a build told",
+    "controls": "the source's own words",
+    "actuators": "those of the source",
+    "sensors": "those of the source",
+    "joint": "the name of the base's joint, which is chosen where the source has none",
+    "given": "of a ball's limits it is not told apart what the configuration gave",
+}
+
+KEYS = {
+    "actuators": {"*": "position"},
+    "joints": {"*": {"damping": 0.25, "friction": 0.125, "effort": 5}},
+    "export": {"urdf": {"fixed_joints": "merge"}, "mjcf": {"fixed_joints": "merge"}, "sdf": {}},
+}
+
+
+def comes_back(document: Document, root: int, seed: int, **keys) -> None:
+    """The robot and its actuation, and the verdict on its files."""
+    robot, plan = drawn(document, root, seed, **keys)
+    with tempfile.TemporaryDirectory() as folder:
+        exported = write(robot, Path(folder), plan)
+        truth = described((Path(folder) / "robot.json").read_bytes())
+        checks = validate(Path(folder), truth.robot, plan, *truth.known)
+        known = exported.actuation, NO_MESHES, exported.form, exported.mjcf_form, exported.sensing
+        before = validate(Path(folder), robot, plan, *known, exported.amendments)
+    written = as_driven(robot, exported.actuation)
+    assert differences(written, truth.robot, NEAR, NOT_IN_IT) == []
+    # Where links on fixed joints are merged and there are none, nothing is.
+    assert differences(exported.form, truth.form, 1e-5, {"merged": ""}) == []
+    as_urdf = (as_written(*both) for both in ((written, exported.form), (truth.robot, truth.form)))
+    assert differences(*as_urdf, NEAR, NOT_IN_IT) == []
+    assert differences(exported.mjcf_form, truth.mjcf_form, 0.0, {}) == []
+    assert differences(exported.sensing, truth.sensing, NEAR, {}) == []
+    rounded = {"load": "", "home_load": "", "supplied": ""}
+    assert differences(exported.actuation, truth.actuation, NEAR, rounded) == []
+    assert [one for one in checks if not one.passed] == []
+    assert [one.name for one in checks] == [one.name for one in before]
+
+
+@settings(max_examples=4, deadline=None, **SLOWLY)
+@given(st.booleans().flatmap(lambda loops: documents(loops=loops)), PLACES, PLACES)
+def test_a_few_documents_come_back(document: Document, root: int, seed: int) -> None:
+    comes_back(document, root, seed, **(KEYS if seed % 2 else {}))
+
+
+@pytest.mark.slow
+@settings(max_examples=200, deadline=None, **SLOWLY)
+@given(
+    st.tuples(st.booleans(), st.booleans()).flatmap(
+        lambda both: documents(loops=both[0], everything=both[1])
+    ),
+    PLACES,
+    PLACES,
+)
+def test_many_documents_come_back(document: Document, root: int, seed: int) -> None:
+    comes_back(document, root, seed, **(KEYS if seed % 2 else {}))
+
+
+def test_the_sample_comes_back() -> None:
+    sensors = {"imu": {"frame": "tool", "type": "imu"}, "eye": {"frame": "tool", "type": "camera"}}
+    comes_back(sample_document(), 0, 1, sensors=sensors, keyframes={"up": {"lift": 0.03}}, **KEYS)
