@@ -228,25 +228,27 @@ class Run:
         checks: tuple[Check, ...] = ()
         if "validate" in context.files:
             checks = codec.decode_checks(context.files["validate"]["checks.json"])
-            checks += self.strict_checks()
+            checks += self.strict_checks(checks)
         for check in checks:
-            self.log.line(f"{'passed' if check.passed else 'FAILED'} {check.name}: {check.detail}")
+            word = "passed" if check.passed else "FAILED" if check.fails else "WARNING"
+            self.log.line(f"{word} {check.name}: {check.detail}")
         status: Status = "stale" if self.stale else "built"
-        if not all(check.passed for check in checks):
+        if any(check.fails for check in checks):
             status = "invalid"
         made = digests(context, files)
         return self.report(
             status=status, exit_status=0 if status == "built" else 3, checks=checks, outputs=made
         )
 
-    def strict_checks(self) -> tuple[Check, ...]:
-        """With `validate.level: strict` a warning is a failure."""
+    def strict_checks(self, checks: Iterable[Check]) -> tuple[Check, ...]:
+        """With `validate.level: strict` a warning is a failure, of a stage as of a check."""
         if self.plan.validate.level != "strict":
             return ()
-        warnings = [found for found in self.diagnostics if found.level == "warning"]
-        codes = ", ".join(sorted({found.code for found in warnings}))
+        warnings = [found.code for found in self.diagnostics if found.level == "warning"]
+        warnings += [check.code for check in checks if check.warns]
+        codes = ", ".join(sorted({*warnings}))
         detail = f"{len(warnings)} warnings ({codes})" if warnings else "no warning"
-        return (Check("no_warnings", not warnings, detail, float(len(warnings)), 0.0),)
+        return (Check("no_warnings", not warnings, detail, float(len(warnings)), 0.0, "C-STRICT"),)
 
     def failed(self, error: BaseException) -> Report:
         """The report of a build that `error` ended."""

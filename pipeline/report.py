@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, Literal, TextIO
 
 from pipeline.output.manifest import REPORT
+from pipeline.reference.codes import remedy
 from pipeline.secrets import Secrets
 from pipeline.terminal import clean
 from stages.robot.check import Check
@@ -87,8 +88,17 @@ class Report:
 
     @property
     def failed_checks(self) -> tuple[Check, ...]:
-        return tuple(check for check in self.checks if not check.passed)
+        """The checks that prove the robot wrong."""
+        return tuple(check for check in self.checks if check.fails)
 
+    @property
+    def warned_checks(self) -> tuple[Check, ...]:
+        """The checks that say that something could be better."""
+        return tuple(check for check in self.checks if check.warns)
+
+
+MOST_FINDINGS = 3
+"""Of a check, in the terminal."""
 
 HEADER = ("stage", "", "seconds", "outputs")
 
@@ -128,14 +138,28 @@ def findings(report: Report) -> list[str]:
         lines.append(printable(f"{found.code}{place} {found.message}"))
         if found.hint:
             lines.append(f"    → {found.hint}")
-    lines += [printable(f"FAILED {check.name}: {check.detail}") for check in report.failed_checks]
-    passed = len(report.checks) - len(report.failed_checks)
+    lines += [line for check in report.warned_checks for line in check_lines("WARNING", check)]
+    lines += [line for check in report.failed_checks for line in check_lines("FAILED", check)]
+    passed = sum(check.passed for check in report.checks)
     if report.checks:
         lines.append(f"{passed} of {len(report.checks)} checks passed")
     lines += spent(report)
     lines.append(printable(f"{report.heading}: {report.folder or 'in memory'}"))
     lines += [printable(report.advice)] if report.advice else []
     return lines
+
+
+def check_lines(word: str, check: Check) -> list[str]:
+    """A check that did not pass, with what it found and what to do."""
+    code = f"{check.code} " if check.code else ""
+    lines = [printable(f"{word} {code}{check.name}: {check.detail}")]
+    for found in check.findings[:MOST_FINDINGS]:
+        attribute = f" {found.attribute}" if found.attribute else ""
+        lines.append(printable(f"    {found.element}{attribute}: {found.message}"))
+    more = len(check.findings) - MOST_FINDINGS
+    lines += [f"    and {more} more in report.json"] if more > 0 else []
+    hint = remedy(check.code)
+    return lines + ([f"    → {hint}"] if hint else [])
 
 
 def spent(report: Report) -> list[str]:
@@ -181,6 +205,7 @@ def show(report: Report, stream: TextIO) -> None:
     from rich.text import Text
 
     styles = {"E": "bold red", "W": "yellow", "I": "cyan"}
+    words = {"FAILED ": "bold red", "WARNING ": "yellow"}
     console = Console(file=out.raw)
     for line in found(report):
         console.print(Text(fitting(out.clean(line), stream.encoding)), soft_wrap=True)
@@ -191,7 +216,7 @@ def show(report: Report, stream: TextIO) -> None:
         table.add_row(*(Text(out.clean(cell), style="dim" if cell == "cached" else "") for cell in row))
     console.print(table)
     for line in findings(report):
-        style = "bold red" if line.startswith("FAILED ") else ""
+        style = next((style for word, style in words.items() if line.startswith(word)), "")
         if line[1:2] == "-":
             style = styles.get(line[0], "")
         # As Text, since brackets in CAD names are not markup. Text to paste must not be wrapped.

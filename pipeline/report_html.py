@@ -93,12 +93,31 @@ def _error(error: Mapping[str, Any] | None) -> str:
 
 
 def _checks(checks: Sequence[Mapping[str, Any]]) -> str:
-    """The checks that failed, and those that passed, folded."""
-    failed = [check for check in checks if not check["passed"]]
-    passed = [check for check in checks if check["passed"]]
+    """The checks that failed, those that warn, and those that passed, folded."""
+    groups = {word: [check for check in checks if _outcome(check) == word] for word in OUTCOMES}
+    passed = groups["passed"]
     words = f'<span class="passed">{len(passed)} passed</span>'
-    body = _check_table(failed) + folded(words, _check_table(passed))
+    open_tables = "".join(_check_table(groups[word]) for word in OUTCOMES if word != "passed")
+    body = open_tables + folded(words, _check_table(passed))
     return section(f"Checks: {len(passed)} of {len(checks)} passed", body) if checks else ""
+
+
+OUTCOMES = ("failed", "warning", "passed")
+"""Of a check, the gravest first."""
+
+
+def _outcome(check: Mapping[str, Any]) -> str:
+    if check["passed"]:
+        return "passed"
+    return "failed" if check["level"] == "error" else "warning"
+
+
+def _found_by(check: Mapping[str, Any]) -> str:
+    """What a check measured, and the elements and attributes to look at."""
+    lines = [
+        f"{one['element']} {one['attribute']}".strip() + f": {one['message']}" for one in check["findings"]
+    ]
+    return text(check["detail"]) + "".join(f"<br>{text(line)}" for line in lines)
 
 
 def _check_table(checks: Sequence[Mapping[str, Any]]) -> str:
@@ -106,13 +125,13 @@ def _check_table(checks: Sequence[Mapping[str, Any]]) -> str:
     files: dict[tuple[Any, ...], list[str]] = {}
     for check in checks:
         file, _, title = check["name"].rpartition(": ")
-        same = (bool(check["passed"]), title, check["detail"], check["value"], check["limit"])
+        same = (_outcome(check), check["code"], title, _found_by(check), check["value"], check["limit"])
         files.setdefault(same, []).append(file)
     rows = []
-    for (passed, title, *found), where in files.items():
-        word = "passed" if passed else "failed"
-        cells = [title, ", ".join(filter(None, where)), *found]
-        rows.append([f'<span class="{word}">{word}</span>', *map(text, cells)])
+    for (word, code, title, found, *figures), where in files.items():
+        name = link(f"#{code}", title) if code in explanations() and word != "passed" else text(title)
+        cells = [name, text(", ".join(filter(None, where))), found, *map(text, figures)]
+        rows.append([f'<span class="{word}">{word}</span>', *cells])
     header = ["", "check", "of", "found", "value", "limit"]
     return table(header, rows, {"": "word", "value": "number", "limit": "number"})
 
@@ -215,6 +234,7 @@ def _outputs(digests: Mapping[str, str], sizes: Mapping[str, int]) -> str:
 def _codes(tree: Mapping[str, Any]) -> str:
     """What the codes on this page mean."""
     problems = [*tree["diagnostics"], *(tree["error"] or {}).get("problems", [])]
+    problems += [check for check in tree["checks"] if not check["passed"]]
     codes = sorted({one["code"] for one in problems} & explanations().keys())
     rows = []
     for code in codes:

@@ -8,7 +8,7 @@ from pathlib import Path
 from pipeline.errors import ConfigError
 from pipeline.motor_files import library
 from pipeline.reference import SCHEMA
-from pipeline.reference.codes import explanations, level
+from pipeline.reference.codes import explanations, level, remedy
 from pipeline.reference.environment import VARIABLES
 from pipeline.reference.key_entries import KeyEntry, entries, matching, nearest
 
@@ -18,7 +18,7 @@ linkwright explain: the meaning of a code, a key, a motor or an environment vari
 usage: linkwright explain CODE|KEY|MOTOR|VARIABLE
        linkwright explain --schema
 
-  linkwright explain W-LIMIT                    a code of a diagnostic: its meaning, and what to do
+  linkwright explain W-LIMIT                    a code of a diagnostic or check: its meaning, and what to do
   linkwright explain joints.elbow.damping       a key: its type, unit, default, allowed values, an example
   linkwright explain mesh                       a section: its keys
   linkwright explain sts3215                    a motor of the library: its values, and their sources
@@ -69,8 +69,9 @@ def explained(asked: str) -> str:
 def _code(code: str) -> str:
     found = explanations()[code]
     title = f"{code} ({level(code)}, reported by {found.stages})"
-    remedy = [] if found.remedy == "–" else [f"→ {found.remedy}"]
-    return _entry(title, found.meaning, *remedy)
+    if level(code) == "check":
+        title = f"{code} (a check: {found.stages} where it does not pass)"
+    return _entry(title, found.meaning, *([f"→ {remedy(code)}"] if remedy(code) else []))
 
 
 def _motor(name: str, file: Path) -> str:

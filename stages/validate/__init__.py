@@ -12,32 +12,34 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
     from stages.robot.sensing import Sensing
+    from stages.validate.compiled import FileKind
     from stages.validate.keys import ValidateKeys
 
-VERSION = 18
+VERSION = 19
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
 """The engines: modules of `stages/validate/engines`, each an `Engine`."""
 
-CHECKS = (
-    "links_and_joints",
-    "closed_at_start",
-    "masses",
-    "poses",
-    "joints",
-    "motion",
-    "relations",
-    "loops",
-    "keyframes",
-    "actuators",
-    "sensors",
-    "self_contact",
-    "trial",
-)
-"""The checks of a compiled model, in the order of the report: modules of `stages/validate/checks`, each with
-a function `check` (a `CheckFunction`). Where the first finds that a link or joint is missing, the others,
-which look for each by its name, are left out."""
+CHECKS: "dict[str, tuple[FileKind, ...]]" = {
+    "links_and_joints": ("mjcf", "urdf", "scene"),
+    "closed_at_start": ("mjcf", "urdf"),
+    "masses": ("mjcf", "urdf"),
+    "poses": ("mjcf", "urdf"),
+    "joints": ("mjcf", "urdf"),
+    "motion": ("mjcf", "urdf"),
+    "relations": ("mjcf", "urdf"),
+    "loops": ("mjcf", "urdf"),
+    "keyframes": ("mjcf",),
+    "actuators": ("mjcf",),
+    "sensors": ("mjcf",),
+    "self_contact": ("mjcf",),
+    "trial": ("simulated",),
+}
+"""The checks of a compiled model, in the order of the report, and of which files: modules of
+`stages/validate/checks`, each with a `CODE` and a function `check` (a `CheckFunction`). What the scene has of
+the robot is the MJCF's, so that what is true of the one needs no second look. Where the first check finds
+that a link or joint is missing, the others, which look for each by its name, are left out."""
 
 READ_BACK = (("sdf", ".sdf"), ("usd", ".usda"))
 """Formats that no engine reads, with the endings of their files: rooms of this stage, each with a module
@@ -68,7 +70,7 @@ def validate(
     from stages.robot.sensing import NOTHING
     from stages.validate.run import check_files, check_read_back
 
-    checks = () if keys.validate.level == "quick" else CHECKS
+    checks = {} if keys.validate.level == "quick" else CHECKS
     forms = form or form_with(robot), mjcf_form or mjcf_written.form_with(robot)
     known = (actuation or NONE, geometry, *forms, sensing or NOTHING, amendments or UNCHANGED)
     read_back = check_read_back(folder, robot, READ_BACK, known[0], quick=not checks)

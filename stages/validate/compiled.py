@@ -4,15 +4,18 @@ from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Literal, Protocol
 
 from stages.robot.actuation import NONE, Actuation
 from stages.robot.amendments import UNCHANGED, Amendments, Surplus
-from stages.robot.check import Check
+from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.fusing import Holders
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
 from stages.robot.sensing import NOTHING, Sensing
+
+FileKind = Literal["mjcf", "urdf", "scene", "simulated"]
+"""What a file is to a check. simulated: the scene, or the MJCF where there is no scene; it is that too."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,21 +67,39 @@ class CompiledModel:
         return self.path.suffix == ".urdf"
 
     def result(
-        self, name: str, passed: bool, detail: str, value: float | None = None, limit: float | None = None
+        self,
+        name: str,
+        passed: bool,
+        detail: str,
+        value: float | None = None,
+        limit: float | None = None,
+        findings: Iterable[Finding] = (),
+        level: CheckLevel = "error",
     ) -> Check:
         """The result of a check of this file."""
-        return Check(f"{self.path.name}: {name}", bool(passed), detail, value, limit)
+        found = () if passed else tuple(findings)
+        return Check(
+            f"{self.path.name}: {name}", bool(passed), detail, value, limit, level=level, findings=found
+        )
 
-    def within(self, name: str, value: float, limit: float, detail: str) -> Check:
+    def within(
+        self,
+        name: str,
+        value: float,
+        limit: float,
+        detail: str,
+        findings: Iterable[Finding] = (),
+        level: CheckLevel = "error",
+    ) -> Check:
         """The result of a check that passes where `value` is at most `limit`."""
-        return self.result(name, value <= limit, detail, value, limit)
+        return self.result(name, value <= limit, detail, value, limit, findings, level)
 
 
 CheckFunction = Callable[[CompiledModel], Iterable[Check]]
 """A check: its results, each with a name of its own; none where it does not apply to the file."""
 
 
-def without_warnings(name: str, warnings: Iterable[str]) -> Check:
+def without_warnings(name: str, warnings: Iterable[str], code: str) -> Check:
     """The result of a check that passes where the engine had no warnings."""
     found = sorted(set(warnings))
-    return Check(name, not found, "; ".join(found) or "no warnings", float(len(found)), 0.0)
+    return Check(name, not found, "; ".join(found) or "no warnings", float(len(found)), 0.0, code)

@@ -1,7 +1,7 @@
 """The run of a validation: every engine reads its files, and every check looks at what it compiled."""
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -20,15 +20,20 @@ from stages.robot.geometry import Geometry
 from stages.robot.globs import listed
 from stages.robot.model import Robot
 from stages.robot.sensing import NOTHING, Sensing
-from stages.validate.compiled import CheckFunction, CompiledModel, Engine, without_warnings
+from stages.validate.compiled import CheckFunction, CompiledModel, Engine, FileKind, without_warnings
 from stages.validate.coordinates import missing_names
+
+SCENE = "scene.xml"
+"""The file that puts the robot into a world."""
+
+RUNS = "C-RUNS"
 
 
 def check_files(
     folder: Path,
     robot: Robot,
     engines: Sequence[str],
-    checks: Sequence[str],
+    checks: Mapping[str, Sequence[FileKind]],
     actuation: Actuation = NONE,
     geometry: Geometry | None = None,
     form: UrdfForm = AS_IS,
@@ -49,8 +54,18 @@ def check_files(
                 described, shapes = (urdf, geometry) if file.endswith(".urdf") else (mjcf, solid)
                 known = (actuation, shapes, form.closed, sensing, held, amendments)
                 given = CompiledModel(folder / file, None, described, *known)
-                changes = amendments.of(file, *engine.files(robot.name)[:1] if file == "scene.xml" else ())
-                yield from (_with_changes(one, changes) for one in _check_file(given, engine, checks))
+                changes = amendments.of(file, *engine.files(robot.name)[:1] if file == SCENE else ())
+                chosen = [one for one, kinds in checks.items() if kinds_of(given.path) & {*kinds}]
+                yield from (_with_changes(one, changes) for one in _check_file(given, engine, chosen))
+
+
+def kinds_of(path: Path) -> set[FileKind]:
+    """What a model file in its folder is to a check."""
+    if path.suffix == ".urdf":
+        return {"urdf"}
+    if path.name == SCENE:
+        return {"scene", "simulated"}
+    return {"mjcf"} if (path.parent / SCENE).exists() else {"mjcf", "simulated"}
 
 
 def check_read_back(
@@ -62,7 +77,8 @@ def check_read_back(
         path = folder / f"{robot.name}{ending}"
         if path.exists():
             reader = import_module(f"stages.validate.{name}.read_back")
-            yield from reader.check_file(path, as_driven(robot, actuation), quick=quick)
+            found = reader.check_file(path, as_driven(robot, actuation), quick=quick)
+            yield from (replace(one, code=reader.CODE) for one in found)
 
 
 def _check_file(given: CompiledModel, engine: Engine, checks: Sequence[str]) -> list[Check]:
@@ -75,7 +91,7 @@ def _check_file(given: CompiledModel, engine: Engine, checks: Sequence[str]) -> 
     compiled = replace(given, model=loaded.model)
     with engine.warnings() as warnings:
         found = list(_check_model(compiled, checks))
-    return [loaded.check, *found, without_warnings(f"{path.name}: runs", warnings)]
+    return [loaded.check, *found, without_warnings(f"{path.name}: runs", warnings, RUNS)]
 
 
 def _with_changes(check: Check, changes: Sequence[Amendment]) -> Check:
@@ -92,5 +108,6 @@ def _with_changes(check: Check, changes: Sequence[Amendment]) -> Check:
 def _check_model(compiled: CompiledModel, checks: Sequence[str]) -> Iterator[Check]:
     """The results of the checks; of the first alone where a link or joint is missing."""
     for name in checks[:1] if missing_names(compiled) else checks:
-        check: CheckFunction = import_module(f"stages.validate.checks.{name}").check
-        yield from check(compiled)
+        module = import_module(f"stages.validate.checks.{name}")
+        check: CheckFunction = module.check
+        yield from (replace(one, code=one.code or module.CODE) for one in check(compiled))

@@ -19,7 +19,8 @@ from tests.support.places import PROJECT
 from tests.support.robots import joint, robot_with
 
 CODE = re.compile(r"""["']([EWI]-[A-Z][A-Z0-9-]*)["']""")
-ROW = re.compile(r"^\| `([EWI]-[A-Z0-9-]+)` \| (.+?) \| (.+?) \| (.+?) \|$")
+CHECK = re.compile(r"""["'](C-[A-Z][A-Z0-9-]*)["']""")
+ROW = re.compile(r"^\| `([EWIC]-[A-Z0-9-]+)` \| (.+?) \| (.+?) \| (.+?) \|$")
 MAKERS = ("tell", "report", "Diagnostic")
 
 
@@ -35,8 +36,8 @@ def spoken() -> dict[str, set[str]]:
     return found
 
 
-def written() -> list[tuple[str, str, str, str]]:
-    lines = (PROJECT / "stages" / "DIAGNOSTICS.md").read_text().splitlines()
+def written(file: str = "DIAGNOSTICS.md") -> list[tuple[str, str, str, str]]:
+    lines = (PROJECT / "stages" / file).read_text().splitlines()
     return [match.groups() for line in lines if (match := ROW.match(line))]
 
 
@@ -75,6 +76,17 @@ def incomplete(source: str, arguments: int = 3) -> list[tuple[int, str]]:
 
 def test_the_table_is_complete() -> None:
     assert sorted(code for code, *_ in written()) == sorted(spoken())
+
+
+def test_the_table_of_checks_is_complete_and_in_order() -> None:
+    files = [file for name in ("pipeline", "stages") for file in (PROJECT / name).rglob("*.py")]
+    codes = [code for code, *_ in written("CHECKS.md")]
+    assert codes == sorted({code for file in files for code in CHECK.findall(file.read_text())})
+    for code, level, meaning, hint in written("CHECKS.md"):
+        assert {*level.split(", ")} <= {"error", "warning"}, code
+        assert len(meaning) > 15, code
+        assert len(hint) > 5, code
+    assert "stages/CHECKS.md" in (PROJECT / "README.md").read_text()
 
 
 def test_each_row_says_where_it_is_reported_what_it_means_and_what_to_do() -> None:

@@ -14,6 +14,8 @@ from stages.robot.start_pose import home
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME, joint_index
 
+CODE = "C-ACTUATOR"
+
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """A URDF has no actuators."""

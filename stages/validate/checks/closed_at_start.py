@@ -9,6 +9,8 @@ from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
 from stages.validate.equalities import CLOSED, violation
 
+CODE = "C-CLOSED"
+
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     if compiled.urdf or not compiled.model.neq:

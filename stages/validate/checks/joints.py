@@ -8,6 +8,8 @@ from stages.robot.model import Dof
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME, joint_index, joints_of
 
+CODE = "C-JOINT"
+
 OPEN = 1e6
 """The end of a range from here on stands for no limit [rad, m]."""
 

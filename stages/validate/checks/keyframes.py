@@ -21,6 +21,8 @@ from stages.validate.coordinates import (
 )
 from stages.validate.equalities import CLOSED, violation
 
+CODE = "C-KEYFRAME"
+
 OWN = "the pose nearest to `home` with the values that the configuration gives"
 MEANINGS = {
     HOME: "the pose nearest to the saved one within the limits, or with the values that are given",

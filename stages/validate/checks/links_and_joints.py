@@ -7,6 +7,8 @@ from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import WIDTH, joints_of, missing_names
 
+CODE = "C-LINKS"
+
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     robot, model = compiled.robot, compiled.model

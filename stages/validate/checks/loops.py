@@ -31,6 +31,8 @@ from stages.validate.coordinates import (
 )
 from stages.validate.equalities import ends, equality_index, sites
 
+CODE = "C-LOOP"
+
 POSES = 9
 """Poses at which a URDF's loops are looked at."""
 

@@ -17,6 +17,8 @@ from stages.validate.equalities import carriers
 from stages.validate.lumps import EXACT, UNITS, Lump, differences, expected_lump, merged, moved_lump
 from stages.validate.mujoco_abilities import axes_error
 
+CODE = "C-MASS"
+
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """Each link's body, together with the carriers that have a share of it."""

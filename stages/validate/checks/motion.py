@@ -29,6 +29,8 @@ from stages.validate.coordinates import (
     spread,
 )
 
+CODE = "C-MOTION"
+
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     robot, model = compiled.robot, compiled.model

@@ -10,6 +10,8 @@ from stages.robot.poses import inverse
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import CAD_ERROR, distance, every_saved, link_pose, root_pose, set_values
 
+CODE = "C-POSE"
+
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """The scene may put the robot anywhere: the pose of its root counts as that of the root's frame in CAD.

@@ -16,6 +16,8 @@ from stages.validate.mujoco_abilities import mimics, reads_mimic
 Pairs = Mapping[tuple[int, int], Array]
 """(follower, driver) → the five numbers of MuJoCo's equality of two joints."""
 
+CODE = "C-RELATION"
+
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     found = _found(compiled)

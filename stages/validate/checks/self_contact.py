@@ -12,6 +12,8 @@ from stages.robot.start_pose import home
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import body_index, set_values
 
+CODE = "C-SELF-CONTACT"
+
 DEEP = 1e-5
 """Contacts are looked at that are deeper [m]: in single precision faces that lie on each other are in contact
 or not."""

@@ -11,6 +11,8 @@ from stages.robot.model import Sensor
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME, body_index
 
+CODE = "C-SENSOR"
+
 KINDS: Mapping[str, int] = {
     "joint": mujoco.mjtObj.mjOBJ_JOINT,
     "actuator": mujoco.mjtObj.mjOBJ_ACTUATOR,

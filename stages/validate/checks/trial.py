@@ -13,6 +13,8 @@ from stages.robot.check import Check
 from stages.robot.trial_run import OPEN, Trial, trial_run
 from stages.validate.compiled import CompiledModel
 
+CODE = "C-TRIAL"
+
 DAMPING = 0.1
 """Of a joint, as a share of its inertia in a time step, that is tried."""
 

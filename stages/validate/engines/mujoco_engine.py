@@ -11,6 +11,8 @@ from stages.robot.check import Check
 from stages.robot.mujoco_warnings import listening
 from stages.validate.compiled import Loaded, without_warnings
 
+CODE = "C-COMPILE"
+
 KEPT_MESHES = 20_000_000
 """The size of MuJoCo's cache of processed meshes [bytes]."""
 
@@ -33,8 +35,8 @@ def load(path: Path) -> Loaded:
         except (ValueError, RuntimeError, SyntaxError) as error:
             # MuJoCo's message may name the folder of this build, which is no fact of the robot.
             message = str(error).replace(str(path.resolve().parent), "").strip()
-            return Loaded(None, Check(f"{path.name}: compiles", False, message))
-    return Loaded(model, without_warnings(f"{path.name}: compiles", found))
+            return Loaded(None, Check(f"{path.name}: compiles", False, message, code=CODE))
+    return Loaded(model, without_warnings(f"{path.name}: compiles", found, CODE))
 
 
 def _compiled(path: Path) -> Any:

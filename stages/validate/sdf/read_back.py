@@ -10,6 +10,8 @@ from stages.robot.model import Robot
 from stages.validate.sdf.checks import CHECKS, links_and_joints
 from stages.validate.sdf.known import ReadSdf
 
+CODE = "C-SDF"
+
 
 def check_file(path: Path, robot: Robot, *, quick: bool) -> Iterator[Check]:
     """The results. `quick`: only whether it can be read. Where a link or joint is missing, the checks that

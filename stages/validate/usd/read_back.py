@@ -19,6 +19,8 @@ from stages.robot.start_pose import home
 from stages.validate.coordinates import SAME, distance, spread
 from stages.validate.usd.reader import ReadUsdJoint, UsdError, UsdRobot, read_usd
 
+CODE = "C-USD"
+
 SINGLE = 1e-5
 """UsdPhysics has masses and the frames of joints in single precision: the largest error, relative to the
 robot's size or to the value where these are above 1."""

@@ -43,6 +43,9 @@ def test_the_json_holds_every_part_under_the_format_key():
         "detail": "1 kg instead of 2 kg",
         "value": 1.0,
         "limit": 2.0,
+        "code": "",
+        "level": "error",
+        "findings": [],
     }
     assert data["outputs"] == {"arm.urdf": "ab" * 32}
     assert data["error"] is None

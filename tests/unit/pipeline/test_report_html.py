@@ -185,10 +185,9 @@ def test_every_code_leads_to_what_it_means():
     assert "I-FYI" in read.text
 
 
-def test_the_table_of_codes_is_read_whole():
-    rows = [
-        line for line in (PROJECT / "stages" / "DIAGNOSTICS.md").read_text().splitlines() if line[:3] == "| `"
-    ]
+def test_the_tables_of_codes_are_read_whole():
+    tables = [(PROJECT / "stages" / name).read_text() for name in ("DIAGNOSTICS.md", "CHECKS.md")]
+    rows = [line for table in tables for line in table.splitlines() if line[:3] == "| `"]
     assert len(explanations()) == len(rows) > 100
 
 
