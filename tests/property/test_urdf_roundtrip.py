@@ -49,7 +49,7 @@ def is_exact(text: str) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=25, **slowly)
+@settings(max_examples=12, **slowly)
 @given(urdfs(), st.integers(0, 100))
 def test_another_root_is_the_same_robot(text: str, which: int) -> None:
     first = urdf_robot(text)

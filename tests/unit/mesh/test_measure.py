@@ -209,7 +209,7 @@ def test_any_part_and_pieces_are_judged_as_by_many_points(seed, count):
 
 
 @pytest.mark.slow
-@settings(max_examples=8)
+@settings(max_examples=3)
 @given(st.integers(0, 10_000), st.integers(1, 6))
 def test_many_parts_and_pieces_are_judged_as_by_many_points(seed, count):
     random = np.random.default_rng(seed)
