@@ -35,6 +35,7 @@ usage: linkwright [-m] [--config-dir DIR] [group=option ...] [key=value ...]
 other verbs (linkwright VERB --help shows more):
   linkwright bundle NAME out.zip                pack the inputs of the build of NAME, to build it anywhere
   linkwright view NAME                          open the robot of a build in MuJoCo's viewer
+  linkwright check DIR|FILE                     whether the files of a robot are right, as they are now
   linkwright diff A B                           what is different between two robots
   linkwright cache info|gc|verify               show the cache's size and API calls, clean it, check it
   linkwright explain CODE|KEY                   explain a diagnostic's code or a key

@@ -43,6 +43,8 @@ OPTIONS = (
     "--help", "--version",
 )  # fmt: skip
 
+CHECK_OPTIONS = ("--level", "--json", "--sarif", "--junit", "--baseline", "--help")
+
 BASH = """\
 _linkwright() {
     local IFS=$'\\n'
@@ -129,6 +131,10 @@ def candidates(word: str, before: Sequence[str], here: Path) -> list[str]:
         return [one for one in _files(word, here) if one.endswith("/")]
     if before[:1] == ["diff"]:
         return _starting(("--json", "--markdown"), word) if word.startswith("-") else _files(word, here)
+    if before[:1] == ["check"]:
+        if option == "--level":
+            return _starting(("quick", "standard", "strict"), word)
+        return _starting(CHECK_OPTIONS, word) if word.startswith("-") else _files(word, here)
     if option in WORDS_OF and (words := _starting(WORDS_OF[option], word)):
         return words
     if word.startswith("-"):

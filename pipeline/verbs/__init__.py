@@ -7,6 +7,7 @@ ConfigError for wrong usage (exit status 2), other errors for failures (1).
 VERBS = {
     "bundle": "pipeline.verbs.bundle",
     "cache": "pipeline.verbs.cache",
+    "check": "pipeline.verbs.check",
     "diff": "pipeline.verbs.diff",
     "explain": "pipeline.verbs.explain",
     "view": "pipeline.verbs.view",

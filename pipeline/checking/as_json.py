@@ -1,0 +1,125 @@
+"""The outcome of checks as JSON for programs, and such JSON as a baseline.
+
+    {
+      "format": "linkwright-check", "version": 1,
+      "place": what was checked, as it was named,
+      "robot": the name of the robot that the files were compared with, null without a robot.json,
+      "level": "quick" | "standard" | "strict",
+      "passed": whether the exit status is 0,
+      "counts": {"checks", "passed", "warnings", "failed", "known"},
+      "notes": [text, ...],
+      "checks": [
+        {
+          "code": "C-...", its row of stages/CHECKS.md,
+          "name": unique among the checks, with the file in front where it is of one: "arm.urdf: mass",
+          "file": path below the folder, null for none,
+          "level": "error" | "warning",
+          "passed": whether it passes,
+          "known": whether all that it found is in the baseline,
+          "detail": what was measured, in words,
+          "value", "limit": numbers, null where there are none or they are infinite,
+          "hint": what to do, null for nothing,
+          "findings": [
+            {"element": 'joint "elbow"', "attribute": "range" or "", "message": text,
+             "line": its line in the file, null where it is not found, "known": whether the baseline has it}
+          ]
+        }
+      ]
+    }
+
+Keys may be added in the same version. A finding is known by `code`, `name`, `element` and `attribute`.
+"""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from pipeline.checking.lines import Lines
+from pipeline.checking.outcome import Issue, Outcome, file_of, issues
+from pipeline.errors import OutputError, reason
+from pipeline.reference.codes import remedy
+from stages.robot.check import Check
+
+FORMAT, VERSION = "linkwright-check", 1
+_HINT = "linkwright check --json DIR > baseline.json writes one"
+
+
+def as_json(outcome: Outcome) -> str:
+    wrong = [check for check in outcome.checks if outcome.is_wrong(check)]
+    warned = [check for check in outcome.checks if not check.passed and not outcome.is_wrong(check)]
+    lines = Lines(Path(outcome.folder))
+    table = {
+        "format": FORMAT,
+        "version": VERSION,
+        "place": outcome.place,
+        "robot": outcome.robot or None,
+        "level": outcome.level,
+        "passed": outcome.passed,
+        "counts": {
+            "checks": len(outcome.checks),
+            "passed": sum(check.passed for check in outcome.checks),
+            "warnings": len(warned),
+            "failed": len(wrong),
+            "known": outcome.seen_before,
+        },
+        "notes": list(outcome.notes),
+        "checks": [_check(check, outcome, lines) for check in outcome.checks],
+    }
+    return json.dumps(table, indent=2, ensure_ascii=False, allow_nan=False)
+
+
+def baseline(file: str) -> frozenset[Issue]:
+    """The issues of a file that `as_json` wrote. OutputError where it is none."""
+    try:
+        table = json.loads(Path(file).read_bytes())
+    except OSError as error:
+        raise OutputError(f"the baseline cannot be read: {reason(error)}", file, _HINT) from None
+    except (ValueError, RecursionError) as error:
+        raise OutputError(f"the baseline is no JSON: {error}", file, _HINT) from None
+    if not isinstance(table, dict) or (table.get("format"), table.get("version")) != (FORMAT, VERSION):
+        raise OutputError(f"the baseline is no {FORMAT} of version {VERSION}", file, _HINT)
+    try:
+        return frozenset(_issues(table))
+    except (KeyError, TypeError, AttributeError):
+        raise OutputError("the baseline has checks that cannot be read", file, _HINT) from None
+
+
+def _issues(table: dict[str, Any]) -> list[Issue]:
+    found: list[Issue] = []
+    for check in table["checks"]:
+        if not check["passed"]:
+            every = check["findings"] or [{"element": "", "attribute": ""}]
+            found += [(check["code"], check["name"], one["element"], one["attribute"]) for one in every]
+    return found
+
+
+def _check(check: Check, outcome: Outcome, lines: Lines) -> dict[str, Any]:
+    file, _ = file_of(check)
+    pairs = zip(check.findings, issues(check), strict=False)
+    return {
+        "code": check.code,
+        "name": check.name,
+        "file": file or None,
+        "level": check.level,
+        "passed": check.passed,
+        "known": outcome.is_known(check),
+        "detail": check.detail,
+        "value": _number(check.value),
+        "limit": _number(check.limit),
+        "hint": None if check.passed else remedy(check.code) or None,
+        "findings": [
+            {
+                "element": one.element,
+                "attribute": one.attribute,
+                "message": one.message,
+                "line": lines.of(file, one.element),
+                "known": issue in (outcome.known or ()),
+            }
+            for one, issue in pairs
+        ],
+    }
+
+
+def _number(value: float | None) -> float | None:
+    return value if value is not None and math.isfinite(value) else None

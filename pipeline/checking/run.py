@@ -1,0 +1,102 @@
+"""Makes the checks of a folder or a file, against its robot.json or, without one, by themselves."""
+
+from collections.abc import Sequence
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pipeline.checking.outcome import Outcome, file_of
+from pipeline.errors import OutputError, reason
+from stages.robot.check import Check
+
+if TYPE_CHECKING:
+    from stages.formats.described import Truth
+
+TRUTH = "robot.json"
+BARE = "stages.validate.bare"
+"""Where the checks of a file are that stands alone."""
+
+ENDINGS = (".urdf", ".xml", ".sdf", ".usda")
+_HINT = "give the output folder of a build, or a URDF or MJCF file"
+
+
+def checked(asked: str, level: str) -> Outcome:
+    """The outcome for a folder or file. OutputError where it cannot be read."""
+    path = Path(asked)
+    if not path.exists():
+        raise OutputError("there is no such file or folder", asked, _HINT)
+    if path.is_file() and path.name == TRUTH:
+        path = path.parent
+    if path.is_dir():
+        return _folder(path, asked, level)
+    if path.suffix not in ENDINGS:
+        raise OutputError(f"its name ends in none of {', '.join(ENDINGS)}", asked, _HINT)
+    truth = _truth(path.parent)
+    if truth is not None and path.name in _files_of(truth.robot.name):
+        every = _against(truth, path.parent, level)
+        own = tuple(one for one in every if file_of(one)[0] == path.name)
+        return Outcome(asked, str(path.parent), truth.robot.name, level, own)
+    return _bare([path], asked, str(path.parent), level)
+
+
+def _folder(folder: Path, asked: str, level: str) -> Outcome:
+    truth = _truth(folder)
+    if truth is not None:
+        found = _against(truth, folder, level)
+        return Outcome(asked, str(folder), truth.robot.name, level, found)
+    files = sorted(one for one in folder.iterdir() if one.suffix in (".urdf", ".xml") and one.is_file())
+    if not files:
+        raise OutputError(f"the folder has no {TRUTH}, and no URDF or MJCF", asked, _HINT)
+    return _bare(files, asked, str(folder), level)
+
+
+def _files_of(robot: str) -> tuple[str, ...]:
+    return (*(f"{robot}{ending}" for ending in ENDINGS), "scene.xml")
+
+
+def _truth(folder: Path) -> "Truth | None":
+    """What the robot.json of a folder says; None where it has none."""
+    from stages.formats.described import described
+    from stages.formats.robot_json.fields import RobotJsonError
+
+    file = folder / TRUTH
+    if not file.is_file():
+        return None
+    try:
+        return described(file.read_bytes())
+    except OSError as error:
+        raise OutputError(f"it cannot be read: {reason(error)}", str(file)) from None
+    except RobotJsonError as error:
+        hint = "build again: it was changed, or an older Linkwright wrote it"
+        raise OutputError(f"it cannot be compared with: {error}", str(file), hint) from None
+
+
+def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
+    """The checks of a build, of its files as they are."""
+    from stages.validate import validate
+    from stages.validate.keys import ValidateKeys
+    from stages.validate.present import present
+
+    keys = ValidateKeys.model_validate({"validate": {"level": level}})
+    return (*present(folder, truth.files), *validate(folder, truth.robot, keys, *truth.known))
+
+
+def _bare(files: Sequence[Path], asked: str, folder: str, level: str) -> Outcome:
+    """The checks of files that nothing is known of but what they say."""
+    checks = tuple(check for file in files for check in _alone(file))
+    note = f"there is no {TRUTH} of this robot beside it: nothing is compared with CAD"
+    if find_spec(BARE) is None:
+        note = f"there is no {TRUTH} of this robot beside it: only whether it compiles is checked"
+    return Outcome(asked, folder, "", level, checks, (note,))
+
+
+def _alone(file: Path) -> tuple[Check, ...]:
+    if find_spec(BARE) is not None:
+        found: tuple[Check, ...] = import_module(BARE).check_bare(file)
+        return found
+    if file.suffix not in (".urdf", ".xml"):
+        raise OutputError(f"without {TRUTH} only URDF and MJCF are checked", str(file), _HINT)
+    from stages.validate.engines.mujoco_engine import load
+
+    return (load(file).check,)

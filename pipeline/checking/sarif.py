@@ -1,0 +1,72 @@
+"""The outcome of checks as SARIF 2.1.0, which code hosts show beside the lines of a pull request."""
+
+import hashlib
+import json
+from pathlib import Path, PurePath
+from typing import Any
+
+from pipeline.checking.lines import Lines
+from pipeline.checking.outcome import Outcome, file_of, issues, told
+from pipeline.reference.codes import explanations, remedy
+from pipeline.stage import installed
+from stages.robot.check import Check, Finding
+
+SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
+
+
+def as_sarif(outcome: Outcome) -> str:
+    """One run: a rule for each code, a result for each finding of a check that does not pass."""
+    codes = list(dict.fromkeys(check.code for check in outcome.checks))
+    lines = Lines(Path(outcome.folder))
+    results = [
+        _result(outcome, check, finding, index, lines)
+        for check in outcome.checks
+        if not check.passed
+        for index, finding in enumerate(told(check))
+    ]
+    driver = {
+        "name": "linkwright",
+        "version": installed("linkwright"),
+        "rules": [_rule(code) for code in codes],
+    }
+    run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
+    table = {"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}
+    return json.dumps(table, indent=2, ensure_ascii=False) + "\n"
+
+
+def _rule(code: str) -> dict[str, Any]:
+    found = explanations().get(code)
+    rule: dict[str, Any] = {"id": code}
+    if found is not None:
+        rule |= {"shortDescription": {"text": found.meaning}, "help": {"text": remedy(code) or found.meaning}}
+    return rule
+
+
+def _result(outcome: Outcome, check: Check, finding: Finding, index: int, lines: Lines) -> dict[str, Any]:
+    file, title = file_of(check)
+    issue = issues(check)[index]
+    what = f"{finding.element} {finding.attribute}".strip()
+    text = f"{title}: {what}: {finding.message}" if what else f"{title}: {finding.message}"
+    result: dict[str, Any] = {
+        "ruleId": check.code,
+        "level": "error" if outcome.is_wrong(check) else "warning",
+        "message": {"text": text},
+        "partialFingerprints": {"linkwright/v1": hashlib.sha256("\0".join(issue).encode()).hexdigest()},
+    }
+    if outcome.known is not None:
+        result["baselineState"] = "unchanged" if issue in outcome.known else "new"
+    if file:
+        line = lines.of(file, finding.element)
+        uri = _uri(PurePath(outcome.folder) / file)
+        physical: dict[str, Any] = {"artifactLocation": {"uri": uri}}
+        if line is not None:
+            physical["region"] = {"startLine": line}
+        result["locations"] = [{"physicalLocation": physical}]
+    return result
+
+
+def _uri(path: PurePath) -> str:
+    """Of a relative path as it is; of an absolute one with its scheme."""
+    from urllib.parse import quote
+
+    return path.as_uri() if path.is_absolute() else quote(path.as_posix())

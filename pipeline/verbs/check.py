@@ -1,0 +1,108 @@
+"""`linkwright check DIR|FILE`: whether the files of a robot are right."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from pipeline.errors import ConfigError, OutputError, reason
+
+HELP = """\
+linkwright check: whether the files of a robot are right, as they are now.
+
+usage: linkwright check [--level LEVEL] [--json] [--sarif FILE] [--junit FILE] [--baseline FILE] DIR|FILE
+
+  linkwright check outputs/arm                  all files of a build, after whatever was done to them
+  linkwright check outputs/arm/arm.urdf         one file of a build
+  linkwright check some_robot.urdf              any URDF or MJCF, whoever made it
+  linkwright check --json robots/arm > known.json
+  linkwright check --baseline known.json robots/arm
+                                                fails only for what was not found then
+  linkwright check --sarif check.sarif --junit check.xml robots/arm
+                                                for a code host, and for a CI server
+
+The files are compared with robot.json, which lies beside them and says what the robot is: masses, centers of
+mass and inertia of CAD's parts, poses, joints, limits, loops, relations, keyframes, actuators, sensors,
+shapes. It alone counts, so that it can be kept with the files in git. Without it a file is checked by itself.
+Each check that does not pass names the file, the element and the attribute, what was measured against what
+threshold, and what to do; linkwright explain CODE says more.
+
+options:
+  --level quick|standard|strict
+                    quick: the files compile; standard (the default): they are the robot, and a simulation is
+                    stable; strict: a warning fails, too
+  --json            for programs, on the standard output
+  --sarif FILE      also writes SARIF 2.1.0, with the line of each element
+  --junit FILE      also writes JUnit XML
+  --baseline FILE   what --json wrote earlier: what it has does not fail
+
+exit status: 0 passed; 3 a check failed; 1 it cannot be read; 2 wrong usage
+"""
+
+_USAGE = "linkwright check DIR; linkwright check --help shows more"
+_VALUED = ("--level", "--sarif", "--junit", "--baseline")
+LEVELS = ("quick", "standard", "strict")
+
+
+@dataclass(frozen=True, slots=True)
+class _Asked:
+    place: str
+    json: bool
+    values: dict[str, str]
+
+
+def run(arguments: Sequence[str]) -> int:
+    """Prints the outcome; the exit status. ConfigError for wrong usage, OutputError where something cannot be
+    read or written."""
+    asked = _parsed(arguments)
+    from pipeline.checking.as_json import as_json, baseline
+    from pipeline.checking.run import checked
+    from pipeline.checking.show import as_text
+
+    known = baseline(asked.values["--baseline"]) if "--baseline" in asked.values else None
+    outcome = replace(checked(asked.place, asked.values.get("--level", "standard")), known=known)
+    if "--sarif" in asked.values:
+        from pipeline.checking.sarif import as_sarif
+
+        _write(asked.values["--sarif"], as_sarif(outcome).encode())
+    if "--junit" in asked.values:
+        from pipeline.checking.junit import as_junit
+
+        _write(asked.values["--junit"], as_junit(outcome))
+    print(as_json(outcome) if asked.json else as_text(outcome))
+    return 0 if outcome.passed else 3
+
+
+def _parsed(arguments: Sequence[str]) -> _Asked:
+    waiting = list(arguments)
+    places: list[str] = []
+    values: dict[str, str] = {}
+    as_json = False
+    while waiting:
+        word = waiting.pop(0)
+        option, sign, value = word.partition("=")
+        if option in _VALUED:
+            if not sign and (not waiting or waiting[0].startswith("-")):
+                raise ConfigError(f"{option} needs a value", "check", _USAGE)
+            if option in values:
+                raise ConfigError(f"{option} is there twice", "check", _USAGE)
+            values[option] = value if sign else waiting.pop(0)
+        elif word == "--json":
+            as_json = True
+        elif word.startswith("-"):
+            raise ConfigError(f"there is no option {word}", "check", _USAGE)
+        else:
+            places.append(word)
+    if values.get("--level", LEVELS[0]) not in LEVELS:
+        msg = f"there is no level {values['--level']}"
+        raise ConfigError(msg, "check --level", f"one of {', '.join(LEVELS)}")
+    if len(places) != 1:
+        msg = f"expected one folder or file, got {len(places)}"
+        raise ConfigError(msg, "check", _USAGE)
+    return _Asked(places[0], as_json, values)
+
+
+def _write(file: str, data: bytes) -> None:
+    try:
+        Path(file).write_bytes(data)
+    except OSError as error:
+        raise OutputError(f"it cannot be written: {reason(error)}", file) from None
