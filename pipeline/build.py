@@ -235,10 +235,8 @@ class Run:
         status: Status = "stale" if self.stale else "built"
         if any(check.fails for check in checks):
             status = "invalid"
-        made = digests(context, files)
-        return self.report(
-            status=status, exit_status=0 if status == "built" else 3, checks=checks, outputs=made
-        )
+        ended = 0 if status == "built" else 3
+        return self.report(status=status, exit_status=ended, checks=checks, outputs=digests(context, files))
 
     def strict_checks(self, checks: Iterable[Check]) -> tuple[Check, ...]:
         """With `validate.level: strict` a warning is a failure, of a stage as of a check."""

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from stages.mesh.link_mesh import Finding, LinkMesh
+from stages.mesh.link_mesh import LinkMesh, PartFinding
 from stages.robot.errors import Diagnostic
 from stages.robot.model import Link, MeshRef, Part
 from stages.robot.plural import count
@@ -10,7 +10,7 @@ from stages.robot.plural import count
 _APART = 0.02
 _SHOWN = 20
 
-Found = Mapping[str, Sequence[tuple[Part, Finding]]]
+Found = Mapping[str, Sequence[tuple[Part, PartFinding]]]
 """Link → its parts, in order, and the finding of each."""
 
 
@@ -30,7 +30,7 @@ def diagnostics(links: Sequence[Link], meshes: Mapping[str, LinkMesh], found: Fo
     return problems + _volumes(every) + _decimated(links, meshes)
 
 
-def _missing(link: Link, found: Sequence[tuple[Part, Finding]]) -> list[Diagnostic]:
+def _missing(link: Link, found: Sequence[tuple[Part, PartFinding]]) -> list[Diagnostic]:
     names = sorted(part.name for part, finding in found if not finding.found)
     if not names:
         return []
@@ -82,7 +82,7 @@ def _decimated(links: Sequence[Link], meshes: Mapping[str, LinkMesh]) -> list[Di
     return problems
 
 
-def _volumes(found: Sequence[tuple[Part, Finding]]) -> list[Diagnostic]:
+def _volumes(found: Sequence[tuple[Part, PartFinding]]) -> list[Diagnostic]:
     """Meshes whose volume is not CAD's: one finding for each mesh, at the first part that uses it."""
     seen: set[MeshRef] = set()
     problems = []

@@ -19,7 +19,7 @@ from stages.mesh.diagnostics import diagnostics
 from stages.mesh.geoms import GeomRules
 from stages.mesh.ignored import without_ignored
 from stages.mesh.library import MeshLibrary
-from stages.mesh.link_mesh import Finding, LinkMesh, Use
+from stages.mesh.link_mesh import LinkMesh, PartFinding, Use
 from stages.mesh.mesh_file import MeshFile
 from stages.mesh.names import file_names, part_words
 from stages.mesh.visuals.budget import Decimator
@@ -134,8 +134,8 @@ def _link_mesh(
     return link_mesh.decode(memo("mesh.link", key, make))
 
 
-def _found(link: Link, used: _LinkUses) -> list[tuple[Part, Finding]]:
-    lacking = [(part, Finding(False, None)) for part in link.parts if part.mesh is None]
+def _found(link: Link, used: _LinkUses) -> list[tuple[Part, PartFinding]]:
+    lacking = [(part, PartFinding(False, None)) for part in link.parts if part.mesh is None]
     return [*zip(used.parts, used.mesh.findings, strict=True), *lacking]
 
 

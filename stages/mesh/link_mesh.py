@@ -42,7 +42,7 @@ class Use:
 
 
 @dataclass(frozen=True, slots=True)
-class Finding:
+class PartFinding:
     """Whether there is a mesh for one use, its volume [m³], None where the mesh is open, and the diagonal of
     its bounding box [m]."""
 
@@ -61,7 +61,7 @@ class LinkMesh:
     """
 
     visuals: tuple[MeshFile, ...]
-    findings: tuple[Finding, ...]
+    findings: tuple[PartFinding, ...]
     decimation: Decimation | None = None
     owners: tuple[int, ...] = ()
     diagonal: float = 0.0
@@ -91,10 +91,10 @@ def make(
     )
 
 
-def _finding(mesh: PartMesh | None) -> Finding:
+def _finding(mesh: PartMesh | None) -> PartFinding:
     if mesh is None:
-        return Finding(False, None)
-    return Finding(True, mesh.volume if mesh.closed else None, _diagonal([mesh.surface]))
+        return PartFinding(False, None)
+    return PartFinding(True, mesh.volume if mesh.closed else None, _diagonal([mesh.surface]))
 
 
 def _diagonal(surfaces: Sequence[Surface]) -> float:
@@ -126,7 +126,7 @@ def decode(data: bytes) -> LinkMesh:
     header, files = orjson.loads(data[8 : 8 + length]), io.BytesIO(data[8 + length :])
     return LinkMesh(
         visuals=tuple(_mesh_file(record, files) for record in header["visuals"]),
-        findings=tuple(Finding(**finding) for finding in header["findings"]),
+        findings=tuple(PartFinding(**finding) for finding in header["findings"]),
         owners=tuple(header["owners"]),
         diagonal=header["diagonal"],
         decimation=Decimation(**header["decimation"]) if header["decimation"] else None,
