@@ -1,4 +1,4 @@
-"""The outcome of checks as JSON for programs, and such JSON as a baseline.
+"""The verdict of checks as JSON for programs, and such JSON as a baseline.
 
     {
       "format": "linkwright-check", "version": 1,
@@ -35,8 +35,8 @@ import math
 from pathlib import Path
 from typing import Any
 
-from pipeline.checking.lines import Lines
-from pipeline.checking.outcome import Issue, Outcome, file_of, issues
+from pipeline.checking.lines import ElementLines
+from pipeline.checking.verdict import Issue, Verdict, file_of, issues
 from pipeline.errors import OutputError, reason
 from pipeline.reference.codes import remedy
 from stages.robot.check import Check
@@ -45,26 +45,26 @@ FORMAT, VERSION = "linkwright-check", 1
 _HINT = "linkwright check --json DIR > baseline.json writes one"
 
 
-def as_json(outcome: Outcome) -> str:
-    wrong = [check for check in outcome.checks if outcome.is_wrong(check)]
-    warned = [check for check in outcome.checks if not check.passed and not outcome.is_wrong(check)]
-    lines = Lines(Path(outcome.folder))
+def as_json(verdict: Verdict) -> str:
+    wrong = [check for check in verdict.checks if verdict.is_wrong(check)]
+    warned = [check for check in verdict.checks if not check.passed and not verdict.is_wrong(check)]
+    lines = ElementLines(Path(verdict.folder))
     table = {
         "format": FORMAT,
         "version": VERSION,
-        "place": outcome.place,
-        "robot": outcome.robot or None,
-        "level": outcome.level,
-        "passed": outcome.passed,
+        "place": verdict.place,
+        "robot": verdict.robot or None,
+        "level": verdict.level,
+        "passed": verdict.passed,
         "counts": {
-            "checks": len(outcome.checks),
-            "passed": sum(check.passed for check in outcome.checks),
+            "checks": len(verdict.checks),
+            "passed": sum(check.passed for check in verdict.checks),
             "warnings": len(warned),
             "failed": len(wrong),
-            "known": outcome.seen_before,
+            "known": verdict.seen_before,
         },
-        "notes": list(outcome.notes),
-        "checks": [_check(check, outcome, lines) for check in outcome.checks],
+        "notes": list(verdict.notes),
+        "checks": [_check(check, verdict, lines) for check in verdict.checks],
     }
     return json.dumps(table, indent=2, ensure_ascii=False, allow_nan=False)
 
@@ -94,7 +94,7 @@ def _issues(table: dict[str, Any]) -> list[Issue]:
     return found
 
 
-def _check(check: Check, outcome: Outcome, lines: Lines) -> dict[str, Any]:
+def _check(check: Check, verdict: Verdict, lines: ElementLines) -> dict[str, Any]:
     file, _ = file_of(check)
     pairs = zip(check.findings, issues(check), strict=False)
     return {
@@ -103,7 +103,7 @@ def _check(check: Check, outcome: Outcome, lines: Lines) -> dict[str, Any]:
         "file": file or None,
         "level": check.level,
         "passed": check.passed,
-        "known": outcome.is_known(check),
+        "known": verdict.is_known(check),
         "detail": check.detail,
         "value": _number(check.value),
         "limit": _number(check.limit),
@@ -114,7 +114,7 @@ def _check(check: Check, outcome: Outcome, lines: Lines) -> dict[str, Any]:
                 "attribute": one.attribute,
                 "message": one.message,
                 "line": lines.of(file, one.element),
-                "known": issue in (outcome.known or ()),
+                "known": issue in (verdict.known or ()),
             }
             for one, issue in pairs
         ],

@@ -1,39 +1,39 @@
-"""The outcome of checks as JUnit XML, in the form that pytest writes."""
+"""The verdict of checks as JUnit XML, in the form that pytest writes."""
 
-from pipeline.checking.outcome import Outcome, file_of
 from pipeline.checking.show import figures
+from pipeline.checking.verdict import Verdict, file_of
 from pipeline.reference.codes import remedy
 from stages.formats.xml import element, to_bytes
 from stages.robot.check import Check
 from stages.robot.printable import printable, printable_lines
 
 
-def as_junit(outcome: Outcome) -> bytes:
+def as_junit(verdict: Verdict) -> bytes:
     """A case for each check, under its file. What is known is skipped, as what pytest expects to fail; of a
     warning the text is the case's output."""
-    failed = [check for check in outcome.checks if outcome.fails(check)]
-    known = [check for check in outcome.checks if outcome.is_known(check)]
+    failed = [check for check in verdict.checks if verdict.fails(check)]
+    known = [check for check in verdict.checks if verdict.is_known(check)]
     suites = element(None, "testsuites", name="linkwright check")
     suite = element(
         suites,
         "testsuite",
-        name=printable(outcome.place),
+        name=printable(verdict.place),
         errors="0",
         failures=str(len(failed)),
         skipped=str(len(known)),
-        tests=str(len(outcome.checks)),
+        tests=str(len(verdict.checks)),
         time="0.000",
     )
-    for check in outcome.checks:
+    for check in verdict.checks:
         file, title = file_of(check)
         own = element(
             suite, "testcase", classname=printable(file or "robot"), name=printable(title), time="0.000"
         )
         message = printable(f"{check.code}: {check.detail}")
-        if outcome.is_known(check):
+        if verdict.is_known(check):
             element(own, "skipped", type="pytest.xfail", message=f"known from the baseline: {message}")
-        elif outcome.fails(check):
-            element(own, "failure", message=message).text = _text(outcome.news(check))
+        elif verdict.fails(check):
+            element(own, "failure", message=message).text = _text(verdict.news(check))
         elif not check.passed:
             element(own, "system-out").text = f"WARNING {message}\n{_text(check)}"
     return to_bytes(suites)

@@ -14,7 +14,7 @@ _ALSO = {"body": ("link",), "link": ("body",), "geom": ("collision", "visual"), 
 """Tag → those that another format has for it."""
 
 
-class Lines:
+class ElementLines:
     """Finds elements in the files below `folder`; each file is read once."""
 
     def __init__(self, folder: Path) -> None:

@@ -6,7 +6,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pipeline.checking.outcome import Outcome, file_of
+from pipeline.checking.verdict import Verdict, file_of
 from pipeline.errors import OutputError, reason
 from stages.robot.check import Check
 
@@ -21,8 +21,8 @@ ENDINGS = (".urdf", ".xml", ".sdf", ".usda")
 _HINT = "give the output folder of a build, or a URDF or MJCF file"
 
 
-def checked(asked: str, level: str) -> Outcome:
-    """The outcome for a folder or file. OutputError where it cannot be read."""
+def checked(asked: str, level: str) -> Verdict:
+    """The verdict for a folder or file. OutputError where it cannot be read."""
     path = Path(asked)
     if not path.exists():
         raise OutputError("there is no such file or folder", asked, _HINT)
@@ -36,15 +36,15 @@ def checked(asked: str, level: str) -> Outcome:
     if truth is not None and path.name in _files_of(truth.robot.name):
         every = _against(truth, path.parent, level)
         own = tuple(one for one in every if file_of(one)[0] == path.name)
-        return Outcome(asked, str(path.parent), truth.robot.name, level, own)
+        return Verdict(asked, str(path.parent), truth.robot.name, level, own)
     return _bare([path], asked, str(path.parent), level)
 
 
-def _folder(folder: Path, asked: str, level: str) -> Outcome:
+def _folder(folder: Path, asked: str, level: str) -> Verdict:
     truth = _truth(folder)
     if truth is not None:
         found = _against(truth, folder, level)
-        return Outcome(asked, str(folder), truth.robot.name, level, found)
+        return Verdict(asked, str(folder), truth.robot.name, level, found)
     files = sorted(one for one in folder.iterdir() if one.suffix in (".urdf", ".xml") and one.is_file())
     if not files:
         raise OutputError(f"the folder has no {TRUTH}, and no URDF or MJCF", asked, _HINT)
@@ -82,13 +82,13 @@ def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
     return (*present(folder, truth.files), *validate(folder, truth.robot, keys, *truth.known))
 
 
-def _bare(files: Sequence[Path], asked: str, folder: str, level: str) -> Outcome:
+def _bare(files: Sequence[Path], asked: str, folder: str, level: str) -> Verdict:
     """The checks of files that nothing is known of but what they say."""
     checks = tuple(check for file in files for check in _alone(file))
     note = f"there is no {TRUTH} of this robot beside it: nothing is compared with CAD"
     if find_spec(BARE) is None:
         note = f"there is no {TRUTH} of this robot beside it: only whether it compiles is checked"
-    return Outcome(asked, folder, "", level, checks, (note,))
+    return Verdict(asked, folder, "", level, checks, (note,))
 
 
 def _alone(file: Path) -> tuple[Check, ...]:

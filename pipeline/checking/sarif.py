@@ -1,12 +1,12 @@
-"""The outcome of checks as SARIF 2.1.0, which code hosts show beside the lines of a pull request."""
+"""The verdict of checks as SARIF 2.1.0, which code hosts show beside the lines of a pull request."""
 
 import hashlib
 import json
 from pathlib import Path, PurePath
 from typing import Any
 
-from pipeline.checking.lines import Lines
-from pipeline.checking.outcome import Outcome, file_of, issues, told
+from pipeline.checking.lines import ElementLines
+from pipeline.checking.verdict import Verdict, file_of, issues, told
 from pipeline.reference.codes import explanations, remedy
 from pipeline.stage import installed
 from stages.robot.check import Check, Finding
@@ -14,13 +14,13 @@ from stages.robot.check import Check, Finding
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 
 
-def as_sarif(outcome: Outcome) -> str:
+def as_sarif(verdict: Verdict) -> str:
     """One run: a rule for each code, a result for each finding of a check that does not pass."""
-    codes = list(dict.fromkeys(check.code for check in outcome.checks))
-    lines = Lines(Path(outcome.folder))
+    codes = list(dict.fromkeys(check.code for check in verdict.checks))
+    lines = ElementLines(Path(verdict.folder))
     results = [
-        _result(outcome, check, finding, index, lines)
-        for check in outcome.checks
+        _result(verdict, check, finding, index, lines)
+        for check in verdict.checks
         if not check.passed
         for index, finding in enumerate(told(check))
     ]
@@ -42,22 +42,24 @@ def _rule(code: str) -> dict[str, Any]:
     return rule
 
 
-def _result(outcome: Outcome, check: Check, finding: Finding, index: int, lines: Lines) -> dict[str, Any]:
+def _result(
+    verdict: Verdict, check: Check, finding: Finding, index: int, lines: ElementLines
+) -> dict[str, Any]:
     file, title = file_of(check)
     issue = issues(check)[index]
     what = f"{finding.element} {finding.attribute}".strip()
     text = f"{title}: {what}: {finding.message}" if what else f"{title}: {finding.message}"
     result: dict[str, Any] = {
         "ruleId": check.code,
-        "level": "error" if outcome.is_wrong(check) else "warning",
+        "level": "error" if verdict.is_wrong(check) else "warning",
         "message": {"text": text},
         "partialFingerprints": {"linkwright/v1": hashlib.sha256("\0".join(issue).encode()).hexdigest()},
     }
-    if outcome.known is not None:
-        result["baselineState"] = "unchanged" if issue in outcome.known else "new"
+    if verdict.known is not None:
+        result["baselineState"] = "unchanged" if issue in verdict.known else "new"
     if file:
         line = lines.of(file, finding.element)
-        uri = _uri(PurePath(outcome.folder) / file)
+        uri = _uri(PurePath(verdict.folder) / file)
         physical: dict[str, Any] = {"artifactLocation": {"uri": uri}}
         if line is not None:
             physical["region"] = {"startLine": line}

@@ -1,6 +1,6 @@
-"""The outcome of checks as text."""
+"""The verdict of checks as text."""
 
-from pipeline.checking.outcome import Outcome
+from pipeline.checking.verdict import Verdict
 from pipeline.reference.codes import remedy
 from stages.robot.check import Check
 from stages.robot.plural import count
@@ -10,19 +10,19 @@ MOST_FINDINGS = 10
 """Of a check, in the text."""
 
 
-def as_text(outcome: Outcome) -> str:
+def as_text(verdict: Verdict) -> str:
     """A paragraph for each check that does not pass, the gravest last; then how many are known, and how many
     passed."""
-    lines = [printable(note) for note in outcome.notes]
-    new = [check for check in outcome.checks if not check.passed and not outcome.is_known(check)]
+    lines = [printable(note) for note in verdict.notes]
+    new = [check for check in verdict.checks if not check.passed and not verdict.is_known(check)]
     for word, wrong in (("WARNING", False), ("FAILED", True)):
         for check in new:
-            if outcome.is_wrong(check) == wrong:
-                lines += _lines(word, outcome.news(check))
-    if outcome.known is not None:
-        lines.append(f"{count(outcome.seen_before, 'finding')} known from the baseline")
-    passed = sum(check.passed for check in outcome.checks)
-    return "\n".join([*lines, f"{passed} of {count(len(outcome.checks), 'check')} passed"])
+            if verdict.is_wrong(check) == wrong:
+                lines += _lines(word, verdict.news(check))
+    if verdict.known is not None:
+        lines.append(f"{count(verdict.seen_before, 'finding')} known from the baseline")
+    passed = sum(check.passed for check in verdict.checks)
+    return "\n".join([*lines, f"{passed} of {count(len(verdict.checks), 'check')} passed"])
 
 
 def figures(check: Check) -> str:

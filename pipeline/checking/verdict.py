@@ -11,7 +11,7 @@ change without its being another."""
 
 
 @dataclass(frozen=True, slots=True)
-class Outcome:
+class Verdict:
     """`place`: the folder or file, as the user named it; `folder`: that of the files that the checks name;
     `robot`: the name of the robot that they were compared with, "" for none; `level`: that of the checks.
     `notes`: what a reader must know, a sentence each. `known`: issues of the baseline; None without one.

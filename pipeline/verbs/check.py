@@ -51,7 +51,7 @@ class _Asked:
 
 
 def run(arguments: Sequence[str]) -> int:
-    """Prints the outcome; the exit status. ConfigError for wrong usage, OutputError where something cannot be
+    """Prints the verdict; the exit status. ConfigError for wrong usage, OutputError where something cannot be
     read or written."""
     asked = _parsed(arguments)
     from pipeline.checking.as_json import as_json, baseline
@@ -59,17 +59,17 @@ def run(arguments: Sequence[str]) -> int:
     from pipeline.checking.show import as_text
 
     known = baseline(asked.values["--baseline"]) if "--baseline" in asked.values else None
-    outcome = replace(checked(asked.place, asked.values.get("--level", "standard")), known=known)
+    verdict = replace(checked(asked.place, asked.values.get("--level", "standard")), known=known)
     if "--sarif" in asked.values:
         from pipeline.checking.sarif import as_sarif
 
-        _write(asked.values["--sarif"], as_sarif(outcome).encode())
+        _write(asked.values["--sarif"], as_sarif(verdict).encode())
     if "--junit" in asked.values:
         from pipeline.checking.junit import as_junit
 
-        _write(asked.values["--junit"], as_junit(outcome))
-    print(as_json(outcome) if asked.json else as_text(outcome))
-    return 0 if outcome.passed else 3
+        _write(asked.values["--junit"], as_junit(verdict))
+    print(as_json(verdict) if asked.json else as_text(verdict))
+    return 0 if verdict.passed else 3
 
 
 def _parsed(arguments: Sequence[str]) -> _Asked:

@@ -58,13 +58,13 @@ def test_a_pull_requests_day(tmp_path: Path) -> None:
     with OnshapeServer(document) as server:
         environ = environment(tmp_path, **server.environ)
         (tmp_path / "robot").mkdir()
-        (tmp_path / "robot" / "arm.yaml").write_text(
+        (tmp_path / "robot" / "my_arm.yaml").write_text(
             "# @package _global_\n"
             "defaults:\n  - override /source: onshape\n  - override /mesh: visual\n"
             f"source:\n  url: '{server.document_url()}'\n"
         )
         (tmp_path / ".gitignore").write_text("cache\nhome\n*.lock\n")
-        first = linkwright(tmp_path, "robot=arm", "output=robots/arm", environ=environ)
+        first = linkwright(tmp_path, "robot=my_arm", "output=robots/my_arm", environ=environ)
         assert first.returncode == 0, first.stdout + first.stderr
         for arguments in (["init", "-q"], ["add", "robots", "robot"], ["commit", "-q", "-m", "one"]):
             subprocess.run([*GIT, *arguments], cwd=tmp_path, check=True)
@@ -78,7 +78,7 @@ def test_a_pull_requests_day(tmp_path: Path) -> None:
     rows = re.findall(r"^\| ([^|]+) \| ([^|]+) \|$", (tmp_path / "diff.md").read_text(), re.MULTILINE)
     told = [(name, text) for name, text in rows if text.strip()]
     assert {name for name, _ in told} == {
-        "arm",
+        "my\\_arm",
         "forearm",
         "Forearm &lt;1&gt;",
         "wrist\\_pitch",
@@ -90,11 +90,13 @@ def test_a_pull_requests_day(tmp_path: Path) -> None:
     assert "wrist\\_roll: origin moved by 4 mm" in text
     assert "turned" not in text
 
-    folder = tmp_path / "robots" / "arm"
-    assert linkwright(tmp_path, "diff", "robots/arm", "robots/arm", environ=environ).returncode == 0
-    assert linkwright(tmp_path, "diff", "HEAD:robots/arm", "robots/arm", environ=environ).returncode == 3
-    urdf = (folder / "arm.urdf").read_text()
-    (folder / "arm.urdf").write_text(urdf.replace('lower="-1.2"', 'lower="-1.6"'))
-    wrong = sh(tmp_path, environ, script().replace("linkwright robot=arm", ": linkwright robot=arm"))
+    folder = tmp_path / "robots" / "my_arm"
+    assert linkwright(tmp_path, "diff", "robots/my_arm", "robots/my_arm", environ=environ).returncode == 0
+    assert (
+        linkwright(tmp_path, "diff", "HEAD:robots/my_arm", "robots/my_arm", environ=environ).returncode == 3
+    )
+    urdf = (folder / "my_arm.urdf").read_text()
+    (folder / "my_arm.urdf").write_text(urdf.replace('lower="-1.2"', 'lower="-1.6"'))
+    wrong = sh(tmp_path, environ, script().replace("linkwright robot=my_arm", ": linkwright robot=my_arm"))
     assert wrong.returncode == 3
     assert "wrist_pitch" in wrong.stdout

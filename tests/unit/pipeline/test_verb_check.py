@@ -13,9 +13,9 @@ import pytest
 
 from pipeline.checking.as_json import as_json, baseline
 from pipeline.checking.junit import as_junit
-from pipeline.checking.outcome import Outcome
 from pipeline.checking.sarif import as_sarif
 from pipeline.checking.show import as_text
+from pipeline.checking.verdict import Verdict
 from pipeline.cli import run
 from pipeline.errors import OutputError
 from pipeline.reference.codes import remedy
@@ -200,7 +200,7 @@ def test_a_robot_json_that_is_wrong_is_named_with_its_field(
     assert "→ build again" in found
 
 
-def outcome(folder: Path) -> Outcome:
+def verdict(folder: Path) -> Verdict:
     """One check of each kind, of a real file."""
     two = (
         Finding('joint "arm_joint"', "range", "(-1, 2), expected (-1, 1)"),
@@ -212,26 +212,26 @@ def outcome(folder: Path) -> Outcome:
         Check("robot.urdf: mass", True, "right", 0.0, 1e-9, "C-MASS"),
         Check("robot.urdf: relations", False, "differ: gear", None, None, "C-RELATION"),
     )
-    return Outcome(str(folder), str(folder), "robot", "standard", checks)
+    return Verdict(str(folder), str(folder), "robot", "standard", checks)
 
 
 def test_the_text_names_the_elements_with_figure_and_hint(folder: Path) -> None:
-    lines = as_text(outcome(folder)).splitlines()
+    lines = as_text(verdict(folder)).splitlines()
     at_joints = lines.index("FAILED C-JOINT robot.xml: joints: differ (2, at most 0)")
     assert lines[at_joints + 1] == '    joint "arm_joint" range: (-1, 2), expected (-1, 1)'
     assert lines[at_joints + 2] == '    body "hand" pos: 0 0 1, expected 0 0 0.2'
     assert lines[at_joints + 3] == f"    → {remedy('C-JOINT')}"
     assert lines[0].startswith("WARNING C-MOTION robot.xml: motion: off \\u001b[31m (inf, at most 1e-09)")
     assert lines[-1] == "1 of 4 checks passed"
-    strict = replace(outcome(folder), level="strict")
+    strict = replace(verdict(folder), level="strict")
     assert "FAILED C-MOTION" in as_text(strict)
-    only = replace(outcome(folder), checks=outcome(folder).checks[1:3])
+    only = replace(verdict(folder), checks=verdict(folder).checks[1:3])
     assert only.passed
     assert not replace(only, level="strict").passed
 
 
 def test_the_json_is_valid_and_a_baseline_of_its_own(folder: Path) -> None:
-    found = outcome(folder)
+    found = verdict(folder)
     text = as_json(found)
     parsed = json.loads(text, parse_constant=lambda word: pytest.fail(word))
     assert parsed["counts"] == {"checks": 4, "passed": 1, "warnings": 1, "failed": 2, "known": 0}
@@ -249,7 +249,7 @@ def test_the_json_is_valid_and_a_baseline_of_its_own(folder: Path) -> None:
 def test_the_sarif_has_rules_results_and_lines(folder: Path) -> None:
     """What section 3 of SARIF 2.1.0 requires of a log, its run, rules and results."""
     known = frozenset({("C-JOINT", "robot.xml: joints", 'body "hand"', "pos")})
-    log = json.loads(as_sarif(replace(outcome(folder), known=known)))
+    log = json.loads(as_sarif(replace(verdict(folder), known=known)))
     assert log["version"] == "2.1.0"
     assert log["$schema"].endswith("sarif-schema-2.1.0.json")
     (one,) = log["runs"]
@@ -270,12 +270,12 @@ def test_the_sarif_has_rules_results_and_lines(folder: Path) -> None:
         assert place["artifactLocation"]["uri"] == "robot/robot.xml"
         assert f'name="{name}"' in text[place["region"]["startLine"] - 1]
     assert "region" not in results[2]["locations"][0]["physicalLocation"]
-    assert "baselineState" not in json.loads(as_sarif(outcome(folder)))["runs"][0]["results"][0]
+    assert "baselineState" not in json.loads(as_sarif(verdict(folder)))["runs"][0]["results"][0]
 
 
 def test_the_junit_is_as_pytest_writes_it(folder: Path) -> None:
     known = frozenset({("C-RELATION", "robot.urdf: relations", "", "")})
-    root = ET.fromstring(as_junit(replace(outcome(folder), known=known)))
+    root = ET.fromstring(as_junit(replace(verdict(folder), known=known)))
     assert root.tag == "testsuites"
     (suite,) = root
     counts = {key: suite.get(key) for key in ("tests", "failures", "errors", "skipped")}
