@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal, TextIO
@@ -100,6 +100,12 @@ class Report:
 MOST_FINDINGS = 3
 """Of a check, in the terminal."""
 
+
+def tally(checks: Sequence[Check]) -> str:
+    """How many of the checks passed, in words."""
+    return f"{sum(check.passed for check in checks)} of {len(checks)} checks passed"
+
+
 HEADER = ("stage", "", "seconds", "outputs")
 
 
@@ -140,9 +146,7 @@ def findings(report: Report) -> list[str]:
             lines.append(f"    → {found.hint}")
     lines += [line for check in report.warned_checks for line in check_lines("WARNING", check)]
     lines += [line for check in report.failed_checks for line in check_lines("FAILED", check)]
-    passed = sum(check.passed for check in report.checks)
-    if report.checks:
-        lines.append(f"{passed} of {len(report.checks)} checks passed")
+    lines += [tally(report.checks)] if report.checks else []
     lines += spent(report)
     lines.append(printable(f"{report.heading}: {report.folder or 'in memory'}"))
     lines += [printable(report.advice)] if report.advice else []

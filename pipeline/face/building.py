@@ -10,7 +10,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from pipeline.errors import LinkwrightError
-from pipeline.report import Report
+from pipeline.report import Report, tally
 from stages.graph.view.views import PICTURE
 
 if TYPE_CHECKING:
@@ -52,8 +52,8 @@ class Build:
 
     def _heading(self) -> str:
         report = self.report
-        checks = f"{len(report.checks) - len(report.failed_checks)} of {len(report.checks)} checks passed"
-        parts = [report.status, *([checks] if report.checks else []), f"{len(self.files)} files"]
+        checks = [tally(report.checks)] if report.checks else []
+        parts = [report.status, *checks, f"{len(self.files)} files"]
         return f"{report.heading}: {', '.join(parts)}"
 
     def _repr_html_(self) -> str:

@@ -21,7 +21,7 @@ class Outcome:
     """The outcome of a job: its exit status, its message, and its folder.
 
     `overrides`: the overrides of the job, key → value; `figures`, `checks` (how many `passed`, and the
-    names of those that `failed`) and `calls` are those of its report, as far as there is one.
+    names of those that `warned` and `failed`) and `calls` are those of its report, as far as there is one.
     """
 
     number: int
@@ -41,7 +41,9 @@ def built(number: int, label: str, overrides: Mapping[str, Any], report: "Report
     if report.exit_status != 0:
         message = "not the newest state" if report.status == "stale" else "a check failed"
     failed = [check.name for check in report.failed_checks]
-    checks = {"passed": len(report.checks) - len(failed), "failed": failed} if report.checks else {}
+    warned = [check.name for check in report.warned_checks]
+    passed = len(report.checks) - len(failed) - len(warned)
+    checks = {"passed": passed, "warned": warned, "failed": failed} if report.checks else {}
     folder = os.path.relpath(report.folder)
     calls = _calls(report.calls)
     return Outcome(
@@ -86,7 +88,8 @@ def _row(one: Outcome) -> tuple[str, ...]:
     mass, dof = one.figures.get("mass"), one.figures.get("dof")
     checks = ""
     if one.checks:
-        checks = f"{one.checks['passed']}/{one.checks['passed'] + len(one.checks['failed'])}"
+        others = len(one.checks["warned"]) + len(one.checks["failed"])
+        checks = f"{one.checks['passed']}/{one.checks['passed'] + others}"
     return (
         str(one.number),
         str(one.status),

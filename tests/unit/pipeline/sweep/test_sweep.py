@@ -447,7 +447,7 @@ def test_the_summary_has_overrides_as_data_and_figures(tmp_path, capsys):
         "output": "there",
     }
     assert (second["overrides"]["root"], second["figures"], second["checks"]) == ("free", {"links": 2}, {})
-    assert (first["figures"], first["checks"]) == (FIGURES, {"passed": 1, "failed": ["poses"]})
+    assert (first["figures"], first["checks"]) == (FIGURES, {"passed": 1, "warned": [], "failed": ["poses"]})
     assert first["calls"] == second["calls"] == {"made": 5, "saved": 2}
     rows = [re.split(r"\s{2,}", line) for line in capsys.readouterr().out.splitlines()]
     assert rows[0] == ["job", "status", "what", "kg", "dof", "checks", "calls", "folder"]
