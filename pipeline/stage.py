@@ -267,7 +267,7 @@ class ExportStage(StageBase):
 
 class ValidateStage(StageBase):
     name = "validate"
-    libraries = ("numpy", "mujoco")
+    libraries = ("numpy", "mujoco", "pin")
 
     @property
     def modules(self) -> tuple[str, ...]:

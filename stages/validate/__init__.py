@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stages.validate.compiled import FileKind
     from stages.validate.keys import ValidateKeys
 
-VERSION = 19
+VERSION = 20
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -28,12 +28,15 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
     "poses": ("mjcf", "urdf"),
     "joints": ("mjcf", "urdf"),
     "motion": ("mjcf", "urdf"),
+    "parity": ("mjcf", "urdf"),
     "relations": ("mjcf", "urdf"),
     "loops": ("mjcf", "urdf"),
     "keyframes": ("mjcf",),
     "actuators": ("mjcf",),
     "sensors": ("mjcf",),
     "self_contact": ("mjcf",),
+    "contact_filter": ("mjcf",),
+    "options": ("simulated",),
     "trial": ("simulated",),
 }
 """The checks of a compiled model, in the order of the report, and of which files: modules of

@@ -137,6 +137,14 @@ def link_pose(model: Any, data: Any, robot: Robot, link: str) -> Array:
     return pose_of(data, body) if body >= 0 else site_pose(model, data, site_index(model, link))
 
 
+def frame_pose(model: Any, data: Any, name: str, urdf: bool) -> Array:
+    """The pose of a frame: a site, in a URDF a body. NaN where it is missing."""
+    found = (body_index if urdf else site_index)(model, name)
+    if found < 0:
+        return np.full((4, 4), np.nan)
+    return pose_of(data, found) if urdf else site_pose(model, data, found)
+
+
 def pose_of(data: Any, body: int) -> Array:
     pose = np.eye(4)
     pose[:3, :3] = data.xmat[body].reshape(3, 3)

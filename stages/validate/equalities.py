@@ -5,9 +5,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from stages.robot.check import Finding
 from stages.robot.model import Array, Loop, Robot
 from stages.robot.poses import inverse
 from stages.validate.coordinates import BY_EQUALITY, body_index, joint_index, placed
+from stages.validate.findings import named, shown, worst_first
 
 CLOSED = 1e-6
 """Loops and relations [m, rad]: the error that CAD's own solver leaves is below this."""
@@ -20,6 +22,23 @@ def violation(model: Any, data: Any) -> float:
     factors = np.abs(model.eq_data[data.efc_id[rows], 1])
     scale = np.where(related, np.maximum(1.0, factors), 1.0)
     return float(np.abs(data.efc_pos[rows] / scale).max(initial=0.0))
+
+
+def open_equalities(model: Any, data: Any) -> tuple[Finding, ...]:
+    """The equalities that a pose leaves open, the widest first."""
+    rows = np.flatnonzero(data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+    widest: dict[int, float] = {}
+    for row in rows:
+        index = int(data.efc_id[row])
+        widest[index] = max(widest.get(index, 0.0), abs(float(data.efc_pos[row])))
+    found = []
+    for index, value in widest.items():
+        kind = mujoco.mjtEq(int(model.eq_type[index])).name.removeprefix("mjEQ_").lower()
+        element = named(kind, model.equality(index).name)
+        attribute = "polycoef" if kind == "joint" else "site1, site2"
+        if value > CLOSED:
+            found.append((value, Finding(element, attribute, f"is open by {shown(value)} m or rad")))
+    return worst_first(found)
 
 
 def carriers(model: Any, robot: Robot) -> dict[str, list[tuple[int, Array]]]:

@@ -38,7 +38,7 @@ HOMES = {
     "platformdirs": ("pipeline/",),
     "joblib": (),
     "pin": (),
-    "pinocchio": (),
+    "pinocchio": ("stages/validate/in_pinocchio.py",),
 }
 """Library → the only places that may import it, at any depth of a module."""
 

@@ -7,12 +7,13 @@ import mujoco
 import numpy as np
 
 from stages.robot.actuation import Actuator
-from stages.robot.check import Check
+from stages.robot.check import Check, Finding
 from stages.robot.home_control import state_at, torque_per_volt
-from stages.robot.model import Array, Value
+from stages.robot.model import Value
 from stages.robot.start_pose import home
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME, joint_index
+from stages.validate.findings import differs, few, named, shown
 
 CODE = "C-ACTUATOR"
 
@@ -26,60 +27,99 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if not expected and model.nu == number:
         return
     rest = home(compiled.robot)
-    wrong = [one.name for one in expected if not _fits(model, one, rest[one.dof])]
+    wrong = {one.name: found for one in expected if (found := [*_differences(model, one, rest[one.dof])])}
     detail = f"{len(expected)} actuators with their dofs, gains and ranges"
+    findings = [found for every in wrong.values() for found in every]
     if wrong:
         detail = f"differ: {', '.join(wrong)}"
     elif model.nu != number:
         detail = f"expected {number} actuators, found {model.nu}"
-    yield compiled.result("actuators", not wrong and model.nu == number, detail, float(len(wrong)), 0.0)
+        known = {one.name for one in expected}
+        names = [model.actuator(index).name for index in range(model.nu)]
+        message = "is not one of the robot's"
+        findings = [Finding(named("actuator", name), "name", message) for name in names if name not in known]
+    passed = not wrong and model.nu == number
+    yield compiled.result("actuators", passed, detail, float(len(wrong)), 0.0, few(findings))
 
 
-def _fits(model: Any, one: Actuator, value: Value) -> bool:
+def _differences(model: Any, one: Actuator, value: Value) -> Iterator[Finding]:
     """`value`: of the dof at `home`."""
+    element = named(one.type, one.name)
     index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, one.name)
     if index < 0:
-        return False
-    pairs = [(model.actuator_gear[index][0], one.gear), *_gains(model, index, one)]
+        yield Finding(element, "name", "there is no actuator of this name")
+        return
+    driven = int(model.actuator_trnid[index][0])
+    on_joint = int(model.actuator_trntype[index]) == mujoco.mjtTrn.mjTRN_JOINT
+    if driven != joint_index(model, one.dof) or not on_joint:
+        found = model.joint(driven).name if on_joint and driven >= 0 else "another thing"
+        yield differs(element, "joint", found, one.dof)
+    gear = float(model.actuator_gear[index][0])
+    if not _same(gear, one.gear):
+        yield differs(element, "gear", gear, one.gear)
+    gains = [found for found in _gains(model, index, one) if not _same(*found[1:])]
+    # A gain counts in the force and in its bias: the first says it all.
+    for attribute, number, wanted in {found[0]: found for found in reversed(gains)}.values():
+        yield differs(element, attribute, number, wanted)
+    yield from _ranges(model, index, one, element)
+    yield from _at_home(model, index, one, value)
+
+
+def _ranges(model: Any, index: int, one: Actuator, element: str) -> Iterator[Finding]:
     saturated = any(name == "saturation" for name, _ in one.terms)
-    for ends, limited, numbers in (
-        (one.control, model.actuator_ctrllimited[index], model.actuator_ctrlrange[index]),
-        (one.force, model.actuator_forcelimited[index], model.actuator_forcerange[index]),
+    for attribute, ends, limited, numbers in (
+        ("ctrlrange", one.control, model.actuator_ctrllimited[index], model.actuator_ctrlrange[index]),
+        ("forcerange", one.force, model.actuator_forcelimited[index], model.actuator_forcerange[index]),
     ):
         if bool(limited) != (ends is not None) and not saturated:
-            return False
-        pairs += [] if ends is None else zip(numbers, ends, strict=True)
+            yield differs(element, attribute, numbers if limited else None, ends)
+        elif ends is not None and not all(map(_same, numbers, ends)):
+            yield differs(element, attribute, numbers, ends)
+
+
+def _at_home(model: Any, index: int, one: Actuator, value: Value) -> Iterator[Finding]:
+    """The control and the state at `home`."""
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    pairs.append((model.key_ctrl[key][index] if key >= 0 else np.nan, one.home))
+    element = named("key", "home")
+    control = float(model.key_ctrl[key][index]) if key >= 0 else np.nan
+    if not _same(control, one.home):
+        message = f"of {one.name} is {shown(control)}, expected {shown(one.home)}"
+        yield Finding(element, "ctrl", message)
     state = () if isinstance(value, tuple) else state_at(one, value)
-    if int(model.actuator_actnum[index]) != len(state):
-        return False
-    first = int(model.actuator_actadr[index])
-    pairs += zip(model.key_act[key][first : first + len(state)], state, strict=True) if state else []
-    found, expected = (np.array(side, dtype=float) for side in zip(*pairs, strict=True))
-    return int(model.actuator_trnid[index][0]) == joint_index(model, one.dof) and _same(found, expected)
+    first, size = int(model.actuator_actadr[index]), int(model.actuator_actnum[index])
+    if size != len(state):
+        yield differs(named(one.type, one.name), "dyntype", f"of {size} states", str(len(state)))
+    elif state and key >= 0:
+        found = model.key_act[key][first : first + size]
+        if not all(map(_same, found, state)):
+            message = f"of {one.name} is {shown(found)}, expected {shown(state)}"
+            yield Finding(element, "act", message)
 
 
-def _gains(model: Any, index: int, one: Actuator) -> list[tuple[float, float]]:
-    """(in the model, expected) of what the type of an actuator, with its kp and kv, makes of the force."""
+def _gains(model: Any, index: int, one: Actuator) -> list[tuple[str, float, float]]:
+    """(attribute, in the model, expected) of what the type of an actuator, with its kp and kv, makes of the
+    force."""
     gain, bias = model.actuator_gainprm[index], model.actuator_biasprm[index]
     kp, kv = one.kp or 0.0, one.kv or 0.0
-    servo = (kp, 0.0, -kp, -kv)
+    servo = (("kp", kp), ("biasprm", 0.0), ("kp", -kp), ("kv", -kv))
     known = {
         "position": servo,
         "intvelocity": servo,
-        "velocity": (kv, 0.0, 0.0, -kv),
-        "motor": (1.0, 0, 0, 0),
+        "velocity": (("kv", kv), ("biasprm", 0.0), ("biasprm", 0.0), ("kv", -kv)),
+        "motor": (("gainprm", 1.0), *(("biasprm", 0.0),) * 3),
     }
     if one.type == "damper":
-        return [(gain[2], -kv)]
+        return [("kv", gain[2], -kv)]
     if one.type == "pid":
-        return [(bias[1], -kp), (bias[2], -kv)]
+        return [("kp", bias[1], -kp), ("kv", bias[2], -kv)]
     if one.type == "dcmotor":
-        return [(gain[1] / gain[0], torque_per_volt(one))]
+        return [("motorconst", gain[1] / gain[0], torque_per_volt(one))]
     found = (gain[0], *bias[:3])
-    return list(zip(found, known.get(one.type, found), strict=True))
+    return [
+        (attribute, float(number), wanted)
+        for (attribute, wanted), number in zip(known.get(one.type, ()), found, strict=False)
+    ]
 
 
-def _same(found: Array, expected: Array) -> bool:
-    return bool((np.abs(found - expected) <= SAME * np.maximum(1.0, np.abs(expected))).all())
+def _same(found: float, expected: float) -> bool:
+    return bool(abs(found - expected) <= SAME * max(1.0, abs(expected)))

@@ -7,7 +7,7 @@ import mujoco
 from stages.robot.check import Check
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
-from stages.validate.equalities import CLOSED, violation
+from stages.validate.equalities import CLOSED, open_equalities, violation
 
 CODE = "C-CLOSED"
 
@@ -20,4 +20,5 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     robot = compiled.robot
     parts = f"{count(len(robot.loops), 'loop')} and {count(len(robot.relations), 'relation')}"
     detail = f"{parts} at qpos0, distance from closed [m, rad]"
-    yield compiled.within("closed at qpos0", violation(compiled.model, data), CLOSED, detail)
+    found = open_equalities(compiled.model, data)
+    yield compiled.within("closed at qpos0", violation(compiled.model, data), CLOSED, detail, found)

@@ -1,12 +1,17 @@
 """Type, limits, effort and dynamics of each joint."""
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
-from stages.robot.check import Check
+import mujoco
+
+from stages.formats.xml import parse
+from stages.robot.check import Check, Finding
 from stages.robot.model import Dof
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME, joint_index, joints_of
+from stages.validate.findings import differs, few, named, shown
 
 CODE = "C-JOINT"
 
@@ -16,44 +21,92 @@ OPEN = 1e6
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
     """A URDF may limit a dof without limits, since it requires a range."""
-    wrong = [
-        name
-        for name, kind, dof in joints_of(compiled.robot, compiled.urdf)
-        if not _fits(compiled.model, joint_index(compiled.model, name), kind, dof, compiled.urdf)
-    ]
+    found: list[Finding] = []
+    wrong = []
+    velocities = _velocities(compiled) if compiled.urdf else {}
+    for name, kind, dof in joints_of(compiled.robot, compiled.urdf):
+        index = joint_index(compiled.model, name)
+        own = list(_differences(compiled.model, index, name, kind, dof, compiled.urdf))
+        own += _velocity(name, dof, velocities.get(name)) if compiled.urdf else ()
+        found += own
+        wrong += [name] if own else []
     detail = f"differ: {', '.join(wrong)}" if wrong else "type, limits, effort and dynamics of each joint"
-    yield compiled.within("joints", float(len(wrong)), 0.0, detail)
+    yield compiled.within("joints", float(len(wrong)), 0.0, detail, few(found))
 
 
-def _fits(model: Any, index: int, kind: Any, dof: Dof, urdf: bool) -> bool:
+def _velocities(compiled: CompiledModel) -> dict[str, str]:
+    """By joint, as a URDF has them: MuJoCo leaves them out."""
+    limits = parse(compiled.path.read_bytes()).iterfind("joint/limit")
+    return {one.getparent().get("name", ""): one.get("velocity", "") for one in limits}
+
+
+def _velocity(name: str, dof: Dof, text: str | None) -> Iterator[Finding]:
+    expected = dof.dynamics.velocity
+    if expected is None or dof.kind == "free":
+        return
+    try:
+        found = float(text or "nan")
+    except ValueError:
+        found = math.nan
+    if not abs(found - expected) <= SAME * max(1.0, expected):
+        yield differs(named("joint", name), "limit velocity", found, expected)
+
+
+def _differences(model: Any, index: int, name: str, kind: Any, dof: Dof, urdf: bool) -> Iterator[Finding]:
+    element = named("joint", name)
     if model.jnt_type[index] != kind:
-        return False
-    if dof.kind == "free":
-        return not model.jnt_limited[index]
-    if dof.kind == "ball":
+        yield differs(element, "type", _type(model.jnt_type[index]), _type(kind))
+        return
+    if dof.kind in ("free", "ball") and model.jnt_limited[index]:
         # No format has a ball's cone: neither its joint nor the three turns of a URDF may have limits.
-        return not model.jnt_limited[index] and _has_dynamics(model, index, dof, urdf)
-    return _has_limits(model, index, dof, urdf) and _has_dynamics(model, index, dof, urdf)
+        attribute = "limit" if urdf else "range"
+        yield Finding(element, attribute, f"is {shown(model.jnt_range[index])}, expected none")
+    if dof.kind in ("turn", "slide"):
+        yield from _limits(model, index, element, dof, urdf)
+    if dof.kind != "free":
+        yield from _dynamics(model, index, element, dof, urdf)
 
 
-def _has_limits(model: Any, index: int, dof: Dof, urdf: bool) -> bool:
-    """Whether a hinge or slide has the limits and effort of its dof."""
-    low, high = model.jnt_range[index]
-    sides = ((dof.limits.lower, low, -1), (dof.limits.upper, high, 1))
-    limited = any(side is not None for side, *_ in sides)
-    fits = urdf or model.jnt_limited[index] == limited
-    fits &= all(side is None or abs(side - value) <= SAME * max(1, abs(side)) for side, value, _ in sides)
-    fits &= urdf or not limited or all(value * sign >= OPEN for side, value, sign in sides if side is None)
-    effort = dof.dynamics.effort
-    fits &= effort is None or abs(model.jnt_actfrcrange[index][1] - effort) <= SAME * effort
-    return bool(fits)
+def _type(kind: Any) -> str:
+    return str(mujoco.mjtJoint(int(kind)).name).removeprefix("mjJNT_").lower()
 
 
-def _has_dynamics(model: Any, index: int, dof: Dof, urdf: bool) -> bool:
-    """Whether a joint has the damping, friction and armature of its dof; URDF has no armature."""
+def _limits(model: Any, index: int, element: str, dof: Dof, urdf: bool) -> Iterator[Finding]:
+    """What a hinge or slide has of the limits and effort of its dof otherwise."""
+    ends = [float(end) for end in model.jnt_range[index]]
+    sides = tuple(zip(("lower", "upper"), dof.limits.interval, ends, strict=True))
+    limited = dof.limits.lower is not None or dof.limits.upper is not None
+    unit = "rad" if dof.kind == "turn" else "m"
+    if urdf:
+        for side, expected, found in sides:
+            if abs(expected) < OPEN and not _same_end(found, expected):
+                yield differs(element, f"limit {side}", found, expected, unit)
+    elif limited != bool(model.jnt_limited[index]) or (
+        limited and not all(_same_end(found, expected) for _, expected, found in sides)
+    ):
+        both = (ends if model.jnt_limited[index] else None, dof.limits.interval if limited else None)
+        yield differs(element, "range", *both, unit)
+    effort, found = dof.dynamics.effort, float(model.jnt_actfrcrange[index][1])
+    if effort is not None and not abs(found - effort) <= SAME * effort:
+        yield differs(element, "limit effort" if urdf else "actuatorfrcrange", found, effort)
+
+
+def _same_end(found: float, expected: float) -> bool:
+    if abs(expected) >= OPEN:
+        return found * expected > 0 and abs(found) >= OPEN
+    return abs(found - expected) <= SAME * max(1, abs(expected))
+
+
+def _dynamics(model: Any, index: int, element: str, dof: Dof, urdf: bool) -> Iterator[Finding]:
+    """What a joint has of the damping, friction and armature of its dof otherwise; URDF has no armature."""
     expected, at = dof.dynamics, int(model.jnt_dofadr[index])
-    pairs = [(expected.damping, model.dof_damping), (expected.friction, model.dof_frictionloss)]
-    pairs += [] if urdf else [(expected.armature, model.dof_armature)]
-    return all(
-        abs((value or 0.0) - float(found[at])) <= SAME * max(1.0, value or 0.0) for value, found in pairs
-    )
+    before, friction = ("dynamics ", "friction") if urdf else ("", "frictionloss")
+    rows = [
+        (f"{before}damping", expected.damping, model.dof_damping),
+        (f"{before}{friction}", expected.friction, model.dof_frictionloss),
+    ]
+    rows += [] if urdf else [("armature", expected.armature, model.dof_armature)]
+    for attribute, value, numbers in rows:
+        wanted, found = value or 0.0, float(numbers[at])
+        if not abs(wanted - found) <= SAME * max(1.0, wanted):
+            yield differs(element, attribute, found, wanted)

@@ -5,7 +5,7 @@ from typing import Any
 
 import mujoco
 
-from stages.robot.check import Check
+from stages.robot.check import Check, Finding
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Configuration, Robot
 from stages.robot.poses import inverse
@@ -19,7 +19,9 @@ from stages.validate.coordinates import (
     link_pose,
     root_pose,
 )
-from stages.validate.equalities import CLOSED, violation
+from stages.validate.culprits import culprits
+from stages.validate.equalities import CLOSED, open_equalities, violation
+from stages.validate.findings import named, shown, worst_first
 
 CODE = "C-KEYFRAME"
 
@@ -43,14 +45,34 @@ def _keyframe(compiled: CompiledModel, name: str, pose: Configuration) -> Check:
     model = compiled.model
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name)
     if key < 0:
-        return compiled.result(f"keyframe {name}", False, f"there is no keyframe {name}")
+        missing = Finding(named("key", name), "name", "there is no keyframe of this name")
+        detail = f"there is no keyframe {name}"
+        return compiled.result(f"keyframe {name}", False, detail, findings=(missing,))
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, key)
     mujoco.mj_kinematics(model, data)
     off = _difference(model, data, compiled.robot, pose)
-    return compiled.within(
-        f"keyframe {name}", off, SAME, f"values and links against {MEANINGS.get(name, OWN)}"
-    )
+    detail = f"values and links against {MEANINGS.get(name, OWN)}"
+    findings = () if off <= SAME else _findings(compiled, key, name, pose)
+    return compiled.within(f"keyframe {name}", off, SAME, detail, findings)
+
+
+def _findings(compiled: CompiledModel, key: int, name: str, pose: Configuration) -> tuple[Finding, ...]:
+    """The joints whose values the keyframe has otherwise; without any, what carries the links."""
+    model, off = compiled.model, []
+    for joint, _, dof in joints_of(compiled.robot, urdf=False):
+        value = pose[dof.name]
+        if isinstance(value, tuple):
+            continue
+        found = float(model.key_qpos[key][model.jnt_qposadr[joint_index(model, joint)]])
+        if not abs(found - value) <= SAME:
+            message = f"puts {joint} at {shown(found)}, expected {shown(value)}"
+            off.append((abs(found - value), Finding(named("key", name), "qpos", message)))
+    return worst_first(off) or culprits(compiled) or (_turned(name),)
+
+
+def _turned(name: str) -> Finding:
+    return Finding(named("key", name), "qpos", "puts a ball or a free body elsewhere than the robot's pose")
 
 
 def _closed(compiled: CompiledModel) -> Check:
@@ -58,7 +80,8 @@ def _closed(compiled: CompiledModel) -> Check:
     mujoco.mj_resetDataKeyframe(model, data, mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, SAVED))
     mujoco.mj_forward(model, data)
     detail = "loops and relations in the saved pose, distance from closed [m, rad]"
-    return compiled.within(f"closed in keyframe {SAVED}", violation(model, data), CLOSED, detail)
+    found = open_equalities(model, data)
+    return compiled.within(f"closed in keyframe {SAVED}", violation(model, data), CLOSED, detail, found)
 
 
 def _difference(model: Any, data: Any, robot: Robot, pose: Configuration) -> float:

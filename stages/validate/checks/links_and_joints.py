@@ -2,10 +2,13 @@
 
 from collections.abc import Iterator
 
-from stages.robot.check import Check
+import mujoco
+
+from stages.robot.check import Check, Finding
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import WIDTH, joints_of, missing_names
+from stages.validate.coordinates import WIDTH, body_index, joints_of, missing_names
+from stages.validate.findings import few, link, named
 
 CODE = "C-LINKS"
 
@@ -23,7 +26,35 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     elif surplus:
         detail = f"expected {_dofs(expected)}, found {model.nv}"
     passed = not missing and surplus == 0
-    yield compiled.result("links and joints", passed, detail, float(abs(surplus)), 0.0)
+    found = [_missing(compiled, name) for name in missing] or list(_others(compiled))
+    yield compiled.result("links and joints", passed, detail, float(abs(surplus)), 0.0, few(found))
+
+
+def _missing(compiled: CompiledModel, name: str) -> Finding:
+    is_link = any(link.name == name for link in compiled.robot.links)
+    element = link(name, compiled.urdf) if is_link else named("joint", name)
+    return Finding(element, "name", f"there is none of this name in {compiled.path.name}")
+
+
+def _others(compiled: CompiledModel) -> Iterator[Finding]:
+    """The joints that are not the robot's, and the joint by which it floats or does not."""
+    model, robot = compiled.model, compiled.robot
+    own = {name for name, *_ in joints_of(robot, compiled.urdf)}
+    if not compiled.urdf:
+        free = [index for index in range(model.njnt) if model.jnt_type[index] == mujoco.mjtJoint.mjJNT_FREE]
+        root = body_index(model, robot.root.name)
+        floats = [index for index in free if int(model.jnt_bodyid[index]) == root]
+        own |= {model.joint(index).name for index in floats} if not robot.base.fixed else set()
+        if not floats and not robot.base.fixed:
+            yield Finding(
+                link(robot.root.name, False), "freejoint", "has none, so the robot hangs in the air"
+            )
+    for index in range(model.njnt):
+        name = model.joint(index).name
+        if name not in own:
+            holder = model.body(int(model.jnt_bodyid[index])).name
+            message = f"is not one of the robot's; it moves {link(holder, compiled.urdf)}"
+            yield Finding(named("joint", name), "type", message)
 
 
 def _dofs(number: int) -> str:

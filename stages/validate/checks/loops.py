@@ -9,7 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.check import Check
+from stages.robot.check import Check, Finding
 from stages.robot.dof_ranges import ranges
 from stages.robot.kinematics import chain, link_poses
 from stages.robot.loops import CLOSED, gap
@@ -30,6 +30,7 @@ from stages.validate.coordinates import (
     spread,
 )
 from stages.validate.equalities import ends, equality_index, sites
+from stages.validate.findings import apart, few, named, shown, worst_first
 
 CODE = "C-LOOP"
 
@@ -58,9 +59,36 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         expected[kind, frozenset(ends(model, loop))] += number
     wrong = sum((found - expected).values()) + sum((expected - found).values())
     detail = f"{count(len(robot.loops), 'loop')}, each closed between its links by the equalities of its type"
-    yield compiled.within("loops", float(wrong), 0.0, detail)
+    findings = few(_equalities(compiled)) if wrong else ()
+    yield compiled.within("loops", float(wrong), 0.0, detail, findings)
     if robot.loops and not wrong:
         yield _frames_of_loops(compiled)
+
+
+def _equalities(compiled: CompiledModel) -> Iterator[Finding]:
+    """The loops that too few equalities close, and the equalities that close none."""
+    model, known = compiled.model, []
+    every = range(model.neq - compiled.surplus.equalities)
+    own = [index for index in every if int(model.eq_type[index]) in (CONNECT, WELD)]
+    for loop in compiled.robot.loops:
+        kind, number = POINTS.get(loop.type, (WELD, 1))
+        between = frozenset(ends(model, loop))
+        fit = [
+            index
+            for index in own
+            if int(model.eq_type[index]) == kind
+            and between == {int(model.site_bodyid[site]) for site in sites(model, index)}
+        ]
+        known += fit
+        if len(fit) != number:
+            element = named("weld" if kind == WELD else "connect", loop.name)
+            message = f"{len(fit)} of the {number} that close {loop.link_a} and {loop.link_b} are there"
+            yield Finding(element, "site1, site2", message)
+    for index in own:
+        if index not in known:
+            kind_name = "weld" if int(model.eq_type[index]) == WELD else "connect"
+            element = named(kind_name, model.equality(index).name)
+            yield Finding(element, "site1, site2", "closes no loop of the robot's between these bodies")
 
 
 def _closed_by_relations(compiled: CompiledModel) -> Check:
@@ -83,7 +111,11 @@ def _closed_by_relations(compiled: CompiledModel) -> Check:
         worst, where = max((worst, where), *((gap(loop, poses), loop.name) for loop in loops))
     allowed = max(CLOSED, *(2 * loop.residual for loop in loops))
     detail = f"loops that mimic joints close, over the range of their drivers [m, rad]; worst: {where}"
-    return compiled.within("loops", worst, allowed, detail)
+    found = [
+        Finding(named("joint", one.follower), "mimic", f"{where} is open by {shown(worst)} m or rad")
+        for one in robot.relations
+    ]
+    return compiled.within("loops", worst, allowed, detail, few(found))
 
 
 def _between(ends: tuple[float, float], near: Value, share: float) -> Value:
@@ -104,6 +136,7 @@ def _frames_of_loops(compiled: CompiledModel) -> Check:
     root_from_world = inverse(root_pose(model, data, robot))
     poses = link_poses(robot, q)
     worst, where = 0.0, ""
+    off: list[tuple[float, Finding]] = []
     for loop in robot.loops:
         index = equality_index(model, loop)
         found = {
@@ -114,8 +147,21 @@ def _frames_of_loops(compiled: CompiledModel) -> Check:
             value = distance(found.get(body, np.full((4, 4), np.nan)), pose)
             if not value < worst:
                 worst, where = value, loop.name
+            if not value <= SAME:
+                off.append((value, _frame_finding(model, index, body, found.get(body), pose)))
     detail = f"frames of each loop against the robot's own kinematics [m, rad]; worst: {where}"
-    return compiled.within("frames of loops", worst, SAME, detail)
+    return compiled.within("frames of loops", worst, SAME, detail, worst_first(off))
+
+
+def _frame_finding(model: Any, index: int, body: int, found: Array | None, expected: Array) -> Finding:
+    """On the site that a loop has on a body. Both poses are relative to the root."""
+    own = [site for site in (sites(model, index) if index >= 0 else ()) if model.site_bodyid[site] == body]
+    if found is None or not own:
+        return Finding(named("body", model.body(body).name), "site", "has none of a loop that closes on it")
+    offset, angle = apart(found, expected)
+    site = named("site", model.site(own[0]).name)
+    attribute = "pos" if offset > SAME else "quat"
+    return Finding(site, attribute, f"is off by [m, rad]: {shown([offset, angle])}")
 
 
 def _frames(

@@ -8,26 +8,23 @@ from collections.abc import Iterator
 from typing import Any
 
 import mujoco
-import numpy as np
 
 from stages.formats.urdf.names import urdf_names
 from stages.robot.check import Check
 from stages.robot.kinematics import link_poses, rest_configuration
-from stages.robot.model import Array, Configuration
+from stages.robot.model import Configuration
 from stages.robot.poses import inverse
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import (
     SAME,
-    body_index,
     distance,
+    frame_pose,
     link_pose,
-    pose_of,
     root_pose,
     set_values,
-    site_index,
-    site_pose,
     spread,
 )
+from stages.validate.culprits import culprits
 
 CODE = "C-MOTION"
 
@@ -45,7 +42,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         set_values(model, data, robot, q, compiled.urdf)
         worst, where = max((worst, where), _worst(compiled, data, q), key=lambda found: found[0])
     detail = "links and frames at three configurations against the robot's own kinematics [m, rad]; worst: "
-    yield compiled.within("motion", worst, SAME, detail + where)
+    findings = () if worst <= SAME else culprits(compiled)
+    yield compiled.within("motion", worst, SAME, detail + where, findings)
 
 
 def _worst(compiled: CompiledModel, data: Any, q: Configuration) -> tuple[float, str]:
@@ -57,15 +55,7 @@ def _worst(compiled: CompiledModel, data: Any, q: Configuration) -> tuple[float,
     names = urdf_names(robot).frames if urdf else {}
     pairs = [(name, link_pose(model, data, robot, name), pose) for name, pose in links.items()]
     for frame in robot.frames:
-        found = _frame(model, data, names.get(frame.name, frame.name), urdf)
+        found = frame_pose(model, data, names.get(frame.name, frame.name), urdf)
         pairs.append((frame.name, found, links[frame.link] @ frame.link_from_frame))
     off = [(distance(root_from_world @ found, pose), name) for name, found, pose in pairs]
     return max(((math.inf if math.isnan(value) else value), name) for value, name in off)
-
-
-def _frame(model: Any, data: Any, name: str, urdf: bool) -> Array:
-    """The pose of a frame: a site, in a URDF a body. NaN where it is missing."""
-    found = (body_index if urdf else site_index)(model, name)
-    if found < 0:
-        return np.full((4, 4), np.nan)
-    return pose_of(data, found) if urdf else site_pose(model, data, found)

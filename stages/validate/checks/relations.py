@@ -6,11 +6,12 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.check import Check
+from stages.robot.check import Check, Finding
 from stages.robot.model import Array, Relation
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME, joint_index
+from stages.validate.findings import differs, few, named
 from stages.validate.mujoco_abilities import mimics, reads_mimic
 
 Pairs = Mapping[tuple[int, int], Array]
@@ -31,7 +32,44 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         detail = f"differ: {', '.join(wrong)}"
     elif surplus:
         detail = f"expected {count(expected, 'relation')}, found {len(found)}"
-    yield compiled.result("relations", not wrong and surplus == 0, detail, float(len(wrong)), 0.0)
+    findings = few([*_findings(compiled, found), *(_unknown(compiled, found) if surplus > 0 else ())])
+    passed = not wrong and surplus == 0
+    yield compiled.result("relations", passed, detail, float(len(wrong)), 0.0, findings)
+
+
+def _findings(compiled: CompiledModel, found: Pairs) -> Iterator[Finding]:
+    """Of each relation: by its equality in an MJCF, by the <mimic> of its follower in a URDF."""
+    model, urdf = compiled.model, compiled.urdf
+    for one in compiled.robot.relations:
+        if _fits(model, one, found):
+            continue
+        element = named("joint", one.follower if urdf else one.name)
+        row = _row(model, one, found)
+        if row is None:
+            missing = f"nothing says that {one.follower} follows {one.driver}"
+            yield Finding(element, "mimic" if urdf else "", missing)
+            continue
+        data, expected, factor = row
+        if not urdf:
+            yield differs(element, "polycoef", data, expected)
+            continue
+        off = abs(data[1] - expected[1]) > SAME * max(1.0, abs(factor))
+        place, word = (1, "multiplier") if off else (0, "offset")
+        yield differs(element, f"mimic {word}", data[place], expected[place])
+
+
+def _unknown(compiled: CompiledModel, found: Pairs) -> Iterator[Finding]:
+    """The equalities or <mimic>s that are no relation of the robot's."""
+    model = compiled.model
+    known = {
+        frozenset(joint_index(model, name) for name in (one.follower, one.driver))
+        for one in compiled.robot.relations
+    }
+    for follower, driver in found:
+        if frozenset((follower, driver)) not in known:
+            first, second = (model.joint(index).name if index >= 0 else "" for index in (follower, driver))
+            message = f"follows {second or 'nothing'}, which the robot does not have it do"
+            yield Finding(named("joint", first), "mimic" if compiled.urdf else "polycoef", message)
 
 
 def _found(compiled: CompiledModel) -> Pairs:
@@ -45,13 +83,22 @@ def _found(compiled: CompiledModel) -> Pairs:
 
 def _fits(model: Any, relation: Relation, found: Pairs) -> bool:
     """Whether `found` has the relation with its numbers, solved for either of its joints."""
+    row = _row(model, relation, found)
+    if row is None:
+        return False
+    data, expected, factor = row
+    return bool(np.abs(data - expected).max() <= SAME * max(1.0, abs(factor)))
+
+
+def _row(model: Any, relation: Relation, found: Pairs) -> tuple[Array, Array, float] | None:
+    """The five numbers of a relation, those expected, and its factor, solved for the joint that the file
+    solves it for; None where the file does not have it."""
     y, x = joint_index(model, relation.follower), joint_index(model, relation.driver)
     factor, offset = relation.multiplier, relation.offset
     if (y, x) not in found and factor:
         y, x, factor, offset = x, y, 1 / factor, -offset / factor
     data = found.get((y, x))
     if data is None:
-        return False
+        return None
     zero = [float(model.qpos0[model.jnt_qposadr[joint]]) for joint in (y, x)]
-    expected = np.array([factor * zero[1] + offset - zero[0], factor, 0, 0, 0])
-    return bool(np.abs(data - expected).max() <= SAME * max(1.0, abs(factor)))
+    return data, np.array([factor * zero[1] + offset - zero[0], factor, 0, 0, 0]), factor

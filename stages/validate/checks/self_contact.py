@@ -5,12 +5,13 @@ from typing import Any
 
 import mujoco
 
-from stages.robot.check import Check
+from stages.robot.check import Check, Finding
 from stages.robot.geometry import Exclude, Geometry
 from stages.robot.plural import count
 from stages.robot.start_pose import home
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import body_index, set_values
+from stages.validate.findings import few
 
 CODE = "C-SELF-CONTACT"
 
@@ -29,18 +30,25 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     mujoco.mj_collision(compiled.model, data)
     excludes = {(one.link_a, one.link_b): one for one in geometry.excludes}
     reported = {(one.link_a, one.link_b) for one in geometry.touching}
-    wrong: dict[str, None] = {}
+    wrong: dict[str, Finding] = {}
     met = set()
     for one, first, other, second in _contacts(compiled, geometry, data):
         pair = one, other
         exclude = excludes.get(pair)
         met.add(pair)
         if exclude is not None and _meant(exclude, first, second):
-            wrong[f"{one} and {other}, which are excluded from contact"] = None
+            text = f"{one} and {other}, which are excluded from contact"
+            wrong[text] = _finding(one, other, "touch at home, and must be excluded from contact")
         elif pair not in reported:
-            wrong[f"{one} and {other}, which was not reported"] = None
+            text = f"{one} and {other}, which was not reported"
+            wrong[text] = _finding(one, other, "touch at home, which they do not with the robot's shapes")
     detail = f"touching at home: {'; '.join(wrong)}" if wrong else f"{_pairs(len(met))} at home, as reported"
-    yield compiled.within("contact with itself", float(len(wrong)), 0.0, detail)
+    findings = few(wrong.values())
+    yield compiled.within("contact with itself", float(len(wrong)), 0.0, detail, findings)
+
+
+def _finding(one: str, other: str, message: str) -> Finding:
+    return Finding(f'exclude "{one}" "{other}"', "body1, body2", message)
 
 
 def _meant(exclude: Exclude, first: int, second: int) -> bool:

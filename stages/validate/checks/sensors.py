@@ -6,10 +6,11 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.check import Check
+from stages.robot.check import Check, Finding
 from stages.robot.model import Sensor
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME, body_index
+from stages.validate.findings import differs, few, named, worst_first
 
 CODE = "C-SENSOR"
 
@@ -32,17 +33,27 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     sensing = compiled.sensing
     if compiled.urdf or not (sensing.sensors or sensing.cameras):
         return
-    wrong = [one.name for one in sensing.sensors if not _fits(compiled.model, one)]
-    wrong += [one.name for one in sensing.cameras if _index(compiled.model, "camera", one.name) < 0]
-    detail = (
-        f"differ: {', '.join(wrong)}" if wrong else f"{len(sensing.sensors)} sensors on what they measure"
-    )
-    yield compiled.result("sensors", not wrong, detail, float(len(wrong)), 0.0)
+    found = [finding for one in sensing.sensors for finding in _differences(compiled.model, one)]
+    missing = [one.name for one in sensing.cameras if _index(compiled.model, "camera", one.name) < 0]
+    found += [Finding(named("camera", name), "name", "there is no camera of this name") for name in missing]
+    wrong = dict.fromkeys(finding.element for finding in found)
+    detail = f"{len(sensing.sensors)} sensors on what they measure"
+    if wrong:
+        detail = f"differ: {', '.join(wrong)}"
+    yield compiled.result("sensors", not wrong, detail, float(len(wrong)), 0.0, few(found))
     mounted = [("site", one.name, one.link, one.link_from_site) for one in sensing.sites]
     mounted += [("camera", one.name, one.link, one.link_from_camera) for one in sensing.cameras]
     if mounted and not wrong:
-        off = max(_off(compiled, *one) for one in mounted)
-        yield compiled.within("places of sensors", off, SAME, f"{len(mounted)} places of sensors and cameras")
+        off = [(_off(compiled, *one), _misplaced(compiled, *one)) for one in mounted]
+        worst = max(value for value, _ in off)
+        places = worst_first(one for one in off if not one[0] <= SAME)
+        detail = f"{len(mounted)} places of sensors and cameras"
+        yield compiled.within("places of sensors", worst, SAME, detail, places)
+
+
+def _misplaced(compiled: CompiledModel, kind: str, name: str, link: str, _: Any) -> Finding:
+    message = f"is not where it must be on {link}, or turned otherwise, or missing"
+    return Finding(named(kind, name), "pos, quat", message)
 
 
 def _index(model: Any, kind: str, name: str) -> int:
@@ -50,23 +61,43 @@ def _index(model: Any, kind: str, name: str) -> int:
     return int(mujoco.mj_name2id(model, KINDS["body" if kind == "xbody" else kind], name))
 
 
-def _fits(model: Any, one: Sensor) -> bool:
+def _differences(model: Any, one: Sensor) -> Iterator[Finding]:
+    element = named(one.type, one.name)
     index = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SENSOR, one.name))
     if index < 0:
-        return False
+        yield Finding(element, "name", "there is no sensor of this name")
+        return
     kind = mujoco.mjtSensor(int(model.sensor_type[index])).name.removeprefix("mjSENS_")
     if kind != NAMES.get(one.type, one.type.upper()):
-        return False
+        yield Finding(element, "type", f"is a {kind.lower()}")
+        return
     if not one.relative_to and model.sensor_refid[index] >= 0:
-        return False
+        yield Finding(element, "refname", "is relative to something, expected to the world")
     ends = (
-        (one.target, one.name_of_target, model.sensor_objtype[index], model.sensor_objid[index]),
-        (one.relative_to, one.name_of_relative, model.sensor_reftype[index], model.sensor_refid[index]),
+        ("", one.target, one.name_of_target, model.sensor_objtype[index], model.sensor_objid[index]),
+        (
+            "ref",
+            one.relative_to,
+            one.name_of_relative,
+            model.sensor_reftype[index],
+            model.sensor_refid[index],
+        ),
     )
-    return all(
-        not target or (int(found) == KINDS[target] and int(number) == _index(model, target, name))
-        for target, name, found, number in ends
-    )
+    for role, target, name, found, number in ends:
+        if target and not (int(found) == KINDS[target] and int(number) == _index(model, target, name)):
+            other = mujoco.mj_id2name(model, int(found), int(number)) if number >= 0 else None
+            attribute = "refname" if role else ATTRIBUTES.get(target, target)
+            yield differs(element, attribute, other or "none", name)
+    for attribute, value, wanted in (
+        ("noise", float(model.sensor_noise[index]), one.noise),
+        ("cutoff", float(model.sensor_cutoff[index]), one.cutoff),
+    ):
+        if not abs(value - wanted) <= SAME * max(1.0, wanted):
+            yield differs(element, attribute, value, wanted)
+
+
+ATTRIBUTES: Mapping[str, str] = {"body": "objname", "xbody": "objname", "camera": "camera"}
+"""What a sensor's attribute is called that names what it is on, where that is not what it is."""
 
 
 def _off(compiled: CompiledModel, kind: str, name: str, link: str, link_from_it: Any) -> float:

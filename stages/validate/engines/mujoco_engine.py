@@ -10,6 +10,7 @@ from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.check import Check
 from stages.robot.mujoco_warnings import listening
 from stages.validate.compiled import Loaded, without_warnings
+from stages.validate.located import located
 
 CODE = "C-COMPILE"
 
@@ -35,7 +36,8 @@ def load(path: Path) -> Loaded:
         except (ValueError, RuntimeError, SyntaxError) as error:
             # MuJoCo's message may name the folder of this build, which is no fact of the robot.
             message = str(error).replace(str(path.resolve().parent), "").strip()
-            return Loaded(None, Check(f"{path.name}: compiles", False, message, code=CODE))
+            where = located(path, message)
+            return Loaded(None, Check(f"{path.name}: compiles", False, message, code=CODE, findings=where))
     return Loaded(model, without_warnings(f"{path.name}: compiles", found, CODE))
 
 

@@ -5,12 +5,13 @@ from collections.abc import Callable, Iterator
 
 from stages.formats.sdf.kinematics import child_pose
 from stages.formats.sdf.model import ReadJoint
-from stages.robot.check import Check
+from stages.robot.check import Check, Finding
 from stages.robot.kinematics import chain, link_poses
 from stages.robot.model import Configuration, Dof, Joint, Loop, Robot, Value
 from stages.robot.plural import count
 from stages.robot.poses import inverse
 from stages.validate.coordinates import CAD_ERROR, SAME, distance, every_saved, spread
+from stages.validate.findings import differs, named, shown, worst_first
 from stages.validate.lumps import EXACT, UNITS, differences, expected_lump
 from stages.validate.sdf.known import ReadSdf
 
@@ -31,25 +32,45 @@ def links_and_joints(read: ReadSdf) -> Check:
         detail = f"missing: {', '.join(sorted(expected - found))}"
     elif found - expected:
         detail = f"not the robot's: {', '.join(sorted(found - expected))}"
-    return read.within("links and joints", float(len(expected ^ found)), 0.0, detail)
+    return read.within("links and joints", float(len(expected ^ found)), 0.0, detail, _strays(read, expected))
+
+
+def _strays(read: ReadSdf, expected: set[str]) -> Iterator[Finding]:
+    """The names that are missing, then those that are not the robot's."""
+    model, links = read.model, {*read.names.links.values()}
+    for name in sorted(expected - {*model.links, *model.joints, *model.frames}):
+        tag = "link" if name in links else "frame" if name in read.names.frames.values() else "joint"
+        yield Finding(named(tag, name), "name", "there is none of this name")
+    for tag, names in (("link", model.links), ("joint", model.joints), ("frame", model.frames)):
+        for name in sorted(names.keys() - expected):
+            yield Finding(named(tag, name), "name", "is not one of the robot's")
 
 
 def masses(read: ReadSdf) -> Iterator[Check]:
     """As `stages.validate.checks.masses`, of what is read."""
     worst, where = dict.fromkeys(UNITS, 0.0), dict.fromkeys(UNITS, "")
+    findings: dict[str, list[tuple[float, Finding]]] = {key: [] for key in UNITS}
     for link in read.robot.links:
         own = read.model.links[read.names.links[link.name]].inertial
-        off = differences((own.mass, own.com, own.inertia), expected_lump(link))
-        for key, value in off.items():
+        found, expected = (own.mass, own.com, own.inertia), expected_lump(link)
+        for place, (key, value) in enumerate(differences(found, expected).items()):
             if not value < worst[key]:
                 worst[key], where[key] = value, link.name
+            if not value <= EXACT:
+                element = named("link", read.names.links[link.name])
+                finding = differs(element, f"inertial {MASSES[key]}", found[place], expected[place])
+                findings[key].append((value, finding))
     for name in (name for added in read.names.between.values() for name in added):
         mass = read.model.links[name].inertial.mass
         if not mass < worst["mass"]:
             worst["mass"], where["mass"] = mass, name
     for key, unit in UNITS.items():
         detail = f"{key} of each link against CAD's parts ({unit}); worst: {where[key]}"
-        yield read.within(key, worst[key], EXACT, detail)
+        yield read.within(key, worst[key], EXACT, detail, worst_first(findings[key]))
+
+
+MASSES = {"mass": "mass", "centre of mass": "pose", "inertia": "inertia"}
+"""What an inertial's elements are called that have these."""
 
 
 def poses(read: ReadSdf) -> Iterator[Check]:
@@ -65,7 +86,7 @@ def poses(read: ReadSdf) -> Iterator[Check]:
             if not value < worst:
                 worst, where = value, part.name
     detail = f"parts against CAD's occurrences at the saved pose [m, rad]; worst: {where}"
-    yield read.within("poses", worst, CAD_ERROR, detail)
+    yield read.within("poses", worst, CAD_ERROR, detail, _placed(read, q))
 
 
 def motion(read: ReadSdf) -> Iterator[Check]:
@@ -85,18 +106,51 @@ def motion(read: ReadSdf) -> Iterator[Check]:
             if value > worst:
                 worst, where = value, name
     detail = "links and frames at four configurations against the robot's own kinematics [m, rad]; worst: "
-    yield read.within("motion", worst, SAME, detail + where)
+    yield read.within("motion", worst, SAME, detail + where, _moved(read, where))
+
+
+def _moved(read: ReadSdf, where: str) -> Iterator[Finding]:
+    """`where`: the link or frame that is the furthest off."""
+    found = list(_placed(read, *(spread(read.robot, turn) | _free(read) for turn in range(3))))
+    yield from found or [_frame_finding(read, where)]
+
+
+def _frame_finding(read: ReadSdf, where: str) -> Finding:
+    tag = "frame" if where in read.names.frames else "link"
+    name = read.names.frames.get(where) or read.names.links.get(where, where)
+    return Finding(named(tag, name), "pose", "is not where the robot has it")
+
+
+def _placed(read: ReadSdf, *values: Configuration) -> Iterator[Finding]:
+    """The joints whose children are not on their parents as in the robot, parents first."""
+    wrong: dict[str, Finding] = {}
+    for q in values:
+        found, expected = read.poses(q), link_poses(read.robot, q)
+        for joint in read.robot.joints:
+            own, wanted = (inverse(one[joint.parent]) @ one[joint.child] for one in (found, expected))
+            if joint.type == "free" or distance(own, wanted) <= SAME:
+                continue
+            name = read.names.joints[(joint.dofs[0] if joint.dofs else joint).name]
+            finding = Finding(
+                named("joint", name), "pose, axis", "moves its child otherwise than the robot's"
+            )
+            wrong.setdefault(name, finding)
+    yield from wrong.values()
 
 
 def joints(read: ReadSdf) -> Iterator[Check]:
     """Type, limits, effort, velocity, damping and friction of each joint, of loops too."""
-    wrong = []
+    wrong: dict[str, list[Finding]] = {}
     for one in _chains(read.robot):
-        if not one.dofs and read.model.joints[read.names.joints[one.name]].type != "fixed":
-            wrong.append(one.name)
-        wrong += [dof.name for dof in one.dofs if not _fits(read, read.joint_of(dof), dof)]
+        own = read.model.joints[read.names.joints[one.name]] if not one.dofs else None
+        if own is not None and own.type != "fixed":
+            wrong[one.name] = [differs(named("joint", own.name), "type", own.type, "fixed")]
+        for dof in one.dofs:
+            found = list(_differences(read, read.joint_of(dof), dof))
+            wrong |= {dof.name: found} if found else {}
     detail = f"differ: {', '.join(wrong)}" if wrong else "type, limits, effort and dynamics of each joint"
-    yield read.within("joints", float(len(wrong)), 0.0, detail)
+    findings = [finding for every in wrong.values() for finding in every]
+    yield read.within("joints", float(len(wrong)), 0.0, detail, findings)
 
 
 def relations(read: ReadSdf) -> Iterator[Check]:
@@ -119,7 +173,10 @@ def relations(read: ReadSdf) -> Iterator[Check]:
             wrong.append(relation.name)
     wrong += sorted(mimics)
     detail = f"differ: {', '.join(wrong)}" if wrong else count(len(read.robot.relations), "relation")
-    yield read.within("relations", float(len(wrong)), 0.0, detail)
+    followers = {relation.name: names[relation.follower] for relation in read.robot.relations}
+    message = "follows otherwise than the robot's, or not at all"
+    findings = [Finding(named("joint", followers.get(name, name)), "mimic", message) for name in wrong]
+    yield read.within("relations", float(len(wrong)), 0.0, detail, findings)
 
 
 def loops(read: ReadSdf) -> Iterator[Check]:
@@ -135,7 +192,10 @@ def loops(read: ReadSdf) -> Iterator[Check]:
             if value > worst:
                 worst, where = value, loop.name
     detail = f"joints of each loop against the robot's own kinematics [m, rad]; worst: {where}"
-    yield read.within("loops", worst, SAME, detail)
+    loop = next((one for one in read.robot.loops if one.name == where), read.robot.loops[0])
+    own = read.joints_of(loop)[0].name
+    finding = Finding(named("joint", own), "pose, axis", f"is {shown(worst)} m or rad from the robot's loop")
+    yield read.within("loops", worst, SAME, detail, [finding])
 
 
 CHECKS: tuple[Callable[[ReadSdf], Iterator[Check]], ...] = (masses, poses, motion, joints, relations, loops)
@@ -179,22 +239,25 @@ def _dofs(one: Joint | Loop) -> list[str]:
     return [dof.name for dof in one.dofs] or [one.name]
 
 
-def _fits(read: ReadSdf, joint: ReadJoint, dof: Dof) -> bool:
+def _differences(read: ReadSdf, joint: ReadJoint, dof: Dof) -> Iterator[Finding]:
+    element = named("joint", joint.name)
     if joint.type not in TYPES[dof.kind]:
-        return False
+        yield differs(element, "type", joint.type, " or ".join(TYPES[dof.kind]))
+        return
     if dof.kind == "ball":
-        return True  # SDF has nothing else of a ball
+        return  # SDF has nothing else of a ball
     zero, own, wanted = read.stands[dof.name], joint.dynamics, dof.dynamics
     assert not isinstance(zero, tuple)
-    pairs = [
-        (joint.limits.lower, dof.limits.lower, zero),
-        (joint.limits.upper, dof.limits.upper, zero),
-        (own.effort, wanted.effort, 0.0),
-        (own.velocity, wanted.velocity, 0.0),
-        (own.damping or 0.0, wanted.damping or 0.0, 0.0),
-        (own.friction or 0.0, wanted.friction or 0.0, 0.0),
-    ]
-    return all(_same(*one) for one in pairs)
+    for attribute, found, expected, start in (
+        ("limit lower", joint.limits.lower, dof.limits.lower, zero),
+        ("limit upper", joint.limits.upper, dof.limits.upper, zero),
+        ("limit effort", own.effort, wanted.effort, 0.0),
+        ("limit velocity", own.velocity, wanted.velocity, 0.0),
+        ("dynamics damping", own.damping or 0.0, wanted.damping or 0.0, 0.0),
+        ("dynamics friction", own.friction or 0.0, wanted.friction or 0.0, 0.0),
+    ):
+        if not _same(found, expected, start):
+            yield differs(element, attribute, found, None if expected is None else expected - start)
 
 
 def _same(found: float | None, wanted: float | None, zero: float) -> bool:

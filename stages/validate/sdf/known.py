@@ -1,5 +1,6 @@
 """An SDF that was read, and the robot that it must be: what is called what, and where zero is."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -7,13 +8,14 @@ import numpy as np
 from stages.formats.sdf.kinematics import moved_links
 from stages.formats.sdf.model import ReadJoint, SdfModel
 from stages.formats.sdf.names import SdfNames
-from stages.robot.check import Check
+from stages.robot.check import Check, Finding
 from stages.robot.kinematics import chain
 from stages.robot.loops import across, closing
 from stages.robot.model import Array, Configuration, Dof, Joint, Loop, Robot, Value
 from stages.robot.poses import at_rest, inverse, motion, quat_from_rotation
 from stages.robot.start_pose import starting_point
 from stages.validate.coordinates import distance
+from stages.validate.findings import few
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,9 +38,13 @@ class ReadSdf:
     def result(self, name: str, passed: bool, detail: str) -> Check:
         return Check(f"{self.file}: {name}", passed, detail)
 
-    def within(self, name: str, value: float, limit: float, detail: str) -> Check:
+    def within(
+        self, name: str, value: float, limit: float, detail: str, findings: Iterable[Finding] = ()
+    ) -> Check:
         """The result of a check that passes where `value` is at most `limit`."""
-        return Check(f"{self.file}: {name}", value <= limit, detail, value, limit)
+        passed = value <= limit
+        found = () if passed else few(findings)
+        return Check(f"{self.file}: {name}", passed, detail, value, limit, findings=found)
 
     def joint_of(self, dof: Dof) -> ReadJoint:
         """The SDF's joint of a dof."""

@@ -1,7 +1,7 @@
 """The run of the checks of a USD: no engine is needed, since its joints say where their frames are."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from stages.formats.usd.names import UsdNames, usd_names
 from stages.formats.usd.zeros import ball_zeros
-from stages.robot.check import Check
+from stages.robot.check import Check, Finding
 from stages.robot.inertia import SPECK
 from stages.robot.kinematics import chain, link_poses
 from stages.robot.model import Array, Configuration, Dof, Limits, Robot, Value
@@ -17,6 +17,7 @@ from stages.robot.plural import count
 from stages.robot.poses import at_rest, from_parts, inverse, motion
 from stages.robot.start_pose import home
 from stages.validate.coordinates import SAME, distance, spread
+from stages.validate.findings import few, named, shown, worst_first
 from stages.validate.usd.reader import ReadUsdJoint, UsdError, UsdRobot, read_usd
 
 CODE = "C-USD"
@@ -40,9 +41,13 @@ class _Given:
     home: Configuration
     zeros: Configuration
 
-    def within(self, name: str, value: float, limit: float, detail: str) -> Check:
+    def within(
+        self, name: str, value: float, limit: float, detail: str, findings: Iterable[Finding] = ()
+    ) -> Check:
         """The result of a check that passes where `value` is at most `limit`."""
-        return Check(f"{self.file}: {name}", value <= limit, detail, value, limit)
+        passed = value <= limit
+        found = () if passed else few(findings)
+        return Check(f"{self.file}: {name}", passed, detail, value, limit, findings=found)
 
     def poses(self, q: Configuration) -> dict[str, Array]:
         """world_from_link (4, 4) by the joints; what no joint holds stands where it does."""
@@ -112,24 +117,34 @@ def _bodies_and_joints(given: _Given) -> Check:
         detail = f"missing: {', '.join(missing)}"
     elif extra:
         detail = f"not the robot's: {', '.join(extra)}"
-    return given.within("bodies and joints", float(len(missing) + len(extra)), 0.0, detail)
+    findings = [
+        Finding(named("def", name), "name", "there is none of this name" if name in missing else "is no link")
+        for name in (*missing, *extra)
+    ]
+    return given.within("bodies and joints", float(len(missing) + len(extra)), 0.0, detail, findings)
 
 
 def _masses(given: _Given) -> Check:
     worst, where = 0.0, ""
+    findings: list[tuple[float, Finding]] = []
     for link in given.robot.links:
         own = given.usd.bodies[given.names.links[link.name]].inertial
         expected = link.inertial if link.inertial.mass > 0 else SPECK
         size = float(np.abs(expected.inertia).max())
-        off = max(
-            abs(own.mass / expected.mass - 1),
-            float(np.abs(own.com - expected.com).max()),
-            float(np.abs(own.inertia - expected.inertia).max()) / size,
-        )
+        every = {
+            "physics:mass": abs(own.mass / expected.mass - 1),
+            "physics:centerOfMass": float(np.abs(own.com - expected.com).max()),
+            "physics:diagonalInertia": float(np.abs(own.inertia - expected.inertia).max()) / size,
+        }
+        off = max(every.values())
+        if not off <= SINGLE:
+            attribute = max(every, key=every.__getitem__)
+            element = named("def", given.names.links[link.name])
+            findings.append((off, Finding(element, attribute, f"is off by {shown(off)}")))
         if not off <= worst:
             worst, where = off, link.name
     detail = f"mass and inertia [relative] and centre of mass [m] of each link; worst: {where}"
-    return given.within("masses", worst, SINGLE, detail)
+    return given.within("masses", worst, SINGLE, detail, worst_first(findings))
 
 
 def _stance(given: _Given) -> Check:
@@ -164,7 +179,10 @@ def _compared(
         value = distance(from_root @ found[link], pose) / size
         if not value <= worst:
             worst, where = (math.inf if math.isnan(value) else value), link
-    return given.within(name, worst, limit, f"{detail} [m, rad]; worst: {where}")
+    attribute = "xformOp:transform" if name == "home" else "physics:localPos0, physics:localRot0"
+    message = f"is {shown(worst)} m or rad from where the robot has it"
+    finding = Finding(named("def", given.names.links.get(where, where)), attribute, message)
+    return given.within(name, worst, limit, f"{detail} [m, rad]; worst: {where}", [finding])
 
 
 def _joints(given: _Given) -> Check:
@@ -176,7 +194,10 @@ def _joints(given: _Given) -> Check:
         if not one.dofs and given.usd.joints[given.names.joints[one.name]].type != "Fixed":
             wrong.append(one.name)
     detail = f"differ: {', '.join(wrong)}" if wrong else "type and limits of each joint"
-    return given.within("joints", float(len(wrong)), 0.0, detail)
+    message = "has another type or other limits than the robot's"
+    attributes = "physics:lowerLimit, physics:upperLimit"
+    findings = [Finding(named("def", given.names.joints[name]), attributes, message) for name in wrong]
+    return given.within("joints", float(len(wrong)), 0.0, detail, findings)
 
 
 def _fits(joint: ReadUsdJoint, dof: Dof) -> bool:
@@ -212,7 +233,9 @@ def _loops(given: _Given) -> Check:
         if not value <= worst:
             worst, where = value, loop.name
     detail = f"joints of {count(len(given.robot.loops), 'loop')} [m, rad]; worst: {where}"
-    return given.within("loops", worst, SINGLE, detail)
+    message = f"is {shown(worst)} m or rad from the robot's loop, or is not one joint that closes it"
+    finding = Finding(named("def", given.names.joints.get(where, where)), "physics:localPos0", message)
+    return given.within("loops", worst, SINGLE, detail, [finding])
 
 
 def _some(dof: Dof, number: int) -> Value:

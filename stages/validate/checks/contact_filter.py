@@ -1,0 +1,83 @@
+"""Which pairs of shapes may collide is what the robot says: in MuJoCo's own rules, whatever the pose."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from stages.robot.check import Check, Finding
+from stages.robot.geometry import Geometry
+from stages.robot.plural import count
+from stages.validate.compiled import CompiledModel
+from stages.validate.coordinates import body_index
+from stages.validate.findings import few
+
+CODE = "C-EXCLUDE"
+
+TAGS = frozenset({"exclude", "pair", "geom", "contype", "conaffinity", "flag"})
+"""Of the user's own XML: what changes which shapes collide."""
+
+Grid = npt.NDArray[np.bool_]
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    """URDF says nothing of contact; and what the user's own XML says of it is the user's."""
+    geometry = compiled.geometry
+    if compiled.urdf or geometry is None or not geometry.shapes:
+        return
+    changed = {
+        word for one in compiled.amendments.changes for word in (*one.sets, *" ".join(one.adds).split())
+    }
+    if changed & TAGS:
+        return
+    model, pairs, found = compiled.model, 0, []
+    colliders = _colliders(compiled, geometry)
+    excluded = {(one.link_a, one.link_b): one.geoms for one in geometry.excludes}
+    for at, (first, own) in enumerate(colliders):
+        for second, others in colliders[at + 1 :]:
+            may = _may_collide(model, own, others)
+            wanted = np.full(may.shape, geometry.self_contact)
+            apart = excluded.get((first, second))
+            if apart is not None:
+                wanted[tuple(np.array(apart).T) if apart else ...] = False
+            pairs += 1
+            if (may != wanted).any():
+                more, fewer = int((may & ~wanted).sum()), int((wanted & ~may).sum())
+                words = f"{count(fewer, 'pair')} of their shapes cannot collide, but must"
+                if more:
+                    words = f"{count(more, 'pair')} of their shapes may collide, but must not"
+                found.append(Finding(f'exclude "{first}" "{second}"', "body1, body2", words))
+    detail = f"what may collide of {count(pairs, 'pair')} of links"
+    yield compiled.within("contact filter", float(len(found)), 0.0, detail, few(found))
+
+
+def _colliders(compiled: CompiledModel, geometry: Geometry) -> list[tuple[str, list[int]]]:
+    """The colliding geoms of each link that has as many as the robot: where it has not, that is found
+    elsewhere."""
+    model, shapes, found = compiled.model, geometry.by_link(), []
+    for link in compiled.robot.links:
+        body = body_index(model, link.name)
+        first = int(model.body_geomadr[body])
+        every = range(first, first + int(model.body_geomnum[body]))
+        solid = [geom for geom in every if model.geom_contype[geom] or model.geom_conaffinity[geom]]
+        number = len(shapes[link.name, "collision"])
+        if number and len(solid) >= number:
+            found.append((link.name, solid[:number]))
+    return found
+
+
+def _may_collide(model: Any, own: list[int], others: list[int]) -> Grid:
+    """By the rules of MuJoCo's documentation, "Collision detection": the bits of both, and of their bodies
+    that neither is excluded nor parent and child, where neither is fixed to the world."""
+    bodies = [int(model.geom_bodyid[geoms[0]]) for geoms in (own, others)]
+    bits = [(model.geom_contype[geoms], model.geom_conaffinity[geoms]) for geoms in (own, others)]
+    meet: Grid = (bits[0][0][:, None] & bits[1][1] | bits[1][0] & bits[0][1][:, None]) != 0
+    welds = [int(model.body_weldid[body]) for body in bodies]
+    above = [int(model.body_weldid[model.body_parentid[weld]]) for weld in welds]
+    related = welds[0] == welds[1] or (all(welds) and (welds[0] == above[1] or welds[1] == above[0]))
+    if model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_FILTERPARENT:
+        related = welds[0] == welds[1]
+    signature = (min(bodies) << 16) + max(bodies)
+    return meet & (not related and signature not in {int(one) for one in model.exclude_signature})

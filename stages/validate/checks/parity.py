@@ -1,0 +1,108 @@
+"""Every format is the robot in motion: at seeded random poses within limits each engine finds in a file the
+poses, the mass matrix and the forces that the robot's own kinematics and dynamics have.
+
+So the formats agree with each other too. What is not compared: armature, which is no part of the mechanism;
+the speeds of balls and of free motion, which formats count differently; in an MJCF all but the poses where a
+loop has a carrier, which has a share of a link's mass.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from stages.robot.check import Check, Finding
+from stages.robot.install import install
+from stages.robot.model import Array, Robot
+from stages.robot.plural import count
+from stages.validate.compiled import CompiledModel
+from stages.validate.coordinates import BY_EQUALITY
+from stages.validate.findings import link, named, shown, worst_first
+from stages.validate.in_mujoco import in_mujoco
+from stages.validate.in_pinocchio import in_pinocchio, installed
+from stages.validate.random_poses import POSES, samples
+from stages.validate.tree_dynamics import Moving, dynamics, scalar_dofs
+
+CODE = "C-PARITY"
+
+ALIKE = 1e-9
+"""Poses [m, rad, relative to the robot's size where that is above 1 m], matrices and forces [relative]."""
+
+ABSENT = f"Pinocchio is not installed ({install('pin')}), so that no second engine has read the URDF"
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    """Of a URDF in Pinocchio too, where that is installed."""
+    robot = compiled.robot
+    values, speeds = samples(robot)
+    if not values:
+        return
+    found, up = in_mujoco(compiled.model, robot, values, speeds, compiled.urdf)
+    expected = dynamics(robot, values, speeds, up)
+    note = "" if not compiled.urdf or installed() else f"; {ABSENT}"
+    yield _compared(compiled, "MuJoCo", found, expected, note)
+    if compiled.urdf and installed():
+        read = in_pinocchio(compiled.path.read_bytes(), robot, values, speeds)
+        upright = np.tile([0.0, 0.0, 9.81], (POSES, 1))
+        yield _compared(compiled, "Pinocchio", read, dynamics(robot, values, speeds, upright), "")
+
+
+def _compared(compiled: CompiledModel, engine: str, found: Moving, expected: Moving, note: str) -> Check:
+    robot, urdf = compiled.robot, compiled.urdf
+    off = _poses_off(found.poses, expected.poses)
+    most = {"poses": max(off.values())}
+    findings = [
+        (value, Finding(link(name, urdf), "origin" if urdf else "pos", f"its pose is off by {shown(value)}"))
+        for name, value in off.items()
+        if not value <= ALIKE
+    ]
+    carried = not urdf and any(loop.type not in BY_EQUALITY for loop in robot.loops)
+    names = [dof.name for dof in scalar_dofs(robot)]
+    weight = 9.81 * math.sqrt(sum(link.inertial.mass for link in robot.links))
+    forces = _forces_off(found, expected, weight) if names and not carried else {}
+    for quantity, values in forces.items():
+        most[quantity] = float(values.max())
+        for name, value in zip(names, values, strict=True):
+            if not value <= ALIKE:
+                message = f"{quantity} of what it moves is off by {shown(value)}"
+                findings.append((float(value), Finding(named("joint", name), "inertial", message)))
+    figures = ", ".join(f"{quantity} {value:.1g}" for quantity, value in most.items())
+    detail = f"against the robot's own at {POSES} poses: {figures}{_left_out(robot, carried)}{note}"
+    worst = max(most.values())
+    return compiled.within(f"parity in {engine}", worst, ALIKE, detail, worst_first(findings))
+
+
+def _poses_off(found: Mapping[str, Array], expected: Mapping[str, Array]) -> dict[str, float]:
+    size = max(1.0, *(float(np.abs(pose[:, :3, 3]).max()) for pose in expected.values()))
+    return {name: float(np.abs(found[name] - pose).max()) / size for name, pose in expected.items()}
+
+
+def _forces_off(found: Moving, expected: Moving, weight: float) -> dict[str, Array]:
+    """By quantity: the largest difference of each dof. Of the mass matrix relative to the two dofs' own
+    entries, but at least a millionth of the largest; of forces to the largest of them, but at least to what
+    the mass matrix alone makes: its entry, by a speed of 1, and the root of its entry times `weight`, which
+    is the root of the mass times gravity."""
+    own = np.sqrt(np.maximum(np.einsum("nii->ni", expected.mass), 0.0))
+    largest = float(own.max(initial=0.0)) or 1.0
+    own = np.maximum(own, 1e-3 * largest)
+    scale = own[:, :, None] * own[:, None, :]
+    rows = {"mass matrix": (np.abs(found.mass - expected.mass) / scale).max(axis=(0, 2))}
+    for name, one, other, least in (
+        ("gravity", found.gravity, expected.gravity, largest * weight),
+        ("bias", found.bias, expected.bias, largest**2),
+    ):
+        size = max(float(np.abs(other).max(initial=0.0)), least) or 1.0
+        rows[name] = np.abs(one - other).max(axis=0) / size
+    return rows
+
+
+def _left_out(robot: Robot, carried: bool) -> str:
+    words = []
+    others = len(robot.dofs) - len(scalar_dofs(robot))
+    if others:
+        words.append(f"the speeds of {count(others, 'ball or free joint', 'balls and free joints')}")
+    if not robot.base.fixed:
+        words.append("the base, which is held")
+    if carried:
+        words.append("all forces, since carriers of loops have a share of the mass")
+    return f"; left out: {', '.join(words)}" if words else ""

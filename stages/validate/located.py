@@ -1,0 +1,62 @@
+"""Where in a file an engine's refusal is: its message names an element or a file, and what is wrong."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path, PurePosixPath
+
+from stages.formats.xml import Element, Malformed, parse, tag
+from stages.robot.check import Finding
+from stages.validate.findings import link, named
+
+WRONG = (
+    ("axis", "joint", "axis"),
+    ("range", "joint", "range, limit"),
+    ("mass and inertia", "body", "inertial mass, inertia"),
+    ("mass", "body", "inertial mass"),
+    ("inertia", "body", "inertial inertia"),
+    ("damping", "joint", "damping"),
+)
+"""A word of the message, the element that it is about, and its attribute."""
+
+
+def located(path: Path, message: str) -> tuple[Finding, ...]:
+    """The one finding of a refusal; its element is the file where nothing more is known."""
+    text = " ".join(message.split())
+    try:
+        root = parse(path.read_bytes())
+    except Malformed as error:
+        return (Finding(path.name, "XML", str(error)),)
+    urdf = path.suffix == ".urdf"
+    for element, attribute in _found(root, text, urdf):
+        return (Finding(element, attribute, text),)
+    return (Finding(path.name, "", text),)
+
+
+def _found(root: Element, text: str, urdf: bool) -> Iterator[tuple[str, str]]:
+    """(element, attribute), the surest first."""
+    repeated = re.search(r"repeated name '([^']+)' in (\w+)", text)
+    if repeated:
+        kind = "link" if urdf and repeated[2] == "body" else repeated[2]
+        yield named(kind, repeated[1]), "name"
+    file = re.search(r"[Ff]ile '([^']+)'", text)
+    if file:
+        yield from _naming(root, PurePosixPath(file[1]).name)
+    name = re.search(r"Element name '([^']+)'", text)
+    if name:
+        for word, kind, attribute in WRONG:
+            if word in text.lower():
+                yield (link(name[1], urdf) if kind == "body" else named(kind, name[1])), attribute
+        yield f'"{name[1]}"', ""
+
+
+def _naming(root: Element, file: str) -> Iterator[tuple[str, str]]:
+    """The elements that name a file."""
+    for node in root.iter():
+        for attribute, value in node.attrib.items():
+            if PurePosixPath(str(value)).name != file:
+                continue
+            owner = next((one for one in node.iterancestors("link")), None)
+            if owner is not None:
+                yield link(owner.get("name", ""), urdf=True), f"{tag(node)} {attribute}"
+            else:
+                yield named(tag(node), node.get("name") or file), str(attribute)

@@ -1,0 +1,34 @@
+"""Seeded poses and speeds at which formats are compared: of the tree, whose loops are open there."""
+
+import math
+
+import numpy as np
+
+from stages.robot.model import Array, Robot
+from stages.validate.tree_dynamics import scalar_dofs
+
+POSES = 100
+SEED = 31415
+
+REACH = {"turn": math.pi, "slide": 1.0}
+"""How far [rad, m] to both sides of zero, or from its one end, a range without ends goes."""
+
+
+def samples(robot: Robot) -> tuple[dict[str, Array], Array]:
+    """`POSES` values of every dof of the tree, within limits, and speeds (POSES, k) of its turns and slides
+    up to 1 rad/s or m/s."""
+    random = np.random.Generator(np.random.PCG64(SEED))
+    values: dict[str, Array] = {}
+    for dof in robot.dofs:
+        if dof.kind in REACH:
+            low, high = dof.limits.interval
+            reach = REACH[dof.kind]
+            low = min(-reach, high - reach) if math.isinf(low) else low
+            high = max(reach, low + reach) if math.isinf(high) else high
+            values[dof.name] = random.uniform(low, high, POSES)
+            continue
+        quats = random.normal(size=(POSES, 4))
+        quats /= np.linalg.norm(quats, axis=1)[:, None]
+        places = random.uniform(-1, 1, (POSES, 3))
+        values[dof.name] = quats if dof.kind == "ball" else np.concatenate([places, quats], axis=1)
+    return values, random.uniform(-1, 1, (POSES, len(scalar_dofs(robot))))
