@@ -18,6 +18,7 @@ from pipeline.context import FILES, NOTES, ROBOT, BuildContext, facts, notes, sp
 from pipeline.digest import sha256
 from pipeline.element_files import require_entries
 from pipeline.mesh_details import noted, shown
+from pipeline.plugins import named, own_checks, with_sources
 from stages.robot import codec
 from stages.robot.errors import ConfigError
 from stages.robot.plural import count
@@ -276,10 +277,13 @@ class ValidateStage(StageBase):
         checks = (f"stages.validate.checks.{name}" for name in CHECKS)
         return (*(f"stages.validate.engines.{name}" for name in ENGINES), *checks)
 
+    def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
+        named(plan)
+
     def config(self, context: BuildContext) -> Any:
         from stages.validate.keys import ValidateKeys
 
-        return section(context.plan, ValidateKeys)
+        return with_sources(section(context.plan, ValidateKeys), context.plan)
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
         shapes = context.digests("mesh")["mesh/geometry.json"]
@@ -288,8 +292,9 @@ class ValidateStage(StageBase):
     def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.validate import validate
 
-        with context.cache.store.scratch(context.files["export"].below(FILES)) as folder:
-            checks = validate(folder, context.robot, context.plan, *context.exported)
+        plan, files = context.plan, context.files["export"].below(FILES)
+        with context.cache.store.scratch(files) as folder:
+            checks = validate(folder, context.robot, plan, *context.exported, own_checks(plan))
         passed = sum(check.passed for check in checks)
         return {
             "checks.json": codec.encode_checks(checks),

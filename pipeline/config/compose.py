@@ -204,8 +204,8 @@ class Composer:
         sweeping = self._node.sweeping(config, draft, resolved.get("name"), job)
         for problem in self._params(sweeping.params)[1]:
             draft.add(problem)
-        draft.problems += targets(resolved)
         files, command = self._presets.own_files(paths), shlex.join(self._typed)
+        draft.problems += targets(resolved, command)
         places = {problem.where for problem in draft.problems}
         draft.problems += [one for one in overridden(map(content, files)) if one.where not in places]
         draft.problems += self._presets.chosen_twice(files)

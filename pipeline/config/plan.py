@@ -14,7 +14,7 @@ from stages.export.keys import ExportKeys
 from stages.fetch.keys import FetchKeys
 from stages.graph.keys import GraphKeys
 from stages.mesh.keys import MeshKeys
-from stages.robot.keys import Flag, Keys, Text, example, not_yet
+from stages.robot.keys import Flag, Keys, Text, example
 from stages.validate.keys import ValidateKeys
 
 SECTIONS: tuple[type[Keys], ...] = (FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys)
@@ -61,8 +61,9 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
     vars: Annotated[dict[Text, Any], example({"reach": 0.3})] = Field(default_factory=dict)
     """Values of your own, for interpolations such as `${vars.reach}`."""
 
-    plugins: tuple[Text, ...] = not_yet(())
-    """Modules whose classes may be used as `_target_`."""
+    plugins: Annotated[tuple[Text, ...], example(["my_checks"])] = ()
+    """Modules whose functions and classes may be used as `_target_`. Counts on the command line, and in files
+    that `LINKWRIGHT_TRUST` names."""
 
     output: Annotated[Text | None, example("~/robots/my_arm")] = None
     """The output folder; `~` is the home folder; null: `outputs/<name>`."""

@@ -7,7 +7,7 @@ command line alone (`ours`).
 import json
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -124,8 +124,18 @@ def overridden(contents: Iterable[Mapping[str, Any]]) -> Iterator[Diagnostic]:
                 yield not_allowed(group.partition("/")[2])
 
 
-def targets(tree: Any, place: Place = ()) -> Iterator[Diagnostic]:
-    """A problem for each `_target_` in a tree, which would name code to run."""
+OWN_CHECKS = ("validate", "checks")
+"""The key whose entries may name code of a module that `plugins` names."""
+
+
+def targets(tree: Any, command: str = "", place: Place = ()) -> Iterator[Diagnostic]:
+    """A problem for each `_target_` in a tree, which would name code to run, but for those of the user's own
+    checks that are of trusted modules. `command`: what was typed, to which the hint adds."""
+    plugins: Any = tree.get("plugins") if isinstance(tree, Mapping) else ()
+    return _targets(tree, [str(one) for one in plugins] if _is_list(plugins) else [], command, place)
+
+
+def _targets(tree: Any, plugins: Sequence[str], command: str, place: Place) -> Iterator[Diagnostic]:
     pairs: Iterable[tuple[Any, Any]] = ()
     if isinstance(tree, Mapping):
         pairs = tree.items()
@@ -133,11 +143,20 @@ def targets(tree: Any, place: Place = ()) -> Iterator[Diagnostic]:
         pairs = enumerate(tree)
     for name, value in pairs:
         inner = (*place, name if isinstance(name, int) and not isinstance(tree, Mapping) else str(name))
-        if name == TARGET:
+        if name != TARGET:
+            yield from _targets(value, plugins, command, inner)
+        elif place[:2] != OWN_CHECKS or len(place) != 3:
             text = f"a configuration must not name code (given {shown(value)})"
             yield Diagnostic(CODE, text, key_of(inner), "remove it: a robot's file is data and runs no code")
-        else:
-            yield from targets(value, inner)
+        elif isinstance(value, str) and not covered(value, plugins):
+            text = f"names code of a module that is not trusted (given {shown(value)})"
+            module = _override("plugins", [value.partition(".")[0]])
+            yield Diagnostic(CODE, text, key_of(inner), f"if you trust it: {command} {module}")
+
+
+def covered(target: str, plugins: Iterable[str]) -> bool:
+    """Whether a `_target_` is of one of these modules, or of a module below it."""
+    return any(target.startswith(f"{plugin}.") for plugin in plugins)
 
 
 def untrusted(

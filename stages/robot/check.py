@@ -18,9 +18,18 @@ class Finding:
 
 
 @dataclass(frozen=True, slots=True)
+class Table:
+    """What a check found, row by row, whether it passes or not."""
+
+    header: tuple[str, ...]
+    rows: tuple[tuple[str | float | None, ...], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Check:
     """`value` and `limit` are in the unit that `detail` names; None where a check has no number. `code`: its
-    row of `stages/CHECKS.md`. `findings`: what is wrong where it does not pass, the worst first."""
+    row of `stages/CHECKS.md`. `findings`: what is wrong where it does not pass, the worst first. `table`:
+    what was found beside that."""
 
     name: str
     passed: bool
@@ -30,6 +39,7 @@ class Check:
     code: str = ""
     level: CheckLevel = "error"
     findings: tuple[Finding, ...] = ()
+    table: Table | None = None
 
     @property
     def fails(self) -> bool:

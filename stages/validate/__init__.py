@@ -4,6 +4,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from stages.formats.mjcf_form import MjcfForm
     from stages.formats.urdf.form import UrdfForm
     from stages.robot.actuation import Actuation
@@ -14,6 +16,7 @@ if TYPE_CHECKING:
     from stages.robot.sensing import Sensing
     from stages.validate.compiled import FileKind
     from stages.validate.keys import ValidateKeys
+    from stages.validate.own import OwnCheck
 
 VERSION = 20
 """Grows with every change of what this stage makes of the same input."""
@@ -38,6 +41,11 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
     "contact_filter": ("mjcf",),
     "options": ("simulated",),
     "trial": ("simulated",),
+    "shapes": ("mjcf",),
+    "colliders": ("mjcf",),
+    "bare_links": ("mjcf",),
+    "hinge_axes": ("mjcf",),
+    "reach": ("mjcf",),
 }
 """The checks of a compiled model, in the order of the report, and of which files: modules of
 `stages/validate/checks`, each with a `CODE` and a function `check` (a `CheckFunction`). What the scene has of
@@ -59,22 +67,26 @@ def validate(
     mjcf_form: "MjcfForm | None" = None,
     sensing: "Sensing | None" = None,
     amendments: "Amendments | None" = None,
+    own: "Sequence[OwnCheck]" = (),
 ) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only that each compiles. A check
     that fails does not stop the others. `actuation`: what drives the robot in these files;
     `geometry`: its shapes, without their files, and which of them collide; `form`: how the URDF differs
     from the robot, by default as closed loops ask; `mjcf_form`: how the MJCF does, by default with links on
     fixed joints as part of others; `sensing`: what measures the robot; `amendments`: what
-    the user's own XML changed in the files."""
+    the user's own XML changed in the files; `own`: the user's checks."""
     from stages.formats import mjcf_written
     from stages.formats.urdf.as_written import form_with
     from stages.robot.actuation import NONE
     from stages.robot.amendments import UNCHANGED
     from stages.robot.sensing import NOTHING
-    from stages.validate.run import check_files, check_read_back
+    from stages.validate.run import check_files, check_read_back, readiness
 
     checks = {} if keys.validate.level == "quick" else CHECKS
     forms = form or form_with(robot), mjcf_form or mjcf_written.form_with(robot)
     known = (actuation or NONE, geometry, *forms, sensing or NOTHING, amendments or UNCHANGED)
     read_back = check_read_back(folder, robot, READ_BACK, known[0], quick=not checks)
-    return (*check_files(folder, robot, ENGINES, checks, *known), *read_back)
+    found = [*check_files(folder, robot, ENGINES, checks, *known, own if checks else ()), *read_back]
+    if checks:
+        found += readiness(folder, robot, found, ENGINES, geometry, forms[1])
+    return tuple(found)

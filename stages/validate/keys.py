@@ -1,9 +1,20 @@
 """Configuration of the validate stage: how much is checked."""
 
 import warnings
-from typing import Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
-from stages.robot.keys import Keys
+from pydantic import AfterValidator
+
+from stages.robot.keys import Keys, Text, example, invalid
+
+
+def _with_target(entry: Mapping[str, Any]) -> Mapping[str, Any]:
+    path = entry.get("_target_")
+    parts = path.split(".") if isinstance(path, str) else []
+    if len(parts) < 2 or not all(part.isidentifier() for part in parts):
+        raise invalid("must have a _target_ such as my_checks.light: a module, a dot, and a name in it")
+    return entry
 
 
 class ValidateSection(Keys):
@@ -12,6 +23,15 @@ class ValidateSection(Keys):
     level: Literal["quick", "standard", "strict"] = "standard"
     """Which checks run. quick: the files compile; standard: they also describe the same robot, and a
     simulation of 2 s is stable; strict: as standard, and a warning counts as a failed check."""
+
+    checks: Annotated[
+        tuple[Annotated[dict[Text, Any], AfterValidator(_with_target)], ...],
+        example([{"_target_": "my_checks.light", "most": 2.5}]),
+    ] = ()
+    """Checks of your own. `_target_` names a function of a module of `plugins`, which is called with the
+    compiled model (`stages.validate.compiled.CompiledModel`) and the other keys and yields checks
+    (`stages.robot.check.Check`); or a class, made with the keys and called with the model. Their codes begin
+    with `X-`."""
 
 
 with warnings.catch_warnings():

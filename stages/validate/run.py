@@ -22,6 +22,9 @@ from stages.robot.model import Robot
 from stages.robot.sensing import NOTHING, Sensing
 from stages.validate.compiled import CheckFunction, CompiledModel, Engine, FileKind, without_warnings
 from stages.validate.coordinates import missing_names
+from stages.validate.own import OwnCheck
+from stages.validate.readiness.finished import Finished
+from stages.validate.readiness.score import score
 
 SCENE = "scene.xml"
 """The file that puts the robot into a world."""
@@ -40,9 +43,10 @@ def check_files(
     mjcf_form: MjcfForm = EVERY_BODY,
     sensing: Sensing = NOTHING,
     amendments: Amendments = UNCHANGED,
+    own: Sequence[OwnCheck] = (),
 ) -> Iterator[Check]:
     """The results of every file in `folder` that one of the engines reads. Without `checks`, whether each
-    compiles."""
+    compiles. `own`: the user's checks, of the first file."""
     robot = as_driven(robot, actuation)
     urdf, mjcf = as_written(robot, form), mjcf_written.as_written(robot, mjcf_form)
     held = mjcf_written.holders(robot, mjcf_form)
@@ -56,7 +60,8 @@ def check_files(
                 given = CompiledModel(folder / file, None, described, *known)
                 changes = amendments.of(file, *engine.files(robot.name)[:1] if file == SCENE else ())
                 chosen = [one for one, kinds in checks.items() if kinds_of(given.path) & {*kinds}]
-                yield from (_with_changes(one, changes) for one in _check_file(given, engine, chosen))
+                found, own = _check_file(given, engine, chosen, own), ()
+                yield from (_with_changes(one, changes) for one in found)
 
 
 def kinds_of(path: Path) -> set[FileKind]:
@@ -81,7 +86,9 @@ def check_read_back(
             yield from (replace(one, code=reader.CODE) for one in found)
 
 
-def _check_file(given: CompiledModel, engine: Engine, checks: Sequence[str]) -> list[Check]:
+def _check_file(
+    given: CompiledModel, engine: Engine, checks: Sequence[str], own: Sequence[OwnCheck]
+) -> list[Check]:
     """The results of one file, yet without its model, which is given up afterwards: a large one takes half a
     gigabyte."""
     path = given.path
@@ -90,8 +97,28 @@ def _check_file(given: CompiledModel, engine: Engine, checks: Sequence[str]) -> 
         return [loaded.check]
     compiled = replace(given, model=loaded.model)
     with engine.warnings() as warnings:
-        found = list(_check_model(compiled, checks))
+        found = [*_check_model(compiled, checks), *(one for mine in own for one in mine.check(compiled))]
     return [loaded.check, *found, without_warnings(f"{path.name}: runs", warnings, RUNS)]
+
+
+def readiness(
+    folder: Path,
+    robot: Robot,
+    checks: Sequence[Check],
+    engines: Sequence[str],
+    geometry: Geometry | None,
+    mjcf_form: MjcfForm,
+) -> Iterator[Check]:
+    """The score of a robot that has an MJCF which compiles. `checks`: the results so far, which prove some of
+    its points."""
+    described = mjcf_written.as_written(robot, mjcf_form)
+    for name in engines:
+        engine: Engine = import_module(f"stages.validate.engines.{name}")
+        there = [folder / file for file in engine.files(robot.name) if "urdf" not in kinds_of(folder / file)]
+        there = [path for path in there if path.exists()]
+        model = engine.load(there[-1]).model if there and there[0].name != SCENE else None
+        if model is not None:
+            yield score(Finished(folder, described, model, checks, geometry))
 
 
 def _with_changes(check: Check, changes: Sequence[Amendment]) -> Check:

@@ -143,7 +143,7 @@ def _made(path: Path, settings: dict[str, str]) -> dict[str, object]:
         text = bundle.body(bundle.definition)
         apart = parity(text, robot, files, here).worst
         bounds = same_bounds(text, robot, files["robot.urdf"])
-    failed = [f"{check.name}: {check.detail[:100]}" for check in checks if not check.passed]
+    failed = [f"{check.name}: {check.detail[:100]}" for check in checks if check.fails]
     return {
         "passed": f"{len(checks) - len(failed)}/{len(checks)}",
         "failed": "; ".join(failed[:3]),

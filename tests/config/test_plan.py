@@ -1,13 +1,16 @@
 """The plan judges every key: what it says, and that it says everything at once."""
 
 import pytest
+from pydantic import ValidationError
 
+from pipeline.config.messages import diagnostics
 from pipeline.config.plan import SECTIONS, Plan, section
 from pipeline.config.schema import annotation_at, is_section, leaves, names
 from stages.fetch.keys import SOURCES
 from stages.graph.keys import GraphKeys
 from stages.mesh.keys import MeshKeys
 from stages.robot.errors import ConfigError
+from stages.robot.keys import Keys, not_yet
 from tests.support.users import URL
 
 SAMPLE = {"kind": "sample"}
@@ -224,37 +227,23 @@ def test_a_number_as_the_name_of_a_joint_is_reported_to_be_quoted():
     )
 
 
-@pytest.mark.parametrize(
-    ("data", "shown"),
-    [
-        (
-            {"plugins": ["mine"]},
-            (
-                "plugins",
-                "not supported yet (given ['mine'])",
-                "leave it out: only its default works so far, []",
-            ),
-        ),
-    ],
-)
-def test_what_is_not_there_yet_is_refused_by_name(data, shown):
-    assert problem(**data) == ("E-LATER", *shown)
+class Later(Keys):
+    """A section with a key that is decided and has no function."""
+
+    soon: tuple[str, ...] = not_yet(())
 
 
-LATER = [
-    {"plugins": ["mine"]},
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("data", LATER, ids=str)
-def test_every_key_without_function_is_refused_unless_at_its_default(data):
-    code, _, message, _ = problem(**data)
-    assert code == "E-LATER"
-    assert "not supported yet" in message
-
-
-def test_keys_without_function_may_be_given_their_default():
-    Plan.parse({"source": SAMPLE, "plugins": []})
+def test_a_key_without_function_is_refused_by_name_unless_at_its_default():
+    Later.model_validate({"soon": []})
+    with pytest.raises(ValidationError) as caught:
+        Later.model_validate({"soon": ["mine"]})
+    (found,) = diagnostics(caught.value, Later)
+    assert (found.code, found.where, found.message, found.hint) == (
+        "E-LATER",
+        "soon",
+        "not supported yet (given ['mine'])",
+        "leave it out: only its default works so far, []",
+    )
 
 
 def test_every_key_of_the_tree_is_documented():

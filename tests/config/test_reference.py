@@ -138,7 +138,7 @@ def test_everything_can_be_explained(name):
         ("joints.elbow.damping", "joints.<glob>.damping"),
         ("source.path", "source.path (of source=mjcf)"),
         ("mass.", "mass.missing"),
-        ("plugins", "Not supported yet."),
+        ("validate.checks", "Checks of your own."),
         ("sensors.imu.noise", "sensors.<name>.noise"),
         ("onshape_auth", "ONSHAPE_AUTH"),
     ],

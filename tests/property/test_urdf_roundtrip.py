@@ -44,7 +44,7 @@ def is_exact(text: str) -> None:
     with tempfile.TemporaryDirectory() as folder:
         files = write(robot, Path(folder)).files
         assert parity(text.encode(), robot, files, Path(folder)).worst < TOLERANCE
-        assert not [check for check in validate(Path(folder), robot, plan_of()) if not check.passed]
+        assert not [check for check in validate(Path(folder), robot, plan_of()) if check.fails]
     assert not same_bounds(text.encode(), robot, files["robot.urdf"])
 
 
@@ -60,7 +60,7 @@ def test_another_root_is_the_same_robot(text: str, which: int) -> None:
     with tempfile.TemporaryDirectory() as folder:
         write(robot, Path(folder))
         engine = Mujoco(Path(folder) / "robot.xml")
-        assert not [check for check in validate(Path(folder), robot, plan_of()) if not check.passed]
+        assert not [check for check in validate(Path(folder), robot, plan_of()) if check.fails]
         random = np.random.default_rng(which)
         q = {dof.name: float(random.uniform(-2, 2)) for dof in robot.dofs}
         true_q = {joint.name: joint.mate.name for joint in robot.joints}

@@ -87,7 +87,7 @@ def test_what_is_given_is_in_the_compiled_model_and_passes_the_checks(
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     assert np.ravel(getattr(model, f"actuator_{field}")[0])[index] == pytest.approx(value, rel=1e-12)
     checks = validate(tmp_path, robot, plan, found.actuation)
-    assert [one.name for one in checks if not one.passed and "trial" not in one.name] == []
+    assert [one.name for one in checks if one.fails and "trial" not in one.name] == []
 
 
 def test_the_target_of_an_intvelocity_moves_at_the_speed_of_its_control_within_the_limits() -> None:

@@ -188,7 +188,7 @@ def test_a_tag_means_no_class(tmp_path: Path) -> None:
     assert root.find("worldbody/body[@name='base']/site[@name='first']") is not None
     assert root.find("default/default[@class='own']") is not None
     assert exported.amendments.surplus_of("robot.xml").equalities == 1
-    assert [one.name for one in checks(tmp_path, exported, robot) if not one.passed] == []
+    assert [one.name for one in checks(tmp_path, exported, robot) if one.fails] == []
 
 
 def test_a_name_is_looked_for_in_the_robots_file_and_then_in_the_scene(tmp_path: Path) -> None:
@@ -212,7 +212,7 @@ def test_keyframes_and_checks_know_what_was_added(tmp_path: Path) -> None:
     }  # fmt: skip
     exported = made(tmp_path, robot, elements=elements, actuators=SERVOS)
     made(tmp_path / "plain", robot, actuators=SERVOS)
-    assert [one for one in checks(tmp_path, exported, robot) if not one.passed] == []
+    assert [one for one in checks(tmp_path, exported, robot) if one.fails] == []
     assert exported.amendments.surplus_of("scene.xml") == Surplus("scene.xml", 7, 1, 1)
     found, before = model(tmp_path), model(tmp_path / "plain")
     assert (found.nu, found.nkey) == (2, before.nkey)
@@ -233,7 +233,7 @@ def test_keyframes_and_checks_know_what_was_added(tmp_path: Path) -> None:
 def test_a_check_that_fails_names_the_key_that_did_it(tmp_path: Path) -> None:
     attributes = {"elbow": {"damping": 3}, "floor": {"friction": [1, 0.5, 0.5]}}
     exported = made(tmp_path, attributes=attributes)
-    failed = [one for one in checks(tmp_path, exported) if not one.passed]
+    failed = [one for one in checks(tmp_path, exported) if one.fails]
     assert [one.name for one in failed] == ["robot.xml: joints"]
     for one in failed:
         assert one.detail == "differ: elbow; the file was changed by attributes.elbow"
@@ -243,9 +243,9 @@ def test_weight_that_is_added_is_found(tmp_path: Path) -> None:
     heavy = add("<inertial pos='0 0 0' mass='9' diaginertia='1 1 1'/>", {"name": "tray"})
     tray = add("<body name='tray'><geom size='0.1'/></body>", {"name": "arm"})
     exported = made(tmp_path, elements={"tray": tray, "heavy": heavy})
-    assert [one for one in checks(tmp_path, exported) if not one.passed] == []
+    assert [one for one in checks(tmp_path, exported) if one.fails] == []
     exported = made(tmp_path / "arm", attributes={"arm": {"pos": [0, 0, 0.1]}})
-    failed = [one for one in checks(tmp_path / "arm", exported) if not one.passed]
+    failed = [one for one in checks(tmp_path / "arm", exported) if one.fails]
     assert failed
     assert all("attributes.arm" in one.detail for one in failed)
 
@@ -367,5 +367,5 @@ def test_a_link_that_is_added_to_a_urdf_counts(tmp_path: Path) -> None:
     robot = robot_with([joint("revolute", "base", "arm", name="elbow")])
     exported = made(tmp_path, robot, elements={"fin": add(xml, {"tag": "robot"})})
     assert exported.amendments.surplus_of("robot.urdf").dofs == 1
-    failed = [one for one in checks(tmp_path, exported, robot) if not one.passed]
+    failed = [one for one in checks(tmp_path, exported, robot) if one.fails]
     assert [one.name for one in failed if "links and joints" in one.name] == []

@@ -49,7 +49,7 @@ def written(robot: Robot, geometry: Geometry, folder: Path, plan: Plan | None = 
     checks = validate(
         folder, robot, plan or plan_of(), exported.actuation, geometry, exported.form, exported.mjcf_form
     )
-    assert [check.name for check in checks if not check.passed] == []
+    assert [check.name for check in checks if check.fails] == []
     return Mujoco(folder / "robot.xml")
 
 

@@ -224,7 +224,7 @@ def test_a_build_with_a_motor_passes_its_checks(tmp_path: Path) -> None:
     plan = plan_of(actuators={"*": {"motor": "mx106"}})
     robot = pendulum()
     found = write(robot, tmp_path, plan)
-    assert [one.name for one in validate(tmp_path, robot, plan, found.actuation) if not one.passed] == []
+    assert [one.name for one in validate(tmp_path, robot, plan, found.actuation) if one.fails] == []
     assert abs(at_home(mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml")), 2.0).qpos[0]) < 0.2
 
 

@@ -80,9 +80,7 @@ def test_the_samples_parallelogram_is_minus_the_shoulder(tmp_path: Path) -> None
     assert shut["name"] == "rod_upper_pivot"
     one = table["couplings"][0]
     assert (one["driver"], one["multiplier"], one["range"], one["error"]) == ("shoulder", -1, [-0.5, 1.1], 0)
-    assert not [
-        check for check in validate(tmp_path, robot, plan_of(), form=exported.form) if not check.passed
-    ]
+    assert not [check for check in validate(tmp_path, robot, plan_of(), form=exported.form) if check.fails]
 
 
 @pytest.mark.parametrize("kind", ["sample", "kit"])
@@ -234,5 +232,5 @@ def test_a_wrong_mimic_fails_the_check(tmp_path: Path) -> None:
     exported = write(robot, tmp_path)
     first = exported.form.couplings[0]
     wrong = replace(exported.form, couplings=(replace(first, multiplier=1.1), *exported.form.couplings[1:]))
-    failed = [one.name for one in validate(tmp_path, robot, plan_of(), form=wrong) if not one.passed]
+    failed = [one.name for one in validate(tmp_path, robot, plan_of(), form=wrong) if one.fails]
     assert failed == ["robot.urdf: relations", "robot.urdf: loops"]

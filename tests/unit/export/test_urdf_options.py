@@ -38,7 +38,7 @@ def built(folder: Path, **keys: object) -> bytes:
     robot = robot_of(kit.document, plan)
     geometry = make_geometry(robot, bundle_of(kit.document), plan, lambda kind, key, make: make())
     exported = write(robot, folder, plan, geometry)
-    assert [check.name for check in validate(folder, robot, plan) if not check.passed] == []
+    assert [check.name for check in validate(folder, robot, plan) if check.fails] == []
     return exported.files["robot.urdf"]
 
 
@@ -59,7 +59,7 @@ def test_a_mesh_missing_from_the_package_fails_the_check(tmp_path: Path) -> None
     text = built(tmp_path, meshes="package")
     (tmp_path / "robot.urdf").write_bytes(text.replace(b"assets/arm", b"assets/nothing"))
     checks = validate(tmp_path, robot_with([]), plan_of(validate__level="quick"))
-    assert [check.name for check in checks if not check.passed] == ["robot.urdf: compiles"]
+    assert [check.name for check in checks if check.fails] == ["robot.urdf: compiles"]
 
 
 @pytest.mark.parametrize("meshes", ["relative", "package"])
@@ -140,7 +140,7 @@ def urdf_of(robot: Robot, geometry: Geometry, folder: Path, **keys: object) -> P
     plan = plan_of(export={"urdf": keys})
     exported = write(robot, folder, plan, geometry)
     checks = validate(folder, robot, plan, geometry=geometry, form=exported.form)
-    assert [check.name for check in checks if not check.passed] == []
+    assert [check.name for check in checks if check.fails] == []
     return folder / "robot.urdf"
 
 

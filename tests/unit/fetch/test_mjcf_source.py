@@ -64,7 +64,7 @@ def agree(path: Path, folder: Path, **keys):
                 for what in ("mass_matrix", "gravity"):
                     ours, theirs = (getattr(one, what)(q, names) for one in (engine, original))
                     np.testing.assert_allclose(ours, theirs, atol=EXACT)
-    assert not [check for check in validate(folder, robot, plan_of()) if not check.passed]
+    assert not [check for check in validate(folder, robot, plan_of()) if check.fails]
     return robot
 
 

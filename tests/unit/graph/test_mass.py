@@ -434,7 +434,7 @@ def test_a_robot_two_millimetres_long_gets_the_least_inertia_and_is_reported(tmp
         ("tip", "W-INERTIA-LEAST"),
     ]
     write(robot, tmp_path)
-    assert [check for check in validate(tmp_path, robot, plan_of()) if not check.passed] == []
+    assert [check for check in validate(tmp_path, robot, plan_of()) if check.fails] == []
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
     for size, name in ((5e-4, "link"), (1e-4, "tip")):
         assert model.body(name).inertia.min() >= 1e-14
@@ -449,7 +449,7 @@ def test_a_speck_in_a_urdf_gets_the_least_too(moments, policy, tmp_path) -> None
     robot = urdf_robot(text, policy=policy)
     assert [one.where for one in robot.diagnostics if one.code == "W-INERTIA-LEAST"] == ["b"]
     write(robot, tmp_path)
-    assert [check for check in validate(tmp_path, robot, plan_of()) if not check.passed] == []
+    assert [check for check in validate(tmp_path, robot, plan_of()) if check.fails] == []
     assert robot.link("b").inertial.mass == 1e-14
 
 

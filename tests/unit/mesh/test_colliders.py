@@ -142,7 +142,7 @@ def test_a_link_with_several_colliders_has_them_all_in_every_file(
     assert kinds == [mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_MESH]
     shapes = parse((tmp_path / "robot.urdf").read_bytes()).findall("link[@name='arm']/collision/geometry/*")
     assert [shape.tag for shape in shapes] == ["mesh", "sphere", "mesh"]
-    assert [check for check in validate(tmp_path, robot, plan) if not check.passed] == []
+    assert [check for check in validate(tmp_path, robot, plan) if check.fails] == []
 
 
 def skewed(surfaces: Sequence[Surface], settings: ColliderSettings) -> Collision:

@@ -31,7 +31,7 @@ def checked(robot: Robot, text: str, folder: Path, *, quick: bool = False) -> li
 
 
 def failed(checks: list[Check]) -> list[str]:
-    return [check.name.partition(": ")[2] for check in checks if not check.passed]
+    return [check.name.partition(": ")[2] for check in checks if check.fails]
 
 
 @pytest.mark.parametrize("fixed", [True, False])

@@ -1,0 +1,101 @@
+"""Code of the user's own, named by `_target_`: only of modules that `plugins` names, which the command line
+gives or a trusted file."""
+
+import importlib
+import importlib.util
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pipeline.config.plan import Plan
+from pipeline.config.trust import TARGET, covered
+from pipeline.digest import sha256
+from pipeline.errors import ConfigError
+from stages.robot.globs import listed
+
+if TYPE_CHECKING:
+    from stages.validate.own import OwnCheck
+
+
+def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
+    """The function or class that the `_target_` of an entry names. ConfigError where its module is none of
+    `plugins`, cannot be imported, or lacks it."""
+    path = str(entry[TARGET])
+    module, _, name = path.rpartition(".")
+    if not covered(path, plugins):
+        msg = f"{path} is of no module that plugins names"
+        raise ConfigError(msg, where, f"if you trust it: plugins=[{module or path}]")
+    _search_here()
+    try:
+        found = importlib.import_module(module)
+    except Exception as error:
+        msg = f"the module {module} cannot be imported: {type(error).__name__}: {error}"
+        hint = "it is looked for where Python looks, and in the working folder"
+        raise ConfigError(msg, where, hint) from error
+    code = getattr(found, name, None)
+    if not callable(code):
+        public = sorted(one for one, value in vars(found).items() if callable(value) and one[0] != "_")
+        msg = f"{module} has no function or class {name}"
+        raise ConfigError(msg, where, f"it has {listed(public)}" if public else "")
+    return code
+
+
+def named(plan: Plan) -> list[Any]:
+    """The functions and classes that `validate.checks` names. ConfigError where one cannot be found."""
+    entries = enumerate(plan.validate.checks)
+    return [target(entry, plan.plugins, f"validate.checks.{number}") for number, entry in entries]
+
+
+def own_checks(plan: Plan) -> "tuple[OwnCheck, ...]":
+    """The user's own checks of a build, each with its keys."""
+    if not plan.validate.checks:
+        return ()
+    from stages.validate.own import OwnCheck
+
+    return tuple(
+        OwnCheck(entry[TARGET], code, {key: value for key, value in entry.items() if key != TARGET})
+        for entry, code in zip(plan.validate.checks, named(plan), strict=True)
+    )
+
+
+def with_sources(known: dict[str, Any], plan: Plan) -> dict[str, Any] | None:
+    """The validate stage's part of a cache key, with what its results depend on too: the text of the user's
+    own code. None, so that nothing is kept, where that has no text."""
+    if not plan.validate.checks:
+        return known
+    text = sources(plan.plugins)
+    return None if text is None else {**known, "plugins": text}
+
+
+def sources(plugins: Iterable[str]) -> str | None:
+    """The digest of the text of these modules, with all of a package's; None where one has no text."""
+    _search_here()
+    digests = []
+    for plugin in plugins:
+        files = list(_files(plugin))
+        if not files:
+            return None
+        digests += [f"{plugin} {file.name} {sha256(file.read_bytes())}" for file in files]
+    return sha256("\n".join(digests).encode())
+
+
+def _files(plugin: str) -> Iterator[Path]:
+    try:
+        spec = importlib.util.find_spec(plugin)
+    except (ImportError, ValueError):
+        return
+    if spec is None:
+        return
+    for folder in spec.submodule_search_locations or ():
+        yield from sorted(Path(folder).rglob("*.py"))
+    if not spec.submodule_search_locations and spec.origin and spec.origin.endswith(".py"):
+        yield Path(spec.origin)
+
+
+def _search_here() -> None:
+    """Lets Python find modules in the working folder too, after all others."""
+    here = str(Path.cwd())
+    if here not in sys.path:
+        sys.path.append(here)
+        importlib.invalidate_caches()

@@ -1,0 +1,113 @@
+"""Each joint moves over its whole range, alone, without two links running into each other.
+
+The other joints stay at `home`, but for those that follow by a relation or a closed loop. What touches at
+`home` already is no finding here.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from stages.robot.check import Check, Finding, Table
+from stages.robot.plural import count
+from stages.robot.start_pose import home
+from stages.validate.compiled import CompiledModel
+from stages.validate.coordinates import HINGE, set_values
+from stages.validate.following import Follower, swept_joints
+
+CODE = "C-REACH"
+
+STEPS = 24
+"""Values of a joint from one end of its range to the other, besides `home`."""
+
+DEEP = 5e-4
+"""Links that are in each other by less [m] touch."""
+
+HEADER = ("joint", "link", "other link", "from, rad or m", "deepest at, rad or m", "depth, mm")
+
+
+@dataclass(slots=True)
+class Meeting:
+    """Two links that a joint's motion brings together: at which value [rad, m] first, going out from `home`,
+    and where they are deepest in each other [m]."""
+
+    first: float
+    deepest: float
+    depth: float
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    """Of a robot that collides. A free base, a ball and a slide without limits have no range."""
+    model = compiled.model
+    if not np.any(model.geom_contype) and not np.any(model.geom_conaffinity):
+        return
+    data = mujoco.MjData(model)
+    set_values(model, data, compiled.robot, home(compiled.robot), urdf=False)
+    start = data.qpos.copy()
+    mujoco.mj_collision(model, data)
+    meeting = _contacts(model, data)
+    follower = Follower(model, start)
+    rows, findings, poses, joints = [], [], 0, swept_joints(model, start)
+    for joint in joints:
+        found, tried = _swept(model, data, follower, joint, set(meeting))
+        poses += tried
+        name = model.joint(joint).name
+        for (pair, _), one in sorted(found.items()):
+            links = [model.body(body).name for body in pair]
+            rows.append((name, *links, round(one.first, 4), round(one.deepest, 4), round(1e3 * one.depth, 3)))
+            unit = "rad" if model.jnt_type[joint] == HINGE else "m"
+            text = (
+                f"{links[0]} and {links[1]} collide when {name} is at {one.first:.3g} {unit}, by "
+                f"{1e3 * one.depth:.2g} mm at {one.deepest:.3g}"
+            )
+            findings.append((-one.depth, Finding(f'joint "{name}"', "range", text)))
+    if not joints:
+        return
+    told = tuple(one for _, one in sorted(findings, key=lambda pair: pair[0]))
+    detail = f"{count(len(joints), 'joint')} over its range, {poses} poses: no links run into each other"
+    if told:
+        detail = f"{count(len(told), 'collision')} of links over the ranges of {count(len(joints), 'joint')}"
+    result = compiled.within("reach", float(len(told)), 0.0, detail, told, "warning")
+    yield replace(result, table=Table(HEADER, tuple(rows)) if rows else None)
+
+
+def _swept(
+    model: Any, data: Any, follower: Follower, joint: int, ignored: set[tuple[int, int]]
+) -> tuple[dict[tuple[tuple[int, int], float], Meeting], int]:
+    """The pairs of bodies that meet, each with the end of the range where they do, and how many poses were
+    looked at: from `home` to the one end, and to the other."""
+    found: dict[tuple[tuple[int, int], float], Meeting] = {}
+    value = follower.start[model.jnt_qposadr[joint]]
+    low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (value - np.pi, value + np.pi)
+    step, tried = (high - low) / STEPS, 0
+    for end in (low, high):
+        pose = follower.start
+        for at in np.linspace(value, end, max(1, round(abs(end - value) / step)) + 1)[1:]:
+            moved = follower.at(joint, float(at), pose)
+            if moved is None:
+                break
+            pose, tried = moved, tried + 1
+            data.qpos[:] = pose
+            mujoco.mj_kinematics(model, data)
+            mujoco.mj_collision(model, data)
+            for pair, depth in _contacts(model, data).items():
+                if pair in ignored:
+                    continue
+                known = found.setdefault((pair, float(end)), Meeting(float(at), float(at), depth))
+                if depth > known.depth:
+                    known.depth, known.deepest = depth, float(at)
+    return found, tried
+
+
+def _contacts(model: Any, data: Any) -> dict[tuple[int, int], float]:
+    """The bodies that are in each other, and how deep [m]."""
+    found: dict[tuple[int, int], float] = {}
+    contacts = data.contact
+    deep = np.flatnonzero(contacts.dist < -DEEP)
+    bodies = np.sort(model.geom_bodyid[contacts.geom[deep]], axis=1)
+    for pair, depth in zip(map(tuple, bodies.tolist()), -contacts.dist[deep], strict=True):
+        found[pair] = max(float(depth), found.get(pair, 0.0))
+    return found

@@ -1,0 +1,112 @@
+"""Each body has the shapes of its links: as many, where they shall be, and of their size."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from stages.robot.check import Check, Finding
+from stages.robot.geometry import Role, Shape
+from stages.robot.model import Array
+from stages.robot.plural import count
+from stages.robot.poses import UNMOVED, inverse
+from stages.validate.compiled import CompiledModel
+from stages.validate.coordinates import body_index, distance, placed
+from stages.validate.shapes import BOX, CAPSULE, CYLINDER, MESH, SPHERE, area, seen_and_solid
+
+CODE = "C-SHAPE"
+
+SAME = 1e-6
+"""Places [m, rad] and sizes [m] of shapes are to be the same within this."""
+
+AREA = 1e-3
+"""Areas of meshes, relatively: a file has single precision."""
+
+ROLES: tuple[Role, Role] = ("visual", "collision")
+
+KINDS = {"box": BOX, "sphere": SPHERE, "cylinder": CYLINDER, "capsule": CAPSULE}
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    """Of a robot whose shapes are known."""
+    if compiled.geometry is None or not compiled.geometry.shapes:
+        return
+    every = seen_and_solid(compiled.model)
+    shapes = compiled.geometry.by_link()
+    findings: list[Finding] = []
+    for link in compiled.robot.links:
+        body = body_index(compiled.model, link.name)
+        places = [pose for holder, pose in compiled.held.values() if holder == link.name] or [UNMOVED]
+        for role, geoms in zip(ROLES, every.get(body, ((), ())), strict=True):
+            findings += _differences(compiled.model, link.name, role, shapes[link.name, role], geoms, places)
+    total = len(compiled.geometry.shapes)
+    detail = f"{count(total, 'shape')} in place, of their size"
+    if findings:
+        detail = f"{len(findings)} of {count(total, 'shape')} not as the robot has them"
+    yield compiled.within("shapes", float(len(findings)), 0.0, detail, findings)
+
+
+def _differences(
+    model: Any, link: str, role: Role, shapes: Sequence[Shape], geoms: Sequence[int], places: Sequence[Array]
+) -> Iterator[Finding]:
+    """What the user's own XML adds to a body comes after what is the robot's own."""
+    if len(geoms) < len(shapes):
+        text = f"{link} has {count(len(geoms), f'{role} shape')} of {len(shapes)}"
+        yield Finding(f'body "{link}"', "geom", text)
+        return
+    for shape, geom in zip(shapes, geoms, strict=False):
+        wrong = (
+            _of_mesh(model, shape, geom, places) if shape.file else _of_primitive(model, shape, geom, places)
+        )
+        if wrong:
+            attribute, text = wrong
+            yield Finding(_element(model, geom), attribute, f"{_words(model, geom, link)} {text}")
+
+
+def _of_mesh(model: Any, shape: Shape, geom: int, places: Sequence[Array]) -> tuple[str, str] | None:
+    if model.geom_type[geom] != MESH:
+        return "type", f"is no mesh, and shall be {shape.file}"
+    mesh = int(model.geom_dataid[geom])
+    # MuJoCo moves each mesh to its own centre and axes, and the geom with it.
+    own = placed(model.mesh_quat[mesh], model.mesh_pos[mesh])
+    place = placed(model.geom_quat[geom], model.geom_pos[geom]) @ inverse(own)
+    off = min(distance(place, expected) for expected in places)
+    if off > SAME:
+        return "pos", f"is {off:.3g} m or rad from its link's frame, where its mesh belongs"
+    found = area(model, geom)
+    if abs(found - shape.area) > AREA * shape.area:
+        times = (found / shape.area) ** 0.5 if shape.area else float("inf")
+        return "mesh", f"has an area of {found:.4g} m², not {shape.area:.4g}: {times:.4g} times as long"
+    return None
+
+
+def _of_primitive(model: Any, shape: Shape, geom: int, places: Sequence[Array]) -> tuple[str, str] | None:
+    primitive = shape.primitive
+    if primitive is None:
+        return None
+    if model.geom_type[geom] != KINDS[primitive.kind]:
+        return "type", f"is no {primitive.kind}"
+    sizes = primitive.size
+    wanted = (
+        [length / 2 for length in sizes]
+        if primitive.kind == "box"
+        else [sizes[0], *(x / 2 for x in sizes[1:])]
+    )
+    off = float(np.abs(model.geom_size[geom][: len(wanted)] - wanted).max())
+    if off > SAME:
+        return "size", f"is {1e3 * off:.3g} mm off in size"
+    place = placed(model.geom_quat[geom], model.geom_pos[geom])
+    off = min(distance(place, expected @ primitive.link_from_shape) for expected in places)
+    return ("pos", f"is {off:.3g} m or rad from its place") if off > SAME else None
+
+
+def _element(model: Any, geom: int) -> str:
+    name = model.geom(geom).name
+    if name:
+        return f'geom "{name}"'
+    mesh = int(model.geom_dataid[geom])
+    return f'geom mesh "{model.mesh(mesh).name}"' if mesh >= 0 else "geom"
+
+
+def _words(model: Any, geom: int, link: str) -> str:
+    return f"{_element(model, geom)} of {link}"

@@ -1,0 +1,51 @@
+"""The score of a finished robot, as a check with a table of its points."""
+
+from collections.abc import Iterator
+
+from stages.robot.check import Check, Finding, Table
+from stages.robot.plural import count
+from stages.validate.readiness.finished import Aside, Finished
+from stages.validate.readiness.points import POINTS, Point
+
+CODE = "C-READINESS"
+
+HEADER = ("point", "what a model should have", "", "what would raise it, or why not")
+
+PASSED, MISSING, ASIDE = "passed", "missing", "not applicable"
+
+SHOWN = 5
+"""So many faults of a point are named."""
+
+
+def score(finished: Finished) -> Check:
+    """It passes whatever the score is: it tells."""
+    rows, findings = [], []
+    for point in POINTS:
+        verdict, words = judged(point, finished)
+        rows.append((point.number, point.title, verdict, words))
+        if verdict == MISSING:
+            findings.append(Finding(f"point {point.number}", "", f"{point.title}: {words}"))
+    passed = sum(verdict == PASSED for _, _, verdict, _ in rows)
+    total = passed + len(findings)
+    detail = f"{passed} of {count(total, 'point')}"
+    if findings:
+        numbers = ", ".join(str(number) for number, _, verdict, _ in rows if verdict == MISSING)
+        detail += f"; what would raise it is under {numbers} of the table of sim-readiness in report.html"
+    name = f"{finished.path.name}: sim-readiness"
+    table = Table(HEADER, tuple(rows))
+    return Check(name, True, detail, float(passed), float(total), CODE, "warning", table=table)
+
+
+def judged(point: Point, finished: Finished) -> tuple[str, str]:
+    """A point's verdict, and the reason in words."""
+    try:
+        faults = list(_first(point, finished))
+    except Aside as reason:
+        return ASIDE, str(reason)
+    more = f", and {len(faults) - SHOWN} more" if len(faults) > SHOWN else ""
+    return (MISSING, "; ".join(faults[:SHOWN]) + more) if faults else (PASSED, "")
+
+
+def _first(point: Point, finished: Finished) -> Iterator[str]:
+    """The faults, each once."""
+    yield from dict.fromkeys(point.judge(finished))

@@ -1,0 +1,18 @@
+"""Models written by hand, as the checks of the validate stage get them."""
+
+from pathlib import Path
+
+import mujoco
+
+from stages.robot.geometry import Geometry
+from stages.robot.model import Robot
+from stages.validate.compiled import CompiledModel
+from tests.support.robots import joint, robot_with
+
+ONE_HINGE = robot_with([joint("revolute", "base", "arm")])
+
+
+def compiled_of(text: str, robot: Robot = ONE_HINGE, geometry: Geometry | None = None) -> CompiledModel:
+    """What a check gets of this MJCF."""
+    model = mujoco.MjModel.from_xml_string(text)
+    return CompiledModel(Path("robot.xml"), model, robot, geometry=geometry)

@@ -1,0 +1,139 @@
+"""Joints swept over their ranges: which links meet, where, and how deep, in closed form."""
+
+import math
+from itertools import pairwise
+
+import mujoco
+import numpy as np
+import pytest
+
+from stages.validate.checks import reach
+from stages.validate.following import Follower, swept_joints
+from tests.support.robots import joint, robot_with
+from tests.support.written import compiled_of
+
+LONG, RADIUS, END = 0.5, 0.05, 1.2
+
+TWO = robot_with([joint("revolute", "base", "arm", [0.0]), joint("revolute", "base", "post", [0.0])])
+
+
+def two(angle: float, more: str = "", ball: str = "", post: str = 'range="0 .0001"') -> str:
+    """An arm that turns from -1.2 to 1.2, with a ball at its end; and a ball on the circle of that, at an
+    angle."""
+    x, y = LONG * math.cos(angle), LONG * math.sin(angle)
+    inertia = '<inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>'
+    return f"""<mujoco><compiler angle="radian"/><worldbody><body name="base">
+    <body name="arm"><joint name="arm" range="-{END} {END}"/>{inertia}
+    <geom size="{RADIUS}" pos="{LONG} 0 0" {ball}/></body>
+    <body name="post"><joint name="post" {post}/>{inertia}<geom size="{RADIUS}" pos="{x} {y} 0"/></body>
+    </body></worldbody>{more}</mujoco>"""
+
+
+def found(text, robot=TWO):
+    (check,) = reach.check(compiled_of(text, robot))
+    assert check.level == "warning"
+    assert check.passed == (check.table is None)
+    assert len(check.findings) == len(check.table.rows if check.table else ())
+    return [row for row in (check.table.rows if check.table else ()) if row[0] == "arm"], check
+
+
+def test_the_pair_the_angle_and_the_depth():
+    """Balls on one circle meet where their chord is as long as two radii, and are deepest where they are one:
+    at the end of the range, which is one of the angles that are tried."""
+    ((joint_name, one, other, first, deepest, depth),), check = found(two(END))
+    assert (joint_name, one, other) == ("arm", "arm", "post")
+    begins = END - 2 * math.asin((2 * RADIUS - reach.DEEP) / (2 * LONG))
+    step = 2 * END / reach.STEPS
+    assert begins <= first < begins + step
+    assert deepest == pytest.approx(END)
+    assert depth == pytest.approx(2e3 * RADIUS, abs=1e-3)
+    assert check.findings[0].element == 'joint "arm"'
+    assert check.findings[0].attribute == "range"
+
+
+def test_links_that_do_not_meet_pass():
+    assert found(two(END + 2 * math.asin(RADIUS / LONG) + 0.01))[0] == []
+
+
+def test_links_that_do_not_collide_do_not_meet():
+    assert found(two(END, '<contact><exclude body1="arm" body2="post"/></contact>'))[0] == []
+
+
+def test_what_touches_at_home_is_no_finding():
+    assert found(two(0.01))[0] == []
+
+
+def test_a_joint_without_a_range_turns_once():
+    text = two(3.0).replace(f'range="-{END} {END}"', "")
+    rows, _ = found(text)
+    there, back = sorted(row[3] for row in rows)
+    assert there < -(math.pi - (3.0 + 2 * math.asin(RADIUS / LONG) - math.pi)) + 2 * math.pi / reach.STEPS
+    assert back > 3.0 - 2 * math.asin(RADIUS / LONG)
+
+
+GEAR = '<equality><joint joint1="post" joint2="arm" polycoef="0 -1 0 0 0"/></equality>'
+
+
+def test_what_follows_by_a_relation_moves_too():
+    """Two fingers half a radian apart, each of which turns towards the other: they meet in the middle."""
+    free = 'range="-3 3"'
+    assert found(two(1.3, post=free))[0] != []
+    rows, check = found(two(2.0, GEAR, post=free))
+    assert {row[0] for row in check.table.rows} == {"arm"}
+    ((_, _, _, first, deepest, depth),) = rows
+    assert 1.0 - math.asin(RADIUS / LONG) <= first <= 1.0
+    assert deepest == pytest.approx(1.0, abs=END / reach.STEPS)
+    assert depth < 2e3 * RADIUS + 1e-3
+
+
+FOUR_BAR = """<mujoco><compiler angle="radian"/><worldbody>
+<body name="crank"><joint name="crank" range="-1 1"/><geom size=".01" pos="0 .3 0"/>
+<body name="rod" pos="0 .3 0"><joint name="rod"/><geom size=".01" pos=".5 0 0"/>
+<site name="a" pos=".5 0 0"/></body></body>
+<body name="rocker" pos=".5 0 0"><joint name="rocker" range="-2 2"/><geom size=".01"/>
+<site name="b" pos="0 .3 0"/></body>
+</worldbody><equality><connect site1="a" site2="b"/></equality>
+<actuator><position joint="crank"/></actuator></mujoco>"""
+
+
+def test_a_parallelogram_is_closed_by_equal_angles():
+    """Its rocker turns as its crank, and its rod back by as much."""
+    model = mujoco.MjModel.from_xml_string(FOUR_BAR)
+    pose = model.qpos0.copy()
+    follower = Follower(model, pose)
+    for value in np.linspace(0, 1, 10):
+        pose = follower.at(model.joint("crank").id, float(value), pose)
+        assert pose == pytest.approx([value, -value, value], abs=1e-4)
+
+
+def test_an_angle_that_no_loop_reaches():
+    """A rod that is too short to let the crank turn all the way."""
+    model = mujoco.MjModel.from_xml_string(
+        FOUR_BAR.replace('pos="0 .3 0"/></body>\n</w', 'pos="0 .05 0"/></body>\n</w')
+    )
+    start = model.qpos0.copy()
+    assert Follower(model, start).at(model.joint("crank").id, math.pi / 2, start) is None
+
+
+def test_of_a_loop_the_driven_joints_are_swept_else_all():
+    def names(text):
+        model = mujoco.MjModel.from_xml_string(text)
+        return [model.joint(one).name for one in swept_joints(model, model.qpos0)]
+
+    assert names(FOUR_BAR) == ["crank"]
+    undriven = FOUR_BAR[: FOUR_BAR.index("<actuator>")] + "</mujoco>"
+    assert names(undriven) == ["crank", "rod", "rocker"]
+    assert names(two(1.0)) == ["arm", "post"]
+    assert names(two(1.0, GEAR)) == ["arm"]
+
+
+def test_a_robot_that_collides_with_nothing_is_not_looked_at():
+    text = two(END).replace("<geom", '<geom contype="0" conaffinity="0"')
+    assert list(reach.check(compiled_of(text, TWO))) == []
+
+
+def test_values_increase_from_home_outwards():
+    """The first collision is that nearest to home, on both sides."""
+    rows, _ = found(two(0.5))
+    ((_, _, _, first, deepest, _),) = rows
+    assert all(one <= other for one, other in pairwise([0.0, first, deepest]))
