@@ -47,7 +47,7 @@ def named(plan: Plan) -> list[Any]:
     return [target(entry, plan.plugins, f"validate.checks.{number}") for number, entry in entries]
 
 
-def own_checks(plan: Plan) -> "tuple[OwnCheck, ...]":
+def own(plan: Plan) -> "tuple[OwnCheck, ...]":
     """The user's own checks of a build, each with its keys."""
     if not plan.validate.checks:
         return ()

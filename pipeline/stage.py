@@ -18,7 +18,7 @@ from pipeline.context import FILES, NOTES, ROBOT, BuildContext, facts, notes, sp
 from pipeline.digest import sha256
 from pipeline.element_files import require_entries
 from pipeline.mesh_details import noted, shown
-from pipeline.plugins import named, own_checks, with_sources
+from pipeline.plugins import named, own, with_sources
 from stages.robot import codec
 from stages.robot.errors import ConfigError
 from stages.robot.plural import count
@@ -292,9 +292,8 @@ class ValidateStage(StageBase):
     def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.validate import validate
 
-        plan, files = context.plan, context.files["export"].below(FILES)
-        with context.cache.store.scratch(files) as folder:
-            checks = validate(folder, context.robot, plan, *context.exported, own_checks(plan))
+        with context.cache.store.scratch(context.files["export"].below(FILES)) as folder:
+            checks = validate(folder, context.robot, context.plan, *context.exported, own(context.plan))
         passed = sum(check.passed for check in checks)
         return {
             "checks.json": codec.encode_checks(checks),
