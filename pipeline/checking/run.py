@@ -1,6 +1,5 @@
 """Makes the checks of a folder or a file, against its robot.json or, without one, by themselves."""
 
-from collections.abc import Sequence
 from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,6 +17,9 @@ BARE = "stages.validate.bare"
 """Where the checks of a file are that stands alone."""
 
 ENDINGS = (".urdf", ".xml", ".sdf", ".usda")
+ALONE = (".urdf", ".xml")
+"""Endings of the files of a build, and of those that are checked without a robot.json, too."""
+
 _HINT = "give the output folder of a build, or a URDF or MJCF file"
 
 
@@ -37,7 +39,9 @@ def checked(asked: str, level: str) -> Verdict:
         every = _against(truth, path.parent, level)
         own = tuple(one for one in every if file_of(one)[0] == path.name)
         return Verdict(asked, str(path.parent), truth.robot.name, level, own)
-    return _bare([path], asked, str(path.parent), level)
+    if path.suffix not in ALONE:
+        raise OutputError(f"without {TRUTH} only URDF and MJCF are checked", asked, _HINT)
+    return _bare(path, asked, level)
 
 
 def _folder(folder: Path, asked: str, level: str) -> Verdict:
@@ -45,10 +49,9 @@ def _folder(folder: Path, asked: str, level: str) -> Verdict:
     if truth is not None:
         found = _against(truth, folder, level)
         return Verdict(asked, str(folder), truth.robot.name, level, found)
-    files = sorted(one for one in folder.iterdir() if one.suffix in (".urdf", ".xml") and one.is_file())
-    if not files:
+    if not _models(folder):
         raise OutputError(f"the folder has no {TRUTH}, and no URDF or MJCF", asked, _HINT)
-    return _bare(files, asked, str(folder), level)
+    return _bare(folder, asked, level)
 
 
 def _files_of(robot: str) -> tuple[str, ...]:
@@ -82,21 +85,20 @@ def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
     return (*present(folder, truth.files), *validate(folder, truth.robot, keys, *truth.known))
 
 
-def _bare(files: Sequence[Path], asked: str, folder: str, level: str) -> Verdict:
-    """The checks of files that nothing is known of but what they say."""
-    checks = tuple(check for file in files for check in _alone(file))
+def _bare(path: Path, asked: str, level: str) -> Verdict:
+    """The checks of a file, or of all in a folder, that nothing is known of but what they say."""
+    folder = path if path.is_dir() else path.parent
     note = f"there is no {TRUTH} of this robot beside it: nothing is compared with CAD"
-    if find_spec(BARE) is None:
-        note = f"there is no {TRUTH} of this robot beside it: only whether it compiles is checked"
-    return Verdict(asked, folder, "", level, checks, (note,))
-
-
-def _alone(file: Path) -> tuple[Check, ...]:
     if find_spec(BARE) is not None:
-        found: tuple[Check, ...] = import_module(BARE).check_bare(file)
-        return found
-    if file.suffix not in (".urdf", ".xml"):
-        raise OutputError(f"without {TRUTH} only URDF and MJCF are checked", str(file), _HINT)
+        found: tuple[Check, ...] = import_module(BARE).check_bare(path)
+        return Verdict(asked, str(folder), "", level, found, (note,))
     from stages.validate.engines.mujoco_engine import load
 
-    return (load(file).check,)
+    note = f"there is no {TRUTH} of this robot beside it: only whether it compiles is checked"
+    checks = tuple(load(file).check for file in (_models(path) if path.is_dir() else [path]))
+    return Verdict(asked, str(folder), "", level, checks, (note,))
+
+
+def _models(folder: Path) -> list[Path]:
+    """The URDF and MJCF files of a folder."""
+    return sorted(one for one in folder.iterdir() if one.suffix in ALONE and one.is_file())

@@ -2,6 +2,7 @@
 
 import json
 import random
+import shutil
 import subprocess
 import time
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 from stages.export import WRITERS
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import OnshapeServer
-from tests.support.command import COMMAND, environment, linkwright, robot_files
+from tests.support.command import COMMAND, RUN_FACTS, environment, linkwright, robot_files
 
 PLAIN = ("robot=sample", "mesh=visual", f"export=[{','.join(WRITERS)}]")
 """The sample in every format, without colliders, which take most of the time of a build."""
@@ -46,6 +47,22 @@ def test_without_arguments_the_sample_is_built_and_valid(built: Path) -> None:
     assert {stage["name"] for stage in found["stages"]} == {"fetch", "graph", "mesh", "export", "validate"}
     names = {path.name for path in (built / "outputs" / "sample").iterdir()}
     assert names >= {"sample.urdf", "sample.xml", "scene.xml", "assets", "robot.json", "report.json"}
+
+
+def test_the_files_alone_show_that_they_are_right(built: Path) -> None:
+    """Without the documents of the build: only the robot's own files count."""
+    folder = built / "alone"
+    shutil.copytree(built / "outputs" / "sample", folder)
+    for name in (*RUN_FACTS, "preview.png"):
+        (folder / name).unlink(missing_ok=True)
+    done = linkwright(built, "check", "alone")
+    assert done.returncode == 0, done.stdout
+    assert "FAILED" not in done.stdout
+    mesh = next(iter((folder / "assets").iterdir()))
+    mesh.unlink()
+    done = linkwright(built, "check", "alone")
+    assert done.returncode == 3
+    assert f'file "assets/{mesh.name}"' in done.stdout
 
 
 def test_the_sample_has_no_diagnostic_but_of_contacts_its_loop_and_what_a_urdf_lacks(built: Path) -> None:

@@ -31,6 +31,8 @@ NOT_IN_IT = {
     "given": "of a ball's limits it is not told apart what the configuration gave",
 }
 
+BALL = "<body name='ball' pos='3 0 1'><freejoint name='ball'/><geom name='ball' size='.1'/></body>"
+
 KEYS = {
     "actuators": {"*": "position"},
     "joints": {"*": {"damping": 0.25, "friction": 0.125, "effort": 5}},
@@ -80,6 +82,10 @@ def test_many_documents_come_back(document: Document, root: int, seed: int) -> N
     comes_back(document, root, seed, **(KEYS if seed % 2 else {}))
 
 
-def test_the_sample_comes_back() -> None:
-    sensors = {"imu": {"frame": "tool", "type": "imu"}, "eye": {"frame": "tool", "type": "camera"}}
-    comes_back(sample_document(), 0, 1, sensors=sensors, keyframes={"up": {"lift": 0.03}}, **KEYS)
+def test_the_sample_comes_back_with_what_the_user_adds() -> None:
+    more = {
+        "sensors": {"imu": {"frame": "tool", "type": "imu"}, "eye": {"frame": "tool", "type": "camera"}},
+        "keyframes": {"up": {"lift": 0.03}},
+        "elements": {"ball": {"into": {"tag": "worldbody"}, "formats": ["mjcf"], "xml": BALL}},
+    }
+    comes_back(sample_document(), 0, 1, **more, **KEYS)

@@ -1,0 +1,224 @@
+"""robot.json is read back: each field of each kind of thing, and what is wrong with one is named."""
+
+import json
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stages.export.robot_json import describe
+from stages.formats.described import Truth, described
+from stages.formats.mjcf_form import MjcfForm
+from stages.formats.robot_json.fields import RobotJsonError
+from stages.formats.urdf.form import UrdfForm
+from stages.robot.actuation import Actuation, Actuator, Armature
+from stages.robot.amendments import Amendment, Amendments, Surplus
+from stages.robot.geometry import ContactProperties, Exclude, Geometry, Shape, Touch
+from stages.robot.kinematics import saved_configuration
+from stages.robot.linear_coupling import LinearCoupling
+from stages.robot.model import (
+    Dynamics,
+    Frame,
+    Keyframe,
+    Limits,
+    MateRef,
+    MateValue,
+    Primitive,
+    Relation,
+    Robot,
+    Sensor,
+    Transmission,
+    frozen,
+)
+from stages.robot.sensing import Sensing, SensorCamera, SensorSite
+from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, solid
+from tests.support.truth import differences
+
+NEAR = 1e-11
+
+BOX = Primitive("box", (0.1, 0.2, 0.3), frozen(at(0, 0, 0.1)), (0.1, 0.2, 0.3, 0.5))
+ROD = Primitive("capsule", (0.01, 0.2), frozen(at(0, 0.1, 0)), None, False, True)
+
+
+def whole(seed: int) -> Robot:
+    """A robot with every type of joint and loop, and something of everything else."""
+    rng = np.random.default_rng(seed)
+    rows = []
+    for index, kind in enumerate(EVERY):
+        parent = "base" if kind == "free" else rows[-1].child if rows and index % 3 else "base"
+        origins = [pose(rng) for _ in range(3)]
+        rows.append(
+            joint(kind, parent, f"link{index}", place=pose(rng), backwards=index % 2 == 0, origins=origins)
+        )
+    turn, slide = rows[1].dofs[0], rows[2].dofs[0]
+    rows[1] = replace(
+        rows[1],
+        dofs=(
+            replace(
+                turn,
+                limits=Limits(-1, None),
+                dynamics=Dynamics(0.1, 0.2, 0.003, 5, 6),
+                saved=0.3,
+                given=("limits", "effort"),
+                in_mate=MateValue(-1, 0.25),
+            ),
+        ),
+        mate=MateRef(("a", "b"), "F1", "Hinge", "REVOLUTE", "copy1"),
+    )
+    rows[2] = replace(rows[2], mate=None)
+    loops = [
+        loop(kind, "link1", "link2", pose(rng), pose(rng), name=f"loop{index}", lever=0.07)
+        for index, kind in enumerate(LOOPS)
+    ]
+    robot = robot_with(
+        rows,
+        loops=loops,
+        relations=[Relation("belt", turn.name, slide.name, -2.5, 0.125)],
+        frames=[
+            Frame("tip", "link2", frozen(pose(rng)), "Tip"),
+            Frame("own", "link1", frozen(at(1, 0, 0)), ""),
+        ],
+        world_from_root=pose(rng),
+        given={"link1": solid(3.0)},
+        shapes={"link2": (BOX, ROD)},
+        fixed=False,
+    )
+    (part,) = robot.links[1].parts
+    flip = np.diag([-1.0, 1.0, 1.0, 1.0])
+    part = replace(
+        part,
+        link_from_part=frozen(part.link_from_part @ flip),
+        world_from_part=frozen(part.world_from_part @ flip),
+        collides=False,
+        seen=False,
+        standard=True,
+        estimated=True,
+    )
+    links = (robot.links[0], replace(robot.links[1], parts=(part,)), *robot.links[2:])
+    return replace(
+        robot,
+        links=links,
+        transmissions=(Transmission("t", turn.name, "Simple", 50.0, ("effort", "position")),),
+        keyframes=(Keyframe("up", ((turn.name, 0.5),)),),
+        mobility=replace(robot.mobility, redundant=(("loop1", 2),)),
+    )
+
+
+ACTUATION = Actuation(
+    actuators=(
+        Actuator("servo", "link1_joint", "position", 2.0, 30.0, 1.5, (-1, 1), (-5, 5), (("ki", "0.1"),), 0.3),
+        Actuator("push", "link2_joint", "motor", motor="sts3215", sources=(("kp", "a paper"),)),
+    ),
+    armatures=(Armature("link1_joint", 0.003, "driven"),),
+    compensated=(("link1", 0.5),),
+    compensating=("link1_joint",),
+)
+SENSING = Sensing(
+    (
+        Sensor("turned", "jointpos", "joint", "link1_joint", noise=0.01, cutoff=3.0),
+        Sensor("touched", "touch", "site", "pad", shape="box", size=(0.1, 0.2, 0.3)),
+        Sensor("where", "framepos", "xbody", "link1", "xbody", "link2"),
+        Sensor("time", "clock"),
+    ),
+    (
+        SensorSite("pad", "link1", frozen(at(0, 0, 1)), "sphere", (0.02,)),
+        SensorSite("p", "base", at(0, 1, 0)),
+    ),
+    (SensorCamera("eye", "link2", frozen(at(0, 1, 1)), 45.0, (640, 480)),),
+)
+GEOMETRY = Geometry(
+    (
+        Shape("link1", "collision", "a.stl", None, 8, 12, 0.25, 0.125, None, None, None, 1),
+        Shape("link1", "visual", "b.obj", (0.1, 0.2, 0.3, 0.4), 8, 12, 0.25, 0.125, texture="c.png"),
+        Shape(
+            "link2",
+            "collision",
+            None,
+            None,
+            0,
+            0,
+            0.22,
+            0.006,
+            Primitive("box", (0.1, 0.2, 0.3), at(0, 0, 0.1)),
+            ContactProperties((1, 0.1, 0.01), 4, (0.01, 1), (0.9, 0.95, 0.001, 0.5, 2), 0.001, 3),
+        ),
+    ),
+    {},
+    self_contact=True,
+    excludes=(Exclude("link1", "link2", "Always", 0.002, ((0, 0),)), Exclude("base", "link1", "User", 0.0)),
+    touching=(Touch("base", "link2", 0.001),),
+)
+FORM = UrdfForm(
+    False, (LinearCoupling("link1_joint", "link2_joint", 2.0, 0.5, 0.0, True, -1, 1),), ("loop0",)
+)
+AMENDMENTS = Amendments(
+    (Amendment("elements.cam", "robot.xml", "body link1", ("site cam",), ("pos",)),),
+    (Surplus("robot.xml", 1, 2, 3),),
+)
+KNOWN = ACTUATION, FORM, MjcfForm(("link0",)), SENSING
+
+
+def text(robot: Robot) -> bytes:
+    start = saved_configuration(robot)
+    files = ["robot.xml", "assets/a.stl"]
+    return describe(robot, start, *KNOWN, None, AMENDMENTS, None, GEOMETRY, files)
+
+
+def read(robot: Robot) -> Truth:
+    return described(text(robot))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_everything_is_read_back(seed: int) -> None:
+    robot = whole(seed)
+    found = read(robot)
+    assert differences(robot, found.robot, NEAR, {"base": "", "keyframes": ""}) == []
+    assert found.robot.base.joint == "base_free"
+    assert found.robot.keyframes == robot.keyframes
+    pairs = [(ACTUATION, found.actuation), (FORM, found.form), (SENSING, found.sensing)]
+    pairs += [(GEOMETRY, found.geometry), (AMENDMENTS, found.amendments)]
+    for one, other in pairs:
+        assert differences(one, other, NEAR, {"files": ""}) == []
+    assert found.mjcf_form == MjcfForm(("link0",))
+    assert found.files == ("assets/a.stl", "robot.xml")
+
+
+def test_what_a_build_that_ends_early_leaves_is_read_too() -> None:
+    robot = whole(0)
+    found = described(describe(robot, saved_configuration(robot)))
+    assert found.geometry is None
+    assert found.files == ()
+    assert found.form == UrdfForm()
+
+
+def leaves(value: Any, path: tuple[Any, ...] = ()) -> Any:
+    pairs = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for key, one in pairs:
+        yield from leaves(one, (*path, key))
+    if not isinstance(value, dict | list):
+        yield path
+
+
+def test_no_value_of_a_wrong_type_is_anything_but_a_named_error() -> None:
+    """Each value in its turn as a text, a table, or nothing: it is refused with its name, or not read."""
+    table = json.loads(text(whole(0)))
+    refused = 0
+    for number, path in enumerate(leaves(table)):
+        above = table
+        for key in path[:-1]:
+            above = above[key]
+        kept = above[path[-1]]
+        above[path[-1]] = ({"x": 1}, "\0", [], None)[number % 4]
+        try:
+            described(json.dumps(table).encode())
+        except RobotJsonError:
+            refused += 1
+        above[path[-1]] = kept
+    assert refused > 500
+
+
+@pytest.mark.parametrize("data", [b"", b"[", b"[]", b"null", b"\xff", b"{}", b"[" * 100_000, b'{"a": 1e999}'])
+def test_what_is_no_robot_json_is_refused(data: bytes) -> None:
+    with pytest.raises(RobotJsonError):
+        described(data)
