@@ -47,10 +47,9 @@ def trial_run(model: Any, seconds: float = SECONDS, opening: float = OPEN) -> Tr
     with listening():
         for done in range(steps):
             mujoco.mj_step(model, data)
-            warned = [index for index, warning in enumerate(data.warning) if warning.number]
             time = (done + 1) * model.opt.timestep
-            if warned or not np.isfinite(data.qpos).all():
-                return Trial(_words(warned), time, _joints(model, data, warned), most, _name(model, loop))
+            if found := failure(model, data):
+                return Trial(found[0], time, found[1], most, _name(model, loop))
             now, which = _opening(model, data)
             if now > most:
                 most, loop = now, which
@@ -58,6 +57,15 @@ def trial_run(model: Any, seconds: float = SECONDS, opening: float = OPEN) -> Tr
                 text = f"{_name(model, loop)} opened by {most:.2g}"
                 return Trial(text, time, _of_equality(model, loop), most, _name(model, loop))
     return Trial("", steps * model.opt.timestep, (), most, _name(model, loop))
+
+
+def failure(model: Any, data: Any) -> tuple[str, tuple[str, ...]] | None:
+    """What went wrong since the data was reset, in words, and the names of the joints that it began with;
+    None for nothing."""
+    warned = [index for index, warning in enumerate(data.warning) if warning.number]
+    if warned or not np.isfinite(data.qpos).all():
+        return _words(warned), _joints(model, data, warned)
+    return None
 
 
 def _opening(model: Any, data: Any) -> tuple[float, int]:

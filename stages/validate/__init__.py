@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from stages.validate.keys import ValidateKeys
     from stages.validate.own import OwnCheck
 
-VERSION = 20
+VERSION = 21
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -40,7 +40,15 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
     "self_contact": ("mjcf",),
     "contact_filter": ("mjcf",),
     "options": ("simulated",),
+    "inertial": ("simulated",),
+    "mass_ratio": ("simulated",),
+    "start": ("simulated",),
     "trial": ("simulated",),
+    "rest": ("simulated",),
+    "control_noise": ("simulated",),
+    "time_step": ("simulated",),
+    "energy": ("simulated",),
+    "torque": ("simulated",),
     "shapes": ("mjcf",),
     "colliders": ("mjcf",),
     "bare_links": ("mjcf",),
@@ -80,13 +88,15 @@ def validate(
     from stages.robot.actuation import NONE
     from stages.robot.amendments import UNCHANGED
     from stages.robot.sensing import NOTHING
+    from stages.validate.asked import Asked, known_payload
     from stages.validate.run import check_files, check_read_back, readiness
 
     checks = {} if keys.validate.level == "quick" else CHECKS
     forms = form or form_with(robot), mjcf_form or mjcf_written.form_with(robot)
     known = (actuation or NONE, geometry, *forms, sensing or NOTHING, amendments or UNCHANGED)
+    asked = Asked(keys.validate.level == "strict", known_payload(robot, keys.validate.payload))
     read_back = check_read_back(folder, robot, READ_BACK, known[0], quick=not checks)
-    found = [*check_files(folder, robot, ENGINES, checks, *known, own if checks else ()), *read_back]
+    found = [*check_files(folder, robot, ENGINES, checks, *known, own if checks else (), asked), *read_back]
     if checks:
         found += readiness(folder, robot, found, ENGINES, geometry, forms[1])
     return tuple(found)

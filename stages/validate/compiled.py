@@ -13,6 +13,7 @@ from stages.robot.fusing import Holders
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
 from stages.robot.sensing import NOTHING, Sensing
+from stages.validate.asked import AS_STANDARD, Asked
 
 FileKind = Literal["mjcf", "urdf", "scene", "simulated"]
 """What a file is to a check. simulated: the scene, or the MJCF where there is no scene; it is that too."""
@@ -45,7 +46,8 @@ class CompiledModel:
     """A compiled model, the file that it was compiled from, and the robot, with what drives it and its shapes
     (None where nothing is known of them) and what measures it, that it must agree with. `closed`: the robot's
     loops that a URDF closes by its relations; `held`: the bodies of an MJCF that have links, and where;
-    `amendments`: what the user's own XML changed in the files."""
+    `amendments`: what the user's own XML changed in the files; `asked`: what the configuration asks of the
+    checks."""
 
     path: Path
     model: Any
@@ -56,6 +58,7 @@ class CompiledModel:
     sensing: Sensing = NOTHING
     held: Holders = field(default_factory=dict)
     amendments: Amendments = UNCHANGED
+    asked: Asked = AS_STANDARD
 
     @property
     def surplus(self) -> Surplus:

@@ -4,9 +4,9 @@ import warnings
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator
+from pydantic import AfterValidator, Field
 
-from stages.robot.keys import Keys, Text, example, invalid
+from stages.robot.keys import Keys, Positive, Text, example, invalid
 
 
 def _with_target(entry: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -23,6 +23,11 @@ class ValidateSection(Keys):
     level: Literal["quick", "standard", "strict"] = "standard"
     """Which checks run. quick: the files compile; standard: they also describe the same robot, and a
     simulation of 2 s is stable; strict: as standard, and a warning counts as a failed check."""
+
+    payload: Annotated[dict[Text, Positive], example({"tool": 0.5})] = Field(default_factory=dict)
+    """Masses [kg] that the robot shall carry beside its own, by the link or the frame where they are: of a
+    link at its centre of mass, of a frame at its origin. The check of torques counts them; no file has
+    them."""
 
     checks: Annotated[
         tuple[Annotated[dict[Text, Any], AfterValidator(_with_target)], ...],

@@ -20,6 +20,7 @@ from stages.robot.geometry import Geometry
 from stages.robot.globs import listed
 from stages.robot.model import Robot
 from stages.robot.sensing import NOTHING, Sensing
+from stages.validate.asked import AS_STANDARD, Asked
 from stages.validate.compiled import CheckFunction, CompiledModel, Engine, FileKind, without_warnings
 from stages.validate.coordinates import missing_names
 from stages.validate.own import OwnCheck
@@ -44,6 +45,7 @@ def check_files(
     sensing: Sensing = NOTHING,
     amendments: Amendments = UNCHANGED,
     own: Sequence[OwnCheck] = (),
+    asked: Asked = AS_STANDARD,
 ) -> Iterator[Check]:
     """The results of every file in `folder` that one of the engines reads. Without `checks`, whether each
     compiles. `own`: the user's checks, of the first file."""
@@ -56,7 +58,7 @@ def check_files(
         for file in engine.files(robot.name):
             if (folder / file).exists():
                 described, shapes = (urdf, geometry) if file.endswith(".urdf") else (mjcf, solid)
-                known = (actuation, shapes, form.closed, sensing, held, amendments)
+                known = (actuation, shapes, form.closed, sensing, held, amendments, asked)
                 given = CompiledModel(folder / file, None, described, *known)
                 changes = amendments.of(file, *engine.files(robot.name)[:1] if file == SCENE else ())
                 chosen = [one for one, kinds in checks.items() if kinds_of(given.path) & {*kinds}]

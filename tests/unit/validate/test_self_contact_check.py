@@ -37,7 +37,9 @@ def found(robot: Robot, geometry: Geometry, folder: Path, *edits: tuple[str, str
     assert [one.name.split(":")[0] for one in own] == [file.name]
     assert all(one.passed == (one.value == 0) for one in own)
     assert len({one.detail for one in own}) == 1
-    assert [one for one in checks if one.fails and one not in own] == []
+    # What may collide, and how deep it starts, is judged by other checks too.
+    alike = ("C-SELF-CONTACT", "C-EXCLUDE", "C-START")
+    assert [one for one in checks if one.fails and one.code not in alike] == []
     return [one.detail for one in own if one.fails]
 
 

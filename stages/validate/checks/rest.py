@@ -1,0 +1,85 @@
+"""With the controls of `home`, the robot stays there: its actuators hold it, and it does not fall over.
+
+A warning: a robot that balances, or that has a joint that nothing drives, need not.
+"""
+
+from collections.abc import Iterator
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from stages.robot.check import Check, Finding
+from stages.robot.mujoco_warnings import listening
+from stages.robot.trial_run import EFFORT, failure
+from stages.validate.compiled import CompiledModel
+from stages.validate.coordinates import FREE, HINGE, SLIDE
+from stages.validate.running import at_keyframe
+
+CODE = "C-REST"
+
+SECONDS = 2.0
+"""The length of the run."""
+
+TURN, SLIP = 0.1, 0.02
+"""A joint may sag so far [rad, m], and a base sink or tilt, until its servos hold the weight."""
+
+SPEED = 0.1
+"""At the end it moves more slowly than this [rad/s, m/s]."""
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    """None without actuators."""
+    model = compiled.model
+    if not model.nu or not model.nq:
+        return
+    data = at_keyframe(model)
+    start = data.qpos.copy()
+    steps = round(SECONDS / model.opt.timestep)
+    with listening():
+        mujoco.mj_step(model, data, max(1, min(steps, int(EFFORT / max(1, model.nv) ** 2))))
+    if failure(model, data):
+        return  # the trial run says so
+    moved = sorted(
+        (one for joint in range(model.njnt) for one in _moved(model, data, start, joint)), reverse=True
+    )
+    far = [one for one in moved if one[0] > 1.0]
+    share, name, words = moved[0] if moved else (0.0, "", "")
+    detail = (
+        f"{data.time:.3g} s with the controls of home; the most, as a share of what may be: {name} {words}"
+    )
+    findings = [_finding(model, name, words) for _, name, words in far]
+    yield compiled.result("rests at home", not far, detail, share, 1.0, findings, "warning")
+
+
+def _moved(model: Any, data: Any, start: Any, joint: int) -> Iterator[tuple[float, str, str]]:
+    """(how far as a share of what is allowed, joint, in words) of its value and of its speed."""
+    at, dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+    kind, name = mujoco.mjtJoint(model.jnt_type[joint]), model.joint(joint).name
+    if kind in (HINGE, SLIDE):
+        off, speed = abs(float(data.qpos[at] - start[at])), abs(float(data.qvel[dof]))
+        unit = "rad" if kind == HINGE else "m"
+        yield off / (TURN if kind == HINGE else SLIP), name, f"moved by {off:.2g} {unit}"
+        yield speed / SPEED, name, f"still moves at {speed:.2g} {unit}/s"
+        return
+    if kind == FREE:
+        off = float(np.linalg.norm(data.qpos[at : at + 3] - start[at : at + 3]))
+        yield off / SLIP, name, f"moved by {off:.2g} m"
+        at += 3
+    turned = np.zeros(3)
+    mujoco.mju_subQuat(turned, data.qpos[at : at + 4].copy(), start[at : at + 4].copy())
+    angle = float(np.linalg.norm(turned))
+    yield angle / TURN, name, f"turned by {angle:.2g} rad"
+
+
+def _finding(model: Any, name: str, words: str) -> Finding:
+    joint = model.joint(name).id
+    own = [one for one in range(model.nu) if int(model.actuator_trnid[one][0]) == joint]
+    if model.jnt_type[joint] == FREE:
+        return Finding(f'joint "{name}"', "", f"the base {words}: it does not stand at home by itself")
+    if own:
+        actuator = model.actuator(own[0]).name
+        return Finding(
+            f'actuator "{actuator}"', "ctrl of the keyframe home", f"{name} {words}: it does not hold it"
+        )
+    return Finding(f'joint "{name}"', "", f"it {words}, and nothing drives it")

@@ -1,0 +1,259 @@
+"""The checks that simulate: closed forms of what they measure, and a planted fault for each."""
+
+import math
+
+import pytest
+
+from stages.robot.geometry import Geometry, Touch
+from stages.validate.checks import control_noise, energy, rest, start, time_step
+from stages.validate.energy import SECONDS, drift_of_energy
+from stages.validate.noise import control_ranges
+from tests.support.compiled import compiled_of, only
+from tests.support.robots import robot_with
+
+GRAVITY = 9.81
+
+
+def pendulum(mass: float = 1.0, length: float = 0.5, moment: float = 1e-3, joint: str = "") -> str:
+    """A body that hangs along -z, on a hinge about y."""
+    return (
+        f'<body name="bob" pos="0 0 2"><joint name="swing" axis="0 1 0" {joint}/>'
+        f'<inertial mass="{mass}" pos="0 0 {-length}" diaginertia="{moment} {moment} {moment}"/></body>'
+    )
+
+
+# --- energy -------------------------------------------------------------------------------------------------
+
+
+def test_a_pendulum_keeps_its_energy():
+    found = only(energy.check(compiled_of(pendulum())), "energy")
+    assert found.passed
+    assert 0.0 < found.value < 1e-6
+
+
+def test_the_drift_of_a_short_pendulum_is_that_of_runge_and_kutta():
+    """Small swings are those of a linear oscillator, whose energy the method of fourth order multiplies in
+    each step by 1 - z⁶/72 + z⁸/576, z = ω h."""
+    length = 1e-4
+    compiled = compiled_of(pendulum(length=length, moment=1e-13))
+    (first, found), (second, halved), *_ = drift_of_energy(compiled.model).by_step
+    for step, drift in ((first, found), (second, halved)):
+        z = math.sqrt(GRAVITY / length) * step
+        kept = (1 - z**6 / 72 + z**8 / 576) ** round(SECONDS / step)
+        # The largest kinetic energy is that of the start: the pendulum starts where it hangs.
+        assert drift == pytest.approx((1 - kept) / SECONDS, rel=0.02)
+    assert found > 1e-6
+    assert found / halved > 8
+    assert only(energy.check(compiled), "energy").passed
+
+
+@pytest.mark.parametrize("kind", ["hinge", "ball"])
+def test_a_chain_that_tumbles_keeps_its_energy(kind):
+    links = "".join(
+        f'<body name="b{n}" pos=".3 0 0"><joint name="j{n}" type="{kind}"/>'
+        '<inertial mass=".5" pos=".1 .02 .03" diaginertia=".001 .002 .0025"/>'
+        for n in range(3)
+    )
+    free = '<body name="b"><freejoint name="f"/><inertial mass="1" pos=".1 0 0" diaginertia=".01 .02 .03"/>'
+    found = only(energy.check(compiled_of(free + links + "</body>" * 4)), "energy")
+    assert found.passed
+    assert found.value > 0.0
+
+
+def test_an_inertia_of_nothing_is_an_error():
+    """Its swings, √(g / l) = 990 rad/s, are too fast for a sixteenth of the step, where ω h is 3.1."""
+    more = '<option timestep="0.05"/>'
+    found = only(energy.check(compiled_of(pendulum(length=1e-5, moment=1e-13), more=more)), "energy")
+    assert found.fails
+    assert found.findings[0].attribute == "timestep"
+
+
+def test_a_force_that_takes_energy_is_an_error(monkeypatch):
+    """A damper that is left in: the energy falls by 2 · ½ b ω² per second, where ½ I ω² is the most."""
+    monkeypatch.setattr("stages.validate.energy.PASSIVE", ())
+    text = pendulum(length=0.0, moment=1.0, joint='damping="0.01"')
+    found = only(energy.check(compiled_of(text)), "energy")
+    assert found.fails
+    assert found.value == pytest.approx((1 - math.exp(-0.02 * SECONDS)) / SECONDS, rel=1e-6)
+
+
+def test_what_takes_energy_by_design_is_left_out_and_put_back():
+    option = '<option integrator="implicitfast" density="1.2" viscosity="1"/>'
+    more = option + '<actuator><motor joint="swing"/></actuator>'
+    joint = 'damping="1" frictionloss=".1" stiffness="3" range="-.01 .01" limited="true"'
+    compiled = compiled_of(pendulum(joint=joint), more=more)
+    model = compiled.model
+    before = (model.opt.integrator, model.opt.timestep, model.opt.disableflags, model.opt.enableflags)
+    assert only(energy.check(compiled), "energy").passed
+    assert before == (model.opt.integrator, model.opt.timestep, model.opt.disableflags, model.opt.enableflags)
+
+
+# --- start --------------------------------------------------------------------------------------------------
+
+BALLS = (
+    '<geom name="floor" type="plane" size="1 1 1"/>'
+    '<body name="low" pos="0 0 {low}"><freejoint/><geom type="sphere" size=".1"/></body>'
+    '<body name="high" pos="0 0 {high}"><joint type="slide" axis="0 0 1"/>'
+    '<geom type="sphere" size=".1"/></body>'
+)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "found"),
+    [
+        (0.0996, 0.2992, {}),
+        (0.0994, 0.3, {("low", "the ground"): 0.6}),
+        (0.1, 0.293, {("high", "low"): 7.0}),
+    ],
+)
+def test_a_start_deeper_than_half_a_millimetre_is_an_error(low, high, found):
+    (result,) = start.check(compiled_of(BALLS.format(low=low, high=high)))
+    assert result.passed == (not found)
+    assert result.fails == bool(found)
+    for (one, other), depth in found.items():
+        assert result.value == pytest.approx(1e-3 * depth, abs=1e-9)
+        (finding,) = result.findings
+        assert finding.element == f'body "{one}"'
+        assert f"{depth:g} mm inside {other}" in finding.message
+
+
+HOME = '<keyframe><key name="home" qpos="0 0 {} 1 0 0 0 0"/></keyframe>'
+
+
+def test_at_qpos0_it_is_a_warning_where_there_is_a_home():
+    compiled = compiled_of(BALLS.format(low=0.05, high=0.4), more=HOME.format(0.1))
+    assert only(start.check(compiled), "start at home").passed
+    assert only(start.check(compiled), "start at qpos0").warns
+
+
+@pytest.mark.parametrize("fixed", [True, False])
+def test_in_the_ground_is_an_error_unless_the_build_reports_it_of_a_fixed_base(fixed):
+    compiled = compiled_of(
+        BALLS.format(low=0.1, high=0.4), robot_with([], fixed=fixed), more=HOME.format(0.05)
+    )
+    found = only(start.check(compiled), "start at home")
+    assert (found.fails, found.warns) == (not fixed, fixed)
+    assert "50 mm inside the ground" in found.findings[0].message
+
+
+def test_what_was_reported_is_a_warning_and_what_is_deeper_an_error():
+    text, more = BALLS.format(low=0.1, high=0.293), HOME.format(0.1)
+    for depth, fails in ((0.007, False), (0.003, True)):
+        geometry = Geometry((), {}, touching=(Touch("low", "high", depth),))
+        found = only(start.check(compiled_of(text, more=more, geometry=geometry)), "start at home")
+        assert (found.fails, found.warns) == (fails, not fails)
+
+
+# --- rest ---------------------------------------------------------------------------------------------------
+
+SERVO = (
+    '<actuator><position name="servo" joint="swing" kp="{kp}" kv="{kv}"/></actuator>'
+    '<keyframe><key name="home" qpos="{q}" ctrl="{q}"/></keyframe>'
+)
+
+
+def test_a_servo_sags_by_the_weight_over_its_stiffness():
+    """At rest kp · sag is the torque of the weight, m g l sin(q)."""
+    kp, q = 100.0, 1.0
+    found = only(rest.check(compiled_of(pendulum(), more=SERVO.format(kp=kp, kv=20, q=q))), "rests at home")
+    sag = 0.0
+    for _ in range(50):
+        sag = 0.5 * GRAVITY * math.sin(q - sag) / kp
+    assert found.passed
+    assert found.value == pytest.approx(sag / rest.TURN, rel=1e-3)
+
+
+def test_a_servo_that_is_too_weak_is_a_warning():
+    found = only(rest.check(compiled_of(pendulum(), more=SERVO.format(kp=5, kv=5, q=1.0))), "rests at home")
+    assert found.warns
+    assert found.findings[0].element == 'actuator "servo"'
+
+
+def test_a_joint_that_nothing_drives_and_a_base_that_falls_are_warnings():
+    swing = (
+        pendulum()
+        .replace("bob", "other")
+        .replace("swing", "idle")
+        .replace('axis="0 1 0"', 'axis="0 1 0" ref="60"')
+    )
+    base = '<body name="base" pos="5 0 1"><freejoint name="base"/><geom type="sphere" size=".1"/></body>'
+    text = pendulum() + swing.replace('pos="0 0 -0.5"', 'pos="-0.5 0 0"') + base
+    more = '<actuator><position joint="swing" kp="100" kv="20"/></actuator>'
+    found = only(rest.check(compiled_of(text, more=more)), "rests at home")
+    assert found.warns
+    assert {one.element for one in found.findings} == {'joint "idle"', 'joint "base"'}
+
+
+# --- control noise ------------------------------------------------------------------------------------------
+
+
+def shaky(kv: float) -> object:
+    """An arm with a servo; damping that is not integrated implicitly is unstable above 2 I / step."""
+    option = '<option integrator="Euler" timestep="0.002"/>'
+    joint = 'limited="true" range="-60 60"'
+    return compiled_of(pendulum(joint=joint), more=option + SERVO.format(kp=50, kv=kv, q=0.0))
+
+
+def test_noise_that_a_servo_bears_passes():
+    assert only(control_noise.check(shaky(5.0)), "control noise").passed
+
+
+def test_a_servo_that_noise_blows_up_is_an_error_though_it_rests():
+    """The inertia about the joint is 0.251 kg m²: above 251 N m s/rad steps of 2 ms overshoot."""
+    compiled = shaky(400.0)
+    assert only(rest.check(compiled), "rests at home").passed
+    found = only(control_noise.check(compiled), "control noise")
+    assert found.fails
+    assert found.findings[0].element == 'joint "swing"'
+
+
+def test_noise_fills_the_range_of_each_control():
+    more = (
+        '<actuator><motor joint="swing" ctrlrange="-3 5"/><position joint="swing" kp="1"/>'
+        '<motor joint="swing"/></actuator>'
+    )
+    compiled = compiled_of(pendulum(joint='range="-90 30" limited="true"'), more=more)
+    found = control_ranges(compiled.model)
+    assert found.tolist() == [[-3, 5], [pytest.approx(-math.pi / 2), pytest.approx(math.pi / 6)], [-1, 1]]
+
+
+def test_a_run_with_noise_is_the_same_every_time():
+    compiled = shaky(400.0)
+    assert control_noise.shaken(compiled.model, 1.0) == control_noise.shaken(compiled.model, 1.0)
+
+
+# --- time step ----------------------------------------------------------------------------------------------
+
+
+def spring(stiffness: float) -> object:
+    """A mass of 1 kg on a spring without damping, away from where it rests."""
+    text = (
+        '<body name="b"><joint name="s" type="slide" axis="1 0 0" stiffness="1" springref=".1"/>'
+        '<inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/></body>'
+    )
+    compiled = compiled_of(text, more='<option timestep="0.002" integrator="Euler"/>')
+    compiled.model.jnt_stiffness[0] = stiffness
+    return compiled
+
+
+@pytest.mark.parametrize(("speed", "passes"), [(400.0, True), (600.0, False)])
+def test_a_spring_that_double_the_step_does_not_resolve_is_a_warning(speed, passes):
+    """The symplectic step holds while ω h is below 2: at 4 ms up to 500 rad/s."""
+    found = list(time_step.check(spring(speed**2)))
+    assert only(found, "half the time step").passed
+    double = only(found, "double the time step")
+    assert double.passed == passes
+    assert double.warns == (not passes)
+
+
+def test_what_blows_up_at_half_the_step_is_an_error():
+    """A spring that pushes away grows as exp(ω t), whatever the step."""
+    found = only(time_step.check(spring(-(200.0**2))), "half the time step")
+    assert found.fails
+    assert found.findings[0].element == 'joint "s"'
+    assert found.findings[0].message.startswith("its ")
+
+
+@pytest.mark.parametrize("check", [energy.check, rest.check, control_noise.check, time_step.check])
+def test_what_cannot_move_is_not_simulated(check):
+    assert list(check(compiled_of('<body name="b"><geom size="1"/></body>'))) == []

@@ -1,0 +1,154 @@
+"""What each joint needs to hold the weight: closed forms, the virtual work of a loop, and a payload."""
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+from stages.robot.errors import ConfigError
+from stages.robot.kinematics import link_poses
+from stages.robot.model import Dynamics, Frame, Limits, Relation, Robot, frozen
+from stages.robot.poses import from_parts
+from stages.validate import validate
+from stages.validate.asked import Asked
+from stages.validate.checks.torque import check
+from stages.validate.compiled import CompiledModel
+from stages.validate.holding import holding
+from tests.support.building import plan_of, robot_of, write
+from tests.support.kit import Kit, four_bar
+from tests.support.robots import at, joint, robot_with, solid
+
+GRAVITY = 9.81
+AROUND_Y = from_parts(np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]]), np.zeros(3))
+"""A frame whose z axis is the y axis of the one that it stands in, and whose x axis is the same."""
+
+SERVOS = {"*": {"type": "position", "kp": 100, "kv": 10}}
+
+
+def arm(effort: float | None = None) -> Robot:
+    """Two links of 1 kg and 2 kg with their masses 0.3 m along x, on hinges about y with a range of ±1 rad;
+    the second hinge is 0.5 m along x, and a frame another 0.5 m."""
+    made = {
+        "limits": {"low_joint": Limits(-1, 1), "up_joint": Limits(-1, 1)},
+        "dynamics": Dynamics(effort=effort),
+    }
+    joints = [
+        joint("revolute", "base", "low", [0.0], place=AROUND_Y, **made),
+        joint("revolute", "low", "up", [0.0], place=at(0.5, 0, 0), **made),
+    ]
+    return robot_with(
+        joints,
+        frames=[Frame("tip", "up", frozen(at(0.5, 0, 0)), "Tip")],
+        inertials={"low": solid(1.0, (0.3, 0, 0)), "up": solid(2.0, (0.3, 0, 0))},
+    )
+
+
+def compiled(
+    robot: Robot, folder: Path, payload: Iterable[tuple[str, float]] = (), **keys: Any
+) -> CompiledModel:
+    exported = write(robot, folder, plan_of(**{"actuators": SERVOS, **keys}))
+    model = mujoco.MjModel.from_xml_path(str(folder / "robot.xml"))
+    return CompiledModel(
+        folder / "robot.xml", model, robot, exported.actuation, asked=Asked(payload=tuple(payload))
+    )
+
+
+POSES = [{"low_joint": 0.0, "up_joint": 0.0}, {"low_joint": 0.4, "up_joint": -0.9}]
+
+
+@pytest.mark.parametrize("payload", [{}, {"tip": 3.0}, {"up": 3.0}, {"low": 0.5, "tip": 0.25}])
+def test_an_arm_holds_its_weight_and_its_payload_on_its_levers(payload: dict, tmp_path: Path) -> None:
+    made = compiled(arm(), tmp_path)
+    found = holding(made.model, made.robot, POSES, payload)
+    levers = {"low": (0.3, 0.0), "up": (0.5, 0.3), "tip": (0.5, 0.5)}
+    masses = [("low", 1.0), ("up", 2.0), *payload.items()]
+    for row, pose in enumerate(POSES):
+        low, both = pose["low_joint"], pose["low_joint"] + pose["up_joint"]
+        # A turn about y moves x down.
+        upper = -sum(m * GRAVITY * math.cos(both) * levers[name][1] for name, m in masses)
+        lower = upper - sum(m * GRAVITY * math.cos(low) * levers[name][0] for name, m in masses)
+        assert found["up_joint"][row] == pytest.approx(upper, abs=1e-12)
+        assert found["low_joint"][row] == pytest.approx(lower, abs=1e-12)
+
+
+def test_a_driver_carries_what_its_follower_has(tmp_path: Path) -> None:
+    """The virtual work of a relation: the driver's force, and the follower's times its rate."""
+    robot = replace(arm(), relations=(Relation("gear", "up_joint", "low_joint", -1.5, 0.0),))
+    poses = [{"low_joint": 0.3, "up_joint": -0.45}]
+    free = holding(compiled(arm(), tmp_path).model, arm(), poses, {})
+    made = compiled(robot, tmp_path, actuators={"low_joint": {"type": "motor"}})
+    found = holding(made.model, robot, poses, {})
+    assert set(found) == {"low_joint"}
+    expected = free["low_joint"][0] - 1.5 * free["up_joint"][0]
+    assert found["low_joint"][0] == pytest.approx(expected, abs=1e-12)
+
+
+def test_one_joint_holds_a_loop_by_virtual_work(tmp_path: Path) -> None:
+    """The slope of the potential energy along the way on which the parallelogram stays closed."""
+    kit = Kit()
+    four_bar(kit)
+    plan = plan_of(actuators={"drive": {"type": "motor"}})
+    robot = robot_of(kit.document, plan)
+    write(robot, tmp_path, plan)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    model.opt.gravity = (1.0, -GRAVITY, 0.3)
+
+    def pose(q: float) -> dict[str, float]:
+        return {"drive": q, "pin": -q, "swing": q, "close": -q}
+
+    def energy(q: float) -> float:
+        poses = link_poses(robot, pose(q))
+        places = {
+            link.name: robot.world_from_root @ poses[link.name] @ np.append(link.inertial.com, 1.0)
+            for link in robot.links
+        }
+        return -sum(link.inertial.mass * places[link.name][:3] @ model.opt.gravity for link in robot.links)
+
+    for q in (0.2, 0.5, 0.9):
+        found = holding(model, robot, [pose(q)], {})
+        assert set(found) == {"drive"}
+        slope = (energy(q + 1e-5) - energy(q - 1e-5)) / 2e-5
+        assert found["drive"][0] == pytest.approx(slope, rel=1e-6)
+
+
+def test_an_effort_that_suffices_passes_and_one_that_does_not_is_a_warning(tmp_path: Path) -> None:
+    """Stretched out, 1 kg at 0.3 m and 2 kg at 0.8 m take 18.6 N m: that is `home`, and the most."""
+    need = GRAVITY * (0.3 + 2 * 0.8)
+    for effort, passes in ((1.01 * need, True), (0.99 * need, False)):
+        (found,) = check(compiled(arm(effort), tmp_path))
+        assert found.passed == passes
+        assert found.warns == (not passes)
+        assert found.value == pytest.approx(need / effort, rel=1e-9)
+    assert [one.element for one in found.findings] == ['joint "low_joint"']
+    assert found.findings[0].attribute == "actuatorfrcrange"
+    rows = {row[0]: dict(zip(found.table.header[2:], row[2:], strict=True)) for row in found.table.rows}
+    assert abs(rows["low_joint"]["holds at home"]) == pytest.approx(need, abs=1e-6)
+    assert rows["low_joint"]["can hold"] == pytest.approx(0.99 * need, abs=1e-6)
+    assert rows["up_joint"]["holds at most"] == pytest.approx(2 * GRAVITY * 0.3, rel=1e-2)
+
+
+def test_a_payload_may_be_too_much(tmp_path: Path) -> None:
+    (bare,) = check(compiled(arm(20.0), tmp_path))
+    (loaded,) = check(compiled(arm(20.0), tmp_path, [("tip", 0.5)]))
+    assert bare.passed
+    assert loaded.warns
+    assert loaded.value - bare.value == pytest.approx(0.5 * GRAVITY * 1.0 / 20.0, rel=1e-9)
+    assert "0.5 kg at tip" in loaded.detail
+
+
+def test_a_payload_is_a_key(tmp_path: Path) -> None:
+    robot = arm(20.0)
+    plan = plan_of(actuators=SERVOS, validate={"payload": {"tip": 0.5}})
+    exported = write(robot, tmp_path, plan)
+    (found,) = [one for one in validate(tmp_path, robot, plan, exported.actuation) if "torque" in one.name]
+    assert found.warns
+    assert found.value == pytest.approx(GRAVITY * 2.4 / 20.0, rel=1e-9)
+    wrong = plan_of(actuators=SERVOS, validate={"payload": {"tipp": 0.5}})
+    with pytest.raises(ConfigError, match=r"validate\.payload\.tipp") as error:
+        validate(tmp_path, robot, wrong, exported.actuation)
+    assert "tip" in error.value.hint
