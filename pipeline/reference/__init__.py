@@ -1,9 +1,9 @@
 """The reference for users: keys of the configuration, codes of diagnostics, environment variables.
 
 `KEYS.md`, `keys.json`, `keys.txt` and `robot.schema.json` are generated from the sections of the
-configuration, `PEERS.md`, for who comes from another tool, from tests/config/peers.yaml, and
-`formats/READERS.md` from `stages/export/readers.py`: `python -m tests.config.regenerate`. Imports nothing
-heavy.
+configuration, `MUTATIONS.md` from tests/support/mutations.py, `PEERS.md`, for who comes from another tool,
+from tests/config/peers.yaml, and `formats/READERS.md` from `stages/export/readers.py`: `python -m
+tests.config.regenerate`. Imports nothing heavy.
 """
 
 from pathlib import Path
@@ -12,6 +12,7 @@ _HERE = Path(__file__).parent
 
 DATA = _HERE / "keys.json"
 HELP = _HERE / "keys.txt"
+MUTATIONS = _HERE / "MUTATIONS.md"
 PAGE = _HERE / "KEYS.md"
 PEERS = _HERE / "PEERS.md"
 READERS = _HERE / "formats" / "READERS.md"

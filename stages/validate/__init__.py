@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from stages.validate.keys import ValidateKeys
     from stages.validate.own import OwnCheck
 
-VERSION = 21
+VERSION = 22
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -54,6 +54,7 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
     "bare_links": ("mjcf",),
     "hinge_axes": ("mjcf",),
     "reach": ("mjcf",),
+    "urdf_shapes": ("urdf",),
 }
 """The checks of a compiled model, in the order of the report, and of which files: modules of
 `stages/validate/checks`, each with a `CODE` and a function `check` (a `CheckFunction`). What the scene has of

@@ -9,7 +9,7 @@ from pathlib import Path
 from stages.formats import mjcf_written
 from stages.formats.mjcf_form import AS_IS as EVERY_BODY
 from stages.formats.mjcf_form import MjcfForm
-from stages.formats.urdf.as_written import as_written
+from stages.formats.urdf.as_written import as_written, holders
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.robot.actuation import NONE, Actuation
 from stages.robot.amendments import UNCHANGED, Amendment, Amendments
@@ -57,8 +57,10 @@ def check_files(
         engine: Engine = import_module(f"stages.validate.engines.{name}")
         for file in engine.files(robot.name):
             if (folder / file).exists():
-                described, shapes = (urdf, geometry) if file.endswith(".urdf") else (mjcf, solid)
-                known = (actuation, shapes, form.closed, sensing, held, amendments, asked)
+                described, shapes, of = (mjcf, solid, held)
+                if file.endswith(".urdf"):
+                    described, shapes, of = urdf, geometry, holders(robot, form)
+                known = (actuation, shapes, form.closed, sensing, of, amendments, asked)
                 given = CompiledModel(folder / file, None, described, *known)
                 changes = amendments.of(file, *engine.files(robot.name)[:1] if file == SCENE else ())
                 chosen = [one for one, kinds in checks.items() if kinds_of(given.path) & {*kinds}]

@@ -11,8 +11,9 @@ import yaml
 
 from pipeline.config.compose import HYDRA, compose_plan
 from pipeline.config.presets import OURS
-from pipeline.reference import DATA, HELP, PAGE, PEERS, READERS, SCHEMA
+from pipeline.reference import DATA, HELP, MUTATIONS, PAGE, PEERS, READERS, SCHEMA
 from tests.config import peers, readers, reference
+from tests.support import mutation_table
 
 GOLDEN = Path(__file__).parent / "golden"
 
@@ -69,6 +70,7 @@ def _hydra_section(group: str, option: str) -> Any:
 REFERENCE = {
     DATA: reference.json_text,
     HELP: reference.help_text,
+    MUTATIONS: mutation_table.markdown,
     PAGE: reference.markdown,
     PEERS: peers.markdown,
     READERS: readers.markdown,

@@ -1,0 +1,209 @@
+"""Every fault that is planted in a finished build is found, and named; what is no fault raises no alarm."""
+
+import random
+import shutil
+import tempfile
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from lxml import etree
+
+import stages.validate
+from pipeline.reference import MUTATIONS
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.random_document import documents
+from tests.support import mutation_table
+from tests.support.mutated_builds import Build, built, checks_of, rover, sample
+from tests.support.mutations import KINDS, Kind, NothingToChange, catches, plant
+
+SEED = 20261123
+"""Of the faults of the default run."""
+
+SEEDS = (7919, 104729, 1299709, 15485863, 179424673)
+
+BUILDS = {"sample": sample, "rover": rover}
+
+Builds = Callable[[str], Build]
+
+
+@pytest.fixture(scope="module")
+def builds(tmp_path_factory: pytest.TempPathFactory) -> Builds:
+    """The two builds, each made when it is first asked for."""
+    made: dict[str, Build] = {}
+
+    def get(name: str) -> Build:
+        if name not in made:
+            made[name] = BUILDS[name](tmp_path_factory.mktemp(name) / "build")
+        return made[name]
+
+    return get
+
+
+@pytest.fixture
+def fewer_checks(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only the checks that name faults: a simulation takes seconds."""
+    codes = {code for one in KINDS for code in one.codes}
+    table = stages.validate.CHECKS
+    kept = {name: of for name, of in table.items() if _code(name) in codes}
+    monkeypatch.setattr(stages.validate, "CHECKS", kept)
+
+
+def _code(check: str) -> str:
+    return str(import_module(f"stages.validate.checks.{check}").CODE)
+
+
+def called(one: Kind) -> str:
+    return f"{one.file}: {one.name}"
+
+
+@pytest.mark.usefixtures("fewer_checks")
+@pytest.mark.parametrize("one", KINDS, ids=called)
+def test_a_planted_fault_is_found_and_named(one: Kind, builds: Builds, tmp_path: Path) -> None:
+    """In the sample, or where that lacks the thing in the other robot."""
+    try:
+        build = builds("sample")
+        planted = plant(one, build.folder, build.name, tmp_path / "sample", SEED)
+        folder = tmp_path / "sample"
+    except NothingToChange:
+        build, folder = builds("rover"), tmp_path / "rover"
+        planted = plant(one, build.folder, build.name, folder, SEED)
+    checks = checks_of(folder)
+    assert catches(one, planted, checks), (planted, [check for check in checks if not check.passed])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("name", BUILDS)
+def test_faults_of_other_seeds_are_found_in_a_whole_build(
+    name: str, seed: int, builds: Builds, tmp_path: Path
+) -> None:
+    build, missed = builds(name), []
+    for number, one in enumerate(KINDS):
+        folder = tmp_path / str(number)
+        try:
+            planted = plant(one, build.folder, build.name, folder, seed, whole=True)
+        except NothingToChange:
+            continue
+        checks = checks_of(folder)
+        shutil.rmtree(folder)
+        if not catches(one, planted, checks):
+            missed.append((called(one), planted))
+    assert missed == []
+
+
+def test_there_are_faults_of_every_kind_that_others_plant() -> None:
+    assert len(KINDS) >= 45
+    assert len({called(one) for one in KINDS}) == len(KINDS)
+    assert {one.simcheck for one in KINDS} >= SIMCHECK
+
+
+SIMCHECK = {
+    "millimetre units",
+    "too small",
+    "reversed axis",
+    "zero axis",
+    "swapped limits",
+    "limits in degrees",
+    "zero inertia",
+    "inertia against the triangle inequality",
+    "negative inertia",
+    "grams as kilograms",
+    "zero mass",
+    "no inertial",
+    "missing collision",
+    "offset collision",
+    "centre of mass off the part",
+    "broken mesh path",
+    "joint inside its parent",
+}
+"""What `simcheck bench` of simcheck 0.2.0 plants."""
+
+
+def test_the_table_of_the_docs_is_true() -> None:
+    assert MUTATIONS.read_text(encoding="utf-8") == mutation_table.markdown(), (
+        "run: python -m tests.config.regenerate"
+    )
+
+
+def commented(root: etree._Element, rng: random.Random) -> None:
+    for node in rng.sample(list(root.iter("*")), 5):
+        if node.getparent() is not None:
+            node.addprevious(etree.Comment(" looked at "))
+
+
+def reordered(root: etree._Element, rng: random.Random) -> None:
+    for node in root.iter("*"):
+        items = list(node.attrib.items())
+        rng.shuffle(items)
+        node.attrib.clear()
+        node.attrib.update(items)
+
+
+def painted(root: etree._Element, _: random.Random) -> None:
+    """Other names of materials."""
+    for node in root.iter("*"):
+        for key in ("material", "name") if node.tag == "material" else ("material",):
+            if node.get(key):
+                node.set(key, f"paint_{node.get(key)}")
+
+
+def spread(root: etree._Element, rng: random.Random) -> None:
+    for node in root.iter("*"):
+        node.tail = (node.tail or "") + rng.choice(("\n", "\t ", "  \n\n"))
+        if len(node):
+            node.text = (node.text or "") + "\n   "
+
+
+def rewritten(root: etree._Element, rng: random.Random) -> None:
+    """Other digits for the same numbers."""
+    for node in root.iter("*"):
+        for key, value in node.attrib.items():
+            try:
+                numbers = [float(word) for word in value.split()]
+            except ValueError:
+                continue
+            # Whole numbers are counts: MuJoCo takes no others for some.
+            if "." in value:
+                style = rng.choice((".17g", ".16e", "+.17g"))
+                node.set(key, "  ".join(f"{number:{style}}" for number in numbers))
+
+
+HARMLESS = {
+    "comments": commented,
+    "the order of attributes": reordered,
+    "names of materials": painted,
+    "white space": spread,
+    "digits": rewritten,
+}
+
+
+@pytest.mark.usefixtures("fewer_checks")
+@pytest.mark.parametrize("edit", HARMLESS)
+@pytest.mark.parametrize("name", BUILDS)
+def test_what_means_nothing_raises_no_alarm(edit: str, name: str, builds: Builds, tmp_path: Path) -> None:
+    build = builds(name)
+    folder = shutil.copytree(build.folder, tmp_path / "edited")
+    rng = random.Random(f"{edit} {SEED}")
+    for file in (f"{build.name}.urdf", f"{build.name}.xml", "scene.xml"):
+        root = etree.parse(folder / file).getroot()
+        before = etree.tostring(root)
+        HARMLESS[edit](root, rng)
+        assert etree.tostring(root) != before
+        (folder / file).write_bytes(etree.tostring(root))
+    assert [check for check in checks_of(folder) if check.fails] == []
+    untouched = {check.name for check in checks_of(build.folder) if check.warns}
+    assert {check.name for check in checks_of(folder) if check.warns} == untouched
+
+
+@pytest.mark.slow
+@settings(max_examples=200, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)), st.booleans())
+def test_random_good_documents_raise_no_alarm(document: Document, free: bool) -> None:
+    keys = {"root": {"base": "free" if free else "auto"}, "actuators": {"*": {"type": "motor"}}}
+    with tempfile.TemporaryDirectory() as place:
+        build = built(document, Path(place) / "build", keys)
+        assert [check for check in checks_of(build.folder) if check.fails] == []
