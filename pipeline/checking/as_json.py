@@ -113,7 +113,7 @@ def _check(check: Check, verdict: Verdict, lines: ElementLines) -> dict[str, Any
                 "element": one.element,
                 "attribute": one.attribute,
                 "message": one.message,
-                "line": lines.of(file, one.element),
+                "line": lines.of(file, one.element, one.attribute),
                 "known": issue in (verdict.known or ()),
             }
             for one, issue in pairs

@@ -58,7 +58,7 @@ def _result(
     if verdict.known is not None:
         result["baselineState"] = "unchanged" if issue in verdict.known else "new"
     if file:
-        line = lines.of(file, finding.element)
+        line = lines.of(file, finding.element, finding.attribute)
         uri = _uri(PurePath(verdict.folder) / file)
         physical: dict[str, Any] = {"artifactLocation": {"uri": uri}}
         if line is not None:

@@ -43,7 +43,7 @@ def plain(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
 def test_without_arguments_the_sample_is_built_and_valid(built: Path) -> None:
     found = report(built / "outputs" / "sample")
     assert found["status"] == "built"
-    assert all(check["passed"] for check in found["checks"])
+    assert [check for check in found["checks"] if not check["passed"] and check["level"] == "error"] == []
     assert {stage["name"] for stage in found["stages"]} == {"fetch", "graph", "mesh", "export", "validate"}
     names = {path.name for path in (built / "outputs" / "sample").iterdir()}
     assert names >= {"sample.urdf", "sample.xml", "scene.xml", "assets", "robot.json", "report.json"}

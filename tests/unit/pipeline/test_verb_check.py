@@ -13,6 +13,7 @@ import pytest
 
 from pipeline.checking.as_json import as_json, baseline
 from pipeline.checking.junit import as_junit
+from pipeline.checking.lines import ElementLines
 from pipeline.checking.sarif import as_sarif
 from pipeline.checking.show import as_text
 from pipeline.checking.verdict import Verdict
@@ -24,6 +25,7 @@ from stages.robot.model import Dynamics, Limits
 from tests.support.building import plan_of, write
 from tests.support.robots import at, joint, robot_with
 
+EXCLUDE = '<contact><exclude body1="base" body2="hand"/></contact>'
 LIMITS = {"arm_joint": Limits(-1.0, 1.0)}
 
 
@@ -271,6 +273,31 @@ def test_the_sarif_has_rules_results_and_lines(folder: Path) -> None:
         assert f'name="{name}"' in text[place["region"]["startLine"] - 1]
     assert "region" not in results[2]["locations"][0]["physicalLocation"]
     assert "baselineState" not in json.loads(as_sarif(verdict(folder)))["runs"][0]["results"][0]
+
+
+def test_the_line_is_that_of_the_element_that_has_the_attribute(folder: Path) -> None:
+    lines = ElementLines(folder)
+    prims = '#usda 1.0\ndef Xform "robot"\n{\n    def PhysicsRevoluteJoint "elbow"\n    {\n    }\n}\n'
+    (folder / "robot.usda").write_text(prims)
+    changed(folder / "robot.xml", lambda text: text.replace("</mujoco>", EXCLUDE + "</mujoco>"))
+    for file, element, attribute, part in (
+        ("robot.urdf", 'joint "arm_joint"', "limit lower", "<limit"),
+        ("robot.urdf", 'joint "arm_joint"', "", '<joint name="arm_joint"'),
+        ("robot.urdf", 'link "hand"', "inertial mass", "<inertial"),
+        ("robot.xml", 'body "hand"', "pos", '<body name="hand"'),
+        ("robot.xml", 'exclude "base" "hand"', "body1, body2", "<exclude"),
+        ("robot.xml", "option", "timestep", "<option"),
+        ("robot.sdf", 'link "hand"', "inertial mass", "<inertial"),
+        ("robot.usda", 'def "elbow"', "physics:axis", "PhysicsRevoluteJoint"),
+    ):
+        line = lines.of(file, element, attribute)
+        assert line is not None, (file, element)
+        assert part in (folder / file).read_text().splitlines()[line - 1]
+    for file, element in (("robot.xml", 'body "leg"'), ("none.xml", "option"), ("robot.json", "links")):
+        assert lines.of(file, element) is None
+    assert lines.of("robot.xml", "no element") is None
+    (folder / "robot.urdf").write_text("<robot")
+    assert ElementLines(folder).of("robot.urdf", 'link "hand"') is None
 
 
 def test_the_junit_is_as_pytest_writes_it(folder: Path) -> None:
