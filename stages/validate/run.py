@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 
@@ -23,6 +24,7 @@ from stages.robot.sensing import NOTHING, Sensing
 from stages.validate.asked import AS_STANDARD, Asked
 from stages.validate.compiled import CheckFunction, CompiledModel, Engine, FileKind, without_warnings
 from stages.validate.coordinates import missing_names
+from stages.validate.guarded import guarded
 from stages.validate.own import OwnCheck
 from stages.validate.readiness.finished import Finished
 from stages.validate.readiness.score import score
@@ -86,7 +88,8 @@ def check_read_back(
         path = folder / f"{robot.name}{ending}"
         if path.exists():
             reader = import_module(f"stages.validate.{name}.read_back")
-            found = reader.check_file(path, as_driven(robot, actuation), quick=quick)
+            read = partial(reader.check_file, path, as_driven(robot, actuation), quick=quick)
+            found = guarded(f"{path.name}: checks", read)
             yield from (replace(one, code=reader.CODE) for one in found)
 
 
@@ -141,4 +144,5 @@ def _check_model(compiled: CompiledModel, checks: Sequence[str]) -> Iterator[Che
     for name in checks[:1] if missing_names(compiled) else checks:
         module = import_module(f"stages.validate.checks.{name}")
         check: CheckFunction = module.check
-        yield from (replace(one, code=one.code or module.CODE) for one in check(compiled))
+        found = guarded(f"{compiled.path.name}: {name.replace('_', ' ')}", partial(check, compiled))
+        yield from (replace(one, code=one.code or module.CODE) for one in found)

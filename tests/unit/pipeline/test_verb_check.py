@@ -106,6 +106,21 @@ def test_a_file_that_is_gone_is_missed(folder: Path, capsys: pytest.CaptureFixtu
     assert f"    → {remedy('C-PRESENT')}" in out
 
 
+def test_what_a_check_breaks_over_is_one_check_that_fails(
+    folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def breaks(compiled: Any) -> Any:
+        yield compiled.result("first", True, "well")
+        raise KeyError("leg")
+
+    monkeypatch.setattr("stages.validate.checks.joints.check", breaks)
+    found = table([str(folder / "robot.urdf")], capsys, 3)
+    assert [one["name"] for one in found["checks"] if not one["passed"]] == ["robot.urdf: joints"]
+    (broken,) = [one for one in found["checks"] if not one["passed"]]
+    assert (broken["code"], "KeyError: 'leg'" in broken["detail"]) == ("C-JOINT", True)
+    assert {"robot.urdf: first", "robot.urdf: motion"} <= {one["name"] for one in found["checks"]}
+
+
 def test_quick_looks_whether_files_compile(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     heavier(folder / "robot.urdf")
     assert run(["check", "--level", "quick", str(folder)]) == 0
