@@ -41,22 +41,32 @@ def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
     return code
 
 
-def named(plan: Plan) -> list[Any]:
-    """The functions and classes that `validate.checks` names. ConfigError where one cannot be found."""
-    entries = enumerate(plan.validate.checks)
-    return [target(entry, plan.plugins, f"validate.checks.{number}") for number, entry in entries]
+def named(plan: Plan) -> None:
+    """ConfigError where code that `validate.checks` names cannot be found. What is of no trusted module is
+    reported where the configuration is composed."""
+    for number, entry in enumerate(plan.validate.checks):
+        if covered(entry[TARGET], plan.plugins):
+            target(entry, plan.plugins, _place(number))
 
 
 def own(plan: Plan) -> "tuple[OwnCheck, ...]":
-    """The user's own checks of a build, each with its keys."""
+    """The user's own checks of a build, each with its keys. ConfigError where one cannot be found."""
     if not plan.validate.checks:
         return ()
     from stages.validate.own import OwnCheck
 
     return tuple(
-        OwnCheck(entry[TARGET], code, {key: value for key, value in entry.items() if key != TARGET})
-        for entry, code in zip(plan.validate.checks, named(plan), strict=True)
+        OwnCheck(
+            entry[TARGET],
+            target(entry, plan.plugins, _place(number)),
+            {key: value for key, value in entry.items() if key != TARGET},
+        )
+        for number, entry in enumerate(plan.validate.checks)
     )
+
+
+def _place(number: int) -> str:
+    return f"validate.checks[{number}]"
 
 
 def with_sources(known: dict[str, Any], plan: Plan) -> dict[str, Any] | None:

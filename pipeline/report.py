@@ -146,6 +146,7 @@ def findings(report: Report) -> list[str]:
             lines.append(f"    → {found.hint}")
     lines += [line for check in report.warned_checks for line in check_lines("WARNING", check)]
     lines += [line for check in report.failed_checks for line in check_lines("FAILED", check)]
+    lines += [printable(f"{one.name}: {one.detail}") for one in report.checks if one.table and one.passed]
     lines += [tally(report.checks)] if report.checks else []
     lines += spent(report)
     lines.append(printable(f"{report.heading}: {report.folder or 'in memory'}"))

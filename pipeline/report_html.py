@@ -98,8 +98,17 @@ def _checks(checks: Sequence[Mapping[str, Any]]) -> str:
     passed = groups["passed"]
     words = f'<span class="passed">{len(passed)} passed</span>'
     open_tables = "".join(_check_table(groups[word]) for word in OUTCOMES if word != "passed")
-    body = open_tables + folded(words, _check_table(passed))
+    own = "".join(_own_table(check) for check in checks if check.get("table"))
+    body = open_tables + folded(words, _check_table(passed)) + own
     return section(f"Checks: {len(passed)} of {len(checks)} passed", body) if checks else ""
+
+
+def _own_table(check: Mapping[str, Any]) -> str:
+    """What a check found beside what it does not accept."""
+    title = check["name"].rpartition(": ")[2]
+    rows = [["" if cell is None else cell for cell in row] for row in check["table"]["rows"]]
+    summary = f"{title}: {check['detail']}".removeprefix(": ")
+    return folded(text(summary), plain_table(check["table"]["header"], rows))
 
 
 OUTCOMES = ("failed", "warning", "passed")

@@ -71,7 +71,8 @@ class Finished:
 
     @property
     def scalar_joints(self) -> list[int]:
-        return [joint for joint in range(self.model.njnt) if self.model.jnt_type[joint] in (HINGE, SLIDE)]
+        kinds = self.model.jnt_type
+        return np.flatnonzero((kinds == HINGE) | (kinds == SLIDE)).tolist()
 
     @cached_property
     def home(self) -> Any:

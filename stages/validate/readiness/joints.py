@@ -78,7 +78,7 @@ def independent(finished: Finished) -> Iterator[str]:
 def _driven(finished: Finished) -> list[tuple[int, int]]:
     """The actuators of joints with one dof, each with its joint."""
     model = finished.model
-    of_joint = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+    of_joint = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
     return [
         (index, int(model.actuator_trnid[index, 0]))
         for index in range(model.nu)
@@ -103,7 +103,7 @@ def keyframe(finished: Finished) -> Iterator[str]:
         yield "write a keyframe home: keyframes"
         return
     for joint in range(model.njnt):
-        if model.jnt_type[joint] in (FREE, BALL):
+        if model.jnt_type[joint] == FREE or model.jnt_type[joint] == BALL:
             first = int(model.jnt_qposadr[joint]) + (3 if model.jnt_type[joint] == FREE else 0)
             if abs(np.linalg.norm(model.key_qpos[key][first : first + 4]) - 1) > ROUNDING:
                 yield f"normalise the quaternion of {finished.name_of('joint', joint)} at home"

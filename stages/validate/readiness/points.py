@@ -1,9 +1,16 @@
 """The 35 points of sim-readiness, by number: what a model of the grade of MuJoCo Menagerie meets."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from stages.validate.readiness import bodies, evidence, joints, text
-from stages.validate.readiness.finished import Judge
+from stages.validate.readiness.finished import Finished, Judge
+
+
+def masses(finished: Finished) -> Iterator[str]:
+    """Masses, and how the file has the inertias."""
+    yield from bodies.masses(finished)
+    yield from text.one_convention(finished)
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,7 +33,7 @@ TITLES_AND_JUDGES: tuple[tuple[str, Judge], ...] = (
     ("inertias that bodies can have", bodies.inertias),
     ("inertia and centre of mass fit what is seen", bodies.extents),
     ("masses are those of the source", evidence.same_mass),
-    ("no body too light for its neighbour; one convention for inertias", bodies.masses),
+    ("no body too light for its neighbour; one convention for inertias", masses),
     ("every body moves", bodies.moving),
     ("every frame is there by name", bodies.frames),
     ("joints have their limits, and home is within", joints.limits),

@@ -30,7 +30,7 @@ def score(finished: Finished) -> Check:
     detail = f"{passed} of {count(total, 'point')}"
     if findings:
         numbers = ", ".join(str(number) for number, _, verdict, _ in rows if verdict == MISSING)
-        detail += f"; what would raise it is under {numbers} of the table of sim-readiness in report.html"
+        detail += f"; what would raise it (points {numbers}) is in report.html"
     name = f"{finished.path.name}: sim-readiness"
     table = Table(HEADER, tuple(rows))
     return Check(name, True, detail, float(passed), float(total), CODE, "warning", table=table)

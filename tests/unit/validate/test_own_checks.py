@@ -1,0 +1,158 @@
+"""Checks of the user's own: functions and classes of trusted modules, and what goes wrong in them."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from pipeline.config.trust import covered, targets
+from pipeline.errors import ConfigError
+from pipeline.plugins import sources, target
+from stages.robot.check import Check
+from stages.validate.own import OwnCheck
+from tests.support.written import compiled_of
+
+MODEL = '<mujoco><worldbody><body name="base"><joint/><geom size=".1" mass="2"/></body></worldbody></mujoco>'
+
+
+def light(compiled, most=1.0):
+    mass = float(compiled.model.body_mass.sum())
+    yield Check("weight", mass <= most, f"{mass:g} kg", mass, most)
+
+
+class Light:
+    def __init__(self, most=1.0):
+        self.most = most
+
+    def __call__(self, compiled):
+        return list(light(compiled, self.most))
+
+
+def broken(compiled):
+    yield Check("first", True, "")
+    raise ValueError("no such motor")
+
+
+def results(code, name="my_checks.light", **keys):
+    return list(OwnCheck(name, code, keys).check(compiled_of(MODEL)))
+
+
+@pytest.mark.parametrize("code", [light, Light], ids=["function", "class"])
+def test_a_function_and_a_class_get_the_model_and_the_keys(code):
+    (heavy,) = results(code)
+    assert (heavy.name, heavy.passed, heavy.value, heavy.code) == ("robot.xml: weight", False, 2.0, "X-LIGHT")
+    assert heavy.fails
+    assert results(code, most=3.0)[0].passed
+
+
+def test_a_single_check_and_a_code_of_its_own():
+    (one,) = results(lambda compiled: Check("it", True, "", code="X-MINE"))
+    assert one.code == "X-MINE"
+    (other,) = results(lambda compiled: Check("it", True, "", code="C-MASS"))
+    assert other.code == "X-LIGHT"
+
+
+def test_an_error_is_one_message_with_its_place():
+    (one,) = results(broken, "my_checks.broken")
+    assert not one.passed
+    assert one.code == "X-BROKEN"
+    line = broken.__code__.co_firstlineno + 2
+    assert one.detail == (
+        f"my_checks.broken raised ValueError: no such motor (test_own_checks.py, line {line})"
+    )
+
+
+@pytest.mark.parametrize("gives", [None, "text", 3, [1]])
+def test_what_is_no_check_is_said(gives):
+    (one,) = results(lambda compiled: gives)
+    assert not one.passed
+    assert "shall yield checks" in one.detail
+
+
+def test_a_wrong_key_is_an_error_of_the_check():
+    (one,) = results(light, wrong=1)
+    assert "TypeError" in one.detail
+
+
+def test_a_target_is_covered_by_its_module_and_those_above_it():
+    assert covered("mine.light", ["mine"])
+    assert covered("mine.deep.light", ["mine"])
+    assert covered("mine.deep.light", ["mine.deep"])
+    assert not covered("mine_too.light", ["mine"])
+    assert not covered("mine", ["mine"])
+
+
+CHECKS = {"validate": {"checks": [{"_target_": "mine.light"}]}}
+
+
+def test_code_of_a_module_that_is_not_trusted_is_refused_and_says_how_to_trust():
+    (problem,) = targets(CHECKS, "linkwright robot=arm")
+    assert (problem.code, problem.where) == ("E-TRUST", "validate.checks[0]._target_")
+    assert problem.hint == "if you trust it: linkwright robot=arm 'plugins=[mine]'"
+    assert list(targets({**CHECKS, "plugins": ["mine"]})) == []
+    assert len(list(targets({**CHECKS, "plugins": ["other"]}))) == 1
+
+
+def test_code_anywhere_else_is_refused_whatever_is_trusted():
+    tree = {"plugins": ["os"], "vars": {"x": {"_target_": "os.system"}}}
+    assert [one.where for one in targets(tree)] == ["vars.x._target_"]
+    deeper = {"plugins": ["os"], "validate": {"checks": [{"_target_": "os.x", "y": {"_target_": "os.z"}}]}}
+    assert [one.where for one in targets(deeper)] == ["validate.checks[0].y._target_"]
+
+
+@pytest.mark.parametrize(
+    ("path", "said"),
+    [
+        ("no_such_module_here.light", "cannot be imported"),
+        ("json.light", "has no function or class light"),
+        ("os.path.join", "is of no module that plugins names"),
+    ],
+)
+def test_a_target_that_cannot_be_found(path, said):
+    with pytest.raises(ConfigError) as caught:
+        target({"_target_": path}, ["no_such_module_here", "json"], "validate.checks.0")
+    assert said in caught.value.message
+    assert caught.value.where == "validate.checks.0"
+
+
+def test_a_target_is_found():
+    assert target({"_target_": "json.dumps"}, ["json"], "") is json.dumps
+
+
+def test_the_text_of_a_plugin_is_part_of_what_is_kept(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    Path("my_light_checks.py").write_text("def light(compiled): return []\n")
+    first = sources(["my_light_checks"])
+    assert first == sources(["my_light_checks"])
+    Path("my_light_checks.py").write_text("def light(compiled): return [1]\n")
+    assert sources(["my_light_checks"]) != first
+    assert sources(["no_such_module_here"]) is None
+    assert sources(["time"]) is None
+
+
+OWN = """
+from stages.robot.check import Check
+
+def light(compiled, most):
+    mass = float(compiled.model.body_mass.sum())
+    yield Check("weight", mass <= most, f"{mass:.3g} kg of {most:g}", mass, most)
+"""
+
+
+def test_a_build_runs_them_from_the_working_folder(tmp_path):
+    (tmp_path / "my_own_checks.py").write_text(OWN)
+    words = [sys.executable, "-m", "pipeline", "robot=sample", "mesh=primitives", "output=out", "export=mjcf"]
+    own = ["validate.checks=[{_target_: my_own_checks.light, most: 0.5}]"]
+    refused = subprocess.run([*words, *own], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert refused.returncode == 2
+    assert "E-TRUST validate.checks[0]._target_" in refused.stderr
+    assert "2 problems" not in refused.stderr
+    assert "plugins=[my_own_checks]" in refused.stderr
+    done = subprocess.run(
+        [*words, *own, "plugins=[my_own_checks]"], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 3, done.stdout + done.stderr
+    assert "FAILED X-LIGHT sample.xml: weight" in done.stdout
