@@ -5,11 +5,8 @@ Besides its value each stage writes `notes.json`: the diagnostics, figures and o
 report, which a cached stage has too.
 """
 
-import functools
-import importlib.metadata
 from collections.abc import Mapping
-from importlib import import_module
-from typing import Any, Protocol
+from typing import Any
 
 from pipeline.caching import bundles
 from pipeline.caching.actions import Remembered
@@ -19,75 +16,13 @@ from pipeline.digest import sha256
 from pipeline.element_files import require_entries
 from pipeline.mesh_details import noted, shown
 from pipeline.plugins import named, own, with_sources
+from pipeline.stage_base import Stage as Stage
+from pipeline.stage_base import StageBase
+from pipeline.stage_base import installed as installed
 from stages.robot import codec
 from stages.robot.errors import ConfigError
 from stages.robot.plural import count
-
-
-@functools.cache
-def installed(library: str) -> str:
-    """The version of an installed distribution, found without importing it."""
-    try:
-        return importlib.metadata.version(library)
-    except importlib.metadata.PackageNotFoundError:
-        return "absent"
-
-
-class Stage(Protocol):
-    """A stage of a build.
-
-    `version`, which the stage's package declares, is raised when the same inputs give another result;
-    `libraries` are the distributions whose version may change the result; `modules` are its slow imports.
-    """
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def version(self) -> int: ...
-
-    @property
-    def libraries(self) -> tuple[str, ...]: ...
-
-    @property
-    def modules(self) -> tuple[str, ...]: ...
-
-    def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
-        """ConfigError for problems that can be found before the first stage runs."""
-
-    def config(self, context: BuildContext) -> Any:
-        """The stage's part of the plan, as plain data; None for a result that must not be cached."""
-
-    def force(self, context: BuildContext) -> bool:
-        """Whether the stage runs even if its result is in the cache, and replaces that result."""
-
-    def inputs(self, context: BuildContext) -> Mapping[str, str]:
-        """The digests of the files that the stage reads."""
-
-    def run(self, context: BuildContext) -> dict[str, bytes]:
-        """The stage's files, by relative path."""
-
-
-class StageBase:
-    """Defaults that most stages share."""
-
-    name: str
-    libraries: tuple[str, ...] = ()
-
-    @property
-    def modules(self) -> tuple[str, ...]:
-        return ()
-
-    @property
-    def version(self) -> int:
-        version: int = import_module(f"stages.{self.name}").VERSION
-        return version
-
-    def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
-        pass
-
-    def force(self, context: BuildContext) -> bool:
-        return False
+from stages.validate import external
 
 
 class FetchStage(StageBase):
@@ -268,7 +203,7 @@ class ExportStage(StageBase):
 
 class ValidateStage(StageBase):
     name = "validate"
-    libraries = ("numpy", "mujoco", "pin")
+    libraries = ("numpy", "mujoco", "lxml", "pin")
 
     @property
     def modules(self) -> tuple[str, ...]:
@@ -279,6 +214,7 @@ class ValidateStage(StageBase):
 
     def preflight(self, plan: Plan, environ: Mapping[str, str]) -> None:
         named(plan)
+        external.require(plan.validate.external, environ)
 
     def config(self, context: BuildContext) -> Any:
         from stages.validate.keys import ValidateKeys
@@ -287,17 +223,22 @@ class ValidateStage(StageBase):
 
     def inputs(self, context: BuildContext) -> Mapping[str, str]:
         shapes = context.digests("mesh")["mesh/geometry.json"]
-        return {**context.digests("graph"), **context.digests("export"), "mesh/geometry.json": shapes}
+        tools = external.versions(context.plan.validate.external, context.environ)
+        said = {f"external/{name}": sha256(version.encode()) for name, version in tools.items()}
+        return {**context.digests("graph"), **context.digests("export"), "mesh/geometry.json": shapes, **said}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
         from stages.validate import validate
 
+        tools = context.plan.validate.external
         with context.cache.store.scratch(context.files["export"].below(FILES)) as folder:
             checks = validate(folder, context.robot, context.plan, *context.exported, own(context.plan))
+            checks += external.check_externally(folder, context.robot.name, tools, context.environ)
         passed = sum(check.passed for check in checks)
+        passing: dict[str, Any] = {"lasts": False} if any(map(external.gave_no_verdict, checks)) else {}
         return {
             "checks.json": codec.encode_checks(checks),
-            NOTES: notes(f"{passed} of {count(len(checks), 'check')} passed"),
+            NOTES: notes(f"{passed} of {count(len(checks), 'check')} passed", **passing),
         }
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from stages.validate.keys import ValidateKeys
     from stages.validate.own import OwnCheck
 
-VERSION = 22
+VERSION = 23
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -78,8 +78,8 @@ def validate(
     amendments: "Amendments | None" = None,
     own: "Sequence[OwnCheck]" = (),
 ) -> "tuple[Check, ...]":
-    """The checks of every model file in `folder`; with `validate=quick` only that each compiles. A check
-    that fails does not stop the others. `actuation`: what drives the robot in these files;
+    """The checks of every model file in `folder`; with `validate=quick` only of its text, and that it
+    compiles. A check that fails does not stop the others. `actuation`: what drives the robot in these files;
     `geometry`: its shapes, without their files, and which of them collide; `form`: how the URDF differs
     from the robot, by default as closed loops ask; `mjcf_form`: how the MJCF does, by default with links on
     fixed joints as part of others; `sensing`: what measures the robot; `amendments`: what
@@ -90,14 +90,15 @@ def validate(
     from stages.robot.amendments import UNCHANGED
     from stages.robot.sensing import NOTHING
     from stages.validate.asked import Asked, known_payload
-    from stages.validate.run import check_files, check_read_back, readiness
+    from stages.validate.run import check_files, check_read_back, check_texts, readiness
 
     checks = {} if keys.validate.level == "quick" else CHECKS
     forms = form or form_with(robot), mjcf_form or mjcf_written.form_with(robot)
     known = (actuation or NONE, geometry, *forms, sensing or NOTHING, amendments or UNCHANGED)
     asked = Asked(keys.validate.level == "strict", known_payload(robot, keys.validate.payload))
     read_back = check_read_back(folder, robot, READ_BACK, known[0], quick=not checks)
-    found = [*check_files(folder, robot, ENGINES, checks, *known, own if checks else (), asked), *read_back]
+    found = list(check_texts(folder, robot.name, ENGINES, known[-1]))
+    found += [*check_files(folder, robot, ENGINES, checks, *known, own if checks else (), asked), *read_back]
     if checks:
         found += readiness(folder, robot, found, ENGINES, geometry, forms[1])
     return tuple(found)

@@ -38,6 +38,10 @@ class ValidateSection(Keys):
     (`stages.robot.check.Check`); or a class, made with the keys and called with the model. Their codes begin
     with `X-`."""
 
+    external: tuple[Literal["simcheck", "mjcf_doctor", "urdf_validator"], ...] = ()
+    """Checkers of other makers that look at the files too; each must be installed. A file takes 5 to 15 s.
+    What they say is in the report, and their errors fail the build."""
+
 
 with warnings.catch_warnings():
     # The section has the key's name; pydantic's own method `validate` is deprecated.

@@ -24,6 +24,7 @@ from stages.robot.sensing import NOTHING, Sensing
 from stages.validate.asked import AS_STANDARD, Asked
 from stages.validate.compiled import CheckFunction, CompiledModel, Engine, FileKind, without_warnings
 from stages.validate.coordinates import missing_names
+from stages.validate.files.run import check_folder
 from stages.validate.guarded import guarded
 from stages.validate.own import OwnCheck
 from stages.validate.readiness.finished import Finished
@@ -31,6 +32,9 @@ from stages.validate.readiness.score import score
 
 SCENE = "scene.xml"
 """The file that puts the robot into a world."""
+
+OTHERS = (".sdf", ".srdf", ".usda")
+"""Endings of files of a build that no engine reads, and that may name assets."""
 
 RUNS = "C-RUNS"
 
@@ -68,6 +72,16 @@ def check_files(
                 chosen = [one for one, kinds in checks.items() if kinds_of(given.path) & {*kinds}]
                 found, own = _check_file(given, engine, chosen, own), ()
                 yield from (_with_changes(one, changes) for one in found)
+
+
+def check_texts(folder: Path, robot: str, engines: Sequence[str], amendments: Amendments) -> Iterator[Check]:
+    """The checks of files as text, of a robot of this name, before any engine runs."""
+    models: list[str] = []
+    for name in engines:
+        models += import_module(f"stages.validate.engines.{name}").files(robot)
+    for one in check_folder(folder, models, (f"{robot}{ending}" for ending in OTHERS)):
+        file = one.name.partition(":")[0]
+        yield _with_changes(one, amendments.of(file) if file in models else ())
 
 
 def kinds_of(path: Path) -> set[FileKind]:

@@ -1,0 +1,67 @@
+"""The bodies of an MJCF by mass and size, as MuJoCo compiled it."""
+
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from stages.robot.model import Array
+from stages.robot.poses import from_parts
+from stages.validate.bare.figures import ShapeFigures, WeighedBody, box_corners
+
+_ENDLESS = (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD)
+
+
+def figures(model: Any) -> list[WeighedBody]:
+    """Every body but the world, in the order of the model."""
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    return [_body(model, data, body) for body in range(1, model.nbody)]
+
+
+def body_name(model: Any, body: int) -> str:
+    """The name of a body; of one without, its number."""
+    return str(model.body(body).name) or f"number {body}"
+
+
+def _body(model: Any, data: Any, body: int) -> WeighedBody:
+    name = body_name(model, body)
+    turn = _rotation(model.body_iquat[body])
+    inertia = turn @ np.diag(model.body_inertia[body]) @ turn.T
+    first = int(model.body_geomadr[body])
+    geoms = range(first, first + int(model.body_geomnum[body]))
+    shapes = tuple(_shape(model, geom, name) for geom in geoms if model.geom_type[geom] not in _ENDLESS)
+    parent = int(model.body_parentid[body])
+    at = f'inertial of body "{name}"'
+    return WeighedBody(
+        name,
+        body_name(model, parent) if parent else "",
+        not model.body_jntnum[body],
+        data.xpos[body].copy(),
+        float(model.body_mass[body]),
+        model.body_ipos[body].copy(),
+        inertia,
+        shapes,
+        (at, "mass"),
+        (at, "diaginertia"),
+        (at, "pos"),
+    )
+
+
+def _shape(model: Any, geom: int, body: str) -> ShapeFigures:
+    pose = from_parts(_rotation(model.geom_quat[geom]), model.geom_pos[geom])
+    corners = box_corners(model.geom_aabb[geom][:3], model.geom_aabb[geom][3:], pose)
+    collides = bool(model.geom_contype[geom] or model.geom_conaffinity[geom])
+    mesh = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH
+    own = model.geom(geom).name
+    called = f'geom "{own}"' if own else f'geom of body "{body}"'
+    element, attribute = called, "size"
+    if mesh:
+        element, attribute = f'mesh "{model.mesh(int(model.geom_dataid[geom])).name}"', "scale"
+    return ShapeFigures(corners, collides, bool(mesh), element, attribute, (called, "pos"))
+
+
+def _rotation(quat: Array) -> Array:
+    flat = np.empty(9)
+    mujoco.mju_quat2Mat(flat, quat)
+    return flat.reshape(3, 3)

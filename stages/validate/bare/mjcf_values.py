@@ -1,0 +1,141 @@
+"""The numbers of an MJCF's joints, bodies and actuators, as far as they can be judged each on its own."""
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from stages.formats.xml import Element
+from stages.validate.bare.findings import Coded, number, numbers
+from stages.validate.bare.judged import STAND_IN, in_degrees, wrong_inertia, wrong_mass
+from stages.validate.bare.mjcf_defaults import Defaults
+from stages.validate.documents import ModelDocument
+
+UNIT = 2e-2
+"""How far the length of a quaternion may be from 1: three digits are often all that is written."""
+
+_RESISTS = ("damping", "frictionloss", "armature", "stiffness")
+
+
+def look(document: ModelDocument) -> Iterator[Coded]:
+    """Directions, ranges, resistances, masses and inertias, in what is below the world; actuators."""
+    defaults = Defaults(document.root)
+    degrees = degrees_of(document)
+    for element in document.elements():
+        if any(above.tag == "worldbody" for above in element.iterancestors()):
+            given = defaults.attributes(element)
+            yield from _turned(document, element)
+            if element.tag == "joint":
+                yield from _joint(document, element, given, degrees)
+            elif element.tag == "inertial":
+                yield from _inertial(document, element)
+            elif element.tag == "geom":
+                yield from _geom(document, element, given)
+        elif element.getparent() is not None and element.getparent().tag == "actuator":
+            yield from _actuator(document, element, defaults.attributes(element))
+    yield from _radians(document, defaults, degrees)
+
+
+def degrees_of(document: ModelDocument) -> bool:
+    """Whether angles are in degrees, as they are unless the compiler says otherwise."""
+    angle = "degree"
+    for compiler in document.root.iterfind("compiler"):
+        angle = compiler.get("angle", angle)
+    return angle == "degree"
+
+
+def _turned(document: ModelDocument, element: Element) -> Iterator[Coded]:
+    quat = numbers(element.get("quat"))
+    if quat is None or len(quat) != 4:
+        return
+    length = math.hypot(*quat)
+    if length < 1e-10:
+        yield "C-DIRECTION", document.finding(element, "quat", "its length is 0: it is no rotation")
+    elif abs(length - 1.0) > UNIT:
+        yield "C-PLAUSIBLE", document.finding(element, "quat", f"its length is {length:.4g}, expected 1")
+
+
+def _joint(
+    document: ModelDocument, element: Element, given: Mapping[str, str], degrees: bool
+) -> Iterator[Coded]:
+    kind = given.get("type", "hinge")
+    axis = numbers(given.get("axis"))
+    if kind in ("hinge", "slide") and axis is not None and len(axis) == 3 and math.hypot(*axis) < 1e-10:
+        yield "C-DIRECTION", document.finding(element, "axis", "its length is 0: it has no direction")
+    for name in _RESISTS:
+        value = numbers(given.get(name))
+        if value is not None and value[0] < 0:
+            message = f"{value[0]:g} is negative: it would push the joint"
+            yield "C-LIMIT", document.finding(element, name, message)
+    for name in ("range", "actuatorfrcrange"):
+        yield from _falls(document, element, given, name)
+    ends = numbers(given.get("range")) or []
+    if kind == "hinge" and not degrees and any(in_degrees(one) for one in ends):
+        message = f"{given['range']} rad: is it in degrees?"
+        yield "C-PLAUSIBLE", document.finding(element, "range", message)
+
+
+def _falls(document: ModelDocument, element: Element, given: Mapping[str, str], name: str) -> Iterator[Coded]:
+    ends = numbers(given.get(name))
+    if ends is not None and len(ends) == 2 and ends[0] >= ends[1] and any(ends):
+        what = "is above" if ends[0] > ends[1] else "equals"
+        message = f"its lower end {ends[0]:g} {what} its upper end {ends[1]:g}"
+        yield "C-LIMIT", document.finding(element, name, message)
+
+
+def _inertial(document: ModelDocument, element: Element) -> Iterator[Coded]:
+    mass = number(element.get("mass"))
+    if mass is not None:
+        for message in wrong_mass(mass):
+            yield "C-SOLID", document.finding(element, "mass", message)
+    diagonal, full = numbers(element.get("diaginertia")), numbers(element.get("fullinertia"))
+    if mass is not None and 0 <= mass <= STAND_IN and not any([*(diagonal or []), *(full or [])]):
+        return
+    if diagonal is not None and len(diagonal) == 3:
+        for _, message in wrong_inertia(np.diag(diagonal)):
+            yield "C-SOLID", document.finding(element, "diaginertia", message)
+    if full is not None and len(full) == 6:
+        xx, yy, zz, xy, xz, yz = full
+        for _, message in wrong_inertia(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])):
+            yield "C-SOLID", document.finding(element, "fullinertia", message)
+
+
+def _geom(document: ModelDocument, element: Element, given: Mapping[str, str]) -> Iterator[Coded]:
+    for name in ("mass", "density"):
+        value = number(given.get(name))
+        if value is not None and value < 0:
+            yield "C-SOLID", document.finding(element, name, f"{value:g} is negative")
+    size = numbers(given.get("size"))
+    if size is not None and given.get("type") not in ("plane", "mesh", "hfield") and min(size) < 0:
+        yield "C-LIMIT", document.finding(element, "size", f"{given['size']}: a size is above zero")
+
+
+def _actuator(document: ModelDocument, element: Element, given: Mapping[str, str]) -> Iterator[Coded]:
+    for name in ("ctrlrange", "forcerange"):
+        yield from _falls(document, element, given, name)
+    for name in ("kp", "kv"):
+        value = number(given.get(name))
+        if value is not None and (value < 0 or (name == "kp" and value == 0)):
+            yield "C-LIMIT", document.finding(element, name, f"{value:g}: a gain is above zero")
+    if element.tag in ("position", "motor", "velocity") and not _ranged(given):
+        message = "it has no range: a control may be anything"
+        yield "C-PLAUSIBLE", document.finding(element, "ctrlrange", message)
+
+
+def _ranged(given: Mapping[str, str]) -> bool:
+    return "ctrlrange" in given or number(given.get("inheritrange", "0")) not in (0.0, None)
+
+
+def _radians(document: ModelDocument, defaults: Defaults, degrees: bool) -> Iterator[Coded]:
+    """Ranges that are in radians, where the compiler takes degrees: all of several are within one turn."""
+    hinges = []
+    for element in document.root.iterfind("worldbody//joint"):
+        given = defaults.attributes(element)
+        if given.get("type", "hinge") == "hinge" and "range" in given:
+            hinges.append((element, numbers(given["range"]) or [0.0]))
+    if degrees and hinges and all(max(map(abs, ends)) <= 2.0 * math.pi + 0.01 for _, ends in hinges):
+        element, ends = hinges[0]
+        if element in document.included:
+            return
+        message = f"{ends[0]:g} to {ends[-1]:g} degrees: is it in radians? (compiler angle)"
+        yield "C-PLAUSIBLE", document.finding(element, "range", message)

@@ -1,0 +1,164 @@
+"""A bare file in MuJoCo: whether it compiles, how it starts, and whether a second of it stays finite."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from stages.formats.xml import Element, element, parse, to_bytes
+from stages.robot.check import Check, CheckLevel, Finding
+from stages.robot.mujoco_warnings import listening
+from stages.robot.plural import count
+from stages.robot.trial_run import trial_run
+from stages.validate.asset_files import named_files
+from stages.validate.bare.mjcf_figures import body_name
+from stages.validate.documents import ModelDocument
+
+DEEP = 5e-4
+"""Contacts at the start that are deeper [m] push the robot apart."""
+
+OPEN = 1e-3
+"""A loop that is open by more [m, rad] at the start jumps when it is simulated: files have few digits."""
+
+SECONDS = 1.0
+"""The length of the trial."""
+
+_READ_BY_MUJOCO = (".stl", ".obj", ".msh")
+
+
+@dataclass(frozen=True, slots=True)
+class Started:
+    """`model`: the compiled model, None where there is none; `checks`: what was found on the way."""
+
+    model: Any
+    checks: tuple[Check, ...]
+
+
+def start(document: ModelDocument) -> Started:
+    """Compiles a document as it lies, and simulates it."""
+    urdf = document.language == "urdf"
+    name = document.path.name
+    with listening() as warnings:
+        try:
+            model = (_of_urdf(document) if urdf else _of_mjcf(document)).compile()
+        except (ValueError, RuntimeError, SyntaxError) as error:
+            message = str(error).replace(str(document.path.resolve().parent), "").strip()
+            # A URDF may be right, and still not be for MuJoCo.
+            level: CheckLevel = "warning" if urdf else "error"
+            return Started(None, (Check(f"{name}: compiles", False, message, code="C-COMPILE", level=level),))
+    heard = sorted(set(warnings))
+    checks = [
+        Check(
+            f"{name}: compiles",
+            not heard,
+            "; ".join(heard) or "no warnings",
+            float(len(heard)),
+            0.0,
+            "C-COMPILE",
+            "warning",
+        )
+    ]
+    checks += _simulated(document, model) if model.nv else []
+    return Started(model, tuple(checks))
+
+
+def _of_mjcf(document: ModelDocument) -> Any:
+    return mujoco.MjSpec.from_file(str(document.path.resolve()))
+
+
+def _of_urdf(document: ModelDocument) -> Any:
+    """The URDF with each mesh by its own path, without those that MuJoCo cannot read, and with every link; a
+    joint that floats is fixed."""
+    root = parse(document.path.read_bytes())
+    places = [one.path for one in named_files(document) if one.element.tag == "mesh"]
+    meshes = [mesh for mesh in root.iter("mesh") if mesh.get("filename", "").strip()]
+    for mesh, place in zip(meshes, places, strict=False):
+        if place is not None and place.is_file() and place.suffix.lower() in _READ_BY_MUJOCO:
+            mesh.set("filename", str(place.resolve()))
+        else:
+            _drop(mesh)
+    for settings in root.findall("mujoco"):
+        root.remove(settings)
+    own = element(root, "mujoco")
+    element(own, "compiler", strippath="false", fusestatic="false", discardvisual="false")
+    for joint in root.iterfind("joint[@type='floating']"):
+        joint.set("type", "fixed")
+    return mujoco.MjSpec.from_string(to_bytes(root).decode())
+
+
+def _drop(mesh: Element) -> None:
+    around = mesh.getparent().getparent()
+    if around is not None and around.getparent() is not None:
+        around.getparent().remove(around)
+
+
+def _simulated(document: ModelDocument, model: Any) -> Iterator[Check]:
+    name, urdf = document.path.name, document.language == "urdf"
+    level: CheckLevel = "warning" if urdf else "error"
+    data = mujoco.MjData(model)
+    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
+    if key >= 0:
+        mujoco.mj_resetDataKeyframe(model, data, key)
+    with listening():
+        mujoco.mj_forward(model, data)
+    # A URDF says neither which links may touch nor where it starts.
+    yield from () if urdf else _first_moment(name, model, data)
+    trial = trial_run(model, SECONDS, opening=np.inf)
+    detail = f"simulated for {trial.time:.3g} s without a warning"
+    tried: tuple[Finding, ...] = ()
+    if trial.failed:
+        detail = f"after {trial.time:.3g} s {trial.failed}"
+        joint = f'joint "{trial.joints[0]}"' if trial.joints else "option"
+        tried = (Finding(joint, "armature" if trial.joints else "timestep", detail),)
+    yield Check(f"{name}: trial run", not trial.failed, detail, None, None, "C-TRIAL", level, tried)
+
+
+def _first_moment(name: str, model: Any, data: Any) -> Iterator[Check]:
+    deep = tuple(_deep(model, data))
+    detail = f"nothing is deeper than {1000 * DEEP:g} mm inside another thing at the start"
+    if deep:
+        detail = f"{count(len(deep), 'pair')} deeper than {1000 * DEEP:g} mm: {_words(deep[0])}"
+    yield Check(f"{name}: start", not deep, detail, float(len(deep)), 0.0, "C-START", "warning", deep)
+    if model.neq:
+        opened = tuple(_opened(model, data))
+        detail = f"every loop and relation is closed to {OPEN:g} m or rad at the start"
+        detail = _words(opened[0]) if opened else detail
+        number = float(len(opened))
+        yield Check(f"{name}: closed", not opened, detail, number, 0.0, "C-CLOSED", "error", opened)
+
+
+def _words(finding: Finding) -> str:
+    return f"{finding.element}: {finding.message}"
+
+
+def _deep(model: Any, data: Any) -> Iterator[Finding]:
+    worst: dict[tuple[int, int], float] = {}
+    for contact in data.contact[: data.ncon]:
+        first, second = (int(model.geom_bodyid[geom]) for geom in contact.geom)
+        pair = min(first, second), max(first, second)
+        worst[pair] = max(worst.get(pair, 0.0), -float(contact.dist))
+    for (first, second), depth in sorted(worst.items(), key=lambda item: -item[1]):
+        if depth > DEEP:
+            other = body_name(model, first) if first else "world"
+            message = f'it is {1000 * depth:.2g} mm inside "{other}" at the start'
+            yield Finding(f'body "{body_name(model, second)}"', "pos", message)
+
+
+def _opened(model: Any, data: Any) -> Iterator[Finding]:
+    """Equalities that are open, by their largest error."""
+    rows = np.flatnonzero(data.efc_type[: data.nefc] == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
+    worst: dict[int, float] = {}
+    for row in rows:
+        equality = int(data.efc_id[row])
+        worst[equality] = max(worst.get(equality, 0.0), abs(float(data.efc_pos[row])))
+    for equality, error in sorted(worst.items(), key=lambda item: -item[1]):
+        if error > OPEN:
+            kind = mujoco.mjtEq(model.eq_type[equality]).name.removeprefix("mjEQ_").lower()
+            name = model.equality(equality).name
+            called = f'{kind} "{name}"' if name else f"{kind} of equality"
+            attribute = {"connect": "anchor", "weld": "relpose", "joint": "polycoef"}.get(kind, "")
+            if model.eq_objtype[equality] == mujoco.mjtObj.mjOBJ_SITE:
+                attribute = "site2"
+            yield Finding(called, attribute, f"it is open by {error:.3g} m or rad at the start")

@@ -1,0 +1,84 @@
+"""The tree of a URDF's links: one root, one parent for each other link, no cycle; and whom joints follow."""
+
+from collections.abc import Iterator
+
+from stages.formats.xml import Element
+from stages.validate.bare.findings import Coded
+from stages.validate.documents import ModelDocument
+
+
+def look(document: ModelDocument) -> Iterator[Coded]:
+    """Second parents, cycles, second roots; mimics of themselves, or of what cannot move."""
+    yield from _tree(document)
+    yield from _mimics(document)
+
+
+def _tree(document: ModelDocument) -> Iterator[Coded]:
+    links = [link for link in document.root.iterfind("link") if link.get("name")]
+    names = {link.get("name") for link in links}
+    above: dict[str, tuple[str, Element]] = {}
+    for joint in document.root.iterfind("joint"):
+        parent, child = _end(joint, "parent"), _end(joint, "child")
+        if parent not in names or child not in names:
+            continue
+        if parent == child:
+            message = f'its parent and its child are one link, "{child}"'
+            yield "C-TREE", document.finding(joint, "child", message)
+        elif child in above:
+            other = above[child][1].get("name")
+            message = f'the link "{child}" has another parent by joint "{other}"'
+            yield "C-TREE", document.finding(joint, "child", message)
+        else:
+            above[child] = parent, joint
+    for cycle in _cycles(above):
+        joint = above[cycle[0]][1]
+        way = " → ".join([*reversed(cycle), cycle[-1]])
+        yield "C-TREE", document.finding(joint, "child", f"a cycle of links: {way}")
+    roots = [link for link in links if link.get("name") not in above]
+    for link in roots[1:]:
+        first = roots[0].get("name")
+        message = f'no joint has it as its child, as the root "{first}": a robot has one root'
+        yield "C-TREE", document.finding(link, "name", message)
+
+
+def _end(joint: Element, role: str) -> str:
+    end = joint.find(role)
+    return "" if end is None else str(end.get("link", ""))
+
+
+def _cycles(above: dict[str, tuple[str, Element]]) -> Iterator[list[str]]:
+    done: set[str] = set()
+    for start in above:
+        way: list[str] = []
+        link = start
+        while link in above and link not in done:
+            done.add(link)
+            way.append(link)
+            link = above[link][0]
+        if link in way:
+            yield way[way.index(link) :]
+
+
+def _mimics(document: ModelDocument) -> Iterator[Coded]:
+    joints = {joint.get("name"): joint for joint in document.root.iterfind("joint")}
+    follows = {}
+    for name, joint in joints.items():
+        mimic = joint.find("mimic")
+        if mimic is None:
+            continue
+        driver = mimic.get("joint", "")
+        follows[name] = driver
+        if joint.get("type") in ("fixed", "floating", "planar"):
+            message = f"a {joint.get('type')} joint follows no other"
+            yield "C-MIMIC", document.finding(mimic, "joint", message)
+        elif driver in joints and joints[driver].get("type") in ("fixed", "floating", "planar"):
+            message = f'it follows "{driver}", a {joints[driver].get("type")} joint, which has no value'
+            yield "C-MIMIC", document.finding(mimic, "joint", message)
+    for name in follows:
+        way, at = [name], follows[name]
+        while at in follows and at not in way:
+            way.append(at)
+            at = follows[at]
+        if at == name:
+            words = "it follows itself" + (f", by {' → '.join(way[1:])}" if len(way) > 1 else "")
+            yield "C-MIMIC", document.finding(joints[name].find("mimic"), "joint", words)

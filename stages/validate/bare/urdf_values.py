@@ -1,0 +1,111 @@
+"""The numbers of a URDF's joints and links, as far as they can be judged each on its own."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from stages.formats.xml import Element
+from stages.validate.bare.findings import Coded, number, numbers
+from stages.validate.bare.judged import STAND_IN, in_degrees, wrong_inertia, wrong_mass
+from stages.validate.documents import ModelDocument
+
+MOVING = ("revolute", "continuous", "prismatic", "planar")
+
+_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+
+UNIT = 2e-2
+"""How far the length of an axis or a quaternion may be from 1: three digits are often all that is written."""
+
+
+def look(document: ModelDocument) -> Iterator[Coded]:
+    """Axes, limits and dynamics of joints; masses and inertias of links."""
+    for joint in document.root.iterfind("joint"):
+        if joint.get("type") in MOVING:
+            yield from _axis(document, joint)
+            yield from _limit(document, joint)
+            yield from _dynamics(document, joint)
+    yield from _without_inertial(document)
+    for inertial in document.root.iterfind("link/inertial"):
+        yield from _inertial(document, inertial)
+
+
+def _axis(document: ModelDocument, joint: Element) -> Iterator[Coded]:
+    axis = joint.find("axis")
+    vector = None if axis is None else numbers(axis.get("xyz"))
+    if vector is None or len(vector) != 3:
+        return
+    length = math.hypot(*vector)
+    if length == 0.0:
+        yield "C-DIRECTION", document.finding(axis, "xyz", "its length is 0: it has no direction")
+    elif abs(length - 1.0) > UNIT:
+        yield "C-PLAUSIBLE", document.finding(axis, "xyz", f"its length is {length:.4g}, expected 1")
+
+
+def _limit(document: ModelDocument, joint: Element) -> Iterator[Coded]:
+    limit, kind = joint.find("limit"), joint.get("type")
+    if limit is None:
+        if kind in ("revolute", "prismatic"):
+            message = f"a {kind} joint needs <limit>; one without an end is continuous"
+            yield "C-LIMIT", document.finding(joint, "limit", message)
+        return
+    for name in ("effort", "velocity"):
+        value = number(limit.get(name))
+        if value is not None and value < 0:
+            yield "C-LIMIT", document.finding(limit, name, f"{value:g} is negative")
+        elif value == 0 and kind != "planar":
+            yield "C-PLAUSIBLE", document.finding(limit, name, "0: nothing may move this joint")
+    if kind not in ("revolute", "prismatic"):
+        return
+    lower, upper = number(limit.get("lower", "0")), number(limit.get("upper", "0"))
+    if lower is None or upper is None:
+        return
+    if lower > upper:
+        message = f"{lower:g} is above the upper limit {upper:g}"
+        yield "C-LIMIT", document.finding(limit, "lower", message)
+    elif lower == upper:
+        message = f"the range is empty, {lower:g} to {upper:g}: a {kind} joint that cannot move"
+        yield "C-PLAUSIBLE", document.finding(limit, "upper", message)
+    for name, value in (("lower", lower), ("upper", upper)):
+        if kind == "revolute" and in_degrees(value):
+            yield "C-PLAUSIBLE", document.finding(limit, name, f"{value:g} rad: is it in degrees?")
+
+
+def _dynamics(document: ModelDocument, joint: Element) -> Iterator[Coded]:
+    dynamics = joint.find("dynamics")
+    for name in ("damping", "friction"):
+        value = None if dynamics is None else number(dynamics.get(name))
+        if value is not None and value < 0:
+            message = f"{value:g} is negative: it would push the joint"
+            yield "C-LIMIT", document.finding(dynamics, name, message)
+
+
+def _without_inertial(document: ModelDocument) -> Iterator[Coded]:
+    """Links with shapes, on a joint that moves, without mass: readers take none, or 1 kg."""
+    moved = {
+        joint.find("child").get("link")
+        for joint in document.root.iterfind("joint[child]")
+        if joint.get("type") in MOVING
+    }
+    for link in document.root.iterfind("link[collision]"):
+        if link.get("name") in moved and link.find("inertial") is None:
+            message = "it moves and has shapes, and no <inertial>: readers take no mass, or 1 kg"
+            yield "C-PLAUSIBLE", document.finding(link, "inertial", message)
+
+
+def _inertial(document: ModelDocument, inertial: Element) -> Iterator[Coded]:
+    mass, inertia = inertial.find("mass"), inertial.find("inertia")
+    weight = None if mass is None else number(mass.get("value"))
+    values = [] if inertia is None else [number(inertia.get(name)) for name in _MOMENTS]
+    moments = [value for value in values if value is not None and math.isfinite(value)]
+    nothing = weight is not None and 0 <= weight <= STAND_IN and not any(moments)
+    if mass is None or (inertia is None and weight):
+        what = "mass" if mass is None else "inertia"
+        yield "C-SOLID", document.finding(inertial, what, f"<inertial> has no <{what}>")
+    if weight is not None and not nothing:
+        for message in wrong_mass(weight):
+            yield "C-SOLID", document.finding(mass, "value", message)
+    if len(moments) == 6 and not nothing:
+        xx, xy, xz, yy, yz, zz = moments
+        for name, message in wrong_inertia(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])):
+            yield "C-SOLID", document.finding(inertia, name, message)

@@ -1,0 +1,138 @@
+"""A model file as XML, with what it includes: its elements, what each is called, and where it lies."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from stages.formats.own_xml import name_of
+from stages.formats.xml import Element, Malformed, parse, tag
+from stages.robot.check import Finding
+from stages.robot.plural import count
+
+Language = Literal["urdf", "mjcf"]
+
+ROOTS: dict[str, Language] = {"robot": "urdf", "mujoco": "mjcf"}
+"""The root elements of models, and the languages that they begin."""
+
+MAKERS = frozenset(["attach", "replicate", "composite", "flexcomp", "flex", "plugin", "model"])
+"""Elements of an MJCF that make others, with names and joints that are not in the text."""
+
+SHOWN = 3
+"""So many findings are written out in a check's own words."""
+
+MOST_INCLUDES = 100
+"""Files that a model may include."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ModelDocument:
+    """`root`: the model with what it includes; `included`: the elements of other files, and these files.
+    `language` is None where the root is of no model. `broken`: what of the text cannot be read."""
+
+    path: Path
+    root: Element
+    language: Language | None
+    included: dict[Element, Path]
+    broken: tuple[Finding, ...] = ()
+
+    def elements(self) -> Iterator[Element]:
+        """The elements of this file itself, in its order."""
+        return (one for one in self.root.iter() if one not in self.included)
+
+    def finding(self, element: Element, attribute: str, message: str) -> Finding:
+        """What is wrong with an attribute of an element, or with the element; the line is named."""
+        line = f" (line {element.sourceline})" if element.sourceline else ""
+        return Finding(called(element), attribute, f"{message}{line}")
+
+
+def read(path: Path) -> ModelDocument | None:
+    """The document in a file; None where the file is no XML (see `broken_text`)."""
+    try:
+        root = parse(path.read_bytes())
+    except Malformed:
+        return None
+    included: dict[Element, Path] = {}
+    language = ROOTS.get(tag(root))
+    broken = list(_include(root, path, included)) if language == "mjcf" else []
+    return ModelDocument(path, root, language, included, tuple(broken))
+
+
+def broken_text(path: Path) -> Finding | None:
+    """Why a file is no XML."""
+    try:
+        parse(path.read_bytes())
+    except Malformed as error:
+        return Finding("XML", "", error.place)
+    return None
+
+
+def called(element: Element) -> str:
+    """An element by tag and name, as `joint "elbow"`; one without a name also by what it is in."""
+    own = tag(element)
+    name = name_of(element)
+    if name:
+        return f'{own} "{name}"'
+    if own == "mesh" and element.get("file"):
+        return f'mesh "{stem(element)}"'
+    above = element.getparent()
+    while above is not None and tag(above) in _BETWEEN:
+        above = above.getparent()
+    if above is None or above.getparent() is None:
+        return own
+    return f"{own} of {called(above)}"
+
+
+_BETWEEN = ("geometry", "inertial")
+"""Elements that are only around others."""
+
+
+def stem(element: Element) -> str:
+    """The name of an asset without one: that of its file, without folder and ending."""
+    return str(element.get("file", "")).replace("\\", "/").rpartition("/")[2].rpartition(".")[0]
+
+
+def sentence(findings: tuple[Finding, ...]) -> str:
+    """The first findings in one line."""
+    shown = [
+        f"{one.element}{f' {one.attribute}' if one.attribute else ''}: {one.message}"
+        for one in findings[:SHOWN]
+    ]
+    more = len(findings) - len(shown)
+    return "; ".join(shown) + (f"; and {count(more, 'other')}" if more else "")
+
+
+def _include(root: Element, path: Path, included: dict[Element, Path]) -> Iterator[Finding]:
+    """Puts the elements of included files in the place of each <include>, as MuJoCo does; paths count from
+    the model's own folder. Gives what cannot be included."""
+    seen = {path.resolve()}
+    waiting = list(root.iter("include"))
+    while waiting:
+        node = waiting.pop(0)
+        wanted = node.get("file", "")
+        place = path.parent / wanted
+        above = node.getparent()
+        if above is None:
+            continue
+        if not wanted or not place.is_file():
+            yield Finding("include", "file", f'"{wanted}" does not exist (line {node.sourceline})')
+            above.remove(node)
+            continue
+        if place.resolve() in seen or len(seen) > MOST_INCLUDES:
+            yield Finding("include", "file", f'"{wanted}" is included already (line {node.sourceline})')
+            above.remove(node)
+            continue
+        seen.add(place.resolve())
+        try:
+            other = parse(place.read_bytes())
+        except Malformed as error:
+            yield Finding("include", "file", f'"{wanted}" is no XML: {error.place}')
+            above.remove(node)
+            continue
+        for one in other.iter():
+            included[one] = place
+        waiting += other.iter("include")
+        index = above.index(node)
+        above.remove(node)
+        for offset, child in enumerate(list(other)):
+            above.insert(index + offset, child)

@@ -1,0 +1,28 @@
+"""Every file that the model names is there, and whole."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from stages.robot.check import Finding
+from stages.validate.asset_files import named_files
+from stages.validate.documents import ModelDocument
+from stages.validate.files.whole import damage
+
+CODE = "C-ASSET"
+NAME = "assets"
+PASSED = "every file that is named is there, and whole"
+
+
+def findings(document: ModelDocument) -> Iterator[Finding]:
+    """Missing files, and files that are empty or cut short."""
+    damaged: dict[Path, str] = {}
+    for one in named_files(document):
+        if one.element in document.included or one.path is None:
+            continue
+        if not one.path.is_file():
+            yield document.finding(one.element, one.attribute, f'"{one.text}" does not exist')
+            continue
+        if one.path not in damaged:
+            damaged[one.path] = damage(one.path)
+        if damaged[one.path]:
+            yield document.finding(one.element, one.attribute, f'"{one.text}" {damaged[one.path]}')

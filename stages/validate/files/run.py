@@ -1,0 +1,72 @@
+"""The run of the checks of files: of each model in a folder, and of what lies beside them."""
+
+from collections.abc import Iterable, Iterator
+from importlib import import_module
+from pathlib import Path
+
+from stages.robot.check import Check, CheckLevel, Finding
+from stages.validate.documents import ModelDocument, broken_text, read, sentence
+from stages.validate.files import CHECKS
+from stages.validate.files.unused import unused_assets
+
+XML = "C-XML"
+
+
+_XML = (".srdf",)
+"""Endings of files that are XML, and that nothing else reads back."""
+
+
+def check_folder(folder: Path, models: Iterable[str], others: Iterable[str] = ()) -> Iterator[Check]:
+    """The checks of the model files of these names in a build's folder; that its other files are XML, where
+    they shall be; and that every asset is used."""
+    documents = []
+    for name in models:
+        if (folder / name).exists():
+            document, check = opened(folder / name)
+            yield check
+            if document is not None:
+                documents.append(document)
+                yield from check_document(document)
+    present = [name for name in others if (folder / name).exists()]
+    for name in present:
+        if name.endswith(_XML):
+            yield opened(folder / name)[1]
+    yield from unused_assets(folder, documents, present)
+
+
+def opened(path: Path) -> tuple[ModelDocument | None, Check]:
+    """The document in a file, None where it is no XML, and the check that it is, whole, and of the root that
+    its name promises."""
+    broken = broken_text(path)
+    found = [] if broken is None else [broken]
+    document = None if broken else read(path)
+    if document is not None:
+        found += document.broken
+        if path.suffix in (".urdf", ".xml") and document.language is None:
+            message = f"is no model: expected {'<robot>' if path.suffix == '.urdf' else '<mujoco>'}"
+            found.append(Finding(f"<{document.root.tag}>", "", message))
+    return document, result(path, "XML", XML, "error", found, "well formed, and all that it includes too")
+
+
+def check_document(document: ModelDocument, *, strange: bool = False) -> Iterator[Check]:
+    """The checks of one document, of a language that is known. `strange`: another program wrote it; its paths
+    may lead where they like, and its packages may lie elsewhere."""
+    if document.language is None:
+        return
+    for name in CHECKS:
+        module = import_module(f"stages.validate.files.{name}")
+        level: CheckLevel = "error"
+        if hasattr(module, "level"):
+            level = module.level(document, strange=strange)
+        yield result(document.path, module.NAME, module.CODE, level, module.findings(document), module.PASSED)
+
+
+def result(
+    path: Path, name: str, code: str, level: CheckLevel, found: Iterable[Finding], passed: str
+) -> Check:
+    """The check that passes where nothing was found."""
+    findings = tuple(found)
+    detail = passed if not findings else sentence(findings)
+    return Check(
+        f"{path.name}: {name}", not findings, detail, float(len(findings)), 0.0, code, level, findings
+    )

@@ -1,0 +1,212 @@
+"""Checkers of other makers: found on PATH, run on a copy, their words as checks. Stand-ins play them."""
+
+import json
+import stat
+import sys
+from pathlib import Path
+from typing import get_args
+
+import pytest
+
+from stages.robot.errors import ConfigError
+from stages.validate import external
+from stages.validate.external import TOOLS, check_externally, gave_no_verdict, require, versions
+from stages.validate.external import run as runs
+from stages.validate.keys import ValidateSection
+from tests.support.command import called, environment
+
+SIMCHECK = {
+    "asset": "arm.urdf",
+    "verdict": "FAIL",
+    "score": 70.0,
+    "results": [
+        {
+            "findings": [
+                {"check": "inertia.mass", "severity": "error", "message": "no mass", "target": "hand"},
+                {"check": "joints.drive", "severity": "warning", "message": "weak", "target": "wrist"},
+                {"check": "joints.mimic", "severity": "info", "message": "mimics", "target": "thumb"},
+            ]
+        }
+    ],
+}
+
+DOCTOR = [
+    {
+        "file": "scene.xml",
+        "errors": 1,
+        "warnings": 1,
+        "findings": [
+            {"level": "ERROR", "code": "nan", "subject": "elbow", "message": "it explodes"},
+            {"level": "WARN", "code": "soft", "subject": "<global>", "message": "it is soft"},
+            {"level": "INFO", "code": "stock", "subject": "<global>", "message": "it is stock"},
+        ],
+    }
+]
+
+VALIDATOR = {
+    "overall_status": "FAIL",
+    "schema": {"status": "FAIL", "critical_issues": ["[SCHEMA] no root"], "warnings": []},
+    "critical_issues": ["[INERTIA] link 'hand': negative"],
+    "warnings": ["[INERTIA] link 'base': diverges"],
+}
+
+
+def stand_in(folder: Path, program: str, code: str, version: str = "1.2.3") -> None:
+    """A program that says its version, and else runs some lines of Python."""
+    path = folder / program
+    path.parent.mkdir(parents=True, exist_ok=True)
+    lines = [
+        f"#!{sys.executable}",
+        "import json, os, sys, time",
+        f"if sys.argv[1:] == ['--version']: print('{program} {version}'); sys.exit(0)",
+        code,
+    ]
+    path.write_text("\n".join(lines) + "\n")
+    path.chmod(path.stat().st_mode | stat.S_IXUSR)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> dict[str, str]:
+    """An environment in which the stand-ins of all three are found."""
+    tools = tmp_path / "bin"
+    stand_in(tools, "simcheck", f"print(json.dumps([{SIMCHECK!r}]))")
+    stand_in(tools, "mjcf-doctor", f"print('hello'); print(json.dumps({DOCTOR!r}, indent=2))")
+    stand_in(
+        tools,
+        "urdf_validate",
+        "where = sys.argv[sys.argv.index('--output-dir') + 1]\n"
+        f"json.dump({VALIDATOR!r}, open(os.path.join(where, 'arm_validation.json'), 'w'))\n"
+        "sys.exit(2)",
+    )
+    return {"PATH": str(tools), "ONSHAPE_SECRET_KEY": "s3cret"}
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    made = tmp_path / "made"
+    made.mkdir()
+    for name in ("arm.urdf", "arm.xml", "scene.xml"):
+        (made / name).write_text("<robot/>")
+    return made
+
+
+def test_the_key_knows_the_tools():
+    (literal, _) = get_args(ValidateSection.model_fields["external"].annotation)
+    assert set(get_args(literal)) == set(TOOLS) == set(runs.USES)
+
+
+def test_what_each_says_is_a_check_of_its_own(folder, path):
+    checks = {one.name: one for one in check_externally(folder, "arm", list(TOOLS), path)}
+    assert [*checks] == [
+        "arm.urdf: simcheck 1.2.3",
+        "arm.xml: simcheck 1.2.3",
+        "scene.xml: mjcf-doctor 1.2.3",
+        "arm.urdf: urdf_validate 1.2.3",
+    ]
+    simcheck, _, doctor, validator = checks.values()
+    assert (simcheck.fails, simcheck.value) == (True, 1.0)
+    assert "FAIL, score 70; 1 error, 1 warning: no mass" in simcheck.detail
+    assert [one.element for one in simcheck.findings] == ["hand", "wrist"]
+    assert [one.element for one in doctor.findings] == ["elbow", "<global>"]
+    assert doctor.fails
+    assert [one.element for one in validator.findings] == ["hand", "", "base"]
+    assert validator.value == 2.0
+
+
+def test_warnings_alone_are_a_warning(folder, path, tmp_path):
+    doctor = [{"file": "scene.xml", "findings": [DOCTOR[0]["findings"][1]]}]
+    stand_in(tmp_path / "bin", "mjcf-doctor", f"print(''); print(json.dumps({doctor!r}, indent=2))")
+    (check,) = check_externally(folder, "arm", ["mjcf_doctor"], path)
+    assert check.warns
+
+
+def test_no_finding_passes(folder, path, tmp_path):
+    stand_in(tmp_path / "bin", "simcheck", f"print(json.dumps([{SIMCHECK | {'results': []}!r}]))")
+    assert all(one.passed for one in check_externally(folder, "arm", ["simcheck"], path))
+
+
+def test_a_tool_works_on_a_copy_and_sees_no_secret(folder, path, tmp_path):
+    seen = tmp_path / "seen"
+    stand_in(
+        tmp_path / "bin",
+        "simcheck",
+        "open('arm.urdf', 'w').write('changed')\n"
+        f"json.dump([dict(os.environ), os.getcwd(), sys.argv[1:]], open({str(seen)!r}, 'w'))\n"
+        f"print(json.dumps([{SIMCHECK!r}]))",
+    )
+    (folder / "arm.srdf").write_text("<robot/>")
+    (folder / "arm.xml").unlink()
+    check_externally(folder, "arm", ["simcheck"], path)
+    environ, where, arguments = json.loads(seen.read_text())
+    assert (folder / "arm.urdf").read_text() == "<robot/>"
+    assert Path(where) != folder
+    assert not any("s3cret" in value for value in environ.values())
+    assert arguments[:2] == ["check", "arm.urdf"]
+    assert arguments[-2:] == ["--srdf", "arm.srdf"]
+    assert not Path(where).exists()
+
+
+@pytest.mark.parametrize("code", ["sys.exit(1)", "print('[]')", "print('oops')", "os.abort()"])
+def test_a_tool_that_fails_gives_no_verdict(folder, path, tmp_path, code):
+    stand_in(tmp_path / "bin", "simcheck", code)
+    for check in check_externally(folder, "arm", ["simcheck"], path):
+        assert check.fails
+        assert "no verdict" in check.detail
+        assert gave_no_verdict(check)
+
+
+def test_a_tool_that_does_not_end_is_ended(folder, path, tmp_path, monkeypatch):
+    monkeypatch.setattr(runs, "SECONDS", 0.5)
+    stand_in(tmp_path / "bin", "mjcf-doctor", "time.sleep(60)")
+    (check,) = check_externally(folder, "arm", ["mjcf_doctor"], path)
+    assert "longer than 0.5 s" in check.detail
+    assert gave_no_verdict(check)
+
+
+def test_a_model_without_a_scene_is_looked_at_itself(folder, path):
+    (folder / "scene.xml").unlink()
+    (check,) = check_externally(folder, "arm", ["mjcf_doctor"], path)
+    assert check.name == "arm.xml: mjcf-doctor 1.2.3"
+
+
+def test_a_version_is_that_of_the_program(path, tmp_path):
+    assert versions(list(TOOLS), path) == dict.fromkeys(TOOLS, "1.2.3")
+    other = tmp_path / "other"
+    stand_in(other, "simcheck", "", version="2.0.0")
+    assert versions(["simcheck"], {"PATH": str(other)}) == {"simcheck": "2.0.0"}
+
+
+def test_a_program_that_does_not_say_its_version_has_one_all_the_same(tmp_path):
+    tools = tmp_path / "silent"
+    tools.mkdir()
+    for text in ("one", "two"):
+        program = tools / text / "simcheck"
+        program.parent.mkdir()
+        program.write_text(f"#!/bin/sh\n# {text}\nexit 3\n")
+        program.chmod(0o755)
+    one, two = (versions(["simcheck"], {"PATH": str(tools / text)})["simcheck"] for text in ("one", "two"))
+    assert one
+    assert one != two or external.TOOLS["simcheck"].command({"PATH": ""}) is not None
+
+
+def test_one_that_is_not_installed_is_an_error_that_says_how_to(monkeypatch):
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.raises(ConfigError) as caught:
+        require(["simcheck", "urdf_validator"], {"PATH": ""})
+    assert "simcheck and urdf_validate are not installed" in str(caught.value)
+    assert "pip install simcheck urdf-validator" in str(caught.value.hint)
+    require([], {"PATH": ""})
+
+
+def test_a_build_asks_before_it_begins(tmp_path):
+    done = called(
+        tmp_path,
+        "robot=sample",
+        "validate.external=[simcheck]",
+        environ=environment(tmp_path, PATH="/nowhere"),
+    )
+    if external.TOOLS["simcheck"].command({"PATH": ""}) is not None:
+        pytest.skip("simcheck is a module of this Python")
+    assert done.returncode == 2
+    assert "pip install simcheck" in done.stdout + done.stderr
+    assert not (tmp_path / "outputs").exists()
