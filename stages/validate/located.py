@@ -38,6 +38,9 @@ def _found(root: Element, text: str, urdf: bool) -> Iterator[tuple[str, str]]:
     if repeated:
         kind = "link" if urdf and repeated[2] == "body" else repeated[2]
         yield named(kind, repeated[1]), "name"
+    again = re.search(r"element '([^']+)' is repeated in equality", text)
+    if again:
+        yield named("joint", again[1]), "name"
     file = re.search(r"[Ff]ile '([^']+)'", text)
     if file:
         yield from _naming(root, PurePosixPath(file[1]).name)

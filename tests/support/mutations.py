@@ -529,11 +529,12 @@ def _(files: Files, rng: random.Random) -> Planted:
 def _(files: Files, rng: random.Random) -> Planted:
     one, link = shape(files, rng, "visual", "geometry/mesh")
     mesh = one.find("geometry/mesh")
+    own = (files.folder / mesh.get("filename")).read_bytes()
     every = {node.get("filename") for node in files.urdf.iter("mesh")}
-    own = {node.get("filename") for node in link.iter("mesh")}
-    if every == own:
+    others = sorted(name for name in every if (files.folder / name).read_bytes() != own)
+    if not others:
         raise NothingToChange
-    mesh.set("filename", rng.choice(sorted(every - own)))
+    mesh.set("filename", rng.choice(others))
     return Planted(named("link", link), ("mesh", "filename"))
 
 
@@ -1010,13 +1011,14 @@ def _(files: Files, rng: random.Random) -> Planted:
 @kind("mesh of another part", "mjcf", "C-SHAPE")
 def _(files: Files, rng: random.Random) -> Planted:
     geom = pick(files.mjcf.xpath("//body/geom[@mesh][contains(@class, 'visual')]"), rng)
-    own = {one.get("mesh") for one in geom.getparent().iterfind("geom")}
+    sizes = {path.stem: path.stat().st_size for path in (files.folder / "assets").glob("*.stl")}
     every = {one.get("mesh") for one in files.mjcf.xpath("//body/geom[@mesh][contains(@class, 'visual')]")}
-    if not every - own:
+    others = sorted(one for one in every if sizes.get(one) != sizes.get(geom.get("mesh")))
+    if not others:
         raise NothingToChange
-    geom.set("mesh", rng.choice(sorted(every - own)))
-    name, others = of_geom(geom)
-    return Planted(name, ("mesh", "pos"), others)
+    geom.set("mesh", rng.choice(others))
+    name, names = of_geom(geom)
+    return Planted(name, ("mesh", "pos"), names)
 
 
 @kind("mesh scaled to millimetres", "mjcf", "C-SHAPE", simcheck="millimetre units")

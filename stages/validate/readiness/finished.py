@@ -9,7 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.formats.xml import Element, parse
+from stages.formats.xml import Element, Malformed, parse
 from stages.robot.check import Check
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
@@ -47,7 +47,7 @@ class Finished:
         path = self.folder / "scene.xml"
         if not path.exists():
             raise Aside("no scene.xml was written")
-        return parse(path.read_bytes())
+        return _parsed(path)
 
     @cached_property
     def urdf(self) -> Element:
@@ -55,7 +55,7 @@ class Finished:
         path = self.folder / f"{self.robot.name}.urdf"
         if not path.exists():
             raise Aside("no URDF was written")
-        return parse(path.read_bytes())
+        return _parsed(path)
 
     @cached_property
     def shapes(self) -> dict[int, tuple[list[int], list[int]]]:
@@ -95,6 +95,14 @@ class Finished:
         if not own:
             raise Aside(otherwise)
         yield from (f"{one.name}: {one.detail}" for one in own if not one.passed)
+
+
+def _parsed(path: Path) -> Element:
+    """The root of a file, which may have been broken since it was written."""
+    try:
+        return parse(path.read_bytes())
+    except Malformed:
+        raise Aside(f"{path.name} is no XML") from None
 
 
 Judge = Callable[[Finished], Iterable[str]]

@@ -1,0 +1,102 @@
+"""The parity of files with the robot: what the check says, and the dynamics that it compares with."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stages.robot.check import Check
+from stages.robot.dynamics import mass_matrix
+from stages.robot.model import Limits
+from stages.robot.statics import holding_forces
+from stages.validate import validate
+from stages.validate.random_poses import POSES, samples
+from stages.validate.tree_dynamics import dynamics
+from tests.support.building import plan_of, write
+from tests.support.robots import joint, pose, robot_with
+
+PLACES = [pose(np.random.default_rng(seed)) for seed in range(3)]
+
+
+def arm():
+    """A turn, then a slide and a turn of one joint."""
+    joints = [
+        joint("revolute", "base", "arm", place=PLACES[0], limits={"arm_joint": Limits(-1, 1)}),
+        joint("cylindrical", "arm", "hand", [0.0, 0.0], place=PLACES[1]),
+    ]
+    return robot_with(joints)
+
+
+def checks_in(folder: Path) -> list[Check]:
+    robot = arm()
+    checks = validate(folder, robot, plan_of())
+    return [check for check in checks if check.code == "C-PARITY"]
+
+
+def test_each_file_is_compared_in_each_engine(tmp_path: Path) -> None:
+    pytest.importorskip("pinocchio")
+    write(arm(), tmp_path)
+    checks = checks_in(tmp_path)
+    assert [check.name for check in checks] == [
+        "robot.xml: parity in MuJoCo",
+        "robot.urdf: parity in MuJoCo",
+        "robot.urdf: parity in Pinocchio",
+    ]
+    assert all(check.passed and check.value < 1e-10 for check in checks)
+
+
+def test_without_pinocchio_the_check_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("stages.validate.checks.parity.installed", lambda: False)
+    write(arm(), tmp_path)
+    mjcf, urdf = checks_in(tmp_path)
+    assert "not installed" not in mjcf.detail
+    assert "Pinocchio is not installed (pip install 'pin" in urdf.detail
+
+
+def test_a_tensor_a_little_off_is_found_in_the_mass_matrix(tmp_path: Path) -> None:
+    write(arm(), tmp_path)
+    file = tmp_path / "robot.xml"
+    text = file.read_text()
+    at = text.index('mass="', text.index('<body name="hand"')) + len('mass="')
+    end = text.index('"', at)
+    file.write_text(text[:at] + repr(float(text[at:end]) * (1 + 1e-7)) + text[end:])
+    found = checks_in(tmp_path)[0]
+    assert not found.passed
+    assert {one.attribute for one in found.findings} == {"inertial"}
+    assert {one.element for one in found.findings} <= {
+        'joint "arm_joint"',
+        'joint "hand_joint_slide"',
+        'joint "hand_joint_turn"',
+    }
+
+
+def test_samples_are_within_limits_and_the_same_every_time() -> None:
+    values, speeds = samples(arm())
+    again, _ = samples(arm())
+    assert speeds.shape == (POSES, 3)
+    assert np.abs(values["arm_joint"]).max() <= 1
+    assert all((values[name] == again[name]).all() for name in values)
+
+
+def test_the_dynamics_are_those_of_the_robots_own_mass_matrix_and_statics() -> None:
+    """The bias is that of Lagrange's equations: Ṁ q̇ − ∂T/∂q, by differences."""
+    robot = arm()
+    values, speeds = samples(robot)
+    up = np.tile([0.0, 0.0, 9.81], (POSES, 1))
+    found = dynamics(robot, values, speeds, up)
+    forces = holding_forces(robot, values, up[0])
+    names = [dof.name for dof in robot.dofs]
+    for at, name in enumerate(names):
+        assert np.abs(forces[name][:, 0] - found.gravity[:, at]).max() < 1e-9
+    for index in (0, 7, 42):
+        q = np.array([values[name][index] for name in names])
+
+        def mass(q: np.ndarray) -> np.ndarray:
+            return mass_matrix(robot, dict(zip(names, map(float, q), strict=True)))
+
+        assert np.abs(mass(q) - found.mass[index]).max() < 1e-9
+        v, step = speeds[index], 1e-5
+        rates = [(mass(q + step * unit) - mass(q - step * unit)) / (2 * step) for unit in np.eye(len(names))]
+        change = sum(speed * rate for speed, rate in zip(v, rates, strict=True))
+        expected = change @ v - 0.5 * np.array([v @ rate @ v for rate in rates])
+        assert np.abs(expected - found.bias[index]).max() < 1e-7
