@@ -4,6 +4,7 @@ The other joints stay at `home`, but for those that follow by a relation or a cl
 `home` already is no finding here.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
@@ -25,6 +26,10 @@ STEPS = 24
 
 DEEP = 5e-4
 """Links that are in each other by less [m] touch."""
+
+TURN = 2.0 * np.pi
+OPEN = 1e3
+"""A slide's limit that is further [m] is none."""
 
 HEADER = ("joint", "link", "other link", "from, rad or m", "deepest at, rad or m", "depth, mm")
 
@@ -81,11 +86,11 @@ def _swept(
     looked at: from `home` to the one end, and to the other."""
     found: dict[tuple[tuple[int, int], float], Meeting] = {}
     value = follower.start[model.jnt_qposadr[joint]]
-    low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (value - np.pi, value + np.pi)
-    step, tried = (high - low) / STEPS, 0
+    low, high = _range(model, joint, value)
+    step, tried = max(high - low, 1e-12) / STEPS, 0
     for end in (low, high):
         pose = follower.start
-        for at in np.linspace(value, end, max(1, round(abs(end - value) / step)) + 1)[1:]:
+        for at in np.linspace(value, end, math.ceil(abs(end - value) / step - 1e-6) + 1)[1:]:
             moved = follower.at(joint, float(at), pose)
             if moved is None:
                 break
@@ -100,6 +105,15 @@ def _swept(
                 if depth > known.depth:
                     known.depth, known.deepest = depth, float(at)
     return found, tried
+
+
+def _range(model: Any, joint: int, value: float) -> tuple[float, float]:
+    """The ends between which a joint is swept. A side that has no limit is written as a number that nothing
+    reaches: a hinge turns at most once, and a slide stays where it has none."""
+    low, high = model.jnt_range[joint] if model.jnt_limited[joint] else (value - np.pi, value + np.pi)
+    if model.jnt_type[joint] == HINGE:
+        return max(low, value - TURN), min(high, value + TURN)
+    return (low if low > value - OPEN else value), (high if high < value + OPEN else value)
 
 
 def _contacts(model: Any, data: Any) -> dict[tuple[int, int], float]:

@@ -71,6 +71,13 @@ def test_a_joint_without_a_range_turns_once():
     assert back > 3.0 - 2 * math.asin(RADIUS / LONG)
 
 
+def test_a_side_without_a_limit_is_one_turn():
+    """As a file says that a joint is limited on one side: by a number that nothing reaches."""
+    rows, _ = found(two(END).replace(f'range="-{END} {END}"', 'range="-1e6 1.5"'))
+    assert len(rows) == 2
+    assert {-2 * math.pi < row[4] <= 1.5 for row in rows} == {True}
+
+
 GEAR = '<equality><joint joint1="post" joint2="arm" polycoef="0 -1 0 0 0"/></equality>'
 
 
