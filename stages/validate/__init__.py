@@ -34,6 +34,7 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
     "parity": ("mjcf", "urdf"),
     "relations": ("mjcf", "urdf"),
     "loops": ("mjcf", "urdf"),
+    "loop_ends": ("urdf",),
     "keyframes": ("mjcf",),
     "actuators": ("mjcf",),
     "sensors": ("mjcf",),

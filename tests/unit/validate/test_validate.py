@@ -328,6 +328,14 @@ MORE_FAULTS = {
     ),
     "a turn of a ball": ("robot.urdf", first_number(r'<joint name="ball_joint_y".*?<axis xyz', "1")),
     "a floating joint moved": ("robot.urdf", first_number(r'<joint name="loose_joint".*?<origin xyz', "9")),
+    "a loop's first frame moved": (
+        "robot.urdf",
+        first_number(r'<joint name="ball_loop_a_fixed".*?<origin xyz', "9"),
+    ),
+    "a loop's second frame lost": (
+        "robot.urdf",
+        drop(r'<link name="fixed_loop_b"/>\s*<joint name="fixed_loop_b_fixed".*?</joint>'),
+    ),
     "a floating joint fixed": ("robot.urdf", swap('type="floating"', 'type="fixed"')),
 }
 
