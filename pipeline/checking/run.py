@@ -1,7 +1,5 @@
 """Makes the checks of a folder or a file, against its robot.json or, without one, by themselves."""
 
-from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -13,11 +11,8 @@ if TYPE_CHECKING:
     from stages.formats.described import Truth
 
 TRUTH = "robot.json"
-BARE = "stages.validate.bare"
-"""Where the checks of a file are that stands alone."""
-
 ENDINGS = (".urdf", ".xml", ".sdf", ".usda")
-ALONE = (".urdf", ".xml")
+ALONE = (".urdf", ".xml", ".mjcf")
 """Endings of the files of a build, and of those that are checked without a robot.json, too."""
 
 _HINT = "give the output folder of a build, or a URDF or MJCF file"
@@ -32,7 +27,7 @@ def checked(asked: str, level: str) -> Verdict:
         path = path.parent
     if path.is_dir():
         return _folder(path, asked, level)
-    if path.suffix not in ENDINGS:
+    if path.suffix not in (*ENDINGS, *ALONE):
         raise OutputError(f"its name ends in none of {', '.join(ENDINGS)}", asked, _HINT)
     truth = _truth(path.parent)
     if truth is not None and path.name in _files_of(truth.robot.name):
@@ -87,16 +82,11 @@ def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
 
 def _bare(path: Path, asked: str, level: str) -> Verdict:
     """The checks of a file, or of all in a folder, that nothing is known of but what they say."""
+    from stages.validate.bare import check_bare
+
     folder = path if path.is_dir() else path.parent
     note = f"there is no {TRUTH} of this robot beside it: nothing is compared with CAD"
-    if find_spec(BARE) is not None:
-        found: tuple[Check, ...] = import_module(BARE).check_bare(path)
-        return Verdict(asked, str(folder), "", level, found, (note,))
-    from stages.validate.engines.mujoco_engine import load
-
-    note = f"there is no {TRUTH} of this robot beside it: only whether it compiles is checked"
-    checks = tuple(load(file).check for file in (_models(path) if path.is_dir() else [path]))
-    return Verdict(asked, str(folder), "", level, checks, (note,))
+    return Verdict(asked, str(folder), "", level, check_bare(path), (note,))
 
 
 def _models(folder: Path) -> list[Path]:

@@ -158,8 +158,12 @@ def test_a_file_without_a_robot_json_is_checked_by_itself(
         assert found["robot"] is None
         assert "there is no robot.json" in found["notes"][0]
         assert found["checks"]
-    changed(folder / "robot.urdf", lambda text: text.replace("</robot>", ""))
+    changed(folder / "robot.urdf", lambda text: text.replace('lower="-1"', 'lower="3"'))
     assert run(["check", str(folder / "robot.urdf")]) == 3
+    assert 'joint "arm_joint"' in capsys.readouterr().out
+    assert run(["check", str(folder / "robot.xml")]) == 0
+    changed(folder / "robot.urdf", lambda text: text.replace("</robot>", ""))
+    assert run(["check", str(folder)]) == 3
 
 
 def test_wrong_usage_and_what_cannot_be_read(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
