@@ -9,11 +9,15 @@ import numpy as np
 from stages.robot.model import Array
 from stages.robot.mujoco_warnings import listening
 from stages.robot.trial_run import EFFORT, failure
+from stages.validate.coordinates import HINGE
 from stages.validate.running import at_keyframe
 
 HOLD = 0.1
 """In the second half of a run each control keeps a value for so long [s]: what is moved by it gets further
 than by noise that is another at every step."""
+
+OPEN = 1e6
+"""The end of a range from here on stands for no limit [rad, m]."""
 
 _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29)
 
@@ -30,7 +34,7 @@ def control_ranges(model: Any) -> Array:
         of_joint = model.actuator_trntype[actuator] == mujoco.mjtTrn.mjTRN_JOINT
         servo = model.actuator_biasprm[actuator][1] != 0.0
         if of_joint and servo and model.jnt_limited[joint]:
-            found[actuator] = sorted(model.jnt_range[joint] * model.actuator_gear[actuator][0])
+            found[actuator] = sorted(_ends(model, joint) * model.actuator_gear[actuator][0])
     return found
 
 
@@ -62,6 +66,15 @@ def shaken(model: Any, seconds: float) -> Shake:
             if found := failure(model, data):
                 return Shake(found[0], done * step, *found[1][:1])
     return Shake("", done * step)
+
+
+def _ends(model: Any, joint: int) -> Array:
+    """The ends (2,) of a joint's range; an end that is open is a turn, or a metre, from the other."""
+    low, high = model.jnt_range[joint]
+    span = 2.0 * np.pi if model.jnt_type[joint] == HINGE else 1.0
+    if low <= -OPEN:
+        low = high - span if high < OPEN else -span / 2
+    return np.array([low, low + span if high >= OPEN else high])
 
 
 def _halton(turn: int, count: int) -> Array:

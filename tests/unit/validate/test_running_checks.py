@@ -217,6 +217,22 @@ def test_noise_fills_the_range_of_each_control():
     assert found.tolist() == [[-3, 5], [pytest.approx(-math.pi / 2), pytest.approx(math.pi / 6)], [-1, 1]]
 
 
+@pytest.mark.parametrize(
+    ("limits", "found"),
+    [
+        ((-1e6, 2.0), (2.0 - math.tau, 2.0)),
+        ((-1.0, 1e6), (-1.0, math.tau - 1.0)),
+        ((-1e6, 1e6), (-math.pi, math.pi)),
+    ],
+)
+def test_a_servo_whose_joint_has_no_limit_on_a_side_gets_a_turn(limits, found):
+    """What the MJCF has for an open end, ±1e6 rad, is no target for a servo."""
+    more = '<compiler angle="radian"/><actuator><position joint="swing" kp="1"/></actuator>'
+    joint = f'range="{limits[0]} {limits[1]}" limited="true"'
+    compiled = compiled_of(pendulum(joint=joint), more=more)
+    assert control_ranges(compiled.model)[0].tolist() == pytest.approx(found)
+
+
 def test_a_run_with_noise_is_the_same_every_time():
     compiled = shaky(400.0)
     assert control_noise.shaken(compiled.model, 1.0) == control_noise.shaken(compiled.model, 1.0)
