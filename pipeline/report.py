@@ -39,7 +39,8 @@ class Report:
     windows by kind of request, as it reported), `served` (its API versions and release) and `waited`
     (seconds, at the server's request).
     `bundle`: the inputs, by the SHA-256 of their `manifest`, by which `linkwright bundle` finds them.
-    `figures`: counts of links, joints, dofs, loops, parts, meshes and triangles, the mass [kg], and how
+    `figures`: counts of links, joints, dofs, loops, parts, meshes and triangles, the mass [kg], with
+    `validate=strict` MuJoCo's `steps_per_second` on one thread of the machine that built it, and how
     the mechanism moves: `coordinates`, `gruebler` and `dof` (see `stages.robot.model.Mobility`).
     `details`: tables of the stages, each a list of rows: `colliders`, `links`, `excludes` and
     `touching` (see `pipeline.mesh_details.details`), and the `order` of joints, actuators and sensors

@@ -228,18 +228,16 @@ class ValidateStage(StageBase):
         return {**context.digests("graph"), **context.digests("export"), "mesh/geometry.json": shapes, **said}
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
-        from stages.validate import validate
+        from stages.validate import measured, validate
 
         tools = context.plan.validate.external
         with context.cache.store.scratch(context.files["export"].below(FILES)) as folder:
             checks = validate(folder, context.robot, context.plan, *context.exported, own(context.plan))
             checks += external.check_externally(folder, context.robot.name, tools, context.environ)
-        passed = sum(check.passed for check in checks)
+            figures = measured(folder, context.robot.name, context.plan.validate.level)
+        told = f"{sum(check.passed for check in checks)} of {count(len(checks), 'check')} passed"
         passing: dict[str, Any] = {"lasts": False} if any(map(external.gave_no_verdict, checks)) else {}
-        return {
-            "checks.json": codec.encode_checks(checks),
-            NOTES: notes(f"{passed} of {count(len(checks), 'check')} passed", **passing),
-        }
+        return {"checks.json": codec.encode_checks(checks), NOTES: notes(told, figures=figures, **passing)}
 
 
 STAGES: tuple[Stage, ...] = (FetchStage(), GraphStage(), MeshStage(), ExportStage(), ValidateStage())

@@ -103,3 +103,13 @@ def validate(
     if checks:
         found += readiness(folder, robot, found, ENGINES, geometry, forms[1])
     return tuple(found)
+
+
+def measured(folder: Path, robot: str, level: str) -> dict[str, float]:
+    """Figures of the finished files, with `validate=strict`: the machine's as much as the robot's."""
+    if level != "strict":
+        return {}
+    from stages.validate.speed import steps_per_second
+
+    speed = steps_per_second(folder, robot)
+    return {} if speed is None else {"steps_per_second": speed}

@@ -21,8 +21,9 @@ class ValidateSection(Keys):
     """Checks of the result."""
 
     level: Literal["quick", "standard", "strict"] = "standard"
-    """Which checks run. quick: the files compile; standard: they also describe the same robot, and a
-    simulation of 2 s is stable; strict: as standard, and a warning counts as a failed check."""
+    """Which checks run. quick: the files compile; standard: they also describe the same robot, and
+    simulations of it are stable; strict: as standard, some simulations are longer, the steps per second are
+    measured, and a warning counts as a failed check."""
 
     payload: Annotated[dict[Text, Positive], example({"tool": 0.5})] = Field(default_factory=dict)
     """Masses [kg] that the robot shall carry beside its own, by the link or the frame where they are: of a

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from stages.robot.geometry import Geometry, Touch
+from stages.validate import measured
 from stages.validate.checks import control_noise, energy, rest, start, time_step
 from stages.validate.energy import SECONDS, drift_of_energy
 from stages.validate.noise import control_ranges
@@ -273,3 +274,22 @@ def test_what_blows_up_at_half_the_step_is_an_error():
 @pytest.mark.parametrize("check", [energy.check, rest.check, control_noise.check, time_step.check])
 def test_what_cannot_move_is_not_simulated(check):
     assert list(check(compiled_of('<body name="b"><geom size="1"/></body>'))) == []
+
+
+# --- steps per second ---------------------------------------------------------------------------------------
+
+
+def test_the_speed_is_measured_of_the_scene_with_strict_alone(tmp_path):
+    (tmp_path / "scene.xml").write_text(f"<mujoco><worldbody>{pendulum()}</worldbody></mujoco>")
+    (tmp_path / "arm.xml").write_text("<mujoco/>")
+    found = measured(tmp_path, "arm", "strict")
+    assert set(found) == {"steps_per_second"}
+    assert found["steps_per_second"] > 0
+    assert measured(tmp_path, "arm", "standard") == {}
+
+
+@pytest.mark.parametrize("text", [None, "<mujoco/>", "<mujoco><worldbody><body/></mujoco>"])
+def test_what_does_not_move_or_compile_has_no_speed(text, tmp_path):
+    if text is not None:
+        (tmp_path / "arm.xml").write_text(text)
+    assert measured(tmp_path, "arm", "strict") == {}
