@@ -42,6 +42,8 @@ def judged(point: Point, finished: Finished) -> tuple[str, str]:
         faults = list(_first(point, finished))
     except Aside as reason:
         return ASIDE, str(reason)
+    except Exception as error:  # files may have been changed in any way
+        return MISSING, f"it cannot be judged: {type(error).__name__}: {error}"
     more = f", and {len(faults) - SHOWN} more" if len(faults) > SHOWN else ""
     return (MISSING, "; ".join(faults[:SHOWN]) + more) if faults else (PASSED, "")
 

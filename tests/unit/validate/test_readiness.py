@@ -165,3 +165,16 @@ def test_a_file_twice_and_one_that_is_no_stl(good, tmp_path):
     assert "b.stl is the same as a.stl" in found[25][1]
     assert "a.stl is no binary STL" in found[25][1]
     assert "nothing uses assets/a.stl" in found[3][1]
+
+
+def test_a_file_that_broke_ends_no_score(good, tmp_path):
+    robot, folder = good
+    for path in folder.iterdir():
+        if path.is_file():
+            (tmp_path / path.name).write_bytes(path.read_bytes())
+    (tmp_path / "robot.urdf").write_text("<robot")
+    (tmp_path / "robot.json").write_text("{")
+    found = verdicts(robot, tmp_path)
+    assert found[35][0] == MISSING
+    assert found[35][1].startswith("it cannot be judged: JSONDecodeError")
+    assert found[2][0] == found[18][0] == PASSED
