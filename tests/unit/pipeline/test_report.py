@@ -46,6 +46,7 @@ def test_the_json_holds_every_part_under_the_format_key():
         "code": "",
         "level": "error",
         "findings": [],
+        "table": None,
     }
     assert data["outputs"] == {"arm.urdf": "ab" * 32}
     assert data["error"] is None
