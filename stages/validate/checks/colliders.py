@@ -138,6 +138,8 @@ def _finding(model: Any, body: str, found: Fit, limits: Allowed) -> Finding:
     if limits.bare is not None:
         said.append(f"leaves {_mm(found.bare)} of it bare ({known} {_mm(limits.bare)})")
     message = f"the collider of {body} {' and '.join(said)}"
+    if _is_moved(found, limits):
+        message += ": both, as where it was moved, turned or mirrored"
     name = model.geom(found.furthest).name
     reaches = limits.beyond is not None and found.beyond > min(limits.beyond, found.bare)
     if name and reaches:

@@ -113,6 +113,7 @@ def test_a_collider_that_is_turned_is_found():
     (finding,) = doubtful.findings
     assert "50 mm beyond" in finding.message
     assert "50 mm of it bare" in finding.message
+    assert finding.message.endswith(": both, as where it was moved, turned or mirrored")
 
 
 def test_a_mirrored_collider_is_found():
