@@ -11,7 +11,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from stages.formats.urdf.names import urdf_names
 from stages.robot.check import Check, Finding
+from stages.robot.inertia import SPECK
 from stages.robot.install import install
 from stages.robot.model import Array, Robot
 from stages.robot.plural import count
@@ -59,7 +61,8 @@ def _compared(compiled: CompiledModel, engine: str, found: Moving, expected: Mov
     carried = not urdf and any(loop.type not in BY_EQUALITY for loop in robot.loops)
     names = [dof.name for dof in scalar_dofs(robot)]
     weight = 9.81 * math.sqrt(sum(link.inertial.mass for link in robot.links))
-    forces = _forces_off(found, expected, weight) if names and not carried else {}
+    speck = _specks(robot, expected) if urdf else 0.0
+    forces = _forces_off(found, expected, weight, speck) if names and not carried else {}
     for quantity, values in forces.items():
         most[quantity] = float(values.max())
         for name, value in zip(names, values, strict=True):
@@ -77,7 +80,16 @@ def _poses_off(found: Mapping[str, Array], expected: Mapping[str, Array]) -> dic
     return {name: float(np.abs(found[name] - pose).max()) / size for name, pose in expected.items()}
 
 
-def _forces_off(found: Moving, expected: Moving, weight: float) -> dict[str, Array]:
+def _specks(robot: Robot, expected: Moving) -> float:
+    """What the links that only a URDF has may add to an entry of the mass matrix [kg m²]: those between the
+    dofs of a joint, frames and both sides of loops have `SPECK` each."""
+    between = sum(len(names) for names in urdf_names(robot).between.values())
+    number = between + len(robot.frames) + 2 * len(robot.loops)
+    reach = max(float(np.abs(pose[:, :3, 3]).max()) for pose in expected.poses.values())
+    return number * (float(SPECK.inertia.max()) + SPECK.mass * (1.0 + 3.0 * (2.0 * reach) ** 2))
+
+
+def _forces_off(found: Moving, expected: Moving, weight: float, speck: float) -> dict[str, Array]:
     """By quantity: the largest difference of each dof. Of the mass matrix relative to the two dofs' own
     entries, but at least a millionth of the largest; of forces to the largest of them, but at least to what
     the mass matrix alone makes: its entry, by a speed of 1, and the root of its entry times `weight`, which
@@ -86,7 +98,8 @@ def _forces_off(found: Moving, expected: Moving, weight: float) -> dict[str, Arr
     largest = float(own.max(initial=0.0)) or 1.0
     own = np.maximum(own, 1e-3 * largest)
     scale = own[:, :, None] * own[:, None, :]
-    rows = {"mass matrix": (np.abs(found.mass - expected.mass) / scale).max(axis=(0, 2))}
+    off = np.maximum(np.abs(found.mass - expected.mass) - speck, 0.0)
+    rows = {"mass matrix": (off / scale).max(axis=(0, 2))}
     for name, one, other, least in (
         ("gravity", found.gravity, expected.gravity, largest * weight),
         ("bias", found.bias, expected.bias, largest**2),
