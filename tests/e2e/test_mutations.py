@@ -25,7 +25,7 @@ from tests.support.mutations import KINDS, Kind, NothingToChange, catches, plant
 SEED = 20261123
 """Of the faults of the default run."""
 
-SEEDS = (7919, 104729, 1299709, 15485863, 179424673)
+SEEDS = (7919, 104729, 1299709)
 
 BUILDS = {"sample": sample, "rover": rover}
 
@@ -83,14 +83,12 @@ def test_a_planted_fault_is_found_and_named(one: Kind, builds: Builds, tmp_path:
 @pytest.mark.usefixtures("fewer_checks")
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("name", BUILDS)
-def test_faults_of_other_seeds_are_found_in_a_whole_build(
-    name: str, seed: int, builds: Builds, tmp_path: Path
-) -> None:
+def test_faults_of_other_seeds_are_found(name: str, seed: int, builds: Builds, tmp_path: Path) -> None:
     build, missed = builds(name), []
     for number, one in enumerate(KINDS):
         folder = tmp_path / str(number)
         try:
-            planted = plant(one, build.folder, build.name, folder, seed, whole=True)
+            planted = plant(one, build.folder, build.name, folder, seed, whole=seed == SEEDS[0])
         except NothingToChange:
             continue
         checks = checks_of(folder)

@@ -131,9 +131,9 @@ def _far() -> Mesh:
     return shifted(RING, 1e4, 0.0, 0.0)
 
 
-def million(rough: float = 0.0) -> Mesh:
-    """A torus of 1,000,000 triangles, whose points are off by up to `rough` [m]."""
-    count, around = 1000, 500
+def torus(rough: float = 0.0, count: int = 1000) -> Mesh:
+    """A torus of `count`² triangles, whose points are off by up to `rough` [m]."""
+    around = count // 2
     i, j = np.meshgrid(np.arange(count), np.arange(around), indexing="ij")
     turn, tilt = 2 * np.pi * i / count, 2 * np.pi * j / around
     radius = 0.01 + rough * np.random.default_rng(1).uniform(-1, 1, i.shape)

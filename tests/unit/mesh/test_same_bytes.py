@@ -13,8 +13,7 @@ from stages.robot import codec
 from stages.robot.bundle import Bundle
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
-from tests.fake_onshape.sample import sample_document
-from tests.support.building import bundle_of, plan_of, robot_of
+from tests.support.building import plan_of
 from tests.support.physics import robot_of_meshes
 
 
@@ -64,13 +63,3 @@ def test_workers_and_the_order_of_parts_change_no_byte(
     assert len(alone.colliders) == len(SMALL)
     for seed in (1, 2):
         assert_same(geometry(shuffled(robot, seed), bundle, plan, 2, monkeypatch), alone)
-
-
-@pytest.mark.slow
-def test_workers_and_the_order_of_parts_change_no_byte_of_the_sample(monkeypatch: pytest.MonkeyPatch) -> None:
-    document = sample_document()
-    robot, bundle = robot_of(document), bundle_of(document)
-    plan = plan_of(mesh={"collider": "ladder"}, contact={"self": "auto"})
-    alone = geometry(robot, bundle, plan, 1, monkeypatch)
-    assert [one.rung for one in alone.colliders].count("pieces") >= 5
-    assert_same(geometry(shuffled(robot, 1), bundle, plan, 2, monkeypatch), alone)
