@@ -11,7 +11,7 @@ Generated from `tests/support/mutations.py` by `python -m tests.config.regenerat
 is planted in a finished build, at a place and of a size that a seed draws. The check with one of these
 codes (`linkwright explain C-MASS`) must not pass, and must name the element and its attribute. Digests are
 no evidence, nor is exporting again: the checks read the files. `tests/e2e/test_mutations.py` plants every
-kind in the sample and in a robot with a free base, motors, sensors and a gear, its slow part with five
+kind in the sample and in a robot with a free base, motors, sensors and a gear, its slow part with three
 seeds; there is no false alarm on 200 random documents, nor after edits that mean nothing (comments, order
 of attributes, white space, other digits for the same numbers, other names of materials).
 
