@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from stages.validate.own import OwnCheck
 
 
+LOOKED_FOR = "it is looked for where Python looks, and in the working folder"
+
+
 def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
     """The function or class that the `_target_` of an entry names. ConfigError where its module is none of
     `plugins`, cannot be imported, or lacks it."""
@@ -31,8 +34,7 @@ def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
         found = importlib.import_module(module)
     except Exception as error:
         msg = f"the module {module} cannot be imported: {type(error).__name__}: {error}"
-        hint = "it is looked for where Python looks, and in the working folder"
-        raise ConfigError(msg, where, hint) from error
+        raise ConfigError(msg, where, LOOKED_FOR) from error
     code = getattr(found, name, None)
     if not callable(code):
         public = sorted(one for one, value in vars(found).items() if callable(value) and one[0] != "_")
@@ -43,7 +45,12 @@ def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
 
 def named(plan: Plan) -> None:
     """ConfigError where code that `validate.checks` names cannot be found. What is of no trusted module is
-    reported where the configuration is composed."""
+    reported where the configuration is composed; so is a module of `plugins` that does not exist."""
+    _search_here()
+    for plugin in plan.plugins:
+        if not _is_there(plugin):
+            msg = f"there is no module {plugin}"
+            raise ConfigError(msg, "plugins", LOOKED_FOR)
     for number, entry in enumerate(plan.validate.checks):
         if covered(entry[TARGET], plan.plugins):
             target(entry, plan.plugins, _place(number))
@@ -88,6 +95,13 @@ def sources(plugins: Iterable[str]) -> str | None:
             return None
         digests += [f"{plugin} {file.name} {sha256(file.read_bytes())}" for file in files]
     return sha256("\n".join(digests).encode())
+
+
+def _is_there(plugin: str) -> bool:
+    try:
+        return importlib.util.find_spec(plugin) is not None
+    except (ImportError, ValueError):
+        return False
 
 
 def _files(plugin: str) -> Iterator[Path]:

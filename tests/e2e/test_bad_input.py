@@ -37,7 +37,7 @@ def refused(
         (["mesh.colider=hull"], ["mesh.colider", "collider"]),
         (["ground.size=big"], ["ground.size", "big"]),
         (["ground.size=big", "validate.levle=quick"], ["ground.size", "validate.levle", "level"]),
-        (["plugins=[mine]"], ["plugins", "not supported yet"]),
+        (["plugins=[mine]"], ["plugins", "there is no module mine"]),
         (["mesh=coadc"], ["mesh", "coacd", "hull"]),
         (["robot=nobody"], ["robot", "nobody", "sample"]),
         (["source=onshape"], ["source.url"]),

@@ -9,7 +9,8 @@ import trimesh
 
 from tests.support.command import called, environment, linkwright, robot_files
 
-INERTIAL = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+TENSOR = 'ixx="0.02" ixy="0" ixz="0" iyy="0.02" iyz="0" izz="0.01"'
+INERTIAL = f'<inertial><mass value="1"/><inertia {TENSOR}/></inertial>'
 MESH = '<geometry><mesh filename="package://arm/meshes/a.stl" scale="1 -1 1"/></geometry>'
 LINK = f"{INERTIAL}<visual>{MESH}</visual><collision>{MESH}</collision>"
 ROBOT = f"""<robot name="arm"><link name="base">{LINK}</link><link name="tip">{LINK}</link>

@@ -206,16 +206,18 @@ def test_a_check_is_a_file_and_a_line(tree: Tree) -> None:
         "stages/validate/checks/toy.py",
         '''"""The robot is light."""
 
+CODE = "C-TOY"
+
 
 def check(compiled):
     mass = float(compiled.model.body_mass.sum())
     yield compiled.within("light", mass, 1000.0, "total mass [kg]")
 ''',
     )
-    tree.add_line("stages/validate/__init__.py", '    "keyframes",', '    "toy",')
+    tree.add_line(
+        "stages/validate/__init__.py", '    "keyframes": ("mjcf",),', '    "toy": ("mjcf", "urdf"),'
+    )
     report = json.loads((tree.build("source=sample", "mesh=visual") / "report.json").read_text())
     light = [check for check in report["checks"] if check["name"].endswith(": light")]
-    assert [check["name"] for check in light] == [
-        f"{file}: light" for file in ("sample.xml", "scene.xml", "sample.urdf")
-    ]
+    assert [check["name"] for check in light] == [f"{file}: light" for file in ("sample.xml", "sample.urdf")]
     assert all(check["passed"] and 0 < check["value"] < 10 for check in light)

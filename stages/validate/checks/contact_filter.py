@@ -37,6 +37,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     excluded = {(one.link_a, one.link_b): one.geoms for one in geometry.excludes}
     for at, (first, own) in enumerate(colliders):
         for second, others in colliders[at + 1 :]:
+            if _never_collide(model, own[0], others[0]):
+                continue
             may = _may_collide(model, own, others)
             wanted = np.full(may.shape, geometry.self_contact)
             apart = excluded.get((first, second))
@@ -68,16 +70,21 @@ def _colliders(compiled: CompiledModel, geometry: Geometry) -> list[tuple[str, l
     return found
 
 
+def _never_collide(model: Any, own: int, other: int) -> bool:
+    """Whether MuJoCo leaves two geoms out by itself, whatever the file says of contact: those of one rigid
+    body, and those of parent and child where neither is fixed to the world."""
+    welds = [int(model.body_weldid[model.geom_bodyid[geom]]) for geom in (own, other)]
+    if welds[0] == welds[1] or model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_FILTERPARENT:
+        return welds[0] == welds[1]
+    above = [int(model.body_weldid[model.body_parentid[weld]]) for weld in welds]
+    return all(welds) and (welds[0] == above[1] or welds[1] == above[0])
+
+
 def _may_collide(model: Any, own: list[int], others: list[int]) -> Grid:
-    """By the rules of MuJoCo's documentation, "Collision detection": the bits of both, and of their bodies
-    that neither is excluded nor parent and child, where neither is fixed to the world."""
+    """By the rules of MuJoCo's documentation, "Collision detection": the bits of both, and that their bodies
+    are not excluded."""
     bodies = [int(model.geom_bodyid[geoms[0]]) for geoms in (own, others)]
     bits = [(model.geom_contype[geoms], model.geom_conaffinity[geoms]) for geoms in (own, others)]
     meet: Grid = (bits[0][0][:, None] & bits[1][1] | bits[1][0] & bits[0][1][:, None]) != 0
-    welds = [int(model.body_weldid[body]) for body in bodies]
-    above = [int(model.body_weldid[model.body_parentid[weld]]) for weld in welds]
-    related = welds[0] == welds[1] or (all(welds) and (welds[0] == above[1] or welds[1] == above[0]))
-    if model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_FILTERPARENT:
-        related = welds[0] == welds[1]
     signature = (min(bodies) << 16) + max(bodies)
-    return meet & (not related and signature not in {int(one) for one in model.exclude_signature})
+    return meet & (signature not in {int(one) for one in model.exclude_signature})

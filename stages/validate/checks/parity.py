@@ -7,12 +7,13 @@ loop has a carrier, which has a share of a link's mass.
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from stages.formats.urdf.names import urdf_names
 from stages.robot.check import Check, Finding
+from stages.robot.globs import listed
 from stages.robot.inertia import SPECK
 from stages.robot.install import install
 from stages.robot.model import Array, Robot
@@ -29,6 +30,9 @@ CODE = "C-PARITY"
 
 ALIKE = 1e-9
 """Poses [m, rad, relative to the robot's size where that is above 1 m], matrices and forces [relative]."""
+
+WEIGHS = frozenset({"body", "geom", "inertial", "link", "joint"})
+"""Elements of the user's own XML that may weigh something, or have what does."""
 
 ABSENT = f"Pinocchio is not installed ({install('pin')}), so that no second engine has read the URDF"
 
@@ -59,10 +63,12 @@ def _compared(compiled: CompiledModel, engine: str, found: Moving, expected: Mov
         if not value <= ALIKE
     ]
     carried = not urdf and any(loop.type not in BY_EQUALITY for loop in robot.loops)
+    changes = compiled.amendments.of(compiled.path.name)
+    added = [one.key for one in changes if WEIGHS & {*" ".join(one.adds).split()}]
     names = [dof.name for dof in scalar_dofs(robot)]
     weight = 9.81 * math.sqrt(sum(link.inertial.mass for link in robot.links))
     speck = _specks(robot, expected) if urdf else 0.0
-    forces = _forces_off(found, expected, weight, speck) if names and not carried else {}
+    forces = _forces_off(found, expected, weight, speck) if names and not carried and not added else {}
     for quantity, values in forces.items():
         most[quantity] = float(values.max())
         for name, value in zip(names, values, strict=True):
@@ -70,7 +76,7 @@ def _compared(compiled: CompiledModel, engine: str, found: Moving, expected: Mov
                 message = f"{quantity} of what it moves is off by {shown(value)}"
                 findings.append((float(value), Finding(named("joint", name), "inertial", message)))
     figures = ", ".join(f"{quantity} {value:.1g}" for quantity, value in most.items())
-    detail = f"against the robot's own at {POSES} poses: {figures}{_left_out(robot, carried)}{note}"
+    detail = f"against the robot's own at {POSES} poses: {figures}{_left_out(robot, carried, added)}{note}"
     worst = max(most.values())
     return compiled.within(f"parity in {engine}", worst, ALIKE, detail, worst_first(findings))
 
@@ -109,13 +115,15 @@ def _forces_off(found: Moving, expected: Moving, weight: float, speck: float) ->
     return rows
 
 
-def _left_out(robot: Robot, carried: bool) -> str:
+def _left_out(robot: Robot, carried: bool, added: Sequence[str]) -> str:
     words = []
     others = len(robot.dofs) - len(scalar_dofs(robot))
     if others:
         words.append(f"the speeds of {count(others, 'ball or free joint', 'balls and free joints')}")
     if not robot.base.fixed:
         words.append("the base, which is held")
-    if carried:
+    if added:
+        words.append(f"all forces, since {listed(added)} may weigh")
+    elif carried:
         words.append("all forces, since carriers of loops have a share of the mass")
     return f"; left out: {', '.join(words)}" if words else ""

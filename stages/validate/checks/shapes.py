@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from stages.robot.check import Check, Finding
@@ -37,6 +38,9 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     for link in compiled.robot.links:
         body = body_index(compiled.model, link.name)
         places = [pose for holder, pose in compiled.held.values() if holder == link.name] or [UNMOVED]
+        if body == 0:
+            # The link is where the scene puts it, and the body is the world.
+            places = [_of_site(compiled.model, link.name) @ pose for pose in places]
         for role, geoms in zip(ROLES, every.get(body, ((), ())), strict=True):
             findings += _differences(compiled.model, link.name, role, shapes[link.name, role], geoms, places)
     total = len(compiled.geometry.shapes)
@@ -44,6 +48,12 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if findings:
         detail = f"{len(findings)} of {count(total, 'shape')} not as the robot has them"
     yield compiled.within("shapes", float(len(findings)), 0.0, detail, findings)
+
+
+def _of_site(model: Any, name: str) -> Array:
+    """The pose (4, 4) of a site in its body; unmoved where there is none."""
+    index = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))
+    return UNMOVED if index < 0 else placed(model.site_quat[index], model.site_pos[index])
 
 
 def _differences(

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import mujoco
 import numpy as np
 
+from stages.robot.install import install
 from stages.validate.readiness.finished import Aside, Finished
 
 FACES = 200_000
@@ -78,7 +79,7 @@ def closes(finished: Finished) -> Iterator[str]:
 
 
 def parity(finished: Finished) -> Iterator[str]:
-    otherwise = "proved elsewhere: no second engine is installed here (pip install 'linkwright[validate]')"
+    otherwise = f"proved elsewhere: no second engine is installed here ({install('pin')})"
     return finished.proved_by(["PARITY"], otherwise)
 
 

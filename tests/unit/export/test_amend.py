@@ -241,7 +241,7 @@ def test_a_check_that_fails_names_the_key_that_did_it(tmp_path: Path) -> None:
 
 def test_weight_that_is_added_is_found(tmp_path: Path) -> None:
     heavy = add("<inertial pos='0 0 0' mass='9' diaginertia='1 1 1'/>", {"name": "tray"})
-    tray = add("<body name='tray'><geom size='0.1'/></body>", {"name": "arm"})
+    tray = add("<body name='tray'><geom size='0.1' contype='0' conaffinity='0'/></body>", {"name": "arm"})
     exported = made(tmp_path, elements={"tray": tray, "heavy": heavy})
     assert [one for one in checks(tmp_path, exported) if one.fails] == []
     exported = made(tmp_path / "arm", attributes={"arm": {"pos": [0, 0, 0.1]}})

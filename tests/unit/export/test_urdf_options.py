@@ -59,7 +59,7 @@ def test_a_mesh_missing_from_the_package_fails_the_check(tmp_path: Path) -> None
     text = built(tmp_path, meshes="package")
     (tmp_path / "robot.urdf").write_bytes(text.replace(b"assets/arm", b"assets/nothing"))
     checks = validate(tmp_path, robot_with([]), plan_of(validate__level="quick"))
-    assert [check.name for check in checks if check.fails] == ["robot.urdf: compiles"]
+    assert [check.name for check in checks if check.fails] == ["robot.urdf: paths", "robot.urdf: compiles"]
 
 
 @pytest.mark.parametrize("meshes", ["relative", "package"])

@@ -92,8 +92,10 @@ def test_until_graph_leaves_the_same_robot_json_as_the_whole_build(archive, tmp_
     left = robot_files(tmp_path / "arm.graph")
     assert set(left) == {"robot.json", "graph.svg"}
     whole = json.loads((tmp_path / "arm" / "robot.json").read_bytes())
-    # There are no files yet whose order it could tell.
+    # There are no shapes yet, and no files whose order or names it could tell.
+    assert all(whole.pop(key) is not None for key in ("shapes", "self_contact", "excludes", "touching"))
     assert set(whole.pop("order")) == {"mjcf", "urdf"}
+    assert {*whole.pop("files")} == robot_files(tmp_path / "arm").keys() - {"robot.json", "graph.svg"}
     assert left["robot.json"].decode() == json.dumps(whole, indent=2, ensure_ascii=False) + "\n"
 
 
