@@ -23,6 +23,7 @@ from stages.validate.coordinates import BY_EQUALITY
 from stages.validate.findings import link, named, shown, worst_first
 from stages.validate.in_mujoco import in_mujoco
 from stages.validate.in_pinocchio import in_pinocchio, installed
+from stages.validate.mujoco_abilities import axes_error
 from stages.validate.random_poses import POSES, samples
 from stages.validate.tree_dynamics import Moving, dynamics, scalar_dofs
 
@@ -46,14 +47,18 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     found, up = in_mujoco(compiled.model, robot, values, speeds, compiled.urdf)
     expected = dynamics(robot, values, speeds, up)
     note = "" if not compiled.urdf or installed() else f"; {ABSENT}"
-    yield _compared(compiled, "MuJoCo", found, expected, note)
+    turned = _turned(robot) if compiled.urdf else 0.0
+    yield _compared(compiled, "MuJoCo", found, expected, note, turned)
     if compiled.urdf and installed():
         read = in_pinocchio(compiled.path.read_bytes(), robot, values, speeds)
         upright = np.tile([0.0, 0.0, 9.81], (POSES, 1))
-        yield _compared(compiled, "Pinocchio", read, dynamics(robot, values, speeds, upright), "")
+        yield _compared(compiled, "Pinocchio", read, dynamics(robot, values, speeds, upright), "", 0.0)
 
 
-def _compared(compiled: CompiledModel, engine: str, found: Moving, expected: Moving, note: str) -> Check:
+def _compared(
+    compiled: CompiledModel, engine: str, found: Moving, expected: Moving, note: str, turned: float
+) -> Check:
+    """`turned`: what the engine's own axes of inertias may change in an entry of the mass matrix [kg m²]."""
     robot, urdf = compiled.robot, compiled.urdf
     off = _poses_off(found.poses, expected.poses)
     most = {"poses": max(off.values())}
@@ -67,8 +72,12 @@ def _compared(compiled: CompiledModel, engine: str, found: Moving, expected: Mov
     added = [one.key for one in changes if WEIGHS & {*" ".join(one.adds).split()}]
     names = [dof.name for dof in scalar_dofs(robot)]
     weight = 9.81 * math.sqrt(sum(link.inertial.mass for link in robot.links))
-    speck = _specks(robot, expected) if urdf else 0.0
-    forces = _forces_off(found, expected, weight, speck) if names and not carried and not added else {}
+    speck = turned + (_specks(robot, expected) if urdf else 0.0)
+    forces = (
+        _forces_off(found, expected, weight, speck, turned * len(names) ** 2)
+        if names and not carried and not added
+        else {}
+    )
     for quantity, values in forces.items():
         most[quantity] = float(values.max())
         for name, value in zip(names, values, strict=True):
@@ -95,11 +104,20 @@ def _specks(robot: Robot, expected: Moving) -> float:
     return number * (float(SPECK.inertia.max()) + SPECK.mass * (1.0 + 3.0 * (2.0 * reach) ** 2))
 
 
-def _forces_off(found: Moving, expected: Moving, weight: float, speck: float) -> dict[str, Array]:
+def _turned(robot: Robot) -> float:
+    """What the axes that MuJoCo finds of a URDF's tensors may change in an entry of the mass matrix [kg m²]:
+    the error of each tensor, along any two axes."""
+    sizes = [float(np.abs(link.inertial.inertia).max()) for link in robot.links]
+    return sum(3.0 * size * axes_error(size) for size in sizes if size)
+
+
+def _forces_off(
+    found: Moving, expected: Moving, weight: float, speck: float, bias: float
+) -> dict[str, Array]:
     """By quantity: the largest difference of each dof. Of the mass matrix relative to the two dofs' own
     entries, but at least a millionth of the largest; of forces to the largest of them, but at least to what
     the mass matrix alone makes: its entry, by a speed of 1, and the root of its entry times `weight`, which
-    is the root of the mass times gravity."""
+    is the root of the mass times gravity. Left out are `speck` of the mass matrix and `bias` of the bias."""
     own = np.sqrt(np.maximum(np.einsum("nii->ni", expected.mass), 0.0))
     largest = float(own.max(initial=0.0)) or 1.0
     own = np.maximum(own, 1e-3 * largest)
@@ -111,7 +129,8 @@ def _forces_off(found: Moving, expected: Moving, weight: float, speck: float) ->
         ("bias", found.bias, expected.bias, largest**2),
     ):
         size = max(float(np.abs(other).max(initial=0.0)), least) or 1.0
-        rows[name] = np.abs(one - other).max(axis=0) / size
+        off = np.abs(one - other) - (bias if name == "bias" else 0.0)
+        rows[name] = np.maximum(off, 0.0).max(axis=0) / size
     return rows
 
 
