@@ -55,6 +55,8 @@ def test_points_outside_are_as_far_as_a_small_sphere_or_nearer_and_never_outside
     points = np.random.default_rng(5).uniform(-0.5, 0.7, (60, 3))
     found = outside(model, [it], points)
     exact = kind not in ("mesh", "ellipsoid")
+    if not exact and tuple(map(int, mujoco.__version__.split(".")[:2])) < (3, 4):
+        pytest.skip("the oracle, mj_geomDistance, is off by millimetres in this MuJoCo")
     inside = 0
     for where, one in zip(points, found, strict=True):
         model.geom_pos[point] = where
