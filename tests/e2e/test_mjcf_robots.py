@@ -30,7 +30,7 @@ def test_a_real_arm_passes_every_check_and_moves_as_it_did(tmp_path: Path, name:
     assert done.returncode == 0, done.stdout + done.stderr
     report = json.loads((tmp_path / "out" / "report.json").read_text())
     assert report["checks"]
-    assert all(check["passed"] for check in report["checks"])
+    assert [one for one in report["checks"] if not one["passed"] and one["level"] == "error"] == []
     texts = [
         p for p in (tmp_path / "out").iterdir() if p.is_file() and p.name not in ("config.yaml", "build.log")
     ]
