@@ -2,7 +2,8 @@
 
 Light links that whirl in closed loops turn so far in a time step that their speeds grow without end. An
 armature slows them. It is added to the dofs of the group that fails first, all dofs that loops and relations
-connect, in steps until the trial run passes; a dof that has an armature keeps it.
+connect, in steps until the trial run passes; where that group can get none, to all others. A dof that has an
+armature keeps it.
 """
 
 from collections.abc import Callable, Iterable, Mapping
@@ -46,12 +47,14 @@ def steadied(robot: Robot, actuation: Actuation, run: Run) -> tuple[Actuation, t
     groups = _Coupled(as_driven(robot, actuation))
     levels: dict[int, int] = {}
     for count in range(MOST_RUNS):
-        number = next((groups.of[name] for name in outcome.joints if groups.of.get(name) is not None), None)
-        if number is None or levels.get(number, -1) + 1 == len(SHARES):
+        failing = [groups.of[name] for name in outcome.joints if name in groups.of]
+        # Where the joint that fails can get no more, what it moves or hangs on may be what whirls.
+        higher = _higher(levels, failing[:1]) or _higher(levels, groups.of.values())
+        if not higher:
             return actuation, ()
-        levels[number] = levels.get(number, -1) + 1
+        levels |= higher
         if count >= ONE_BY_ONE:
-            levels = {one: max(level, levels[number]) for one, level in levels.items()}
+            levels = {one: max(level, *higher.values()) for one, level in levels.items()}
         added = groups.armatures({one: SHARES[level] for one, level in levels.items()})
         steady = replace(actuation, armatures=_sorted(robot, (*actuation.armatures, *added)))
         outcome = run(as_driven(robot, steady), steady, MARGIN)
@@ -60,6 +63,12 @@ def steadied(robot: Robot, actuation: Actuation, run: Run) -> tuple[Actuation, t
         if not outcome.failed:
             return steady, (_remark(added),)
     return actuation, ()
+
+
+def _higher(levels: Mapping[int, int], numbers: Iterable[int]) -> dict[int, int]:
+    """The next levels of these groups, of those that have one."""
+    found = {number: levels.get(number, -1) + 1 for number in numbers}
+    return {number: level for number, level in found.items() if level < len(SHARES)}
 
 
 def _remark(added: Iterable[Armature]) -> Diagnostic:

@@ -10,10 +10,11 @@ import pytest
 
 from stages.export import Exported, export
 from stages.export.mjcf.loops import held
+from stages.export.stability.steadied import steadied
 from stages.robot.actuation import Actuation, Armature
 from stages.robot.driven import as_driven
 from stages.robot.model import Dynamics, Robot
-from stages.robot.trial_run import trial_run
+from stages.robot.trial_run import Trial, trial_run
 from stages.validate import validate
 from tests.support.building import NO_MESHES, plan_of, robot_of, write
 from tests.support.cases import mostly_slow
@@ -152,6 +153,33 @@ def test_a_carriers_dof_can_get_an_armature() -> None:
     robot = robot_with(arms, loops=[slide])
     built = as_driven(robot, Actuation(armatures=(Armature("rail", 0.3, "stability"),)))
     assert built.loops[0].dofs[0].dynamics.armature == 0.3
+
+
+def test_where_the_joint_that_fails_has_its_armature_the_others_get_one() -> None:
+    """A pendulum that hangs on a joint with an armature may throw that joint about."""
+    arm = joint("revolute", "base", "arm", [0.0], dynamics=Dynamics(armature=1.0))
+    robot = robot_with([arm, joint("revolute", "arm", "bob", [0.0]), joint("revolute", "base", "far", [0.0])])
+    failed = arm.dofs[0].name
+
+    def run(_: Robot, actuation: Actuation, margin: float) -> Trial:
+        added = {one.dof: one.value for one in actuation.armatures}
+        return Trial("" if len(added) == 2 else "its speeds became infinite", margin, (failed,))
+
+    actuation, (remark,) = steadied(robot, Actuation(), run)
+    assert {one.dof for one in actuation.armatures} == {dof.name for dof in robot.dofs} - {failed}
+    assert remark.code == "W-ARMATURE"
+
+
+def test_where_no_armature_helps_none_is_added() -> None:
+    arm = joint("revolute", "base", "arm", [0.0])
+    tries: list[float] = []
+
+    def run(_: Robot, actuation: Actuation, margin: float) -> Trial:
+        tries.append(sum(one.value for one in actuation.armatures))
+        return Trial("its speeds became infinite", margin, (arm.dofs[0].name,))
+
+    assert steadied(robot_with([arm]), Actuation(), run) == (Actuation(), ())
+    assert tries == sorted(set(tries))
 
 
 @unstable_hands
