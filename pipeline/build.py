@@ -281,7 +281,7 @@ class Run:
 
     def documents(self, done: Report, files: Mapping[str, bytes]) -> dict[str, bytes]:
         """The documents about the build, beside the `files` of the robot."""
-        from pipeline.report_html import page
+        from pipeline.page.document import page
 
         self.log.line(f"{done.status}: exit status {done.exit_status}")
         plan = self.log.secrets.within(self.plan.tree())

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from pipeline.report_readers import SHOWN, readers
+from pipeline.page.readers import SHOWN, readers
 from stages.export import WRITERS, export
 from stages.export.readers import READERS, dropped
 from stages.robot.geometry import Geometry, Shape

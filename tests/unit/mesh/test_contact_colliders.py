@@ -19,7 +19,7 @@ from tests.support.robots import at
 from tests.support.solids import bodies_of
 from tests.support.touching import ball, exported, geoms_in_mujoco, model_of
 from tests.unit.mesh.test_contacts import base_arm_hand, gripper
-from tests.unit.pipeline.test_report_colliders import EVERY
+from tests.unit.pipeline.page.test_colliders import EVERY
 
 MESHES = {
     "Rack": trimesh.creation.box((0.01, 0.01, 0.3)),

@@ -6,9 +6,9 @@ from html.parser import HTMLParser
 
 import pytest
 
+from pipeline.page.document import BESIDE, page
 from pipeline.reference.codes import explanations
 from pipeline.report import Report, StageReport
-from pipeline.report_html import BESIDE, page
 from pipeline.secrets import Secrets
 from stages.graph.view.views import OUTLINE, views
 from stages.robot.check import Check

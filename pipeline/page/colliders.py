@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pipeline.markup import folded, image, name, plain_table, section, table, text
+from pipeline.page.markup import folded, image, name, plain_table, section, table, text
 from pipeline.secrets import Secrets
 from stages.robot.plural import count
 

@@ -4,11 +4,11 @@ import json
 from dataclasses import replace
 
 from pipeline.build import build_files
-from pipeline.report_html import page
-from pipeline.report_order import order
+from pipeline.page.document import page
+from pipeline.page.order import order
 from pipeline.secrets import Secrets
 from tests.support.building import plan_of
-from tests.unit.pipeline.test_report_html import REPORT, Reader
+from tests.unit.pipeline.page.test_document import REPORT, Reader
 
 TABLES = {
     "mjcf": {

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pipeline.markup import plain_table, section
+from pipeline.page.markup import plain_table, section
 
 Row = Mapping[str, Any]
 

@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from html import escape, unescape
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
-from pipeline.markup import (
+from pipeline.page.colliders import colliders
+from pipeline.page.markup import (
     file_link,
     folded,
     link,
@@ -19,17 +21,16 @@ from pipeline.markup import (
     table,
     text,
 )
+from pipeline.page.order import order
+from pipeline.page.readers import readers
 from pipeline.reference.codes import explanations
 from pipeline.report import Report
-from pipeline.report_colliders import colliders
-from pipeline.report_order import order
-from pipeline.report_readers import readers
 from pipeline.secrets import Secrets
 from stages.graph.view.views import PICTURE, TABLES
 from stages.mesh.view.views import PICTURES
 from stages.robot.globs import listed
 
-STYLE = Path(__file__).with_name("report.css")
+STYLE = Path(__file__).with_name("style.css")
 
 LEVELS = {"error": "Errors", "warning": "Warnings", "info": "For information"}
 
@@ -39,13 +40,24 @@ BESIDE = ("report.json", "config.yaml", "build.log")
 ASSETS = "assets/"
 
 
-def page(report: Report, shown: Mapping[str, str], sizes: Mapping[str, int], secrets: Secrets) -> bytes:
+def page(
+    report: Report,
+    shown: Mapping[str, str],
+    sizes: Mapping[str, int],
+    secrets: Secrets,
+    *,
+    pack: bytes | None = None,
+    preview: str = "",
+) -> bytes:
     """The page, with secrets blanked. `shown`: views of the stages by name, none where a build did not come
-    so far; `sizes` [bytes] of the outputs."""
+    so far; `sizes` [bytes] of the outputs; `pack`: what the view of the robot shows (see
+    `pipeline.live.pack`), None for a page without the view; `preview`: the robot's picture, a file beside
+    the page, "" without one."""
     tree: dict[str, Any] = secrets.within(report.tree())
     tables = secrets.within(json.loads(shown.get(TABLES, "[]")))
     sections = [
         _head(tree, secrets.blanked(report.heading)),
+        _preview(preview, tree["name"]),
         _error(tree["error"]),
         _checks(tree["checks"]),
         _diagnostics(tree["diagnostics"]),
@@ -81,6 +93,10 @@ def _head(tree: Mapping[str, Any], heading: str) -> str:
         f'<header>\n<h1>{text(heading)}: {status}</h1>\n<p class="soft">{text(summary)}</p>\n'
         f"<nav>\n{links}\n</nav>\n</header>"
     )
+
+
+def _preview(path: str, name: str) -> str:
+    return f'<p><img class="preview" src="{quote(path)}" alt="{text(name)}"></p>' if path else ""
 
 
 def _error(error: Mapping[str, Any] | None) -> str:

@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
+from pipeline.page.document import page
 from pipeline.report import Report, findings
-from pipeline.report_html import page
 from pipeline.secrets import Secrets
 from stages.robot import codec
 from stages.robot.check import Check, Table

@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pipeline.markup import plain_table, section
+from pipeline.page.markup import plain_table, section
 
 SHOWN = 6
 """Of what a row is about so many names are shown; report.json has all."""
