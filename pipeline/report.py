@@ -2,13 +2,13 @@
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Literal, TextIO
 
+from pipeline.check_text import check_lines, tally
 from pipeline.output.manifest import REPORT
-from pipeline.reference.codes import remedy
 from pipeline.secrets import Secrets
 from pipeline.terminal import clean
 from stages.robot.check import Check
@@ -102,11 +102,6 @@ MOST_FINDINGS = 3
 """Of a check, in the terminal."""
 
 
-def tally(checks: Sequence[Check]) -> str:
-    """How many of the checks passed, in words."""
-    return f"{sum(check.passed for check in checks)} of {len(checks)} checks passed"
-
-
 HEADER = ("stage", "", "seconds", "outputs")
 
 
@@ -145,27 +140,15 @@ def findings(report: Report) -> list[str]:
         lines.append(printable(f"{found.code}{place} {found.message}"))
         if found.hint:
             lines.append(f"    → {found.hint}")
-    lines += [line for check in report.warned_checks for line in check_lines("WARNING", check)]
-    lines += [line for check in report.failed_checks for line in check_lines("FAILED", check)]
+    for word, checks in (("WARNING", report.warned_checks), ("FAILED", report.failed_checks)):
+        for check in checks:
+            lines += check_lines(word, check, MOST_FINDINGS, " in report.json")
     lines += [printable(f"{one.name}: {one.detail}") for one in report.checks if one.table and one.passed]
     lines += [tally(report.checks)] if report.checks else []
     lines += spent(report)
     lines.append(printable(f"{report.heading}: {report.folder or 'in memory'}"))
     lines += [printable(report.advice)] if report.advice else []
     return lines
-
-
-def check_lines(word: str, check: Check) -> list[str]:
-    """A check that did not pass, with what it found and what to do."""
-    code = f"{check.code} " if check.code else ""
-    lines = [printable(f"{word} {code}{check.name}: {check.detail}")]
-    for found in check.findings[:MOST_FINDINGS]:
-        attribute = f" {found.attribute}" if found.attribute else ""
-        lines.append(printable(f"    {found.element}{attribute}: {found.message}"))
-    more = len(check.findings) - MOST_FINDINGS
-    lines += [f"    and {more} more in report.json"] if more > 0 else []
-    hint = remedy(check.code)
-    return lines + ([f"    → {hint}"] if hint else [])
 
 
 def spent(report: Report) -> list[str]:

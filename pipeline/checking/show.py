@@ -1,7 +1,7 @@
 """The verdict of checks as text."""
 
+from pipeline.check_text import check_lines, tally
 from pipeline.checking.verdict import Verdict
-from pipeline.reference.codes import remedy
 from stages.robot.check import Check
 from stages.robot.plural import count
 from stages.robot.printable import printable
@@ -18,11 +18,11 @@ def as_text(verdict: Verdict) -> str:
     for word, wrong in (("WARNING", False), ("FAILED", True)):
         for check in new:
             if verdict.is_wrong(check) == wrong:
-                lines += _lines(word, verdict.news(check))
+                news = verdict.news(check)
+                lines += check_lines(word, news, MOST_FINDINGS, ": --json has all", figures(news))
     if verdict.known is not None:
         lines.append(f"{count(verdict.seen_before, 'finding')} known from the baseline")
-    passed = sum(check.passed for check in verdict.checks)
-    return "\n".join([*lines, f"{passed} of {count(len(verdict.checks), 'check')} passed"])
+    return "\n".join([*lines, tally(verdict.checks)])
 
 
 def figures(check: Check) -> str:
@@ -30,16 +30,3 @@ def figures(check: Check) -> str:
     if check.value is None or check.limit is None:
         return ""
     return f"{check.value:.6g}, at most {check.limit:.6g}"
-
-
-def _lines(word: str, check: Check) -> list[str]:
-    measured = figures(check)
-    head = f"{word} {check.code} {check.name}: {check.detail}" + (f" ({measured})" if measured else "")
-    lines = [printable(head)]
-    for found in check.findings[:MOST_FINDINGS]:
-        attribute = f" {found.attribute}" if found.attribute else ""
-        lines.append(printable(f"    {found.element}{attribute}: {found.message}"))
-    more = len(check.findings) - MOST_FINDINGS
-    lines += [f"    and {more} more: --json has all"] if more > 0 else []
-    hint = remedy(check.code)
-    return lines + ([f"    → {hint}"] if hint else [])

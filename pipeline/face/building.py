@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+from pipeline.check_text import tally
 from pipeline.errors import LinkwrightError
-from pipeline.report import Report, tally
+from pipeline.report import Report
 from stages.graph.view.views import PICTURE
 
 if TYPE_CHECKING:
