@@ -31,6 +31,11 @@ class Trial:
     opening: float = 0.0
     loop: str = ""
 
+    @property
+    def joint(self) -> str:
+        """The name of the joint that the failure began with, "" for none."""
+        return self.joints[0] if self.joints else ""
+
 
 def trial_run(model: Any, seconds: float = SECONDS, opening: float = OPEN) -> Trial:
     """Simulates a model from its keyframe `home`, with the controls there, at its own time step. It fails

@@ -9,6 +9,8 @@ import mujoco
 import numpy as np
 
 from stages.robot.model import Array
+from stages.validate.mujoco_poses import rotation
+from stages.validate.shapes import vertices
 
 _CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 
@@ -46,17 +48,14 @@ def _points(model: Any, geom: int) -> Array:
     kind = mujoco.mjtGeom(model.geom_type[geom])
     if kind in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD):
         return np.zeros((0, 3))
-    flat = np.empty(9)
-    mujoco.mju_quat2Mat(flat, model.geom_quat[geom])
     if kind == mujoco.mjtGeom.mjGEOM_MESH:
-        mesh = int(model.geom_dataid[geom])
-        first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
-        local = model.mesh_vert[first : first + count : 1 + count // MOST].astype(float)
+        local = vertices(model, geom)
+        local = local[:: 1 + len(local) // MOST]
     else:
         # The box of a round shape: what is judged here is off by ten times, or a thousand.
         centre, half = model.geom_aabb[geom][:3], model.geom_aabb[geom][3:]
         local = centre + _CORNERS * half
-    points: Array = local @ flat.reshape(3, 3).T + model.geom_pos[geom]
+    points: Array = local @ rotation(model.geom_quat[geom]).T + model.geom_pos[geom]
     return points
 
 

@@ -13,8 +13,9 @@ import numpy as np
 
 from stages.formats.urdf.names import urdf_names
 from stages.robot.model import Array, Configuration, Dof, Robot, Value
-from stages.robot.poses import inverse, motion, quat_from_rotation, turns_from_rotation
+from stages.robot.poses import UNMOVED, inverse, motion, quat_from_rotation, turns_from_rotation
 from stages.validate.compiled import CompiledModel
+from stages.validate.mujoco_poses import placed
 
 HINGE, SLIDE = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
 BALL, FREE = mujoco.mjtJoint.mjJNT_BALL, mujoco.mjtJoint.mjJNT_FREE
@@ -158,14 +159,11 @@ def site_pose(model: Any, data: Any, site: int) -> Array:
     return pose_of(data, int(model.site_bodyid[site])) @ on_body
 
 
-def placed(quat: Array, position: Array) -> Array:
-    """The (4, 4) pose of MuJoCo's quaternion and position."""
-    flat = np.empty(9)
-    mujoco.mju_quat2Mat(flat, np.array(quat))
-    pose = np.eye(4)
-    pose[:3, :3] = flat.reshape(3, 3)
-    pose[:3, 3] = position
-    return pose
+def placed_by_site(model: Any, link: str) -> Array:
+    """world_from_link (4, 4) of a link whose body is the world: the scene says by a site of its name where it
+    is; unmoved where there is none."""
+    site = site_index(model, link)
+    return UNMOVED if site < 0 else placed(model.site_quat[site], model.site_pos[site])
 
 
 def distance(found: Array, expected: Array) -> float:

@@ -9,6 +9,7 @@ from stages.formats.own_xml import name_of
 from stages.formats.xml import Element, Malformed, parse, tag
 from stages.robot.check import Finding
 from stages.robot.plural import count
+from stages.validate.findings import named
 
 Language = Literal["urdf", "mjcf"]
 
@@ -72,9 +73,9 @@ def called(element: Element) -> str:
     own = tag(element)
     name = name_of(element)
     if name:
-        return f'{own} "{name}"'
+        return named(own, name)
     if own == "mesh" and element.get("file"):
-        return f'mesh "{stem(element)}"'
+        return named("mesh", stem(element))
     above = element.getparent()
     while above is not None and tag(above) in _BETWEEN:
         above = above.getparent()

@@ -8,8 +8,9 @@ import numpy as np
 from stages.robot.check import Finding
 from stages.robot.model import Array, Loop, Robot
 from stages.robot.poses import inverse
-from stages.validate.coordinates import BY_EQUALITY, body_index, joint_index, placed
+from stages.validate.coordinates import BY_EQUALITY, body_index, joint_index
 from stages.validate.findings import named, shown, worst_first
+from stages.validate.mujoco_poses import placed
 
 CLOSED = 1e-6
 """Loops and relations [m, rad]: the error that CAD's own solver leaves is below this."""

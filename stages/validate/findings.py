@@ -24,6 +24,12 @@ def link(name: str, urdf: bool) -> str:
     return named("link" if urdf else "body", name)
 
 
+def unstable(joint: str, words: str) -> Finding:
+    """Of a run that failed: the joint that it began with, "" for none, and what it may lack."""
+    element, attribute = (named("joint", joint), "armature") if joint else ("option", "timestep")
+    return Finding(element, attribute, words)
+
+
 def differs(element: str, attribute: str, found: object, expected: object, unit: str = "") -> Finding:
     """Found and expected: numbers, arrays of them, or text."""
     ending = f" [{unit}]" if unit else ""

@@ -10,6 +10,7 @@ import numpy as np
 
 from stages.formats.xml import parse
 from stages.robot.model import Array
+from stages.validate.mujoco_poses import rotation
 
 _PROBES = [
     (np.array(moments), np.array(quat))
@@ -41,18 +42,12 @@ def _largest_error(exponent: int) -> float:
 
 
 def _error(moments: Array, quat: Array) -> float:
-    turn = _rotation(quat / np.linalg.norm(quat))
+    turn = rotation(quat / np.linalg.norm(quat))
     tensor = turn @ np.diag(moments) @ turn.T
     found, vectors, axes = np.empty(3), np.empty(9), np.empty(4)
     mujoco.mju_eig3(found, vectors, axes, tensor.ravel())
-    turn = _rotation(axes)
+    turn = rotation(axes)
     return float(np.abs(turn @ np.diag(found) @ turn.T - tensor).max() / np.abs(tensor).max())
-
-
-def _rotation(quat: Array) -> Array:
-    flat = np.empty(9)
-    mujoco.mju_quat2Mat(flat, quat)
-    return flat.reshape(3, 3)
 
 
 @functools.cache

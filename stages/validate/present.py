@@ -5,6 +5,7 @@ from pathlib import Path
 
 from stages.robot.check import Check, Finding
 from stages.robot.plural import count
+from stages.validate.findings import named
 
 CODE = "C-PRESENT"
 
@@ -15,7 +16,7 @@ def present(folder: Path, files: Iterable[str]) -> Iterator[Check]:
     missing = [path for path in paths if not (folder / path).is_file()]
     detail = f"missing: {', '.join(missing)}" if missing else f"{count(len(paths), 'file')} of robot.json"
     message = "robot.json lists this file, and it is not there"
-    found = tuple(Finding(f'file "{path}"', "", message) for path in missing)
+    found = tuple(Finding(named("file", path), "", message) for path in missing)
     if paths:
         name, number = "robot.json: files", float(len(missing))
         yield Check(name, not missing, detail, number, 0.0, CODE, "error", found)

@@ -10,6 +10,9 @@ import numpy as np
 
 from stages.robot.model import Array
 
+DEEP = 5e-4
+"""Contacts at the start may be so deep [m], the skin of soft contact: deeper ones push the robot apart."""
+
 
 @contextmanager
 def with_options(model: Any, **options: Any) -> Iterator[None]:
@@ -42,6 +45,16 @@ def at_keyframe(model: Any, name: str = "home") -> Any:
     if key >= 0:
         mujoco.mj_resetDataKeyframe(model, data, key)
     return data
+
+
+def touching(model: Any, data: Any) -> list[tuple[int, int, float]]:
+    """(body, other body, depth [m]) of the bodies in contact, the deepest first, each pair with its deepest
+    contact; the world, 0, is always the other."""
+    found: dict[tuple[int, int], float] = {}
+    for contact in data.contact[: data.ncon]:
+        body, other = sorted((int(model.geom_bodyid[geom]) for geom in contact.geom), reverse=True)
+        found[body, other] = max(found.get((body, other), 0.0), -float(contact.dist))
+    return sorted(((*pair, depth) for pair, depth in found.items()), key=lambda one: -one[2])
 
 
 def drawn(name: str, count: int) -> Array:

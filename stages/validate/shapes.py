@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 
 from stages.robot.model import Array
-from stages.validate.coordinates import placed
+from stages.validate.mujoco_poses import placed
 
 GEOM = mujoco.mjtGeom
 SPHERE, CAPSULE, CYLINDER = int(GEOM.mjGEOM_SPHERE), int(GEOM.mjGEOM_CAPSULE), int(GEOM.mjGEOM_CYLINDER)

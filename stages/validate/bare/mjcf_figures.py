@@ -5,9 +5,9 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.robot.model import Array
-from stages.robot.poses import from_parts
 from stages.validate.bare.figures import ShapeFigures, WeighedBody, box_corners
+from stages.validate.findings import named
+from stages.validate.mujoco_poses import placed, rotation
 
 _ENDLESS = (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD)
 
@@ -26,7 +26,7 @@ def body_name(model: Any, body: int) -> str:
 
 def _body(model: Any, data: Any, body: int) -> WeighedBody:
     name = body_name(model, body)
-    turn = _rotation(model.body_iquat[body])
+    turn = rotation(model.body_iquat[body])
     inertia = turn @ np.diag(model.body_inertia[body]) @ turn.T
     first = int(model.body_geomadr[body])
     geoms = range(first, first + int(model.body_geomnum[body]))
@@ -49,19 +49,13 @@ def _body(model: Any, data: Any, body: int) -> WeighedBody:
 
 
 def _shape(model: Any, geom: int, body: str) -> ShapeFigures:
-    pose = from_parts(_rotation(model.geom_quat[geom]), model.geom_pos[geom])
+    pose = placed(model.geom_quat[geom], model.geom_pos[geom])
     corners = box_corners(model.geom_aabb[geom][:3], model.geom_aabb[geom][3:], pose)
     collides = bool(model.geom_contype[geom] or model.geom_conaffinity[geom])
     mesh = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH
     own = model.geom(geom).name
-    called = f'geom "{own}"' if own else f'geom of body "{body}"'
+    called = named("geom", own) if own else named("geom of body", body)
     element, attribute = called, "size"
     if mesh:
-        element, attribute = f'mesh "{model.mesh(int(model.geom_dataid[geom])).name}"', "scale"
+        element, attribute = named("mesh", model.mesh(int(model.geom_dataid[geom])).name), "scale"
     return ShapeFigures(corners, collides, bool(mesh), element, attribute, (called, "pos"))
-
-
-def _rotation(quat: Array) -> Array:
-    flat = np.empty(9)
-    mujoco.mju_quat2Mat(flat, quat)
-    return flat.reshape(3, 3)

@@ -15,9 +15,8 @@ from stages.robot.trial_run import trial_run
 from stages.validate.asset_files import named_files
 from stages.validate.bare.mjcf_figures import body_name
 from stages.validate.documents import ModelDocument
-
-DEEP = 5e-4
-"""Contacts at the start that are deeper [m] push the robot apart."""
+from stages.validate.findings import named, unstable
+from stages.validate.running import DEEP, at_keyframe, touching
 
 OPEN = 1e-3
 """A loop that is open by more [m, rad] at the start jumps when it is simulated: files have few digits."""
@@ -97,10 +96,7 @@ def _drop(mesh: Element) -> None:
 def _simulated(document: ModelDocument, model: Any) -> Iterator[Check]:
     name, urdf = document.path.name, document.language == "urdf"
     level: CheckLevel = "warning" if urdf else "error"
-    data = mujoco.MjData(model)
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    if key >= 0:
-        mujoco.mj_resetDataKeyframe(model, data, key)
+    data = at_keyframe(model)
     with listening():
         mujoco.mj_forward(model, data)
     # A URDF says neither which links may touch nor where it starts.
@@ -110,8 +106,7 @@ def _simulated(document: ModelDocument, model: Any) -> Iterator[Check]:
     tried: tuple[Finding, ...] = ()
     if trial.failed:
         detail = f"after {trial.time:.3g} s {trial.failed}"
-        joint = f'joint "{trial.joints[0]}"' if trial.joints else "option"
-        tried = (Finding(joint, "armature" if trial.joints else "timestep", detail),)
+        tried = (unstable(trial.joint, detail),)
     yield Check(f"{name}: trial run", not trial.failed, detail, None, None, "C-TRIAL", level, tried)
 
 
@@ -134,16 +129,11 @@ def _words(finding: Finding) -> str:
 
 
 def _deep(model: Any, data: Any) -> Iterator[Finding]:
-    worst: dict[tuple[int, int], float] = {}
-    for contact in data.contact[: data.ncon]:
-        first, second = (int(model.geom_bodyid[geom]) for geom in contact.geom)
-        pair = min(first, second), max(first, second)
-        worst[pair] = max(worst.get(pair, 0.0), -float(contact.dist))
-    for (first, second), depth in sorted(worst.items(), key=lambda item: -item[1]):
+    for body, other, depth in touching(model, data):
         if depth > DEEP:
-            other = body_name(model, first) if first else "world"
-            message = f'it is {1000 * depth:.2g} mm inside "{other}" at the start'
-            yield Finding(f'body "{body_name(model, second)}"', "pos", message)
+            inside = body_name(model, other) if other else "world"
+            message = f'it is {1000 * depth:.2g} mm inside "{inside}" at the start'
+            yield Finding(named("body", body_name(model, body)), "pos", message)
 
 
 def _opened(model: Any, data: Any) -> Iterator[Finding]:

@@ -11,6 +11,7 @@ from stages.robot.check import Check, Finding
 from stages.robot.model import Array
 from stages.robot.plural import count
 from stages.validate.documents import ModelDocument, sentence
+from stages.validate.findings import named
 
 CODE = "C-TOGETHER"
 
@@ -75,13 +76,13 @@ def _limits(urdf: Compiled, other: Compiled) -> Iterator[Finding]:
     mine, theirs = urdf.joints, other.joints
     for name in sorted(mine.keys() ^ theirs.keys()):
         where = other if name in mine else urdf
-        yield Finding(f'joint "{name}"', "name", f"{where.document.path.name} has no such joint")
+        yield Finding(named("joint", name), "name", f"{where.document.path.name} has no such joint")
     for name in sorted(mine.keys() & theirs.keys()):
         one, two = (_range(at.model, at.joints[name]) for at in (urdf, other))
         if np.abs(np.subtract(one, two)).max() > SHARE * max(1e-2, *map(abs, (*one, *two))):
             shown = (f"{at[0]:.6g} to {at[1]:.6g}" if at != (0.0, 0.0) else "no range" for at in (one, two))
             words = " in the URDF, ".join(shown)
-            yield Finding(f'joint "{name}"', "range", f"{words} in the MJCF")
+            yield Finding(named("joint", name), "range", f"{words} in the MJCF")
 
 
 def _range(model: Any, joint: int) -> tuple[float, float]:
@@ -95,7 +96,7 @@ def _masses(urdf: Compiled, other: Compiled) -> Iterator[Finding]:
     for name in sorted(mine.keys() & theirs.keys()):
         one, two = mine[name], theirs[name]
         if abs(one - two) > SHARE * max(one, two):
-            yield Finding(f'body "{name}"', "mass", f"{one:.6g} kg in the URDF, {two:.6g} kg in the MJCF")
+            yield Finding(named("body", name), "mass", f"{one:.6g} kg in the URDF, {two:.6g} kg in the MJCF")
 
 
 def _lumps(one: Compiled) -> dict[str, float]:
@@ -129,7 +130,7 @@ def _places(urdf: Compiled, other: Compiled) -> Iterator[Finding]:
     for name in order:
         if worst[name] > PLACES:
             message = f"its place differs by {worst[name]:.3g} m or rad between the files"
-            yield Finding(f'body "{name}"', "pos", message)
+            yield Finding(named("body", name), "pos", message)
             return
 
 

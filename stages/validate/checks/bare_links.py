@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from stages.robot.check import Check, Finding
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
+from stages.validate.findings import named
 from stages.validate.shapes import seen_and_solid
 
 CODE = "C-NO-COLLIDER"
@@ -20,7 +21,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         return
     bodies = {compiled.model.body(body).name: solid for body, (seen, solid) in every.items() if seen}
     bare = [name for name, solid in bodies.items() if not solid and not _asked(compiled, name)]
-    findings = [Finding(f'body "{name}"', "geom", f"{name} is seen and has no collider") for name in bare]
+    findings = [Finding(named("body", name), "geom", f"{name} is seen and has no collider") for name in bare]
     detail = f"{count(len(bodies), 'link')} with a visual shape, each with a collider, or without as asked"
     if bare:
         detail = f"without a collider, so that they pass through everything: {', '.join(bare)}"

@@ -14,6 +14,7 @@ import numpy as np
 from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
+from stages.validate.findings import named
 from stages.validate.shapes import directions, outside, reach, seen_and_solid, surface_points
 
 CODE = "C-COLLIDER"
@@ -143,8 +144,8 @@ def _finding(model: Any, body: str, found: Fit, limits: Allowed) -> Finding:
     name = model.geom(found.furthest).name
     reaches = limits.beyond is not None and found.beyond > min(limits.beyond, found.bare)
     if name and reaches:
-        return Finding(f'geom "{name}"', "pos", message)
-    return Finding(f'body "{body}"', "geom", message)
+        return Finding(named("geom", name), "pos", message)
+    return Finding(named("body", body), "geom", message)
 
 
 def _mm(length: float) -> str:

@@ -5,8 +5,9 @@ For 1 s; with `validate=strict` for 10 s.
 
 from collections.abc import Iterator
 
-from stages.robot.check import Check, Finding
+from stages.robot.check import Check
 from stages.validate.compiled import CompiledModel
+from stages.validate.findings import unstable
 from stages.validate.noise import shaken
 
 CODE = "C-NOISE"
@@ -23,10 +24,9 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     detail = f"{shake.time:.3g} s of noise over the range of each control without a warning"
     findings = []
     if shake.failed:
-        where = f'joint "{shake.joint}"' if shake.joint else "option"
         detail = (
             f"after {shake.time:.3g} s of noise {shake.failed}{' at ' + shake.joint if shake.joint else ''}"
         )
         hint = "less gain or force, more armature or damping, or a shorter step would mend it"
-        findings = [Finding(where, "armature" if shake.joint else "timestep", f"{shake.failed}: {hint}")]
+        findings = [unstable(shake.joint, f"{shake.failed}: {hint}")]
     yield compiled.result("control noise", not shake.failed, detail, findings=findings)

@@ -13,6 +13,7 @@ from stages.robot.model import Array
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import HINGE
+from stages.validate.findings import named
 from stages.validate.shapes import reach, seen_and_solid
 
 CODE = "C-AXIS"
@@ -44,7 +45,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         if away > SHARE * extent:
             name, links = model.joint(joint).name, [model.body(body).name for body in (parent, child)]
             text = f"the axis of {name} passes {1e3 * away:.3g} mm outside {links[0]} and {links[1]}"
-            findings.append((-away, Finding(f'joint "{name}"', "pos", text)))
+            findings.append((-away, Finding(named("joint", name), "pos", text)))
     if not hinges:
         return
     found = [one for _, one in sorted(findings, key=lambda pair: pair[0])]

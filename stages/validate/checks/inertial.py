@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from stages.robot.check import Check, CheckLevel, Finding
@@ -17,6 +16,8 @@ from stages.robot.model import Array
 from stages.robot.plural import count
 from stages.validate.body_shapes import BodyExtents, extents, outside, reaches
 from stages.validate.compiled import CompiledModel
+from stages.validate.findings import link
+from stages.validate.mujoco_poses import rotation
 
 CODE = "C-INERTIAL"
 
@@ -91,9 +92,7 @@ def _result(compiled: CompiledModel, name: str, every: list[_Judged], limit: flo
 
 def _gyration(model: Any, body: int, shape: BodyExtents) -> _Judged:
     mass, moments = float(model.body_mass[body]), model.body_inertia[body]
-    flat = np.empty(9)
-    mujoco.mju_quat2Mat(flat, model.body_iquat[body])
-    reach = reaches(shape, model.body_ipos[body], flat.reshape(3, 3))
+    reach = reaches(shape, model.body_ipos[body], rotation(model.body_iquat[body]))
     shares = np.sqrt(moments / mass) / np.maximum(reach, 1e-6 * shape.size)
     worst = int(shares.argmax())
     share = float(shares[worst])
@@ -143,4 +142,4 @@ def _density(model: Any, body: int, shape: BodyExtents) -> _Judged:
 
 
 def _element(model: Any, body: int) -> str:
-    return f'body "{model.body(body).name}"'
+    return link(model.body(body).name, urdf=False)

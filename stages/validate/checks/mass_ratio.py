@@ -5,6 +5,7 @@ from typing import Any
 
 from stages.robot.check import Check, Finding
 from stages.validate.compiled import CompiledModel
+from stages.validate.findings import named
 
 CODE = "C-MASS-RATIO"
 
@@ -53,12 +54,12 @@ def _ratio(model: Any, body: int, above: int) -> float:
 def _uneven(model: Any, ratio: float, body: int, above: int) -> Finding:
     light, heavy = sorted((body, above), key=lambda one: float(model.body_mass[one]))
     words = f"{model.body(heavy).name} is {ratio:,.0f} times as heavy as {model.body(light).name}"
-    return Finding(f'body "{model.body(light).name}"', "inertial mass", words)
+    return Finding(named("body", model.body(light).name), "inertial mass", words)
 
 
 def _tiny(model: Any, body: int) -> Finding:
     words = f"it weighs {float(model.body_mass[body]):.3g} kg, which is not what its parts weigh"
-    return Finding(f'body "{model.body(body).name}"', "inertial mass", words)
+    return Finding(named("body", model.body(body).name), "inertial mass", words)
 
 
 def _meant(compiled: CompiledModel, body: int) -> bool:

@@ -14,11 +14,12 @@ from stages.formats.xml import parse
 from stages.robot.check import Check, Finding
 from stages.robot.model import Array
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import body_index, placed
+from stages.validate.coordinates import body_index
 from stages.validate.equalities import carriers
 from stages.validate.findings import differs, link, worst_first
 from stages.validate.lumps import EXACT, UNITS, Lump, differences, expected_lump, merged, moved_lump
 from stages.validate.mujoco_abilities import axes_error
+from stages.validate.mujoco_poses import placed
 
 CODE = "C-MASS"
 

@@ -17,6 +17,7 @@ from stages.robot.plural import count
 from stages.robot.start_pose import home
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import HINGE, set_values
+from stages.validate.findings import named
 from stages.validate.following import Follower, swept_joints
 
 CODE = "C-REACH"
@@ -68,7 +69,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
                 f"{links[0]} and {links[1]} collide when {name} is at {one.first:.3g} {unit}, by "
                 f"{1e3 * one.depth:.2g} mm at {one.deepest:.3g}"
             )
-            findings.append((-one.depth, Finding(f'joint "{name}"', "range", text)))
+            findings.append((-one.depth, Finding(named("joint", name), "range", text)))
     if not joints:
         return
     told = tuple(one for _, one in sorted(findings, key=lambda pair: pair[0]))

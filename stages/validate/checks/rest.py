@@ -14,6 +14,7 @@ from stages.robot.mujoco_warnings import listening
 from stages.robot.trial_run import EFFORT, failure
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import FREE, HINGE, SLIDE
+from stages.validate.findings import named
 from stages.validate.running import at_keyframe
 
 CODE = "C-REST"
@@ -76,10 +77,10 @@ def _finding(model: Any, name: str, words: str) -> Finding:
     joint = model.joint(name).id
     own = [one for one in range(model.nu) if int(model.actuator_trnid[one][0]) == joint]
     if model.jnt_type[joint] == FREE:
-        return Finding(f'joint "{name}"', "", f"the base {words}: it does not stand at home by itself")
+        return Finding(named("joint", name), "", f"the base {words}: it does not stand at home by itself")
     if own:
         actuator = model.actuator(own[0]).name
         return Finding(
-            f'actuator "{actuator}"', "ctrl of the keyframe home", f"{name} {words}: it does not hold it"
+            named("actuator", actuator), "ctrl of the keyframe home", f"{name} {words}: it does not hold it"
         )
-    return Finding(f'joint "{name}"', "", f"it {words}, and nothing drives it")
+    return Finding(named("joint", name), "", f"it {words}, and nothing drives it")

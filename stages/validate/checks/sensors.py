@@ -9,8 +9,9 @@ import numpy as np
 from stages.robot.check import Check, Finding
 from stages.robot.model import Sensor
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import SAME, body_index
+from stages.validate.coordinates import SAME, body_index, placed_by_site
 from stages.validate.findings import differs, few, named, worst_first
+from stages.validate.mujoco_poses import placed
 
 CODE = "C-SENSOR"
 
@@ -109,23 +110,15 @@ def _off(compiled: CompiledModel, kind: str, name: str, link: str, link_from_it:
     holder, holder_from_link = compiled.held.get(link, (link, np.eye(4)))
     if holder == "world":
         # The link is where the scene puts it, and the body is the world.
-        site = _index(model, "site", holder)
-        holder_from_link = _pose(model.site_pos[site], model.site_quat[site]) @ holder_from_link
+        holder_from_link = placed_by_site(model, holder) @ holder_from_link
     pose = holder_from_link @ link_from_it
     if kind == "camera":
         pose = pose @ np.diag([1.0, -1.0, -1.0, 1.0])
-    found = _pose(
-        *(getattr(model, f"{short}_{what}")[index] for what in ("pos", "quat") for short in (_SHORT[kind],))
+    quat, position, on = (
+        getattr(model, f"{_SHORT[kind]}_{what}")[index] for what in ("quat", "pos", "bodyid")
     )
-    on = getattr(model, f"{_SHORT[kind]}_bodyid")[index]
+    found = placed(quat, position)
     return float(np.abs(found - pose).max()) if on == body_index(model, holder) else np.inf
 
 
 _SHORT = {"site": "site", "camera": "cam"}
-
-
-def _pose(position: Any, quaternion: Any) -> Any:
-    out, turned = np.eye(4), np.zeros(9)
-    mujoco.mju_quat2Mat(turned, quaternion)
-    out[:3, :3], out[:3, 3] = turned.reshape(3, 3), position
-    return out

@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-import mujoco
 import numpy as np
 
 from stages.robot.check import Check, Finding
@@ -12,7 +11,9 @@ from stages.robot.model import Array
 from stages.robot.plural import count
 from stages.robot.poses import UNMOVED, inverse
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import body_index, distance, placed
+from stages.validate.coordinates import body_index, distance, placed_by_site
+from stages.validate.findings import named
+from stages.validate.mujoco_poses import placed
 from stages.validate.shapes import BOX, CAPSULE, CYLINDER, MESH, SPHERE, area, seen_and_solid
 
 CODE = "C-SHAPE"
@@ -39,8 +40,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         body = body_index(compiled.model, link.name)
         places = [pose for holder, pose in compiled.held.values() if holder == link.name] or [UNMOVED]
         if body == 0:
-            # The link is where the scene puts it, and the body is the world.
-            places = [_of_site(compiled.model, link.name) @ pose for pose in places]
+            places = [placed_by_site(compiled.model, link.name) @ pose for pose in places]
         for role, geoms in zip(ROLES, every.get(body, ((), ())), strict=True):
             findings += _differences(compiled.model, link.name, role, shapes[link.name, role], geoms, places)
     total = len(compiled.geometry.shapes)
@@ -50,19 +50,13 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     yield compiled.within("shapes", float(len(findings)), 0.0, detail, findings)
 
 
-def _of_site(model: Any, name: str) -> Array:
-    """The pose (4, 4) of a site in its body; unmoved where there is none."""
-    index = int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))
-    return UNMOVED if index < 0 else placed(model.site_quat[index], model.site_pos[index])
-
-
 def _differences(
     model: Any, link: str, role: Role, shapes: Sequence[Shape], geoms: Sequence[int], places: Sequence[Array]
 ) -> Iterator[Finding]:
     """What the user's own XML adds to a body comes after what is the robot's own."""
     if len(geoms) < len(shapes):
         text = f"{link} has {count(len(geoms), f'{role} shape')} of {len(shapes)}"
-        yield Finding(f'body "{link}"', "geom", text)
+        yield Finding(named("body", link), "geom", text)
         return
     for shape, geom in zip(shapes, geoms, strict=False):
         wrong = (
@@ -113,9 +107,9 @@ def _of_primitive(model: Any, shape: Shape, geom: int, places: Sequence[Array]) 
 def _element(model: Any, geom: int) -> str:
     name = model.geom(geom).name
     if name:
-        return f'geom "{name}"'
+        return named("geom", name)
     mesh = int(model.geom_dataid[geom])
-    return f'geom mesh "{model.mesh(mesh).name}"' if mesh >= 0 else "geom"
+    return named("geom mesh", model.mesh(mesh).name) if mesh >= 0 else "geom"
 
 
 def _words(model: Any, geom: int, link: str) -> str:

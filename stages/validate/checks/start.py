@@ -14,12 +14,10 @@ from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.geometry import Touch
 from stages.robot.start_pose import HOME
 from stages.validate.compiled import CompiledModel
-from stages.validate.running import at_keyframe
+from stages.validate.findings import named
+from stages.validate.running import DEEP, at_keyframe, touching
 
 CODE = "C-START"
-
-DEEP = 5e-4
-"""A contact may be so deep [m]: less is the skin of soft contact."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,7 +36,7 @@ class Overlap:
             if self.ground
             else "see contact.exclude, keyframes and its colliders"
         )
-        return Finding(f'body "{self.first}"', "pos" if self.ground else "geom", f"{words}: {hint}")
+        return Finding(named("body", self.first), "pos" if self.ground else "geom", f"{words}: {hint}")
 
     @property
     def ground(self) -> bool:
@@ -86,9 +84,5 @@ def _result(compiled: CompiledModel, where: str, found: list[Overlap], level: Ch
 def overlaps(model: Any, data: Any) -> list[Overlap]:
     """The pairs of bodies that are in contact, the deepest first, each with its deepest contact."""
     mujoco.mj_fwdPosition(model, data)
-    found: dict[tuple[int, int], float] = {}
-    for contact in data.contact[: data.ncon]:
-        one, other = sorted((int(model.geom_bodyid[geom]) for geom in contact.geom), reverse=True)
-        found[one, other] = max(found.get((one, other), 0.0), -float(contact.dist))
-    every = [Overlap(model.body(a).name, model.body(b).name, depth) for (a, b), depth in found.items()]
-    return sorted((one for one in every if one.depth > 0.0), key=lambda one: -one.depth)
+    every = touching(model, data)
+    return [Overlap(model.body(a).name, model.body(b).name, depth) for a, b, depth in every if depth > 0.0]

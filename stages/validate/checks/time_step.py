@@ -5,9 +5,10 @@ For 0.5 s each; with `validate=strict` for 2 s.
 
 from collections.abc import Iterator
 
-from stages.robot.check import Check, CheckLevel, Finding
+from stages.robot.check import Check, CheckLevel
 from stages.robot.trial_run import OPEN, trial_run
 from stages.validate.compiled import CompiledModel
+from stages.validate.findings import unstable
 from stages.validate.running import with_options
 
 CODE = "C-TIME-STEP"
@@ -31,9 +32,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         if trial.failed:
             where = f" at {', '.join(trial.joints[:3])}" if trial.joints else ""
             detail = f"with steps of {factor * step:g} s, after {trial.time:.3g} s {trial.failed}{where}"
-            element = f'joint "{trial.joints[0]}"' if trial.joints else "option"
             words = f"{trial.failed} with {name} the time step, after {trial.time:.3g} s"
-            findings = [Finding(element, "armature" if trial.joints else "timestep", words)]
+            findings = [unstable(trial.joint, words)]
         level: CheckLevel = "error" if name == "half" else "warning"
         yield compiled.result(
             f"{name} the time step", not trial.failed, detail, trial.opening, OPEN, findings, level

@@ -12,6 +12,7 @@ from stages.robot.pose_samples import sampled_poses
 from stages.robot.start_pose import home
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import HINGE, joint_index
+from stages.validate.findings import named
 from stages.validate.holding import holding, strength
 
 CODE = "C-TORQUE"
@@ -47,7 +48,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         shares.append((share, name))
         if share > 1.0:
             words = f"holding the weight takes up to {largest:.3g} {unit}, of {able:.3g} {unit} that it has"
-            findings.append(Finding(f'joint "{name}"', _key(model, name), words))
+            findings.append(Finding(named("joint", name), _key(model, name), words))
     worst, where = max(shares, default=(0.0, "none that is limited"))
     detail = f"to hold the weight{_with(compiled)}, as a share of what the joint can do; the most: {where}"
     result = compiled.within("torque margin", worst, 1.0, detail, findings, "warning")

@@ -12,6 +12,7 @@ import mujoco
 from stages.robot.check import Check
 from stages.robot.trial_run import OPEN, Trial, trial_run
 from stages.validate.compiled import CompiledModel
+from stages.validate.running import at_keyframe, flags, touching, with_options
 
 CODE = "C-TRIAL"
 
@@ -35,7 +36,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
 def _remedy(model: Any, trial: Trial) -> str:
     """The first change with which the run passes, in the words of the configuration."""
     step = model.opt.timestep
-    joint = trial.joints[0] if trial.joints else "*"
+    joint = trial.joint or "*"
     for change, words in (
         (_without_contacts, f"without contacts it does not: {_deepest(model)}"),
         (_half_step, f"scene.option.timestep={step / 2:g} would mend it"),
@@ -48,24 +49,12 @@ def _remedy(model: Any, trial: Trial) -> str:
     return f"look at joints: {{{joint}: {{damping: ..., armature: ...}}}} and the masses beyond it"
 
 
-@contextmanager
-def _without_contacts(model: Any) -> Iterator[None]:
-    flags = model.opt.disableflags
-    model.opt.disableflags = flags | mujoco.mjtDisableBit.mjDSBL_CONTACT
-    try:
-        yield
-    finally:
-        model.opt.disableflags = flags
+def _without_contacts(model: Any) -> Any:
+    return with_options(model, disableflags=model.opt.disableflags | flags("CONTACT"))
 
 
-@contextmanager
-def _half_step(model: Any) -> Iterator[None]:
-    step = model.opt.timestep
-    model.opt.timestep = step / 2
-    try:
-        yield
-    finally:
-        model.opt.timestep = step
+def _half_step(model: Any) -> Any:
+    return with_options(model, timestep=model.opt.timestep / 2)
 
 
 def _armature(trial: Trial) -> Callable[[Any], Any]:
@@ -104,17 +93,11 @@ def _more(field: str, trial: Trial, share: float) -> Callable[[Any], Any]:
 
 def _deepest(model: Any) -> str:
     """The two bodies whose contact at home is the deepest, and what to do about it."""
-    data = mujoco.MjData(model)
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    if key >= 0:
-        mujoco.mj_resetDataKeyframe(model, data, key)
+    data = at_keyframe(model)
     mujoco.mj_forward(model, data)
     if not data.ncon:
         return "see contact.exclude and mesh.colliders"
-    worst = min(range(data.ncon), key=lambda one: float(data.contact[one].dist))
-    contact = data.contact[worst]
-    names = [model.body(int(model.geom_bodyid[geom])).name for geom in contact.geom]
-    depth = max(0.0, -1000 * float(contact.dist))
-    if "world" in names:
-        return f"{' and '.join(names)} overlap by {depth:.2g} mm at home, see scene.pose"
-    return f"{' and '.join(names)} overlap by {depth:.2g} mm at home, see contact.exclude and mesh.colliders"
+    *pair, depth = touching(model, data)[0]
+    see = "contact.exclude and mesh.colliders" if all(pair) else "scene.pose"
+    names = " and ".join(model.body(body).name for body in reversed(pair))
+    return f"{names} overlap by {1000 * depth:.2g} mm at home, see {see}"

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from stages.robot.plural import count
-from stages.validate.coordinates import placed
+from stages.validate.mujoco_poses import placed
 from stages.validate.readiness.finished import Aside, Finished
 from stages.validate.shapes import MESH, directions, reach
 
