@@ -20,7 +20,8 @@ from tests.fake_onshape.random_document import documents
 from tests.support import mutation_table
 from tests.support.building import robot_of
 from tests.support.mutated_builds import Build, built, checks_of, rover, sample
-from tests.support.mutations import KINDS, Kind, NothingToChange, catches, plant
+from tests.support.mutations import KINDS
+from tests.support.mutations.kind import Kind, NothingToChange, catches, plant
 
 SEED = 20261123
 """Of the faults of the default run."""

@@ -7,7 +7,7 @@ PLACES = {"urdf": "URDF", "mjcf": "MJCF", "scene": "scene", "assets": "asset"}
 INTRODUCTION = """\
 # What the checks find
 
-Generated from `tests/support/mutations.py` by `python -m tests.config.regenerate`; do not edit. Each fault
+Generated from `tests/support/mutations` by `python -m tests.config.regenerate`; do not edit. Each fault
 is planted in a finished build, at a place and of a size that a seed draws. The check with one of these
 codes (`linkwright explain C-MASS`) must not pass, and must name the element and its attribute. Digests are
 no evidence, nor is exporting again: the checks read the files. `tests/e2e/test_mutations.py` plants every

@@ -1,0 +1,21 @@
+"""Faults to plant in a finished build: `KINDS`, by the file in which they are."""
+
+from tests.support.mutations import (
+    assets,
+    mjcf_joints,
+    mjcf_shapes,
+    mjcf_world,
+    scene,
+    urdf_joints,
+    urdf_links,
+)
+
+KINDS = [
+    *urdf_joints.KINDS,
+    *urdf_links.KINDS,
+    *mjcf_joints.KINDS,
+    *mjcf_world.KINDS,
+    *mjcf_shapes.KINDS,
+    *scene.KINDS,
+    *assets.KINDS,
+]
