@@ -9,6 +9,7 @@ from pydantic import Field, ValidationError
 
 from pipeline.config.messages import diagnostics
 from pipeline.config.motor_library import with_motors
+from pipeline.config.page_keys import PageKeys
 from pipeline.errors import Diagnostic, refusal
 from stages.export.keys import ExportKeys
 from stages.fetch.keys import FetchKeys
@@ -25,6 +26,7 @@ RUN_KEYS = (
     "cache",
     "output",
     "overwrite",
+    "page",
     "source.max_calls",
     "source.max_wait",
     "source.offline",
@@ -54,6 +56,9 @@ class CacheKeys(Keys):
 
 class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
     """The whole configuration of a build: the sections of the stages, and how they run."""
+
+    page: PageKeys = PageKeys()
+    """The page about the build, and the robot's picture: no key of them changes a file of the robot."""
 
     cache: CacheKeys = CacheKeys()
     """The cache of earlier results."""

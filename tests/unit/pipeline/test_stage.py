@@ -145,6 +145,7 @@ VALUES = {
     "cache": {"mode": "refresh"},
     "output": "elsewhere",
     "overwrite": True,
+    "page": {"faces": 7},
     "source.max_calls": 7,
     "source.max_wait": 7,
     "source.offline": True,

@@ -1,0 +1,28 @@
+"""Configuration of the page about a build, `report.html`, and of the robot's picture."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from stages.robot.keys import Count, Keys, example
+
+MOST_FACES = 1_000_000
+"""So many triangles that no page becomes too large to open or to send."""
+
+
+class PageKeys(Keys):
+    """The page about the build, in which the robot moves, and the robot's picture."""
+
+    live: Literal["whole", "shared", "kinematics"] = "whole"
+    """How the robot simulates in `report.html`. whole: the physics engine is in the file, which needs nothing
+    else; shared: the engine is `linkwright-engine.js` beside the page, and one file for all jobs of a sweep;
+    kinematics: without an engine the robot is moved by its sliders alone, and the file is small."""
+
+    faces: Annotated[Count, Field(le=MOST_FACES), example(50_000)] = 200_000
+    """The most triangles that the page shows of the robot's visual meshes, and of its colliders; of more the
+    page has thinned copies, small parts with fewer triangles first, and says so. The exported meshes stay as
+    they are."""
+
+    preview: Literal["png", "turn", "none"] = "png"
+    """The picture of the robot. png: `preview.png`; turn: also `preview.webp`, in which it turns; none: no
+    picture."""
