@@ -8,16 +8,17 @@ import time
 import traceback
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from pipeline import report
 from pipeline.caching import actions, bundles
 from pipeline.caching.actions import Action, Cache, Files
 from pipeline.config.choices import name_of
-from pipeline.config.file_text import as_yaml
 from pipeline.config.plan import Plan
 from pipeline.context import NOTES, ROBOT, BuildContext
 from pipeline.disk_space import LEAST
+from pipeline.documents import documents
 from pipeline.early_imports import Ahead
 from pipeline.errors import (
     ConfigError,
@@ -107,7 +108,8 @@ def build_files(
             done = run.finished(context, files)
             robot = context.files["graph"][ROBOT] if "graph" in context.files else None
             if output:
-                output.publish({**files, **run.documents(done, files)}, suffix, done.outputs)
+                whole = {**files, **run.documents(done, files, output.folder(suffix))}
+                output.publish(whole, suffix, done.outputs)
     except Exception as error:
         # A result that cannot be moved into the output folder is kept there.
         leave_failure(output, run, error, files if isinstance(error, InTheWay) else {})
@@ -279,19 +281,12 @@ class Run:
             **more,
         )
 
-    def documents(self, done: Report, files: Mapping[str, bytes]) -> dict[str, bytes]:
-        """The documents about the build, beside the `files` of the robot."""
-        from pipeline.page.document import page
-
+    def documents(
+        self, done: Report, files: Mapping[str, bytes], last: Path | None = None
+    ) -> dict[str, bytes]:
+        """The documents about the build, beside the `files` of the robot, to replace those of `last`."""
         self.log.line(f"{done.status}: exit status {done.exit_status}")
-        plan = self.log.secrets.within(self.plan.tree())
-        sizes = {path: len(data) for path, data in files.items()}
-        return {
-            "report.json": done.to_json(self.log.secrets),
-            "report.html": page(done, self.shown, sizes, self.log.secrets),
-            "config.yaml": as_yaml(plan),
-            "build.log": self.log.content(),
-        }
+        return documents(done, files, self.shown, self.plan, self.log, last)
 
 
 def leave_failure(output: Output | None, run: Run, error: Exception, files: Mapping[str, bytes]) -> None:

@@ -3,7 +3,7 @@
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, Literal, TextIO
 
@@ -78,13 +78,17 @@ class Report:
         return f"{self.name} ({self.title})" if self.title else self.name
 
     def tree(self) -> dict[str, Any]:
-        """The report as plain data."""
-        return asdict(self)
+        """The report as plain data. Its own mappings are not copied: a big robot's details are large."""
+        return _shallow(self) | {
+            "stages": [_shallow(stage) for stage in self.stages],
+            "diagnostics": [_shallow(one) for one in self.diagnostics],
+            "checks": [_check(check) for check in self.checks],
+        }
 
     def to_json(self, secrets: Secrets | None = None) -> bytes:
         """The content of `report.json`, with secrets blanked."""
         tree = {REPORT: 1, **self.tree()}
-        blanked = tree if secrets is None else secrets.within(tree)
+        blanked = secrets.within(tree) if secrets else tree
         return printable_lines(json.dumps(blanked, indent=2, ensure_ascii=False)).encode() + b"\n"
 
     @property
@@ -96,6 +100,16 @@ class Report:
     def warned_checks(self) -> tuple[Check, ...]:
         """The checks that say that something could be better."""
         return tuple(check for check in self.checks if check.warns)
+
+
+def _shallow(value: Any) -> dict[str, Any]:
+    """The fields of a dataclass as they are."""
+    return {one.name: getattr(value, one.name) for one in fields(value)}
+
+
+def _check(check: Check) -> dict[str, Any]:
+    table = None if check.table is None else _shallow(check.table)
+    return _shallow(check) | {"findings": [_shallow(one) for one in check.findings], "table": table}
 
 
 MOST_FINDINGS = 3

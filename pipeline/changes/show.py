@@ -14,7 +14,7 @@ from stages.robot.printable import printable
 
 def as_text(one: Described, other: Described, changes: Sequence[Change]) -> str:
     """A line for each difference, under the thing that has it, under its table."""
-    lines = [f"{_named(one)} → {_named(other)}", *_documents(one.robot, other.robot)]
+    lines = [f"{_named(one)} → {_named(other)}", *moved_source(one.robot, other.robot)]
     if not changes:
         return "\n".join([*lines, "the same robot"])
     for section, found in groupby(changes, lambda change: change.section):
@@ -23,7 +23,7 @@ def as_text(one: Described, other: Described, changes: Sequence[Change]) -> str:
             label = "" if section == "robot" else f"{printable(name)}: "
             indent = "  " + label
             for change in same:
-                lines.append(indent + _sentence(change))
+                lines.append(indent + sentence(change))
                 indent = "  " + " " * len(label)
     return "\n".join([*lines, count(len(changes), "difference")])
 
@@ -44,13 +44,13 @@ def as_json(one: Described, other: Described, changes: Sequence[Change]) -> str:
 def as_markdown(one: Described, other: Described, changes: Sequence[Change]) -> str:
     """A table for each table of robot.json."""
     lines = [f"**{_cell(_named(one))} → {_cell(_named(other))}**", ""]
-    lines += [f"{_cell(line)}\n" for line in _documents(one.robot, other.robot)]
+    lines += [f"{_cell(line)}\n" for line in moved_source(one.robot, other.robot)]
     if not changes:
         return "\n".join([*lines, "The same robot."])
     lines += [f"{count(len(changes), 'difference')}.", ""]
     for section, found in groupby(changes, lambda change: change.section):
         lines += [f"| {_title(section)} | |", "|---|---|"]
-        lines += [f"| {_cell(change.name)} | {_cell(_sentence(change))} |" for change in found]
+        lines += [f"| {_cell(change.name)} | {_cell(sentence(change))} |" for change in found]
         lines.append("")
     return "\n".join(lines).rstrip()
 
@@ -66,7 +66,7 @@ def _place(one: Described) -> dict[str, Any]:
     return {"place": one.place, "name": one.robot["name"], "source": one.robot.get("source")}
 
 
-def _documents(one: Mapping[str, Any], other: Mapping[str, Any]) -> Iterator[str]:
+def moved_source(one: Mapping[str, Any], other: Mapping[str, Any]) -> Iterator[str]:
     """What is different about where the robots come from, which alone is no difference of them."""
     before, after = one.get("source") or {}, other.get("source") or {}
     for key in dict.fromkeys((*before, *after)):
@@ -78,7 +78,8 @@ def _title(section: str) -> str:
     return section.replace("_", " ")
 
 
-def _sentence(change: Change) -> str:
+def sentence(change: Change) -> str:
+    """What is said of a difference of the thing that has it."""
     text = printable(change.text)
     if change.kind in ("added", "removed"):
         return f"{change.kind} ({text})" if text else change.kind

@@ -60,7 +60,7 @@ def colliders(details: Mapping[str, Any], pictures: str, secrets: Secrets) -> st
         _gallery(pictures, secrets),
     ]
     title = f"Colliders: {near} of {judged} within the tolerance" if judged else "Colliders"
-    return section(title, "\n".join(one for one in body if one))
+    return section(title, "\n".join(one for one in body if one), "colliders")
 
 
 def _within(row: Row) -> bool:
@@ -69,7 +69,7 @@ def _within(row: Row) -> bool:
 
 
 def _table(rows: Sequence[Row]) -> str:
-    return table(_HEADER, [_cells(row) for row in rows], _CLASSES)
+    return table(_HEADER, [_cells(row) for row in rows], _CLASSES, heads="link")
 
 
 def _cells(row: Row) -> list[str]:

@@ -12,6 +12,9 @@ DENSE = 8
 """Columns from which a table is set small."""
 
 _LONG = re.compile(r"\S{17,}")
+_JOINT = re.compile(r"([_/])(?=[^_/])")
+_FIGURE = frozenset("0123456789.+-−≤≥<>")
+"""What the text of a figure begins with."""
 
 
 def text(value: Any) -> str:
@@ -26,57 +29,106 @@ def text(value: Any) -> str:
 
 def name(value: Any) -> str:
     """As `text`, of a name or a path: a long one may be broken where its words are joined."""
-    return _LONG.sub(lambda word: re.sub(r"([_/])(?=[^_/])", r"\1<wbr>", word[0]), text(value))
+    shown = text(value)
+    if len(shown) < 17:
+        return shown
+    return _LONG.sub(lambda word: _JOINT.sub(r"\1<wbr>", word[0]), shown)
 
 
-def section(title: str, body: str) -> str:
-    """A section with a heading; nothing without a body."""
-    return f"<section>\n<h2>{title}</h2>\n{body}\n</section>" if body else ""
+def shortened(words: str, most: int) -> str:
+    """Plain text of at most so many letters, cut between words."""
+    if len(words) <= most:
+        return words
+    return words[: most - 1].rpartition(" ")[0].rstrip(",;:") + " …"
 
 
-def folded(summary: str, body: str) -> str:
-    """What opens on a click; nothing without a body."""
-    return f"<details>\n<summary>{summary}</summary>\n{body}\n</details>" if body else ""
+def inline(markdown: str) -> str:
+    """A line of Markdown: code and the words of links."""
+    bare = re.sub(r"\[([^\]]+)\]\([^)]*\)", r"\1", markdown.replace("\\|", "|"))
+    return re.sub(r"`([^`]+)`", r"<code>\1</code>", text(bare))
+
+
+def section(title: str, body: str, anchor: str) -> str:
+    """A section with a heading, to which `#anchor` leads; nothing without a body."""
+    return f'<section id="{anchor}">\n<h2>{title}</h2>\n{body}\n</section>' if body else ""
+
+
+def part(title: str, body: str) -> str:
+    """A part of a section with a heading; nothing without a body."""
+    return f"<h3>{title}</h3>\n{body}" if body else ""
+
+
+def folded(summary: str, body: str, *, on_paper: bool = True) -> str:
+    """What opens on a click; nothing without a body. On paper it is open, or only its summary is there."""
+    kind = "" if on_paper else ' class="brief"'
+    return f"<details{kind}>\n<summary>{summary}</summary>\n{body}\n</details>" if body else ""
 
 
 def table(
-    header: Sequence[str], rows: Sequence[Sequence[str]], classes: Mapping[str, str] | None = None
+    header: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    classes: Mapping[str, str] | None = None,
+    heads: str = "",
 ) -> str:
     """A table of cells that are HTML already; columns without any text are left out, and so is a table
-    without rows. `classes`: those of a column's cells, by its title. On a narrow screen a row becomes a
-    block of lines, each with its column's title."""
+    without rows. `classes`: those of a column's cells, by its title; `heads`: the title of the column that
+    names the rows. On a narrow screen a row becomes a block of lines, each with its column's title."""
     kept = [column for column in range(len(header)) if any(row[column] for row in rows)]
     if not kept:
         return ""
     titles = [text(header[column]) for column in kept]
     styles = [(classes or {}).get(header[column], "") for column in kept]
-    opened = [_cell(title, style) for title, style in zip(titles, styles, strict=True)]
+    heading = [bool(heads) and header[column] == heads for column in kept]
+    opened = [_cell(*cell) for cell in zip(titles, styles, heading, strict=True)]
+    closed = ["</th>" if one else "</td>" for one in heading]
+    cells = list(zip(opened, closed, kept, strict=True))
     lines = [
-        "<tr>"
-        + "".join(f"{tag}{row[column]}</td>" for tag, column in zip(opened, kept, strict=True))
-        + "</tr>"
+        "<tr>" + "".join([f"{start}{row[column]}{end}" for start, end, column in cells]) + "</tr>"
         for row in rows
     ]
-    head = "<thead><tr>" + "".join(f"<th>{title}</th>" for title in titles) + "</tr></thead>\n"
+    columns = "".join(map(_title, titles, styles))
+    head = f"<thead><tr>{columns}</tr></thead>\n" if any(titles) else ""
     body = "<tbody>\n" + "\n".join(lines) + "\n</tbody>\n"
     kind = "wide dense" if len(kept) >= DENSE else "wide"
-    return f'<div class="{kind}"><table class="rows">\n{head if any(titles) else ""}{body}</table></div>'
+    return f'<div class="{kind}"><table class="rows">\n{head}{body}</table></div>'
 
 
-def _cell(title: str, style: str) -> str:
-    label = f' data-label="{title}"' if title else ""
-    return f'<td class="{style}"{label}>' if style else f"<td{label}>"
+def _title(title: str, style: str) -> str:
+    # Screen readers name a column that has no title, which only holds marks.
+    if not title:
+        return '<td class="word"></td>'
+    figure = ' class="number"' if "number" in style else ""
+    return f'<th scope="col"{figure}>{title}</th>'
+
+
+def _cell(title: str, style: str, heads: bool) -> str:
+    kind = f' class="{style}"' if style else ""
+    label = f' data-label="{title}"' if title and not heads else ""
+    return f'<th scope="row"{kind}>' if heads else f"<td{kind}{label}>"
 
 
 def plain_table(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
-    """As `table`, of plain values."""
-    return table(header, [[name(value) for value in row] for row in rows])
+    """As `table`, of plain values; the first column names the rows, and figures stand below each other."""
+    plain = list(rows)
+    cells = [[name(value) for value in row] for row in plain]
+    columns = range(len(header))
+    classes = {header[column]: "number" for column in columns if _is_figures(row[column] for row in cells)}
+    if header and classes.get(header[0]) == "number":
+        return table(header, cells, classes)
+    return table(header, cells, classes, heads=header[0] if header else "")
+
+
+def _is_figures(cells: Iterable[str]) -> bool:
+    """Whether each cell is empty or begins as a figure."""
+    return all(not cell or cell[0] in _FIGURE or cell[:4] in ("&lt;", "&gt;") for cell in cells)
 
 
 def pairs(values: Mapping[str, str]) -> str:
     """A table of names and what they are, which is HTML already; empty ones are left out."""
-    rows = [f"<tr><th>{text(key)}</th><td>{value}</td></tr>" for key, value in values.items() if value]
-    return '<table class="pairs">\n' + "\n".join(rows) + "\n</table>" if rows else ""
+    rows = [
+        f'<tr><th scope="row">{text(key)}</th><td>{value}</td></tr>' for key, value in values.items() if value
+    ]
+    return '<table class="pairs">\n<tbody>\n' + "\n".join(rows) + "\n</tbody>\n</table>" if rows else ""
 
 
 def plain_pairs(values: Mapping[str, Any]) -> str:

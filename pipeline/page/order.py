@@ -3,21 +3,21 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pipeline.page.markup import plain_table, section
+from pipeline.page.markup import part, plain_table, section
 
 Row = Mapping[str, Any]
 
 
 def order(tables: Mapping[str, Any]) -> str:
-    """The sections; nothing without tables. `tables`: `order` of the report's details."""
+    """The section; nothing without tables. `tables`: `order` of the report's details."""
     mjcf, urdf = tables.get("mjcf", {}), tables.get("urdf", {})
     found = [
-        section("Joints in the order of MuJoCo", _joints(mjcf.get("joints", []))),
-        section("Actuators in the order of ctrl", _actuators(mjcf.get("actuators", []))),
-        section("Sensors in the order of sensordata", _sensors(mjcf.get("sensors", []))),
-        section("Joints in the order of the URDF", _urdf(urdf.get("joints", []))),
+        part("Joints in the order of MuJoCo", _joints(mjcf.get("joints", []))),
+        part("Actuators in the order of ctrl", _actuators(mjcf.get("actuators", []))),
+        part("Sensors in the order of sensordata", _sensors(mjcf.get("sensors", []))),
+        part("Joints in the order of the URDF", _urdf(urdf.get("joints", []))),
     ]
-    return "\n".join(one for one in found if one)
+    return section("The order of arrays", "\n".join(one for one in found if one), "order")
 
 
 def _joints(rows: Sequence[Row]) -> str:

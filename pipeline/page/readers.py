@@ -14,7 +14,7 @@ def readers(rows: Sequence[Mapping[str, Any]]) -> str:
     header = ["reader", "version", "format", "what", "does with it", "of", "source"]
     keys = ("reader", "version", "format", "thing", "does")
     cells = [[*(row[key] for key in keys), _some(row["of"]), row["source"]] for row in rows]
-    return section("What other readers drop", plain_table(header, cells)) if cells else ""
+    return section("What other readers drop", plain_table(header, cells), "readers") if cells else ""
 
 
 def _some(names: Sequence[str]) -> str:

@@ -16,11 +16,12 @@ from stages.graph.view.labels import (
     value,
 )
 from stages.robot.model import Dof, Joint, Robot
+from stages.robot.plural import count
 from stages.robot.printable import printable
 
 Rows = list[list[str]]
 
-_JOINT = ("joint", "coordinate", "type", "parent", "child", "range", "saved", "follows")
+_JOINT = ("joint", "coordinate", "type", "parent", "child", "axis", "range", "saved", "follows")
 _DYNAMICS = ("effort", "velocity", "damping", "friction", "armature")
 
 
@@ -30,7 +31,7 @@ def tables(robot: Robot) -> bytes:
         ("Mobility", ["what", "value"], _mobility(robot)),
         (
             "Joints",
-            [*_JOINT, *_DYNAMICS],
+            [*_JOINT, *_DYNAMICS, "CAD"],
             list(_joints(robot)),
         ),
         (
@@ -38,7 +39,7 @@ def tables(robot: Robot) -> bytes:
             ["loop", "type", "mate", "first link", "second link", "open by", "redundant conditions"],
             _loops(robot),
         ),
-        ("Links", ["link", "mass", "parts", "frames"], _links(robot)),
+        ("Masses", ["link", "mass", "share", "parts", "frames"], _masses(robot)),
     ]
     plain = [{"title": title, "header": header, "rows": rows} for title, header, rows in found if rows]
     return json.dumps(plain, indent=1, ensure_ascii=False).encode()
@@ -64,12 +65,18 @@ def _joints(robot: Robot) -> Iterator[list[str]]:
 def _joint(joint: Joint, follows: Mapping[str, str]) -> Iterator[list[str]]:
     """A row for each dof; a fixed joint has one too."""
     place = [joint.type, joint.parent, joint.child]
+    mate = "" if joint.mate is None else printable(joint.mate.name)
     if not joint.dofs:
-        yield [joint.name, "", *place, *[""] * 8]
+        yield [joint.name, "", *place, *[""] * 9, mate]
     for dof in joint.dofs:
         rule = follows.get(dof.name, "")
         name = "" if dof.name == joint.name else dof.name
-        yield [joint.name, name, *place, limits(dof), _saved(dof), rule, *_dynamics(dof)]
+        yield [joint.name, name, *place, _axis(dof), limits(dof), _saved(dof), rule, *_dynamics(dof), mate]
+
+
+def _axis(dof: Dof) -> str:
+    """The axis in the frame of the joint; a ball has none."""
+    return " ".join(decimal(entry) for entry in dof.axis) if dof.kind in ("turn", "slide") else ""
 
 
 def _saved(dof: Dof) -> str:
@@ -109,14 +116,23 @@ def _loops(robot: Robot) -> Rows:
     ]
 
 
-def _links(robot: Robot) -> Rows:
+def _masses(robot: Robot) -> Rows:
+    """A row for each link, and one for the robot."""
     frames = frames_on(robot)
-    return [
+    total = sum(link.inertial.mass for link in robot.links)
+    rows = [
         [
             link.name,
             kilograms(link.inertial.mass) + (" (given)" if link.given else ""),
+            _share(link.inertial.mass, total),
             ", ".join(printable(leaf(part.name)) for part in link.parts),
             ", ".join(frames.get(link.name, [])),
         ]
         for link in robot.links
     ]
+    parts = sum(len(link.parts) for link in robot.links)
+    return [*rows, ["total", kilograms(total), _share(total, total), count(parts, "part"), ""]]
+
+
+def _share(mass: float, total: float) -> str:
+    return f"{100.0 * mass / total:.1f} %" if total > 0.0 else ""

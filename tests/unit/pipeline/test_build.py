@@ -179,7 +179,7 @@ def test_what_was_fetched_last_is_exit_status_3_where_the_newest_was_asked_for(m
     assert (report.status, report.exit_status) == ("stale", 3)
     assert (folder / "arm.urdf").exists()
     assert json.loads((folder / "report.json").read_bytes())["status"] == "stale"
-    assert '<span class="stale">' in (folder / "report.html").read_text()
+    assert '<span class="status stale">' in (folder / "report.html").read_text()
     bad = Check("mass", False, "link arm is 1 kg, CAD says 2 kg", 1.0, 2.0)
     assert make(fakes(checks=[bad], fetch=fetch, validate={"version": 2})).status == "invalid"
     fetch["more"]["stale"] = False

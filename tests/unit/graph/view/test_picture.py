@@ -336,7 +336,12 @@ def test_the_tables_have_a_row_for_each_dof_with_units():
     assert [row["coordinate"] for row in named] == ["cart_joint_x", "cart_joint_y", "cart_joint_turn", "", ""]
     assert named[-1] | {"effort": "12 N m", "velocity": "180 deg/s", "saved": "28.65 deg"} == named[-1]
     assert "Loops" not in found
-    assert len(found["Links"]["rows"]) == 4
+    assert [row["axis"] for row in named] == ["1 0 0", "0 1 0", "0 0 1", "", "0 0 1"]
+    assert named[-1]["CAD"] == joints[-1].mate.name
+    masses = [dict(zip(found["Masses"]["header"], row, strict=True)) for row in found["Masses"]["rows"]]
+    assert [row["link"] for row in masses] == ["base", "cart", "mast", "arm", "total"]
+    assert sum(float(row["share"].removesuffix(" %")) for row in masses[:-1]) == pytest.approx(100, abs=0.3)
+    assert masses[-1]["share"] == "100.0 %"
 
 
 @pytest.mark.parametrize("make", [random_robot, nasty_robot])

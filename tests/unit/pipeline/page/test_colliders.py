@@ -12,7 +12,8 @@ from pipeline.page.document import page
 from pipeline.secrets import Secrets
 from stages.mesh.view.views import PICTURES
 from stages.robot.geometry import ColliderFigures, Exclude, Geometry, Measures, Shape, Touch
-from tests.unit.pipeline.page.test_document import REPORT, SECRET, SHOWN, Reader
+from tests.support.page_reader import Reader
+from tests.unit.pipeline.page.test_document import REPORT, SECRET, SHOWN
 
 NEAR = Measures(0.0153, 0.1792, "boolean", 0.00036, 0.00052, 0.00054, 0.00154)
 FAR = Measures(0.25, 0.0, "sampling", 0.00304, 0.00651, 0.0, 0.0)

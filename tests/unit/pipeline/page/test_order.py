@@ -8,7 +8,8 @@ from pipeline.page.document import page
 from pipeline.page.order import order
 from pipeline.secrets import Secrets
 from tests.support.building import plan_of
-from tests.unit.pipeline.page.test_document import REPORT, Reader
+from tests.support.page_reader import Reader
+from tests.unit.pipeline.page.test_document import REPORT
 
 TABLES = {
     "mjcf": {

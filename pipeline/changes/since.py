@@ -1,0 +1,95 @@
+"""What a build changes about the robot that the last build left in the same folder."""
+
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pipeline.changes.change import Change
+from pipeline.changes.read import FILE
+from pipeline.output import manifest
+from stages.robot.plural import count
+
+MOST = 20
+"""So many differences of the robot are said in words."""
+
+_MOST_FILES = 8
+"""So many files that differ are named."""
+
+
+@dataclass(frozen=True, slots=True)
+class Since:
+    """What is different from the last build in the folder.
+
+    `first`: no build was there. `robot`: differences of the robot, a thing and what is said of it each, and
+    how many `more` there are; `files`: of the files, each a sentence.
+    """
+
+    first: bool = False
+    robot: tuple[tuple[str, str], ...] = ()
+    more: int = 0
+    files: tuple[str, ...] = ()
+
+    @property
+    def nothing(self) -> bool:
+        """Whether every file of the robot is as it was."""
+        return not (self.first or self.robot or self.files)
+
+
+def since(folder: Path, outputs: Mapping[str, str], files: Mapping[str, bytes]) -> Since:
+    """The differences between the build in `folder` and one with the `outputs` (SHA-256 by path), whose
+    `files` are not written yet. What is equal by its digest is not read."""
+    before = manifest.ours(folder)
+    if before is None or not manifest.is_folder(folder):
+        return Since(first=True)
+    was = {path: digest for path, digest in before.items() if path not in manifest.DOCUMENTS}
+    if was == dict(outputs):
+        return Since()
+    told = tuple(_files(was, outputs))
+    if FILE not in was or FILE not in files or was[FILE] == outputs.get(FILE):
+        return Since(files=told)
+    try:
+        changes = _compared(json.loads((folder / FILE).read_bytes()), json.loads(files[FILE]))
+    except Exception as error:  # an older build, or a changed file, may hold anything
+        failed = f"the {FILE} of the previous build cannot be compared: {type(error).__name__}"
+        return Since(files=(failed, *told))
+    return Since(robot=changes[:MOST], more=max(0, len(changes) - MOST), files=told)
+
+
+def _compared(before: Mapping[str, Any], after: Mapping[str, Any]) -> tuple[tuple[str, str], ...]:
+    """The differences of two robots, a thing and what is said of it each."""
+    from pipeline.changes.compare import compare
+    from pipeline.changes.show import moved_source, sentence
+
+    said = [("source", line) for line in moved_source(before, after)]
+    said += [(_thing(change), sentence(change)) for change in compare(before, after)]
+    return tuple(said)
+
+
+def _thing(change: Change) -> str:
+    """A thing with its table: "link arm"."""
+    if change.section == "robot":
+        return "robot"
+    return f"{change.section.removesuffix('s').replace('_', ' ')} {change.name}"
+
+
+def _files(before: Mapping[str, str | None], after: Mapping[str, str]) -> Iterator[str]:
+    """Which files came, went and differ."""
+    groups = {
+        "new": [path for path in after if path not in before],
+        "gone": [path for path in before if path not in after],
+        "other content": [path for path in after if path in before and before[path] != after[path]],
+    }
+    for word, paths in groups.items():
+        if paths:
+            yield f"{word}: {_listed(paths)}"
+
+
+def _listed(paths: Sequence[str]) -> str:
+    """The files by name, those in a folder below counted."""
+    top = sorted(path for path in paths if "/" not in path)
+    inside = len(paths) - len(top)
+    named = top[:_MOST_FILES]
+    rest = [count(len(top) - len(named), "other file")] if len(top) > len(named) else []
+    return ", ".join([*named, *rest, *([f"{count(inside, 'file')} in folders"] if inside else [])])

@@ -1,0 +1,32 @@
+"""The documents about a build: report.json, report.html, config.yaml and build.log."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from pipeline.changes.since import since
+from pipeline.config.file_text import as_yaml
+from pipeline.config.plan import Plan
+from pipeline.progress import Log
+from pipeline.report import Report
+
+
+def documents(
+    done: Report,
+    files: Mapping[str, bytes],
+    shown: Mapping[str, str],
+    plan: Plan,
+    log: Log,
+    last: Path | None = None,
+) -> dict[str, bytes]:
+    """The documents by file name, with secrets blanked. `files`: those of the robot; `shown`: views of the
+    stages by name; `last`: the folder that they replace, None where they replace no build."""
+    from pipeline.page.document import page
+
+    sizes = {path: len(data) for path, data in files.items()}
+    changes = None if last is None else since(last, done.outputs, files)
+    return {
+        "report.json": done.to_json(log.secrets),
+        "report.html": page(done, shown, sizes, log.secrets, changes=changes),
+        "config.yaml": as_yaml(log.secrets.within(plan.tree())),
+        "build.log": log.content(),
+    }

@@ -1,0 +1,106 @@
+"""What to fix first: the gravest of all that a build found, in a few lines."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from pipeline.page.checks import outcome, split_name
+from pipeline.page.codes import level_of, problems_of, to_code
+from pipeline.page.markup import inline, section, shortened, text
+from pipeline.reference.codes import remedy
+from stages.robot.plural import count
+
+MOST = 5
+"""So many things are named."""
+
+_LETTERS = 220
+"""So long is what is said of one."""
+
+_RANKS = ("error", "failed", "warning", "readiness")
+"""The gravest first."""
+
+_MARKS = {"error": "✕ error", "failed": "✕ failed", "warning": "! warning", "readiness": "+ readiness"}
+
+_READINESS = "C-READINESS"
+"""The code of the check that scores the finished robot; what it finds are the points that the robot lacks."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """One thing to fix. `rank`: how grave; `code`: what explains it; `title`, `found`, `to_do`: plain text,
+    `to_do` may be Markdown of one line; `count`: how often it was found."""
+
+    rank: str
+    code: str
+    title: str
+    found: str
+    to_do: str
+    count: int = 1
+
+
+def fixes(tree: Mapping[str, Any]) -> list[Fix]:
+    """All that there is to fix, the gravest first, each kind of it once; `tree`: the report as plain data."""
+    found = [*_problems(tree), *_checks(tree), *_points(tree)]
+    return sorted(found, key=lambda fix: _RANKS.index(fix.rank))
+
+
+def fix_first(tree: Mapping[str, Any], found: list[Fix]) -> str:
+    """The section, of what `fixes` found."""
+    if not found:
+        words = "Nothing: no error, no warning"
+        words += ", and every check passed." if tree["checks"] else "."
+        return section("What to fix first", f'<p class="passed">✓ {words}</p>', "fix") if _went(tree) else ""
+    items = "\n".join(map(_item, found[:MOST]))
+    rest = len(found) - MOST
+    more = f'\n<p class="soft">and {count(rest, "more thing", "more things")} below</p>' if rest > 0 else ""
+    return section("What to fix first", f'<ol class="fixes">\n{items}\n</ol>{more}', "fix")
+
+
+def _went(tree: Mapping[str, Any]) -> bool:
+    return tree["error"] is None
+
+
+def _item(fix: Fix) -> str:
+    times = f' <span class="soft">({fix.count} times)</span>' if fix.count > 1 else ""
+    title = f"<strong>{to_code(fix.code, fix.title)}</strong>{times}"
+    to_do = inline(fix.to_do)
+    hint = f'<span class="hint">→ {to_do}</span>' if to_do else ""
+    found = f' <span class="found">{text(shortened(fix.found, _LETTERS))}</span>' if fix.found else ""
+    return f'<li><span class="mark {fix.rank}">{_MARKS[fix.rank]}</span> {title}{found}{hint}</li>'
+
+
+def _problems(tree: Mapping[str, Any]) -> Iterator[Fix]:
+    """The errors and warnings, those of one code together."""
+    groups: dict[str, list[Mapping[str, Any]]] = {}
+    for one in problems_of(tree):
+        if level_of(one["code"]) in _RANKS:
+            groups.setdefault(one["code"], []).append(one)
+    for code, group in groups.items():
+        first = group[0]
+        place = f"{first['where']}: " if first["where"] else ""
+        to_do = shortened(first["hint"] or remedy(code), _LETTERS)
+        yield Fix(level_of(code), code, code, f"{place}{first['message']}", to_do, len(group))
+
+
+def _checks(tree: Mapping[str, Any]) -> Iterator[Fix]:
+    """The checks that did not pass, one of several files once."""
+    groups: dict[tuple[str, str], list[Mapping[str, Any]]] = {}
+    for check in tree["checks"]:
+        if not check["passed"]:
+            groups.setdefault((check["code"], split_name(check)[1]), []).append(check)
+    for (code, title), group in groups.items():
+        files = ", ".join(filter(None, (split_name(check)[0] for check in group)))
+        name = f"{title} in {files}" if files else title
+        findings = group[0]["findings"]
+        found = findings[0]["message"] if findings else group[0]["detail"]
+        yield Fix(outcome(group[0]), code, name, found, remedy(code))
+
+
+def _points(tree: Mapping[str, Any]) -> Iterator[Fix]:
+    """What would raise the score of the finished robot."""
+    for check in tree["checks"]:
+        if check["code"] == _READINESS and check["passed"]:
+            for point in check["findings"]:
+                what, _, words = point["message"].partition(": ")
+                title = f"{point['element']} of sim-readiness"
+                yield Fix("readiness", _READINESS, title, what, shortened(words, _LETTERS))

@@ -1,0 +1,52 @@
+"""The kinematic graph: its picture, its outline as text, and the tables that the graph stage made of it."""
+
+import re
+from collections.abc import Mapping, Sequence
+from html import escape, unescape
+from typing import Any
+
+from pipeline.page.markup import file_link, folded, part, plain_table, section, text
+from pipeline.secrets import Secrets
+from stages.graph.view.views import PICTURE
+
+Table = Mapping[str, Any]
+"""A table of the graph stage: title, header, rows."""
+
+ALONE = ("Joints", "Masses")
+"""The tables that have a section of their own; the others are parts of the graph's."""
+
+
+def graph(
+    svg: str, outline: Sequence[str], tables: Sequence[Table], secrets: Secrets, *, is_file: bool
+) -> str:
+    """The section; nothing without a graph. `is_file`: whether the picture is a file beside the page."""
+    others = [
+        part(text(one["title"]), plain_table(one["header"], one["rows"]))
+        for one in tables
+        if one["title"] not in ALONE
+    ]
+    body = [_picture(svg, secrets, is_file), _outline(outline), *others]
+    return section("Kinematic graph", "\n".join(filter(None, body)), "graph")
+
+
+def table_of(title: str, tables: Sequence[Table]) -> str:
+    """The section of a table that has one of its own; nothing without the table."""
+    found = next((one for one in tables if one["title"] == title), None)
+    if found is None:
+        return ""
+    return section(text(title), plain_table(found["header"], found["rows"]), title.lower())
+
+
+def _picture(svg: str, secrets: Secrets, is_file: bool) -> str:
+    """The picture without its XML declaration; what it says is blanked, what it is made of is not."""
+    if not svg:
+        return ""
+    bare = re.sub(r"^<\?xml.*?\?>\s*", "", svg)
+    drawn = re.sub(r">([^<]+)<", lambda match: f">{escape(secrets.blanked(unescape(match[1])))}<", bare)
+    full = f'\n<p class="soft screen">in full: {file_link(PICTURE)}</p>' if is_file else ""
+    return f'<div class="picture">{drawn}</div>{full}'
+
+
+def _outline(lines: Sequence[str]) -> str:
+    whole = "\n".join(lines)
+    return folded("The tree as text", f"<pre>{text(whole)}</pre>") if whole else ""

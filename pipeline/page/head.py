@@ -1,0 +1,84 @@
+"""The head of a build's page: what was built, how it went, its size, and the files."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from pipeline.changes.since import Since
+from pipeline.page.files import top_level
+from pipeline.page.markup import file_link, link, text
+from stages.robot.plural import count
+
+BESIDE = ("report.json", "config.yaml", "build.log")
+"""The other documents of a build, in the same folder."""
+
+_MARKS = {"built": "✓", "stale": "!", "invalid": "!", "failed": "✕"}
+
+_FIGURES = {
+    "links": ("link", "links"),
+    "joints": ("joint", "joints"),
+    "dof": ("degree of freedom", "degrees of freedom"),
+    "loops": ("loop", "loops"),
+    "mass": ("kg", "kg"),
+    "parts": ("part", "parts"),
+    "triangles": ("triangle", "triangles"),
+}
+"""Figures that the head has, and what one and several of them are called there."""
+
+
+def head(tree: Mapping[str, Any], heading: str, changes: Since | None) -> str:
+    """The head; `tree`: the report as plain data, `heading`: the robot's name as people know it."""
+    status = str(tree["status"])
+    seconds = sum(stage["seconds"] for stage in tree["stages"])
+    summary = [f"exit status {tree['exit_status']}", f"{seconds:.2f} s", str(tree["folder"])]
+    lines = [
+        f'<h1>{text(heading)} <span class="status {text(status)}">{_MARKS.get(status, "")} {text(status)}'
+        "</span></h1>",
+        f'<p class="soft">{text(", ".join(filter(None, summary)))}</p>',
+        _outcome(tree, changes),
+        _figures(tree["figures"]),
+        _files(tree["outputs"]),
+    ]
+    return "\n".join(line for line in lines if line)
+
+
+def _outcome(tree: Mapping[str, Any], changes: Since | None) -> str:
+    """How the checks went, what the diagnostics are, and what is different, each with a link."""
+    checks = tree["checks"]
+    said = []
+    if checks:
+        passed = sum(check["passed"] for check in checks)
+        said.append(link("#checks", f"{passed} of {len(checks)} checks passed"))
+    codes = [one["code"][:1] for one in tree["diagnostics"]]
+    for letter, word in (("E", "error"), ("W", "warning")):
+        if letter in codes:
+            said.append(link("#diagnostics", count(codes.count(letter), word)))
+    if changes is not None and not changes.first:
+        said.append(link("#changes", difference(changes)))
+    return f"<p>{' · '.join(said)}</p>" if said else ""
+
+
+def difference(changes: Since) -> str:
+    """How much is different from the last build, in words."""
+    if changes.nothing:
+        return "unchanged since the previous build"
+    number = len(changes.robot) + changes.more
+    return f"{count(number, 'difference')} from the previous build" if number else "some files are different"
+
+
+def _figures(figures: Mapping[str, float]) -> str:
+    """The size of the robot."""
+    cells = [
+        f"<div><dt>{words[figures[name] != 1]}</dt><dd>{_figure(figures[name])}</dd></div>"
+        for name, words in _FIGURES.items()
+        if figures.get(name)
+    ]
+    return '<dl class="figures">\n' + "\n".join(cells) + "\n</dl>" if cells else ""
+
+
+def _figure(value: float) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else f"{value:,}"
+
+
+def _files(outputs: Sequence[str] | Mapping[str, str]) -> str:
+    links = "\n".join(f"<li>{file_link(path)}</li>" for path in [*top_level(outputs), *BESIDE])
+    return f'<nav aria-label="Files">\n<ul class="line">\n{links}\n</ul>\n</nav>'

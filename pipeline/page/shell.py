@@ -1,0 +1,50 @@
+"""A whole HTML document around the parts of a page, with its contents."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pipeline.page.markup import link, text
+
+STYLE = Path(__file__).with_name("style.css")
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """A section of a page: what `#anchor` leads to, its short `title` for the contents, its HTML."""
+
+    anchor: str
+    title: str
+    body: str
+
+
+def document(
+    title: str, head: str, parts: Sequence[Section], foot: str, style: str = "", scripts: str = ""
+) -> bytes:
+    """The page: a `head`, the contents, the parts that have a body, and the `foot`; `title` is plain text.
+
+    `style`, `scripts`: more CSS, and script elements for the end.
+    """
+    shown = [part for part in parts if part.body]
+    body = "\n".join(part.body for part in shown)
+    return (
+        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{text(title)}</title>\n"
+        f"<style>\n{STYLE.read_text(encoding='utf-8')}{style}</style>\n"
+        '</head>\n<body>\n<a class="skip" href="#main">Skip to the content</a>\n'
+        f'<header>\n{head}\n</header>\n{contents(shown)}<main id="main">\n{body}\n</main>\n'
+        f"<footer>\n{foot}\n</footer>\n{scripts}</body>\n</html>\n"
+    ).encode()
+
+
+def contents(parts: Sequence[Section]) -> str:
+    """Links to the parts: a line on a wide screen, folded on a narrow one, none on paper."""
+    named = [part for part in parts if part.title]
+    if len(named) < 2:
+        return ""
+    items = "\n".join(f"<li>{link(f'#{part.anchor}', part.title)}</li>" for part in named)
+    return (
+        '<nav class="contents" aria-label="Contents">\n<details>\n<summary>Contents</summary>\n'
+        f"<ul>\n{items}\n</ul>\n</details>\n</nav>\n"
+    )
