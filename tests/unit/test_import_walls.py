@@ -21,6 +21,7 @@ HOMES = {
         "stages/robot/mujoco_warnings.py",
         "stages/robot/trial_run.py",
         "pipeline/verbs/view.py",
+        "pipeline/live/",
         "stages/export/stability/",
         "stages/export/amend/compiled.py",
     ),

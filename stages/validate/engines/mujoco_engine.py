@@ -32,7 +32,7 @@ def load(path: Path) -> Loaded:
     """Compiles one MJCF or URDF file from where it lies."""
     with listening() as found:
         try:
-            model = _compiled(path)
+            model = spec_of(path).compile()
         except (ValueError, RuntimeError, SyntaxError) as error:
             # MuJoCo's message may name the folder of this build, which is no fact of the robot.
             message = str(error).replace(str(path.resolve().parent), "").strip()
@@ -41,20 +41,21 @@ def load(path: Path) -> Loaded:
     return Loaded(model, without_warnings(f"{path.name}: compiles", found, CODE))
 
 
-def _compiled(path: Path) -> Any:
-    """The model of a file. MuJoCo accepts a floating joint only below the world, so a link `world` is put
-    above a URDF's root and the floating joints are moved to it: the same, since the root does not move.
+def spec_of(path: Path) -> Any:
+    """What MuJoCo compiles of a file. MuJoCo accepts a floating joint only below the world, so a link
+    `world` is put above a URDF's root and the floating joints are moved to it: the same, since the root does
+    not move.
 
-    Compiled from a spec, which is given up: MuJoCo's own loader keeps the last file's meshes in memory.
+    A spec, which is given up once it is compiled: MuJoCo's own loader keeps the last file's meshes in memory.
     """
     _bound_cache()
     if path.suffix != ".urdf":
-        return mujoco.MjSpec.from_file(str(path.resolve())).compile()
+        return mujoco.MjSpec.from_file(str(path.resolve()))
     root = parse(path.read_bytes())
     _without_packages(root)
     floating = root.xpath("joint[@type='floating']/parent[@link != 'world']")
     if not floating:
-        return _spec_of_urdf(root, path.resolve().parent).compile()
+        return _spec_of_urdf(root, path.resolve().parent)
     holder = element(root, "joint", name="world_fixed", type="fixed")
     element(holder, "parent", link="world")
     element(holder, "child", link=floating[0].get("link"))
@@ -62,7 +63,7 @@ def _compiled(path: Path) -> Any:
     for parent in floating:
         parent.set("link", "world")
     meshes = {f"assets/{mesh.name}": mesh.read_bytes() for mesh in sorted((path.parent / "assets").glob("*"))}
-    return mujoco.MjSpec.from_string(to_bytes(root).decode(), assets=meshes).compile()
+    return mujoco.MjSpec.from_string(to_bytes(root).decode(), assets=meshes)
 
 
 def _spec_of_urdf(root: Element, folder: Path) -> Any:

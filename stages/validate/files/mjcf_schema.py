@@ -1,7 +1,8 @@
-"""The elements and attributes of MJCF that the installed MuJoCo knows, by its own account."""
+"""The elements and attributes of MJCF that a MuJoCo knows, by its own account."""
 
 import functools
 import re
+from collections.abc import Collection, Mapping
 
 import mujoco
 
@@ -30,17 +31,48 @@ _OWN: dict[str, frozenset[str] | None] = {
 """Attributes of elements that MuJoCo's account leaves out; None: any."""
 
 
-def known(way: tuple[str, ...]) -> Known:
-    """What an element may have, by the tags from the root to it."""
-    if "composite" in way[:-1] or "include" in way:
-        return None, None
-    attributes, children = _by_way().get(_plain(way), (None, None))
-    own = way[-1]
-    if own in _OWN:
-        attributes = _OWN[own]
-    if attributes is not None and len(way) > 1 and way[1] == "worldbody":
-        attributes = attributes | _extra(own)
-    return attributes, children
+Way = tuple[str, ...]
+"""The tags from the root to an element."""
+
+
+class MjcfSchema:
+    """What a version of MuJoCo knows. `listed`: the attributes of each element, by its way below the root."""
+
+    def __init__(self, listed: Mapping[Way, Collection[str]]) -> None:
+        children: dict[Way, set[str]] = {}
+        for way in listed:
+            if way:
+                children.setdefault(way[:-1], set()).add(way[-1])
+        children[()] = (children[()] - {"body"}) | {"worldbody"}
+        children["body",] |= _IN_BODIES
+        children["default",] |= {"default"}
+        self._by_way: dict[Way, Known] = {
+            way: (frozenset(attributes), frozenset(children.get(way, ())) | _ANYWHERE)
+            for way, attributes in listed.items()
+        }
+
+    def known(self, way: Way) -> Known:
+        """What an element may have, by the tags from the root to it."""
+        if "composite" in way[:-1] or "include" in way:
+            return None, None
+        attributes, children = self._by_way.get(_plain(way), (None, None))
+        own = way[-1]
+        if own in _OWN:
+            attributes = _OWN[own]
+        if attributes is not None and len(way) > 1 and way[1] == "worldbody":
+            attributes = attributes | _extra(own)
+        return attributes, children
+
+
+def known(way: Way) -> Known:
+    """What the installed MuJoCo knows that an element may have, by the tags from the root to it."""
+    return installed().known(way)
+
+
+@functools.cache
+def installed() -> MjcfSchema:
+    """What the installed MuJoCo knows."""
+    return MjcfSchema(listed())
 
 
 def _extra(tag: str) -> frozenset[str]:
@@ -48,7 +80,7 @@ def _extra(tag: str) -> frozenset[str]:
     return frozenset({"childclass"}) if tag in ("body", "frame") else frozenset()
 
 
-def _plain(way: tuple[str, ...]) -> tuple[str, ...]:
+def _plain(way: Way) -> Way:
     """A way without repetition: bodies in bodies count once, defaults in defaults too."""
     found: list[str] = []
     for tag in way[1:]:
@@ -58,27 +90,11 @@ def _plain(way: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(found)
 
 
-@functools.cache
-def _by_way() -> dict[tuple[str, ...], tuple[frozenset[str] | None, frozenset[str] | None]]:
-    listed = _listed()
-    children: dict[tuple[str, ...], set[str]] = {}
-    for way in listed:
-        if way:
-            children.setdefault(way[:-1], set()).add(way[-1])
-    children[()] = (children[()] - {"body"}) | {"worldbody"}
-    children["body",] |= _IN_BODIES
-    children["default",] |= {"default"}
-    return {
-        way: (frozenset(attributes), frozenset(children.get(way, ())) | _ANYWHERE)
-        for way, attributes in listed.items()
-    }
-
-
-def _listed() -> dict[tuple[str, ...], set[str]]:
+def listed() -> dict[Way, set[str]]:
     """The tags from below the root to each element, and its attributes, as `mj_printSchema` lists them."""
-    found: dict[tuple[str, ...], set[str]] = {}
+    found: dict[Way, set[str]] = {}
     above: list[str] = []
-    way: tuple[str, ...] = ()
+    way: Way = ()
     for line in mujoco.mj_printSchema(False, True).splitlines():
         match = _LINE.match(line)
         if match:

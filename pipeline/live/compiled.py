@@ -1,0 +1,73 @@
+"""The compiled model of a build, of which the page shows everything by index."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from pipeline.live import flat
+from stages.formats.xml import Element, to_bytes
+from stages.robot.mujoco_warnings import listening
+from stages.validate.engines.mujoco_engine import spec_of
+
+SCENE = "scene.xml"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LiveModel:
+    """A robot as MuJoCo compiled it. `source`: its file; `document`: the scene with its includes resolved and
+    every body and geom named, None of a URDF. `closed`: the model's state at a pose in which its loops are
+    closed: the keyframe `home`, else the first one, else where the model starts."""
+
+    source: str
+    model: Any
+    closed: Any
+    document: Element | None
+    actuators: tuple[str, ...] = ()
+
+    def name(self, kind: Any, index: int) -> str:
+        """The name of one of the model's objects; "" where its file gives it none."""
+        found = mujoco.mj_id2name(self.model, kind, index) or ""
+        return "" if found.startswith(flat.OWN) else found
+
+
+def source_of(files: Iterable[str], robot: str) -> str | None:
+    """The file of a build that the page shows: the scene, else the URDF; None without both."""
+    there = set(files)
+    return next((name for name in (SCENE, f"{robot}.xml", f"{robot}.urdf") if name in there), None)
+
+
+def compiled(folder: Path, source: str) -> LiveModel:
+    """Compiles the file `source` of a folder with a robot's files. ValueError where MuJoCo refuses it."""
+    document = None
+    with listening():
+        if source.endswith(".urdf"):
+            spec = spec_of(folder / source)
+            spec.compiler.discardvisual = False
+            spec.compiler.fusestatic = False
+            model = spec.compile()
+        else:
+            document = flat.with_names(flat.flat(folder, source))
+            model = compiled_text(document, folder)
+        closed = _closed(model)
+    tags = () if document is None else flat.actuator_tags(document)
+    return LiveModel(source, model, closed, document, tags)
+
+
+def compiled_text(document: Element, folder: Path) -> Any:
+    """The model of a document whose paths are below `folder`."""
+    spec = mujoco.MjSpec.from_string(to_bytes(document).decode())
+    spec.modelfiledir = str(folder)
+    return spec.compile()
+
+
+def _closed(model: Any) -> Any:
+    data = mujoco.MjData(model)
+    if model.nkey:
+        home = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
+        mujoco.mj_resetDataKeyframe(model, data, max(home, 0))
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    return data

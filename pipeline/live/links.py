@@ -1,0 +1,36 @@
+"""The links of the header: the CAD parts of each, their masses, and how well their colliders fit."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from stages.robot.model import Part, Robot
+
+
+def links(robot: Robot, colliders: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
+    """Each link with its parts and its colliders. `colliders`: the rows of the report's table, whose lengths
+    are in mm."""
+    rows = list(colliders)
+    return [
+        {
+            "name": link.name,
+            "mass": link.inertial.mass,
+            "parts": [{"name": _name(part), "mass": part.inertial.mass or None} for part in link.parts],
+            "colliders": [_collider(row) for row in rows if row["link"] == link.name],
+        }
+        for link in robot.links
+    ]
+
+
+def _name(part: Part) -> str:
+    return "/".join(part.path) or part.name
+
+
+def _collider(row: Mapping[str, Any]) -> dict[str, Any]:
+    return {
+        "part": ", ".join(row["parts"]),
+        "made": row["rung"] or row["maker"],
+        "tolerance_mm": row["tolerance"],
+        "stands_out_mm": row.get("protrusion_max"),
+        "bare_mm": row.get("bareness_max"),
+        "within": bool(row["meets"]),
+    }

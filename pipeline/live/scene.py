@@ -1,0 +1,95 @@
+"""The whole pack of a robot, from the folder with its files."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from pipeline.live import triangles
+from pipeline.live.actuators import actuators
+from pipeline.live.compiled import LiveModel, compiled
+from pipeline.live.engine import NoCopy, engine_copy
+from pipeline.live.geoms import Source, geoms
+from pipeline.live.links import links
+from pipeline.live.mechanism import bodies, frames, joints, keyframes, loops, relations
+from pipeline.live.pack import VERSION, Buffers, packed
+from pipeline.live.rounding import rounded, vector
+from pipeline.live.triangles import Facets
+from stages.robot.model import Robot
+
+_VIEW = 140.0, -20.0
+"""Azimuth and elevation [degrees] from which a robot without a scene is seen."""
+
+
+def pack_of(
+    folder: Path, source: str, robot: Robot, colliders: Iterable[Mapping[str, Any]], faces: int
+) -> bytes:
+    """The pack of the robot whose file `source` is in a folder. `colliders`: the rows of the report's table;
+    `faces`: the most triangles. ValueError where MuJoCo does not compile it."""
+    live = compiled(folder, source)
+    buffers = Buffers()
+    known = links(robot, colliders)
+    numbers = {one["name"]: index for index, one in enumerate(known)}
+    moving = joints(live)
+    shown, sources = geoms(live)
+    header = {
+        "version": VERSION,
+        "name": robot.name,
+        "source": source,
+        "bodies": bodies(live, numbers),
+        "joints": moving,
+        "relations": relations(live),
+        "loops": loops(live),
+        "keyframes": keyframes(live),
+        "qpos0": vector(live.model.qpos0),
+        "actuators": actuators(live, moving),
+        "geoms": shown,
+        "meshes": _meshes(live.model, shown, sources, buffers),
+        "frames": frames(live),
+        "gravity": vector(live.model.opt.gravity),
+        "timestep": rounded(live.model.opt.timestep),
+        "camera": _camera(live),
+        "thinned": None,
+        "links": known,
+        **_engine(live, folder, buffers),
+    }
+    return packed(header, buffers)
+
+
+def _meshes(
+    model: Any, shown: list[dict[str, Any]], sources: list[Source | None], buffers: Buffers
+) -> list[dict[str, Any]]:
+    """The meshes, each once, also of several files with one content; sets `mesh` of the geoms."""
+    found: list[dict[str, Any]] = []
+    for geom, source in zip(shown, sources, strict=True):
+        if source is not None:
+            entry = triangles.stored(_facets(model, source), buffers)
+            if entry not in found:
+                found.append(entry)
+            geom["mesh"] = found.index(entry)
+    return found
+
+
+def _facets(model: Any, source: Source) -> Facets:
+    kind, index = source
+    return triangles.of_hfield(model, index) if kind == "hfield" else triangles.of_mesh(model, index)
+
+
+def _engine(live: LiveModel, folder: Path, buffers: Buffers) -> dict[str, Any]:
+    """The engine's copy of the model; where it has none, `no_engine` says why."""
+    try:
+        text, files, lacks = engine_copy(live, folder)
+    except NoCopy as reason:
+        return {"engine": None, "no_engine": str(reason)}
+    places = {name: {"at": buffers.add(data), "bytes": len(data)} for name, data in files.items()}
+    return {"engine": {"xml": text, "files": places, "lacks": lacks}, "no_engine": None}
+
+
+def _camera(live: LiveModel) -> dict[str, Any]:
+    view = live.model.vis.global_
+    azimuth, elevation = _VIEW if live.document is None else (view.azimuth, view.elevation)
+    return {
+        "center": vector(live.model.stat.center),
+        "extent": rounded(live.model.stat.extent),
+        "azimuth": rounded(azimuth),
+        "elevation": rounded(elevation),
+    }
