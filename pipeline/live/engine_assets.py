@@ -39,8 +39,8 @@ def with_assets(root: Element, model: Any, folder: Path) -> dict[str, bytes]:
     files: dict[str, bytes] = {}
     for number, (asset, name, data) in enumerate(kept):
         if tag(asset) == "mesh" and (large or is_newer_shape(asset)):
-            data = _hull(asset, name, model)
-        if data is not None:
+            _hull(asset, name, model)
+        elif data is not None:
             own = f"{number}{PurePosixPath(asset.get('file', '')).suffix.lower()}"
             asset.set("file", own)
             files[own] = data
@@ -60,8 +60,8 @@ def _base(root: Element) -> PurePosixPath:
     return PurePosixPath(base)
 
 
-def _hull(asset: Element, name: str, model: Any) -> bytes | None:
-    """Makes a mesh asset one of the points of its convex hull, in the frame of its file; so without a file."""
+def _hull(asset: Element, name: str, model: Any) -> None:
+    """Makes a mesh asset the points of its convex hull, in the frame of its file, without that file."""
     index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_MESH, name)
     first, count = int(model.mesh_vertadr[index]), int(model.mesh_vertnum[index])
     points = model.mesh_vert[first : first + count].astype(np.float64)
@@ -75,4 +75,3 @@ def _hull(asset: Element, name: str, model: Any) -> bytes | None:
         asset.attrib.pop(attribute, None)
     asset.attrib.pop("file", None)
     asset.set("vertex", " ".join(f"{one:.9g}" for one in placed.ravel()))
-    return None
