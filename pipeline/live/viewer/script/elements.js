@@ -1,0 +1,40 @@
+// Elements of the page. Names from CAD come in as text, never as HTML.
+
+function make(tag, properties = {}, children = []) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (name === "class") element.className = value;
+    else if (name === "text") element.textContent = value;
+    else if (name.startsWith("on")) element.addEventListener(name.slice(2), value);
+    else element.setAttribute(name, value);
+  }
+  element.append(...children);
+  return element;
+}
+
+let madeSliders = 0;
+
+// A labelled slider: what to put on the page, and `show(value)`, which changes neither focus nor what is dragged.
+function makeSlider({ label, low, high, unit }, onMove) {
+  const id = `live-slider-${madeSliders++}`;
+  const output = make("output", { for: id });
+  const input = make("input", { id, type: "range", min: low, max: high, step: "any" });
+  const show = (value) => {
+    const text = valueText(value, unit);
+    if (output.textContent === text) return;
+    output.textContent = text;
+    input.value = value;
+    input.setAttribute("aria-valuetext", text);
+    const share = high > low ? Math.min(1, Math.max(0, (value - low) / (high - low))) : 0;
+    input.style.setProperty("--share", `${(100 * share).toFixed(1)}%`);
+  };
+  input.addEventListener("input", () => onMove(Number(input.value)));
+  const row = make("div", { class: "live-slider" }, [make("label", { for: id, text: label }), output, input]);
+  return { row, input, show };
+}
+
+function makeFold(title, rows, open) {
+  const fold = make("details", { class: "live-fold" }, [make("summary", { text: title }), ...rows]);
+  fold.open = open;
+  return fold;
+}

@@ -1,0 +1,57 @@
+"""Browsers for the tests, one for the whole run where its flags are the usual ones."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pipeline.live.viewer import view
+from tests.browser.webdriver import Browser, missing
+
+PAGE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8">
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<title>A robot</title><style>* {{ box-sizing: border-box }} body {{ margin: 1rem }}
+{style}</style></head><body>
+{body}
+{scripts}
+</body></html>
+"""
+
+PREVIEW = '<img class="preview" alt="preview" src="data:image/gif;base64,R0lGODlhAQABAAAAACwAAAAAAQABAAA=">'
+
+
+@pytest.fixture(autouse=True)
+def _installed() -> None:
+    if missing():
+        pytest.skip(f"tests of the page need a browser: {missing()} not found on PATH")
+
+
+@pytest.fixture(scope="session")
+def shared_browser() -> Iterator[Browser]:
+    with Browser() as browser:
+        yield browser
+
+
+@pytest.fixture
+def browser(shared_browser: Browser) -> Browser:
+    """A browser at laptop's size; its logs are empty."""
+    shared_browser.size(1280, 900)
+    shared_browser.console()
+    list(shared_browser.requests())
+    return shared_browser
+
+
+@pytest.fixture
+def page_of(tmp_path: Path) -> Callable[..., Path]:
+    """Writes a page around the view of a pack."""
+
+    def write(pack: bytes, engine: Any = "whole", shared_path: str = "") -> Path:
+        found = view(pack, engine, shared_path)
+        body = found.body.replace("<!-- preview -->", PREVIEW)
+        path = tmp_path / "page.html"
+        path.write_text(PAGE.format(style=found.style, body=body, scripts=found.scripts), encoding="utf-8")
+        return path
+
+    return write

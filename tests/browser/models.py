@@ -1,0 +1,100 @@
+"""Small models for the view, and the sample as a build leaves it."""
+
+import re
+from functools import cache
+
+import mujoco
+
+from tests.browser.packs import pack_of, packed
+
+ALL_JOINTS = """
+<mujoco>
+  <compiler angle="radian"/>
+  <option timestep="0.002"/>
+  <worldbody>
+    <geom name="floor" type="plane" size="2 2 .1"/>
+    <body name="base" pos="0 0 1.2">
+      <freejoint name="base"/>
+      <geom name="torso" type="box" size=".2 .15 .1" mass="2"/>
+      <body name="upper" pos=".2 0 .05" quat=".9 .1 .3 .2">
+        <joint name="shoulder" type="ball" pos=".01 .02 -.03" range="0 1.2"/>
+        <geom type="capsule" size=".04 .1" mass=".5"/>
+        <body name="rail" pos=".1 .2 0" quat=".7 0 .7 .1">
+          <joint name="slide" type="slide" axis="1 .5 0" range="-.1 .3" ref=".07"/>
+          <joint name="turn" type="hinge" axis="0 1 .3" pos=".02 0 .05" range="-1 2" ref=".4"/>
+          <geom type="cylinder" size=".03 .08" mass=".3"/>
+          <body name="tip" pos="0 0 .2">
+            <joint name="wrist" type="hinge" axis="1 0 0"/>
+            <geom type="ellipsoid" size=".05 .03 .08" mass=".2"/>
+            <site name="tool" pos="0 0 .1"/>
+          </body>
+        </body>
+      </body>
+    </body>
+    <body name="post" pos="1 0 .5" quat=".8 0 .6 0"><geom type="sphere" size=".1" mass="1"/></body>
+  </worldbody>
+</mujoco>
+"""
+
+FOUR_BAR = """
+<mujoco>
+  <compiler angle="radian"/>
+  <option timestep="0.001"/>
+  <worldbody>
+    <body name="crank" pos="0 0 1">
+      <joint name="crank" axis="0 1 0" range="-3 3"/>
+      <geom type="capsule" fromto="0 0 0 0 0 .2" size=".02" mass=".1"/>
+      <body name="coupler" pos="0 0 .2">
+        <joint name="elbow" axis="0 1 0"/>
+        <geom type="capsule" fromto="0 0 0 .5 0 .1" size=".02" mass=".1"/>
+        <site name="end" pos=".5 0 .1"/>
+      </body>
+    </body>
+    <body name="rocker" pos=".5 0 1">
+      <joint name="rocker" axis="0 1 0"/>
+      <geom type="capsule" fromto="0 0 0 0 0 .3" size=".02" mass=".1"/>
+      <site name="top" pos="0 0 .3"/>
+      <body name="gear" pos="0 .1 0">
+        <joint name="gear" axis="0 1 0" ref=".2"/>
+        <geom type="sphere" size=".04" mass=".1"/>
+      </body>
+    </body>
+  </worldbody>
+  <equality>
+    <connect site1="end" site2="top"/>
+    <joint joint1="gear" joint2="rocker" polycoef=".1 -2 .3 0 0"/>
+  </equality>
+</mujoco>
+"""
+
+
+@cache
+def model_of(xml: str):
+    return mujoco.MjModel.from_xml_string(xml)
+
+
+@cache
+def small_pack(xml: str) -> bytes:
+    """With the engine's own copy, the same text."""
+    return packed(pack_of(model_of(xml), xml))
+
+
+def chain(links: int) -> str:
+    """A chain of links side by side, each with a box and a collider."""
+    body = '<geom type="box" size=".02 .02 .04" group="2" contype="0" conaffinity="0" mass=".01"/>'
+    body += '<geom type="capsule" size=".015 .03" group="3" mass=".01"/>'
+    text = ""
+    for index in reversed(range(links)):
+        joint = (
+            f'<joint name="joint_{index}" axis="0 {index % 2} {1 - index % 2}" range="-.5 .5" damping="1"/>'
+        )
+        text = f'<body name="link_{index}" pos="0 0 .1">{joint}{body}{text}</body>'
+    return (
+        f'<mujoco><compiler angle="radian"/><option gravity="0 0 0"/><worldbody>{text}</worldbody></mujoco>'
+    )
+
+
+def renamed(xml: str, name: str) -> str:
+    """With a name of a user's making in the place of the first body's."""
+    escaped = name.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
+    return re.sub(r'body name="\w+"', lambda _: f'body name="{escaped}"', xml, count=1)

@@ -1,0 +1,160 @@
+"""A browser driven over WebDriver (W3C), which is JSON over HTTP: no more of it than the tests need."""
+
+import base64
+import contextlib
+import json
+import os
+import shutil
+import socket
+import subprocess
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import httpx
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+DRIVERS = ("chromedriver",)
+
+FLAGS = (
+    "--headless=new", "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    "--disable-default-apps", "--no-first-run", "--no-default-browser-check", "--enable-unsafe-swiftshader",
+    "--force-color-profile=srgb", "--hide-scrollbars",
+)  # fmt: skip
+
+WAIT = 60
+"""Seconds that a command of the browser may take: software drawing is slow on a busy machine."""
+
+
+def found(names: Sequence[str]) -> str | None:
+    return next(filter(None, map(shutil.which, names)), None)
+
+
+def missing() -> str:
+    """What is not installed here; empty if nothing is."""
+    wanted = {"Chromium": BROWSERS, "chromedriver": DRIVERS}
+    return " and ".join(name for name, names in wanted.items() if found(names) is None)
+
+
+class Browser:
+    """A headless Chromium with a window of this size, closed at the end of `with`."""
+
+    def __init__(self, *flags: str, width: int = 1280, height: int = 900, dark: bool = False) -> None:
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        self.process = subprocess.Popen(
+            [str(found(DRIVERS)), f"--port={port}"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+        )
+        self.client = httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=WAIT, trust_env=False)
+        root = ("--no-sandbox", "--disable-dev-shm-usage") if os.geteuid() == 0 else ()
+        options = {
+            "binary": found(BROWSERS),
+            "args": [*FLAGS, *root, f"--window-size={width},{height}", *flags],
+            "perfLoggingPrefs": {"enableNetwork": True},
+        }
+        wanted = {
+            "browserName": "chrome",
+            "goog:chromeOptions": options,
+            "goog:loggingPrefs": {"browser": "ALL", "performance": "ALL"},
+            "timeouts": {"script": WAIT * 1000},
+        }
+        try:
+            self._await_driver()
+            session = self._post("/session", {"capabilities": {"alwaysMatch": wanted}})
+        except BaseException:
+            self.process.kill()
+            raise
+        self.path = f"/session/{session['sessionId']}"
+        self.size(width, height, dark=dark)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        with contextlib.suppress(httpx.HTTPError):
+            self.client.delete(self.path)
+        self.client.close()
+        self.process.terminate()
+        self.process.wait(10)
+
+    def _await_driver(self) -> None:
+        until = time.monotonic() + WAIT
+        while True:
+            try:
+                if self.client.get("/status").json()["value"]["ready"]:
+                    return
+            except httpx.ConnectError:
+                pass
+            if time.monotonic() > until:
+                raise TimeoutError("chromedriver does not answer")
+            time.sleep(0.05)
+
+    def _post(self, path: str, body: dict[str, Any]) -> Any:
+        value = self.client.post(path, json=body).json()["value"]
+        if isinstance(value, dict) and "error" in value:
+            raise RuntimeError(f"{value['error']}: {value['message'].splitlines()[0]}")
+        return value
+
+    def cdp(self, command: str, **parameters: Any) -> Any:
+        """A command of Chromium's own protocol."""
+        body = {"cmd": command, "params": parameters}
+        return self._post(f"{self.path}/goog/cdp/execute", body)
+
+    def size(self, width: int, height: int, *, dark: bool = False, still: bool = False) -> None:
+        """Sets the page's area [px], light or dark, and whether little motion is wanted."""
+        self.cdp(
+            "Emulation.setDeviceMetricsOverride",
+            width=width, height=height, deviceScaleFactor=1, mobile=False,
+        )  # fmt: skip
+        features = {"prefers-color-scheme": "dark" if dark else "light"}
+        features["prefers-reduced-motion"] = "reduce" if still else "no-preference"
+        named = [{"name": name, "value": value} for name, value in features.items()]
+        self.cdp("Emulation.setEmulatedMedia", features=named)
+
+    def open(self, page: Path) -> None:
+        """Opens a file from disk, and waits until the view has started or said why it does not."""
+        self._post(f"{self.path}/url", {"url": page.as_uri()})
+        self.run("await window.linkwright?.ready")
+
+    def run(self, script: str, *values: Any) -> Any:
+        """Runs the body of an async function; `values` are its `arguments`."""
+        code = f"return (async function() {{ {script} }}).apply(null, arguments)"
+        return self._post(f"{self.path}/execute/sync", {"script": code, "args": list(values)})
+
+    def act(self, *actions: dict[str, Any]) -> None:
+        """Lets a mouse act: WebDriver's own steps of a pointer."""
+        mouse = {
+            "type": "pointer",
+            "id": "mouse",
+            "parameters": {"pointerType": "mouse"},
+            "actions": list(actions),
+        }
+        self._post(f"{self.path}/actions", {"actions": [mouse]})
+
+    def keys(self, text: str) -> None:
+        steps = [{"type": kind, "value": key} for key in text for kind in ("keyDown", "keyUp")]
+        self._post(f"{self.path}/actions", {"actions": [{"type": "key", "id": "keys", "actions": steps}]})
+
+    def console(self) -> list[str]:
+        """Errors and warnings since the last call."""
+        entries = self._post(f"{self.path}/se/log", {"type": "browser"})
+        return [entry["message"] for entry in entries if entry["level"] in ("SEVERE", "WARNING")]
+
+    def requests(self) -> Iterator[str]:
+        """The addresses that were asked for since the last call, without pictures that are in the page."""
+        for entry in self._post(f"{self.path}/se/log", {"type": "performance"}):
+            message = json.loads(entry["message"])["message"]
+            if message["method"] == "Network.requestWillBeSent":
+                address = message["params"]["request"]["url"]
+                if not address.startswith("data:"):
+                    yield address
+
+    def picture(self, path: Path, *, whole: bool = False) -> None:
+        """Saves what is to be seen as PNG; `whole`: the page down to its end."""
+        found = self.cdp("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
+        path.write_bytes(base64.b64decode(found["data"]))
