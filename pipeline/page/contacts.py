@@ -3,17 +3,25 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pipeline.page.markup import plain_table, section
+from pipeline.page.markup import folded, plain_table, section
 from stages.robot.globs import listed
+from stages.robot.plural import count
 
 
 def contacts(excludes: Sequence[Mapping[str, Any]]) -> str:
-    """The pairs of links that do not collide, those whose reason is not a joint first, and which of their
-    colliders where others do."""
-    order = sorted(excludes, key=lambda one: str(one["reason"]) == "Adjacent")
-    rows = [[*one["links"], one["reason"], f"{one['depth']:.2f}", _only(one["colliders"])] for one in order]
-    header = ["link", "other link", "reason", "depth at home, mm", "of their colliders"]
-    return section("Links that do not collide", plain_table(header, rows), "contacts") if rows else ""
+    """The section: the pairs with their reason, and which of their colliders where others do; those with a
+    joint between them are folded."""
+    near = [one for one in excludes if str(one["reason"]) == "Adjacent"]
+    others = [one for one in excludes if str(one["reason"]) != "Adjacent"]
+    joined = folded(f"{count(len(near), 'pair')} with a joint between them", _table(near))
+    return section("Links that do not collide", _table(others) + joined, "contacts")
+
+
+def _table(excludes: Sequence[Mapping[str, Any]]) -> str:
+    rows = [
+        [*one["links"], one["reason"], f"{one['depth']:.2f}", _only(one["colliders"])] for one in excludes
+    ]
+    return plain_table(["link", "other link", "reason", "depth at home, mm", "of their colliders"], rows)
 
 
 def _only(colliders: Sequence[Sequence[str]] | None) -> str:

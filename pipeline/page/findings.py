@@ -36,7 +36,7 @@ def diagnostics(found: Sequence[Mapping[str, Any]]) -> str:
 
 def _table(problems: Sequence[Mapping[str, Any]]) -> str:
     rows = [[_code(one), name(one["where"]), text(one["message"]) + hint(one["hint"])] for one in problems]
-    return table(["code", "where", "what"], rows, {"code": "code", "where": "place"})
+    return table(["code", "where", "what"], rows, {"code": "code", "where": "place"}, heads="code")
 
 
 def _code(diagnostic: Mapping[str, Any]) -> str:

@@ -21,8 +21,8 @@ _RANKS = ("error", "failed", "warning", "readiness")
 
 _MARKS = {"error": "✕ error", "failed": "✕ failed", "warning": "! warning", "readiness": "+ readiness"}
 
-_READINESS = "C-READINESS"
-"""The code of the check that scores the finished robot; what it finds are the points that the robot lacks."""
+_READINESS, _MISSING = "C-READINESS", "missing"
+"""The code of the check that scores the finished robot, and its word for a point that the robot lacks."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,19 +45,18 @@ def fixes(tree: Mapping[str, Any]) -> list[Fix]:
 
 
 def fix_first(tree: Mapping[str, Any], found: list[Fix]) -> str:
-    """The section, of what `fixes` found."""
+    """The section, of what `fixes` found; nothing where an error with a few problems is all that is known."""
+    error = tree["error"]
+    if error is not None and len(error.get("problems", ())) <= MOST:
+        return ""
     if not found:
         words = "Nothing: no error, no warning"
         words += ", and every check passed." if tree["checks"] else "."
-        return section("What to fix first", f'<p class="passed">✓ {words}</p>', "fix") if _went(tree) else ""
+        return section("What to fix first", f'<p class="passed">✓ {words}</p>', "fix")
     items = "\n".join(map(_item, found[:MOST]))
     rest = len(found) - MOST
     more = f'\n<p class="soft">and {count(rest, "more thing", "more things")} below</p>' if rest > 0 else ""
     return section("What to fix first", f'<ol class="fixes">\n{items}\n</ol>{more}', "fix")
-
-
-def _went(tree: Mapping[str, Any]) -> bool:
-    return tree["error"] is None
 
 
 def _item(fix: Fix) -> str:
@@ -99,8 +98,8 @@ def _checks(tree: Mapping[str, Any]) -> Iterator[Fix]:
 def _points(tree: Mapping[str, Any]) -> Iterator[Fix]:
     """What would raise the score of the finished robot."""
     for check in tree["checks"]:
-        if check["code"] == _READINESS and check["passed"]:
-            for point in check["findings"]:
-                what, _, words = point["message"].partition(": ")
-                title = f"{point['element']} of sim-readiness"
-                yield Fix("readiness", _READINESS, title, what, shortened(words, _LETTERS))
+        if check["code"] == _READINESS and check["table"]:
+            for number, what, verdict, *words in check["table"]["rows"]:
+                if verdict == _MISSING:
+                    title = f"point {number} of sim-readiness"
+                    yield Fix("readiness", _READINESS, title, what, shortened(", ".join(words), _LETTERS))

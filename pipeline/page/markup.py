@@ -13,8 +13,10 @@ DENSE = 8
 
 _LONG = re.compile(r"\S{17,}")
 _JOINT = re.compile(r"([_/])(?=[^_/])")
-_FIGURE = frozenset("0123456789.+-−≤≥<>")
+_FIGURE = frozenset("0123456789.+-−≤≥")
 """What the text of a figure begins with."""
+_SENTENCE = 4
+"""Spaces that the text of a figure with its unit does not have."""
 
 
 def text(value: Any) -> str:
@@ -119,8 +121,8 @@ def plain_table(header: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
 
 
 def _is_figures(cells: Iterable[str]) -> bool:
-    """Whether each cell is empty or begins as a figure."""
-    return all(not cell or cell[0] in _FIGURE or cell[:4] in ("&lt;", "&gt;") for cell in cells)
+    """Whether each cell is empty or a figure with its unit, no sentence."""
+    return all(not cell or (cell[0] in _FIGURE and cell.count(" ") < _SENTENCE) for cell in cells)
 
 
 def pairs(values: Mapping[str, str]) -> str:

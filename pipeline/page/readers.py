@@ -3,7 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pipeline.page.markup import plain_table, section
+from pipeline.page.markup import folded, inline, name, section, table
+from stages.robot.plural import count
 
 SHOWN = 6
 """Of what a row is about so many names are shown; report.json has all."""
@@ -13,8 +14,11 @@ def readers(rows: Sequence[Mapping[str, Any]]) -> str:
     """The section; nothing without rows. `rows`: `readers` of the report's details."""
     header = ["reader", "version", "format", "what", "does with it", "of", "source"]
     keys = ("reader", "version", "format", "thing", "does")
-    cells = [[*(row[key] for key in keys), _some(row["of"]), row["source"]] for row in rows]
-    return section("What other readers drop", plain_table(header, cells), "readers") if cells else ""
+    cells = [
+        [*(inline(row[key]) for key in keys), name(_some(row["of"])), inline(row["source"])] for row in rows
+    ]
+    words = f"{count(len({row['reader'] for row in rows}), 'reader')}, {count(len(rows), 'thing')}"
+    return section("What other readers drop", folded(words, table(header, cells, heads="reader")), "readers")
 
 
 def _some(names: Sequence[str]) -> str:
