@@ -13,7 +13,7 @@ from typing import Any
 
 from pipeline import report
 from pipeline.caching import actions, bundles
-from pipeline.caching.actions import Action, Cache, Files
+from pipeline.caching.actions import Cache
 from pipeline.config.choices import name_of
 from pipeline.config.plan import Plan
 from pipeline.context import NOTES, ROBOT, BuildContext
@@ -29,13 +29,14 @@ from pipeline.errors import (
     exit_status,
     refusal,
 )
+from pipeline.live.made import NOTHING, Live, live
 from pipeline.mesh_details import kept
 from pipeline.output.folder import FAILED, Output
 from pipeline.preflight import destination, expected_files, plan_problems, suffix_of
 from pipeline.products import digests, products
 from pipeline.progress import Log, Progress, Quiet, Tee
 from pipeline.report import Report, StageReport, Status
-from pipeline.stage import STAGES, Stage, libraries, stages_until
+from pipeline.stage import STAGES, Stage, libraries, perform, stages_until
 from stages.fetch import describe, remarks
 from stages.fetch.onshape.api.ledger import FOLDER as LEDGER
 from stages.graph.view.views import OUTLINE, VIEWS
@@ -61,6 +62,7 @@ def build(
     environ: Mapping[str, str] | None = None,
     stages: tuple[Stage, ...] = STAGES,
     began: float | None = None,
+    sweep: Path | None = None,
 ) -> Report:
     """Builds the robot that `plan` describes and writes its output folder.
 
@@ -69,9 +71,10 @@ def build(
     errors; then the last good output is unchanged, and `<output>.failed` holds the report and the log.
 
     `began` [s since the epoch]: the start of the sweep that this job belongs to; its jobs share the
-    replies of a workspace since then, so that all build the same state of it.
+    replies of a workspace since then, so that all build the same state of it. `sweep`: the sweep's folder,
+    with the engine that their pages share.
     """
-    return build_files(plan, progress, environ, stages, began).report
+    return build_files(plan, progress, environ, stages, began, sweep=sweep).report
 
 
 def build_files(
@@ -81,6 +84,7 @@ def build_files(
     stages: tuple[Stage, ...] = STAGES,
     began: float | None = None,
     in_memory: bool = False,
+    sweep: Path | None = None,
 ) -> Built:
     """As `build`, and returns the files; `in_memory`: writes no output folder, even after a failure."""
     environ = os.environ if environ is None else environ
@@ -105,10 +109,12 @@ def build_files(
                     ahead.wait()
             files = products(context)
             log.secrets.check(files)
+            if output:
+                run.look(context, sweep)
             done = run.finished(context, files)
             robot = context.files["graph"][ROBOT] if "graph" in context.files else None
             if output:
-                whole = {**files, **run.documents(done, files, output.folder(suffix))}
+                whole = {**files, **run.seen.files, **run.documents(done, files, output.folder(suffix))}
                 output.publish(whole, suffix, done.outputs)
     except Exception as error:
         # A result that cannot be moved into the output folder is kept there.
@@ -150,20 +156,6 @@ def require_room(store: Cache, output: Output | None, suffix: str) -> None:
         pass
 
 
-def perform(stage: Stage, context: BuildContext) -> tuple[Files, bool]:
-    """The stage's files, and whether they came from the cache."""
-    config = stage.config(context)
-    if config is None:
-        return context.cache.keep(stage.run(context)), False
-    action = Action(stage.name, stage.version, config, stage.inputs(context), libraries(stage))
-    return context.cache.run(
-        action,
-        lambda: stage.run(context),
-        force=stage.force(context),
-        lasts=lambda files: bool(json.loads(files[NOTES]).get("lasts", True)),
-    )
-
-
 @dataclass(slots=True)
 class Run:
     """The state of a running build, from which its report is made."""
@@ -182,6 +174,7 @@ class Run:
     stale: bool = False
     advice: str = ""
     shown: dict[str, str] = field(default_factory=dict)
+    seen: Live = NOTHING
 
     def __post_init__(self) -> None:
         self.source |= describe(self.plan)
@@ -224,6 +217,12 @@ class Run:
             if diagnostic not in self.diagnostics:
                 self.diagnostics.append(diagnostic)
                 self.log.line(f"{diagnostic.code} {diagnostic.where}: {diagnostic.message}")
+
+    def look(self, context: BuildContext, sweep: Path | None) -> None:
+        """Makes what `report.html` shows of the robot."""
+        say = functools.partial(self.progress.detail, "page")
+        self.seen = live(context, self.details.get("colliders", ()), Path(self.folder), sweep, say)
+        self.note(self.seen.found)
 
     def finished(self, context: BuildContext, files: Mapping[str, bytes]) -> Report:
         """The report of a build whose stages all ran and made `files`."""
@@ -286,7 +285,7 @@ class Run:
     ) -> dict[str, bytes]:
         """The documents about the build, beside the `files` of the robot, to replace those of `last`."""
         self.log.line(f"{done.status}: exit status {done.exit_status}")
-        return documents(done, files, self.shown, self.plan, self.log, last)
+        return documents(done, files, self.shown, self.plan, self.log, last, self.seen)
 
 
 def leave_failure(output: Output | None, run: Run, error: Exception, files: Mapping[str, bytes]) -> None:

@@ -204,6 +204,10 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 
 
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
+    import functools
+    import time
+
+    from pipeline.build import build as build_robot
     from pipeline.config.compose import session
     from pipeline.output.folder import named
     from pipeline.preflight import sweep_problems
@@ -212,19 +216,14 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     from pipeline.sweep.outcome import Outcome, sweep_status, table
     from pipeline.sweep.run import Task, jobs_of, judge_folders
 
-    if build is None:
-        import functools
-        import time
-
-        from pipeline.build import build as build_robot
-
-        build = functools.partial(build_robot, began=time.time())
+    began = time.time()
     with session(command.config_dirs, judge=sweep_problems) as composer:
         asked = composer.with_params(*composer.read(command.overrides, multirun=True))
         sweep = jobs_of(composer, asked, sweep_problems)
         judge_folders(sweep.jobs)
         prepare(sweep.root, sweep.jobs[0].plan, command.overrides)
         account = Account(asked.tree, command.overrides, sweep.overrides)
+        build = build or functools.partial(build_robot, began=began, sweep=sweep.root)
         ours, numbers = composer.ours(sweep.sweeping.launcher), sweep.sweeping.numbers
         with named(sweep.root):
             outcomes: list[Outcome] = launch(ours, numbers, Task(sweep.jobs, build), sweep.root, account)

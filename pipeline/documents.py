@@ -6,6 +6,7 @@ from pathlib import Path
 from pipeline.changes.since import since
 from pipeline.config.file_text import as_yaml
 from pipeline.config.plan import Plan
+from pipeline.live.made import NOTHING, Live
 from pipeline.progress import Log
 from pipeline.report import Report
 
@@ -17,16 +18,18 @@ def documents(
     plan: Plan,
     log: Log,
     last: Path | None = None,
+    seen: Live = NOTHING,
 ) -> dict[str, bytes]:
     """The documents by file name, with secrets blanked. `files`: those of the robot; `shown`: views of the
-    stages by name; `last`: the folder that they replace, None where they replace no build."""
+    stages by name; `last`: the folder that they replace, None where they replace no build; `seen`: what the
+    page shows of the robot."""
     from pipeline.page.document import page
 
     sizes = {path: len(data) for path, data in files.items()}
     changes = None if last is None else since(last, done.outputs, files)
     return {
         "report.json": done.to_json(log.secrets),
-        "report.html": page(done, shown, sizes, log.secrets, changes=changes),
+        "report.html": page(done, shown, sizes, log.secrets, live=seen, changes=changes),
         "config.yaml": as_yaml(log.secrets.within(plan.tree())),
         "build.log": log.content(),
     }

@@ -7,6 +7,7 @@ from pathlib import Path
 from pipeline.caching import actions
 from pipeline.config.plan import Plan
 from pipeline.errors import ConfigError, Diagnostic, as_problems
+from pipeline.live.made import ENGINE_FILE
 from pipeline.output.folder import Output
 from pipeline.output.location import require_free
 from pipeline.output.manifest import DOCUMENTS
@@ -56,8 +57,12 @@ def expected_files(plan: Plan) -> list[str]:
     if not suffix_of(plan):
         from stages import export
 
-        files += export.expected_paths(plan, plan.name)
+        files += [*export.expected_paths(plan, plan.name), *_of_page(plan)]
     return files
+
+
+def _of_page(plan: Plan) -> list[str]:
+    return [ENGINE_FILE] if plan.page.live == "shared" else []
 
 
 def sweep_problems(plan: Plan) -> list[Diagnostic]:

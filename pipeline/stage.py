@@ -5,11 +5,12 @@ Besides its value each stage writes `notes.json`: the diagnostics, figures and o
 report, which a cached stage has too.
 """
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
 from pipeline.caching import bundles
-from pipeline.caching.actions import Remembered
+from pipeline.caching.actions import Action, Files, Remembered
 from pipeline.config.plan import Plan, section
 from pipeline.context import FILES, NOTES, ROBOT, BuildContext, facts, notes, spent
 from pipeline.digest import sha256
@@ -252,3 +253,17 @@ def stages_until(name: str, stages: tuple[Stage, ...] = STAGES) -> tuple[Stage, 
 def libraries(stage: Stage) -> dict[str, str]:
     """The installed versions of the libraries that affect the stage's result, and of linkwright."""
     return {library: installed(library) for library in ("linkwright", *stage.libraries)}
+
+
+def perform(stage: Stage, context: BuildContext) -> tuple[Files, bool]:
+    """The stage's files, and whether they came from the cache."""
+    config = stage.config(context)
+    if config is None:
+        return context.cache.keep(stage.run(context)), False
+    action = Action(stage.name, stage.version, config, stage.inputs(context), libraries(stage))
+    return context.cache.run(
+        action,
+        lambda: stage.run(context),
+        force=stage.force(context),
+        lasts=lambda files: bool(json.loads(files[NOTES]).get("lasts", True)),
+    )

@@ -14,8 +14,9 @@ from hypothesis.internal.conjecture import engine
 from tests.support.kit import Kit
 
 SURROUNDINGS = (
-    "ONSHAPE_", "LINKWRIGHT_TRUST", "LINKWRIGHT_TRACEBACK", "ROS_", "AMENT_", "SSL_CERT_", "HTTP_PROXY",
-    "HTTPS_PROXY", "ALL_PROXY", "NO_PROXY", "FORCE_COLOR", "NO_COLOR", "CLICOLOR", "COLORTERM", "HYDRA_",
+    "ONSHAPE_", "LINKWRIGHT_TRUST", "LINKWRIGHT_PAGE", "LINKWRIGHT_TRACEBACK", "ROS_", "AMENT_", "SSL_CERT_",
+    "HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY", "NO_PROXY", "FORCE_COLOR", "NO_COLOR", "CLICOLOR", "COLORTERM",
+    "HYDRA_",
 )  # fmt: skip
 """What the user's own environment may say, and no test may depend on."""
 
@@ -25,6 +26,8 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
 
 for name in [name for name in os.environ if name.upper().startswith(SURROUNDINGS)]:
     del os.environ[name]
+# Of the many builds of the tests no page shows the robot and none has a picture, but where a test asks.
+os.environ["LINKWRIGHT_PAGE"] = "plain"
 # A terminal of one size, whatever the tests are started from.
 os.environ |= {"COLUMNS": "120", "LINES": "40", "TERM": "xterm-256color"}
 
@@ -52,6 +55,12 @@ def pytest_collection_finish() -> None:
     gc.collect()
     gc.freeze()
     gc.set_threshold(*often)
+
+
+@pytest.fixture
+def whole_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The builds of the test have the view of the robot in their pages, and its picture."""
+    monkeypatch.setenv("LINKWRIGHT_PAGE", "whole")
 
 
 @pytest.fixture

@@ -1,6 +1,5 @@
 """The compiled model of a build, of which the page shows everything by index."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,8 +10,6 @@ from pipeline.live import flat
 from stages.formats.xml import Element, to_bytes
 from stages.robot.mujoco_warnings import listening
 from stages.validate.engines.mujoco_engine import spec_of
-
-SCENE = "scene.xml"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,12 +28,6 @@ class LiveModel:
         """The name of one of the model's objects; "" where its file gives it none."""
         found = mujoco.mj_id2name(self.model, kind, index) or ""
         return "" if found.startswith(flat.OWN) else found
-
-
-def source_of(files: Iterable[str], robot: str) -> str | None:
-    """The file of a build that the page shows: the scene, else the URDF; None without both."""
-    there = set(files)
-    return next((name for name in (SCENE, f"{robot}.xml", f"{robot}.urdf") if name in there), None)
 
 
 def compiled(folder: Path, source: str) -> LiveModel:

@@ -6,6 +6,7 @@ from typing import Any
 from urllib.parse import quote
 
 from pipeline.changes.since import Since
+from pipeline.live.made import NOTHING, Live
 from pipeline.page.changed import changed
 from pipeline.page.checks import checks
 from pipeline.page.codes import codes, problems_of
@@ -33,15 +34,14 @@ def page(
     sizes: Mapping[str, int],
     secrets: Secrets,
     *,
-    pack: bytes | None = None,
+    live: Live = NOTHING,
     preview: str = "",
     changes: Since | None = None,
 ) -> bytes:
     """The page, with secrets blanked. `shown`: views of the stages by name, none where a build did not come
-    so far; `sizes` [bytes] of the outputs; `pack`: what the view of the robot shows (see
-    `pipeline.live.pack`), None for a page without the view; `preview`: the robot's picture, a file beside
-    the page, "" without one; `changes`: since the build that this one replaces, None where it replaces
-    none."""
+    so far; `sizes` [bytes] of the outputs; `live`: the view of the robot, and whether it has a physics
+    engine; `preview`: the robot's picture, a file beside the page, "" without one; `changes`: since the build
+    that this one replaces, None where it replaces none."""
     tree: dict[str, Any] = report.tree()
     tables = json.loads(shown.get(TABLES, "[]"))
     if secrets:

@@ -12,6 +12,7 @@ from pipeline.caching import actions
 from pipeline.config.plan import Plan
 from pipeline.digest import sha256
 from pipeline.errors import ConfigError
+from pipeline.live.made import ENGINE_FILE, engine_file, is_plain
 from pipeline.output import conflicts, manifest
 from pipeline.output.folder import move_aside, named
 from pipeline.output.location import ELSEWHERE, absolute, require_free
@@ -22,8 +23,9 @@ if TYPE_CHECKING:
     from pipeline.sweep.outcome import Outcome
 
 SUMMARY, ACCOUNT = "summary.json", "multirun.yaml"
-OWN = (SUMMARY, ACCOUNT)
-"""The files of a sweep itself: the outcomes of its jobs, and Hydra's record of the sweep."""
+OWN = (SUMMARY, ACCOUNT, ENGINE_FILE)
+"""The files of a sweep itself: the outcomes of its jobs, Hydra's record of the sweep, and the engine that the
+pages of its jobs share."""
 
 
 def prepare(root: Path, plan: Plan, typed: Sequence[str], environ: Mapping[str, str] = os.environ) -> None:
@@ -48,6 +50,8 @@ def prepare(root: Path, plan: Plan, typed: Sequence[str], environ: Mapping[str, 
         manifest.write(place, dict.fromkeys(OWN))
         run = {"started": f"{datetime.now(UTC):%Y-%m-%dT%H:%M:%SZ}", "overrides": list(typed), "jobs": []}
         _write(place, [*_runs(place), run])
+        if plan.page.live != "kinematics" and not is_plain(environ):
+            (place / ENGINE_FILE).write_bytes(engine_file())
 
 
 def keep(outcomes: Sequence["Outcome"], root: Path) -> None:

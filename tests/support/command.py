@@ -24,7 +24,9 @@ def environment(here: Path, *, seeded: bool = True, **more: str) -> dict[str, st
     """
     if seeded and not (here / "cache").exists():
         kept_colliders.seed(here / "cache")
-    kept = {key: os.environ[key] for key in ("PATH", "LANG", "TMPDIR") if key in os.environ}
+    kept = {
+        key: os.environ[key] for key in ("PATH", "LANG", "TMPDIR", "LINKWRIGHT_PAGE") if key in os.environ
+    }
     return {**kept, "HOME": str(here), "LINKWRIGHT_CACHE": str(here / "cache"), **more}
 
 

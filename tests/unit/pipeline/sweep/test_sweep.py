@@ -11,7 +11,11 @@ from pathlib import Path
 import pytest
 
 from pipeline.cli import run
+from pipeline.config.plan import Plan
+from pipeline.live.made import ENGINE_FILE
+from pipeline.output.manifest import ours
 from pipeline.report import Report
+from pipeline.sweep.folder import keep, prepare
 from stages.robot.check import Check
 from stages.robot.errors import ConfigError, MeshError
 from tests.support.cases import mostly_slow
@@ -500,3 +504,17 @@ def test_robots_by_their_paths_are_named_in_the_summary(tmp_path):
     assert run(["-m", "robot=there/a.yaml,there/b.yaml"], Recorder()) == 0
     (only,) = runs_of(tmp_path / "outputs" / "robots.sweep")
     assert [job["overrides"] for job in only["jobs"]] == [{"robot": "a"}, {"robot": "b"}]
+
+
+def test_the_engine_that_the_pages_share_is_the_sweeps_own(tmp_path, monkeypatch):
+    monkeypatch.setenv("LINKWRIGHT_PAGE", "whole")
+    monkeypatch.setattr("pipeline.sweep.folder.engine_file", lambda: b"engine")
+    plan = Plan.parse({"name": "arm", "source": {"kind": "sample"}})
+    prepare(tmp_path / "one", plan, ["mesh=hull,coacd"])
+    keep([], tmp_path / "one")
+    assert (tmp_path / "one" / ENGINE_FILE).read_bytes() == b"engine"
+    assert ENGINE_FILE in ours(tmp_path / "one")
+    prepare(tmp_path / "one", plan, ["mesh=hull,coacd"])  # nothing is in the way
+    without = plan.model_copy(update={"page": plan.page.model_copy(update={"live": "kinematics"})})
+    prepare(tmp_path / "two", without, [])
+    assert not (tmp_path / "two" / ENGINE_FILE).exists()

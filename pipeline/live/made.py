@@ -1,0 +1,138 @@
+"""The view of a robot for its page: made once, and kept in the cache by its content.
+
+Imports nothing heavy: a cached build only reads the pack.
+"""
+
+import os
+import time
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from importlib import import_module
+from pathlib import Path, PurePosixPath
+from typing import Any, Literal
+
+from pipeline.caching.actions import Action, canonical
+from pipeline.context import FILES, ROBOT, BuildContext
+from pipeline.digest import sha256
+from stages.robot.errors import Diagnostic
+
+VERSION = 1
+"""Raised when the same robot gives another pack."""
+
+ENGINE_FILE = "linkwright-engine.js"
+"""The engine of several pages, beside the page or in the folder of a sweep."""
+
+CODE = "I-LIVE"
+_LIBRARIES = ("linkwright", "mujoco", "numpy", "scipy", "manifold3d", "lxml")
+_PACK, _REFUSED = "pack", "refused.txt"
+
+_WITHOUT = "no live view"
+
+
+@dataclass(frozen=True, slots=True)
+class Live:
+    """The view of a page: the robot's pack, None for a page without the view; the engine, in the page, in the
+    file at `engine_path`, or none; the `files` beside the page; and why something is not there."""
+
+    pack: bytes | None = None
+    engine: Literal["whole", "shared", "none"] = "none"
+    engine_path: str = ""
+    files: Mapping[str, bytes] = field(default_factory=dict)
+    found: tuple[Diagnostic, ...] = ()
+
+
+NOTHING = Live()
+
+
+def is_plain(environ: Mapping[str, str]) -> bool:
+    """Whether the environment asks for pages without the live view, and for no picture."""
+    return environ.get("LINKWRIGHT_PAGE", os.environ.get("LINKWRIGHT_PAGE", "")) == "plain"
+
+
+def live(
+    context: BuildContext,
+    colliders: Iterable[Mapping[str, Any]],
+    folder: Path,
+    sweep: Path | None,
+    say: Callable[[str], None],
+) -> Live:
+    """The view of the robot that a build exports to `folder`, from the cache where it was made before.
+
+    `colliders`: rows of the report's table. `sweep`: the folder of the sweep that the build is a job of. What
+    cannot be made is a diagnostic, never an error. `say` is told how long making it took.
+    """
+    if "export" not in context.files or is_plain(context.environ):
+        return NOTHING
+    exported = context.files["export"].below(FILES)
+    source = source_of(exported, context.plan.name)
+    if source is None:
+        why = f"{_WITHOUT}: there is no MJCF or URDF"
+        return Live(found=(Diagnostic(CODE, why, "report.html", "export one: export=[mjcf,...]"),))
+    try:
+        pack, refused = _made(context, source, [_shown(row) for row in colliders], say)
+    except Exception as error:  # Whatever it is, the robot is built.
+        pack, refused = None, f"{type(error).__name__}: {error}"
+    if pack is None:
+        return Live(found=(Diagnostic(CODE, f"{_WITHOUT}: {refused}", "report.html", ""),))
+    return _with_engine(pack, context.plan.page.live, folder, sweep)
+
+
+def _with_engine(pack: bytes, asked: str, folder: Path, sweep: Path | None) -> Live:
+    if asked == "kinematics":
+        return Live(pack)
+    if sweep is not None:
+        path = PurePosixPath(Path(os.path.relpath(sweep / ENGINE_FILE, folder)).as_posix())
+        return Live(pack, "shared", str(path))
+    if asked == "shared":
+        return Live(pack, "shared", ENGINE_FILE, {ENGINE_FILE: engine_file()})
+    return Live(pack, "whole")
+
+
+def engine_file() -> bytes:
+    """The content of the engine's file."""
+    script: bytes = import_module("pipeline.live.viewer").engine_script()
+    return script
+
+
+def source_of(files: Iterable[str], robot: str) -> str | None:
+    """The file of a build that the page shows: the scene, else the URDF; None without both."""
+    there = set(files)
+    return next((name for name in ("scene.xml", f"{robot}.xml", f"{robot}.urdf") if name in there), None)
+
+
+def _made(
+    context: BuildContext, source: str, colliders: list[dict[str, Any]], say: Callable[[str], None]
+) -> tuple[bytes | None, str]:
+    """The pack, or why MuJoCo refuses the file."""
+    from pipeline.stage import installed
+
+    exported = context.files["export"].below(FILES)
+    needed = [path for path in sorted(exported) if path.endswith((".xml", ".urdf")) or "/" in path]
+    faces = context.plan.page.faces
+
+    def make() -> dict[str, bytes]:
+        from pipeline.live.scene import pack_of
+
+        start = time.perf_counter()
+        with context.cache.store.scratch({path: exported[path] for path in needed}) as folder:
+            try:
+                made = {_PACK: pack_of(folder, source, context.robot, colliders, faces)}
+            except ValueError as error:
+                # MuJoCo's message may name the folder.
+                return {_REFUSED: str(error).replace(str(folder), "").strip().encode()}
+        size = len(made[_PACK]) / 1e6
+        say(f"the view of the robot took {time.perf_counter() - start:.1f} s, {size:.2f} MB")
+        return made
+
+    inputs = {path: exported.digests[path] for path in needed}
+    inputs |= {"robot": context.files["graph"].digests[ROBOT], "colliders": sha256(canonical(colliders))}
+    config = {"source": source, "faces": faces}
+    versions = {name: installed(name) for name in _LIBRARIES}
+    found, _ = context.cache.run(Action("page/live", VERSION, config, inputs, versions), make)
+    return (None, found[_REFUSED].decode()) if _REFUSED in found else (found[_PACK], "")
+
+
+def _shown(row: Mapping[str, Any]) -> dict[str, Any]:
+    """What the page shows of a row of the table of colliders: no fact of the run."""
+    names = ("link", "parts", "rung", "maker", "tolerance", "meets", "protrusion_max", "bareness_max")
+    return {name: row.get(name) for name in names}
