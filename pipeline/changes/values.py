@@ -125,8 +125,8 @@ _WORDS = {
 
 def _files(before: Sequence[str], after: Sequence[str]) -> str:
     """Which files came and went."""
-    told = [("without ", [one for one in before if one not in after])]
-    told.append(("with ", [one for one in after if one not in before]))
+    told = [("removed ", [one for one in before if one not in after])]
+    told.append(("added ", [one for one in after if one not in before]))
     return "files: " + "; ".join(word + ", ".join(names) for word, names in told if names)
 
 

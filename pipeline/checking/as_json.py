@@ -70,7 +70,7 @@ def as_json(verdict: Verdict) -> str:
 
 
 def baseline(file: str) -> frozenset[Issue]:
-    """The issues of a file that `as_json` wrote. OutputError where it is none."""
+    """The issues of a file that `as_json` wrote. OutputError for any other file."""
     try:
         table = json.loads(Path(file).read_bytes())
     except OSError as error:

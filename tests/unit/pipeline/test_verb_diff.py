@@ -213,7 +213,7 @@ def test_what_is_new_of_shapes_and_poses_is_said_in_words(robot):
     assert "keyframes up changed value of lift 0.03 → 0.05" in text
     assert "loops rod_upper_pivot changed lever" in text
     assert "excludes forearm and palm removed 1 mm deep at home" in text
-    assert f"files: without {robot['files'][0]}; with robot.sdf" in text
+    assert f"files: removed {robot['files'][0]}; added robot.sdf" in text
     assert len(said(robot, after)) == 8
 
 
