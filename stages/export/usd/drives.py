@@ -52,8 +52,8 @@ def drives_of(robot: Robot, actuation: Actuation, home: Configuration) -> Drives
 
 
 def _drive(one: Actuator, dof: Dof, value: Value) -> Drive | None:
-    """The drive of an actuator, None for one that is no drive. An actuator's length is the dof's value times its
-    gear, and a force at the dof is that at the actuator times its gear."""
+    """The drive of an actuator, None for one that is no drive. An actuator's length is the dof's value times
+    its gear, and a force at the dof is that at the actuator times its gear."""
     force = _most(one, dof)
     if one.type in SERVOS:
         kp, kv = one.kp or 0.0, one.kv or 0.0
