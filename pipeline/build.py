@@ -1,6 +1,5 @@
 """One build: five stages in order; a stage whose inputs did not change comes from the cache."""
 
-import contextlib
 import functools
 import json
 import os
@@ -13,11 +12,9 @@ from typing import Any
 
 from pipeline import report
 from pipeline.caching import actions, bundles
-from pipeline.caching.actions import Cache
 from pipeline.config.choices import name_of
 from pipeline.config.plan import Plan
 from pipeline.context import NOTES, ROBOT, BuildContext
-from pipeline.disk_space import LEAST
 from pipeline.documents import documents
 from pipeline.early_imports import Ahead
 from pipeline.errors import (
@@ -29,14 +26,17 @@ from pipeline.errors import (
     exit_status,
     refusal,
 )
-from pipeline.live.made import NOTHING, Live, live
+from pipeline.live.made import NOTHING, Live, is_plain, live
 from pipeline.mesh_details import kept
 from pipeline.output.folder import FAILED, Output
+from pipeline.output.room import require_room
 from pipeline.preflight import destination, expected_files, plan_problems, suffix_of
+from pipeline.preview import NONE, Preview, preview
 from pipeline.products import digests, products
 from pipeline.progress import Log, Progress, Quiet, Tee
 from pipeline.report import Report, StageReport, Status
 from pipeline.stage import STAGES, Stage, libraries, perform, stages_until
+from pipeline.strictness import strict_checks
 from stages.fetch import describe, remarks
 from stages.fetch.onshape.api.ledger import FOLDER as LEDGER
 from stages.graph.view.views import OUTLINE, VIEWS
@@ -102,7 +102,7 @@ def build_files(
             context = BuildContext(plan, store, environ, ledger=ledger, began=began)
             ahead = Ahead(module for stage in stages for module in stage.modules)
             context.import_ahead = ahead.start
-            context.require_room = functools.partial(require_room, store, output, suffix)
+            context.require_room = functools.partial(require_room, store.store, output, suffix)
             with ahead:
                 for stage in stages:
                     run.stage(stage, context)
@@ -111,10 +111,12 @@ def build_files(
             log.secrets.check(files)
             if output:
                 run.look(context, sweep)
+                run.draw(context, files)
             done = run.finished(context, files)
             robot = context.files["graph"][ROBOT] if "graph" in context.files else None
             if output:
-                whole = {**files, **run.seen.files, **run.documents(done, files, output.folder(suffix))}
+                whole = {**files, **run.seen.files, **run.pictures.files}
+                whole |= run.documents(done, files, output.folder(suffix))
                 output.publish(whole, suffix, done.outputs)
     except Exception as error:
         # A result that cannot be moved into the output folder is kept there.
@@ -148,14 +150,6 @@ def prepared(
     return output
 
 
-def require_room(store: Cache, output: Output | None, suffix: str) -> None:
-    """CacheError or OutputError where a disk lacks the space for a build as large as the last build."""
-    size = max(LEAST, output.size(), output.size(suffix)) if output else LEAST
-    # Both together, since they may be on one disk.
-    with store.store.room(size), output.room(size) if output else contextlib.nullcontext():
-        pass
-
-
 @dataclass(slots=True)
 class Run:
     """The state of a running build, from which its report is made."""
@@ -175,6 +169,7 @@ class Run:
     advice: str = ""
     shown: dict[str, str] = field(default_factory=dict)
     seen: Live = NOTHING
+    pictures: Preview = NONE
 
     def __post_init__(self) -> None:
         self.source |= describe(self.plan)
@@ -224,12 +219,18 @@ class Run:
         self.seen = live(context, self.details.get("colliders", ()), Path(self.folder), sweep, say)
         self.note(self.seen.found)
 
+    def draw(self, context: BuildContext, files: Mapping[str, bytes]) -> None:
+        """Makes the robot's picture, of a build that exports."""
+        if "export" in context.files and not is_plain(context.environ):
+            self.pictures = preview(context.cache, files, digests(context, files), self.plan.page.preview)
+            self.note(self.pictures.found)
+
     def finished(self, context: BuildContext, files: Mapping[str, bytes]) -> Report:
         """The report of a build whose stages all ran and made `files`."""
         checks: tuple[Check, ...] = ()
         if "validate" in context.files:
             checks = codec.decode_checks(context.files["validate"]["checks.json"])
-            checks += self.strict_checks(checks)
+            checks += strict_checks(self.plan.validate.level, self.diagnostics, checks)
         for check in checks:
             word = "passed" if check.passed else "FAILED" if check.fails else "WARNING"
             self.log.line(f"{word} {check.name}: {check.detail}")
@@ -237,17 +238,8 @@ class Run:
         if any(check.fails for check in checks):
             status = "invalid"
         ended = 0 if status == "built" else 3
-        return self.report(status=status, exit_status=ended, checks=checks, outputs=digests(context, files))
-
-    def strict_checks(self, checks: Iterable[Check]) -> tuple[Check, ...]:
-        """With `validate.level: strict` a warning is a failure, of a stage as of a check."""
-        if self.plan.validate.level != "strict":
-            return ()
-        warnings = [found.code for found in self.diagnostics if found.level == "warning"]
-        warnings += [check.code for check in checks if check.warns]
-        codes = ", ".join(sorted({*warnings}))
-        detail = f"{len(warnings)} warnings ({codes})" if warnings else "no warning"
-        return (Check("no_warnings", not warnings, detail, float(len(warnings)), 0.0, "C-STRICT"),)
+        made, picture = digests(context, files), self.pictures.path
+        return self.report(status=status, exit_status=ended, checks=checks, outputs=made, preview=picture)
 
     def failed(self, error: BaseException) -> Report:
         """The report of a build that `error` ended."""
@@ -285,7 +277,7 @@ class Run:
     ) -> dict[str, bytes]:
         """The documents about the build, beside the `files` of the robot, to replace those of `last`."""
         self.log.line(f"{done.status}: exit status {done.exit_status}")
-        return documents(done, files, self.shown, self.plan, self.log, last, self.seen)
+        return documents(done, files, self.shown, self.plan, self.log, last, self.seen, self.pictures)
 
 
 def leave_failure(output: Output | None, run: Run, error: Exception, files: Mapping[str, bytes]) -> None:

@@ -7,6 +7,7 @@ from pipeline.changes.since import since
 from pipeline.config.file_text import as_yaml
 from pipeline.config.plan import Plan
 from pipeline.live.made import NOTHING, Live
+from pipeline.preview import NONE, Preview
 from pipeline.progress import Log
 from pipeline.report import Report
 
@@ -19,17 +20,18 @@ def documents(
     log: Log,
     last: Path | None = None,
     seen: Live = NOTHING,
+    pictures: Preview = NONE,
 ) -> dict[str, bytes]:
     """The documents by file name, with secrets blanked. `files`: those of the robot; `shown`: views of the
     stages by name; `last`: the folder that they replace, None where they replace no build; `seen`: what the
-    page shows of the robot."""
+    page shows of the robot; `pictures` of it."""
     from pipeline.page.document import page
 
     sizes = {path: len(data) for path, data in files.items()}
     changes = None if last is None else since(last, done.outputs, files)
     return {
         "report.json": done.to_json(log.secrets),
-        "report.html": page(done, shown, sizes, log.secrets, live=seen, changes=changes),
+        "report.html": page(done, shown, sizes, log.secrets, live=seen, pictures=pictures, changes=changes),
         "config.yaml": as_yaml(log.secrets.within(plan.tree())),
         "build.log": log.content(),
     }

@@ -11,6 +11,7 @@ from pipeline.live.made import ENGINE_FILE
 from pipeline.output.folder import Output
 from pipeline.output.location import require_free
 from pipeline.output.manifest import DOCUMENTS
+from pipeline.preview import names, require
 from pipeline.stage import STAGES, Stage, stages_until
 from stages.graph.view.views import PICTURE
 
@@ -25,6 +26,10 @@ def plan_problems(
             stage.preflight(plan, environ)
         except ConfigError as error:
             found += as_problems(error)
+    try:
+        require(plan.page.preview)
+    except ConfigError as error:
+        found += as_problems(error)
     return found
 
 
@@ -57,7 +62,7 @@ def expected_files(plan: Plan) -> list[str]:
     if not suffix_of(plan):
         from stages import export
 
-        files += [*export.expected_paths(plan, plan.name), *_of_page(plan)]
+        files += [*export.expected_paths(plan, plan.name), *_of_page(plan), *names(plan.page.preview)]
     return files
 
 

@@ -49,7 +49,7 @@ class Report:
     path below `folder` ("" for a build in memory). `error`: of a failed build, its class, message, place,
     hint and problems.
     `title`: the assembly's name, where a reply has it and the user gave the robot no name.
-    `advice`: what to try next; "" for nothing.
+    `advice`: what to try next; "" for nothing. `preview`: the robot's picture, below `folder`; "" for none.
     """
 
     status: Status
@@ -71,6 +71,7 @@ class Report:
     error: Mapping[str, Any] | None = None
     title: str = ""
     advice: str = ""
+    preview: str = ""
 
     @property
     def heading(self) -> str:
@@ -160,7 +161,8 @@ def findings(report: Report) -> list[str]:
     lines += [printable(f"{one.name}: {one.detail}") for one in report.checks if one.table and one.passed]
     lines += [tally(report.checks)] if report.checks else []
     lines += spent(report)
-    lines.append(printable(f"{report.heading}: {report.folder or 'in memory'}"))
+    pages = f" (report.html, {report.preview})" if report.preview else ""
+    lines.append(printable(f"{report.heading}: {report.folder or 'in memory'}{pages}"))
     lines += [printable(report.advice)] if report.advice else []
     return lines
 

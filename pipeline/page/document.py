@@ -1,5 +1,6 @@
 """report.html: a build for people, one file that needs nothing else."""
 
+import base64
 import json
 from collections.abc import Mapping
 from typing import Any
@@ -22,6 +23,7 @@ from pipeline.page.order import order
 from pipeline.page.provenance import cost, provenance
 from pipeline.page.readers import readers
 from pipeline.page.shell import Section, document
+from pipeline.preview import NONE, Preview
 from pipeline.report import Report
 from pipeline.secrets import Secrets
 from stages.graph.view.views import PICTURE, TABLES
@@ -35,12 +37,12 @@ def page(
     secrets: Secrets,
     *,
     live: Live = NOTHING,
-    preview: str = "",
+    pictures: Preview = NONE,
     changes: Since | None = None,
 ) -> bytes:
     """The page, with secrets blanked. `shown`: views of the stages by name, none where a build did not come
     so far; `sizes` [bytes] of the outputs; `live`: the view of the robot, and whether it has a physics
-    engine; `preview`: the robot's picture, a file beside the page, "" without one; `changes`: since the build
+    engine; `pictures`: of the robot, a file beside the page and a small one in it; `changes`: since the build
     that this one replaces, None where it replaces none."""
     tree: dict[str, Any] = report.tree()
     tables = json.loads(shown.get(TABLES, "[]"))
@@ -51,7 +53,7 @@ def page(
         shown.get(PICTURE, ""), tree["outline"], tables, secrets, is_file=PICTURE in tree["outputs"]
     )
     parts = [
-        Section("robot", "", _preview(preview, tree["name"])),
+        Section("robot", "", _preview(pictures, tree["name"])),
         Section("error", "Error", error(tree["error"])),
         Section("fix", "Fix first", fix_first(tree, found)),
         Section("checks", "Checks", checks(tree["checks"])),
@@ -80,7 +82,10 @@ def _codes(tree: Mapping[str, Any]) -> set[str]:
     return {one["code"] for one in (*problems_of(tree), *unmet)}
 
 
-def _preview(path: str, name: str) -> str:
-    if not path:
+def _preview(pictures: Preview, name: str) -> str:
+    """The small picture, which is in the page wherever that is sent, as a link to the file of the large."""
+    if not pictures.path:
         return ""
-    return f'<p class="preview"><img src="{quote(path)}" alt="The robot {text(name)}"></p>'
+    source = f"data:image/png;base64,{base64.b64encode(pictures.small).decode()}"
+    image = f'<img src="{source}" alt="The robot {text(name)}">'
+    return f'<p class="preview"><a href="{quote(pictures.path)}">{image}</a></p>'

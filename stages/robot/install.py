@@ -3,6 +3,7 @@
 OPTIONAL = {
     "hydra-joblib-launcher": ">=1.2,<2",
     "joblib": ">=1.5,<2",
+    "pillow": ">=11.3,<14",
     "pin": ">=4.0,<5",
     "pycollada": ">=0.8,<1",
     "socksio": ">=1.0,<2",

@@ -14,7 +14,7 @@ from pipeline import cli
 from tests.support import kept_colliders
 
 COMMAND = Path(sys.executable).with_name("linkwright")
-RUN_FACTS = {".linkwright.json", "report.json", "report.html", "build.log", "config.yaml"}
+RUN_FACTS = {".linkwright.json", "report.json", "report.html", "build.log", "config.yaml", "preview.png"}
 
 
 def environment(here: Path, *, seeded: bool = True, **more: str) -> dict[str, str]:

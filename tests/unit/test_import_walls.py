@@ -22,6 +22,7 @@ HOMES = {
         "stages/robot/trial_run.py",
         "pipeline/verbs/view.py",
         "pipeline/live/",
+        "pipeline/preview/",
         "stages/export/stability/",
         "stages/export/amend/compiled.py",
     ),
@@ -39,6 +40,7 @@ HOMES = {
     "platformdirs": ("pipeline/",),
     "joblib": (),
     "pin": (),
+    "PIL": ("pipeline/preview/webp.py",),
     "pinocchio": ("stages/validate/in_pinocchio.py",),
 }
 """Library → the only places that may import it, at any depth of a module."""

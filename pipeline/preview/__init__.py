@@ -1,0 +1,128 @@
+"""The robot's picture: `preview.png` of every build that exports, and where it is wished a turn,
+`preview.webp`.
+
+It is drawn by the processor alone, from what MuJoCo compiles of the exported files, in a process of its own:
+the same picture on every machine, without a graphics driver, and never a failed build.
+"""
+
+import importlib.util
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from pipeline.caching.actions import Action, Cache
+from pipeline.digest import sha256
+from stages.robot.errors import ConfigError, Diagnostic
+from stages.robot.install import install
+
+Kind = Literal["png", "turn", "none"]
+
+PICTURE = "preview.png"
+TURN = "preview.webp"
+SMALL = "small.png"
+"""The picture in the size of a thumbnail, which is a file only in the cache."""
+
+REFUSED = "refused.json"
+ENDED = "ended.json"
+"""Why there is no picture: by the robot's files, and by an accident that is not kept."""
+
+VERSION = 1
+CODE = "I-PREVIEW"
+
+SCENE = "scene.xml"
+_HINT = "page.preview=none leaves it out"
+_OTHERWISE = "export it as MJCF or URDF too: export=[mjcf,...]"
+
+
+@dataclass(frozen=True, slots=True)
+class Preview:
+    """`files`: the pictures by file name; `small`: a PNG of at most 60 kB, b"" without a picture; `found`:
+    why there is none."""
+
+    files: Mapping[str, bytes]
+    small: bytes = b""
+    found: tuple[Diagnostic, ...] = ()
+
+    @property
+    def path(self) -> str:
+        """The picture's file name; "" without one."""
+        return PICTURE if PICTURE in self.files else ""
+
+
+NONE = Preview({})
+
+
+def names(kind: Kind) -> tuple[str, ...]:
+    """The files of a kind of preview."""
+    return {"png": (PICTURE,), "turn": (PICTURE, TURN), "none": ()}[kind]
+
+
+def require(kind: Kind) -> None:
+    """ConfigError where a kind of preview needs a library that is not installed."""
+    if kind == "turn" and importlib.util.find_spec("PIL") is None:
+        msg = "turn needs pillow, which is not installed"
+        raise ConfigError(msg, "page.preview", install("pillow"))
+
+
+def preview(cache: Cache, files: Mapping[str, bytes], digests: Mapping[str, str], kind: Kind) -> Preview:
+    """The pictures of the robot whose `files` were exported, from the cache where they were made before.
+    `digests`: SHA-256 of each file, as far as they are known."""
+    if kind == "none" or "robot.json" not in files:
+        return NONE
+    model = model_of(files)
+    if model is None:
+        return _without("MuJoCo reads none of the exported files", _OTHERWISE)
+    needed = needed_by(model, files)
+    inputs = {path: digests.get(path) or sha256(files[path]) for path in needed}
+    action = Action("preview", VERSION, {"model": model, "kind": kind}, inputs, _versions(kind))
+    made, _ = cache.run(
+        action,
+        lambda: _drawn(model, {path: files[path] for path in needed}, kind),
+        lasts=lambda found: ENDED not in found,
+    )
+    for why in (REFUSED, ENDED):
+        if why in made:
+            return _without(json.loads(made[why])["why"], _HINT)
+    return Preview({name: made[name] for name in names(kind)}, made[SMALL])
+
+
+def model_of(files: Mapping[str, bytes]) -> str | None:
+    """The file from which the picture is drawn: a scene, else a URDF, the one in the highest folder."""
+    paths = sorted(files, key=lambda path: (path.count("/"), path))
+    scenes = [path for path in paths if path.rpartition("/")[2] == SCENE]
+    return next(iter([*scenes, *(path for path in paths if path.endswith(".urdf"))]), None)
+
+
+def needed_by(model: str, files: Mapping[str, bytes]) -> list[str]:
+    """The files that a model may read: of a URDF the pose at home too, which it does not have."""
+    folder = model.rpartition("/")[0]
+    # The URDF of a ROS package lies in a folder beside that of its meshes.
+    folder = folder.removesuffix("urdf").rstrip("/") if folder.endswith("/urdf") else folder
+    prefix = f"{folder}/" if folder else ""
+    own = [path for path in files if path.startswith(prefix)]
+    if model.endswith(".urdf"):
+        kept = [path for path in own if path == model or _is_asset(path)]
+        return sorted({*kept, "robot.json"})
+    return sorted(path for path in own if path.endswith(".xml") or _is_asset(path))
+
+
+def _is_asset(path: str) -> bool:
+    return path.lower().endswith((".stl", ".obj", ".msh", ".png", ".mtl"))
+
+
+def _versions(kind: Kind) -> dict[str, str]:
+    from pipeline.stage import installed
+
+    used = ["mujoco", "numpy", *(["pillow"] if kind == "turn" else [])]
+    return {name: installed(name) for name in used}
+
+
+def _drawn(model: str, files: Mapping[str, bytes], kind: Kind) -> dict[str, bytes]:
+    from pipeline.preview.ask import drawn
+
+    return drawn(model, files, kind)
+
+
+def _without(why: str, hint: str) -> Preview:
+    return Preview({}, found=(Diagnostic(CODE, f"no preview of the robot: {why}", PICTURE, hint),))

@@ -1,0 +1,60 @@
+"""Asks the guest that draws, within limits of time and memory."""
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from pipeline.preview import ENDED, REFUSED, Kind
+from stages.robot import guest
+from stages.robot.errors import LinkwrightError
+from stages.robot.guest import Bounds
+
+GUEST = "pipeline.preview.guest"
+
+BOUNDS = Bounds(seconds=60, memory=3 << 30, reply=64 << 20, shared=4)
+"""Limits of a picture, the time that of its processor."""
+
+TURN_BOUNDS = Bounds(seconds=240, memory=3 << 30, reply=64 << 20, shared=4)
+
+_ENVIRON = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+"""One thread: the order of the sums of several is not ours."""
+
+
+@dataclass(frozen=True, slots=True)
+class Painter:
+    """Who is asked, within which limits."""
+
+    module: str = GUEST
+    bounds: Bounds | None = None
+
+
+def drawn(model: str, files: Mapping[str, bytes], kind: Kind, by: Painter = Painter()) -> dict[str, bytes]:
+    """The pictures by name; where there are none `REFUSED`, or `ENDED` where it may work another time."""
+    head = {"model": model, "kind": kind, "files": [[path, len(data)] for path, data in files.items()]}
+    request = b"".join([json.dumps(head).encode(), b"\n", *files.values()])
+    bounds = by.bounds or (TURN_BOUNDS if kind == "turn" else BOUNDS)
+    try:
+        return _read(guest.ask(by.module, request, bounds, {**_ENVIRON, **_temporary()}))
+    except guest.Ended as ended:
+        return {ENDED: json.dumps({"why": f"drawing it {ended}"}).encode()}
+    except LinkwrightError as error:
+        return {REFUSED: json.dumps({"why": error.message}).encode()}
+    except (ValueError, KeyError, TypeError):
+        return {ENDED: json.dumps({"why": "drawing it gave a reply that is none"}).encode()}
+
+
+def _read(reply: bytes) -> dict[str, bytes]:
+    """The pictures in a reply: a line of JSON with their names and lengths, and their bytes."""
+    head, _, body = reply.partition(b"\n")
+    found, at = {}, 0
+    for name, length in json.loads(head)["files"]:
+        found[str(name)] = body[at : at + int(length)]
+        at += int(length)
+    if at != len(body) or not found:
+        raise ValueError("the lengths do not add up")
+    return found
+
+
+def _temporary() -> dict[str, str]:
+    return {name: os.environ[name] for name in ("TMPDIR",) if name in os.environ}

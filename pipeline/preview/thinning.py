@@ -1,0 +1,27 @@
+"""Fewer triangles for what no one sees closely: the shadows of a robot."""
+
+import numpy as np
+
+from stages.mesh.view.raster import Corners
+
+
+def thinned(corners: Corners, cell: float) -> Corners:
+    """Triangles (m, 3, 3) of which the corners in each cell of a grid, `cell` wide, are one: their mean.
+    Those that have two corners in a cell are left out, and of equal ones all but one."""
+    points = corners.reshape(-1, 3)
+    steps = np.floor((points - points.min(axis=0)) / cell).astype(np.int64)
+    across = steps.max(axis=0) + 1
+    _, place, count = np.unique(
+        (steps[:, 0] * across[1] + steps[:, 1]) * across[2] + steps[:, 2],
+        return_inverse=True,
+        return_counts=True,
+    )
+    place = place.reshape(-1)
+    means = np.stack([np.bincount(place, points[:, axis]) / count for axis in range(3)], axis=1)
+    faces = np.sort(place.reshape(-1, 3), axis=1)
+    real = (faces[:, 0] != faces[:, 1]) & (faces[:, 1] != faces[:, 2])
+    number = len(count)
+    keys = (faces[real, 0] * number + faces[real, 1]) * number + faces[real, 2]
+    _, first = np.unique(keys, return_index=True)
+    found: Corners = means[faces[real][first]]
+    return found

@@ -1,0 +1,218 @@
+"""The picture of a build: from what it is drawn, what is kept, and that nothing of it fails a build."""
+
+import json
+from dataclasses import dataclass
+
+import pytest
+
+from pipeline import preview as room
+from pipeline.caching.actions import Cache
+from pipeline.caching.store import Store
+from pipeline.errors import ConfigError
+from pipeline.preview import (
+    ENDED,
+    NONE,
+    PICTURE,
+    REFUSED,
+    SMALL,
+    TURN,
+    ask,
+    model_of,
+    names,
+    needed_by,
+    require,
+)
+from pipeline.preview.ask import Painter, drawn
+from pipeline.preview.guest import FRAMES, SIZE
+from stages.formats import png
+from stages.robot.guest import Bounds
+from tests.support.pictures import pixels_of, robot_in
+
+ROBOT = b'{"keyframes": [{"name": "home", "values": {"hinge": 0.5, "ball": [1, 0, 0, 0]}}]}'
+SCENE = b'<mujoco><include file="arm.xml"/><worldbody><geom type="plane" size="1 1 1"/></worldbody></mujoco>'
+ARM = b"""<mujoco><worldbody><body><joint name="hinge" axis="0 1 0"/>
+  <geom type="box" size="0.1 0.1 0.3" rgba="0.9 0.1 0.1 1"/></body></worldbody></mujoco>"""
+URDF = b"""<robot name="arm"><link name="base"/>
+  <link name="arm"><visual><geometry><box size="0.2 0.2 0.6"/></geometry>
+    <material name="red"><color rgba="0.9 0.1 0.1 1"/></material></visual>
+    <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+  <joint name="hinge" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+</robot>"""
+FILES = {"scene.xml": SCENE, "arm.xml": ARM, "robot.json": ROBOT}
+
+ENOUGH = Bounds(seconds=60, memory=2 << 30, reply=64 << 20, shared=4)
+
+
+@pytest.fixture
+def cache(tmp_path):
+    return Cache(Store(tmp_path / "cache"))
+
+
+@dataclass
+class Counted:
+    """Stands in for the guest: what it gives, and how often it was asked."""
+
+    found: dict
+    asked: int = 0
+
+    def __call__(self, model, files, kind):
+        self.asked += 1
+        return self.found
+
+
+@pytest.fixture
+def counted(monkeypatch):
+    stand_in = Counted({PICTURE: b"picture", SMALL: b"small"})
+    monkeypatch.setattr(ask, "drawn", stand_in)
+    return stand_in
+
+
+@pytest.fixture
+def visitor(tmp_path, monkeypatch):
+    """A guest that runs these lines."""
+    monkeypatch.syspath_prepend(tmp_path)
+
+    def make(lines: str, bounds: Bounds = ENOUGH) -> Painter:
+        body = "\n".join(f"    {line}" for line in lines.splitlines())
+        (tmp_path / "painting_visitor.py").write_text(f"def answer(request):\n{body}\n")
+        return Painter("painting_visitor", bounds)
+
+    return make
+
+
+def test_it_is_drawn_from_the_scene_else_from_a_urdf():
+    assert model_of(FILES) == "scene.xml"
+    assert model_of({"ros2/a/urdf/arm.urdf": b"", "robot.json": b""}) == "ros2/a/urdf/arm.urdf"
+    assert model_of({"python/a/arm/scene.xml": b"", "arm.urdf": b""}) == "python/a/arm/scene.xml"
+    assert model_of({"arm.sdf": b"", "notscene.xml": b""}) is None
+
+
+def test_what_a_model_cannot_name_is_no_reason_to_draw_again():
+    files = {**FILES, "arm.urdf": b"", "assets/a.stl": b"", "graph.svg": b"", "ros2/arm/urdf/arm.urdf": b""}
+    assert needed_by("scene.xml", files) == ["arm.xml", "assets/a.stl", "scene.xml"]
+    assert needed_by("arm.urdf", files) == ["arm.urdf", "assets/a.stl", "robot.json"]
+    ros = {"ros2/arm/urdf/arm.urdf": b"", "ros2/arm/meshes/a.stl": b"", "robot.json": b"", "a.stl": b""}
+    needed = needed_by("ros2/arm/urdf/arm.urdf", ros)
+    assert needed == ["robot.json", "ros2/arm/meshes/a.stl", "ros2/arm/urdf/arm.urdf"]
+
+
+@pytest.mark.parametrize("files", [FILES, {"arm.urdf": URDF, "robot.json": ROBOT}], ids=["mjcf", "urdf"])
+def test_a_guest_draws_it_and_gives_the_same_bytes_twice(files):
+    model = model_of(files)
+    found = drawn(model, files, "png")
+    assert sorted(found) == [PICTURE, SMALL]
+    assert len(found[SMALL]) <= 60_000
+    pixels = pixels_of(found[PICTURE])
+    assert pixels.shape == (SIZE[1], SIZE[0], 3)
+    assert robot_in(pixels).mean() > 0.05
+    assert drawn(model, files, "png") == found
+    assert drawn(model, files | {"robot.json": b"{}"}, "png") == found or model.endswith(".urdf")
+
+
+def test_a_urdf_is_seen_at_home():
+    files = {"arm.urdf": URDF, "robot.json": ROBOT}
+    home = drawn("arm.urdf", files, "png")[PICTURE]
+    assert home != drawn("arm.urdf", files | {"robot.json": b"{}"}, "png")[PICTURE]
+
+
+def test_a_turn_has_all_its_frames_and_goes_on(tmp_path):
+    image = pytest.importorskip("PIL.Image")
+    found = drawn("scene.xml", FILES, "turn")
+    (tmp_path / TURN).write_bytes(found[TURN])
+    with image.open(tmp_path / TURN) as opened:
+        assert opened.n_frames == FRAMES
+        assert opened.info["loop"] == 0
+        frames = []
+        for frame in range(FRAMES):
+            opened.seek(frame)
+            frames.append(opened.convert("RGB").tobytes())
+    assert len(set(frames)) == FRAMES
+    assert len(found[TURN]) < 1_000_000
+
+
+@pytest.mark.parametrize(
+    ("lines", "why"),
+    [
+        ("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)", "drawing it crashed (SIGSEGV)"),
+        ("import os\nos.abort()", "drawing it crashed (SIGABRT)"),
+        ("raise RuntimeError('no driver')", "drawing it failed (RuntimeError: no driver)"),
+        ("return b'nonsense'", "drawing it gave a reply that is none"),
+        ("return b'{\"files\": []}\\n'", "drawing it gave a reply that is none"),
+        ('return b\'{"files": [["preview.png", 9]]}\\nab\'', "drawing it gave a reply that is none"),
+    ],
+)
+def test_a_guest_that_fails_is_survived_and_told(visitor, lines, why):
+    found = drawn("scene.xml", FILES, "png", visitor(lines))
+    assert {name: json.loads(data) for name, data in found.items()} == {ENDED: {"why": why}}
+
+
+def test_a_guest_that_hangs_or_eats_memory_is_ended(visitor):
+    hangs = drawn("scene.xml", FILES, "png", visitor("while True: pass", Bounds(0.3, 1 << 30, 1000)))
+    assert "longer than 0.3 s" in json.loads(hangs[ENDED])["why"]
+    eats = "kept = b'x' * (1 << 29)\nimport time\ntime.sleep(60)"
+    eaten = drawn("scene.xml", FILES, "png", visitor(eats, Bounds(60, 1 << 28, 1000)))
+    assert "of memory" in json.loads(eaten[ENDED])["why"]
+
+
+@pytest.mark.parametrize(
+    ("files", "words"),
+    [
+        ({"scene.xml": b"<mujoco><nonsense/></mujoco>"}, "cannot compile scene.xml"),
+        ({"scene.xml": b"not xml"}, "cannot compile scene.xml"),
+        ({"scene.xml": b'<mujoco><include file="gone.xml"/></mujoco>'}, "cannot compile scene.xml"),
+        ({"arm.urdf": b"<robot><joint/></robot>", "robot.json": b"{}"}, "cannot compile arm.urdf"),
+    ],
+)
+def test_a_model_that_does_not_compile_is_told(files, words):
+    found = drawn(model_of(files), files, "png")
+    assert words in json.loads(found[REFUSED])["why"]
+
+
+def test_it_is_made_once_for_the_same_files(cache, counted):
+    first = room.preview(cache, FILES, {}, "png")
+    assert first.files == {PICTURE: b"picture"}
+    assert (first.small, first.path, first.found) == (b"small", PICTURE, ())
+    assert room.preview(cache, {**FILES, "graph.svg": b"new"}, {}, "png") == first
+    assert counted.asked == 1
+    room.preview(cache, {**FILES, "arm.xml": ARM + b"\n"}, {}, "png")
+    assert counted.asked == 2
+
+
+def test_a_refusal_is_kept_and_an_accident_is_tried_again(cache, counted):
+    counted.found = {REFUSED: b'{"why": "MuJoCo says no"}'}
+    for _ in range(2):
+        told = room.preview(cache, FILES, {}, "png")
+        assert (told.files, told.path) == ({}, "")
+        (found,) = told.found
+        assert (found.code, found.message) == ("I-PREVIEW", "no preview of the robot: MuJoCo says no")
+    assert counted.asked == 1
+    counted.found = {ENDED: b'{"why": "drawing it crashed"}'}
+    for _ in range(2):
+        (found,) = room.preview(cache, {**FILES, "arm.xml": b"other"}, {}, "png").found
+        assert "crashed" in found.message
+    assert counted.asked == 3
+
+
+def test_none_is_drawn_where_none_is_wished_or_can_be(cache, counted):
+    assert room.preview(cache, FILES, {}, "none") == NONE
+    (found,) = room.preview(cache, {"arm.sdf": b"", "robot.json": b""}, {}, "png").found
+    assert "none of the exported files" in found.message
+    assert "export=" in found.hint
+    assert counted.asked == 0
+    assert [names(kind) for kind in ("none", "png", "turn")] == [(), (PICTURE,), (PICTURE, TURN)]
+
+
+def test_a_turn_without_its_library_is_refused_before_the_build(monkeypatch):
+    require("turn")
+    monkeypatch.setattr(room.importlib.util, "find_spec", lambda name: None)
+    require("png")
+    with pytest.raises(ConfigError, match="pillow") as caught:
+        require("turn")
+    assert caught.value.where == "page.preview"
+    assert "pip install 'pillow>=" in caught.value.hint
+
+
+def test_the_writer_of_pictures_writes_what_readers_take():
+    found = drawn("scene.xml", FILES, "png")
+    assert png.problem(found[PICTURE]) == png.problem(found[SMALL]) == ""
