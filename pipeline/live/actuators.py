@@ -31,9 +31,9 @@ def _entries(live: LiveModel, index: int, joints: list[dict[str, Any]]) -> Itera
     model = live.model
     kind = live.actuators[index] if index < len(live.actuators) else "general"
     name = live.name(mujoco.mjtObj.mjOBJ_ACTUATOR, index) or f"actuator {index}"
-    of_joint = model.actuator_trntype[index] in (
-        mujoco.mjtTrn.mjTRN_JOINT,
-        mujoco.mjtTrn.mjTRN_JOINTINPARENT,
+    of_joint = int(model.actuator_trntype[index]) in (
+        int(mujoco.mjtTrn.mjTRN_JOINT),
+        int(mujoco.mjtTrn.mjTRN_JOINTINPARENT),
     )
     joint = int(model.actuator_trnid[index, 0]) if of_joint else None
     unit = "" if joint is None else str(joints[joint]["unit"])

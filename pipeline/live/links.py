@@ -22,7 +22,7 @@ def links(robot: Robot, colliders: Iterable[Mapping[str, Any]]) -> list[dict[str
 
 
 def _name(part: Part) -> str:
-    return "/".join(part.path) or part.name
+    return part.name or "/".join(part.path)
 
 
 def _collider(row: Mapping[str, Any]) -> dict[str, Any]:
