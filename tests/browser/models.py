@@ -98,3 +98,38 @@ def renamed(xml: str, name: str) -> str:
     """With a name of a user's making in the place of the first body's."""
     escaped = name.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
     return re.sub(r'body name="\w+"', lambda _: f'body name="{escaped}"', xml, count=1)
+
+
+HELD = """
+<mujoco>
+  <compiler angle="radian"/>
+  <worldbody>
+    <geom name="floor" type="plane" size="2 2 .1"/>
+    <body name="block" pos=".4 0 .05">
+      <freejoint/>
+      <geom type="box" size=".05 .05 .05" mass=".2" group="2"/>
+    </body>
+    <body name="post" pos="0 0 .02">
+      <geom type="cylinder" fromto="0 0 0 0 0 .3" size=".05" mass="2" contype="0" conaffinity="0"/>
+      <body name="arm" pos="0 0 .3">
+        <joint name="shoulder" axis="0 1 0" range="-1 1" damping=".2" armature=".01"/>
+        <geom type="box" pos="0 0 .15" size=".04 .04 .15" mass=".5" group="2" contype="0" conaffinity="0"/>
+        <body name="forearm" pos="0 0 .3">
+          <joint name="elbow" axis="0 1 0" range="-2 2" damping=".2" armature=".01"/>
+          <geom type="box" pos="0 0 .1" size=".05 .05 .1" mass=".3" group="2" contype="0" conaffinity="0"/>
+          <geom type="capsule" fromto="0 0 0 0 0 .2" size=".04" mass="0" group="3"/>
+        </body>
+      </body>
+    </body>
+  </worldbody>
+  <actuator>
+    <position name="shoulder" joint="shoulder" kp="200" kv="10" ctrlrange="-1 1"/>
+    <position name="elbow" joint="elbow" kp="200" kv="10" ctrlrange="-2 2"/>
+  </actuator>
+  <keyframe>
+    <key name="home" qpos=".4 0 .0499 1 0 0 0 .2 .4" ctrl=".2 .4"/>
+    <key name="up" qpos=".4 0 .0499 1 0 0 0 0 0" ctrl="0 0"/>
+  </keyframe>
+</mujoco>
+"""
+"""An arm that holds itself, beside a block that lies on the ground."""

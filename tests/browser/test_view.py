@@ -5,17 +5,7 @@ import numpy as np
 import pytest
 
 from tests.browser.models import ALL_JOINTS, FOUR_BAR, chain, model_of, small_pack
-
-DRIVER = "GL Driver Message"
-"""What drawing in software says of itself when a picture is taken."""
-
-
-def complaints(browser):
-    return [line for line in browser.console() if DRIVER not in line]
-
-
-def word(browser):
-    return browser.run("return document.querySelector('.live-word').textContent")
+from tests.browser.words import complaints, word
 
 
 def poses(model, qpos):

@@ -13,7 +13,7 @@ class Engine {
     try {
       return new Engine(mujoco, pack);
     } catch (error) {
-      throw new Error(words.join(" ") || messageOf(error, mujoco));
+      throw new Error(words.join(" ") || messageOf(error));
     }
   }
 
@@ -92,7 +92,7 @@ class Engine {
     const { mujoco } = this;
     this.release();
     this.perturb ??= new mujoco.MjvPerturb();
-    this.drawn ??= new mujoco.MjvScene(this.model, 1);
+    this.eye();
     mujoco.mjv_defaultPerturb(this.perturb);
     this.perturb.select = body;
     for (let k = 0; k < 3; k++) this.perturb.localpos[k] = local[k];
@@ -101,6 +101,16 @@ class Engine {
     this.pull = { perturb: this.perturb };
     this.drag(target);
     this.look();
+  }
+
+  // MuJoCo asks for a camera before it pulls; where that stands makes no difference to the force.
+  eye() {
+    if (this.drawn) return;
+    const camera = new this.mujoco.MjvCamera();
+    this.drawn = new this.mujoco.MjvScene(this.model, 1);
+    this.mujoco.mjv_defaultFreeCamera(this.model, camera);
+    this.mujoco.mjv_updateCamera(this.model, this.data, camera, this.drawn);
+    camera.delete();
   }
 
   drag(target) {
@@ -128,7 +138,6 @@ class Engine {
   }
 }
 
-function messageOf(error, mujoco) {
-  if (typeof error === "number" && mujoco.getExceptionMessage) return mujoco.getExceptionMessage(error).join(" ");
+function messageOf(error) {
   return error?.message || String(error);
 }

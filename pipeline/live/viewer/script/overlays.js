@@ -1,6 +1,6 @@
 // What is drawn over the robot when asked for, one draw call each: boxes of equal inertia, frames, contacts.
 
-const AXES = [[0.86, 0.2, 0.22], [0.2, 0.62, 0.25], [0.2, 0.4, 0.95]];
+const AXES = ["#e5383b", "#2a9d3a", "#2f6fed"];
 const CONTACTS = 64; // shown at most
 
 class InertiaBoxes {
@@ -37,34 +37,33 @@ class FrameAxes {
   constructor(header, length) {
     const ofBodies = header.bodies.map((_, body) => ({ body, pos: [0, 0, 0], quat: [1, 0, 0, 0], length })).slice(1);
     this.frames = [...ofBodies, ...header.frames.map((frame) => ({ ...frame, length: length * 0.6 }))];
-    this.positions = new Float32Array(18 * this.frames.length);
-    const colours = new Float32Array(18 * this.frames.length);
-    for (let i = 0; i < colours.length; i++) colours[i] = AXES[Math.floor((i % 18) / 6)][i % 3];
-    const geometry = new THREE.BufferGeometry();
-    geometry.setAttribute("position", new THREE.BufferAttribute(this.positions, 3));
-    geometry.setAttribute("color", new THREE.BufferAttribute(colours, 3));
-    const material = new THREE.LineBasicMaterial({ vertexColors: true, depthTest: false, transparent: true });
-    this.object = new THREE.LineSegments(geometry, material);
+    const material = new THREE.MeshBasicMaterial({ depthTest: false, transparent: true, toneMapped: false });
+    this.object = new THREE.InstancedMesh(new THREE.BoxGeometry(1, 1, 1), material, 3 * this.frames.length);
     this.object.frustumCulled = false;
     this.object.renderOrder = 5;
-    this.tip = new THREE.Vector3();
-    this.local = this.frames.map(({ pos, quat: [w, x, y, z] }) =>
-      new THREE.Matrix4().compose(
-        new THREE.Vector3(...pos), new THREE.Quaternion(x, y, z, w), new THREE.Vector3(1, 1, 1)));
     this.matrix = new THREE.Matrix4();
+    this.local = this.frames.flatMap((frame, index) => [0, 1, 2].map((axis) => {
+      this.object.setColorAt(3 * index + axis, new THREE.Color(AXES[axis]));
+      return barOf(frame, axis);
+    }));
   }
 
   update(robot) {
-    for (let i = 0; i < this.frames.length; i++) {
-      this.matrix.multiplyMatrices(robot.bones[this.frames[i].body].matrixWorld, this.local[i]);
-      for (let axis = 0; axis < 3; axis++) {
-        this.tip.setFromMatrixPosition(this.matrix).toArray(this.positions, 18 * i + 6 * axis);
-        this.tip.set(0, 0, 0).setComponent(axis, this.frames[i].length);
-        this.tip.applyMatrix4(this.matrix).toArray(this.positions, 18 * i + 6 * axis + 3);
-      }
+    for (let i = 0; i < this.local.length; i++) {
+      const { body } = this.frames[Math.floor(i / 3)];
+      this.object.setMatrixAt(i, this.matrix.multiplyMatrices(robot.bones[body].matrixWorld, this.local[i]));
     }
-    this.object.geometry.attributes.position.needsUpdate = true;
+    this.object.instanceMatrix.needsUpdate = true;
   }
+}
+
+// A thin bar from a frame's origin along one of its axes, made of a box of edge 1.
+function barOf({ pos, quat: [w, x, y, z], length }, axis) {
+  const middle = new THREE.Vector3().setComponent(axis, length / 2);
+  const size = new THREE.Vector3(1, 1, 1).multiplyScalar(length / 26).setComponent(axis, length);
+  const frame = new THREE.Matrix4().compose(
+    new THREE.Vector3(...pos), new THREE.Quaternion(x, y, z, w), new THREE.Vector3(1, 1, 1));
+  return frame.multiply(new THREE.Matrix4().compose(middle, new THREE.Quaternion(), size));
 }
 
 class ContactMarks {

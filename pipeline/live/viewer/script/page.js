@@ -11,6 +11,7 @@ class Page {
     this.card = root.querySelector(".live-picked");
     this.runButton = root.querySelector(".live-toggle");
     this.keyframes = root.querySelector(".live-keyframe");
+    this.rate = root.querySelector(".live-rate");
     this.version = root.dataset.version;
   }
 
@@ -24,7 +25,13 @@ class Page {
 
   showRunning(running) {
     this.runButton.dataset.running = running;
+    this.rate.hidden = true;
     this.runButton.querySelector("span").textContent = running ? "Pause" : "Run";
+  }
+
+  showRate(rate) {
+    this.rate.hidden = rate > 0.9;
+    this.rate.textContent = `at ${rate.toFixed(1)} of real time`;
   }
 
   showLink(body) {

@@ -1,7 +1,8 @@
 // The robot in two draw calls whatever its number of links: all visuals are one mesh, all colliders another, and
 // every body is a bone of one skeleton.
 
-const HIGHLIGHT = 0.55;
+const HIGHLIGHT = 0.6;
+const SAMPLES = 6000; // corners by which the camera finds its place
 
 // Colours that tell neighbours apart: each a golden angle further round the circle.
 function colliderColour(index) {
@@ -26,7 +27,9 @@ class RobotMesh {
     };
     const transparent = visuals.some((geom) => geom.rgba[3] < 0.99);
     this.visual = this.skinned(this.triangles.visual, { transparent, metalness: 0.05, roughness: 0.62 });
-    this.collider = this.skinned(this.triangles.collider, { transparent: true, roughness: 0.9, depthWrite: false });
+    this.collider = this.skinned(this.triangles.collider, {
+      transparent: true, roughness: 0.9, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -2,
+    });
     this.visual.castShadow = this.visual.receiveShadow = true;
     this.collider.renderOrder = 2;
     this.at = new THREE.Vector3();
@@ -88,21 +91,24 @@ class RobotMesh {
     this.tinted = new Set(bodies);
   }
 
-  // Middle and radius [m] of what is shown at this pose, null where nothing is.
+  // Middle and radius [m] of what is shown at this pose, and a share of its corners; null where nothing is shown.
   bounds() {
     const shown = this.triangles.visual.positions.length > 0 ? this.triangles.visual : this.triangles.collider;
     const low = new THREE.Vector3(Infinity, Infinity, Infinity);
     const high = low.clone().negate();
     const corner = new THREE.Vector3();
+    const corners = [];
+    const every = Math.ceil(shown.positions.length / 3 / SAMPLES);
     for (const [body, [first, count]] of shown.ranges) {
       if (body === 0) continue;
       for (let i = first; i < first + count; i++) {
         corner.fromArray(shown.positions, 3 * i).applyMatrix4(this.bones[body].matrixWorld);
         low.min(corner);
         high.max(corner);
+        if (i % every === 0) corners.push(corner.clone());
       }
     }
     if (low.x > high.x) return null;
-    return { center: low.clone().add(high).multiplyScalar(0.5), radius: low.distanceTo(high) / 2 };
+    return { center: low.clone().add(high).multiplyScalar(0.5), radius: low.distanceTo(high) / 2, corners };
   }
 }

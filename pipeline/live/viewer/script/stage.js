@@ -2,6 +2,8 @@
 
 const FIELD = 34; // of view, degrees
 const TURN = Math.PI / 36; // by one key
+const VISIBLE_HEIGHT = 0.72; // of the canvas, between the buttons
+const VISIBLE_WIDTH = 0.84;
 
 class Stage {
   // `canvas` has a WebGL 2 context already, which `context` is.
@@ -22,10 +24,11 @@ class Stage {
     this.ray = { origin: new THREE.Vector3(), direction: new THREE.Vector3() };
   }
 
-  // Sets camera, light and ground to a robot of this middle and radius [m].
-  furnish({ center, radius }) {
+  // Sets camera, light and ground to a robot of this middle and radius [m], of which `corners` are to be seen.
+  furnish({ center, radius, corners }) {
     this.center = center.clone();
     this.radius = radius;
+    this.corners = corners.map((corner) => corner.clone().sub(center));
     this.light();
     this.floor();
     this.resize();
@@ -50,7 +53,7 @@ class Stage {
     const sky = new THREE.HemisphereLight(0xffffff, 0x8b8f98, 1.5);
     sky.position.set(0, 0, 1);
     this.scene.add(key, key.target, fill, fill.target, sky);
-    this.key = key;
+    this.goAlong = [this.center, this.camera.position, this.controls.target, key.position, key.target.position];
   }
 
   floor() {
@@ -75,7 +78,7 @@ class Stage {
   colour() {
     const style = getComputedStyle(this.canvas);
     this.grid?.material.uniforms.colour.value.set(style.getPropertyValue("--live-grid").trim() || "#888");
-    this.accent = new THREE.Color(style.getPropertyValue("--live-pick").trim() || "#f97316");
+    this.accent = new THREE.Color(style.getPropertyValue("--live-pick").trim() || "#0ea5e9");
   }
 
   resize() {
@@ -92,16 +95,31 @@ class Stage {
     const [turn, rise] = [(azimuth * Math.PI) / 180, (elevation * Math.PI) / 180];
     const forward = new THREE.Vector3(
       Math.cos(rise) * Math.cos(turn), Math.cos(rise) * Math.sin(turn), Math.sin(rise));
-    const half = Math.tan((FIELD * Math.PI) / 360) * Math.min(1, this.camera.aspect);
-    const distance = (1.04 * this.radius) / Math.sin(Math.atan(half));
+    const { target, distance } = this.fit(forward);
     this.camera.near = distance / 100;
     this.camera.far = distance * 40;
-    this.camera.position.copy(this.center).addScaledVector(forward, -distance);
-    this.controls.target.copy(this.center);
+    this.camera.position.copy(target).addScaledVector(forward, -distance);
+    this.controls.target.copy(target);
     this.controls.minDistance = this.radius / 10;
     this.controls.maxDistance = distance * 8;
     this.camera.updateProjectionMatrix();
     this.controls.update();
+  }
+
+  // What to look at along `forward`, and from how far, to see all corners with a margin.
+  fit(forward) {
+    const right = new THREE.Vector3(forward.y, -forward.x, 0).normalize();
+    if (right.lengthSq() < 0.5) right.set(1, 0, 0);
+    const up = right.clone().cross(forward);
+    const seen = this.corners.map((from) => [from.dot(right), from.dot(up), from.dot(forward)]);
+    const middle = (values) => (Math.min(...values) + Math.max(...values)) / 2;
+    const [x, y] = [0, 1].map((k) => middle(seen.map((at) => at[k])));
+    const tall = Math.tan((FIELD * Math.PI) / 360) * VISIBLE_HEIGHT;
+    const wide = Math.tan((FIELD * Math.PI) / 360) * this.camera.aspect * VISIBLE_WIDTH;
+    const away = (at) => Math.max(Math.abs(at[0] - x) / wide, Math.abs(at[1] - y) / tall) - at[2];
+    const distance = Math.max(...seen.map(away));
+    const target = this.center.clone().addScaledVector(right, x).addScaledVector(up, y);
+    return { target, distance: Math.max(distance, this.radius / 2) };
   }
 
   // Turns the camera about what it looks at.
@@ -122,7 +140,8 @@ class Stage {
 
   // Moves camera and light along with a robot that goes away.
   follow(x, y) {
-    for (const one of [this.camera.position, this.controls.target, this.key.position, this.key.target.position]) {
+    if (x === 0 && y === 0) return;
+    for (const one of this.goAlong) {
       one.x += x;
       one.y += y;
     }

@@ -32,7 +32,7 @@ async function startEngine(view, page) {
     page.tell(`${reason} The sliders pose the robot.`);
   };
   if (page.root.dataset.engine === "none") return page.tell("The sliders pose the robot.");
-  if (!header.engine) return without("There is no model to simulate.");
+  if (!header.engine) return without(`No simulation: ${header.no_engine || "there is no model for it"}.`);
   const pieces = enginePieces();
   if (!pieces) return without(`The engine of this page is missing: ${page.root.dataset.shared} is not beside it.`);
   if (typeof WebAssembly === "undefined") return without("No simulation: WebAssembly is switched off in this browser.");

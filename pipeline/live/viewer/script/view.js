@@ -22,7 +22,9 @@ class View {
     this.take(this.home);
     this.robot.pose(this.kinematics.xpos, this.kinematics.xquat);
     const box = this.robot.bounds() ?? {
-      center: new THREE.Vector3(...header.camera.center), radius: header.camera.extent / 2 || 1,
+      center: new THREE.Vector3(...header.camera.center),
+      radius: header.camera.extent / 2 || 1,
+      corners: [new THREE.Vector3(...header.camera.center)],
     };
     this.stage.furnish(box);
     this.overlays(header, box.radius);
@@ -127,13 +129,28 @@ class View {
 
   // Steps the engine; a state that is not finite ends it.
   advance(seconds) {
-    this.engine.look();
-    const gone = this.engine.advance(seconds);
-    if (!Number.isNaN(gone)) return;
+    let reason = "";
+    try {
+      this.engine.look();
+      const gone = this.engine.advance(seconds);
+      if (!Number.isNaN(gone)) return this.pace(gone, seconds);
+    } catch (error) {
+      reason = ` (${messageOf(error)})`;
+    }
     this.letGo();
     this.running = false;
     this.take(this.home);
-    this.pause(`The simulation became unstable and was stopped; the robot is back at ${this.home.name}`);
+    this.pause(`The simulation became unstable and was stopped${reason}; the robot is back at ${this.home.name}`);
+  }
+
+  // Tells about once a second how fast simulated time goes, where that is slower than the clock.
+  pace(simulated, seconds) {
+    this.paced ??= { simulated: 0, seconds: 0 };
+    this.paced.simulated += simulated;
+    this.paced.seconds += seconds;
+    if (this.paced.seconds < 1) return;
+    this.page.showRate(this.paced.simulated / this.paced.seconds);
+    this.paced = null;
   }
 
   movable(body) {
@@ -169,7 +186,7 @@ class View {
 
   show(layer, visible) {
     this.layers[layer].visible = visible;
-    this.robot.collider.material.opacity = this.layers.visual.visible ? 1 : 1.6;
+    this.robot.collider.castShadow = !this.layers.visual.visible;
     this.draw();
   }
 

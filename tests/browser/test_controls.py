@@ -1,0 +1,220 @@
+"""What a visitor does: run, pause, toggles, keyframes, keys, clicks and pulls; and what the page tells."""
+
+import mujoco
+import numpy as np
+import pytest
+
+from tests.browser.models import HELD, chain, model_of, renamed, small_pack
+from tests.browser.words import complaints, shown, word
+
+HOSTILE = '</script><img src=x onerror="window.broken=1">&amp;\'"'
+
+
+@pytest.fixture
+def held(browser, page_of):
+    """The page of an arm that its actuators hold."""
+    browser.open(page_of(small_pack(HELD)))
+    return browser
+
+
+def middle(browser):
+    """The middle of the canvas [px]."""
+    box = browser.run("return document.querySelector('canvas').getBoundingClientRect().toJSON()")
+    return round(box["left"] + box["width"] / 2), round(box["top"] + box["height"] / 2)
+
+
+def at(browser, body):
+    """Where a body's centre of mass is on the screen [px]."""
+    x, y = browser.run(
+        "const {view} = linkwright; view.update(); const p = view.stage.center.clone();"
+        "p.fromArray(linkwright.header.bodies[arguments[0]].com)"
+        ".applyMatrix4(view.robot.bones[arguments[0]].matrixWorld).project(view.stage.camera);"
+        "const b = view.stage.canvas.getBoundingClientRect();"
+        "return [b.left + (p.x + 1) / 2 * b.width, b.top + (1 - p.y) / 2 * b.height]",
+        body,
+    )
+    return {"x": round(x), "y": round(y)}
+
+
+def test_it_runs_at_home_at_once(held):
+    assert word(held) == "Simulating in MuJoCo 3.14.0"
+    assert held.run("return linkwright.info().running")
+    assert held.run("return document.querySelector('.live-toggle span').textContent") == "Pause"
+
+
+def test_less_motion_means_paused(browser, page_of):
+    browser.size(1280, 900, still=True)
+    browser.open(page_of(small_pack(HELD)))
+    assert not browser.run("return linkwright.info().running")
+    assert browser.run("return linkwright.info().engine")
+    assert "less motion" in word(browser)
+
+
+def test_a_robot_that_nothing_drives_waits(browser, page_of):
+    browser.open(page_of(small_pack(chain(3))))
+    assert not browser.run("return linkwright.info().running")
+    assert "nothing drives the joints" in word(browser)
+
+
+def test_space_pauses_and_arrows_turn_the_camera(held):
+    before = held.run(
+        "document.querySelector('canvas').focus(); return linkwright.view.stage.camera.position"
+    )
+    held.keys(" ")
+    assert word(held) == "Paused"
+    held.keys("\ue014\ue014\ue013")
+    after = held.run("return linkwright.view.stage.camera.position")
+    way = [np.hypot(one["x"] - after["x"], one["y"] - after["y"]) for one in (before,)]
+    assert way[0] > 0.05
+    held.keys(" ")
+    assert word(held) == "Simulating in MuJoCo 3.14.0"
+
+
+def test_a_control_moves_its_joint(held):
+    model = model_of(HELD)
+    joint = model.joint("shoulder").qposadr[0]
+    before = held.run("linkwright.view.pause(); return linkwright.qpos()")[joint]
+    held.run(
+        "const input = document.querySelector('.live-fold .live-slider input');"
+        "input.value = 0.5; input.dispatchEvent(new Event('input'))"
+    )
+    assert held.run("return document.querySelector('.live-slider label').textContent") == "shoulder"
+    after = held.run("return linkwright.step(2)")[joint]
+    assert abs(before - 0.2) < 0.02
+    assert abs(after - 0.5) < 0.02
+
+
+def test_a_posed_robot_stays_there_when_it_runs(held):
+    posed = held.run("return linkwright.pose('shoulder', 0.6)")
+    assert word(held) == "Paused"
+    after = held.run("return linkwright.step(2)")
+    np.testing.assert_allclose(after, posed, atol=0.03)
+
+
+def test_keyframes_and_reset(held):
+    held.run("linkwright.view.pause()")
+    held.run(
+        "const s = document.querySelector('select'); s.value = '1'; s.dispatchEvent(new Event('change'))"
+    )
+    assert held.run("return linkwright.qpos()") == model_of(HELD).key_qpos[1].tolist()
+    held.run("document.querySelector('.live-reset').click()")
+    assert held.run("return linkwright.qpos()") == model_of(HELD).key_qpos[0].tolist()
+
+
+@pytest.mark.parametrize("layer", ["visual", "collider", "inertia", "frames", "contacts"])
+def test_a_toggle_shows_and_hides(held, layer):
+    draw = "linkwright.view.pause(); linkwright.view.update(); linkwright.view.stage.render();"
+    read = "return [linkwright.view.layers[arguments[0]].visible, linkwright.info().triangles]"
+    on, before = held.run(draw + read, layer)
+    click = "document.querySelector(`[data-layer=${arguments[0]}]`).click();"
+    changed, after = held.run(click + draw + read, layer)
+    assert changed is not on
+    assert (after > before) is changed
+    assert held.run(click + draw + read, layer) == [on, before]
+    assert complaints(held) == []
+
+
+def test_contacts_are_those_of_mujoco(held):
+    model, data = model_of(HELD), None
+    found = held.run("linkwright.view.pause(); linkwright.view.reset(); return linkwright.view.contactsNow()")
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    assert len(found) == data.ncon > 0
+    np.testing.assert_allclose(sorted(one[:3] for one in found), sorted(data.contact.pos.tolist()), atol=1e-6)
+
+
+def test_boxes_of_inertia_have_the_bodies_inertia(held):
+    model = model_of(HELD)
+    for body in range(1, model.nbody):
+        box = np.reshape(held.run(f"return linkwright.view.inertia.local[{body}].elements"), (4, 4)).T
+        a, b, c = np.linalg.norm(box[:3, :3], axis=0)
+        mass = model.body_mass[body]
+        inertia = mass / 12 * np.array([b * b + c * c, a * a + c * c, a * a + b * b])
+        np.testing.assert_allclose(inertia, model.body_inertia[body], rtol=1e-9)
+
+
+def test_a_click_picks_a_link_and_another_lets_it_go(held):
+    held.run("linkwright.view.pause()")
+    body = model_of(HELD).body("forearm").id
+    spot = at(held, body)
+    click = [{"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}]
+    held.act({"type": "pointerMove", "duration": 0, **spot}, *click)
+    assert held.run("return document.querySelector('.live-card h3').textContent") == "forearm"
+    assert held.run("return document.querySelector('.live-parts').textContent") == "part of forearm0.3 kg"
+    x, y = middle(held)
+    held.act({"type": "pointerMove", "duration": 0, "x": x - 390, "y": y}, *click)
+    assert not shown(held, ".live-card")
+
+
+def test_a_pull_moves_a_link_to_the_pointer_until_it_is_let_go(held):
+    body = model_of(HELD).body("block").id
+    spot = at(held, body)
+    rise = (
+        "linkwright.step(arguments[1]); linkwright.view.update(); return linkwright.matrix(arguments[0])[14]"
+    )
+    held.act(
+        {"type": "pointerMove", "duration": 0, **spot},
+        {"type": "pointerDown", "button": 0},
+        {"type": "pointerMove", "duration": 100, "x": spot["x"], "y": spot["y"] - 120},
+    )
+    drawn = "await new Promise(requestAnimationFrame); await new Promise(requestAnimationFrame);"
+    assert held.run(drawn + "return linkwright.view.line.object.visible")
+    assert held.run(rise, body, 1) > 0.07
+    held.act({"type": "pointerUp", "button": 0})
+    assert not held.run("return linkwright.view.line.object.visible")
+    assert held.run("return linkwright.view.engine.data.xfrc_applied.every((force) => force === 0)")
+    assert held.run(rise, body, 2) == pytest.approx(0.05, abs=1e-3)
+    assert complaints(held) == []
+
+
+def test_names_from_cad_stay_text(browser, page_of):
+    browser.open(page_of(small_pack(renamed(chain(2), HOSTILE))))
+    browser.run("linkwright.view.pick(1)")
+    assert browser.run("return document.querySelector('.live-card h3').textContent") == HOSTILE
+    assert browser.run("return document.querySelectorAll('#live img:not(.preview)').length") == 0
+    assert browser.run("return window.broken") is None
+    assert complaints(browser) == []
+
+
+@pytest.mark.parametrize("width", [320, 400, 760, 1280])
+def test_nothing_sticks_out(browser, page_of, width):
+    browser.size(width, 900)
+    browser.open(page_of(small_pack(renamed(chain(2), "x" * 80))))
+    browser.run("linkwright.view.pick(1); document.querySelector('.live-licences summary').click()")
+    assert browser.run("return document.documentElement.scrollWidth") <= width
+    for selector in (".live-slider input", ".live-bar button", ".live-card"):
+        right = browser.run(
+            "return document.querySelector(arguments[0]).getBoundingClientRect().right", selector
+        )
+        assert right <= width, selector
+
+
+def test_every_control_has_a_name(held):
+    unnamed = held.run(
+        "return [...document.querySelectorAll('#live :is(input, button, select)')].filter((one) =>"
+        "!one.labels?.[0]?.textContent.trim() && !one.textContent.trim() && !one.ariaLabel)"
+        ".map((one) => one.outerHTML)"
+    )
+    assert unnamed == []
+
+
+def test_it_does_not_step_out_of_sight(held):
+    held.run("document.body.prepend(Object.assign(document.createElement('div'), {style: 'height: 300vh'}))")
+    seconds = "await new Promise((done) => setTimeout(done, 300)); return linkwright.view.engine.data.time"
+    held.run(seconds)
+    assert held.run(seconds) == held.run(seconds)
+    held.run("scrollTo(0, 1e9)")
+    held.run(seconds)
+    assert held.run(seconds) < held.run(seconds)
+
+
+def test_the_licences_open(held):
+    text = held.run(
+        "document.querySelector('.live-licences summary').click();"
+        "await new Promise((done) => setTimeout(done, 300));"
+        "return document.querySelector('.live-licences pre').textContent"
+    )
+    assert "Apache License" in text
+    assert "three.js authors" in text
+    assert len(text) > 200_000
