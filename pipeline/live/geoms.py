@@ -30,7 +30,7 @@ Source = tuple[str, int]
 """Where the triangles of a geom are in the model: ("mesh" or "hfield", index)."""
 
 
-def geoms(live: LiveModel) -> tuple[list[dict[str, Any]], list[Source | None]]:
+def geoms(live: LiveModel) -> list[tuple[dict[str, Any], Source | None]]:
     """The geoms, `mesh` not yet set, and where the triangles of each are.
 
     What collides and is in a group that viewers show, as of a file of another tool, is there twice: as what
@@ -41,12 +41,9 @@ def geoms(live: LiveModel) -> tuple[list[dict[str, Any]], list[Source | None]]:
     shown = [(index, _roles(live.model, index, groups)) for index in range(live.model.ngeom)]
     if not any("visual" in roles for _, roles in shown):
         shown = [(index, [*roles, *_seen_too(roles)]) for index, roles in shown]
-    entries, sources = [], []
-    for index, roles in shown:
-        for role in roles:
-            entries.append(_entry(live, index, role))
-            sources.append(_source(live.model, index))
-    return entries, sources
+    return [
+        (_entry(live, index, role), _source(live.model, index)) for index, roles in shown for role in roles
+    ]
 
 
 def _seen_too(roles: list[str]) -> list[str]:

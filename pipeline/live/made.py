@@ -7,7 +7,6 @@ import os
 import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
-from importlib import import_module
 from pathlib import Path, PurePosixPath
 from typing import Any, Literal
 
@@ -90,8 +89,9 @@ def _with_engine(pack: bytes, asked: str, folder: Path, sweep: Path | None) -> L
 
 def engine_file() -> bytes:
     """The content of the engine's file."""
-    script: bytes = import_module("pipeline.live.viewer").engine_script()
-    return script
+    from pipeline.live.viewer import engine_script
+
+    return engine_script()
 
 
 def source_of(files: Iterable[str], robot: str) -> str | None:

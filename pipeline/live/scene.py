@@ -4,16 +4,15 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from pipeline.live import triangles
 from pipeline.live.actuators import actuators
 from pipeline.live.compiled import LiveModel, compiled
 from pipeline.live.engine import NoCopy, engine_copy
-from pipeline.live.geoms import Source, geoms
+from pipeline.live.geoms import geoms
 from pipeline.live.links import links
 from pipeline.live.mechanism import bodies, frames, joints, keyframes, loops, relations
+from pipeline.live.meshes import stored_meshes
 from pipeline.live.pack import VERSION, Buffers, packed
 from pipeline.live.rounding import rounded, vector
-from pipeline.live.triangles import Facets
 from stages.robot.model import Robot
 
 _VIEW = 140.0, -20.0
@@ -30,7 +29,6 @@ def pack_of(
     known = links(robot, colliders)
     numbers = {one["name"]: index for index, one in enumerate(known)}
     moving = joints(live)
-    shown, sources = geoms(live)
     header = {
         "version": VERSION,
         "name": robot.name,
@@ -42,36 +40,15 @@ def pack_of(
         "keyframes": keyframes(live),
         "qpos0": vector(live.model.qpos0),
         "actuators": actuators(live, moving),
-        "geoms": shown,
-        "meshes": _meshes(live.model, shown, sources, buffers),
+        **stored_meshes(live.model, geoms(live), faces, buffers),
         "frames": frames(live),
         "gravity": vector(live.model.opt.gravity),
         "timestep": rounded(live.model.opt.timestep),
         "camera": _camera(live),
-        "thinned": None,
         "links": known,
         **_engine(live, folder, buffers),
     }
     return packed(header, buffers)
-
-
-def _meshes(
-    model: Any, shown: list[dict[str, Any]], sources: list[Source | None], buffers: Buffers
-) -> list[dict[str, Any]]:
-    """The meshes, each once, also of several files with one content; sets `mesh` of the geoms."""
-    found: list[dict[str, Any]] = []
-    for geom, source in zip(shown, sources, strict=True):
-        if source is not None:
-            entry = triangles.stored(_facets(model, source), buffers)
-            if entry not in found:
-                found.append(entry)
-            geom["mesh"] = found.index(entry)
-    return found
-
-
-def _facets(model: Any, source: Source) -> Facets:
-    kind, index = source
-    return triangles.of_hfield(model, index) if kind == "hfield" else triangles.of_mesh(model, index)
 
 
 def _engine(live: LiveModel, folder: Path, buffers: Buffers) -> dict[str, Any]:
