@@ -8,6 +8,7 @@ import mujoco
 from pipeline.live.compiled import LiveModel
 from pipeline.live.rounding import vector
 
+_OF_JOINTS = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
 _RATE = {"rad": "rad/s", "m": "m/s"}
 _FORCE = {"rad": "N m", "m": "N"}
 _INPUTS = ("POS", "VEL", "FF", "VOLTAGE", "PRESSURE")
@@ -31,10 +32,7 @@ def _entries(live: LiveModel, index: int, joints: list[dict[str, Any]]) -> Itera
     model = live.model
     kind = live.actuators[index] if index < len(live.actuators) else "general"
     name = live.name(mujoco.mjtObj.mjOBJ_ACTUATOR, index) or f"actuator {index}"
-    of_joint = int(model.actuator_trntype[index]) in (
-        int(mujoco.mjtTrn.mjTRN_JOINT),
-        int(mujoco.mjtTrn.mjTRN_JOINTINPARENT),
-    )
+    of_joint = mujoco.mjtTrn(int(model.actuator_trntype[index])) in _OF_JOINTS
     joint = int(model.actuator_trnid[index, 0]) if of_joint else None
     unit = "" if joint is None else str(joints[joint]["unit"])
     inputs = _inputs(model, index)

@@ -35,10 +35,8 @@ def compiled(folder: Path, source: str) -> LiveModel:
     document = None
     with listening():
         if source.endswith(".urdf"):
-            spec = spec_of(folder / source)
-            spec.compiler.discardvisual = False
-            spec.compiler.fusestatic = False
-            model = spec.compile()
+            # The URDF itself asks MuJoCo to keep what is seen, and links on fixed joints.
+            model = spec_of(folder / source).compile()
         else:
             document = flat.with_names(flat.flat(folder, source))
             model = compiled_text(document, folder)

@@ -3,7 +3,9 @@
 Texts of numbers are taken over as they are, so that the copy moves as the scene does.
 """
 
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +23,7 @@ _SEEN = ("visual", "sensor", "custom")
 _SEEN_ASSETS = ("texture", "material", "skin")
 _SEEN_ANYWHERE = ("camera", "light")
 _OF_FILES = ("meshdir", "assetdir", "texturedir", "strippath", "discardvisual", "inertiafromgeom")
-_BEYOND = ("plugin", "extension", "attach", "model", "composite", "skin")
+_BEYOND = ("plugin", "extension", "attach", "model", "composite")
 """What the copy cannot have: it reads other files, or needs code that the page does not have."""
 
 
@@ -29,30 +31,44 @@ class NoCopy(Exception):
     """The model has no copy for the page's engine; the text says why."""
 
 
-def engine_copy(live: LiveModel, folder: Path) -> tuple[str, dict[str, bytes], list[dict[str, str]]]:
-    """The text of the copy, its files by name, and what it lacks of the scene. NoCopy where it cannot be
-    made."""
+@dataclass(frozen=True, slots=True)
+class EngineCopy:
+    """The `text` of the copy, its `files` by name, and what it `lacks` of the scene: what, where, and what
+    the page has instead."""
+
+    text: str
+    files: Mapping[str, bytes]
+    lacks: Sequence[Mapping[str, str]]
+
+
+def engine_copy(live: LiveModel, folder: Path) -> EngineCopy:
+    """The engine's copy of a model whose files are in a folder. NoCopy where it cannot be made."""
     if live.document is None:
         raise NoCopy("only a robot with an MJCF simulates in the page (export=mjcf)")
     root = deepcopy(live.document)
-    beyond = sorted({tag(node) for node in root.iter() if tag(node) in _BEYOND})
+    beyond = sorted({tag(node) for node in root.iter() if _is_beyond(node)})
     if beyond:
         raise NoCopy(f"the page's engine cannot have <{'>, <'.join(beyond)}>")
     _without_what_is_seen(root)
     _without_visual_geoms(root, live.model)
     _with_inertials(root, live.model)
-    files = with_assets(root, live.model, folder)
+    _with_ranges(root, live.model)
+    files, lacks = with_assets(root, live.model, folder)
     for compiler in root.iterchildren("compiler"):
         for name in _OF_FILES:
             compiler.attrib.pop(name, None)
     root.insert(0, element(None, "compiler", inertiafromgeom="false"))
-    lacks = without_newer(root)
+    lacks += without_newer(root)
     for node in root.iter():
         if (node.get("name") or "").startswith(flat.OWN):
             del node.attrib["name"]
     text = to_bytes(root).decode()
     _require_same(live.model, text, files)
-    return text, files, lacks
+    return EngineCopy(text, files, lacks)
+
+
+def _is_beyond(node: Element) -> bool:
+    return tag(node) in _BEYOND or (tag(node) == "flexcomp" and node.get("file") is not None)
 
 
 def _without_what_is_seen(root: Element) -> None:
@@ -102,6 +118,19 @@ def _with_inertials(root: Element, model: Any) -> None:
                 diaginertia=_text(model.body_inertia[index]),
             )
             body.insert(0, inertial)
+
+
+def _with_ranges(root: Element, model: Any) -> None:
+    """Writes the range of each general actuator, which may be that of its joint by a newer attribute."""
+    general = [node for node in root.iter("general") if node.get("inheritrange") is not None]
+    for node in general:
+        del node.attrib["inheritrange"]
+    actuators = [one for section in root.iterchildren("actuator") for one in section]
+    for index, node in enumerate(actuators if general else ()):
+        place = int(model.actuator_ctrladr[index])
+        if tag(node) == "general" and model.actuator_ctrllimited[place]:
+            node.set("ctrlrange", _text(model.actuator_ctrlrange[place]))
+            node.set("ctrllimited", "true")
 
 
 def _text(values: Any) -> str:

@@ -1,5 +1,6 @@
 """The files of the engine's copy of the model: the colliders' meshes, with names of their own."""
 
+import struct
 from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 from typing import Any
@@ -10,6 +11,7 @@ import numpy as np
 from pipeline.live.engine_version import is_newer_shape
 from pipeline.live.triangles import hull_of
 from stages.formats.xml import Element, tag
+from stages.robot.plural import count
 
 LARGE = 4_000_000
 """Meshes of colliders with more bytes in all are replaced by their convex hulls, which is what collides."""
@@ -18,38 +20,41 @@ _PROCESSED = ("scale", "refpos", "refquat", "builtin", "params", "content_type",
 """Attributes that made what the compiled mesh already is."""
 
 
-def with_assets(root: Element, model: Any, folder: Path) -> dict[str, bytes]:
+def with_assets(root: Element, model: Any, folder: Path) -> tuple[dict[str, bytes], list[dict[str, str]]]:
     """Removes the assets that nothing uses from a document, in place, and renames the files of the others.
 
-    Returns the content of each file by its new name.
+    Returns the content of each file by its new name, and what they lack.
     """
-    used = {node.get("mesh") for node in root.iter() if node.get("mesh")}
-    fields = {node.get("hfield") for node in root.iter() if node.get("hfield")}
+    kept = list(_used(root))
     base = _base(root)
-    kept: list[tuple[Element, str, bytes | None]] = []
-    for asset in list(_assets(root)):
-        name = asset.get("name") or PurePosixPath(asset.get("file", "")).stem
-        if name not in (used if tag(asset) == "mesh" else fields):
-            asset.getparent().remove(asset)
-            continue
-        asset.set("name", name)
-        path = asset.get("file")
-        kept.append((asset, name, None if path is None else (folder / base / path).read_bytes()))
-    large = sum(len(data) for _, _, data in kept if data is not None) > LARGE
+    given = {asset: (folder / base / asset.get("file")).read_bytes() for asset in kept if asset.get("file")}
+    large = sum(map(len, given.values())) > LARGE
     files: dict[str, bytes] = {}
-    for number, (asset, name, data) in enumerate(kept):
+    hulls = 0
+    for number, asset in enumerate(kept):
+        suffix = PurePosixPath(asset.get("file", "")).suffix.lower()
+        data = given.get(asset)
         if tag(asset) == "mesh" and (large or is_newer_shape(asset)):
-            _hull(asset, name, model)
-        elif data is not None:
-            own = f"{number}{PurePosixPath(asset.get('file', '')).suffix.lower()}"
-            asset.set("file", own)
-            files[own] = data
-    return files
+            suffix, data = ".msh", _hull(asset, model)
+            hulls += 1
+        if data is not None:
+            asset.set("file", f"{number}{suffix}")
+            files[f"{number}{suffix}"] = data
+    lack = {"what": f"the triangles of {count(hulls, 'mesh', 'meshes')}", "place": "colliders"}
+    return files, [{**lack, "instead": "the convex hulls, by which MuJoCo collides"}] if hulls else []
 
 
-def _assets(root: Element) -> Iterator[Element]:
+def _used(root: Element) -> Iterator[Element]:
+    """The meshes and height fields that something uses, each with a name; removes the others."""
+    used = {(kind, node.get(kind)) for node in root.iter() for kind in ("mesh", "hfield") if node.get(kind)}
     for section in root.iterchildren("asset"):
-        yield from (one for one in section if tag(one) in ("mesh", "hfield"))
+        for asset in [one for one in section if tag(one) in ("mesh", "hfield")]:
+            name = asset.get("name") or PurePosixPath(asset.get("file", "")).stem
+            if (tag(asset), name) in used:
+                asset.set("name", name)
+                yield asset
+            else:
+                section.remove(asset)
 
 
 def _base(root: Element) -> PurePosixPath:
@@ -60,11 +65,11 @@ def _base(root: Element) -> PurePosixPath:
     return PurePosixPath(base)
 
 
-def _hull(asset: Element, name: str, model: Any) -> None:
-    """Makes a mesh asset the points of its convex hull, in the frame of its file, without that file."""
-    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_MESH, name)
-    first, count = int(model.mesh_vertadr[index]), int(model.mesh_vertnum[index])
-    points = model.mesh_vert[first : first + count].astype(np.float64)
+def _hull(asset: Element, model: Any) -> bytes:
+    """The points of a mesh's convex hull in the frame of its file, as MuJoCo's own format MSH."""
+    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_MESH, asset.get("name"))
+    first, number = int(model.mesh_vertadr[index]), int(model.mesh_vertnum[index])
+    points = model.mesh_vert[first : first + number].astype(np.float64)
     hull = hull_of(model, index)
     if len(hull):
         points = points[np.unique(hull)]
@@ -73,5 +78,5 @@ def _hull(asset: Element, name: str, model: Any) -> None:
     placed = points @ turn.reshape(3, 3).T + model.mesh_pos[index]
     for attribute in _PROCESSED:
         asset.attrib.pop(attribute, None)
-    asset.attrib.pop("file", None)
-    asset.set("vertex", " ".join(f"{one:.9g}" for one in placed.ravel()))
+    content: bytes = placed.astype("<f4").tobytes()
+    return struct.pack("<4i", len(placed), 0, 0, 0) + content

@@ -6,7 +6,7 @@ from typing import Any
 
 from pipeline.live.actuators import actuators
 from pipeline.live.compiled import LiveModel, compiled
-from pipeline.live.engine import NoCopy, engine_copy
+from pipeline.live.engine import EngineCopy, NoCopy, engine_copy
 from pipeline.live.geoms import geoms
 from pipeline.live.links import links
 from pipeline.live.mechanism import bodies, frames, joints, keyframes, loops, relations
@@ -19,20 +19,37 @@ _VIEW = 140.0, -20.0
 """Azimuth and elevation [degrees] from which a robot without a scene is seen."""
 
 
+LARGEST = 8_000_000
+"""The most bytes of a pack: with the engine and the tables a page has less than 20 MB."""
+
+_ATTEMPTS = 4
+
+
 def pack_of(
     folder: Path, source: str, robot: Robot, colliders: Iterable[Mapping[str, Any]], faces: int
 ) -> bytes:
     """The pack of the robot whose file `source` is in a folder. `colliders`: the rows of the report's table;
-    `faces`: the most triangles. ValueError where MuJoCo does not compile it."""
+    `faces`: the most triangles. ValueError where MuJoCo does not compile it, or where it is too large."""
     live = compiled(folder, source)
-    buffers = Buffers()
-    known = links(robot, colliders)
+    head = _head(live, robot, links(robot, colliders))
+    engine = _engine(live, folder)
+    if len(_packed(live, head, engine, 0)) > LARGEST // 2:
+        engine = NoCopy("the colliders are too large for a page")
+    for attempt in range(_ATTEMPTS):
+        pack = _packed(live, head, engine, faces >> 2 * attempt)
+        if len(pack) <= LARGEST:
+            return pack
+    raise ValueError(f"the robot is too large for a page: {len(pack) / 1e6:.0f} MB")
+
+
+def _head(live: LiveModel, robot: Robot, known: list[dict[str, Any]]) -> dict[str, Any]:
+    """The header without triangles and without the engine's copy."""
     numbers = {one["name"]: index for index, one in enumerate(known)}
     moving = joints(live)
-    header = {
+    return {
         "version": VERSION,
         "name": robot.name,
-        "source": source,
+        "source": live.source,
         "bodies": bodies(live, numbers),
         "joints": moving,
         "relations": relations(live),
@@ -40,25 +57,30 @@ def pack_of(
         "keyframes": keyframes(live),
         "qpos0": vector(live.model.qpos0),
         "actuators": actuators(live, moving),
-        **stored_meshes(live.model, geoms(live), faces, buffers),
         "frames": frames(live),
         "gravity": vector(live.model.opt.gravity),
         "timestep": rounded(live.model.opt.timestep),
         "camera": _camera(live),
         "links": known,
-        **_engine(live, folder, buffers),
     }
-    return packed(header, buffers)
 
 
-def _engine(live: LiveModel, folder: Path, buffers: Buffers) -> dict[str, Any]:
-    """The engine's copy of the model; where it has none, `no_engine` says why."""
+def _packed(live: LiveModel, head: dict[str, Any], engine: EngineCopy | NoCopy, faces: int) -> bytes:
+    buffers = Buffers()
+    shown = stored_meshes(live.model, geoms(live), faces, buffers) if faces else {}
+    if isinstance(engine, NoCopy):
+        return packed({**head, **shown, "engine": None, "no_engine": str(engine)}, buffers)
+    places = {name: {"at": buffers.add(data), "bytes": len(data)} for name, data in engine.files.items()}
+    copy = {"xml": engine.text, "files": places, "lacks": engine.lacks}
+    return packed({**head, **shown, "engine": copy, "no_engine": None}, buffers)
+
+
+def _engine(live: LiveModel, folder: Path) -> EngineCopy | NoCopy:
+    """The engine's copy of the model, or why it has none."""
     try:
-        text, files, lacks = engine_copy(live, folder)
+        return engine_copy(live, folder)
     except NoCopy as reason:
-        return {"engine": None, "no_engine": str(reason)}
-    places = {name: {"at": buffers.add(data), "bytes": len(data)} for name, data in files.items()}
-    return {"engine": {"xml": text, "files": places, "lacks": lacks}, "no_engine": None}
+        return reason
 
 
 def _camera(live: LiveModel) -> dict[str, Any]:

@@ -21,6 +21,9 @@ _LAST = 5e-2
 """The finest and the coarsest tolerance, as shares of the size of the largest mesh; each level has twice the
 one before. From `_COARSE` on meshes are clustered that have too many triangles still."""
 
+_SAMPLE = 8
+"""Of so many meshes the first tolerance is estimated."""
+
 _LEAST = 12
 """Meshes with so few triangles stay as they are."""
 
@@ -36,7 +39,7 @@ def fitted(meshes: Mapping[Key, Facets], uses: Mapping[Key, int], most: int) -> 
     if _total(found, uses) <= most:
         return found
     size = max(one.size for one in found.values())
-    for way, first in ((simpler, _FIRST), (clustered, _COARSE)):
+    for way, first in ((simpler, _start(found, uses, most, size)), (clustered, _COARSE)):
         share = first
         while share <= _LAST:
             before = found
@@ -45,6 +48,20 @@ def fitted(meshes: Mapping[Key, Facets], uses: Mapping[Key, int], most: int) -> 
                 return _restored(found, before, uses, most)
             share *= 2.0
     return _emptied(found, uses, most)
+
+
+def _start(meshes: Mapping[Key, Facets], uses: Mapping[Key, int], most: int, size: float) -> float:
+    """The tolerance to begin with, as a share: one level before the one that does it for a few of them."""
+    every = sorted(meshes, key=lambda key: -len(meshes[key].corners))
+    some = {key: meshes[key] for key in every[:: max(1, len(every) // _SAMPLE)]}
+    enough = most * _total(some, uses) / _total(meshes, uses)
+    share = _FIRST
+    while len(some) < len(every) and share < _LAST:
+        some = {key: simpler(one, share * size) for key, one in some.items()}
+        if _total(some, uses) <= enough:
+            return max(_FIRST, share / 2.0)
+        share *= 2.0
+    return _FIRST
 
 
 def simpler(facets: Facets, tolerance: float) -> Facets:
