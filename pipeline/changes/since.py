@@ -1,7 +1,7 @@
 """What a build changes about the robot that the last build left in the same folder."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -37,13 +37,17 @@ class Since:
         return not (self.first or self.robot or self.files)
 
 
-def since(folder: Path, outputs: Mapping[str, str], files: Mapping[str, bytes]) -> Since:
+def since(
+    folder: Path, outputs: Mapping[str, str], files: Mapping[str, bytes], beside: Collection[str] = ()
+) -> Since:
     """The differences between the build in `folder` and one with the `outputs` (SHA-256 by path), whose
-    `files` are not written yet. What is equal by its digest is not read."""
+    `files` are not written yet; `beside`: files of the new build that are no outputs. What is equal by its
+    digest is not read."""
     before = manifest.ours(folder)
     if before is None or not manifest.is_folder(folder):
         return Since(first=True)
-    was = {path: digest for path, digest in before.items() if path not in manifest.DOCUMENTS}
+    others = {*manifest.DOCUMENTS, *beside}
+    was = {path: digest for path, digest in before.items() if path not in others}
     if was == dict(outputs):
         return Since()
     told = tuple(_files(was, outputs))

@@ -1,10 +1,8 @@
 """report.html: a build for people, one file that needs nothing else."""
 
-import base64
 import json
 from collections.abc import Mapping
 from typing import Any
-from urllib.parse import quote
 
 from pipeline.changes.since import Since
 from pipeline.live.made import NOTHING, Live
@@ -17,12 +15,13 @@ from pipeline.page.files import files
 from pipeline.page.findings import diagnostics, error
 from pipeline.page.fix_first import MOST, fix_first, fixes
 from pipeline.page.graph import graph, table_of
-from pipeline.page.head import head
+from pipeline.page.head import facts, head
+from pipeline.page.hero import hero
 from pipeline.page.markup import text
 from pipeline.page.order import order
 from pipeline.page.provenance import cost, provenance
 from pipeline.page.readers import readers
-from pipeline.page.shell import Section, document
+from pipeline.page.shell import Section, Top, document
 from pipeline.preview import NONE, Preview
 from pipeline.report import Report
 from pipeline.secrets import Secrets
@@ -53,7 +52,6 @@ def page(
         shown.get(PICTURE, ""), tree["outline"], tables, secrets, is_file=PICTURE in tree["outputs"]
     )
     parts = [
-        Section("robot", "", _preview(pictures, tree["name"])),
         Section("error", "Error", error(tree["error"])),
         Section("fix", "Fix first", fix_first(tree, found)),
         Section("checks", "Checks", checks(tree["checks"])),
@@ -73,19 +71,12 @@ def page(
     ]
     foot = f'<p class="soft">Made by linkwright {text(tree["versions"].get("linkwright", ""))}</p>'
     title = f"{tree['name']}: {tree['status']}"
-    return document(title, head(tree, secrets.blanked(report.heading), changes), parts, foot)
+    view = hero(live, pictures, tree["name"])
+    top = Top(head(tree, secrets.blanked(report.heading), changes), view.body, facts(tree, pictures.files))
+    return document(title, top, parts, foot, style=view.style, scripts=view.scripts)
 
 
 def _codes(tree: Mapping[str, Any]) -> set[str]:
     """The codes that the page has."""
     unmet = [check for check in tree["checks"] if not check["passed"]]
     return {one["code"] for one in (*problems_of(tree), *unmet)}
-
-
-def _preview(pictures: Preview, name: str) -> str:
-    """The small picture, which is in the page wherever that is sent, as a link to the file of the large."""
-    if not pictures.path:
-        return ""
-    source = f"data:image/png;base64,{base64.b64encode(pictures.small).decode()}"
-    image = f'<img src="{source}" alt="The robot {text(name)}">'
-    return f'<p class="preview"><a href="{quote(pictures.path)}">{image}</a></p>'

@@ -1,9 +1,10 @@
 """The head of a build's page: what was built, how it went, its size, and the files."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from pipeline.changes.since import Since
+from pipeline.page.figures import NAMES
 from pipeline.page.files import top_level
 from pipeline.page.markup import file_link, link, text
 from stages.robot.plural import count
@@ -13,16 +14,8 @@ BESIDE = ("report.json", "config.yaml", "build.log")
 
 _MARKS = {"built": "✓", "stale": "!", "invalid": "!", "failed": "✕"}
 
-_FIGURES = {
-    "links": ("link", "links"),
-    "joints": ("joint", "joints"),
-    "dof": ("degree of freedom", "degrees of freedom"),
-    "loops": ("loop", "loops"),
-    "mass": ("kg", "kg"),
-    "parts": ("part", "parts"),
-    "triangles": ("triangle", "triangles"),
-}
-"""Figures that the head has, and what one and several of them are called there."""
+_FIGURES = ("links", "joints", "dof", "loops", "mass", "parts", "triangles")
+"""Figures that the head has."""
 
 
 def head(tree: Mapping[str, Any], heading: str, changes: Since | None) -> str:
@@ -35,10 +28,14 @@ def head(tree: Mapping[str, Any], heading: str, changes: Since | None) -> str:
         "</span></h1>",
         f'<p class="soft">{text(", ".join(filter(None, summary)))}</p>',
         _outcome(tree, changes),
-        _figures(tree["figures"]),
-        _files(tree["outputs"]),
     ]
     return "\n".join(line for line in lines if line)
+
+
+def facts(tree: Mapping[str, Any], pictures: Iterable[str]) -> str:
+    """The robot's size, and links to the files, of which the `pictures` of the robot are no outputs."""
+    paths = [*top_level(tree["outputs"]), *pictures, *BESIDE]
+    return "\n".join(filter(None, [_figures(tree["figures"]), _files(paths)]))
 
 
 def _outcome(tree: Mapping[str, Any], changes: Since | None) -> str:
@@ -68,17 +65,22 @@ def difference(changes: Since) -> str:
 def _figures(figures: Mapping[str, float]) -> str:
     """The size of the robot."""
     cells = [
-        f"<div><dt>{words[figures[name] != 1]}</dt><dd>{_figure(figures[name])}</dd></div>"
-        for name, words in _FIGURES.items()
+        f"<div><dt>{_word(name, figures[name])}</dt><dd>{_figure(figures[name])}</dd></div>"
+        for name in _FIGURES
         if figures.get(name)
     ]
     return '<dl class="figures">\n' + "\n".join(cells) + "\n</dl>" if cells else ""
+
+
+def _word(name: str, value: float) -> str:
+    found = NAMES[name]
+    return found.unit or (found.one if value == 1 else found.several)
 
 
 def _figure(value: float) -> str:
     return f"{value:.4g}" if isinstance(value, float) else f"{value:,}"
 
 
-def _files(outputs: Sequence[str] | Mapping[str, str]) -> str:
-    links = "\n".join(f"<li>{file_link(path)}</li>" for path in [*top_level(outputs), *BESIDE])
+def _files(paths: Sequence[str]) -> str:
+    links = "\n".join(f"<li>{file_link(path)}</li>" for path in paths)
     return f'<nav aria-label="Files">\n<ul class="line">\n{links}\n</ul>\n</nav>'

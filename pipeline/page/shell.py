@@ -18,10 +18,19 @@ class Section:
     body: str
 
 
+@dataclass(frozen=True, slots=True)
+class Top:
+    """What is above the contents: the `head`, with the heading, what the page shows, and `facts` about it."""
+
+    head: str
+    shown: str = ""
+    facts: str = ""
+
+
 def document(
-    title: str, head: str, parts: Sequence[Section], foot: str, style: str = "", scripts: str = ""
+    title: str, top: Top, parts: Sequence[Section], foot: str, *, style: str = "", scripts: str = ""
 ) -> bytes:
-    """The page: a `head`, the contents, the parts that have a body, and the `foot`; `title` is plain text.
+    """The page: its top, the contents, the parts that have a body, and the `foot`; `title` is plain text.
 
     `style`, `scripts`: more CSS, and script elements for the end.
     """
@@ -32,9 +41,10 @@ def document(
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         f"<title>{text(title)}</title>\n"
         f"<style>\n{STYLE.read_text(encoding='utf-8')}{style}</style>\n"
-        '</head>\n<body>\n<a class="skip" href="#main">Skip to the content</a>\n'
-        f'<header>\n{head}\n</header>\n{contents(shown)}<main id="main">\n{body}\n</main>\n'
-        f"<footer>\n{foot}\n</footer>\n{scripts}</body>\n</html>\n"
+        '</head>\n<body>\n<a class="skip" href="#report">Skip to the report</a>\n'
+        f"<header>\n{top.head}\n</header>\n<main>\n{top.shown}\n{top.facts}\n"
+        f'{contents(shown)}<div id="report" tabindex="-1">\n{body}\n</div>\n</main>\n'
+        f"<footer>\n{foot}\n{scripts}</footer>\n</body>\n</html>\n"
     ).encode()
 
 

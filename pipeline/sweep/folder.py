@@ -22,10 +22,10 @@ from stages.robot.printable import printable_lines
 if TYPE_CHECKING:
     from pipeline.sweep.outcome import Outcome
 
-SUMMARY, ACCOUNT = "summary.json", "multirun.yaml"
-OWN = (SUMMARY, ACCOUNT, ENGINE_FILE)
-"""The files of a sweep itself: the outcomes of its jobs, Hydra's record of the sweep, and the engine that the
-pages of its jobs share."""
+SUMMARY, PAGE, ACCOUNT = "summary.json", "summary.html", "multirun.yaml"
+OWN = (SUMMARY, PAGE, ACCOUNT, ENGINE_FILE)
+"""The files of a sweep itself: the outcomes of its jobs as data and for people, Hydra's record of the sweep,
+and the engine that the pages of its jobs share."""
 
 
 def prepare(root: Path, plan: Plan, typed: Sequence[str], environ: Mapping[str, str] = os.environ) -> None:
@@ -55,10 +55,13 @@ def prepare(root: Path, plan: Plan, typed: Sequence[str], environ: Mapping[str, 
 
 
 def keep(outcomes: Sequence["Outcome"], root: Path) -> None:
-    """Writes the outcomes of the jobs to `summary.json`; OutputError where it cannot be written."""
+    """Writes the outcomes of the jobs to `summary.json` and `summary.html`; OutputError where these cannot be
+    written."""
+    jobs = [asdict(outcome) for outcome in outcomes]
     with named(root):
         *before, run = _runs(root)
-        _write(root, [*before, {**run, "jobs": [asdict(outcome) for outcome in outcomes]}])
+        _write(root, [*before, {**run, "jobs": jobs}])
+        _replace(root / PAGE, _page(root, jobs))
         there = [name for name in OWN if (root / name).is_file()]
         manifest.write(root, {name: sha256((root / name).read_bytes()) for name in there})
 
@@ -86,6 +89,22 @@ def _runs(root: Path) -> list[dict[str, Any]]:
 def _write(root: Path, runs: Sequence[Mapping[str, Any]]) -> None:
     tree = {manifest.SWEEP: 2, "runs": list(runs)}
     text = json.dumps(Secrets(os.environ).within(tree), indent=2, ensure_ascii=False)
-    staged = root / f".{SUMMARY}.tmp"
-    staged.write_text(printable_lines(text) + "\n", encoding="utf-8")
-    staged.replace(root / SUMMARY)
+    _replace(root / SUMMARY, printable_lines(text).encode() + b"\n")
+
+
+def _page(root: Path, jobs: Sequence[Mapping[str, Any]]) -> bytes:
+    """The page about the last run."""
+    from pipeline.page.sweep import page
+
+    inside = [{**job, "folder": Path(os.path.relpath(job["folder"], root)).as_posix()} for job in jobs]
+    beside = [name for name in (SUMMARY, ACCOUNT) if (root / name).is_file()]
+    secrets = Secrets(os.environ)
+    return page(
+        secrets.blanked(root.name), secrets.within(inside), lambda path: (root / path).exists(), beside
+    )
+
+
+def _replace(file: Path, data: bytes) -> None:
+    staged = file.with_name(f".{file.name}.tmp")
+    staged.write_bytes(data)
+    staged.replace(file)

@@ -63,8 +63,10 @@ def test_the_first_build_and_one_that_changes_nothing_say_so(tmp_path, last, fil
 def test_what_is_equal_by_its_digest_is_not_read(last, files):
     (last / "robot.json").write_bytes(b"no JSON")
     assert since(last, digests(files), files).nothing
+    manifest.write(last, {**digests(files), "preview.png": "cd" * 32})
+    assert since(last, digests(files), files, ["preview.png"]).nothing
     other = {**files, "new.txt": b"x"}
-    assert since(last, digests(other), other).files == ("new: new.txt",)
+    assert since(last, digests(other), other, ["preview.png"]).files == ("new: new.txt",)
 
 
 def test_the_differences_are_those_of_linkwright_diff(last, files):

@@ -115,6 +115,7 @@ def test_hydras_account_and_the_summary_lie_beside_the_jobs(tmp_path):
     assert sorted(path.name for path in folder.iterdir()) == [
         ".linkwright.json",
         "multirun.yaml",
+        "summary.html",
         "summary.json",
     ]
     assert [one["status"] for one in runs_of(folder)[-1]["jobs"]] == [0, 3]
