@@ -22,7 +22,7 @@ _SEEN = ("visual", "sensor", "custom")
 """Sections that move nothing."""
 _SEEN_ASSETS = ("texture", "material", "skin")
 _SEEN_ANYWHERE = ("camera", "light")
-_OF_FILES = ("meshdir", "assetdir", "texturedir", "strippath", "discardvisual", "inertiafromgeom")
+_OF_FILES = ("meshdir", "assetdir", "texturedir", "strippath", "discardvisual")
 _BEYOND = ("plugin", "extension", "attach", "model", "composite")
 """What the copy cannot have: it reads other files, or needs code that the page does not have."""
 
@@ -57,7 +57,8 @@ def engine_copy(live: LiveModel, folder: Path) -> EngineCopy:
     for compiler in root.iterchildren("compiler"):
         for name in _OF_FILES:
             compiler.attrib.pop(name, None)
-    root.insert(0, element(None, "compiler", inertiafromgeom="false"))
+        if compiler.get("inertiafromgeom") == "true":
+            del compiler.attrib["inertiafromgeom"]
     lacks += without_newer(root)
     for node in root.iter():
         if (node.get("name") or "").startswith(flat.OWN):
@@ -105,7 +106,7 @@ def _with_inertials(root: Element, model: Any) -> None:
             continue
         index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body.get("name", ""))
         if index < 0:
-            raise NoCopy(f"MuJoCo made the body {body.get('name')} one with another")
+            continue  # MuJoCo makes copies of it, with all that is in it.
         if given is not None:
             body.remove(given)
         if model.body_mass[index]:
