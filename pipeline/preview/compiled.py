@@ -11,6 +11,7 @@ import numpy as np
 from pipeline.preview import solids
 from pipeline.preview.creases import normals_of
 from pipeline.preview.solids import Skin
+from pipeline.preview.thinning import thinned
 from stages.mesh.view.raster import Corners, Indices, Numbers
 
 _BARE = (0.45, 0.49, 0.54, 1.0)
@@ -20,6 +21,12 @@ _MARKED = (0.93, 0.45, 0.16, 1.0)
 _UNSEEN = 0.02
 _NO_GEOM_COLOUR = (0.5, 0.5, 0.5, 1.0)
 """MuJoCo's default, which says that the material's colour holds."""
+
+_MANY = 600_000
+"""Triangles that are all drawn."""
+
+_CELLS = 600
+"""Cells across a robot with more: one is about a pixel of the picture."""
 
 _THREE_QUARTER = np.array([0.668, -0.602, 0.401])
 """Where the camera stands where the scene has none: in front, to the robot's right, above."""
@@ -55,7 +62,9 @@ def seen_in(model: Any, values: dict[str, float]) -> Seen:
     mujoco.mj_kinematics(model, data)
     mujoco.mj_camlight(model, data)
     textures = _Textures(model)
-    pieces = [_geom(model, data, geom, textures) for geom in _shown(model)] or list(_bones(model, data))
+    shown = _shown(model)
+    cell = _coarse(model, data, shown)
+    pieces = [_geom(model, data, geom, textures, cell) for geom in shown] or list(_bones(model, data))
     corners = np.concatenate([piece[0] for piece in pieces])
     finite = np.isfinite(corners).all(axis=(1, 2))
     corners, normals, colours, places, image = (
@@ -93,8 +102,19 @@ def _colour(model: Any, geom: int) -> Numbers:
 _Piece = tuple[Corners, Corners, Numbers, Numbers, Indices]
 
 
-def _geom(model: Any, data: Any, geom: int, textures: _Textures) -> _Piece:
-    """The triangles of a geom in the world."""
+def _coarse(model: Any, data: Any, geoms: list[int]) -> float:
+    """The width of the cells [m] in which all corners of a mesh are one; 0 for a robot with few enough
+    triangles to show them all."""
+    meshes = [int(model.geom_dataid[geom]) for geom in geoms if int(model.geom_dataid[geom]) >= 0]
+    if sum(int(model.mesh_facenum[mesh]) for mesh in meshes) <= _MANY:
+        return 0.0
+    reach = np.asarray(model.geom_rbound)[geoms, None]
+    places = np.asarray(data.geom_xpos)[geoms]
+    return float(np.ptp(np.concatenate([places - reach, places + reach]), axis=0).max()) / _CELLS
+
+
+def _geom(model: Any, data: Any, geom: int, textures: _Textures, cell: float) -> _Piece:
+    """The triangles of a geom in the world; of a mesh those that are left in cells of this width [m]."""
     size = np.asarray(model.geom_size[geom])
     kinds = mujoco.mjtGeom
     places = None
@@ -110,7 +130,7 @@ def _geom(model: Any, data: Any, geom: int, textures: _Textures) -> _Piece:
         case kinds.mjGEOM_BOX:
             solid = solids.box(size)
         case _:
-            solid, places = _mesh(model, int(model.geom_dataid[geom]))
+            solid, places = _mesh(model, int(model.geom_dataid[geom]), cell)
     image, repeat, tint = textures.of(model, geom, places is not None)
     colour = _colour(model, geom) * [*tint, 1.0]
     turn = np.asarray(data.geom_xmat[geom]).reshape(3, 3)
@@ -124,13 +144,18 @@ def _geom(model: Any, data: Any, geom: int, textures: _Textures) -> _Piece:
     )
 
 
-def _mesh(model: Any, mesh: int) -> tuple[Skin, Numbers | None]:
+def _mesh(model: Any, mesh: int, cell: float) -> tuple[Skin, Numbers | None]:
     """A mesh, and where its corners are in an image, if the mesh says so."""
     first, count = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
     vertices = np.asarray(model.mesh_vert[first : first + count], dtype=np.float64)
     start, number = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
     faces = np.asarray(model.mesh_face[start : start + number], dtype=np.int64)
     places = None
+    if cell > 0:
+        corners = thinned(vertices[faces], cell)
+        return Skin(
+            corners, normals_of(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
+        ), None
     if (at := int(model.mesh_texcoordadr[mesh])) >= 0:
         which = np.asarray(model.mesh_facetexcoord[start : start + number], dtype=np.int64)
         places = np.asarray(model.mesh_texcoord, dtype=np.float64)[at + which]

@@ -12,7 +12,7 @@ import mujoco
 from pipeline.preview import PICTURE, SMALL, TURN
 from pipeline.preview.compiled import seen_in
 from pipeline.preview.model_text import mjcf_text, urdf_text
-from pipeline.preview.studio import LitRobot, picture, studio
+from pipeline.preview.studio import LitRobot, picture, studio, swept, turned_by
 from stages.formats import png
 from stages.robot.errors import SourceError
 from stages.robot.mujoco_warnings import listening
@@ -27,8 +27,8 @@ TURN_SIZE = 480, 360
 FRAMES = 36
 """Of a turn."""
 
-FRAME = 83
-"""How long each is shown [ms]: three seconds for a turn."""
+FRAME = 100
+"""How long each is shown [ms]."""
 
 
 def answer(request: bytes) -> bytes:
@@ -37,11 +37,11 @@ def answer(request: bytes) -> bytes:
 
     SourceError where MuJoCo cannot compile the model.
     """
-    line, _, body = request.partition(b"\n")
-    asked = json.loads(line)
-    files, at = dict[str, bytes](), 0
+    at = request.index(b"\n") + 1
+    asked = json.loads(request[:at])
+    files = dict[str, bytes]()
     for path, length in asked["files"]:
-        files[path] = body[at : at + length]
+        files[path] = request[at : at + length]
         at += length
     model, values = _compiled(asked["model"], files)
     scene = studio(seen_in(model, values))
@@ -92,7 +92,8 @@ def _turn(scene: LitRobot) -> bytes:
     """The robot as it turns once, and again."""
     from pipeline.preview.webp import encode
 
-    frames: list[Pixels] = [
-        picture(scene, *TURN_SIZE, turn=2 * math.pi * frame / FRAMES) for frame in range(FRAMES)
-    ]
+    framed = swept(scene)
+    frames: list[Pixels] = []
+    for frame in range(FRAMES):
+        frames.append(picture(turned_by(scene, 2 * math.pi * frame / FRAMES), *TURN_SIZE, framed=framed))
     return encode(frames, FRAME)

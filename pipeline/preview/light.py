@@ -15,6 +15,17 @@ from stages.mesh.view.raster import Corners, Numbers, nearness
 Single = npt.NDArray[np.float32]
 """Half the time of double precision, and exact enough by far: a picture has a few hundred pixels."""
 
+_KEY, _SKY = 2.1, 1.25
+"""Power of the key light, and of the sky."""
+
+_KEY_LAMPS, _SKY_LAMPS = 10, 26
+_SPREAD = 0.13  # rad
+_LOWEST = 0.2
+"""The sine of the height above the horizon from which the sky gives light."""
+
+_SIDE = 640
+"""Of what a lamp of the key light sees [pixels]."""
+
 _MARGIN = 2
 _MANY = 40_000
 """Triangles that every lamp may look at; of more it sees a thinned robot."""
@@ -48,39 +59,29 @@ class Lamp:
         return np.asarray(near >= self.near.ravel()[at])
 
 
-@dataclass(frozen=True, slots=True)
-class Rig:
-    """How the robot is lit: the direction to the key light, its power and half angle [rad], its lamps; the
-    power of the sky and its lamps; the `side` of what a lamp sees [pixels]."""
-
-    key: tuple[float, float, float]
-    power: float = 2.1
-    spread: float = 0.13
-    lamps: int = 10
-    sky: float = 1.25
-    sky_lamps: int = 26
-    side: int = 640
-
-    @property
-    def towards(self) -> Numbers:
-        """(3,): the unit direction to the key light."""
-        return np.asarray(np.array(self.key) / np.linalg.norm(self.key))
+def occluders(corners: Corners) -> Corners:
+    """What throws the shadows of triangles (m, 3, 3) within 1 of the origin."""
+    return thinned(corners, _CELL) if len(corners) > _MANY else corners
 
 
-def lamps(rig: Rig, corners: Corners) -> list[Lamp]:
-    """The lamps of a rig, and what they see of triangles (m, 3, 3) within 1 of the origin."""
-    if len(corners) > _MANY:
-        corners = thinned(corners, _CELL)
+def key_lamps(towards: Numbers, throwing: Corners) -> list[Lamp]:
+    """The lamps of the key light in the unit direction `towards` (3,), and what they see of the triangles
+    `throwing` (n, 3, 3) shadows: a disc of lamps, since one would throw hard shadows."""
     found = []
-    for place in range(rig.lamps):
-        tilt = rig.spread * np.sqrt((place + 0.5) / rig.lamps)
-        direction = _tilted(rig.towards, tilt, place * _GOLDEN)
-        found.append(_lamp(direction, rig.power / rig.lamps, True, rig.side, corners))
-    for place in range(rig.sky_lamps):
-        # Each stands for an equal part of the sky, from low above the horizon to the zenith.
-        height = 0.2 + 0.8 * (place + 0.5) / rig.sky_lamps
+    for place in range(_KEY_LAMPS):
+        tilt = _SPREAD * np.sqrt((place + 0.5) / _KEY_LAMPS)
+        direction = _tilted(towards, tilt, place * _GOLDEN)
+        found.append(_lamp(direction, _KEY / _KEY_LAMPS, True, _SIDE, throwing))
+    return found
+
+
+def sky_lamps(throwing: Corners) -> list[Lamp]:
+    """The lamps of the sky: each stands for an equal part of it, from above the horizon to the zenith."""
+    found = []
+    for place in range(_SKY_LAMPS):
+        height = _LOWEST + (1.0 - _LOWEST) * (place + 0.5) / _SKY_LAMPS
         direction = _tilted(np.array([0.0, 0.0, 1.0]), float(np.arccos(height)), place * _GOLDEN)
-        found.append(_lamp(direction, rig.sky / rig.sky_lamps, False, rig.side // 2, corners))
+        found.append(_lamp(direction, _SKY / _SKY_LAMPS, False, _SIDE // 2, throwing))
     return found
 
 

@@ -23,15 +23,16 @@ class Skin:
 
 def ellipsoid(radii: Numbers) -> Skin:
     """About the origin; `radii` (3,) [m] along x, y and z."""
-    ball = _turned(_half_circle())
-    return _stretched(ball, radii)
+    circle = _half_circle()
+    return _stretched(_turned((circle, circle)), radii)
 
 
 def capsule(radius: float, half: float) -> Skin:
     """Along z; the cylinder between its half balls is 2 `half` long [m]."""
-    points, normals = _half_circle()
-    upper = points[:, 1:] >= 0
-    return _turned((points * radius + np.where(upper, [0.0, half], [0.0, -half]), normals))
+    circle = _half_circle()
+    lower, upper = circle[: _RINGS + 1], circle[_RINGS:]
+    points = np.concatenate([lower * radius - [0.0, half], upper * radius + [0.0, half]])
+    return _turned((points, np.concatenate([lower, upper])))
 
 
 def cylinder(radius: float, half: float) -> Skin:
@@ -54,12 +55,13 @@ def box(half: Numbers) -> Skin:
     return Skin(np.concatenate(corners), np.concatenate(normals))
 
 
-def _half_circle() -> tuple[Numbers, Numbers]:
-    """Points (radius, z) from pole to pole, twice at the equator, with their normals."""
+def _half_circle() -> Numbers:
+    """(n, 2): points (radius, z) from pole to pole, the equator one of them, which are their own normals."""
     angles = np.linspace(-np.pi / 2, np.pi / 2, 2 * _RINGS + 1)
-    angles = np.insert(angles, _RINGS, -1e-12)
     points = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    return points, points
+    points[[0, -1]] = [[0.0, -1.0], [0.0, 1.0]]
+    points[_RINGS] = [1.0, 0.0]
+    return points
 
 
 def _turned(profile: tuple[Numbers, Numbers]) -> Skin:

@@ -1,12 +1,12 @@
 """A picture of a robot in a studio: a calm ground that fades into the background, a soft shadow."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pipeline.preview.camera import Camera, framing, turned
 from pipeline.preview.compiled import Seen
-from pipeline.preview.light import Lamp, Rig, lamps
+from pipeline.preview.light import Lamp, key_lamps, occluders, sky_lamps
 from pipeline.preview.pixels import blurred, enlarged, linear, reduced, scattered, shown
 from stages.mesh.view.raster import Corners, Indices, Numbers, Pixels, seen
 
@@ -28,16 +28,25 @@ _RIM = 0.16
 _AT_ONCE = 1 << 18  # points
 _COARSE = 6
 """Pixels of what is drawn for one of the ground's shadow."""
+_LEVELS = 64
+_KEY_ASIDE = np.radians(-22.0)
+_KEY_ABOVE = 1.6
+"""Where the key light is: to the left of the camera, and above, of 1 towards it."""
 _NEAR, _FAR = 1.0, 2.1
 """Where shadows on the ground begin to fade, and are gone."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LitRobot:
-    """A robot within 1 of the origin, and its lamps."""
+    """A robot within 1 of the origin, seen from `backward` (3,), with its `lamps`, of which the key light is
+    towards `key` (3,). `throwing` (n, 3, 3): the triangles that throw shadows; `sky`: the lamps that stay
+    where they are while the robot turns; `floor`: the height of the ground; `albedo` (m, 3)."""
 
     seen: Seen
     corners: Corners
+    throwing: Corners
+    backward: Numbers
+    sky: list[Lamp]
     lamps: list[Lamp]
     key: Numbers
     floor: float
@@ -49,25 +58,48 @@ def studio(robot: Seen) -> LitRobot:
     points = robot.corners.reshape(-1, 3)
     low, high = points.min(axis=0), points.max(axis=0)
     middle = (low + high) / 2
-    radius = float(np.sqrt(((points - middle) ** 2).sum(axis=1).max())) or 1.0
-    corners = (robot.corners - middle) / (1.001 * radius)
-    floor = (robot.floor - float(middle[2])) / (1.001 * radius)
-    # From the left of the camera, little enough that the front is lit too, and above.
-    flat = np.array([robot.backward[0], robot.backward[1], 0.0])
+    radius = 1.001 * float(np.sqrt(((points - middle) ** 2).sum(axis=1).max())) or 1.0
+    corners = (robot.corners - middle) / radius
+    floor = (robot.floor - float(middle[2])) / radius
+    albedo = 0.018 + 0.94 * linear(np.clip(robot.colours[:, :3], 0.0, 1.0))
+    throwing = occluders(corners)
+    sky = sky_lamps(throwing)
+    unlit = LitRobot(robot, corners, throwing, robot.backward, sky, [], robot.backward, floor, albedo)
+    return turned_by(unlit, 0.0)
+
+
+def turned_by(scene: LitRobot, angle: float) -> LitRobot:
+    """The robot turned by an angle [rad] before a camera and a key light that stay where they are."""
+    backward = turned(scene.seen.backward, -angle)
+    flat = np.array([backward[0], backward[1], 0.0])
     length = float(np.linalg.norm(flat))
     front = flat / length if length > 1e-6 else np.array([1.0, 0.0, 0.0])
-    side = turned(front, np.radians(-22.0))
-    rig = Rig((float(side[0]), float(side[1]), 1.6))
-    light = linear(np.clip(robot.colours[:, :3], 0.0, 1.0))
-    return LitRobot(robot, corners, lamps(rig, corners), rig.towards, floor, 0.018 + 0.94 * light)
+    # From the left of the camera, little enough that the front is lit too, and above.
+    key = turned(front, _KEY_ASIDE) + np.array([0.0, 0.0, _KEY_ABOVE])
+    key /= np.linalg.norm(key)
+    return replace(scene, backward=backward, key=key, lamps=[*key_lamps(key, scene.throwing), *scene.sky])
 
 
-def picture(scene: LitRobot, width: int, height: int, turn: float = 0.0) -> Pixels:
-    """(height, width, 3): the robot from the direction of its camera, turned about it by an angle [rad]."""
-    camera = framing(
-        scene.corners.reshape(-1, 3), turned(scene.seen.backward, turn), _FINER * width, _FINER * height
-    )
-    return rendered(scene, camera)
+def picture(scene: LitRobot, width: int, height: int, framed: Numbers | None = None) -> Pixels:
+    """(height, width, 3): the robot, so that it, or the points `framed` (n, 3), fill the picture."""
+    points = scene.corners.reshape(-1, 3) if framed is None else framed
+    return rendered(scene, framing(points, scene.backward, _FINER * width, _FINER * height))
+
+
+def swept(scene: LitRobot) -> Numbers:
+    """(n, 3): points around all that the robot reaches while it turns."""
+    points = scene.corners.reshape(-1, 3)
+    reach = np.sqrt((points[:, :2] ** 2).sum(axis=1))
+    low, high = points[:, 2].min(), points[:, 2].max()
+    level = np.minimum((points[:, 2] - low) / max(high - low, 1e-12) * _LEVELS, _LEVELS - 1).astype(np.intp)
+    rings = []
+    for one in np.unique(level):
+        some = level == one
+        angles = np.linspace(0.0, 2 * np.pi, 72, endpoint=False)
+        ring = np.stack([np.cos(angles), np.sin(angles)], axis=1) * reach[some].max()
+        for z in (points[some, 2].min(), points[some, 2].max()):
+            rings.append(np.column_stack([ring, np.full(len(ring), z)]))
+    return np.concatenate(rings)
 
 
 def rendered(scene: LitRobot, camera: Camera) -> Pixels:
@@ -174,5 +206,5 @@ def _ground(scene: LitRobot, camera: Camera) -> Numbers:
     away = np.sqrt((points[:, :2] ** 2).sum(axis=1))
     shades[:, hit] *= np.clip((_FAR - away) / (_FAR - _NEAR), 0.0, 1.0)
     of_sky, of_key = shades.reshape(2, height, width)
-    shade = enlarged(blurred(of_sky, 4) + blurred(of_key, 2), _COARSE)[: camera.height, : camera.width]
+    shade = enlarged(blurred(of_sky, 4) + blurred(of_key, 3), _COARSE)[: camera.height, : camera.width]
     return np.asarray(_BACKGROUND * (1.0 - _SHADOW * shade[:, :, None]))

@@ -7,7 +7,7 @@ from PIL import Image
 
 from stages.mesh.view.raster import Pixels
 
-QUALITY = 76
+QUALITY = 90
 
 
 def encode(frames: Sequence[Pixels], shown: int) -> bytes:

@@ -3,15 +3,18 @@
 import mujoco
 import numpy as np
 import pytest
+import trimesh
 
 from pipeline.preview.camera import framing
 from pipeline.preview.compiled import seen_in
-from pipeline.preview.studio import picture, rendered, studio
+from pipeline.preview.studio import picture, rendered, studio, swept, turned_by
+from stages.formats import png
 from stages.mesh.view.raster import seen
 from tests.support.other_robots import FILES, is_here
 from tests.support.pictures import robot_in, silhouette_by_driver
 
 SIZE = 320, 240
+RED, GREEN, BLUE, YELLOW = (255, 0, 0), (0, 255, 0), (0, 0, 255), (255, 255, 0)
 
 ARM = """
 <mujoco>
@@ -131,18 +134,61 @@ def test_without_visual_geoms_the_colliders_are_seen():
     assert robot_in(shown(xml)).mean() > 0.05
 
 
-def test_a_texture_is_laid_on():
-    xml = """<mujoco><asset>
-      <texture name="half" type="2d" builtin="gradient" rgb1="1 0 0" rgb2="0 0 1" width="64" height="64"/>
-      <material name="half" texture="half"/>
-      <mesh name="tile" vertex="-1 0 0 1 0 0 -1 0 1 1 0 1 0 0.2 0.5"
-        face="0 1 3 0 3 2 0 2 4 0 4 1 1 4 3 2 3 4" texcoord="0 0 1 0 0 1 1 1 0.5 0.5"/></asset>
-      <worldbody><body><geom type="mesh" mesh="tile" material="half"/></body></worldbody></mujoco>"""
-    pixels = shown(xml).astype(int)
-    robot = robot_in(pixels)
-    # MuJoCo's gradient runs from the middle of the image to its edges.
-    assert (pixels[robot][:, 0] > 2 * pixels[robot][:, 2]).any()
-    assert (pixels[robot][:, 2] > 2 * pixels[robot][:, 0]).any()
+TILE = """v -1 0 0\nv 1 0 0\nv 1 0 1\nv -1 0 1\nv 0 1 0.5
+vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvt 0.5 0.5
+f 1/1 2/2 3/3\nf 1/1 3/3 4/4\nf 1/1 5/5 2/2\nf 2/2 5/5 3/3\nf 3/3 5/5 4/4\nf 4/4 5/5 1/1
+"""
+"""A mesh with a square towards -y, over which an image lies: the first row of the image is at vt = 1."""
+
+
+def test_a_texture_is_laid_on_the_right_way_up():
+    image = np.zeros((8, 8, 3), dtype=np.uint8)
+    image[:4, :4], image[:4, 4:], image[4:, :4], image[4:, 4:] = RED, GREEN, BLUE, YELLOW
+    xml = """<mujoco><asset><texture name="t" type="2d" file="t.png"/><material name="t" texture="t"/>
+      <mesh name="t" file="t.obj"/></asset>
+      <worldbody><camera name="overview" pos="0 -4 0.5" xyaxes="1 0 0 0 0 1"/>
+      <body><geom type="mesh" mesh="t" material="t"/></body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(xml, {"t.png": png.encode(image), "t.obj": TILE.encode()})
+    pixels = picture(studio(seen_in(model, {})), *SIZE).astype(int)
+    rows, columns = np.nonzero(robot_in(pixels))
+    places = [np.quantile(one, [0.25, 0.75]).astype(int) for one in (rows, columns)]
+    found = [pixels[row, column] > 120 for row in places[0] for column in places[1]]
+    assert np.array_equal(found, np.array([RED, GREEN, BLUE, YELLOW]) > 120)
+
+
+def test_a_robot_of_too_many_triangles_is_thinned_and_looks_the_same(monkeypatch):
+    ball = trimesh.creation.icosphere(4, 0.3)
+    xml = """<mujoco><asset><mesh name="b" file="b.obj"/></asset><worldbody><body>
+      <geom type="mesh" mesh="b" rgba="0.9 0.1 0.1 1"/></body></worldbody></mujoco>"""
+    model = mujoco.MjModel.from_xml_string(xml, {"b.obj": ball.export(file_type="obj").encode()})
+    whole = seen_in(model, {})
+    monkeypatch.setattr("pipeline.preview.compiled._MANY", 100)
+    monkeypatch.setattr("pipeline.preview.compiled._CELLS", 16)
+    thin = seen_in(model, {})
+    assert len(thin.corners) < len(whole.corners) / 2
+    pixels = [picture(studio(one), *SIZE) for one in (whole, thin)]
+    first, second = (robot_in(one) for one in pixels)
+    assert (first & second).sum() / (first | second).sum() > 0.95
+    assert np.abs(np.median(pixels[0][first], axis=0) - np.median(pixels[1][second], axis=0)).max() < 12
+
+
+def test_a_robot_that_turns_stays_in_the_picture_and_is_of_one_size():
+    scene = studio(seen_in(mujoco.MjModel.from_xml_string(arm()), {}))
+    framed, heights = swept(scene), []
+    for angle in np.linspace(0, 2 * np.pi, 7, endpoint=False):
+        other = turned_by(scene, angle)
+        camera = framing(framed, other.backward, *SIZE)
+        places = camera.projected(scene.corners)
+        assert places[..., 0].min() > 0.04 * SIZE[0]
+        assert places[..., 0].max() < 0.96 * SIZE[0]
+        assert places[..., 1].min() > 0.04 * SIZE[1]
+        assert places[..., 1].max() < 0.96 * SIZE[1]
+        heights.append(np.linalg.norm(camera.position))
+        # The key light stays where the camera is.
+        assert other.key @ other.backward == pytest.approx(scene.key @ scene.backward)
+        # To the left of the camera.
+        assert other.key @ camera.world_from_camera[:, 0] < -0.05
+    assert heights == pytest.approx([heights[0]] * len(heights), rel=0.01)
 
 
 def models():
