@@ -6,15 +6,18 @@ from typing import Any
 from urllib.parse import quote
 
 from pipeline.page.axis import numbers
-from pipeline.page.figures import name_of, shown
+from pipeline.page.figures import counted, name_of, said, shown
 from pipeline.page.markup import folded, name, section, shortened, table, text
 from pipeline.page.plot import SERIES, Dot, mark, plot
 from pipeline.page.shell import Section, Top, document
-from pipeline.page.swept import Job, figures_of, keys, places, value_of, varying
+from pipeline.page.swept import Job, depends, figures_of, keys, places, value_of, values_of, varying
 from stages.robot.plural import count
 
 MOST_PLOTS = 24
 """So many plots are drawn."""
+
+_SAID = 12
+"""So many dots of a plot are said to those who do not see it."""
 
 _LETTERS = 300
 """So long is what is said of a job that failed."""
@@ -33,8 +36,8 @@ def page(title: str, jobs: Sequence[Job], exists: Exists, beside: Sequence[str])
     differing, same = varying(jobs)
     parts = [
         Section("jobs", "Jobs", _jobs(jobs, swept, differing, exists)),
-        Section("same", "In common", _same(same)),
         Section("plots", "Plots", _plots(jobs, swept, differing)),
+        Section("same", "In common", _same(same)),
     ]
     foot = '<p class="soft">Made by linkwright</p>'
     top = Top(_head(title, jobs, swept), facts=_files(beside))
@@ -75,7 +78,7 @@ def _jobs(jobs: Sequence[Job], swept: Sequence[str], differing: Sequence[str], e
                 _links(job, exists),
             ]
         )
-    classes = dict.fromkeys(columns.values(), "number") | {"calls": "number"}
+    classes = dict.fromkeys(columns.values(), "number") | {"calls": "number", "job": "job"}
     classes |= {key: "number" for key in swept if not places(key, jobs)[0].discrete}
     return section("Jobs", table(header, rows, classes, heads="job"), "jobs")
 
@@ -120,39 +123,40 @@ def _links(job: Job, exists: Exists) -> str:
 
 def _same(same: Mapping[str, float]) -> str:
     """The figures that all jobs have in common, in a line."""
-    words = ", ".join(f"{text(name_of(key))} {shown(value)}" for key, value in same.items())
+    words = text(", ".join(counted(key, value) for key, value in same.items()))
     return section("In common", f"<p>{words}</p>", "same") if words else ""
 
 
 def _plots(jobs: Sequence[Job], swept: Sequence[str], differing: Sequence[str]) -> str:
-    """Each figure that differs against each key."""
+    """Each figure that differs against each key that it depends on."""
     built = [job for job in jobs if figures_of(job)]
     pairs = [(figure, key) for figure in differing for key in swept]
     if len(built) < 2 or not pairs:
         return ""
-    drawn = [_plot(built, figure, key, swept) for figure, key in pairs[:MOST_PLOTS]]
-    words = f"and {count(len(pairs) - MOST_PLOTS, 'more plot')}: summary.json has the figures"
-    left = len(jobs) - len(built)
-    without = f'<p class="soft">without {count(left, "job")} that failed</p>\n' if left else ""
-    body = "\n".join(drawn)
-    rest = f'\n<p class="soft">{words}</p>' if len(pairs) > MOST_PLOTS else ""
-    return section("Plots", f'{without}<div class="plots">\n{body}\n</div>{rest}', "plots")
+    drawn = [pair for pair in pairs if depends(built, *pair, swept)]
+    words = [f"without {count(len(jobs) - len(built), 'job')} that failed"] if len(built) < len(jobs) else []
+    words += [f"{said(figure)} not changed by {key}" for figure, key in pairs if (figure, key) not in drawn]
+    if len(drawn) > MOST_PLOTS:
+        words.append(f"{count(len(drawn) - MOST_PLOTS, 'more plot')}: summary.json has the figures")
+    plots = "\n".join(_plot(built, figure, key, swept) for figure, key in drawn[:MOST_PLOTS])
+    lines = "".join(f'\n<p class="soft">{text(line)}</p>' for line in words)
+    return section("Plots", f'<div class="plots">\n{plots}\n</div>{lines}', "plots")
 
 
 def _plot(jobs: Sequence[Job], figure: str, key: str, swept: Sequence[str]) -> str:
-    """A figure against a key; jobs whose other keys have the same values are a series."""
+    """A figure against a key; jobs whose other keys have the same values are a series, if these matter."""
+    others = [one for one in swept if one != key and depends(jobs, figure, one, swept)]
     rows = [(job, figures_of(job)[figure]) for job in jobs if figure in figures_of(job)]
     axis, at = places(key, [job for job, _ in rows])
-    others = [one for one in swept if one != key]
-    kinds = [tuple(value_of(job, one) for one in others) for job, _ in rows]
+    kinds = [values_of(job, others) for job, _ in rows]
     series = list(dict.fromkeys(kinds))
     apart = len(series) <= SERIES
     dots = [
         Dot(x, float(y), f"{job['label']}: {shown(y)}", series.index(kind) if apart else 0)
         for x, (job, y), kind in zip(at, rows, kinds, strict=True)
     ]
-    title = f"{name_of(figure)} by {key}"
-    words = f"{title}: " + "; ".join(f"{dot.words}" for dot in dots[:12]) + ("; …" if len(dots) > 12 else "")
+    words = f"{name_of(figure)} by {key}: " + "; ".join(dot.words for dot in dots[:_SAID])
+    words += f" and {len(dots) - _SAID} more" if len(dots) > _SAID else ""
     y = numbers(name_of(figure), [dot.y for dot in dots])
     drawn = plot(words, axis, y, dots, joined=apart and not axis.discrete)
     legend = _legend(others, series) if apart and len(series) > 1 else ""

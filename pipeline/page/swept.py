@@ -33,6 +33,11 @@ def value_of(job: Job, key: str) -> str:
     return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
 
 
+def values_of(job: Job, some: Sequence[str]) -> tuple[str, ...]:
+    """The values that a job has for some keys."""
+    return tuple(value_of(job, key) for key in some)
+
+
 def places(key: str, jobs: Sequence[Job]) -> tuple[Axis, list[float]]:
     """The axis of a key, and where each of the jobs stands on it: by its number, if all are numbers of one
     unit, else by its category."""
@@ -70,8 +75,24 @@ def varying(jobs: Iterable[Job]) -> tuple[list[str], dict[str, float]]:
     differing, same = [], {}
     for name in dict.fromkeys(name for row in rows for name in row):
         values = [row[name] for row in rows if name in row]
-        if max(values) - min(values) > _LEAST_DIFFERENCE * max(map(abs, values)) or len(values) < len(rows):
+        if _differ(values) or len(values) < len(rows):
             differing.append(name)
         else:
             same[name] = values[0]
     return differing, same
+
+
+def depends(jobs: Iterable[Job], figure: str, key: str, swept: Sequence[str]) -> bool:
+    """Whether a figure differs anywhere between jobs whose other keys have the same values; where no two jobs
+    have these, nobody knows, and it may."""
+    others = [one for one in swept if one != key]
+    groups: dict[tuple[str, ...], list[float]] = {}
+    for job in jobs:
+        found = figures_of(job)
+        if figure in found:
+            groups.setdefault(values_of(job, others), []).append(found[figure])
+    return all(len(group) == 1 for group in groups.values()) or any(map(_differ, groups.values()))
+
+
+def _differ(values: Sequence[float]) -> bool:
+    return max(values) - min(values) > _LEAST_DIFFERENCE * max(map(abs, values))

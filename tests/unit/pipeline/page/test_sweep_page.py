@@ -8,7 +8,7 @@ import pytest
 from pipeline.page.axis import categories, numbers
 from pipeline.page.plot import HEIGHT, WIDTH, Dot, plot
 from pipeline.page.sweep import MOST_PLOTS, page
-from pipeline.page.swept import keys, places, varying
+from pipeline.page.swept import depends, keys, places, varying
 from tests.support.page_reader import Reader
 
 HOSTILE = "</script><img src=x onerror=alert(1)>"
@@ -66,11 +66,11 @@ def test_a_row_for_each_job_with_its_values_figures_checks_and_links():
     ):
         assert words in read.text
     assert "".join(read.said).count(HOSTILE) == 1
-    for words in ("✕ a.xml: mass", "! a.xml: reach", "3 of 4 passed", "3 of 5 passed", "1.2", "links 11"):
+    for words in ("✕ a.xml: mass", "! a.xml: reach", "3 of 4 passed", "3 of 5 passed", "1.2", "11 links"):
         assert words in read.text, words
     links = [target for target in read.links if not target.startswith("#")]
     assert links == ["summary.json", "job%200/preview.png", "job%200/report.html", "job%200/", "job%203/"]
-    rows = re.findall(r'<tr><th scope="row">(\d)</th>', data.decode())
+    rows = re.findall(r'<tr><th scope="row" class="job">(\d)</th>', data.decode())
     assert rows == ["0", "1", "2", "3"]
 
 
@@ -82,7 +82,7 @@ def test_each_figure_that_differs_is_plotted_against_each_key_and_others_are_nam
     assert titles[0][0] == "mesh=hull tolerance=0.001: 1"
     read = Reader(html.encode())
     assert "In common" in read.text
-    assert "links 11" in read.text
+    assert "11 links" in read.text
     # A line for each series where numbers are swept, none between categories.
     first, second = re.findall(r'<svg class="plot" .*?</svg>', html, re.DOTALL)
     assert (first.count("<polyline"), second.count("<polyline")) == (0, 2)
@@ -90,6 +90,27 @@ def test_each_figure_that_differs_is_plotted_against_each_key_and_others_are_nam
     assert (second.count("<circle"), second.count("<rect")) == (3, 3)
     assert "mesh hull" in read.text
     assert "mesh ladder" in read.text
+
+
+def test_a_figure_is_not_plotted_against_a_key_on_which_it_does_not_depend():
+    """Triangles follow the mesh alone, mass the tolerance alone."""
+    figures = [{"triangles": 100 * (one["number"] // 3), "mass": one["number"] % 3} for one in GRID]
+    jobs = [{**one, "figures": row} for one, row in zip(GRID, figures, strict=True)]
+    html = made(jobs).decode()
+    text = Reader(html.encode()).text
+    assert re.findall(r"<figcaption>(.*?)</figcaption>", html) == ["triangles", "mass, kg"]
+    assert "triangles not changed by tolerance" in text
+    assert "mass not changed by mesh" in text
+    # What the other key makes no difference to is one series.
+    assert 'class="legend"' not in html
+    assert html.count("<polyline") == 1
+
+
+def test_what_no_two_jobs_tell_apart_may_matter():
+    diagonal = [job(number, a=number, b=-number) for number in range(3)]
+    assert depends(diagonal, "mass", "a", ["a", "b"])
+    assert depends(diagonal, "mass", "b", ["a", "b"])
+    assert made(diagonal).decode().count('<svg class="plot"') == 2
 
 
 def test_dots_are_where_their_values_are():
@@ -165,7 +186,7 @@ def test_many_figures_and_many_series_stay_readable():
     jobs = [job(n, figures={key: value * n for key, value in figures.items()}, a=n) for n in range(3)]
     html = made(jobs).decode()
     assert html.count('<svg class="plot"') == MOST_PLOTS
-    assert "and 15 more plots" in html
+    assert "15 more plots" in html
     many = [job(n, a=n % 6, b=f"kind {n}") for n in range(12)]
     assert "<polyline" not in made(many).decode()
     assert 'class="legend"' not in made(many).decode()
