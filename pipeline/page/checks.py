@@ -12,6 +12,10 @@ OUTCOMES = ("failed", "warning", "passed")
 _MARKS = {"failed": "✕ failed", "warning": "! warning", "passed": "✓ passed"}
 
 
+_ON_PAPER = 16
+"""Rows of a check's own table from which it is left out on paper."""
+
+
 def checks(found: Sequence[Mapping[str, Any]]) -> str:
     """The section; nothing without checks."""
     groups = {word: [check for check in found if outcome(check) == word] for word in OUTCOMES}
@@ -40,7 +44,8 @@ def _own_table(check: Mapping[str, Any]) -> str:
     """What a check found beside what it does not accept."""
     rows = [["" if cell is None else cell for cell in row] for row in check["table"]["rows"]]
     summary = f"{split_name(check)[1]}: {check['detail']}".removeprefix(": ")
-    return folded(text(summary), plain_table(check["table"]["header"], rows))
+    shown = plain_table(check["table"]["header"], rows)
+    return folded(text(summary), shown, on_paper=len(rows) <= _ON_PAPER)
 
 
 def _found_by(check: Mapping[str, Any]) -> str:
