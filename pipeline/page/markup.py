@@ -130,7 +130,9 @@ def pairs(values: Mapping[str, str]) -> str:
     rows = [
         f'<tr><th scope="row">{text(key)}</th><td>{value}</td></tr>' for key, value in values.items() if value
     ]
-    return '<table class="pairs">\n<tbody>\n' + "\n".join(rows) + "\n</tbody>\n</table>" if rows else ""
+    lines = "\n".join(rows)
+    whole = f'<div class="wide"><table class="pairs">\n<tbody>\n{lines}\n</tbody>\n</table></div>'
+    return whole if rows else ""
 
 
 def plain_pairs(values: Mapping[str, Any]) -> str:
