@@ -19,6 +19,8 @@ PAGE = """<!doctype html>
 </body></html>
 """
 
+SIZE = (900, 600)
+
 PREVIEW = '<img class="preview" alt="preview" src="data:image/gif;base64,R0lGODlhAQABAAAAACwAAAAAAQABAAA=">'
 
 
@@ -36,8 +38,8 @@ def shared_browser() -> Iterator[Browser]:
 
 @pytest.fixture
 def browser(shared_browser: Browser) -> Browser:
-    """A browser at laptop's size; its logs are empty."""
-    shared_browser.size(1280, 900)
+    """A browser with a small page, which is drawn in less time; its logs are empty."""
+    shared_browser.size(*SIZE)
     shared_browser.console()
     list(shared_browser.requests())
     return shared_browser

@@ -4,6 +4,7 @@ import re
 from functools import cache
 
 import mujoco
+import numpy as np
 
 from tests.browser.packs import pack_of, packed
 
@@ -133,3 +134,27 @@ HELD = """
 </mujoco>
 """
 """An arm that holds itself, beside a block that lies on the ground."""
+
+
+def sphere(triangles: int) -> str:
+    """A ball of one mesh with about so many triangles."""
+    rows = round((triangles / 4) ** 0.5)
+    turns, rises = np.linspace(0, 2 * np.pi, 2 * rows, endpoint=False), np.linspace(0, np.pi, rows + 1)[1:-1]
+    turn, rise = (axis.ravel() for axis in np.meshgrid(turns, rises))
+    points = 0.3 * np.stack([np.sin(rise) * np.cos(turn), np.sin(rise) * np.sin(turn), np.cos(rise)], axis=1)
+    points = np.concatenate([points, [[0, 0, 0.3], [0, 0, -0.3]]])
+    ring, at = 2 * rows, np.arange(2 * rows)
+    faces = [np.stack([np.full(ring, ring * (rows - 1)), at, (at + 1) % ring], axis=1)]
+    for row in range(rows - 2):
+        a, b = row * ring + at, row * ring + (at + 1) % ring
+        faces += [np.stack([a, a + ring, b], axis=1), np.stack([b, a + ring, b + ring], axis=1)]
+    last = ring * (rows - 2)
+    faces += [np.stack([np.full(ring, ring * (rows - 1) + 1), last + (at + 1) % ring, last + at], axis=1)]
+    vertex = " ".join(f"{value:.6f}" for value in points.ravel())
+    face = " ".join(map(str, np.concatenate(faces).ravel()))
+    return (
+        f'<mujoco><asset><mesh name="ball" vertex="{vertex}" face="{face}"/></asset><worldbody>'
+        '<body name="ball" pos="0 0 .3"><joint name="turn"/>'
+        '<geom type="mesh" mesh="ball" group="2" contype="0" conaffinity="0" mass="1"/></body>'
+        "</worldbody></mujoco>"
+    )

@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from tests.browser.conftest import SIZE
 from tests.browser.models import HELD, chain, model_of, renamed, small_pack
 from tests.browser.words import complaints, shown, word
 
@@ -15,12 +16,6 @@ def held(browser, page_of):
     """The page of an arm that its actuators hold."""
     browser.open(page_of(small_pack(HELD)))
     return browser
-
-
-def middle(browser):
-    """The middle of the canvas [px]."""
-    box = browser.run("return document.querySelector('canvas').getBoundingClientRect().toJSON()")
-    return round(box["left"] + box["width"] / 2), round(box["top"] + box["height"] / 2)
 
 
 def at(browser, body):
@@ -43,7 +38,7 @@ def test_it_runs_at_home_at_once(held):
 
 
 def test_less_motion_means_paused(browser, page_of):
-    browser.size(1280, 900, still=True)
+    browser.size(*SIZE, still=True)
     browser.open(page_of(small_pack(HELD)))
     assert not browser.run("return linkwright.info().running")
     assert browser.run("return linkwright.info().engine")
@@ -142,9 +137,24 @@ def test_a_click_picks_a_link_and_another_lets_it_go(held):
     held.act({"type": "pointerMove", "duration": 0, **spot}, *click)
     assert held.run("return document.querySelector('.live-card h3').textContent") == "forearm"
     assert held.run("return document.querySelector('.live-parts').textContent") == "part of forearm0.3 kg"
-    x, y = middle(held)
-    held.act({"type": "pointerMove", "duration": 0, "x": x - 390, "y": y}, *click)
+    box = held.run("return document.querySelector('canvas').getBoundingClientRect().toJSON()")
+    corner = {"x": round(box["right"] - 9), "y": round(box["bottom"] - 9)}
+    held.act({"type": "pointerMove", "duration": 0, **corner}, *click)
     assert not shown(held, ".live-card")
+
+
+def test_a_link_may_be_chosen_by_its_name(held):
+    held.run(
+        "const s = document.querySelector('.live-links');"
+        "s.value = [...s.options].find((one) => one.text === 'arm').value;"
+        "s.dispatchEvent(new Event('change'))"
+    )
+    assert held.run("return document.querySelector('.live-card h3').textContent") == "arm"
+    names = held.run("return [...document.querySelectorAll('.live-links option')].map((one) => one.text)")
+    assert names[1:] == ["block", "post", "arm", "forearm"]
+    held.run("document.querySelector('.live-close').click()")
+    assert not shown(held, ".live-card")
+    assert held.run("return document.querySelector('.live-links').value") == ""
 
 
 def test_a_pull_moves_a_link_to_the_pointer_until_it_is_let_go(held):
@@ -218,3 +228,15 @@ def test_the_licences_open(held):
     assert "Apache License" in text
     assert "three.js authors" in text
     assert len(text) > 200_000
+
+
+def test_paper_gets_the_view_as_it_is(held):
+    size = held.run(
+        "dispatchEvent(new Event('beforeprint'));"
+        "const picture = document.querySelector('.live-still img'); await picture.decode();"
+        "const drawn = Object.assign(document.createElement('canvas'), {width: picture.naturalWidth,"
+        " height: picture.naturalHeight}).getContext('2d'); drawn.drawImage(picture, 0, 0);"
+        "const shown = drawn.getImageData(0, 0, picture.naturalWidth, picture.naturalHeight).data;"
+        "return shown.filter((value, index) => index % 4 === 3 && value === 255).length"
+    )
+    assert size > 1000

@@ -24,7 +24,7 @@ FLAGS = (
     "--force-color-profile=srgb", "--hide-scrollbars",
 )  # fmt: skip
 
-WAIT = 60
+WAIT = 120
 """Seconds that a command of the browser may take: software drawing is slow on a busy machine."""
 
 

@@ -12,6 +12,7 @@ class Page {
     this.runButton = root.querySelector(".live-toggle");
     this.keyframes = root.querySelector(".live-keyframe");
     this.rate = root.querySelector(".live-rate");
+    this.links = root.querySelector(".live-links");
     this.version = root.dataset.version;
   }
 
@@ -35,6 +36,7 @@ class Page {
   }
 
   showLink(body) {
+    this.links.value = body === null ? "" : this.firstBody(body);
     this.card.replaceChildren();
     if (body !== null) this.card.append(linkCard(this.view, body, () => this.view.pick(null)));
   }
@@ -50,9 +52,26 @@ class Page {
       box.checked = view.layers[box.dataset.layer].visible;
       box.addEventListener("change", () => view.show(box.dataset.layer, box.checked));
     }
+    this.connectLinks(view);
     this.connectKeyframes(view);
     this.connectWindow(view);
     this.tellHeader(view.pack.header);
+  }
+
+  // The links by their first bodies: what a click picks, for the keyboard.
+  connectLinks(view) {
+    const { bodies, links } = view.pack.header;
+    bodies.forEach(({ name, link }, body) => {
+      if (body === 0 || this.firstBody(body) !== body) return;
+      this.links.append(make("option", { value: body, text: links[link]?.name ?? name }));
+    });
+    this.links.addEventListener("change", () => view.pick(this.links.value ? Number(this.links.value) : null));
+  }
+
+  firstBody(body) {
+    const { bodies } = this.view.pack.header;
+    const { link } = bodies[body];
+    return link === null || link === undefined ? body : bodies.findIndex((one) => one.link === link);
   }
 
   connectKeyframes(view) {
@@ -75,6 +94,8 @@ class Page {
     new ResizeObserver(() => (view.stage.resize(), view.draw())).observe(this.canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => (view.stage.colour(), view.draw()));
     addEventListener("beforeprint", () => this.keepStill(view));
+    this.canvas.addEventListener("webglcontextlost", () => view.pause("The browser took the 3D view's memory away"));
+    this.canvas.addEventListener("webglcontextrestored", () => view.pause());
   }
 
   // For paper: the view as it is now, in the place of what moves.

@@ -26,7 +26,7 @@ class RobotMesh {
       collider: new Triangles(pack, colliders.map((geom, index) => ({ ...geom, rgba: colliderColour(index) }))),
     };
     const transparent = visuals.some((geom) => geom.rgba[3] < 0.99);
-    this.visual = this.skinned(this.triangles.visual, { transparent, metalness: 0.05, roughness: 0.62 });
+    this.visual = this.skinned(this.triangles.visual, { transparent, metalness: 0.1, roughness: 0.5 });
     this.collider = this.skinned(this.triangles.collider, {
       transparent: true, roughness: 0.9, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -2,
     });

@@ -41,18 +41,19 @@ class Stage {
     key.target.position.copy(this.center);
     key.castShadow = true;
     key.shadow.mapSize.set(2048, 2048);
-    key.shadow.radius = 4;
-    key.shadow.normalBias = this.radius / 200;
-    key.shadow.bias = -0.0004;
-    const reach = 2.2 * this.radius;
+    key.shadow.radius = 2.5;
+    key.shadow.normalBias = this.radius / 70;
+    key.shadow.bias = -0.0006;
+    const reach = 1.9 * this.radius;
     Object.assign(key.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach });
-    Object.assign(key.shadow.camera, { near: this.radius, far: 12 * this.radius });
-    const fill = new THREE.DirectionalLight(0xdbeafe, 0.9);
-    fill.position.copy(this.center).add(new THREE.Vector3(2, 1.2, 0.8).multiplyScalar(this.radius));
-    fill.target.position.copy(this.center);
+    Object.assign(key.shadow.camera, { near: 3 * this.radius, far: 11 * this.radius });
+    const fill = new THREE.DirectionalLight(0xdbeafe, 1.1);
+    fill.position.set(2, 1.2, 0.8);
+    const rim = new THREE.DirectionalLight(0xffffff, 1.2);
+    rim.position.set(0.4, 2, 1.4);
     const sky = new THREE.HemisphereLight(0xffffff, 0x8b8f98, 1.5);
     sky.position.set(0, 0, 1);
-    this.scene.add(key, key.target, fill, fill.target, sky);
+    this.scene.add(key, key.target, fill, rim, sky);
     this.goAlong = [this.center, this.camera.position, this.controls.target, key.position, key.target.position];
   }
 

@@ -61,7 +61,7 @@ function begin(view, page) {
 //   kinematics(qpos)   xpos and xquat of all bodies at these joint values
 //   open()          how far relations and loops are open [m, rad]
 //   step(seconds)   simulates so long, whatever the clock says
-//   info()          state, draw calls, triangles, script time of the last frame [ms]
+//   info()          state, draw calls, triangles; of the last frame the script's time and the engine's share [ms]
 function hookOf(view) {
   const { header } = view.pack;
   return {
@@ -94,7 +94,7 @@ function hookOf(view) {
     },
     info: () => ({
       running: view.running, engine: Boolean(view.engine), calls: view.stage.renderer.info.render.calls,
-      triangles: view.stage.renderer.info.render.triangles, scriptTime: view.scriptTime,
+      triangles: view.stage.renderer.info.render.triangles, scriptTime: view.scriptTime, stepTime: view.stepTime,
     }),
   };
 }

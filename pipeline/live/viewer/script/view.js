@@ -32,7 +32,7 @@ class View {
     this.follows = header.joints.find((joint) => joint.type === "free")?.body ?? null;
     this.stood = [0, 0];
     this.remember();
-    this.scriptTime = 0;
+    this.scriptTime = this.stepTime = 0;
     this.frame = this.frame.bind(this);
   }
 
@@ -210,6 +210,7 @@ class View {
     if (this.waiting) return;
     const began = performance.now();
     if (this.running) this.advance(Math.min(0.1, Math.max(0, now - (this.last ?? now)) / 1000));
+    this.stepTime = performance.now() - began;
     this.last = now;
     this.update();
     if (!this.refreshed || !this.running || now - this.refreshed > REFRESH) {
