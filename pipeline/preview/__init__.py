@@ -27,7 +27,7 @@ REFUSED = "refused.json"
 ENDED = "ended.json"
 """Why there is no picture: by the robot's files, and by an accident that is not kept."""
 
-VERSION = 2
+VERSION = 3
 CODE = "I-PREVIEW"
 
 SCENE = "scene.xml"
@@ -37,7 +37,7 @@ _OTHERWISE = "export it as MJCF or URDF too: export=[mjcf,...]"
 
 @dataclass(frozen=True, slots=True)
 class Preview:
-    """`files`: the pictures by file name; `small`: a PNG of at most 60 kB, b"" without a picture; `found`:
+    """`files`: the pictures by file name; `small`: a PNG of at most 66 kB, b"" without a picture; `found`:
     why there is none."""
 
     files: Mapping[str, bytes]

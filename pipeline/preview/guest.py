@@ -12,6 +12,7 @@ import mujoco
 from pipeline.preview import PICTURE, SMALL, TURN
 from pipeline.preview.compiled import seen_in
 from pipeline.preview.model_text import mjcf_text, urdf_text
+from pipeline.preview.pixels import reduced
 from pipeline.preview.studio import LitRobot, picture, studio, swept, turned_by
 from stages.formats import png
 from stages.robot.errors import SourceError
@@ -21,8 +22,10 @@ if TYPE_CHECKING:
     from stages.mesh.view.raster import Pixels
 
 SIZE = 960, 720
-SMALL_SIZES = (400, 300), (320, 240), (240, 180)
-SMALL_BYTES = 60_000
+SMALLER = (2, 3, 4, 6)
+"""By how much the small picture is smaller: by the first of these that gives few enough bytes."""
+
+SMALL_BYTES = 66_000
 TURN_SIZE = 480, 360
 FRAMES = 36
 """Of a turn."""
@@ -45,7 +48,8 @@ def answer(request: bytes) -> bytes:
         at += length
     model, values = _compiled(asked["model"], files)
     scene = studio(seen_in(model, values))
-    found = {PICTURE: png.encode(picture(scene, *SIZE)), SMALL: _small(scene)}
+    large = picture(scene, *SIZE)
+    found = {PICTURE: png.encode(large), SMALL: _small(large)}
     if asked["kind"] == "turn":
         found[TURN] = _turn(scene)
     head = {"files": [[name, len(data)] for name, data in found.items()]}
@@ -79,10 +83,10 @@ def _is_number(value: object) -> bool:
     return isinstance(value, int | float)
 
 
-def _small(scene: LitRobot) -> bytes:
+def _small(large: Pixels) -> bytes:
     """The largest of the small pictures that is small enough for a page."""
-    for size in SMALL_SIZES:
-        data = png.encode(picture(scene, *size))
+    for times in SMALLER:
+        data = png.encode(reduced(large / 255.0, times))
         if len(data) <= SMALL_BYTES:
             break
     return data
