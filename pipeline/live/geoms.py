@@ -38,7 +38,8 @@ def geoms(live: LiveModel) -> list[tuple[dict[str, Any], Source | None]]:
     """
     # The groups of a URDF are MuJoCo's own, not the author's.
     groups = _SEEN_GROUPS if live.document is not None else 0
-    shown = [(index, _roles(live.model, index, groups)) for index in range(live.model.ngeom)]
+    pairs = {*live.model.pair_geom1.tolist(), *live.model.pair_geom2.tolist()}
+    shown = [(index, _roles(live.model, index, groups, pairs)) for index in range(live.model.ngeom)]
     if not any("visual" in roles for _, roles in shown):
         shown = [(index, [*roles, *_seen_too(roles)]) for index, roles in shown]
     return [
@@ -50,13 +51,12 @@ def _seen_too(roles: list[str]) -> list[str]:
     return ["visual"] if "collision" in roles else []
 
 
-def _roles(model: Any, index: int, seen_groups: int) -> list[str]:
+def _roles(model: Any, index: int, seen_groups: int, pairs: set[int]) -> list[str]:
     kind = mujoco.mjtGeom(int(model.geom_type[index]))
     if kind not in _TYPES:
         return []
     if model.geom_bodyid[index] == 0 and kind in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD):
         return ["ground"]
-    pairs = {*model.pair_geom1[: model.npair].tolist(), *model.pair_geom2[: model.npair].tolist()}
     collides = bool(model.geom_contype[index] or model.geom_conaffinity[index] or index in pairs)
     seen = not collides or model.geom_group[index] < seen_groups
     return [*(["visual"] if seen else []), *(["collision"] if collides else [])]

@@ -3,19 +3,24 @@
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from pipeline.live.rounding import rounded
 from stages.robot.model import Part, Robot
 
 
 def links(robot: Robot, colliders: Iterable[Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Each link with its parts and its colliders. `colliders`: the rows of the report's table, whose lengths
     are in mm."""
-    rows = list(colliders)
+    rows: dict[str, list[dict[str, Any]]] = {}
+    for row in colliders:
+        rows.setdefault(row["link"], []).append(_collider(row))
     return [
         {
             "name": link.name,
-            "mass": link.inertial.mass,
-            "parts": [{"name": _name(part), "mass": part.inertial.mass or None} for part in link.parts],
-            "colliders": [_collider(row) for row in rows if row["link"] == link.name],
+            "mass": rounded(link.inertial.mass),
+            "parts": [
+                {"name": _name(part), "mass": rounded(part.inertial.mass) or None} for part in link.parts
+            ],
+            "colliders": rows.get(link.name, []),
         }
         for link in robot.links
     ]

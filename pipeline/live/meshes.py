@@ -1,5 +1,6 @@
 """The meshes of the header: each once, thinned to what a page can show."""
 
+import json
 from collections import Counter
 from typing import Any
 
@@ -21,19 +22,21 @@ def stored_meshes(model: Any, shown: list[Shown], most: int, buffers: Buffers) -
     """
     facets = {source: _facets(model, source) for _, source in shown if source is not None}
     kept = _thinned(facets, shown, most)
-    entries: list[dict[str, Any]] = []
+    entries: dict[str, dict[str, Any]] = {}
+    order: dict[str, int] = {}
     numbers: dict[Source, int | None] = {}
     for key, one in kept.items():
         entry = triangles.stored(one, buffers)
-        if entry["faces"] and entry not in entries:
-            entries.append(entry)
-        numbers[key] = entries.index(entry) if entry["faces"] else None
+        same = json.dumps(entry)
+        if entry["faces"]:
+            entries[same] = entry
+        numbers[key] = order.setdefault(same, len(order)) if entry["faces"] else None
     geoms = []
     for geom, source in shown:
         number = None if source is None else numbers[source]
         if source is None or number is not None:
             geoms.append({**geom, "mesh": number})
-    return {"geoms": geoms, "meshes": entries, "thinned": _summary(kept, facets, shown)}
+    return {"geoms": geoms, "meshes": list(entries.values()), "thinned": _summary(kept, facets, shown)}
 
 
 def _thinned(facets: dict[Source, Facets], shown: list[Shown], most: int) -> dict[Source, Facets]:

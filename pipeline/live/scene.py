@@ -33,7 +33,7 @@ def pack_of(
     live = compiled(folder, source)
     head = _head(live, robot, links(robot, colliders))
     engine = _engine(live, folder)
-    if len(_packed(live, head, engine, 0)) > LARGEST // 2:
+    if len(_packed(live, head, engine, 0)) > LARGEST // 2:  # without triangles
         engine = NoCopy("the colliders are too large for a page")
     for attempt in range(_ATTEMPTS):
         pack = _packed(live, head, engine, faces >> 2 * attempt)

@@ -110,7 +110,7 @@ def test_a_corrupt_bundle_fails_with_exit_status_1_and_keeps_the_last_build(arch
     assert set(robot_files(tmp_path / "arm")) == set(good.outputs)
 
 
-def test_a_fully_cached_build_imports_nothing_heavy(archive, tmp_path):
+def test_a_fully_cached_build_imports_nothing_heavy(archive, tmp_path, whole_page):
     source = {"kind": "bundle", "path": str(archive)}
     build(plan(tmp_path, source), environ={})
     code = (
