@@ -17,13 +17,13 @@ from pipeline.preview import (
     SMALL,
     TURN,
     ask,
+    guest,
     model_of,
     names,
     needed_by,
     require,
 )
 from pipeline.preview.ask import Painter, drawn
-from pipeline.preview.guest import FRAMES, SIZE
 from stages.formats import png
 from stages.robot.guest import Bounds
 from tests.support.pictures import pixels_of, robot_in
@@ -103,31 +103,46 @@ def test_a_guest_draws_it_and_gives_the_same_bytes_twice(files):
     found = drawn(model, files, "png")
     assert sorted(found) == [PICTURE, SMALL]
     assert len(found[SMALL]) <= 66_000
+    assert png.problem(found[PICTURE]) == png.problem(found[SMALL]) == ""
     pixels = pixels_of(found[PICTURE])
-    assert pixels.shape == (SIZE[1], SIZE[0], 3)
+    assert pixels.shape == (guest.SIZE[1], guest.SIZE[0], 3)
     assert robot_in(pixels).mean() > 0.05
     assert drawn(model, files, "png") == found
-    assert drawn(model, files | {"robot.json": b"{}"}, "png") == found or model.endswith(".urdf")
 
 
-def test_a_urdf_is_seen_at_home():
+def asked(model, files, kind):
+    """What the guest answers, in this process."""
+    head = {"model": model, "kind": kind, "files": [[path, len(data)] for path, data in files.items()]}
+    reply = guest.answer(json.dumps(head).encode() + b"\n" + b"".join(files.values()))
+    return ask._read(reply)
+
+
+def test_a_urdf_is_seen_at_home(monkeypatch):
+    monkeypatch.setattr(guest, "SIZE", (80, 60))
     files = {"arm.urdf": URDF, "robot.json": ROBOT}
-    home = drawn("arm.urdf", files, "png")[PICTURE]
-    assert home != drawn("arm.urdf", files | {"robot.json": b"{}"}, "png")[PICTURE]
+    home = asked("arm.urdf", files, "png")[PICTURE]
+    assert home != asked("arm.urdf", files | {"robot.json": b"{}"}, "png")[PICTURE]
+    at_home = files | {"robot.json": ROBOT.replace(b"[1, 0, 0, 0]", b"3")}
+    assert home == asked("arm.urdf", at_home, "png")[PICTURE]
 
 
-def test_a_turn_has_all_its_frames_and_goes_on(tmp_path):
+@pytest.mark.parametrize("frames", [5, pytest.param(guest.FRAMES, marks=pytest.mark.slow)])
+def test_a_turn_has_all_its_frames_and_goes_on(frames, tmp_path, monkeypatch):
     image = pytest.importorskip("PIL.Image")
-    found = drawn("scene.xml", FILES, "turn")
+    monkeypatch.setattr(guest, "FRAMES", frames)
+    monkeypatch.setattr(guest, "SIZE", (80, 60))
+    found = asked("scene.xml", FILES, "turn")
     (tmp_path / TURN).write_bytes(found[TURN])
     with image.open(tmp_path / TURN) as opened:
-        assert opened.n_frames == FRAMES
+        assert opened.size == guest.TURN_SIZE
+        assert opened.n_frames == frames
         assert opened.info["loop"] == 0
-        frames = []
-        for frame in range(FRAMES):
+        shown = []
+        for frame in range(frames):
             opened.seek(frame)
-            frames.append(opened.convert("RGB").tobytes())
-    assert len(set(frames)) == FRAMES
+            shown.append(opened.convert("RGB").tobytes())
+            assert opened.info["duration"] == guest.FRAME
+    assert len(set(shown)) == frames
     assert len(found[TURN]) < 1_000_000
 
 
@@ -211,8 +226,3 @@ def test_a_turn_without_its_library_is_refused_before_the_build(monkeypatch):
         require("turn")
     assert caught.value.where == "page.preview"
     assert "pip install 'pillow>=" in caught.value.hint
-
-
-def test_the_writer_of_pictures_writes_what_readers_take():
-    found = drawn("scene.xml", FILES, "png")
-    assert png.problem(found[PICTURE]) == png.problem(found[SMALL]) == ""
