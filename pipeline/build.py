@@ -222,7 +222,8 @@ class Run:
     def draw(self, context: BuildContext, files: Mapping[str, bytes]) -> None:
         """Makes the robot's picture, of a build that exports."""
         if "export" in context.files and not is_plain(context.environ):
-            self.pictures = preview(context.cache, files, digests(context, files), self.plan.page.preview)
+            kind, say = self.plan.page.preview, functools.partial(self.progress.detail, "page")
+            self.pictures = preview(context.cache, files, digests(context, files), kind, say)
             self.note(self.pictures.found)
 
     def finished(self, context: BuildContext, files: Mapping[str, bytes]) -> Report:

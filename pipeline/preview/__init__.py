@@ -7,7 +7,7 @@ the same picture on every machine, without a graphics driver, and never a failed
 
 import importlib.util
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -65,9 +65,15 @@ def require(kind: Kind) -> None:
         raise ConfigError(msg, "page.preview", install("pillow"))
 
 
-def preview(cache: Cache, files: Mapping[str, bytes], digests: Mapping[str, str], kind: Kind) -> Preview:
+def preview(
+    cache: Cache,
+    files: Mapping[str, bytes],
+    digests: Mapping[str, str],
+    kind: Kind,
+    say: Callable[[str], None] = lambda _: None,
+) -> Preview:
     """The pictures of the robot whose `files` were exported, from the cache where they were made before.
-    `digests`: SHA-256 of each file, as far as they are known."""
+    `digests`: SHA-256 of each file, as far as they are known. `say` is told how long making them took."""
     if kind == "none" or "robot.json" not in files:
         return NONE
     model = model_of(files)
@@ -76,11 +82,13 @@ def preview(cache: Cache, files: Mapping[str, bytes], digests: Mapping[str, str]
     needed = needed_by(model, files)
     inputs = {path: digests.get(path) or sha256(files[path]) for path in needed}
     action = Action("preview", VERSION, {"model": model, "kind": kind}, inputs, _versions(kind))
-    made, _ = cache.run(
+    made, cached = cache.run(
         action,
         lambda: _drawn(model, {path: files[path] for path in needed}, kind),
         lasts=lambda found: ENDED not in found,
     )
+    if not cached:
+        say(f"the picture of the robot took {made.seconds:.1f} s")
     for why in (REFUSED, ENDED):
         if why in made:
             return _without(json.loads(made[why])["why"], _HINT)
