@@ -44,7 +44,10 @@ def _picture(svg: str, secrets: Secrets, is_file: bool) -> str:
     bare = re.sub(r"^<\?xml.*?\?>\s*", "", svg)
     drawn = re.sub(r">([^<]+)<", lambda match: f">{escape(secrets.blanked(unescape(match[1])))}<", bare)
     full = f'\n<p class="soft screen">in full: {file_link(PICTURE)}</p>' if is_file else ""
-    return f'<div class="picture">{drawn}</div>{full}'
+    wide = re.match(r'<svg [^>]*?width="(\d+)"', drawn)
+    # So that its words stay legible, it scrolls where it is wider than the page.
+    style = f' style="--wide: {wide[1]}px"' if wide else ""
+    return f'<div class="picture"{style}>{drawn}</div>{full}'
 
 
 def _outline(lines: Sequence[str]) -> str:

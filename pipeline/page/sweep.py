@@ -79,18 +79,16 @@ def _jobs(jobs: Sequence[Job], swept: Sequence[str], differing: Sequence[str], e
             ]
         )
     classes = dict.fromkeys(columns.values(), "number") | {"calls": "number", "job": "job"}
+    classes["status"] = "said"
     classes |= {key: "number" for key in swept if not places(key, jobs)[0].discrete}
     return section("Jobs", table(header, rows, classes, heads="job"), "jobs")
 
 
 def _status(job: Job) -> str:
     style, words = _STATUS.get(job["status"], _FAILED)
-    said = "" if job["message"] == "valid" else f'<span class="hint">{text(_short(job["message"]))}</span>'
+    lines = [] if job["message"] == "valid" else [job["message"], *job["problems"]]
+    said = "".join(f'<span class="hint">{text(shortened(line, _LETTERS))}</span>' for line in lines)
     return f'<span class="{style} word">{words}</span>{said}'
-
-
-def _short(words: str) -> str:
-    return shortened(words, _LETTERS)
 
 
 def _checks(checks: Mapping[str, Any]) -> str:
@@ -116,9 +114,12 @@ def _picture(job: Job, exists: Exists) -> str:
 
 def _links(job: Job, exists: Exists) -> str:
     report = str(PurePosixPath(job["folder"], "report.html"))
-    links = [f'<a href="{quote(report)}">report</a>'] if exists(report) else []
-    links += [f'<a href="{quote(job["folder"])}/">folder</a>'] if exists(job["folder"]) else []
-    return " ".join(links)
+    found = [("report", report, report), ("folder", job["folder"], f"{job['folder']}/")]
+    return " ".join(
+        f'<a href="{quote(target)}" aria-label="{word} of job {job["number"]}">{word}</a>'
+        for word, path, target in found
+        if exists(path)
+    )
 
 
 def _same(same: Mapping[str, float]) -> str:

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 REPORT = "report.json"
 
+MOST_PROBLEMS = 3
+"""So many problems of a job that failed are kept."""
+
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
@@ -22,6 +25,7 @@ class Outcome:
 
     `overrides`: the overrides of the job, key → value; `figures`, `checks` (how many `passed`, and the
     names of those that `warned` and `failed`) and `calls` are those of its report, as far as there is one.
+    `problems`: the first of those that its error has.
     """
 
     number: int
@@ -33,6 +37,7 @@ class Outcome:
     figures: Mapping[str, float] = field(default_factory=dict)
     checks: Mapping[str, Any] = field(default_factory=dict)
     calls: Mapping[str, int] = field(default_factory=dict)
+    problems: Sequence[str] = ()
 
 
 def built(number: int, label: str, overrides: Mapping[str, Any], report: "Report") -> Outcome:
@@ -66,7 +71,10 @@ def failed(
         figures, calls = dict(report["figures"]), _calls(report["calls"])
     except (OSError, ValueError, KeyError, TypeError):
         figures, calls = {}, {}
-    return Outcome(number, label, exit_status(error), message, str(place), overrides, figures, {}, calls)
+    found = getattr(error, "problems", ())[:MOST_PROBLEMS]
+    problems = [f"{one.code} {one.where}: {one.message}".replace(" : ", " ") for one in found]
+    status = exit_status(error)
+    return Outcome(number, label, status, message, str(place), overrides, figures, {}, calls, problems)
 
 
 def _calls(report: Mapping[str, Any]) -> dict[str, int]:

@@ -26,6 +26,7 @@ def job(number, status=0, figures=None, message="valid", **overrides):
         "figures": {"links": 11, "mass": 1.0 + number / 10} if figures is None else figures,
         "checks": {} if status == 1 else checks,
         "calls": {"made": 0, "saved": 5},
+        "problems": ["E-MASS Pin: no mass"] if status == 1 else [],
     }
 
 
@@ -66,7 +67,15 @@ def test_a_row_for_each_job_with_its_values_figures_checks_and_links():
     ):
         assert words in read.text
     assert "".join(read.said).count(HOSTILE) == 1
-    for words in ("✕ a.xml: mass", "! a.xml: reach", "3 of 4 passed", "3 of 5 passed", "1.2", "11 links"):
+    for words in (
+        "✕ a.xml: mass",
+        "! a.xml: reach",
+        "3 of 4 passed",
+        "3 of 5 passed",
+        "1.2",
+        "E-MASS Pin: no mass",
+        "11 links",
+    ):
         assert words in read.text, words
     links = [target for target in read.links if not target.startswith("#")]
     assert links == ["summary.json", "job%200/preview.png", "job%200/report.html", "job%200/", "job%203/"]

@@ -3,22 +3,26 @@
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 from pathlib import Path
+from urllib.parse import unquote
 
 import pytest
 
 from pipeline.cli import run
 from pipeline.config.plan import Plan
+from pipeline.digest import sha256
 from pipeline.live.made import ENGINE_FILE
 from pipeline.output.manifest import ours
 from pipeline.report import Report
 from pipeline.sweep.folder import keep, prepare
 from stages.robot.check import Check
-from stages.robot.errors import ConfigError, MeshError
+from stages.robot.errors import AssemblyError, ConfigError, Diagnostic, MeshError
 from tests.support.cases import mostly_slow
+from tests.support.page_reader import Reader
 from tests.support.places import PROJECT
 
 
@@ -519,3 +523,38 @@ def test_the_engine_that_the_pages_share_is_the_sweeps_own(tmp_path, monkeypatch
     without = plan.model_copy(update={"page": plan.page.model_copy(update={"live": "kinematics"})})
     prepare(tmp_path / "two", without, [])
     assert not (tmp_path / "two" / ENGINE_FILE).exists()
+
+
+def test_the_page_of_a_sweep_shows_its_jobs_and_no_secret_and_is_the_same_again(tmp_path, monkeypatch):
+    secret = "s3cr3t-value-of-a-key"
+    monkeypatch.setenv("ONSHAPE_SECRET_KEY", secret)
+
+    def build(plan):
+        if plan.root.base == "free":
+            raise AssemblyError(f"no {secret}", problems=[Diagnostic("E-MASS", f"no mass {secret}", "Pin")])
+        report = Report(
+            "built", plan.name, str(plan.folder), plan.until, 0, figures={"mass": 1.25, "links": 3}
+        )
+        plan.folder.mkdir(parents=True, exist_ok=True)
+        (plan.folder / "report.html").touch()
+        return report
+
+    sweep = ["-m", "source=sample", "root=auto,free", "output=there"]
+    assert run(sweep, build) == 1
+    page = (tmp_path / "there" / "summary.html").read_bytes()
+    read = Reader(page)
+    for words in (
+        "1 of 2 jobs built and valid, 1 failed",
+        "over root",
+        "E-MASS Pin: no mass ***",
+        "mass 1.25 kg",
+    ):
+        assert words in read.text
+    assert secret.encode() not in page
+    folder = next(one["folder"] for one in runs_of(tmp_path / "there")[-1]["jobs"] if one["status"] == 0)
+    assert f"{Path(folder).name}/report.html" in [unquote(link) for link in read.links]
+    kept = json.loads((tmp_path / "there" / ".linkwright.json").read_text())["files"]
+    assert kept["summary.html"] == sha256(page)
+    shutil.rmtree(folder)
+    assert run(sweep, build) == 1
+    assert (tmp_path / "there" / "summary.html").read_bytes() == page
