@@ -14,7 +14,7 @@ from pipeline.page.contacts import contacts
 from pipeline.page.files import files
 from pipeline.page.findings import diagnostics, error
 from pipeline.page.fix_first import MOST, fix_first, fixes
-from pipeline.page.graph import graph, table_of
+from pipeline.page.graph import graph, tables_of
 from pipeline.page.head import facts, head
 from pipeline.page.hero import hero
 from pipeline.page.markup import text
@@ -57,8 +57,8 @@ def page(
         Section("checks", "Checks", checks(tree["checks"])),
         Section("diagnostics", "Diagnostics", diagnostics(tree["diagnostics"])),
         Section("graph", "Graph", drawn),
-        Section("joints", "Joints", table_of("Joints", tables)),
-        Section("masses", "Masses", table_of("Masses", tables)),
+        Section("joints", "Joints", tables_of("Joints", tables)),
+        Section("masses", "Masses", tables_of("Masses", tables)),
         Section("colliders", "Colliders", colliders(details, shown.get(PICTURES, ""), secrets)),
         Section("contacts", "Contacts", contacts(details.get("excludes", []))),
         Section("order", "Order", order(details.get("order", {}))),

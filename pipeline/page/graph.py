@@ -12,8 +12,9 @@ from stages.graph.view.views import PICTURE
 Table = Mapping[str, Any]
 """A table of the graph stage: title, header, rows."""
 
-ALONE = ("Joints", "Masses")
-"""The tables that have a section of their own; the others are parts of the graph's."""
+SECTIONS = {"Joints": ("Joints", "Dynamics"), "Masses": ("Masses",)}
+"""Sections of their own, and the tables in each, the first under the section's heading; others are parts of
+the graph's."""
 
 
 def graph(
@@ -23,18 +24,20 @@ def graph(
     others = [
         part(text(one["title"]), plain_table(one["header"], one["rows"]))
         for one in tables
-        if one["title"] not in ALONE
+        if not any(one["title"] in titles for titles in SECTIONS.values())
     ]
     body = [_picture(svg, secrets, is_file), _outline(outline), *others]
     return section("Kinematic graph", "\n".join(filter(None, body)), "graph")
 
 
-def table_of(title: str, tables: Sequence[Table]) -> str:
-    """The section of a table that has one of its own; nothing without the table."""
-    found = next((one for one in tables if one["title"] == title), None)
-    if found is None:
+def tables_of(title: str, tables: Sequence[Table]) -> str:
+    """A section of its own; nothing without its first table."""
+    found = {one["title"]: plain_table(one["header"], one["rows"]) for one in tables}
+    first, *others = SECTIONS[title]
+    if first not in found:
         return ""
-    return section(text(title), plain_table(found["header"], found["rows"]), title.lower())
+    parts = [part(text(one), found.get(one, "")) for one in others]
+    return section(text(title), "\n".join(filter(None, [found[first], *parts])), title.lower())
 
 
 def _picture(svg: str, secrets: Secrets, is_file: bool) -> str:

@@ -31,9 +31,10 @@ def tables(robot: Robot) -> bytes:
         ("Mobility", ["what", "value"], _mobility(robot)),
         (
             "Joints",
-            [*_JOINT, *_DYNAMICS, "CAD"],
+            [*_JOINT, "CAD"],
             list(_joints(robot)),
         ),
+        ("Dynamics", ["coordinate", *_DYNAMICS], list(_dynamics(robot))),
         (
             "Loops",
             ["loop", "type", "mate", "first link", "second link", "open by", "redundant conditions"],
@@ -67,11 +68,11 @@ def _joint(joint: Joint, follows: Mapping[str, str]) -> Iterator[list[str]]:
     place = [joint.type, joint.parent, joint.child]
     mate = "" if joint.mate is None else printable(joint.mate.name)
     if not joint.dofs:
-        yield [joint.name, "", *place, *[""] * 9, mate]
+        yield [joint.name, "", *place, *[""] * 4, mate]
     for dof in joint.dofs:
         rule = follows.get(dof.name, "")
         name = "" if dof.name == joint.name else dof.name
-        yield [joint.name, name, *place, _axis(dof), limits(dof), _saved(dof), rule, *_dynamics(dof), mate]
+        yield [joint.name, name, *place, _axis(dof), limits(dof), _saved(dof), rule, mate]
 
 
 def _axis(dof: Dof) -> str:
@@ -85,7 +86,15 @@ def _saved(dof: Dof) -> str:
     return value(dof, dof.saved)
 
 
-def _dynamics(dof: Dof) -> list[str]:
+def _dynamics(robot: Robot) -> Iterator[list[str]]:
+    """A row for each dof that has any."""
+    for dof in robot.dofs:
+        amounts = _amounts(dof)
+        if any(amounts):
+            yield [dof.name, *amounts]
+
+
+def _amounts(dof: Dof) -> list[str]:
     """Effort, velocity, damping, friction and armature, "" where unset."""
     turns = dof.kind != "slide"
     given = dof.dynamics
