@@ -68,6 +68,30 @@ FOUR_BAR = """
 </mujoco>
 """
 
+SLIDER_CRANK = """
+<mujoco>
+  <compiler angle="radian"/>
+  <worldbody>
+    <body name="crank" pos="0 0 1">
+      <joint name="crank" axis="0 1 0"/>
+      <geom type="capsule" fromto="0 0 0 0 0 .2" size=".02" mass=".1"/>
+      <body name="rod" pos="0 0 .2">
+        <joint name="rod" type="ball"/>
+        <geom type="capsule" fromto="0 0 0 .5 0 0" size=".02" mass=".1"/>
+        <site name="end" pos=".5 0 0" quat=".6 0 .8 0"/>
+      </body>
+    </body>
+    <body name="slider" pos=".5 0 1.2">
+      <joint name="slide" type="slide" axis="1 0 0"/>
+      <joint name="pin" type="ball"/>
+      <geom type="box" size=".05 .03 .03" mass=".1"/>
+      <site name="pin" quat=".6 0 .8 0"/>
+    </body>
+  </worldbody>
+  <equality><weld site1="end" site2="pin"/></equality>
+</mujoco>
+"""
+
 
 @cache
 def model_of(xml: str):

@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from tests.browser.models import ALL_JOINTS, FOUR_BAR, chain, model_of, small_pack
+from tests.browser.models import ALL_JOINTS, FOUR_BAR, SLIDER_CRANK, chain, model_of, small_pack
 from tests.browser.words import complaints, word
 
 
@@ -78,6 +78,38 @@ def test_a_loop_stays_closed_and_a_follower_follows(browser, page_of, joint, val
     np.testing.assert_allclose(data.site("end").xpos, data.site("top").xpos, atol=1e-6)
     rocker = data.joint("rocker").qpos[0]
     assert data.joint("gear").qpos[0] - 0.2 == pytest.approx(0.1 - 2 * rocker + 0.3 * rocker**2, abs=1e-6)
+
+
+@pytest.mark.parametrize("value", [0.7, -0.7])
+def test_a_weld_keeps_place_and_turn(browser, page_of, value):
+    model = model_of(SLIDER_CRANK)
+    browser.open(page_of(small_pack(SLIDER_CRANK), "none"))
+    data = poses(model, browser.run("return linkwright.pose('crank', arguments[0])", value))
+    end, pin = data.site("end"), data.site("pin")
+    assert data.joint("crank").qpos[0] == pytest.approx(value)
+    np.testing.assert_allclose(end.xpos, pin.xpos, atol=1e-6)
+    np.testing.assert_allclose(end.xmat, pin.xmat, atol=1e-6)
+    along = 0.2 * np.sin(value) + np.sqrt(0.5**2 - (0.2 * (1 - np.cos(value))) ** 2)
+    assert data.joint("slide").qpos[0] == pytest.approx(along - 0.5, abs=1e-6)
+
+
+def test_a_ball_turns_about_its_vector_and_no_further_than_its_cone(browser, page_of):
+    model = model_of(ALL_JOINTS)
+    browser.open(page_of(small_pack(ALL_JOINTS), "none"))
+    place = model.joint("shoulder").qposadr[0]
+    vector = np.array([0.3, -0.5, 0.2])
+    quat = np.zeros(4)
+    mujoco.mju_axisAngle2Quat(quat, vector / np.linalg.norm(vector), np.linalg.norm(vector))
+    qpos = browser.run("return linkwright.pose('shoulder', ...arguments)", *vector)
+    np.testing.assert_allclose(qpos[place : place + 4], quat, atol=1e-9)
+    qpos = browser.run(
+        "const rows = [...document.querySelectorAll('.live-slider')].filter((row) =>"
+        " row.querySelector('label').textContent.startsWith('shoulder '));"
+        "for (const input of rows.map((row) => row.querySelector('input'))) {"
+        " input.value = 1.2; input.dispatchEvent(new Event('input')); }"
+        "return linkwright.qpos()"
+    )
+    assert 2 * np.arccos(qpos[place]) == pytest.approx(1.2, abs=1e-9)
 
 
 def test_a_joint_goes_only_as_far_as_its_loop_lets_it(browser, page_of):

@@ -23,7 +23,7 @@ function collidersFold(colliders) {
     const measures = [
       ["stands out", one.stands_out_mm], ["bare", one.bare_mm], ["tolerance", one.tolerance_mm],
     ].filter(([, value]) => value !== null && value !== undefined);
-    const text = measures.map(([word, value]) => `${word} ${Number(value.toPrecision(3))} mm`).join(", ");
+    const text = measures.map(([word, value]) => `${word} ${Number(value.toPrecision(3))}\u00a0mm`).join(", ");
     return make("li", { class: one.within ? "" : "live-beyond" }, [
       make("span", { text: one.part ? `${one.part}: ${one.made}` : one.made }),
       make("span", { class: "live-soft", text }),

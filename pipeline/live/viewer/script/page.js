@@ -46,7 +46,7 @@ class Page {
     this.view = view;
     this.panel = new Panel(view, this.side);
     this.runButton.addEventListener("click", () => view.toggle());
-    this.root.querySelector(".live-reset").addEventListener("click", () => view.reset());
+    this.root.querySelector(".live-reset").addEventListener("click", () => this.reset(view));
     this.root.querySelector(".live-look").addEventListener("click", () => (view.stage.home(), view.draw()));
     for (const box of this.root.querySelectorAll("[data-layer]")) {
       box.checked = view.layers[box.dataset.layer].visible;
@@ -56,6 +56,11 @@ class Page {
     this.connectKeyframes(view);
     this.connectWindow(view);
     this.tellHeader(view.pack.header);
+  }
+
+  reset(view) {
+    this.keyframes.value = "0";
+    view.reset();
   }
 
   // The links by their first bodies: what a click picks, for the keyboard.

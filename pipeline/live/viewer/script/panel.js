@@ -24,7 +24,9 @@ class Panel {
   posed(joint, k, value) {
     const target = jointValue(joint, this.view.kinematics.qpos);
     target[k] = value;
-    this.view.pose(joint, target);
+    const turn = Math.hypot(...target);
+    const most = joint.type === "ball" ? (joint.range?.[1] ?? Math.PI) : Infinity;
+    this.view.pose(joint, turn > most ? target.map((one) => (one * most) / turn) : target);
   }
 
   // Shows the values; controls only where there is an engine that they act on.

@@ -15,6 +15,9 @@ ENGINE = ROOM / "engine"
 FILES = json.loads((ENGINE / "engine.json").read_text())
 PACK = gzip.compress(b"a pack", mtime=0)
 
+LINES = 315
+"""As of a module."""
+
 SCHEMA = "mjcf-"
 """What the engine's MJCF knows: our own list, not a file of the engine."""
 
@@ -64,6 +67,11 @@ def test_the_licences_are_those_of_the_engine():
 
 def test_every_script_has_its_place():
     assert sorted(SCRIPTS) == sorted(path.stem for path in (ROOM / "script").glob("*.js"))
+
+
+def test_no_script_is_longer_than_can_be_read_at_once():
+    lengths = {name: len((ROOM / f"script/{name}.js").read_text().splitlines()) for name in SCRIPTS}
+    assert {name: lines for name, lines in lengths.items() if lines > LINES} == {}
 
 
 def test_the_script_ends_no_element_and_imports_nothing():
