@@ -27,7 +27,7 @@ REFUSED = "refused.json"
 ENDED = "ended.json"
 """Why there is no picture: by the robot's files, and by an accident that is not kept."""
 
-VERSION = 3
+VERSION = 4
 CODE = "I-PREVIEW"
 
 SCENE = "scene.xml"

@@ -26,6 +26,7 @@ _EXPOSURE = 0.94
 _GLOSS, _SHINE = 0.055, 48.0
 _RIM = 0.16
 _AT_ONCE = 1 << 18  # points
+_OPAQUE = 0.99
 _COARSE = 6
 """Pixels of what is drawn for one of the ground's shadow."""
 _LEVELS = 64
@@ -103,14 +104,28 @@ def swept(scene: LitRobot) -> Numbers:
 
 
 def rendered(scene: LitRobot, camera: Camera) -> Pixels:
-    """What a camera sees, whose picture is `_FINER` times as fine as the one that is made."""
-    which = seen(camera.projected(scene.corners), camera.width, camera.height)
+    """What a camera sees, whose picture is `_FINER` times as fine as the one that is made. Of what can be
+    seen through, one layer is drawn over what is opaque."""
+    placed = camera.projected(scene.corners)
     image = _ground(scene, camera)
+    opaque = np.flatnonzero(scene.seen.colours[:, 3] >= _OPAQUE)
+    if 0 < len(opaque) < len(placed):
+        behind = seen(placed[opaque], camera.width, camera.height)
+        _paint(image, scene, camera, np.where(behind < 0, -1, opaque[behind]))
+    _paint(image, scene, camera, seen(placed, camera.width, camera.height))
+    return reduced(image, _FINER)
+
+
+def _paint(image: Numbers, scene: LitRobot, camera: Camera, which: Indices) -> None:
+    """Draws over an image the triangle that is seen in each pixel, -1 for none."""
     every = np.flatnonzero(which >= 0)
     for start in range(0, len(every), _AT_ONCE):
         rows, columns = np.divmod(every[start : start + _AT_ONCE], camera.width)
-        image[rows, columns] = _surface(scene, camera, which[rows, columns], rows, columns)
-    return reduced(image, _FINER)
+        triangle = which[rows, columns]
+        alpha = scene.seen.colours[triangle, 3:4]
+        alpha = np.where(alpha >= _OPAQUE, 1.0, alpha)
+        found = _surface(scene, camera, triangle, rows, columns)
+        image[rows, columns] = alpha * found + (1.0 - alpha) * image[rows, columns]
 
 
 def _surface(scene: LitRobot, camera: Camera, triangle: Indices, rows: Indices, columns: Indices) -> Numbers:

@@ -129,6 +129,19 @@ def test_a_robot_without_any_geometry_has_its_joints_and_what_is_between_them():
     assert shown("<mujoco><worldbody/></mujoco>").shape == (SIZE[1], SIZE[0], 3)
 
 
+def test_what_is_behind_clear_plastic_is_seen_through_it():
+    xml = """<mujoco><worldbody><camera name="overview" pos="0 -4 0" xyaxes="1 0 0 0 0 1"/><body>
+      <geom type="box" size="0.3 0.1 0.3" rgba="0.9 0.1 0.1 1"/>
+      <geom type="box" size="0.6 0.02 0.6" pos="0 -0.3 0" rgba="0.1 0.1 0.9 {alpha}"/>
+      </body></worldbody></mujoco>"""
+    middle, aside = (SIZE[1] // 2, SIZE[0] // 2), (SIZE[1] // 2, SIZE[0] // 2 + 80)
+    clear, solid = (shown(xml.format(alpha=alpha)).astype(int) for alpha in (0.3, 1))
+    assert solid[middle][2] > 2 * solid[middle][0]
+    assert clear[middle][0] > clear[middle][2]
+    assert clear[aside][2] > clear[aside][0] + 30
+    assert clear[aside].sum() > solid[aside].sum() + 100
+
+
 def test_without_visual_geoms_the_colliders_are_seen():
     xml = arm().replace('contype="0" conaffinity="0"', "")
     assert robot_in(shown(xml)).mean() > 0.05

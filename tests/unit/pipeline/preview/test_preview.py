@@ -1,6 +1,8 @@
 """The picture of a build: from what it is drawn, what is kept, and that nothing of it fails a build."""
 
 import json
+import subprocess
+import sys
 from dataclasses import dataclass
 
 import pytest
@@ -27,6 +29,7 @@ from pipeline.preview.ask import Painter, drawn
 from stages.formats import png
 from stages.robot.guest import Bounds
 from tests.support.pictures import pixels_of, robot_in
+from tests.support.places import PROJECT
 
 ROBOT = b'{"keyframes": [{"name": "home", "values": {"hinge": 0.5, "ball": [1, 0, 0, 0]}}]}'
 SCENE = b'<mujoco><include file="arm.xml"/><worldbody><geom type="plane" size="1 1 1"/></worldbody></mujoco>'
@@ -98,7 +101,7 @@ def test_what_a_model_cannot_name_is_no_reason_to_draw_again():
 
 
 @pytest.mark.parametrize("files", [FILES, {"arm.urdf": URDF, "robot.json": ROBOT}], ids=["mjcf", "urdf"])
-def test_a_guest_draws_it_and_gives_the_same_bytes_twice(files):
+def test_a_guest_draws_it_and_gives_the_same_bytes_whatever_the_driver(files, monkeypatch):
     model = model_of(files)
     found = drawn(model, files, "png")
     assert sorted(found) == [PICTURE, SMALL]
@@ -107,6 +110,7 @@ def test_a_guest_draws_it_and_gives_the_same_bytes_twice(files):
     pixels = pixels_of(found[PICTURE])
     assert pixels.shape == (guest.SIZE[1], guest.SIZE[0], 3)
     assert robot_in(pixels).mean() > 0.05
+    monkeypatch.setenv("MUJOCO_GL", "nonsense")
     assert drawn(model, files, "png") == found
 
 
@@ -192,6 +196,21 @@ def test_it_is_made_once_for_the_same_files(cache, counted):
     assert counted.asked == 1
     room.preview(cache, {**FILES, "arm.xml": ARM + b"\n"}, {}, "png")
     assert counted.asked == 2
+
+
+def test_a_picture_from_the_cache_imports_nothing_heavy(tmp_path, cache, counted):
+    made = room.preview(cache, FILES, {}, "png")
+    code = (
+        "import sys\nfrom pathlib import Path\nfrom pipeline import preview as room\n"
+        "from pipeline.caching.actions import Cache\nfrom pipeline.caching.store import Store\n"
+        f"found = room.preview(Cache(Store(Path({str(tmp_path / 'cache')!r}))), {FILES!r}, {{}}, 'png')\n"
+        "heavy = [name for name in ('numpy', 'mujoco', 'PIL', 'lxml', 'trimesh') if name in sys.modules]\n"
+        "print(found.files, heavy)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=PROJECT, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.strip() == f"{made.files} []"
 
 
 def test_a_refusal_is_kept_and_an_accident_is_tried_again(cache, counted):
