@@ -5,7 +5,7 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from pipeline.live import pack, thin
+from pipeline.live import pack, scene, thin
 from pipeline.live.pack import Buffers
 from pipeline.live.scene import pack_of
 from pipeline.live.thin import clustered, fitted, simpler
@@ -131,3 +131,22 @@ def test_points_that_fall_together_are_one_and_their_triangles_gone():
     buffers = Buffers()
     entry = stored(Facets(points, corners, 3), buffers)
     assert (entry["positions"]["count"], entry["faces"], entry["of_faces"]) == (4, 2, 3)
+
+
+def test_a_pack_that_is_too_large_has_fewer_triangles_then_no_engine(tmp_path, monkeypatch):
+    write(tmp_path)
+    (tmp_path / "assets" / "shell.stl").write_bytes(stl(bumpy(5)))
+    whole = pack_of(tmp_path, "scene.xml", robot_with(()), (), 100_000)
+    monkeypatch.setattr(scene, "LARGEST", len(whole) // 3)
+    smaller = pack_of(tmp_path, "scene.xml", robot_with(()), (), 20_480)
+    assert len(smaller) <= len(whole) // 3
+    header, _ = pack.unpacked(smaller)
+    assert header["engine"] is not None
+    assert header["thinned"]["faces"] < header["thinned"]["of_faces"]
+    without = pack_of(tmp_path, "scene.xml", robot_with(()), (), 1)
+    monkeypatch.setattr(scene, "LARGEST", 2 * len(without) - 1000)
+    header, _ = pack.unpacked(pack_of(tmp_path, "scene.xml", robot_with(()), (), 100))
+    assert (header["engine"], header["no_engine"]) == (None, "the colliders are too large for a page")
+    monkeypatch.setattr(scene, "LARGEST", 100)
+    with pytest.raises(ValueError, match="too large for a page"):
+        pack_of(tmp_path, "scene.xml", robot_with(()), (), 1000)
