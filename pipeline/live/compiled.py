@@ -7,6 +7,7 @@ from typing import Any
 import mujoco
 
 from pipeline.live import flat
+from pipeline.preview.model_text import urdf_text
 from stages.formats.xml import Element, to_bytes
 from stages.robot.mujoco_warnings import listening
 from stages.validate.engines.mujoco_engine import spec_of
@@ -35,14 +36,24 @@ def compiled(folder: Path, source: str) -> LiveModel:
     document = None
     with listening():
         if source.endswith(".urdf"):
-            # The URDF itself asks MuJoCo to keep what is seen, and links on fixed joints.
-            model = spec_of(folder / source).compile()
+            model = _urdf_spec(folder, source).compile()
         else:
             document = flat.with_names(flat.flat(folder, source))
             model = compiled_text(document, folder)
         closed = _closed(model)
     tags = () if document is None else flat.actuator_tags(document)
     return LiveModel(source, model, closed, document, tags)
+
+
+def _urdf_spec(folder: Path, source: str) -> Any:
+    """What MuJoCo compiles of a URDF with all that is seen; that of a ROS package lies beside its meshes'
+    folder."""
+    if "/" not in source:
+        return spec_of(folder / source)
+    paths = (path for path in sorted(folder.rglob("*")) if path.is_file())
+    files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths}
+    text, meshes = urdf_text(source, files)
+    return mujoco.MjSpec.from_string(text, assets=dict(meshes))
 
 
 def compiled_text(document: Element, folder: Path) -> Any:

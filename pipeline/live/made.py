@@ -15,7 +15,7 @@ from pipeline.context import FILES, ROBOT, BuildContext
 from pipeline.digest import sha256
 from stages.robot.errors import Diagnostic
 
-VERSION = 4
+VERSION = 5
 """Raised when the same robot gives another pack."""
 
 ENGINE_FILE = "linkwright-engine.js"
@@ -95,9 +95,11 @@ def engine_file() -> bytes:
 
 
 def source_of(files: Iterable[str], robot: str) -> str | None:
-    """The file of a build that the page shows: the scene, else the URDF; None without both."""
-    there = set(files)
-    return next((name for name in ("scene.xml", f"{robot}.xml", f"{robot}.urdf") if name in there), None)
+    """The file of a build that the page shows: the scene, else the URDF, which may be that of a ROS package;
+    None without both."""
+    there = sorted(files, key=lambda path: (path.count("/"), path))
+    usual = [name for name in ("scene.xml", f"{robot}.xml", f"{robot}.urdf") if name in there]
+    return next(iter([*usual, *(path for path in there if path.endswith(".urdf"))]), None)
 
 
 def _made(

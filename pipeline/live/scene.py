@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from pipeline.live.actuators import actuators
+from pipeline.live.beside_urdf import with_poses
 from pipeline.live.compiled import LiveModel, compiled
 from pipeline.live.engine import EngineCopy, NoCopy, engine_copy
 from pipeline.live.geoms import geoms
@@ -32,6 +33,8 @@ def pack_of(
     `faces`: the most triangles. ValueError where MuJoCo does not compile it, or where it is too large."""
     live = compiled(folder, source)
     head = _head(live, robot, links(robot, colliders))
+    if live.document is None:
+        head = with_poses(head, robot)
     engine = _engine(live, folder)
     if len(_packed(live, head, engine, 0)) > LARGEST // 2:  # without triangles
         engine = NoCopy("the colliders are too large for a page")

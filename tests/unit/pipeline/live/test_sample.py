@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from pipeline.live import pack
+from pipeline.live.made import source_of
 from pipeline.live.scene import pack_of
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of
@@ -91,3 +92,30 @@ def test_each_body_is_a_link_with_its_parts_and_each_actuator_drives_a_joint(sam
     assert {one["unit"] for one in header["actuators"]} == {"rad", "m"}
     assert len(header["keyframes"][0]["ctrl"]) == len(header["actuators"])
     assert header["engine"] is not None
+
+
+def test_of_a_urdf_the_robot_gives_the_poses_and_the_loops(tmp_path):
+    plan = plan_of(export={"urdf": {}})
+    robot = robot_of(sample_document(), plan)
+    export(robot, tmp_path, plan)
+    header, _ = pack.unpacked(pack_of(tmp_path, "robot.urdf", robot, (), 1000))
+    assert [one["name"] for one in header["keyframes"]] == ["home", "cad"]
+    assert [one["type"] for one in header["loops"]] == ["connect", "connect"]
+    qpos = np.array(header["keyframes"][0]["qpos"])
+    assert max(gaps(header, qpos)) < 1e-6
+    moved = [joint["qpos"] for joint in header["joints"] if joint["name"] == "rod_lower_pivot"]
+    qpos[moved] += 0.1
+    assert min(gaps(header, qpos)) > 1e-3
+
+
+def test_a_urdf_in_a_ros_package_is_shown_too(tmp_path):
+    plan = plan_of(export={"ros2": {}})
+    robot = robot_of(sample_document(), plan)
+    export(robot, tmp_path, plan)
+    files = [path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()]
+    source = source_of(files, robot.name)
+    assert source.endswith(".urdf")
+    assert "/" in source
+    header, _ = pack.unpacked(pack_of(tmp_path, source, robot, (), 1000))
+    links = {body["name"] for body in header["bodies"]}
+    assert {link.name for link in robot.links} <= links
