@@ -28,7 +28,11 @@ def documents(
     from pipeline.page.document import page
 
     sizes = {path: len(data) for path, data in files.items()}
-    changes = None if last is None else since(last, done.outputs, files, (*seen.files, *pictures.files))
+    changes = (
+        None
+        if last is None
+        else since(last, done.outputs, files, (*seen.files, *pictures.files), done.checks)
+    )
     return {
         "report.json": done.to_json(log.secrets),
         "report.html": page(done, shown, sizes, log.secrets, live=seen, pictures=pictures, changes=changes),

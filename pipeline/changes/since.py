@@ -1,7 +1,7 @@
 """What a build changes about the robot that the last build left in the same folder."""
 
 import json
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,13 +9,16 @@ from typing import Any
 from pipeline.changes.change import Change
 from pipeline.changes.read import FILE
 from pipeline.output import manifest
+from stages.robot.check import Check
 from stages.robot.plural import count
 
 MOST = 20
 """So many differences of the robot are said in words."""
 
+REPORT = "report.json"
+
 _MOST_FILES = 8
-"""So many files that differ are named."""
+"""So many files and checks that differ are named."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,7 +26,7 @@ class Since:
     """What is different from the last build in the folder.
 
     `first`: no build was there. `robot`: differences of the robot, a thing and what is said of it each, and
-    how many `more` there are; `files`: of the files, each a sentence.
+    how many `more` there are; `files`: of its checks and files, each a sentence.
     """
 
     first: bool = False
@@ -38,11 +41,15 @@ class Since:
 
 
 def since(
-    folder: Path, outputs: Mapping[str, str], files: Mapping[str, bytes], beside: Collection[str] = ()
+    folder: Path,
+    outputs: Mapping[str, str],
+    files: Mapping[str, bytes],
+    beside: Collection[str] = (),
+    checks: Iterable[Check] = (),
 ) -> Since:
-    """The differences between the build in `folder` and one with the `outputs` (SHA-256 by path), whose
-    `files` are not written yet; `beside`: files of the new build that are no outputs. What is equal by its
-    digest is not read."""
+    """The differences between the build in `folder` and one with the `outputs` (SHA-256 by path) and the
+    `checks`, whose `files` are not written yet; `beside`: files of the new build that are no outputs. What is
+    equal by its digest is not read."""
     before = manifest.ours(folder)
     if before is None or not manifest.is_folder(folder):
         return Since(first=True)
@@ -50,7 +57,7 @@ def since(
     was = {path: digest for path, digest in before.items() if path not in others}
     if was == dict(outputs):
         return Since()
-    told = tuple(_files(was, outputs))
+    told = (*_checks(folder, tuple(checks)), *_files(was, outputs))
     if FILE not in was or FILE not in files or was[FILE] == outputs.get(FILE):
         return Since(files=told)
     try:
@@ -76,6 +83,22 @@ def _thing(change: Change) -> str:
     if change.section == "robot":
         return "robot"
     return f"{change.section.removesuffix('s').replace('_', ' ')} {change.name}"
+
+
+def _checks(folder: Path, checks: Sequence[Check]) -> Iterator[str]:
+    """Checks that no longer pass, and that pass again."""
+    try:
+        before = {one["name"]: one["passed"] for one in json.loads((folder / REPORT).read_bytes())["checks"]}
+    except (OSError, ValueError, KeyError, TypeError):
+        return
+    groups = {
+        "no longer passed": [one.name for one in checks if before.get(one.name) is True and not one.passed],
+        "passed again": [one.name for one in checks if before.get(one.name) is False and one.passed],
+    }
+    for word, names in groups.items():
+        if names:
+            more = f" and {len(names) - _MOST_FILES} more" if len(names) > _MOST_FILES else ""
+            yield f"{word}: {', '.join(names[:_MOST_FILES])}{more}"
 
 
 def _files(before: Mapping[str, str | None], after: Mapping[str, str]) -> Iterator[str]:

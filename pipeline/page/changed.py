@@ -15,7 +15,7 @@ def changed(changes: Since | None, secrets: Secrets) -> str:
     elif changes.nothing:
         body = "<p>Nothing: each of the robot's files is as it was.</p>"
     else:
-        body = _robot(changes, secrets) + part("Files", _files(changes, secrets))
+        body = _robot(changes, secrets) + part("Checks and files", _files(changes, secrets))
     return section("Changed since the previous build", body, "changes")
 
 

@@ -53,9 +53,9 @@ def colliders(details: Mapping[str, Any], pictures: str, secrets: Secrets) -> st
     words = [f'<span class="passed">{near} within the tolerance</span>'] if near else []
     words += [f"{len(others) - near} not judged"] if near < len(others) else []
     body = [
-        f'<p class="soft">{text(_LEGEND)}</p>' if judged else "",
         _table(missing),
         folded(", ".join(words), _table(others)),
+        folded("what the figures are", f'<p class="soft">{text(_LEGEND)}</p>') if judged else "",
         _totals(details.get("links", []), rows),
         _gallery(pictures, secrets),
     ]

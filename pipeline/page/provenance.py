@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from pipeline.page.figures import name_of, shown
 from pipeline.page.markup import file_link, link, pairs, part, plain_pairs, plain_table, section, text
 
 
@@ -18,7 +19,7 @@ def provenance(tree: Mapping[str, Any]) -> str:
     found = [
         part("Source", pairs({**_source(tree["source"]), **_plain(tree["bundle"]), **config})),
         part("Versions", plain_pairs(tree["versions"])),
-        part("Figures", plain_pairs(tree["figures"])),
+        part("Figures", pairs({name_of(key): shown(value) for key, value in tree["figures"].items()})),
     ]
     return section("Provenance", _side_by_side(found), "provenance")
 

@@ -11,6 +11,7 @@ from pipeline.digest import sha256
 from pipeline.output import manifest
 from pipeline.page.changed import changed
 from pipeline.secrets import Secrets
+from stages.robot.check import Check
 from stages.robot.errors import AssemblyError
 from tests.support.building import plan_of
 from tests.support.page_reader import Reader
@@ -93,6 +94,20 @@ def test_of_many_differences_twenty_are_in_words(last, files):
     found = since(last, digests(new), new)
     assert (len(found.robot), found.more) == (MOST, 28 - MOST)
     assert f"and {28 - MOST} more differences" in text(found)
+
+
+def test_checks_that_no_longer_pass_and_that_pass_again_are_named(last, files):
+    names = {"a.xml: mass": True, "a.xml: reach": False, "a.xml: runs": True, "a.xml: gone": False}
+    report = {"checks": [{"name": name, "passed": passed} for name, passed in names.items()]}
+    (last / "report.json").write_text(json.dumps(report))
+    now = {"a.xml: mass": False, "a.xml: reach": True, "a.xml: runs": True, "a.xml: new": False}
+    checks = [Check(name, passed, "") for name, passed in now.items()]
+    new = changed_robot(files, lambda robot: robot.update(mass=1.0))
+    found = since(last, digests(new), new, checks=checks).files
+    assert found[:2] == ("no longer passed: a.xml: mass", "passed again: a.xml: reach")
+    assert since(last, digests(files), files, checks=checks).nothing
+    (last / "report.json").write_text("[]")
+    assert since(last, digests(new), new, checks=checks).files == found[2:]
 
 
 def test_files_that_came_went_and_differ_are_named(last, files):
