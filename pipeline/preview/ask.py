@@ -12,10 +12,10 @@ from stages.robot.guest import Bounds
 
 GUEST = "pipeline.preview.guest"
 
-BOUNDS = Bounds(seconds=120, memory=6 << 30, reply=64 << 20, shared=4)
+BOUNDS = Bounds(seconds=60, memory=6 << 30, reply=64 << 20, shared=3)
 """Limits of a picture, the time that of its processor."""
 
-TURN_BOUNDS = Bounds(seconds=300, memory=6 << 30, reply=64 << 20, shared=4)
+TURN_BOUNDS = Bounds(seconds=180, memory=6 << 30, reply=64 << 20, shared=2)
 
 _ENVIRON = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """One thread: the order of the sums of several is not ours."""
