@@ -15,7 +15,7 @@ from pipeline.context import FILES, ROBOT, BuildContext
 from pipeline.digest import sha256
 from stages.robot.errors import Diagnostic
 
-VERSION = 5
+VERSION = 6
 """Raised when the same robot gives another pack."""
 
 ENGINE_FILE = "linkwright-engine.js"
@@ -23,7 +23,8 @@ ENGINE_FILE = "linkwright-engine.js"
 
 CODE = "I-LIVE"
 _LIBRARIES = ("linkwright", "mujoco", "numpy", "scipy", "manifold3d", "lxml")
-_PACK, _REFUSED = "pack", "refused.txt"
+_PACK, _POSED, _REFUSED = "pack", "posed.pack", "refused.txt"
+"""What is kept: a pack, one without a model for the engine, or why there is none."""
 
 _WITHOUT = "no live view"
 
@@ -68,12 +69,15 @@ def live(
         why = f"{_WITHOUT}: there is no MJCF or URDF"
         return Live(found=(Diagnostic(CODE, why, "report.html", "export one: export=[mjcf,...]"),))
     try:
-        pack, refused = _made(context, source, [_shown(row) for row in colliders], say)
+        made = _made(context, source, [_shown(row) for row in colliders], say)
     except Exception as error:  # Whatever it is, the robot is built.
-        pack, refused = None, f"{type(error).__name__}: {error}"
-    if pack is None:
-        return Live(found=(Diagnostic(CODE, f"{_WITHOUT}: {refused}", "report.html", ""),))
-    return _with_engine(pack, context.plan.page.live, folder, sweep)
+        made = {_REFUSED: f"{type(error).__name__}: {error}".encode()}
+    if _REFUSED in made:
+        why = f"{_WITHOUT}: {made[_REFUSED].decode()}"
+        return Live(found=(Diagnostic(CODE, why, "report.html", ""),))
+    if _POSED in made:
+        return Live(made[_POSED])
+    return _with_engine(made[_PACK], context.plan.page.live, folder, sweep)
 
 
 def _with_engine(pack: bytes, asked: str, folder: Path, sweep: Path | None) -> Live:
@@ -104,8 +108,8 @@ def source_of(files: Iterable[str], robot: str) -> str | None:
 
 def _made(
     context: BuildContext, source: str, colliders: list[dict[str, Any]], say: Callable[[str], None]
-) -> tuple[bytes | None, str]:
-    """The pack, or why MuJoCo refuses the file."""
+) -> Mapping[str, bytes]:
+    """What is kept of the view."""
     from pipeline.stage import installed
 
     exported = context.files["export"].below(FILES)
@@ -113,25 +117,25 @@ def _made(
     faces = context.plan.page.faces
 
     def make() -> dict[str, bytes]:
+        from pipeline.live.pack import unpacked
         from pipeline.live.scene import pack_of
 
         start = time.perf_counter()
         with context.cache.store.scratch({path: exported[path] for path in needed}) as folder:
             try:
-                made = {_PACK: pack_of(folder, source, context.robot, colliders, faces)}
+                pack = pack_of(folder, source, context.robot, colliders, faces)
             except ValueError as error:
                 # MuJoCo's message may name the folder.
                 return {_REFUSED: str(error).replace(str(folder), "").strip().encode()}
-        size = len(made[_PACK]) / 1e6
-        say(f"the view of the robot took {time.perf_counter() - start:.1f} s, {size:.2f} MB")
-        return made
+        say(f"the view of the robot took {time.perf_counter() - start:.1f} s, {len(pack) / 1e6:.2f} MB")
+        return {_PACK if unpacked(pack)[0]["engine"] else _POSED: pack}
 
     inputs = {path: exported.digests[path] for path in needed}
     inputs |= {"robot": context.files["graph"].digests[ROBOT], "colliders": sha256(canonical(colliders))}
     config = {"source": source, "faces": faces}
     versions = {name: installed(name) for name in _LIBRARIES}
     found, _ = context.cache.run(Action("page/live", VERSION, config, inputs, versions), make)
-    return (None, found[_REFUSED].decode()) if _REFUSED in found else (found[_PACK], "")
+    return found
 
 
 def _shown(row: Mapping[str, Any]) -> dict[str, Any]:

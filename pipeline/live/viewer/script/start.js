@@ -31,8 +31,8 @@ async function startEngine(view, page) {
     page.root.dataset.engine = "none";
     page.tell(`${reason} The sliders pose the robot.`);
   };
-  if (page.root.dataset.engine === "none") return page.tell("The sliders pose the robot.");
   if (!header.engine) return without(`No simulation: ${header.no_engine || "there is no model for it"}.`);
+  if (page.root.dataset.engine === "none") return page.tell("The sliders pose the robot.");
   const pieces = enginePieces();
   if (!pieces) return without(`The engine of this page is missing: ${page.root.dataset.shared} is not beside it.`);
   if (typeof WebAssembly === "undefined") return without("No simulation: WebAssembly is switched off in this browser.");

@@ -134,3 +134,10 @@ def test_the_page_gets_the_view(plan, monkeypatch):
     monkeypatch.setattr("pipeline.page.document.page", page)
     build(plan())
     assert given[0].pack is not None
+
+
+def test_a_page_whose_robot_cannot_simulate_has_no_engine(plan, shown):
+    for _ in range(2):
+        build(plan(export={"urdf": {}}))
+    assert [one.engine for one in shown] == ["none", "none"]
+    assert unpacked(shown[1].pack)[0]["no_engine"]
