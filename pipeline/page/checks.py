@@ -21,9 +21,9 @@ def checks(found: Sequence[Mapping[str, Any]]) -> str:
     groups = {word: [check for check in found if outcome(check) == word] for word in OUTCOMES}
     passed = groups["passed"]
     words = f'<span class="passed">✓ {len(passed)} passed</span>'
-    open_tables = "".join(_table(groups[word]) for word in OUTCOMES if word != "passed")
+    unmet = [check for word in OUTCOMES if word != "passed" for check in groups[word]]
     own = "".join(_own_table(check) for check in found if check.get("table"))
-    body = open_tables + folded(words, _table(passed), on_paper=False) + own
+    body = _table(unmet) + folded(words, _table(passed), on_paper=False) + own
     return section(f"Checks: {len(passed)} of {len(found)} passed", body, "checks") if found else ""
 
 
@@ -48,12 +48,14 @@ def _own_table(check: Mapping[str, Any]) -> str:
     return folded(text(summary), shown, on_paper=len(rows) <= _ON_PAPER)
 
 
+def said(finding: Mapping[str, Any]) -> str:
+    """What a check does not accept, of which element and attribute."""
+    return f"{finding['element']} {finding['attribute']}".strip() + f": {finding['message']}"
+
+
 def _found_by(check: Mapping[str, Any]) -> str:
     """What a check measured, and the elements and attributes to look at."""
-    lines = [
-        f"{one['element']} {one['attribute']}".strip() + f": {one['message']}" for one in check["findings"]
-    ]
-    return text(check["detail"]) + "".join(f"<br>{text(line)}" for line in lines)
+    return text(check["detail"]) + "".join(f"<br>{text(said(one))}" for one in check["findings"])
 
 
 def _table(group: Sequence[Mapping[str, Any]]) -> str:

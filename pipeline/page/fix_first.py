@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from pipeline.page.checks import outcome, split_name
+from pipeline.page.checks import outcome, said, split_name
 from pipeline.page.codes import level_of, problems_of, to_code
 from pipeline.page.markup import inline, section, shortened, text
 from pipeline.reference.codes import remedy
@@ -91,7 +91,7 @@ def _checks(tree: Mapping[str, Any]) -> Iterator[Fix]:
         files = ", ".join(filter(None, (split_name(check)[0] for check in group)))
         name = f"{title} in {files}" if files else title
         findings = group[0]["findings"]
-        found = findings[0]["message"] if findings else group[0]["detail"]
+        found = said(findings[0]) if findings else group[0]["detail"]
         yield Fix(outcome(group[0]), code, name, found, remedy(code))
 
 

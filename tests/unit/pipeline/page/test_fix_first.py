@@ -50,7 +50,7 @@ def test_the_gravest_are_first_and_those_of_a_kind_are_one() -> None:
     ]
     assert found[1].title == "mass in a.xml, a.urdf"
     assert (found[2].found, found[2].to_do) == ("Arm/Joint 0: no limits 0", "set them")
-    assert (found[3].found, found[3].to_do) == ("hit", remedy("C-REACH"))
+    assert (found[3].found, found[3].to_do) == ("joint range: hit", remedy("C-REACH"))
     assert [(fix.title, fix.found, fix.to_do) for fix in found[4:]] == [
         ("point 2 of sim-readiness", "few pieces", "coarser"),
         ("point 3 of sim-readiness", "rests", "x"),
