@@ -1,6 +1,7 @@
 """Browsers for the tests, one for the whole run where its flags are the usual ones."""
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,14 +25,14 @@ SIZE = (900, 600)
 PREVIEW = '<img class="preview" alt="preview" src="data:image/gif;base64,R0lGODlhAQABAAAAACwAAAAAAQABAAA=">'
 
 
-@pytest.fixture(autouse=True)
+@pytest.fixture(scope="session", autouse=True)
 def _installed() -> None:
     if missing():
         pytest.skip(f"tests of the page need a browser: {missing()} not found on PATH")
 
 
 @pytest.fixture(scope="session")
-def shared_browser() -> Iterator[Browser]:
+def shared_browser(_installed: None) -> Iterator[Browser]:
     with Browser() as browser:
         yield browser
 
@@ -48,12 +49,13 @@ def browser(shared_browser: Browser) -> Browser:
 @pytest.fixture
 def page_of(tmp_path: Path) -> Callable[..., Path]:
     """Writes a page around the view of a pack."""
+    return partial(write_page, tmp_path)
 
-    def write(pack: bytes, engine: Any = "whole", shared_path: str = "") -> Path:
-        found = view(pack, engine, shared_path)
-        body = found.body.replace("<!-- preview -->", PREVIEW)
-        path = tmp_path / "page.html"
-        path.write_text(PAGE.format(style=found.style, body=body, scripts=found.scripts), encoding="utf-8")
-        return path
 
-    return write
+def write_page(folder: Path, pack: bytes, engine: Any = "whole", shared_path: str = "") -> Path:
+    """A page around the view of a pack, in a folder."""
+    found = view(pack, engine, shared_path)
+    body = found.body.replace("<!-- preview -->", PREVIEW)
+    path = folder / "page.html"
+    path.write_text(PAGE.format(style=found.style, body=body, scripts=found.scripts), encoding="utf-8")
+    return path

@@ -4,18 +4,22 @@ import mujoco
 import numpy as np
 import pytest
 
-from tests.browser.conftest import SIZE
+from tests.browser.conftest import SIZE, write_page
 from tests.browser.models import HELD, chain, model_of, renamed, small_pack
-from tests.browser.words import complaints, shown, word
+from tests.browser.words import complaints, opened, shown, word
 
 HOSTILE = '</script><img src=x onerror="window.broken=1">&amp;\'"'
 
 
+@pytest.fixture(scope="module")
+def held_page(tmp_path_factory):
+    return write_page(tmp_path_factory.mktemp("held"), small_pack(HELD))
+
+
 @pytest.fixture
-def held(browser, page_of):
+def held(browser, held_page):
     """The page of an arm that its actuators hold."""
-    browser.open(page_of(small_pack(HELD)))
-    return browser
+    return opened(browser, held_page)
 
 
 def at(browser, body):
@@ -31,7 +35,9 @@ def at(browser, body):
     return {"x": round(x), "y": round(y)}
 
 
-def test_it_runs_at_home_at_once(held):
+def test_it_runs_at_home_at_once(browser, held_page):
+    browser.open(held_page)
+    held = browser
     assert word(held) == "Simulating in MuJoCo 3.14.0"
     assert held.run("return linkwright.info().running")
     assert held.run("return document.querySelector('.live-toggle span').textContent") == "Pause"
@@ -59,8 +65,7 @@ def test_space_pauses_and_arrows_turn_the_camera(held):
     assert word(held) == "Paused"
     held.keys("\ue014\ue014\ue013")
     after = held.run("return linkwright.view.stage.camera.position")
-    way = [np.hypot(one["x"] - after["x"], one["y"] - after["y"]) for one in (before,)]
-    assert way[0] > 0.05
+    assert np.hypot(before["x"] - after["x"], before["y"] - after["y"]) > 0.05
     held.keys(" ")
     assert word(held) == "Simulating in MuJoCo 3.14.0"
 
@@ -217,6 +222,21 @@ def test_it_does_not_step_out_of_sight(held):
     held.run("scrollTo(0, 1e9)")
     held.run(seconds)
     assert held.run(seconds) < held.run(seconds)
+    held.run("document.body.firstElementChild.remove()")
+
+
+def test_a_frame_is_drawn_once_also_after_it_was_out_of_sight(held):
+    drawn, ticks = held.run(
+        "const tall = Object.assign(document.createElement('div'), {style: 'height: 300vh'});"
+        "const wait = () => new Promise((done) => setTimeout(done, 60));"
+        "for (const _ of [1, 2, 3]) {"
+        " document.body.prepend(tall); await wait(); tall.remove(); await wait(); }"
+        "const {stage} = linkwright.view; let drawn = 0, ticks = 0;"
+        "stage.render = () => { drawn++; Object.getPrototypeOf(stage).render.call(stage); };"
+        "for (; ticks < 10; ticks++) await new Promise(requestAnimationFrame);"
+        "delete stage.render; return [drawn, ticks]"
+    )
+    assert 0 < drawn <= ticks + 1
 
 
 def test_the_licences_open(held):

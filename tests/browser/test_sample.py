@@ -6,7 +6,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from tests.browser.words import complaints, word
+from tests.browser.words import complaints, opened, word
 from tests.support.command import environment, linkwright
 
 LARGEST = 5e6
@@ -24,8 +24,9 @@ def built(tmp_path_factory):
 
 
 @pytest.fixture
-def opened(browser, built):
-    browser.open(built / "report.html")
+def page(browser, built):
+    """The page in the browser, as when it is opened."""
+    opened(browser, built / "report.html")
     assert word(browser).startswith("Simulating"), word(browser)
     return browser
 
@@ -35,19 +36,20 @@ def model(built):
     return mujoco.MjModel.from_xml_path(str(built / "scene.xml"))
 
 
-def test_it_opens_from_disk_without_a_request_or_a_complaint(opened, built):
-    assert complaints(opened) == []
-    assert list(opened.requests()) == [(built / "report.html").as_uri()]
+def test_it_opens_from_disk_without_a_request_or_a_complaint(browser, built):
+    browser.open(built / "report.html")
+    assert complaints(browser) == []
+    assert list(browser.requests()) == [(built / "report.html").as_uri()]
     assert (built / "report.html").stat().st_size < LARGEST
 
 
-def test_it_stays_at_home(opened, model):
+def test_it_stays_at_home(page, model):
     """For five seconds, within 0.02 rad (and m), with its loop closed; Python's MuJoCo measures the loop."""
-    opened.run("linkwright.view.pause(); linkwright.view.reset()")
-    home = opened.run("return linkwright.qpos()")
+    page.run("linkwright.view.pause(); linkwright.view.reset()")
+    home = page.run("return linkwright.qpos()")
     data = mujoco.MjData(model)
     for _ in range(5):
-        qpos = opened.run("return linkwright.step(1)")
+        qpos = page.run("return linkwright.step(1)")
         np.testing.assert_allclose(qpos, home, atol=0.02)
         data.qpos[:] = qpos
         mujoco.mj_kinematics(model, data)
@@ -73,14 +75,14 @@ return [qpos, linkwright.header.bodies.map((_, body) => linkwright.matrix(body))
 """
 
 
-def test_every_slider_keeps_the_loop_closed_and_shows_the_pose(opened, model):
+def test_every_slider_keeps_the_loop_closed_and_shows_the_pose(page, model):
     data = mujoco.MjData(model)
     for joint in range(model.njnt):
         name = model.joint(joint).name
         low, high = model.jnt_range[joint]
         for share in (0.2, 0.8):
             target = low + share * (high - low)
-            qpos, drawn = opened.run(POSE, name, target)
+            qpos, drawn = page.run(POSE, name, target)
             data.qpos[:] = qpos
             mujoco.mj_kinematics(model, data)
             assert gaps(model, data).max() < 1e-6, name
@@ -89,38 +91,38 @@ def test_every_slider_keeps_the_loop_closed_and_shows_the_pose(opened, model):
             np.testing.assert_allclose(np.array(drawn)[:, 12:15], data.xpos, atol=1e-6)
 
 
-def test_a_slider_turns_the_right_link_by_the_right_angle(opened, model):
+def test_a_slider_turns_the_right_link_by_the_right_angle(page, model):
     """The shoulder's yaw carries the whole arm; the base and the lift stay."""
-    opened.run("linkwright.view.pause(); linkwright.view.reset()")
+    page.run("linkwright.view.pause(); linkwright.view.reset()")
     read = "return linkwright.header.bodies.map((_, body) => linkwright.matrix(body))"
-    before = [np.reshape(one, (4, 4)).T[:3, :3] for one in opened.run(read)]
-    value = opened.run("return linkwright.qpos()")[model.joint("shoulder_yaw").qposadr[0]]
-    opened.run(
+    before = [np.reshape(one, (4, 4)).T[:3, :3] for one in page.run(read)]
+    value = page.run("return linkwright.qpos()")[model.joint("shoulder_yaw").qposadr[0]]
+    page.run(
         "const row = [...document.querySelectorAll('.live-slider')].filter((one) =>"
         " one.querySelector('label').textContent === 'shoulder_yaw').pop();"
         "const input = row.querySelector('input'); input.value = arguments[0];"
         "input.dispatchEvent(new Event('input')); linkwright.view.update()",
         value - 0.7,
     )
-    after = [np.reshape(one, (4, 4)).T[:3, :3] for one in opened.run(read)]
+    after = [np.reshape(one, (4, 4)).T[:3, :3] for one in page.run(read)]
     for name, angle in [("base_plate", 0), ("lift_column", 0), ("turret", 0.7), ("palm", 0.7)]:
         body = model.body(name).id
         turned = after[body] @ before[body].T
         assert np.arctan2(turned[0, 1], turned[0, 0]) == pytest.approx(angle, abs=1e-6), name
 
 
-def test_links_say_what_they_are_made_of(opened, built):
+def test_links_say_what_they_are_made_of(page, built):
     robot = json.loads((built / "robot.json").read_text())
-    names = opened.run("return linkwright.header.links.map((one) => one.name)")
+    names = page.run("return linkwright.header.links.map((one) => one.name)")
     assert sorted(names) == sorted(link["name"] for link in robot["links"])
-    opened.run("linkwright.view.pick(linkwright.header.bodies.findIndex((one) => one.name === 'forearm'))")
-    card = opened.run("return document.querySelector('.live-card').textContent")
+    page.run("linkwright.view.pick(linkwright.header.bodies.findIndex((one) => one.name === 'forearm'))")
+    card = page.run("return document.querySelector('.live-card').textContent")
     assert card.startswith("forearm")
     assert "CAD part" in card
     assert "collider" in card
 
 
-def test_the_whole_report_fits(opened):
+def test_the_whole_report_fits(page):
     for width in (1280, 400):
-        opened.size(width, 900)
-        assert opened.run("return document.documentElement.scrollWidth") <= width
+        page.size(width, 900)
+        assert page.run("return document.documentElement.scrollWidth") <= width

@@ -67,6 +67,7 @@ class Browser:
         except BaseException:
             self.process.kill()
             raise
+        self.page: Path | None = None
         self.path = f"/session/{session['sessionId']}"
         self.size(width, height, dark=dark)
 
@@ -118,6 +119,7 @@ class Browser:
 
     def open(self, page: Path) -> None:
         """Opens a file from disk, and waits until the view has started or said why it does not."""
+        self.page = page
         self._post(f"{self.path}/url", {"url": page.as_uri()})
         self.run("await window.linkwright?.ready")
 

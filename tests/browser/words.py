@@ -1,5 +1,7 @@
 """What the page says, and what the browser complains of."""
 
+from pathlib import Path
+
 from tests.browser.webdriver import Browser
 
 OF_THE_DRIVER = "GL Driver Message"
@@ -23,3 +25,30 @@ def shown(browser: Browser, selector: str) -> bool:
         " && getComputedStyle(e).visibility !== 'hidden'"
     )
     return bool(browser.run(script, selector))
+
+
+AS_OPENED = """
+const {view} = linkwright;
+view.letGo();
+view.pick(null);
+for (const box of document.querySelectorAll("[data-layer]")) {
+  if (box.checked !== box.defaultChecked) box.click();
+}
+document.querySelector(".live-keyframe").value = "0";
+document.activeElement.blur();
+scrollTo(0, 0);
+view.stage.resize();
+view.stage.home();
+view.pause();
+view.reset();
+view.run();
+"""
+
+
+def opened(browser: Browser, page: Path) -> Browser:
+    """Has a page as it is when it has just been opened; one that is open already is not read again."""
+    if browser.page == page:
+        browser.run(AS_OPENED)
+    else:
+        browser.open(page)
+    return browser

@@ -91,7 +91,6 @@ class Page {
     const wait = () => {
       view.waiting = !(seen.page && seen.view);
       view.last = null;
-      view.asked = false;
       view.draw();
     };
     document.addEventListener("visibilitychange", () => ((seen.page = !document.hidden), wait()));

@@ -40,7 +40,7 @@ class Stage {
     key.position.copy(this.center).add(new THREE.Vector3(-0.9, -1.5, 2.6).multiplyScalar(2 * this.radius));
     key.target.position.copy(this.center);
     key.castShadow = true;
-    key.shadow.mapSize.set(2048, 2048);
+    key.shadow.mapSize.setScalar(this.canvas.clientWidth * this.renderer.getPixelRatio() < 700 ? 1024 : 2048);
     key.shadow.radius = 2.5;
     key.shadow.normalBias = this.radius / 70;
     key.shadow.bias = -0.0006;

@@ -2,6 +2,7 @@
 
 async function startLinkwright(root) {
   const page = new Page(root);
+  page.tell("Loading …");
   const fail = (words) => {
     root.dataset.state = "still";
     page.tell(words);

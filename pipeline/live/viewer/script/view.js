@@ -1,5 +1,6 @@
 // The view as a whole: what is shown, whether it runs, and who is told.
 
+const LONGEST = 0.1; // s of a frame that are caught up with
 const REFRESH = 80; // ms between two updates of the sliders while it runs
 
 class View {
@@ -127,12 +128,12 @@ class View {
     else this.run();
   }
 
-  // Steps the engine; a state that is not finite ends it.
+  // Steps the engine for the seconds since the last frame; a state that is not finite ends it.
   advance(seconds) {
     let reason = "";
     try {
       this.engine.look();
-      const gone = this.engine.advance(seconds);
+      const gone = this.engine.advance(Math.min(LONGEST, seconds));
       if (!Number.isNaN(gone)) return this.pace(gone, seconds);
     } catch (error) {
       reason = ` (${messageOf(error)})`;
@@ -209,7 +210,7 @@ class View {
     this.asked = false;
     if (this.waiting) return;
     const began = performance.now();
-    if (this.running) this.advance(Math.min(0.1, Math.max(0, now - (this.last ?? now)) / 1000));
+    if (this.running) this.advance(Math.max(0, now - (this.last ?? now)) / 1000);
     this.stepTime = performance.now() - began;
     this.last = now;
     this.update();
