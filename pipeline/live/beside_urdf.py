@@ -1,4 +1,4 @@
-"""What a URDF does not say of a robot, for a page that shows one: its named poses and its loops."""
+"""What a URDF does not say of a robot, or not to all readers: its named poses, relations and loops."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -15,11 +15,16 @@ _POINTS = {"revolute": (0.0, 1.0), "ball": (0.0,)}
 
 
 def with_poses(header: dict[str, Any], robot: Robot) -> dict[str, Any]:
-    """The header of a URDF with the robot's keyframes and loops. A loop that slides stays open: the page has
-    no frames for it."""
+    """The header of a URDF with the robot's keyframes, relations and loops. A loop that slides stays open:
+    the page has no frames for it."""
     bodies = {body["name"]: index for index, body in enumerate(header["bodies"])}
     loops = [entry for loop in robot.loops for entry in _loop(loop, bodies)]
-    return {**header, "keyframes": _keyframes(header, robot), "loops": [*header["loops"], *loops]}
+    return {
+        **header,
+        "keyframes": _keyframes(header, robot),
+        "relations": _relations(header, robot),
+        "loops": [*header["loops"], *loops],
+    }
 
 
 def _keyframes(header: dict[str, Any], robot: Robot) -> list[dict[str, Any]]:
@@ -31,6 +36,19 @@ def _keyframes(header: dict[str, Any], robot: Robot) -> list[dict[str, Any]]:
             if joint["unit"] and isinstance(value, int | float):
                 qpos[joint["qpos"]] = rounded(value)
         found.append({"name": name, "qpos": qpos, "ctrl": []})
+    return found
+
+
+def _relations(header: dict[str, Any], robot: Robot) -> list[dict[str, Any]]:
+    """Those that MuJoCo reads of the URDF, which older versions do not, and the robot's others."""
+    found = list(header["relations"])
+    known = {one["follower"] for one in found}
+    numbers = {joint["name"]: index for index, joint in enumerate(header["joints"]) if joint["unit"]}
+    for one in robot.relations:
+        follower, driver = numbers.get(one.follower), numbers.get(one.driver)
+        if follower is not None and driver is not None and follower not in known:
+            polynomial = [rounded(one.offset), rounded(one.multiplier), 0.0, 0.0, 0.0]
+            found.append({"follower": follower, "driver": driver, "polynomial": polynomial})
     return found
 
 

@@ -15,7 +15,7 @@ from pipeline.context import FILES, ROBOT, BuildContext
 from pipeline.digest import sha256
 from stages.robot.errors import Diagnostic
 
-VERSION = 6
+VERSION = 7
 """Raised when the same robot gives another pack."""
 
 ENGINE_FILE = "linkwright-engine.js"
@@ -23,6 +23,9 @@ ENGINE_FILE = "linkwright-engine.js"
 
 CODE = "I-LIVE"
 _LIBRARIES = ("linkwright", "mujoco", "numpy", "scipy", "manifold3d", "lxml")
+_NEVER_READ = (".json", ".srdf", ".sdf", ".usda", ".py", ".md")
+"""Files of a build that no MJCF and no URDF refers to."""
+
 _PACK, _POSED, _REFUSED = "pack", "posed.pack", "refused.txt"
 """What is kept: a pack, one without a model for the engine, or why there is none."""
 
@@ -113,7 +116,7 @@ def _made(
     from pipeline.stage import installed
 
     exported = context.files["export"].below(FILES)
-    needed = [path for path in sorted(exported) if path.endswith((".xml", ".urdf")) or "/" in path]
+    needed = [path for path in sorted(exported) if not path.endswith(_NEVER_READ)]
     faces = context.plan.page.faces
 
     def make() -> dict[str, bytes]:

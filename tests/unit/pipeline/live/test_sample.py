@@ -1,5 +1,7 @@
 """The pack of the sample robot, as its export writes it, without meshes."""
 
+import re
+
 import mujoco
 import numpy as np
 import pytest
@@ -94,11 +96,18 @@ def test_each_body_is_a_link_with_its_parts_and_each_actuator_drives_a_joint(sam
     assert header["engine"] is not None
 
 
-def test_of_a_urdf_the_robot_gives_the_poses_and_the_loops(tmp_path):
+@pytest.mark.parametrize("mimic", [True, False])
+def test_of_a_urdf_the_robot_gives_the_poses_and_the_loops(mimic, tmp_path):
     plan = plan_of(export={"urdf": {}})
     robot = robot_of(sample_document(), plan)
     export(robot, tmp_path, plan)
+    if not mimic:  # as readers do that know no mimics
+        text = (tmp_path / "robot.urdf").read_text()
+        (tmp_path / "robot.urdf").write_text(re.sub("<mimic[^>]*>", "", text))
     header, _ = pack.unpacked(pack_of(tmp_path, "robot.urdf", robot, (), 1000))
+    joints = [joint["name"] for joint in header["joints"]]
+    pairs = {(joints[one["follower"]], joints[one["driver"]]) for one in header["relations"]}
+    assert {(one.follower, one.driver) for one in robot.relations} <= pairs
     assert [one["name"] for one in header["keyframes"]] == ["home", "cad"]
     assert [one["type"] for one in header["loops"]] == ["connect", "connect"]
     qpos = np.array(header["keyframes"][0]["qpos"])
