@@ -56,13 +56,13 @@ INTERFACES: Mapping[str, tuple[str, ...]] = {
 @dataclass(frozen=True, slots=True)
 class ControlJoint:
     """A joint: the interfaces that command it and that are measured, its value [rad or m] at `home`, and
-    (driver, multiplier) where it follows another."""
+    (driver, multiplier as the URDF has it) where it follows another."""
 
     name: str
     commands: tuple[str, ...]
     states: tuple[str, ...]
     home: float
-    follows: tuple[str, float] | None
+    follows: tuple[str, str] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,9 +149,9 @@ def _given(controls: Sequence[Element]) -> dict[str, set[str]]:
     return found
 
 
-def _follows(joint: Element) -> tuple[str, float] | None:
+def _follows(joint: Element) -> tuple[str, str] | None:
     mimic = joint.find("mimic")
-    return None if mimic is None else (str(mimic.get("joint")), float(mimic.get("multiplier", "1")))
+    return None if mimic is None else (str(mimic.get("joint")), str(mimic.get("multiplier", "1")))
 
 
 def _measured(actuation: Actuation, sensing: Sensing) -> set[str]:

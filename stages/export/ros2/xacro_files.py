@@ -61,7 +61,7 @@ def control_macro(control: Control, name: str) -> bytes:
             # ROS 2 Humble reads these, newer ones the <mimic> of the URDF.
             driver, multiplier = joint.follows
             element(node, "param", name="mimic").text = f"${{prefix}}{driver}"
-            element(node, "param", name="multiplier").text = number(multiplier)
+            element(node, "param", name="multiplier").text = multiplier
         for interface in joint.commands:
             element(node, "command_interface", name=interface)
         for interface in joint.states:
