@@ -17,6 +17,7 @@ from stages.robot.model import Array, Dof, DofKind, Robot
 from stages.robot.pose_batch import (
     Values,
     along,
+    cross,
     placed,
     product_of_quats,
     quats_of,
@@ -30,6 +31,9 @@ _DAMPED = 1e-10
 
 _SETTLING = 30
 """Steps within which configurations near a closed one close."""
+
+_SETTLED, _WILD = 1e-13, 1e-2
+"""Movements [rad, m]: of the last step of one that is closed, and of later steps of one that cannot be."""
 
 
 class Closer:
@@ -79,12 +83,15 @@ class Closer:
         keep the loops closed are those that it maps to zero. Followers count with their drivers."""
         return self._conditions(values)[1]
 
-    def settled(self, values: Values) -> tuple[dict[str, Array], npt.NDArray[np.bool_]]:
-        """The nearest configurations with closed loops, and which of them (n,) are closed."""
+    def settled(
+        self, values: Values, patience: int = _SETTLING
+    ) -> tuple[dict[str, Array], npt.NDArray[np.bool_]]:
+        """The nearest configurations with closed loops, and which of them (n,) are closed. After `patience`
+        steps those that still go far are given up."""
         now = dict(values)
-        for _ in range(_SETTLING):
+        for step in range(_SETTLING):
             now, moved = self._step(now, None, 1.0)
-            if moved <= 1e-13:
+            if ((moved <= _SETTLED) | ((moved > _WILD) & (step >= patience))).all():
                 break
         off = self._conditions(now)[0]
         allowed = np.array([max(CLOSED, 2 * loop.residual) for loop in self._loops])
@@ -106,12 +113,12 @@ class Closer:
         now = dict(values)
         for _ in range(steps):
             now, moved = self._step(now, target, 1.0)
-            if moved <= 1e-12:
+            if moved.max(initial=0.0) <= 1e-12:
                 break
         return now
 
-    def _step(self, values: Values, target: Values | None, share: float) -> tuple[dict[str, Array], float]:
-        """One step, by `share` of the way to the target, and the largest movement [rad, m]."""
+    def _step(self, values: Values, target: Values | None, share: float) -> tuple[dict[str, Array], Array]:
+        """One step, by `share` of the way to the target, and the largest movement (n,) [rad, m] of each."""
         off, jacobian = self._conditions(values)
         wanted = np.zeros((len(off), self._size))
         if target is not None:
@@ -130,7 +137,7 @@ class Closer:
             free = jacobian * ~stopped[:, None, :]
             step = np.where(stopped, held, self._closest(free, off, np.where(stopped, 0.0, wanted)))
             step = np.clip(at + step, low, high) - at
-        return self._moved(values, step), float(np.abs(step).max(initial=0.0))
+        return self._moved(values, step), np.abs(step).max(axis=1, initial=0.0)
 
     def _closest(self, jacobian: Array, off: Array, wanted: Array) -> Array:
         """As `_closest`, of shares of the ranges."""
@@ -205,7 +212,7 @@ def _twists(dof: Dof, before: Array, after: Array, point: Array) -> Array:
     else:
         axes = after[:, :3, :3]
     arms = (point - after[:, :3, 3])[:, :, None]
-    return np.concatenate([np.cross(axes, arms, axis=1), axes], axis=1)
+    return np.concatenate([cross(axes, arms), axes], axis=1)
 
 
 def _closest(jacobian: Array, off: Array, wanted: Array) -> Array:

@@ -33,6 +33,9 @@ _COARSE, _DENSE = 65, 257
 _STEPS = 16
 """Steps from the first pose to each point."""
 
+_PATIENCE = 8
+"""Steps of Newton's method in which one of these closes, if not so near a singular pose that it takes more."""
+
 _ENOUGH = 9
 """Points with closed loops that a line needs."""
 
@@ -138,7 +141,7 @@ def _path(robot: Robot, begin: Values, rates: Mapping[str, Rates], points: int) 
                 moves[name] += float(speed[0, 0]) * step
     for _ in range(_STEPS):
         ahead = {**now, **{name: now[name] + move for name, move in moves.items()}}
-        after, closed = closer.settled(ahead)
+        after, closed = closer.settled(ahead, _PATIENCE)
         moves = {name: (after[name] - now[name])[closed] for name in moves}
         now = dict(chosen(after, closed))
         if not closed.any():

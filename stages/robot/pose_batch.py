@@ -103,7 +103,17 @@ def product_of_quats(first: Array, second: Array) -> Array:
     a, b = first[:, 0], second[:, 0]
     u, v = first[:, 1:], second[:, 1:]
     scalar = a * b - np.einsum("ij,ij->i", u, v)
-    return np.column_stack([scalar, a[:, None] * v + b[:, None] * u + np.cross(u, v)])
+    return np.column_stack([scalar, a[:, None] * v + b[:, None] * u + cross(u, v)])
+
+
+def cross(first: Array, second: Array) -> Array:
+    """The products (n, 3, ...) of vectors along the second axis."""
+    # np.cross, which takes any axes, costs ten times as much for a few hundred vectors.
+    product: Array = first[:, _NEXT] * second[:, _LAST] - first[:, _LAST] * second[:, _NEXT]
+    return product
+
+
+_NEXT, _LAST = [1, 2, 0], [2, 0, 1]
 
 
 def turns_of(rotations: Array) -> Array:

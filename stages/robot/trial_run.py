@@ -67,7 +67,7 @@ def trial_run(model: Any, seconds: float = SECONDS, opening: float = OPEN) -> Tr
 def failure(model: Any, data: Any) -> tuple[str, tuple[str, ...]] | None:
     """What went wrong since the data was reset, in words, and the names of the joints that it began with;
     None for nothing."""
-    warned = [index for index, warning in enumerate(data.warning) if warning.number]
+    warned = [index for index, number in enumerate(data.warning.number.tolist()) if number]
     if warned or not np.isfinite(data.qpos).all():
         return _words(warned), _joints(model, data, warned)
     return None
@@ -75,12 +75,14 @@ def failure(model: Any, data: Any) -> tuple[str, tuple[str, ...]] | None:
 
 def _opening(model: Any, data: Any) -> tuple[float, int]:
     """The largest error of a connect or weld [m, rad], and its number; -1 without any."""
-    rows = np.flatnonzero(data.efc_type[: data.nefc] == mujoco.mjtConstraint.mjCNSTR_EQUALITY)
-    closing = model.eq_type[data.efc_id[rows]] != mujoco.mjtEq.mjEQ_JOINT
-    rows = rows[closing]
-    if not rows.size:
+    if not data.ne:
         return 0.0, -1
-    squares = np.bincount(data.efc_id[rows], data.efc_pos[rows] ** 2)
+    # The rows of equalities come first.
+    equalities = data.efc_id[: data.ne]
+    closing = model.eq_type[equalities] != mujoco.mjtEq.mjEQ_JOINT
+    if not closing.any():
+        return 0.0, -1
+    squares = np.bincount(equalities[closing], data.efc_pos[: data.ne][closing] ** 2)
     worst = int(squares.argmax())
     return float(np.sqrt(squares[worst])), worst
 

@@ -61,7 +61,7 @@ def at_home(model: mujoco.MjModel) -> mujoco.MjData:
 
 
 def warnings(data: mujoco.MjData) -> list[int]:
-    return [warning.number for warning in data.warning if warning.number]
+    return [number for number in data.warning.number.tolist() if number]
 
 
 def test_at_home_nothing_overlaps_and_after_five_seconds_every_joint_is_there(model: mujoco.MjModel) -> None:

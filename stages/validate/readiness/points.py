@@ -57,7 +57,7 @@ TITLES_AND_JUDGES: tuple[tuple[str, Judge], ...] = (
     ("the formats describe one robot", evidence.formats),
     ("numbers without noise; the same bytes again", text.numbers),
     ("survives MuJoCo's own writer", evidence.round_trip),
-    ("says where its parameters come from, with README, license and picture", evidence.provenance),
+    ("says where its parameters come from, with README and license", evidence.provenance),
 )
 
 POINTS = tuple(Point(number, *one) for number, one in enumerate(TITLES_AND_JUDGES, start=1))

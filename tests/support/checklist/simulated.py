@@ -109,7 +109,7 @@ def control_noise(built: Built) -> Iterator[str]:
 
 
 def _warnings(data: mujoco.MjData) -> Iterator[str]:
-    yield from (f"warning {index}" for index, one in enumerate(data.warning) if one.number)
+    yield from (f"warning {index}" for index in np.flatnonzero(data.warning.number))
 
 
 POINTS = (driven, independent, no_contacts, excludes, holds, control_noise)

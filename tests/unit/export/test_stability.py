@@ -51,7 +51,7 @@ def opening(model: mujoco.MjModel, seconds: float) -> float:
         ends = data.site_xpos[model.eq_obj1id] - data.site_xpos[model.eq_obj2id]
         worst = max(worst, float(np.linalg.norm(ends, axis=1).max()))
         mujoco.mj_step2(model, data)
-        if any(warning.number for warning in data.warning):
+        if data.warning.number.any():
             return float("nan")
     return worst
 

@@ -32,7 +32,7 @@ def good(tmp_path_factory) -> tuple[Robot, Path]:
     for name, data in export(robot, geometry_of(robot), plan).files.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_bytes(data)
-    for name in ("README.md", "LICENSE", "preview.png"):
+    for name in ("README.md", "LICENSE"):
         (folder / name).write_text(name)
     path = folder / "robot.xml"
     text = path.read_text()
@@ -149,7 +149,7 @@ def test_what_a_published_model_has_beside_it(good, tmp_path):
             (tmp_path / path.name).write_bytes(path.read_bytes())
     verdict, words = verdicts(robot, tmp_path)[35]
     assert verdict == MISSING
-    assert "README.md, LICENSE, preview.png" in words
+    assert "add README.md, LICENSE beside" in words
 
 
 def test_a_file_twice_and_one_that_is_no_stl(good, tmp_path):

@@ -14,7 +14,6 @@ class Stage {
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio));
     this.renderer.shadowMap.enabled = true;
     this.renderer.shadowMap.type = THREE.PCFShadowMap;
-    this.renderer.toneMapping = THREE.NeutralToneMapping;
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(FIELD, 1, 0.01, 100);
     this.camera.up.set(0, 0, 1);
@@ -36,7 +35,7 @@ class Stage {
   }
 
   light() {
-    const key = new THREE.DirectionalLight(0xffffff, 2.6);
+    const key = new THREE.DirectionalLight(0xffffff, 2.2);
     key.position.copy(this.center).add(new THREE.Vector3(-0.9, -1.5, 2.6).multiplyScalar(2 * this.radius));
     key.target.position.copy(this.center);
     key.castShadow = true;
@@ -49,9 +48,9 @@ class Stage {
     Object.assign(key.shadow.camera, { near: 3 * this.radius, far: 11 * this.radius });
     const fill = new THREE.DirectionalLight(0xdbeafe, 1.1);
     fill.position.set(2, 1.2, 0.8);
-    const rim = new THREE.DirectionalLight(0xffffff, 1.2);
+    const rim = new THREE.DirectionalLight(0xffffff, 1);
     rim.position.set(0.4, 2, 1.4);
-    const sky = new THREE.HemisphereLight(0xffffff, 0x8b8f98, 1.5);
+    const sky = new THREE.HemisphereLight(0xffffff, 0xb4b8c0, 1.9);
     sky.position.set(0, 0, 1);
     this.scene.add(key, key.target, fill, rim, sky);
     this.goAlong = [this.center, this.camera.position, this.controls.target, key.position, key.target.position];
