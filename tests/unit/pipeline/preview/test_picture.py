@@ -209,7 +209,7 @@ def models():
     for name in ("so101", "duck"):
         scene = FILES[name][1].parent / "scene.xml"
         skip = pytest.mark.skipif(not is_here(name) or not scene.exists(), reason="the robot is not here")
-        yield pytest.param({"path": str(scene)}, id=name, marks=skip)
+        yield pytest.param({"path": str(scene)}, id=name, marks=[skip, pytest.mark.slow])
 
 
 @pytest.mark.parametrize("model", list(models()))
