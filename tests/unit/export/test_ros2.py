@@ -301,9 +301,10 @@ def test_each_type_of_actuator_has_its_interface(kind, interface, tmp_path) -> N
 
 
 @pytest.mark.parametrize("multiplier", [-2.0, -406.88419829744066, 0.3047963227336805])
-def test_a_joint_that_follows_another_has_no_command_also_where_it_has_an_actuator(multiplier, tmp_path) -> None:
+def test_a_joint_that_follows_another_has_no_command_even_if_it_has_an_actuator(multiplier, tmp_path) -> None:
     rows = [joint("revolute", "base", "one"), joint("revolute", "base", "two", place=at(0, 1, 0))]
-    robot = robot_with(rows, relations=[Relation("Gear", "two_joint", "one_joint", multiplier, 0.0)])
+    gear = Relation("Gear", "two_joint", "one_joint", multiplier, 0.0)
+    robot = robot_with(rows, relations=[gear])
     keys = {"actuators": {"one_joint": "position", "two_joint": "position"}}
     made = package(robot, tmp_path, **keys)
     check_control(made, made.expanded(), made.controllers())
