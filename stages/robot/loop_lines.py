@@ -34,7 +34,7 @@ _STEPS = 16
 """Steps from the first pose to each point."""
 
 _PATIENCE = 8
-"""Steps of Newton's method in which one of these closes, if not so near a singular pose that it takes more."""
+"""Steps of Newton's method in which one of these closes, but near a singular pose."""
 
 _ENOUGH = 9
 """Points with closed loops that a line needs."""

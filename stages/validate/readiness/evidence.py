@@ -19,7 +19,7 @@ WRITTEN = 1e-5
 SOURCES = ("damping", "friction", "armature", "effort", "velocity")
 
 BESIDE = ("README.md", "LICENSE")
-"""What a model that is published has beside its files, but for its picture, which a build draws at its end."""
+"""What a published model has beside its files; but its picture, which a build draws at its end."""
 
 COUNTS = ("nq", "nv", "nu", "nbody", "ngeom", "neq", "nsite", "nkey", "nexclude")
 ARRAYS = ("body_mass", "body_inertia", "body_pos", "jnt_range", "dof_armature", "geom_size", "key_qpos")
