@@ -29,7 +29,7 @@ from stages.robot.model import Array, frozen
 if TYPE_CHECKING:
     from stages.mesh import Memo, Shown
 
-BUDGET: Mapping[str, float] = {"low": 30, "normal": 120, "high": 1200}
+BUDGET: Mapping[str, float] = {"low": 30, "normal": 70, "high": 1200}
 """CPU seconds of a robot's decompositions, as estimated beforehand, by `mesh.effort`."""
 
 _HERE = frozen(np.eye(4))

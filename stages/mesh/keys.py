@@ -57,7 +57,7 @@ class MeshSection(Keys):
     no other part; null: the tolerance of the whole link, 1.5 % of its diagonal and at least 0.001."""
 
     effort: Literal["low", "normal", "high"] = "normal"
-    """How long decompositions may search: about 30, 120 and 1200 CPU seconds for a robot at most. It is
+    """How long decompositions may search: about 30, 70 and 1200 CPU seconds for a robot at most. It is
     reckoned by what is known before, and the parts that are farthest off come first."""
 
     target: Literal["mujoco", "mjx"] = "mujoco"

@@ -62,8 +62,9 @@ _COARSER = 1.4
 
 _IN_REACH = 1.5
 _MANY = 48
-"""A part that is off by more times the tolerance, and in many more pieces than it may have before they are
-joined, is not decomposed more finely: that would give yet more pieces."""
+"""A part that is off by more times the tolerance is not decomposed more finely where it is in many more
+pieces than it may have, since that would give yet more, nor where they are of a surface around it, which may
+be no nearer."""
 
 _NEAR = 1.3
 """A fit whose error is at most so many tolerances is measured: the error is known from few points."""
@@ -130,7 +131,7 @@ def improve(
         if best.meets:
             break
         off = miss(best.measures, judge.tolerance) if best.measures else 0.0
-        out_of_reach = off > _IN_REACH and len(found.pieces) > _MANY
+        out_of_reach = off > _IN_REACH and (found.way == "remeshed" or len(found.pieces) > _MANY)
     return best
 
 

@@ -21,16 +21,17 @@ _OF_SEARCH = 2.2e-3
 """CPU seconds for each triangle that is kept."""
 
 
-_OF_OPEN = 3.0
+_OF_OPEN = 4.5
 """How many times as long a part takes that is not closed: a surface is laid around it first."""
 
 
 def estimated_cost(faces: int, options: DecomposeOptions, closed: bool = True) -> float:
     """CPU seconds that a part of so many triangles takes, about.
 
-    Fitted to 44 parts of two robots, on one processor of 2.5 GHz: they took 0.8 times as long in all, four of
-    five between 0.3 and 1.6 times, the worst 6.5 times. The time also grows with the iterations of the
-    search and, since each of them looks ahead, with about the square root of its depth and of its nodes.
+    Fitted to 44 closed parts of two robots, on one processor of 2.5 GHz: they took 0.8 times as long in all,
+    four of five between 0.3 and 1.6 times, the worst 6.5 times; and to ten of a third that are not closed.
+    The time also grows with the iterations of the search and, since each of them looks ahead, with about the
+    square root of its depth and of its nodes.
     """
     normal, chosen = Search(), options.search
     effort = chosen.mcts_iterations / normal.mcts_iterations

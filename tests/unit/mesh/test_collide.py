@@ -188,7 +188,7 @@ def test_the_worst_parts_come_first(monkeypatch: pytest.MonkeyPatch) -> None:
 
     wanting = {name: one(name, off, 1000) for name, off in (("near", 1.1), ("far", 9.0), ("middle", 3.0))}
     assert list(collide._affordable(wanting)) == ["far", "middle", "near"]
-    wanting["large"] = one("large", 20.0, 10**7)
+    wanting["large"] = one("large", 20.0, 10**6)
     cost = sum(collide._affordable(wanting).values())
     monkeypatch.setattr(collide, "BUDGET", {"normal": cost - 0.1})
     assert list(collide._affordable(wanting)) == ["large", "far", "middle"]
