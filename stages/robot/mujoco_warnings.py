@@ -1,5 +1,6 @@
 """Collects MuJoCo's warnings, in place of a log file in the working folder."""
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -16,3 +17,15 @@ def listening() -> Iterator[list[str]]:
         yield heard
     finally:
         mujoco.set_mju_user_warning(before)
+
+
+@contextmanager
+def deprecations(heard: list[str]) -> Iterator[None]:
+    """Adds to `heard` what MuJoCo's Python module warns of when it compiles, as of attributes that a later
+    version will not read. Python would write it on the standard error."""
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        try:
+            yield
+        finally:
+            heard += [str(one.message) for one in found if issubclass(one.category, UserWarning)]

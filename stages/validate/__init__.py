@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from stages.validate.keys import ValidateKeys
     from stages.validate.own import OwnCheck
 
-VERSION = 27
+VERSION = 28
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -37,9 +37,11 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
     "loop_ends": ("urdf",),
     "keyframes": ("mjcf",),
     "actuators": ("mjcf",),
+    "gravity_compensation": ("mjcf",),
     "sensors": ("mjcf",),
     "self_contact": ("mjcf",),
     "contact_filter": ("mjcf",),
+    "scene": ("scene",),
     "options": ("simulated",),
     "inertial": ("simulated",),
     "mass_ratio": ("simulated",),

@@ -65,6 +65,10 @@ class CompiledModel:
         """What the file has more than the robot, after what is the robot's own."""
         return self.amendments.surplus_of(self.path.name)
 
+    def sets(self, attribute: str) -> bool:
+        """Whether the user's own XML sets an attribute of this name: its value is then the user's."""
+        return any(attribute in one.sets for one in self.amendments.changes)
+
     @property
     def urdf(self) -> bool:
         return self.path.suffix == ".urdf"

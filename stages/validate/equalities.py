@@ -67,6 +67,14 @@ def sites(model: Any, equality: int) -> tuple[int, int]:
     return int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
 
 
+def bodies(model: Any, equality: int) -> frozenset[int]:
+    """The bodies that a `connect` or `weld` is between, whether it names these or sites of theirs."""
+    pair = sites(model, equality)
+    if int(model.eq_objtype[equality]) == mujoco.mjtObj.mjOBJ_SITE:
+        pair = int(model.site_bodyid[pair[0]]), int(model.site_bodyid[pair[1]])
+    return frozenset(pair)
+
+
 def ends(model: Any, loop: Loop) -> tuple[int, int]:
     """The two bodies that an equality connects. For a loop with a carrier: the carrier, and the one of the
     loop's links that is not its parent (-1 if neither is)."""

@@ -9,7 +9,7 @@ import numpy as np
 
 from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.check import Check, CheckLevel, Finding
-from stages.robot.mujoco_warnings import listening
+from stages.robot.mujoco_warnings import deprecations, listening
 from stages.robot.plural import count
 from stages.robot.trial_run import trial_run
 from stages.validate.asset_files import named_files
@@ -39,7 +39,7 @@ def start(document: ModelDocument) -> Started:
     """Compiles a document as it lies, and simulates it."""
     urdf = document.language == "urdf"
     name = document.path.name
-    with listening() as warnings:
+    with listening() as warnings, deprecations(warnings):
         try:
             model = (_of_urdf(document) if urdf else _of_mjcf(document)).compile()
         except (ValueError, RuntimeError, SyntaxError) as error:

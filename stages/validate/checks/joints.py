@@ -1,10 +1,11 @@
-"""Type, limits, effort and dynamics of each joint."""
+"""Type, limits, effort and dynamics of each joint; nothing else acts on it."""
 
 import math
 from collections.abc import Iterator
 from typing import Any
 
 import mujoco
+import numpy as np
 
 from stages.formats.xml import parse
 from stages.robot.check import Check, Finding
@@ -14,6 +15,17 @@ from stages.validate.coordinates import SAME, joint_index, joints_of
 from stages.validate.findings import differs, few, named, shown
 
 CODE = "C-JOINT"
+
+UNTOUCHED = (
+    ("stiffness", "jnt_stiffness", 0.0),
+    ("margin", "jnt_margin", 0.0),
+    ("solreflimit", "jnt_solref", (0.02, 1.0)),
+    ("solimplimit", "jnt_solimp", (0.9, 0.95, 0.001, 0.5, 2.0)),
+)
+"""Attributes of an MJCF's joint that no robot has, where they are in a model, and MuJoCo's defaults."""
+
+POLYNOMIALS = (("stiffness", "jnt_stiffnesspoly", "jnt"), ("damping", "dof_dampingpoly", "dof"))
+"""As `UNTOUCHED`: the terms of higher order, of a joint or of a dof, which older versions of MuJoCo lack."""
 
 OPEN = 1e6
 """The end of a range from here on stands for no limit [rad, m]."""
@@ -27,7 +39,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     for name, kind, dof in joints_of(compiled.robot, compiled.urdf):
         index = joint_index(compiled.model, name)
         own = list(_differences(compiled.model, index, name, kind, dof, compiled.urdf))
-        own += _velocity(name, dof, velocities.get(name)) if compiled.urdf else ()
+        own += _velocity(name, dof, velocities.get(name)) if compiled.urdf else _more(compiled, index, name)
         found += own
         wrong += [name] if own else []
     detail = f"differ: {', '.join(wrong)}" if wrong else "type, limits, effort and dynamics of each joint"
@@ -86,9 +98,22 @@ def _limits(model: Any, index: int, element: str, dof: Dof, urdf: bool) -> Itera
     ):
         both = (ends if model.jnt_limited[index] else None, dof.limits.interval if limited else None)
         yield differs(element, "range", *both, unit)
-    effort, found = dof.dynamics.effort, float(model.jnt_actfrcrange[index][1])
-    if effort is not None and not abs(found - effort) <= SAME * effort:
-        yield differs(element, "limit effort" if urdf else "actuatorfrcrange", found, effort)
+    yield from _effort(model, index, element, dof.dynamics.effort, urdf)
+
+
+def _effort(model: Any, index: int, element: str, effort: float | None, urdf: bool) -> Iterator[Finding]:
+    """A URDF may have an effort where the robot has none, since it requires one."""
+    attribute, limited = "limit effort" if urdf else "actuatorfrcrange", bool(model.jnt_actfrclimited[index])
+    low, high = (float(end) for end in model.jnt_actfrcrange[index])
+    if effort is None:
+        if limited and not urdf:
+            yield differs(element, attribute, (low, high), None)
+    elif not urdf and not limited:
+        yield differs(element, attribute, None, (-effort, effort))
+    elif not abs(high - effort) <= SAME * effort:
+        yield differs(element, attribute, high, effort)
+    elif not urdf and not abs(low + effort) <= SAME * effort:
+        yield differs(element, attribute, (low, high), (-effort, effort))
 
 
 def _same_end(found: float, expected: float) -> bool:
@@ -110,3 +135,17 @@ def _dynamics(model: Any, index: int, element: str, dof: Dof, urdf: bool) -> Ite
         wanted, found = value or 0.0, float(numbers[at])
         if not abs(wanted - found) <= SAME * max(1.0, wanted):
             yield differs(element, attribute, found, wanted)
+
+
+def _more(compiled: CompiledModel, index: int, name: str) -> Iterator[Finding]:
+    """What acts on a joint of an MJCF that is nothing of the robot's: springs, limits that are soft or begin
+    early, and damping that is not linear."""
+    model, element = compiled.model, named("joint", name)
+    rows = [(attribute, getattr(model, field)[index], wanted) for attribute, field, wanted in UNTOUCHED]
+    for attribute, field, of in POLYNOMIALS:
+        at = index if of == "jnt" else int(model.jnt_dofadr[index])
+        rows += [(attribute, getattr(model, field)[at], 0.0)] if hasattr(model, field) else []
+    for attribute, found, wanted in rows:
+        if not np.allclose(found, wanted, rtol=SAME, atol=SAME) and not compiled.sets(attribute):
+            word = "has terms of higher order:" if np.size(found) > 1 and wanted == 0.0 else "is"
+            yield Finding(element, attribute, f"{word} {shown(found)}, expected {shown(wanted)}")

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import mujoco
+import numpy as np
 
 from stages.robot.check import Check, Finding
 from stages.robot.kinematics import link_poses
@@ -21,7 +22,7 @@ from stages.validate.coordinates import (
 )
 from stages.validate.culprits import culprits
 from stages.validate.equalities import CLOSED, open_equalities, violation
-from stages.validate.findings import named, shown, worst_first
+from stages.validate.findings import few, named, shown, worst_first
 
 CODE = "C-KEYFRAME"
 
@@ -36,8 +37,23 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if compiled.urdf or not compiled.model.nq:
         return
     yield from (_keyframe(compiled, name, pose) for name, pose in keyframes(compiled.robot).items())
+    yield _at_rest(compiled)
     if mujoco.mj_name2id(compiled.model, mujoco.mjtObj.mjOBJ_KEY, SAVED) >= 0:
         yield _closed(compiled)
+
+
+def _at_rest(compiled: CompiledModel) -> Check:
+    """In each of the robot's keyframes nothing moves."""
+    model, found = compiled.model, []
+    for name in keyframes(compiled.robot):
+        key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name)
+        for at in np.flatnonzero(model.key_qvel[key]) if key >= 0 and not compiled.sets("qvel") else ():
+            joint = model.joint(int(model.dof_jntid[at])).name
+            message = f"moves {joint} at {shown(model.key_qvel[key][at])}, expected 0"
+            found.append(Finding(named("key", name), "qvel", message))
+    moving = list(dict.fromkeys(one.element for one in found))
+    detail = f"something moves in {', '.join(moving)}" if moving else "nothing moves in the keyframes"
+    return compiled.within("keyframes at rest", float(len(found)), 0.0, detail, few(found))
 
 
 def _keyframe(compiled: CompiledModel, name: str, pose: Configuration) -> Check:

@@ -29,8 +29,8 @@ from stages.validate.coordinates import (
     site_pose,
     spread,
 )
-from stages.validate.equalities import ends, equality_index, sites
-from stages.validate.findings import apart, few, named, shown, worst_first
+from stages.validate.equalities import bodies, ends, equality_index, sites
+from stages.validate.findings import apart, differs, few, named, shown, worst_first
 
 CODE = "C-LOOP"
 
@@ -49,7 +49,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         return
     robot, model = compiled.robot, compiled.model
     found = Counter(
-        (int(kind), frozenset(int(model.site_bodyid[site]) for site in sites(model, index)))
+        (int(kind), bodies(model, index))
         for index, kind in enumerate(model.eq_type[: model.neq - compiled.surplus.equalities])
         if int(kind) in (CONNECT, WELD)
     )
@@ -63,6 +63,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     yield compiled.within("loops", float(wrong), 0.0, detail, findings)
     if robot.loops and not wrong:
         yield _frames_of_loops(compiled)
+        yield _held_fast(compiled)
 
 
 def _equalities(compiled: CompiledModel) -> Iterator[Finding]:
@@ -74,10 +75,7 @@ def _equalities(compiled: CompiledModel) -> Iterator[Finding]:
         kind, number = POINTS.get(loop.type, (WELD, 1))
         between = frozenset(ends(model, loop))
         fit = [
-            index
-            for index in own
-            if int(model.eq_type[index]) == kind
-            and between == {int(model.site_bodyid[site]) for site in sites(model, index)}
+            index for index in own if int(model.eq_type[index]) == kind and between == bodies(model, index)
         ]
         known += fit
         if len(fit) != number:
@@ -86,9 +84,43 @@ def _equalities(compiled: CompiledModel) -> Iterator[Finding]:
             yield Finding(element, "site1, site2", message)
     for index in own:
         if index not in known:
-            kind_name = "weld" if int(model.eq_type[index]) == WELD else "connect"
-            element = named(kind_name, model.equality(index).name)
-            yield Finding(element, "site1, site2", "closes no loop of the robot's between these bodies")
+            element = named(_kind(model, index), model.equality(index).name)
+            names = " and ".join(model.body(body).name for body in sorted(bodies(model, index)))
+            message = f"is between {names}, where the robot has no loop that it closes"
+            yield Finding(element, "site1, site2", message)
+
+
+def _held_fast(compiled: CompiledModel) -> Check:
+    """What closes the loops is active, and as stiff as the robot has it."""
+    robot, model, found = compiled.robot, compiled.model, []
+    for index, loop in _closing(compiled):
+        element = named(_kind(model, index), model.equality(index).name)
+        if not model.eq_active0[index] and not compiled.sets("active"):
+            found.append(Finding(element, "active", f"is false: the loop {loop.name} is open"))
+        first, ratio = loop.solref
+        # Two steps are the stiffest that MuJoCo holds.
+        wanted = (max(first, 2.0 * float(model.opt.timestep)), ratio) if first > 0 else (first, ratio)
+        if not np.allclose(model.eq_solref[index], wanted, rtol=SAME) and not compiled.sets("solref"):
+            found.append(differs(element, "solref", model.eq_solref[index], wanted))
+    detail = (
+        f"{count(len(robot.loops), 'loop')}, held by equalities that are active and as stiff as they must be"
+    )
+    if found:
+        detail = f"held too loosely: {', '.join(dict.fromkeys(one.element for one in found))}"
+    return compiled.within("loops are held", float(len(found)), 0.0, detail, few(found))
+
+
+def _closing(compiled: CompiledModel) -> Iterator[tuple[int, Loop]]:
+    """The equalities between the bodies of loops, each with its loop."""
+    model = compiled.model
+    pairs = {frozenset(ends(model, loop)): loop for loop in compiled.robot.loops}
+    for index in range(model.neq - compiled.surplus.equalities):
+        if int(model.eq_type[index]) in (CONNECT, WELD) and bodies(model, index) in pairs:
+            yield index, pairs[bodies(model, index)]
+
+
+def _kind(model: Any, index: int) -> str:
+    return "weld" if int(model.eq_type[index]) == WELD else "connect"
 
 
 def _closed_by_relations(compiled: CompiledModel) -> Check:

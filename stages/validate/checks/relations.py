@@ -46,6 +46,10 @@ def _findings(compiled: CompiledModel, found: Pairs) -> Iterator[Finding]:
         element = named("joint", one.follower if urdf else one.name)
         row = _row(model, one, found)
         if row is None:
+            row = _row(model, one, _found(compiled, active=False))
+            if row is not None:
+                yield Finding(element, "active", f"is false, so that {one.follower} does not follow")
+                continue
             missing = f"nothing says that {one.follower} follows {one.driver}"
             yield Finding(element, "mimic" if urdf else "", missing)
             continue
@@ -72,12 +76,14 @@ def _unknown(compiled: CompiledModel, found: Pairs) -> Iterator[Finding]:
             yield Finding(named("joint", first), "mimic" if compiled.urdf else "polycoef", message)
 
 
-def _found(compiled: CompiledModel) -> Pairs:
+def _found(compiled: CompiledModel, *, active: bool = True) -> Pairs:
+    """The relations of a file; of an MJCF those that are active at the start, or not."""
     model = compiled.model
     if compiled.urdf and not reads_mimic():
         return mimics(model, compiled.path.read_bytes())
     own = model.eq_type[: model.neq - compiled.surplus.equalities]
-    rows = np.flatnonzero(own == mujoco.mjtEq.mjEQ_JOINT)
+    holds = (model.eq_active0[: len(own)] == active) | compiled.sets("active")
+    rows = np.flatnonzero((own == mujoco.mjtEq.mjEQ_JOINT) & holds)
     return {(int(model.eq_obj1id[row]), int(model.eq_obj2id[row])): model.eq_data[row][:5] for row in rows}
 
 

@@ -45,36 +45,37 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         (one for joint in range(model.njnt) for one in _moved(model, data, start, joint)), reverse=True
     )
     far = [one for one in moved if one[0] > 1.0]
-    share, name, words = moved[0] if moved else (0.0, "", "")
+    share, worst, words = moved[0] if moved else (0.0, -1, "")
+    name = model.joint(worst).name if worst >= 0 else ""
     detail = (
         f"{data.time:.3g} s with the controls of home; the most, as a share of what may be: {name} {words}"
     )
-    findings = [_finding(model, name, words) for _, name, words in far]
+    findings = [_finding(model, joint, words) for _, joint, words in far]
     yield compiled.result("rests at home", not far, detail, share, 1.0, findings, "warning")
 
 
-def _moved(model: Any, data: Any, start: Any, joint: int) -> Iterator[tuple[float, str, str]]:
-    """(how far as a share of what is allowed, joint, in words) of its value and of its speed."""
+def _moved(model: Any, data: Any, start: Any, joint: int) -> Iterator[tuple[float, int, str]]:
+    """(how far as a share of what is allowed, index of the joint, in words) of its value and of its speed."""
     at, dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
-    kind, name = mujoco.mjtJoint(model.jnt_type[joint]), model.joint(joint).name
+    kind = mujoco.mjtJoint(model.jnt_type[joint])
     if kind in (HINGE, SLIDE):
         off, speed = abs(float(data.qpos[at] - start[at])), abs(float(data.qvel[dof]))
         unit = "rad" if kind == HINGE else "m"
-        yield off / (TURN if kind == HINGE else SLIP), name, f"moved by {off:.2g} {unit}"
-        yield speed / SPEED, name, f"still moves at {speed:.2g} {unit}/s"
+        yield off / (TURN if kind == HINGE else SLIP), joint, f"moved by {off:.2g} {unit}"
+        yield speed / SPEED, joint, f"still moves at {speed:.2g} {unit}/s"
         return
     if kind == FREE:
         off = float(np.linalg.norm(data.qpos[at : at + 3] - start[at : at + 3]))
-        yield off / SLIP, name, f"moved by {off:.2g} m"
+        yield off / SLIP, joint, f"moved by {off:.2g} m"
         at += 3
     turned = np.zeros(3)
     mujoco.mju_subQuat(turned, data.qpos[at : at + 4].copy(), start[at : at + 4].copy())
     angle = float(np.linalg.norm(turned))
-    yield angle / TURN, name, f"turned by {angle:.2g} rad"
+    yield angle / TURN, joint, f"turned by {angle:.2g} rad"
 
 
-def _finding(model: Any, name: str, words: str) -> Finding:
-    joint = model.joint(name).id
+def _finding(model: Any, joint: int, words: str) -> Finding:
+    name = model.joint(joint).name
     own = [one for one in range(model.nu) if int(model.actuator_trnid[one][0]) == joint]
     if model.jnt_type[joint] == FREE:
         return Finding(named("joint", name), "", f"the base {words}: it does not stand at home by itself")

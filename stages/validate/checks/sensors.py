@@ -8,6 +8,7 @@ import numpy as np
 
 from stages.robot.check import Check, Finding
 from stages.robot.model import Sensor
+from stages.robot.sensing import SensorCamera
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME, body_index, placed_by_site
 from stages.validate.findings import differs, few, named, worst_first
@@ -37,6 +38,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     found = [finding for one in sensing.sensors for finding in _differences(compiled.model, one)]
     missing = [one.name for one in sensing.cameras if _index(compiled.model, "camera", one.name) < 0]
     found += [Finding(named("camera", name), "name", "there is no camera of this name") for name in missing]
+    found += [finding for one in sensing.cameras for finding in _lens(compiled, one)]
+    found += [] if found else _order(compiled)
     wrong = dict.fromkeys(finding.element for finding in found)
     detail = f"{len(sensing.sensors)} sensors on what they measure"
     if wrong:
@@ -50,6 +53,32 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         places = worst_first(one for one in off if not one[0] <= SAME)
         detail = f"{len(mounted)} places of sensors and cameras"
         yield compiled.within("places of sensors", worst, SAME, detail, places)
+
+
+def _lens(compiled: CompiledModel, one: SensorCamera) -> Iterator[Finding]:
+    """What a camera sees, where it is there: the angle [deg] and the pixels."""
+    model, index = compiled.model, _index(compiled.model, "camera", one.name)
+    for attribute, numbers, wanted in (
+        ("fovy", "cam_fovy", one.fovy),
+        ("resolution", "cam_resolution", one.resolution),
+    ):
+        found = getattr(model, numbers)[index] if index >= 0 else wanted
+        if not np.allclose(found, wanted, rtol=SAME) and not compiled.sets(attribute):
+            yield differs(named("camera", one.name), attribute, found, wanted)
+
+
+def _order(compiled: CompiledModel) -> Iterator[Finding]:
+    """The robot's sensors are in `sensordata` in their order."""
+    types = {one.name: one.type for one in compiled.sensing.sensors}
+    wanted = list(types)
+    found = [compiled.model.sensor(index).name for index in range(compiled.model.nsensor)]
+    for place, (one, other) in enumerate(
+        zip(wanted, (name for name in found if name in wanted), strict=True)
+    ):
+        if one != other:
+            message = f"is where {one} must be: sensordata has the sensors in this order ({place} before it)"
+            yield Finding(named(types[other], other), "order", message)
+            return
 
 
 def _misplaced(compiled: CompiledModel, kind: str, name: str, link: str, _: Any) -> Finding:

@@ -8,7 +8,7 @@ import mujoco
 
 from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.check import Check
-from stages.robot.mujoco_warnings import listening
+from stages.robot.mujoco_warnings import deprecations, listening
 from stages.validate.compiled import Loaded, without_warnings
 from stages.validate.located import located
 
@@ -30,7 +30,7 @@ def warnings() -> AbstractContextManager[list[str]]:
 
 def load(path: Path) -> Loaded:
     """Compiles one MJCF or URDF file from where it lies."""
-    with listening() as found:
+    with listening() as found, deprecations(found):
         try:
             model = spec_of(path).compile()
         except (ValueError, RuntimeError, SyntaxError) as error:

@@ -98,6 +98,41 @@ def _(files: Files, rng: random.Random) -> Planted:
     return Planted(named("joint", joint), ("actuatorfrcrange",))
 
 
+@KINDS.add("effort without limit", "C-JOINT")
+def _(files: Files, rng: random.Random) -> Planted:
+    joint = named_joint(files, rng, "[not(@type='ball')]")
+    joint.set("actuatorfrclimited", "false")
+    return Planted(named("joint", joint), ("actuatorfrcrange",))
+
+
+@KINDS.add("spring in a joint", "C-JOINT")
+def _(files: Files, rng: random.Random) -> Planted:
+    joint = named_joint(files, rng)
+    joint.set("stiffness", f"{rng.uniform(0.1, 10):.6g}")
+    return Planted(named("joint", joint), ("stiffness",))
+
+
+@KINDS.add("limit soft", "C-JOINT")
+def _(files: Files, rng: random.Random) -> Planted:
+    joint = named_joint(files, rng)
+    put(joint, "solreflimit", (rng.uniform(0.1, 1), 1.0))
+    return Planted(named("joint", joint), ("solreflimit",))
+
+
+@KINDS.add("limit begins early", "C-JOINT")
+def _(files: Files, rng: random.Random) -> Planted:
+    joint = named_joint(files, rng)
+    joint.set("margin", f"{rng.uniform(0.01, 0.3):.6g}")
+    return Planted(named("joint", joint), ("margin",))
+
+
+@KINDS.add("weight of a body taken off", "C-ACTUATOR")
+def _(files: Files, rng: random.Random) -> Planted:
+    body = moving_bodies(files, rng)
+    body.set("gravcomp", "1")
+    return Planted(named("body", body), ("gravcomp",))
+
+
 @KINDS.add("joint type changed", "C-JOINT")
 def _(files: Files, rng: random.Random) -> Planted:
     joint = named_joint(files, rng, "[not(@type='ball')]")

@@ -25,6 +25,34 @@ def _(files: Files, rng: random.Random) -> Planted:
     return Planted(f'connect "{one.get("name").removesuffix("_axis")}"', ("site1",))
 
 
+@KINDS.add("loop's equality switched off", "C-LOOP")
+def _(files: Files, rng: random.Random) -> Planted:
+    one = pick(files.mjcf.xpath("//equality/connect | //equality/weld"), rng)
+    one.set("active", "false")
+    return Planted(named(one.tag, one), ("active",))
+
+
+@KINDS.add("loop's equality slack", "C-LOOP")
+def _(files: Files, rng: random.Random) -> Planted:
+    one = pick(files.mjcf.xpath("//equality/connect | //equality/weld"), rng)
+    put(one, "solref", (rng.uniform(0.1, 0.5), 1.0))
+    return Planted(named(one.tag, one), ("solref",))
+
+
+@KINDS.add("bodies welded together", "C-LOOP")
+def _(files: Files, rng: random.Random) -> Planted:
+    first, second = rng.sample([one.get("name") for one in files.mjcf.xpath("//body")], 2)
+    etree.SubElement(files.mjcf.find("equality"), "weld", name="glue", body1=first, body2=second)
+    return Planted('weld "glue"', ("site1",))
+
+
+@KINDS.add("relation switched off", "C-RELATION")
+def _(files: Files, rng: random.Random) -> Planted:
+    one = pick(files.mjcf.xpath("//equality/joint"), rng)
+    one.set("active", "false")
+    return Planted(named("joint", one), ("active",))
+
+
 @KINDS.add("relation's sign", "C-RELATION")
 def _(files: Files, rng: random.Random) -> Planted:
     one = pick(files.mjcf.xpath("//equality/joint"), rng)
@@ -124,6 +152,13 @@ def _(files: Files, rng: random.Random) -> Planted:
     values[rng.randrange(len(values))] += rng.uniform(0.01, 0.5)
     put(key, "ctrl", values)
     return Planted(named("key", key), ("ctrl",))
+
+
+@KINDS.add("keyframe moves", "C-KEYFRAME")
+def _(files: Files, rng: random.Random) -> Planted:
+    key = pick(files.mjcf.xpath("//key[not(//freejoint)][not(//joint/@type = 'ball')]"), rng)
+    put(key, "qvel", [rng.uniform(0.1, 1) for _ in files.mjcf.xpath("//body/joint")])
+    return Planted(named("key", key), ("qvel",))
 
 
 @KINDS.add("sensor on another place", "C-SENSOR")

@@ -34,6 +34,26 @@ def _(files: Files, rng: random.Random) -> Planted:
     return Planted("flag", ("contact",))
 
 
+@KINDS.add("robot's angles in degrees", "C-SCENE")
+def _(files: Files, rng: random.Random) -> Planted:
+    etree.SubElement(files.scene, "compiler", angle="degree")
+    return Planted("joint", ("range",))
+
+
+@KINDS.add("joint held in its place", "C-SCENE")
+def _(files: Files, rng: random.Random) -> Planted:
+    joint = rng.choice(files.mjcf.xpath("//body/joint/@name"))
+    etree.SubElement(etree.SubElement(files.scene, "equality"), "joint", joint1=joint)
+    return Planted("equality", ("",))
+
+
+@KINDS.add("links pass through each other", "C-SCENE")
+def _(files: Files, rng: random.Random) -> Planted:
+    first, second = rng.sample(files.mjcf.xpath("//body/@name"), 2)
+    etree.SubElement(etree.SubElement(files.scene, "contact"), "exclude", body1=first, body2=second)
+    return Planted("exclude", ("body1",))
+
+
 @KINDS.add("include missing", "C-ASSET", "C-LINKS", "C-XML", "C-REFERENCE", "C-COMPILE")
 def _(files: Files, rng: random.Random) -> Planted:
     files.scene.find("include").set("file", "lost.xml")

@@ -65,6 +65,9 @@ FAULTS = {
     "not relative to the world": (swap('"imu_quat"', '"imu_quat" reftype="site" refname="mount"'), "sensors"),
     "a site moved": (swap(r'(<site name="imu" pos=")[^ ]+', r"\g<1>9"), "places of sensors"),
     "a camera turned": (swap(r'(<camera name="view".* quat=")[^"]+', r"\g<1>1 0 0 0"), "places of sensors"),
+    "a camera's angle": (swap(r'(<camera name="view".* fovy=")[^"]+', r"\g<1>9"), "sensors"),
+    "a camera's pixels": (swap(r'(<camera name="view".* resolution=")[^"]+', r"\g<1>9 9"), "sensors"),
+    "another order": (swap(r"(<gyro name=[^>]*/>)\s*(<[^>]*/>)", r"\g<2>\g<1>"), "sensors"),
     "a site on another link": (
         lambda text: re.sub(
             r'(<body name="base".*?)(<body )', r'\g<1><site name="pad"/>\g<2>',
