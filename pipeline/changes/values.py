@@ -12,6 +12,7 @@ ROUGH: Mapping[str, tuple[float, float]] = {
     "area": (1e-5, 0.0),
     "volume": (1e-5, 0.0),
     "depth": (1e-4, 1e-6),
+    "bounds": (1e-5, 1e-6),
 }
 """Fields that are worked out of meshes, which are in single precision: they are alike up to this share, and
 up to this much."""
@@ -30,6 +31,7 @@ UNITS = {
     "qpos0": ("rad", "m"),
     "size": "m",
     "area": "m²",
+    "bounds": "m",
     "volume": "m³",
     "depth": "m",
     "lever": "m",
@@ -53,7 +55,10 @@ def alike(before: Any, after: Any, field: str = "") -> bool:
     """Whether two values of a field are the same up to rounding."""
     if field in ROUGH and is_numeric(before) and is_numeric(after):
         share, least = ROUGH[field]
-        return bool(abs(before - after) <= max(least, share * max(abs(before), abs(after))))
+        one, other = list(_flat(before)), list(_flat(after))
+        most = max(map(abs, (*one, *other)))
+        off = max(abs(a - b) for a, b in zip(one, other, strict=False))
+        return len(one) == len(other) and bool(off <= max(least, share * most))
     if is_pose(before) and is_pose(after):
         return max(moved(before, after)) <= ALIKE
     if is_numeric(before) and is_numeric(after):

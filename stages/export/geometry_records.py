@@ -39,6 +39,7 @@ def _shape(shape: Shape, number: int) -> dict[str, Any]:
         "volume": short(shape.volume),
         "contact": None if shape.contact is None else _contact(shape.contact),
         "collider": shape.collider,
+        "bounds": [short(one) for one in shape.bounds] or None,
     }
 
 

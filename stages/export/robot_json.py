@@ -39,8 +39,9 @@ joint's place among those that move in the file, `tree` that in a walk down the 
 as Pinocchio has them.
 `shapes` lists what is seen and what collides, of each link in the order in which its files have them
 (`number` counts those of a role): a mesh `file` in the link's frame or a `primitive` (`size` as of the
-`shapes` of a link, which are the user's own), `area` [m²] and `volume` [m³, 0 where a mesh is not closed]
-to six digits, `contact` what is given of MuJoCo's properties, `collider` which one of its link it is a
+`shapes` of a link, which are the user's own), `area` [m²], `volume` [m³, 0 where a mesh is not closed] and
+`bounds` [m, of a mesh: the least x, y and z, and the largest] to six digits, `contact` what is given of
+MuJoCo's properties, `collider` which one of its link it is a
 piece of. With `self_contact` the links collide with each other but for the `excludes` (of `geoms`, only
 those pairs of colliders, by their numbers); `touching` are others that touch at `home`, `depth` [m] deep.
 These are missing where a build ends before its shapes are made.

@@ -191,6 +191,5 @@ def _counts(used: _LinkUses, solid: Sequence[tuple[int, Collider]]) -> tuple[int
 
 def _shape(link: str, role: Role, name: str, file: MeshFile) -> Shape:
     texture = textures.name(file.texture) if file.texture else None
-    return Shape(
-        link, role, name, file.colour, file.vertices, file.faces, file.area, file.volume, texture=texture
-    )
+    own = file.vertices, file.faces, file.area, file.volume
+    return Shape(link, role, name, file.colour, *own, texture=texture, bounds=tuple(file.bounds))

@@ -140,4 +140,5 @@ def _record(file: MeshFile) -> dict[str, Any]:
 
 def _mesh_file(record: dict[str, Any], files: io.BytesIO) -> MeshFile:
     colour = tuple(record["colour"]) if record["colour"] else None
-    return MeshFile(**{**record, "colour": colour, "data": files.read(record["data"])})
+    data, bounds = files.read(record["data"]), tuple(record["bounds"])
+    return MeshFile(**{**record, "colour": colour, "data": data, "bounds": bounds})

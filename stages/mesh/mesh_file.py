@@ -28,6 +28,7 @@ class MeshFile:
     volume: float
     data: bytes
     texture: str = ""
+    bounds: tuple[float, ...] = ()
 
 
 def collider(surface: Surface) -> MeshFile:
@@ -98,6 +99,7 @@ def _backed(surface: Surface) -> Surface:
 
 
 def _mesh_file(surface: Surface, colour: Colour | None, texture: str = "") -> MeshFile:
+    points = surface.corners.reshape(-1, 3)
     return MeshFile(
         colour,
         vertices=len(surface.vertices),
@@ -106,4 +108,5 @@ def _mesh_file(surface: Surface, colour: Colour | None, texture: str = "") -> Me
         volume=surface.volume(),
         data=obj.write(surface) if texture else stl.write(surface),
         texture=texture,
+        bounds=(*map(float, points.min(axis=0)), *map(float, points.max(axis=0))),
     )

@@ -45,7 +45,8 @@ class Shape:
     primitive has neither `vertices` nor `faces`, and is a shape once for each role that it has.
     `contact`: what the configuration says of its contacts. `texture`: the entry of `Geometry.files` that is
     the image of a mesh with texture coordinates, times `colour`. `collider`: which of its link's colliders it
-    is, or is a piece of, counted as in `Geometry.colliders`; None of what the user gave.
+    is, or is a piece of, counted as in `Geometry.colliders`; None of what the user gave. `bounds` [m]: of a
+    mesh, in the link's frame, the least x, y and z and the largest.
     """
 
     link: str
@@ -60,6 +61,7 @@ class Shape:
     contact: ContactProperties | None = None
     texture: str | None = None
     collider: int | None = None
+    bounds: tuple[float, ...] = ()
 
 
 ExcludeReason = Literal["Adjacent", "Always", "User"]

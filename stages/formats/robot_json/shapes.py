@@ -40,6 +40,7 @@ def _shape(record: Fields) -> Shape:
         contact=_contact(record.inside("contact")) if record.has("contact") else None,
         texture=record.text("texture") if record.has("texture") else None,
         collider=record.whole("collider") if record.has("collider") else None,
+        bounds=record.numbers("bounds", 6) if record.has("bounds") else (),
     )
 
 

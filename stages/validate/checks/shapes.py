@@ -14,7 +14,7 @@ from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import body_index, distance, placed_by_site
 from stages.validate.findings import named
 from stages.validate.mujoco_poses import placed
-from stages.validate.shapes import BOX, CAPSULE, CYLINDER, MESH, SPHERE, area, seen_and_solid
+from stages.validate.shapes import BOX, CAPSULE, CYLINDER, MESH, SPHERE, area, seen_and_solid, vertices
 
 CODE = "C-SHAPE"
 
@@ -23,6 +23,9 @@ SAME = 1e-6
 
 AREA = 1e-3
 """Areas of meshes, relatively: a file has single precision."""
+
+WITHIN = 2e-5
+"""Bounds of meshes [m], and relatively beyond a metre: both are written in single precision."""
 
 ROLES: tuple[Role, Role] = ("visual", "collision")
 
@@ -81,6 +84,11 @@ def _of_mesh(model: Any, shape: Shape, geom: int, places: Sequence[Array]) -> tu
     if abs(found - shape.area) > AREA * shape.area:
         times = (found / shape.area) ** 0.5 if shape.area else float("inf")
         return "mesh", f"has an area of {found:.4g} m², not {shape.area:.4g}: {times:.4g} times as long"
+    if shape.bounds:
+        corners = vertices(model, geom) @ own[:3, :3].T + own[:3, 3]
+        moved = np.abs([*corners.min(axis=0), *corners.max(axis=0)] - np.array(shape.bounds))
+        if moved.max() > WITHIN * max(1.0, float(np.abs(shape.bounds).max())):
+            return "mesh", f"has its points elsewhere: its bounds are {1e3 * moved.max():.3g} mm off"
     return None
 
 

@@ -2,7 +2,9 @@
 
 import random
 import shutil
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -33,6 +35,20 @@ def of_mesh(files: Files, path: Path) -> Planted:
     )
 
 
+@KINDS.add("mesh 3 mm off in its file", "C-SHAPE")
+def _(files: Files, rng: random.Random) -> Planted:
+    path = stl(files, rng)
+    changed(path, lambda points: points + np.float32(0.003) * np.eye(3, dtype="<f4")[rng.randrange(3)])
+    return of_mesh(files, path)
+
+
+@KINDS.add("mesh turned in its file", "C-SHAPE")
+def _(files: Files, rng: random.Random) -> Planted:
+    path = stl(files, rng)
+    changed(path, lambda points: points @ np.array([[0, 0.8, 0.6], [1, 0, 0], [0, 0.6, -0.8]], "<f4"))
+    return of_mesh(files, path)
+
+
 @KINDS.add("mesh in millimetres", "C-SHAPE", simcheck="millimetre units")
 def _(files: Files, rng: random.Random) -> Planted:
     path = stl(files, rng)
@@ -42,10 +58,14 @@ def _(files: Files, rng: random.Random) -> Planted:
 
 def scaled(path: Path, factor: float) -> None:
     """The same binary STL, `factor` times as large."""
+    changed(path, lambda points: points * factor)
 
+
+def changed(path: Path, change: Callable[[Any], Any]) -> None:
+    """The same binary STL with other corners, of (N, 3)."""
     data = bytearray(path.read_bytes())
     faces = np.frombuffer(data, dtype=np.dtype([("floats", "<f4", 12), ("rest", "<u2")]), offset=84)
-    faces["floats"][:, 3:] *= factor
+    faces["floats"][:, 3:] = change(faces["floats"][:, 3:].reshape(-1, 3)).reshape(-1, 9)
     path.write_bytes(bytes(data))
 
 
