@@ -5,12 +5,26 @@ from pathlib import Path
 
 from stages.formats.sdf.names import sdf_names
 from stages.formats.sdf.parse import SdfError, parse_sdf
-from stages.robot.check import Check
+from stages.formats.xml import parse
+from stages.robot.check import Check, Finding
 from stages.robot.model import Robot
+from stages.validate.findings import few
 from stages.validate.sdf.checks import CHECKS, links_and_joints
 from stages.validate.sdf.known import ReadSdf
 
 CODE = "C-SDF"
+
+
+def _meshes(path: Path) -> Check:
+    """Every mesh that the file names is there."""
+    found = []
+    texts = {node.text or "" for node in parse(path.read_bytes()).iterfind(".//mesh/uri")}
+    for text in sorted(texts):
+        inside = text.partition("://")[2].partition("/")[2] if "://" in text else text
+        if not (path.parent / inside).is_file():
+            found.append(Finding("mesh", "uri", f'"{text}" does not exist'))
+    detail = f"missing: {', '.join(one.message for one in found[:3])}" if found else "every mesh is there"
+    return Check(f"{path.name}: meshes", not found, detail, float(len(found)), 0.0, findings=few(found))
 
 
 def check_file(path: Path, robot: Robot, *, quick: bool) -> Iterator[Check]:
@@ -24,6 +38,7 @@ def check_file(path: Path, robot: Robot, *, quick: bool) -> Iterator[Check]:
     yield Check(f"{path.name}: reads", True, "no errors")
     if quick:
         return
+    yield _meshes(path)
     given = ReadSdf(path.name, model, robot, sdf_names(robot))
     complete = links_and_joints(given)
     yield complete

@@ -59,8 +59,19 @@ def test_every_joint_passes_every_check(kind: str, fixed: bool, tmp_path: Path) 
     rows = [joint(kind, "base", "one", saved, place=pose(rng), backwards=fixed, origins=origins)]
     rows.append(joint("prismatic", "one", "two", place=pose(rng), mirrored=True))
     found = checks(robot_with(rows, fixed=fixed), tmp_path)
-    assert len(found) == 9
+    assert len(found) == 10
     assert all(found.values()), found
+
+
+@pytest.mark.parametrize("folder", ["", "model://robot/"])
+def test_a_mesh_that_is_not_there_is_found(folder: str, tmp_path: Path) -> None:
+    mesh = f"<mesh><uri>{folder}assets/one.stl</uri></mesh>"
+    visual = f'<visual name="lost"><geometry>{mesh}</geometry></visual>'
+    robot = robot_with([joint("revolute", "base", "one")])
+    assert not checks(robot, tmp_path, lambda text: text.replace("</link>", f"{visual}</link>", 1))["meshes"]
+    (tmp_path / "assets").mkdir()
+    (tmp_path / "assets/one.stl").touch()
+    assert checks(robot, tmp_path, lambda text: text.replace("</link>", f"{visual}</link>", 1))["meshes"]
 
 
 @pytest.mark.parametrize("kind", LOOPS)
