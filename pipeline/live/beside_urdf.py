@@ -35,7 +35,7 @@ def _keyframes(header: dict[str, Any], robot: Robot) -> list[dict[str, Any]]:
             value = values.get(joint["name"])
             if joint["unit"] and isinstance(value, int | float):
                 qpos[joint["qpos"]] = rounded(value)
-        found.append({"name": name, "qpos": qpos, "ctrl": []})
+        found.append({"name": name, "qpos": qpos, "ctrl": [], "act": []})
     return found
 
 

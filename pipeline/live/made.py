@@ -15,7 +15,7 @@ from pipeline.context import FILES, ROBOT, BuildContext
 from pipeline.digest import sha256
 from stages.robot.errors import Diagnostic
 
-VERSION = 7
+VERSION = 8
 """Raised when the same robot gives another pack."""
 
 ENGINE_FILE = "linkwright-engine.js"

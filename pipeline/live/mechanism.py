@@ -146,6 +146,7 @@ def keyframes(live: LiveModel) -> list[dict[str, Any]]:
             "name": live.name(mujoco.mjtObj.mjOBJ_KEY, index) or f"keyframe {index}",
             "qpos": vector(model.key_qpos[index]),
             "ctrl": vector(model.key_ctrl[index]),
+            "act": vector(model.key_act[index]),
         }
         for index in range(model.nkey)
     ]

@@ -59,6 +59,7 @@ def _head(live: LiveModel, robot: Robot, known: list[dict[str, Any]]) -> dict[st
         "loops": loops(live),
         "keyframes": keyframes(live),
         "qpos0": vector(live.model.qpos0),
+        "activations": int(live.model.na),
         "actuators": actuators(live, moving),
         "frames": frames(live),
         "gravity": vector(live.model.opt.gravity),

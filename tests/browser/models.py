@@ -159,6 +159,14 @@ HELD = """
 """
 """An arm that holds itself, beside a block that lies on the ground."""
 
+CARRIED = (
+    HELD.replace("<position", "<intvelocity")
+    .replace("ctrlrange", "actrange")
+    .replace('ctrl=".2 .4"', 'act=".2 .4"')
+    .replace('ctrl="0 0"', "")
+)
+"""The same, by actuators whose control is the speed of a target, which is a state."""
+
 
 def sphere(triangles: int) -> str:
     """A ball of one mesh with about so many triangles."""

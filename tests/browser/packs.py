@@ -54,10 +54,16 @@ def pack_of(model: Any, xml: str | None = None, files: Mapping[str, bytes] | Non
         "relations": _relations(model),
         "loops": _loops(model),
         "keyframes": [
-            {"name": model.key(i).name, "qpos": listed(model.key_qpos[i]), "ctrl": listed(model.key_ctrl[i])}
+            {
+                "name": model.key(i).name,
+                "qpos": listed(model.key_qpos[i]),
+                "ctrl": listed(model.key_ctrl[i]),
+                "act": listed(model.key_act[i]),
+            }
             for i in range(model.nkey)
         ],
         "qpos0": listed(model.qpos0),
+        "activations": int(model.na),
         "actuators": [_actuator(model, actuator) for actuator in range(model.nu)],
         "geoms": [_geom(model, geom) for geom in range(model.ngeom) if int(model.geom_type[geom]) in GEOMS],
         "meshes": [_mesh(model, mesh, binary) for mesh in range(model.nmesh)],
@@ -169,12 +175,15 @@ def _actuator(model: Any, actuator: int) -> dict[str, Any]:
     of_joint = model.actuator_trntype[actuator] == mujoco.mjtTrn.mjTRN_JOINT
     joint = int(model.actuator_trnid[actuator, 0]) if of_joint else None
     limited = bool(model.actuator_ctrllimited[actuator])
+    state = int(model.actuator_actadr[actuator])
+    target = {"ctrl": state < 0, "act": None if state < 0 else state, "slope": 1.0, "offset": 0.0}
     return {
         "name": model.actuator(actuator).name,
         "kind": "position" if position else "motor",
         "joint": joint,
         "range": listed(model.actuator_ctrlrange[actuator]) if limited else None,
         "unit": UNITS[JOINTS[int(model.jnt_type[joint])]] if position and joint is not None else "N",
+        "target": target if position and joint is not None else None,
     }
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tests.browser.conftest import SIZE, write_page
-from tests.browser.models import HELD, chain, model_of, renamed, small_pack
+from tests.browser.models import ALL_JOINTS, CARRIED, HELD, chain, model_of, renamed, small_pack
 from tests.browser.words import complaints, opened, shown, word
 
 HOSTILE = '</script><img src=x onerror="window.broken=1">&amp;\'"'
@@ -89,6 +89,42 @@ def test_a_posed_robot_stays_there_when_it_runs(held):
     assert word(held) == "Paused"
     after = held.run("return linkwright.step(2)")
     np.testing.assert_allclose(after, posed, atol=0.03)
+
+
+def test_targets_that_are_states_go_along_with_keyframes_and_poses(browser, page_of):
+    browser.open(page_of(small_pack(CARRIED)))
+    home = model_of(CARRIED).key_qpos[0]
+    after = browser.run("linkwright.view.pause(); linkwright.view.reset(); return linkwright.step(2)")
+    np.testing.assert_allclose(after, home, atol=0.03)
+    posed = browser.run("return linkwright.pose('shoulder', 0.6)")
+    np.testing.assert_allclose(browser.run("return linkwright.step(2)"), posed, atol=0.03)
+
+
+def test_a_ball_is_posed_from_where_it_is_while_it_runs(browser, page_of):
+    """One slider of three: the other two keep what the simulation made of them."""
+    model = model_of(ALL_JOINTS)
+    browser.open(page_of(small_pack(ALL_JOINTS)))
+    vector = [0.5, -0.4, 0.3]
+    quat = np.zeros(4)
+    mujoco.mju_axisAngle2Quat(quat, np.array(vector) / np.linalg.norm(vector), np.linalg.norm(vector))
+    place = model.joint("shoulder").qposadr[0]
+    qpos = browser.run(
+        "linkwright.view.pause(); linkwright.view.reset(); linkwright.view.run();"
+        "const [place, quat] = arguments; linkwright.view.engine.views.qpos.set(quat, place);"
+        "const row = [...document.querySelectorAll('.live-slider')].find((row) =>"
+        " row.querySelector('label').textContent === 'shoulder x');"
+        "const input = row.querySelector('input'); input.value = 0.2; input.dispatchEvent(new Event('input'));"
+        "return linkwright.qpos()",
+        int(place),
+        quat.tolist(),
+    )
+    wanted = np.array([0.2, *vector[1:]])
+    turn = np.linalg.norm(wanted)
+    np.testing.assert_allclose(
+        qpos[place : place + 4],
+        [np.cos(turn / 2), *(np.sin(turn / 2) * wanted / turn)],
+        atol=1e-6,
+    )
 
 
 def test_keyframes_and_reset(held):

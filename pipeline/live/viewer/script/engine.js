@@ -24,7 +24,8 @@ class Engine {
     for (const name of Object.keys(files)) this.write(name, pack.file(name));
     this.model = mujoco.MjModel.from_xml_path(`${ROOM}/model.xml`);
     if (!this.model) throw new Error("the model did not compile");
-    if (this.model.nq !== pack.header.qpos0.length || this.model.nbody !== pack.header.bodies.length) {
+    const { qpos0, bodies, activations } = pack.header;
+    if (this.model.nq !== qpos0.length || this.model.nbody !== bodies.length || this.model.na !== activations) {
       throw new Error("the engine's copy of the model has other joints or bodies");
     }
     // Else the engine would start anew by itself, and nobody would be told.
@@ -49,12 +50,13 @@ class Engine {
     for (const name of ["qpos", "qvel", "ctrl", "xpos", "xquat"]) this.views[name] = this.data[name];
   }
 
-  reset({ qpos, ctrl }) {
+  reset({ qpos, ctrl, act }) {
     this.mujoco.mj_resetData(this.model, this.data);
     this.owed = 0;
     this.look();
     this.views.qpos.set(qpos);
     this.views.ctrl.set(ctrl);
+    if (act.length) this.data.act.set(act);
     this.mujoco.mj_forward(this.model, this.data);
     this.look();
   }

@@ -22,7 +22,7 @@ class Panel {
   }
 
   posed(joint, k, value) {
-    const target = jointValue(joint, this.view.kinematics.qpos);
+    const target = jointValue(joint, this.view.qpos);
     target[k] = value;
     const turn = Math.hypot(...target);
     const most = joint.type === "ball" ? (joint.range?.[1] ?? Math.PI) : Infinity;

@@ -13,13 +13,14 @@ class View {
     this.robot = new RobotMesh(pack);
     this.picking = new Picking(this.robot);
     this.stage = new Stage(page.canvas, context, header);
-    this.home = header.keyframes[0] ?? { name: "start", qpos: header.qpos0, ctrl: [] };
+    this.home = header.keyframes[0] ?? { name: "start", qpos: header.qpos0, ctrl: [], act: [] };
     this.engine = null;
     this.running = false;
     this.waiting = false; // out of sight
     this.changed = true;
     this.posedSince = true; // the engine does not know the pose yet
     this.ctrl = new Float64Array(header.actuators.length);
+    this.act = new Float64Array(header.activations);
     this.take(this.home);
     this.robot.pose(this.kinematics.xpos, this.kinematics.xquat);
     const box = this.robot.bounds() ?? {
@@ -56,10 +57,10 @@ class View {
     return this.running ? this.engine.views.qpos : this.kinematics.qpos;
   }
 
-  take({ qpos, ctrl }) {
+  take({ qpos, ctrl, act }) {
     this.kinematics.qpos.set(qpos);
-    this.ctrl.fill(0);
-    this.ctrl.set(ctrl.slice(0, this.ctrl.length));
+    this.ctrl.fill(0).set(ctrl);
+    this.act.fill(0).set(act);
     this.kinematics.update();
     this.posedSince = true;
   }
@@ -80,13 +81,15 @@ class View {
     this.draw();
   }
 
-  // Position controls go along with a pose, so that the robot stays there when it runs.
+  // The targets of servos go along with a pose, so that the robot stays there when it runs.
   hold() {
-    this.pack.header.actuators.forEach(({ kind, joint, range }, index) => {
-      const one = this.pack.header.joints[joint];
-      if (kind !== "position" || !one || !["hinge", "slide"].includes(one.type)) return;
-      const value = this.kinematics.qpos[one.qpos];
-      this.ctrl[index] = range ? Math.min(range[1], Math.max(range[0], value)) : value;
+    const { actuators, joints } = this.pack.header;
+    actuators.forEach(({ joint, range, target }, index) => {
+      if (!target) return;
+      const value = target.slope * this.kinematics.qpos[joints[joint].qpos] + target.offset;
+      const kept = range && target.ctrl ? Math.min(range[1], Math.max(range[0], value)) : value;
+      this.ctrl[index] = target.ctrl ? kept : 0;
+      if (target.act !== null) this.act[target.act] = kept;
     });
   }
 
@@ -97,7 +100,7 @@ class View {
   }
 
   intoEngine() {
-    this.engine.reset({ qpos: this.kinematics.qpos, ctrl: this.ctrl });
+    this.engine.reset({ qpos: this.kinematics.qpos, ctrl: this.ctrl, act: this.act });
     this.posedSince = false;
   }
 

@@ -164,6 +164,55 @@ def test_joints_keyframes_and_actuators_are_those_of_the_file(whole):
     ]
 
 
+SERVOS = """
+<mujoco><worldbody><body><joint name="a" axis="0 1 0" ref=".1"/><geom size=".1"/></body></worldbody>
+<actuator>
+  <position name="geared" joint="a" kp="10" kv="1" gear="3"/>
+  <position name="filtered" joint="a" kp="10" timeconst=".1"/>
+  <intvelocity name="carried" joint="a" kp="7" gear="2" actrange="-9 9"/>
+  <general name="biased" joint="a" gainprm="4" biastype="affine" biasprm=".5 -2 -.1"/>
+  <velocity name="turning" joint="a" kv="3"/>
+  <motor name="pushed" joint="a"/>
+  <damper name="damped" joint="a" kv="2" ctrlrange="0 1"/>
+  PID
+</actuator>
+<keyframe><key name="home" qpos=".3" ctrl="1 2 0 0 0 0 0 PIDS" act=".4 .6 ACTS"/></keyframe></mujoco>"""
+PID = (
+    '<pid name="summed" joint="a" kp="5" ki="2"/><pid name="slewed" joint="a" kp="5" gear="2" slewmax="1"/>',
+    "0 0 0 0",
+    "0 .7",
+)
+
+
+def test_at_its_target_a_servo_rests_where_its_joint_is(tmp_path):
+    pid = PID if hasattr(mujoco.mjtGain, "mjGAIN_PID") else ("", "", "")
+    scene = SERVOS
+    for word, text in zip(("PIDS", "PID", "ACTS"), (pid[1], pid[0], pid[2]), strict=True):
+        scene = scene.replace(word, text)
+    header = header_of(tmp_path, scene)
+    model = model_of(tmp_path)
+    data = mujoco.MjData(model)
+    data.qpos[0] = 0.8
+    for ctrl, one in enumerate(header["actuators"]):
+        target = one["target"]
+        if target is None:
+            continue
+        value = target["slope"] * data.qpos[0] + target["offset"]
+        if target["ctrl"]:
+            data.ctrl[ctrl] = value
+        if target["act"] is not None:
+            data.act[target["act"]] = value
+    mujoco.mj_forward(model, data)
+    names = ["geared", "filtered", "carried", "biased", *(["summed", "slewed"] if pid[0] else [])]
+    held = {one["name"].removesuffix(" position") for one in header["actuators"] if one["target"]}
+    assert held == set(names)
+    for name in names:
+        assert data.actuator(name).force == pytest.approx(0, abs=1e-9), name
+    assert header["keyframes"][0]["act"] == model.key_act[0].tolist()
+    assert header["activations"] == model.na
+    assert [one["unit"] for one in header["actuators"]][2] == "rad/s"
+
+
 def test_what_is_seen_what_collides_and_the_ground_are_told_apart(whole):
     header, _, _ = whole
     roles = [(one["name"], one["type"], one["role"]) for one in header["geoms"]]
