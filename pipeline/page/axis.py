@@ -42,7 +42,8 @@ def numbers(title: str, values: Sequence[float], *, may_be_log: bool = False) ->
         pad = abs(low) / 2 or 1.0
     else:
         pad = PAD * (high - low)
-    return Axis(title, low - pad, high + pad, _round_values(low - pad, high + pad))
+    least = 1.0 if all(float(one).is_integer() for one in values) else 0.0
+    return Axis(title, low - pad, high + pad, _round_values(low - pad, high + pad, least))
 
 
 def categories(title: str, names: Sequence[str]) -> Axis:
@@ -51,9 +52,9 @@ def categories(title: str, names: Sequence[str]) -> Axis:
     return Axis(title, -0.5, len(names) - 0.5, ticks, discrete=True)
 
 
-def _round_values(low: float, high: float) -> tuple[tuple[float, str], ...]:
-    """Multiples of 1, 2 or 5 times a power of ten."""
-    least = (high - low) / MOST
+def _round_values(low: float, high: float, least: float) -> tuple[tuple[float, str], ...]:
+    """Multiples of 1, 2 or 5 times a power of ten, at least `least` apart: of whole numbers, whole ones."""
+    least = max(least, (high - low) / MOST)
     power = math.floor(math.log10(least))
     step = next(one for one in (1, 2, 5, 10) if one * 10.0**power >= least * (1 - 1e-9)) * 10.0**power
     first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)

@@ -12,7 +12,7 @@ DENSE = 8
 """Columns from which a table is set small."""
 
 _LONG = re.compile(r"\S{17,}")
-_JOINT = re.compile(r"([_/])(?=[^_/])")
+_JOINT = re.compile(r"([_/](?=[^_/])|\.(?=[A-Za-z]))")
 _FIGURE = frozenset("0123456789.+-−≤≥")
 """What the text of a figure begins with."""
 _SENTENCE = 4
@@ -31,7 +31,11 @@ def text(value: Any) -> str:
 
 def name(value: Any) -> str:
     """As `text`, of a name or a path: a long one may be broken where its words are joined."""
-    shown = text(value)
+    return _breakable(text(value))
+
+
+def _breakable(shown: str) -> str:
+    """HTML without elements, with places where its long words may be broken."""
     if len(shown) < 17:
         return shown
     return _LONG.sub(lambda word: _JOINT.sub(r"\1<wbr>", word[0]), shown)
@@ -100,7 +104,7 @@ def _title(title: str, style: str) -> str:
     if not title:
         return '<td class="word"></td>'
     figure = ' class="number"' if "number" in style else ""
-    return f'<th scope="col"{figure}>{title}</th>'
+    return f'<th scope="col"{figure}>{_breakable(title)}</th>'
 
 
 def _cell(title: str, style: str, heads: bool) -> str:

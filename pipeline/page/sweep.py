@@ -62,7 +62,7 @@ def _files(beside: Sequence[str]) -> str:
 def _jobs(jobs: Sequence[Job], swept: Sequence[str], differing: Sequence[str], exists: Exists) -> str:
     """A row for each job."""
     columns = {f"figure {key}": name_of(key) for key in differing if not key.startswith("checks_")}
-    header = ["job", "picture", "status", *swept, *columns.values(), "checks", "calls", "links"]
+    header = ["job", "picture", "status", *swept, *columns.values(), "checks", "calls", "open"]
     rows = []
     for job in jobs:
         figures = {f"figure {key}": shown(value) for key, value in figures_of(job).items()}
@@ -131,12 +131,16 @@ def _same(same: Mapping[str, float]) -> str:
 def _plots(jobs: Sequence[Job], swept: Sequence[str], differing: Sequence[str]) -> str:
     """Each figure that differs against each key that it depends on."""
     built = [job for job in jobs if figures_of(job)]
+    # Jobs that failed have no figures, so a key may have one value among the others.
+    swept = [key for key in swept if len({value_of(job, key) for job in built}) > 1]
     pairs = [(figure, key) for figure in differing for key in swept]
     if len(built) < 2 or not pairs:
         return ""
     drawn = [pair for pair in pairs if depends(built, *pair, swept)]
     words = [f"without {count(len(jobs) - len(built), 'job')} that failed"] if len(built) < len(jobs) else []
-    words += [f"{said(figure)} not changed by {key}" for figure, key in pairs if (figure, key) not in drawn]
+    for key in swept:
+        same = [said(figure) for figure in differing if (figure, key) not in drawn]
+        words += [f"{', '.join(same)} not changed by {key}"] if same else []
     if len(drawn) > MOST_PLOTS:
         words.append(f"{count(len(drawn) - MOST_PLOTS, 'more plot')}: summary.json has the figures")
     plots = "\n".join(_plot(built, figure, key, swept) for figure, key in drawn[:MOST_PLOTS])

@@ -190,6 +190,31 @@ def test_one_job_and_no_figure_have_no_plots():
     assert "without 1 job that failed" in made([*GRID, job(9, 1, {}, mesh="x", tolerance=1)]).decode()
 
 
+def test_a_key_with_one_value_among_the_jobs_that_were_built_has_no_plot():
+    failed = [job(6 + number, 1, {}, mesh="none", tolerance=at) for number, at in enumerate((0.001, 0.002))]
+    html = made([*GRID[:3], *failed]).decode()
+    assert len(dots(html)[1]) == 1
+    assert "mesh hull" not in Reader(html.encode()).text
+    assert "mesh" not in re.findall(r'<text class="title"[^>]*>(.*?)</text>', html)
+
+
+def test_figures_that_a_key_does_not_change_are_in_one_line_of_that_key():
+    figures = [{"joints": one["number"] // 3, "links": 1 + one["number"] // 3} for one in GRID]
+    html = made([{**one, "figures": row} for one, row in zip(GRID, figures, strict=True)])
+    assert "joints, links not changed by tolerance" in Reader(html).text
+
+
+def test_no_two_columns_have_one_title():
+    jobs = [job(number, figures={"links": number}, mesh=number) for number in range(2)]
+    titles = re.findall(r'<th scope="col"[^>]*>(.*?)</th>', made(jobs, {"job 0"}).decode())
+    assert len(set(titles)) == len(titles) >= 6
+
+
+@pytest.mark.parametrize("values", [[9, 11], [6, 7], [0, 1, 3], [14460, 16136]])
+def test_of_whole_numbers_whole_ones_are_named(values):
+    assert all(float(value).is_integer() and "." not in name for value, name in numbers("x", values).ticks)
+
+
 def test_many_figures_and_many_series_stay_readable():
     figures = {f"figure_{number}": float(number) for number in range(40)}
     jobs = [job(n, figures={key: value * n for key, value in figures.items()}, a=n) for n in range(3)]
