@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from tests.browser.conftest import SIZE, write_page
-from tests.browser.models import ALL_JOINTS, CARRIED, HELD, chain, model_of, renamed, small_pack
+from tests.browser.models import ALL_JOINTS, CARRIED, FOUR_BAR, HELD, chain, model_of, renamed, small_pack
 from tests.browser.words import complaints, opened, shown, word
 
 HOSTILE = '</script><img src=x onerror="window.broken=1">&amp;\'"'
@@ -113,8 +113,8 @@ def test_a_ball_is_posed_from_where_it_is_while_it_runs(browser, page_of):
         "const [place, quat] = arguments; linkwright.view.engine.views.qpos.set(quat, place);"
         "const row = [...document.querySelectorAll('.live-slider')].find((row) =>"
         " row.querySelector('label').textContent === 'shoulder x');"
-        "const input = row.querySelector('input'); input.value = 0.2; input.dispatchEvent(new Event('input'));"
-        "return linkwright.qpos()",
+        "const input = row.querySelector('input'); input.value = 0.2;"
+        "input.dispatchEvent(new Event('input')); return linkwright.qpos()",
         int(place),
         quat.tolist(),
     )
@@ -248,6 +248,36 @@ def test_every_control_has_a_name(held):
         ".map((one) => one.outerHTML)"
     )
     assert unnamed == []
+
+
+def test_a_slider_stands_where_its_joint_went(browser, page_of):
+    """Also the second time that it is moved to where the loop does not let the joint go."""
+    browser.open(page_of(small_pack(FOUR_BAR), "none"))
+    there, shown_at = browser.run(
+        "const row = [...document.querySelectorAll('.live-slider')].find((row) =>"
+        " row.querySelector('label').textContent === 'rocker');"
+        "const input = row.querySelector('input');"
+        "const drawn = () => new Promise(requestAnimationFrame);"
+        "for (const value of [2.5, 3]) {"
+        " input.value = value; input.dispatchEvent(new Event('input')); await drawn(); await drawn(); }"
+        "return [linkwright.qpos()[arguments[0]], Number(input.value)]",
+        int(model_of(FOUR_BAR).joint("rocker").qposadr[0]),
+    )
+    assert there < 2.4
+    assert shown_at == pytest.approx(there, abs=0.01)
+
+
+def test_values_that_change_while_it_runs_are_not_read_out(held):
+    told = held.run("return [...document.querySelectorAll('#live output')].map((one) => one.ariaLive)")
+    assert set(told) == {"off"}
+
+
+@pytest.mark.parametrize(("rate", "said"), [(0.84, "0.8"), (0.1, "0.1"), (0.034, "0.03")])
+def test_how_slow_it_runs_is_never_none(held, rate, said):
+    words = held.run(
+        "linkwright.view.page.showRate(arguments[0]); return linkwright.view.page.rate.textContent", rate
+    )
+    assert words == f"at {said} of real time"
 
 
 def test_it_does_not_step_out_of_sight(held):

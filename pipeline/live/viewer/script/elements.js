@@ -17,11 +17,13 @@ let madeSliders = 0;
 // A labelled slider: what to put on the page, and `show(value)`, which changes neither focus nor what is dragged.
 function makeSlider({ label, low, high, unit }, onMove) {
   const id = `live-slider-${madeSliders++}`;
-  const output = make("output", { for: id });
+  // Screen readers say the value of the slider itself, and not each value while it runs.
+  const output = make("output", { for: id, "aria-live": "off" });
   const input = make("input", { id, type: "range", min: low, max: high, step: "any" });
   const show = (value) => {
     const text = valueText(value, unit);
-    if (output.textContent === text) return;
+    const moved = Math.abs(Number(input.value) - Math.min(high, Math.max(low, value))) > (high - low) / 1000;
+    if (output.textContent === text && !moved) return;
     output.textContent = text;
     input.value = value;
     input.setAttribute("aria-valuetext", text);

@@ -32,7 +32,7 @@ class Page {
 
   showRate(rate) {
     this.rate.hidden = rate > 0.9;
-    this.rate.textContent = `at ${rate.toFixed(1)} of real time`;
+    this.rate.textContent = `at ${rate.toFixed(rate < 0.095 ? 2 : 1)} of real time`;
   }
 
   showLink(body) {
