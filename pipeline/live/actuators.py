@@ -20,9 +20,9 @@ _WORDS = {"POS": "position", "VEL": "velocity", "FF": "force", "VOLTAGE": "volta
 def actuators(live: LiveModel, joints: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """The actuators in the order of `ctrl`; one with several inputs has an entry for each of them.
 
-    `range` is null where ctrl is not limited; `joint` where it drives none, or several. `target`, of a servo of
-    a hinge or a slide, else null: it rests at a value of the joint where its ctrl (unless `ctrl` is false) and
-    this place of `act` (null: none) are slope · value + offset.
+    `range` is null where ctrl is not limited; `joint` where it drives none, or several. `target` is that of a
+    servo of a hinge or a slide, else null: it rests at a value of the joint where its ctrl (unless `ctrl` is
+    false) and this place of `act` (null: none) are slope · value + offset.
     """
     return [entry for index in range(_count(live.model)) for entry in _entries(live, index, joints)]
 
