@@ -184,6 +184,17 @@ def test_a_click_picks_a_link_and_another_lets_it_go(held):
     assert not shown(held, ".live-card")
 
 
+def test_the_keyboard_shows_where_it_is_and_a_click_draws_no_frame(held):
+    held.run("linkwright.view.pause()")
+    ring = "return document.activeElement.tagName + document.activeElement.matches(':focus-visible')"
+    click = [{"type": "pointerDown", "button": 0}, {"type": "pointerUp", "button": 0}]
+    held.act({"type": "pointerMove", "duration": 0, **at(held, model_of(HELD).body("forearm").id)}, *click)
+    assert held.run(ring) == "CANVASfalse"
+    held.run("document.activeElement.blur()")
+    held.keys("\ue004")
+    assert held.run(ring) == "INPUTtrue"
+
+
 def test_a_link_may_be_chosen_by_its_name(held):
     held.run(
         "const s = document.querySelector('.live-links');"

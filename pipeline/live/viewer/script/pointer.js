@@ -20,7 +20,7 @@ class Pointer {
 
   down(event) {
     const { view } = this;
-    view.stage.canvas.focus({ preventScroll: true });
+    view.stage.canvas.focus({ preventScroll: true, focusVisible: false });
     if (event.button !== 0 || !event.isPrimary) return this.cancel();
     const { origin, direction } = view.stage.rayAt(event);
     this.from = { x: event.clientX, y: event.clientY, hit: view.picking.hit(origin, direction) };
