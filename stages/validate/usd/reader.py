@@ -64,9 +64,11 @@ def read_usd(path: Path) -> UsdRobot:
         msg = "it has no default prim"
         raise UsdError(msg)
     prims = list(Usd.PrimRange(top))
-    bodies = {one.GetName(): _body(one) for one in prims if one.HasAPI(UsdPhysics.RigidBodyAPI)}
+    moving = [one for one in prims if one.HasAPI(UsdPhysics.RigidBodyAPI)]
+    bodies = {one.GetName(): _body(one) for one in moving}
+    paths = {one.GetPath() for one in moving}
     joints = {
-        one.GetName(): _joint(UsdPhysics.Joint(one), set(bodies))
+        one.GetName(): _joint(UsdPhysics.Joint(one), paths)
         for one in prims
         if one.IsA(UsdPhysics.Joint)
     }
@@ -87,7 +89,7 @@ def _body(prim: Any) -> ReadUsdBody:
     )
 
 
-def _joint(joint: Any, bodies: set[str]) -> ReadUsdJoint:
+def _joint(joint: Any, bodies: set[Any]) -> ReadUsdJoint:
     prim = joint.GetPrim()
     kind = prim.GetTypeName().removeprefix("Physics").removesuffix("Joint")
     first, second = (_target(one, bodies) for one in (joint.GetBody0Rel(), joint.GetBody1Rel()))
@@ -119,9 +121,10 @@ def _joint(joint: Any, bodies: set[str]) -> ReadUsdJoint:
     )
 
 
-def _target(relation: Any, bodies: set[str]) -> str:
-    names = [path.name for path in relation.GetTargets()]
-    return names[0] if names and names[0] in bodies else ""
+def _target(relation: Any, bodies: set[Any]) -> str:
+    """The name of the body, by its path: the default prim, which holds them all, may have a link's name."""
+    paths = relation.GetTargets()
+    return str(paths[0].name) if paths and paths[0] in bodies else ""
 
 
 def _locked(prim: Any, name: str) -> bool:

@@ -47,6 +47,13 @@ def test_every_joint_passes_every_check(kind: str, fixed: bool, tmp_path: Path) 
     assert failed(checked(robot, text_of(robot), tmp_path)) == []
 
 
+def test_a_link_may_have_the_name_of_its_robot(tmp_path: Path) -> None:
+    rows = [joint("revolute", "base", "robot"), joint("prismatic", "robot", "hand")]
+    robot = robot_with(rows, fixed=True)
+    assert robot.name == "robot"
+    assert failed(checked(robot, text_of(robot), tmp_path)) == []
+
+
 def looped(kind: str, shifted: bool = False) -> Robot:
     rng = np.random.default_rng(LOOPS.index(kind))
     rows = [
