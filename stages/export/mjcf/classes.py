@@ -5,8 +5,9 @@ elements has it, most of them with this value: what an element still says itself
 """
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
+from stages.export.mjcf.class_names import motor_of, named_after
 from stages.formats.xml import Element, element
 
 OWN = ("name", "joint", "joint1", "joint2", "site1", "site2", "pos", "ref", "polycoef")
@@ -19,15 +20,23 @@ CONTACT = ("contype", "conaffinity", "condim", "friction", "solref", "solimp", "
 """What a geom's contact depends on: those that say the same have a class."""
 
 
-def write_classes(root: Element, robot: Element, taken: set[str]) -> None:
+def write_classes(root: Element, robot: Element, taken: set[str], motors: Mapping[str, str]) -> None:
     """Gives the finished elements of a model their classes. `robot`: the element of the robot's own class, in
-    which they go; `taken`: names of classes."""
+    which they go; `taken`: names of classes; `motors`: by joint, those of the library.
+
+    The joints of one type are a class of its name where they all say the same. Else a class is named after
+    its motor or its joints.
+    """
     world = root.find("worldbody")
     joints: dict[tuple[str | None, ...], list[Element]] = {}
     for joint in world.iter("joint"):
         joints.setdefault(tuple(joint.get(key) for key in MOTOR), []).append(joint)
+    types = Counter(same[0].get("type") for same in joints.values())
+    every = [joint.get("name") for joint in world.iter("joint")]
     for same in joints.values():
-        _class(robot, same[0].get("type"), "joint", same, taken, MOTOR)
+        kind, names = same[0].get("type"), [joint.get("name") for joint in same]
+        own = motor_of(names, motors) or (named_after(names, every) if types[kind] > 1 else None)
+        _class(robot, own or kind, "joint", same, taken, MOTOR)
     _contacts(robot, [geom for geom in world.iter("geom") if geom.get("class") == "collision"], taken)
     for section in ("equality", "actuator"):
         above = root.find(section)
@@ -50,8 +59,10 @@ def _contacts(robot: Element, geoms: Sequence[Element], taken: set[str]) -> None
         if told:
             groups.setdefault(told, []).append(geom)
     collision = next(one for one in robot if one.get("class") == "collision")
+    every = [geom.get("name") for geom in geoms]
     for told, same in groups.items():
-        name = _free("collision", taken)
+        own = named_after([geom.get("name") for geom in same], every, dull=("collision",))
+        name = _free(own or "collision", taken)
         element(element(collision, "default", class_=name), "geom", **dict(told))
         for geom in same:
             geom.set("class", name)

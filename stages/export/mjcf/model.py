@@ -67,7 +67,8 @@ def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
     _equalities(root, robot, start, closures, given.keys.scene.option.timestep)
     write_actuation(root, actuation, given.sensing.sensors)
     _keyframes(root, world, robot, start, place, actuation)
-    write_classes(root, classes, {top, "main", "visual", "collision"})
+    motors = {one.dof: one.motor for one in actuation.actuators if one.motor}
+    write_classes(root, classes, {top, "main", "visual", "collision"}, motors)
     return to_bytes(root)
 
 

@@ -113,14 +113,13 @@ def test_nothing_is_said_again_that_a_class_holds(tmp_path, monkeypatch) -> None
         if default.get("class"):
             held[default.get("class")] = {**above, **own}
     assert {
-        "hinge",
-        "hinge_2",
-        "hinge_3",
+        "hip",
+        "ankle",
         "slide",
         "ball",
         "closure",
         "motor",
-        "collision_2",
+        "foot",
     } <= set(held)
     used = [one for one in root.iter() if one.get("class") and one.tag != "default"]
     assert {one.get("class") for one in used} <= set(held)
@@ -130,8 +129,20 @@ def test_nothing_is_said_again_that_a_class_holds(tmp_path, monkeypatch) -> None
     joints = {
         one.get("name"): one.get("class") for one in root.iter("joint") if one.get("class") != "closure"
     }
-    assert joints["hip_a"] == joints["hip_b"] == joints["hip_c"] == "hinge"
-    assert joints["ankle_a"] == joints["ankle_b"] != "hinge"
+    assert joints["hip_a"] == joints["hip_b"] == joints["hip_c"] == "hip"
+    assert joints["ankle_a"] == joints["ankle_b"] == "ankle"
     assert all(one.get("class") for one in root.find("worldbody").iter("geom", "joint"))
     for geom in root.find("worldbody").iter("geom"):
         assert not {"contype", "conaffinity", "group"} & set(geom.keys())
+
+
+def test_a_class_has_the_name_of_its_motor_or_what_only_its_joints_are_called(tmp_path) -> None:
+    robot = crawler()
+    motors = {"hip_[ab]": {"motor": "sts3215"}, "ankle_*": "position"}
+    write(robot, tmp_path, plan_of(actuators=motors), made_geometry(robot))
+    root = etree.parse(str(tmp_path / f"{robot.name}.xml")).getroot()
+    classes = {one.get("name"): one.get("class") for one in root.find("worldbody").iter("joint")}
+    assert classes["hip_a"] == "sts3215"
+    assert classes["ankle_a"] == "ankle"
+    # Not `hip`: others are called so, too.
+    assert classes["hip_c"] == "hinge"
