@@ -33,9 +33,10 @@ speeds after they solved the constraints, so a servo that is fast for the time s
 behind."""
 
 
-def stiffness(kind: DofKind, load: Load) -> float:
-    """Of a position servo [N m/rad or N/m], at the dof."""
-    return rounded(max(MARGIN * load.most / SAG[kind], load.most_inertia * PACE**2))
+def stiffness(kind: DofKind, load: Load, effort: float | None) -> float:
+    """Of a position servo [N m/rad or N/m], at the dof. A load beyond its effort [N m or N] it cannot hold,
+    however stiff it is."""
+    return rounded(max(MARGIN * _held(load, effort) / SAG[kind], load.most_inertia * PACE**2))
 
 
 def damping(kp: float, ratio: float, inertia: float) -> float:
@@ -43,9 +44,13 @@ def damping(kp: float, ratio: float, inertia: float) -> float:
     return rounded(2.0 * ratio * math.sqrt(kp * inertia))
 
 
-def drag(kind: DofKind, load: Load, armature: float) -> float:
+def drag(kind: DofKind, load: Load, armature: float, effort: float | None) -> float:
     """Of a velocity servo [N m s/rad or N s/m], at the dof."""
-    return rounded(max(MARGIN * load.most / DRIFT[kind], (load.most_inertia + armature) * PACE))
+    return rounded(max(MARGIN * _held(load, effort) / DRIFT[kind], (load.most_inertia + armature) * PACE))
+
+
+def _held(load: Load, effort: float | None) -> float:
+    return load.most if effort is None else min(load.most, effort)
 
 
 def armature(kp: float, timestep: float, coupled: bool) -> float:

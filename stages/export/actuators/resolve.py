@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from stages.export.actuators import estimates
+from stages.export.actuators.alike import shared
 from stages.export.actuators.choices import Wanted, driven_order, wanted_of
 from stages.export.actuators.loads import Load, loads, postures
 from stages.export.actuators.motors import Motors, completed, supplied
@@ -66,7 +67,8 @@ def actuate(
     up = -world_from_root[:3, :3].T @ gravity
     rates = couplings.moved_by([dof for dof in driven if dof in chosen])
     shares = compensated_links(robot, wanted, rates)
-    found = loads(robot, values, couplings, [dof for dof in driven if dof in chosen], shares, up)
+    of_each = loads(robot, values, couplings, [dof for dof in driven if dof in chosen], shares, up)
+    found = shared(robot, of_each)
     maker = _Maker(robot, timestep, found, {one.name for one in kept}, couplings.coupled, motors)
     actuators = [
         made
@@ -180,7 +182,7 @@ class _Maker:
             return kp * gear**2
         if load is None or dof.kind not in estimates.SAG:
             return 1.0
-        return estimates.stiffness(dof.kind, load) or 1.0
+        return estimates.stiffness(dof.kind, load, dof.dynamics.effort) or 1.0
 
     def _armature(self, dof: Dof, stiff: float) -> float:
         if dof.dynamics.armature is not None:
@@ -206,7 +208,7 @@ class _Maker:
                 kv = estimates.rounded(estimates.damping(stiff, ratio, inertia) / made.gear**2)
                 estimated.append("kv")
         elif made.type in ("velocity", "damper") and kv is None:
-            drag = 1.0 if load is None else estimates.drag(dof.kind, load, own)
+            drag = 1.0 if load is None else estimates.drag(dof.kind, load, own, dof.dynamics.effort)
             kv = estimates.rounded(drag / made.gear**2)
             estimated.append("kv")
         else:

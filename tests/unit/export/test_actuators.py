@@ -110,6 +110,41 @@ def test_the_load_is_the_weight_over_the_range_and_the_sag_follows_from_the_stif
     assert servo.estimated == ("kp", "kv")
 
 
+def two_arms(heavier: float = 0.0) -> Robot:
+    """A left and a right arm of two turns each, mirror images of each other but for what the right hand has
+    more; masses are at ends of links."""
+    rows = []
+    for side, y, sign in (("left", 0.1, 1), ("right", -0.1, -1)):
+        limits = {f"{side}_shoulder": Limits(*sorted((-1.2 * sign, 0.4 * sign)))}
+        limits |= {f"{side}_elbow": Limits(*sorted((0.1 * sign, 2.0 * sign)))}
+        upper = {"name": f"{side}_shoulder", "place": at(0, y, 0) @ ACROSS, "limits": limits}
+        rows.append(joint("revolute", "base", f"{side}_upper", [0.0], **upper))
+        lower = {"name": f"{side}_elbow", "place": at(0.3, 0, 0), "limits": limits}
+        rows.append(joint("revolute", f"{side}_upper", f"{side}_lower", [0.2 * sign], **lower))
+    masses = {f"{side}_{part}": lump(1.0, 0.3, 0, 0) for side in ("left", "right") for part in ("upper",)}
+    masses |= {"left_lower": lump(0.5, 0.3, 0, 0), "right_lower": lump(0.5 + heavier, 0.3, 0, 0)}
+    return robot_with(rows, inertials=masses)
+
+
+def test_copies_of_a_joint_share_what_is_estimated_and_others_do_not() -> None:
+    found = actuation(two_arms(), **{"*": "position"})
+    kp = {one.name: one.kp for one in found.actuators}
+    armatures = {one.dof: one.value for one in found.armatures}
+    for values in (kp, armatures):
+        assert values["left_shoulder"] == values["right_shoulder"] != values["left_elbow"]
+        assert values["left_elbow"] == values["right_elbow"]
+    kp = {one.name: one.kp for one in actuation(two_arms(heavier=0.2), **{"*": "position"}).actuators}
+    assert kp["left_elbow"] < kp["right_elbow"]
+
+
+def test_a_servo_is_no_stiffer_than_its_effort_can_use() -> None:
+    (servo,) = actuation(pendulum(effort=2.0), **{"*": "position"}).actuators
+    assert MASS * GRAVITY * ARM > 2.0
+    assert servo.kp == pytest.approx(max(2 * 2.0 / 0.01, MASS * ARM**2 * (20 * math.pi) ** 2), rel=0.01)
+    (plain,) = actuation(pendulum(), **{"*": "position"}).actuators
+    assert plain.kp > servo.kp
+
+
 def test_turns_and_slides_sag_less_than_their_bounds_in_a_simulation() -> None:
     robot = both()
     model = compiled(robot, actuators={"*": "position"})
