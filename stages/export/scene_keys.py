@@ -44,8 +44,9 @@ class PoseKeys(Keys):
     """Pose of the robot's root in the world. May be given as the kind alone."""
 
     kind: Literal["touch", "given"] = "given"
-    """touch: upright at the origin, with its lowest collider on the ground at `home` (of a fixed base, the
-    lowest of what is fixed), and without a ground at the origin; given: as the other keys say."""
+    """touch: upright at the origin, with its lowest collider on the ground, at `home` and in each other
+    keyframe (of a fixed base, the lowest of what is fixed), and without a ground at the origin; given: as the
+    other keys say."""
 
     xyz: Annotated[Position, example([0, 0, 0.2])] = (0, 0, 0)
     """Position [m]."""

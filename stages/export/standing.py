@@ -1,6 +1,6 @@
 """Where the scene puts the robot: on the ground, or where the configuration says."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -10,7 +10,7 @@ from stages.export.extents import Extents
 from stages.robot.errors import Diagnostic, ExportError
 from stages.robot.geometry import Geometry
 from stages.robot.kinematics import link_poses
-from stages.robot.model import Array, Robot
+from stages.robot.model import Array, Configuration, Robot
 from stages.robot.poses import from_parts, rotation_from_rpy
 from stages.robot.start_pose import home
 
@@ -27,12 +27,14 @@ BELOW = 5e-4
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stance:
-    """`world_from_root` (4, 4): the root link's pose. `low`, `high` (3,) [m]: the corners of the box around
-    the robot at `home`, infinite where it has no shapes."""
+    """`world_from_root` (4, 4): the root link's pose at `home`. `low`, `high` (3,) [m]: the corners of the
+    box around the robot there, infinite where it has no shapes. `placed`: the root link's pose with the dofs
+    at other values, since a free robot with bent legs touches the ground with its root lower down."""
 
     world_from_root: Array
     low: Array
     high: Array
+    placed: Callable[[Configuration], Array]
     diagnostics: tuple[Diagnostic, ...] = ()
 
 
@@ -44,18 +46,36 @@ def stand(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> Stance:
     """
     pose, ground = keys.scene.pose, keys.ground
     given = from_parts(rotation_from_rpy(pose.rpy), np.array(pose.xyz))
-    poses = link_poses(robot, home(robot))
-    at = {link: given @ root_from_link for link, root_from_link in poses.items()}
-    extents = Extents(geometry, at)
-    height = 0.0
-    if pose.kind == "touch" and ground.kind != "none":
-        height = _height(robot, extents, ground)
-    world_from_root = given.copy()
-    world_from_root[2, 3] += height
-    low, high = extents.box()
-    rise = np.array([0.0, 0.0, height])
-    found = () if ground.kind == "none" else tuple(_below(robot, extents, ground, height))
-    return Stance(world_from_root, low + rise, high + rise, found)
+    touches = pose.kind == "touch" and ground.kind != "none"
+
+    def height(extents: Extents) -> float:
+        return _height(robot, extents, ground) if touches else 0.0
+
+    at_home = home(robot)
+    extents = _extents(robot, geometry, given, at_home)
+    rise = height(extents)
+    world_from_root = _risen(given, rise)
+
+    def placed(values: Configuration) -> Array:
+        same = all(values[dof.name] == at_home[dof.name] for dof in robot.dofs)
+        if same or not touches or robot.base.fixed:
+            return world_from_root
+        return _risen(given, height(_extents(robot, geometry, given, values)))
+
+    low, high = (corner + np.array([0.0, 0.0, rise]) for corner in extents.box())
+    found = () if ground.kind == "none" else tuple(_below(robot, extents, ground, rise))
+    return Stance(world_from_root, low, high, placed, found)
+
+
+def _extents(robot: Robot, geometry: Geometry, world_from_root: Array, values: Configuration) -> Extents:
+    poses: Mapping[str, Array] = link_poses(robot, values)
+    return Extents(geometry, {link: world_from_root @ pose for link, pose in poses.items()})
+
+
+def _risen(pose: Array, height: float) -> Array:
+    risen = pose.copy()
+    risen[2, 3] += height
+    return risen
 
 
 def _normal(ground: "GroundKeys") -> Array:

@@ -29,6 +29,7 @@ from stages.robot.poses import UNMOVED
 from stages.robot.start_pose import HOME, keyframes
 
 if TYPE_CHECKING:
+    from stages.export.standing import Stance
     from stages.export.writer import WriterInput
 
 SOLREF = (0.005, 1.0)
@@ -51,7 +52,7 @@ def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
     painted = _assets(root, geometry)
     closures = Closures(robot)
     world = element(root, "worldbody")
-    place = given.standing.world_from_root
+    place = given.standing.placed(start)
     bits = kept_apart.bits
     bodies = BodyWriter(world, robot, groups, geometry, start, place, painted, closures, actuation, bits)
     bodies.write()
@@ -66,7 +67,7 @@ def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
     _excludes(root, kept_apart)
     _equalities(root, robot, start, closures, given.keys.scene.option.timestep)
     write_actuation(root, actuation, given.sensing.sensors)
-    _keyframes(root, world, robot, start, place, actuation)
+    _keyframes(root, world, robot, start, given.standing, actuation)
     motors = {one.dof: one.motor for one in actuation.actuators if one.motor}
     write_classes(root, classes, {top, "main", "visual", "collision"}, motors)
     return to_bytes(root)
@@ -163,16 +164,17 @@ def _keyframes(
     world: Element,
     robot: Robot,
     start: Configuration,
-    world_from_root: Array,
+    standing: "Stance",
     actuation: Actuation,
 ) -> None:
-    """The named poses of the robot, with the controls for which the actuators rest there."""
+    """The named poses of the robot, each where the scene puts it, with the controls for which the actuators
+    rest there."""
     joints = [node.get("name") for node in world.iter("joint", "freejoint")]
     if not joints:
         return
     keyframe = element(root, "keyframe")
     for name, q in keyframes(robot).items():
-        texts = dict(_qpos(robot, q, start, world_from_root))
+        texts = dict(_qpos(robot, q, start, standing.placed(q)))
         qpos_text = " ".join(texts[joint] for joint in joints)
         ctrl = controls(actuation, None if name == HOME else q)
         element(keyframe, "key", name=name, qpos=qpos_text, act=states(actuation, q), ctrl=ctrl)

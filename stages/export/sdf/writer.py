@@ -52,6 +52,7 @@ def _plan(given: WriterInput) -> "SdfPlan":
 
     robot, geometry = given.robot, given.geometry
     names = sdf_names(robot)
+    lowered = lower(robot, given.start, names)
     held = [joint.child for joint in robot.joints if joint.type != "free"]
     solid = sorted({shape.link for shape in geometry.shapes if shape.role == "collision"})
     # Engines leave out by themselves only what a joint holds together.
@@ -59,10 +60,10 @@ def _plan(given: WriterInput) -> "SdfPlan":
     apart = [one for one in geometry.excludes if frozenset((one.link_a, one.link_b)) not in joined]
     return SdfPlan(
         names,
-        lower(robot, given.start, names),
+        lowered,
         sensors_of(robot, given.sensing, held, solid),
         geometry.self_contact and not apart,
-        given.standing.world_from_root,
+        given.standing.placed(lowered.stands),
     )
 
 

@@ -11,10 +11,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from stages.export import export
 from stages.export.standing import stand
 from stages.mesh import make_geometry
 from stages.robot.errors import ExportError
-from stages.robot.model import Base, Limits, Primitive, Robot, frozen
+from stages.robot.model import Base, Keyframe, Limits, Primitive, Robot, frozen
 from stages.robot.poses import from_parts, rotation_from_rpy
 from tests.support.building import NO_MESHES, plan_of, write
 from tests.support.robots import at, joint, robot_with
@@ -85,6 +86,35 @@ def test_a_free_robot_stands_on_its_lowest_collider_at_home(tmp_path: Path) -> N
     assert data.geom_xpos[foot][0] == pytest.approx(0.3 * math.cos(0.5), abs=1e-9)
 
 
+def bending() -> Robot:
+    """The robot whose hip swings its leg up, saved with a straight leg, at home and in a pose of its own with
+    a bent one."""
+    upright = from_parts(rotation_from_rpy((math.pi / 2, 0.0, 0.0)), np.zeros(3))
+    robot = robot_with([joint("revolute", "base", "leg", name="hip", place=upright)])
+    foot = Primitive("sphere", (0.02,), frozen(at(0.0, -0.25, 0.0)))
+    named = tuple(Keyframe(name, (("hip", value),)) for name, value in (("home", 0.4), ("tuck", 1.2)))
+    return replace(shaped(free(robot), leg=[foot]), keyframes=named)
+
+
+def test_a_free_robot_touches_the_ground_in_every_keyframe_and_where_a_reset_leads_to(tmp_path) -> None:
+    robot = bending()
+    write(robot, tmp_path, plan_of(), geometry_of(robot))
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "scene.xml"))
+    heights = {model.key(one).name: float(model.key_qpos[one][2]) for one in range(model.nkey)}
+    bent = {"home": 0.4, "tuck": 1.2, "cad": 0.0}
+    expected = {name: pytest.approx(0.25 * math.cos(hip) + 0.02, abs=1e-8) for name, hip in bent.items()}
+    assert heights == expected
+    assert float(model.qpos0[2]) == expected["cad"]
+
+
+def test_an_sdf_whose_links_stand_at_zero_touches_the_ground_there() -> None:
+    robot = bending()
+    plan = plan_of(export={"sdf": {}})
+    text = export(robot, geometry_of(robot), plan).files[f"{robot.name}.sdf"].decode()
+    height = float(text.partition("<pose>")[2].split()[2])
+    assert height == pytest.approx(0.27, abs=1e-8)
+
+
 def test_a_fixed_robot_stands_on_what_is_fixed_and_what_is_below_is_named() -> None:
     robot = legged()
     standing = stand(robot, geometry_of(robot), plan_of())
@@ -123,6 +153,7 @@ def test_without_a_ground_or_with_a_pose_it_stays(keys) -> None:
     robot = free(legged())
     standing = stand(robot, geometry_of(robot), plan_of(**keys))
     np.testing.assert_array_equal(standing.world_from_root, np.eye(4))
+    np.testing.assert_array_equal(standing.placed({"hip": 1.0}), np.eye(4))
     found = [one.where for one in standing.diagnostics]
     assert found == ([] if "ground" in keys else ["base", "leg"])
 
