@@ -1,6 +1,7 @@
 """With the controls of `home`, the robot stays there: its actuators hold it, and it does not fall over.
 
-A warning: a robot that balances, or that has a joint that nothing drives, need not.
+A warning: a robot that balances, or that has a joint that nothing drives, need not. Where nothing in the
+world can carry it, as in space, a free robot falls, and only its joints are judged.
 """
 
 from collections.abc import Iterator
@@ -41,9 +42,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         mujoco.mj_step(model, data, max(1, min(steps, int(EFFORT / max(1, model.nv) ** 2))))
     if failure(model, data):
         return  # the trial run says so
-    moved = sorted(
-        (one for joint in range(model.njnt) for one in _moved(model, data, start, joint)), reverse=True
-    )
+    judged = [one for one in range(model.njnt) if model.jnt_type[one] != FREE or _carried(model)]
+    moved = sorted((one for joint in judged for one in _moved(model, data, start, joint)), reverse=True)
     far = [one for one in moved if one[0] > 1.0]
     share, worst, words = moved[0] if moved else (0.0, -1, "")
     name = model.joint(worst).name if worst >= 0 else ""
@@ -52,6 +52,12 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     )
     findings = [_finding(model, joint, words) for _, joint, words in far]
     yield compiled.result("rests at home", not far, detail, share, 1.0, findings, "warning")
+
+
+def _carried(model: Any) -> bool:
+    """Whether something that stands in the world collides."""
+    stands = model.body_weldid[model.geom_bodyid] == 0
+    return bool(np.any(stands & ((model.geom_contype | model.geom_conaffinity) != 0)))
 
 
 def _moved(model: Any, data: Any, start: Any, joint: int) -> Iterator[tuple[float, int, str]]:
