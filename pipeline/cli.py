@@ -60,7 +60,7 @@ groups, each a set of presets (group=option):
   depth       flexible, rigid: which sub-assemblies may move inside
   mesh        ladder, hull, coacd, primitives, spheres, raw, visual (none): the colliders
   ground      plane, none
-  export      [urdf,mjcf], urdf, mjcf, sdf, usd, ros2: the formats; [urdf,mjcf,sdf] writes several
+  export      [urdf,mjcf], urdf, mjcf, sdf, usd, ros2, python: the formats; [urdf,mjcf,sdf] several
   validate    quick, standard, strict (warnings are errors)
   actuators   none, motor, position, velocity, intvelocity, pid (servos), damper, general: what drives joints
   elements    none
