@@ -68,9 +68,7 @@ def read_usd(path: Path) -> UsdRobot:
     bodies = {one.GetName(): _body(one) for one in moving}
     paths = {one.GetPath() for one in moving}
     joints = {
-        one.GetName(): _joint(UsdPhysics.Joint(one), paths)
-        for one in prims
-        if one.IsA(UsdPhysics.Joint)
+        one.GetName(): _joint(UsdPhysics.Joint(one), paths) for one in prims if one.IsA(UsdPhysics.Joint)
     }
     roots = tuple(one.GetName() for one in prims if one.HasAPI(UsdPhysics.ArticulationRootAPI))
     return UsdRobot(bodies, joints, roots)
