@@ -30,11 +30,8 @@ _WORTH = (0.9, 0.7, 0.5)
 """Pieces are joined where one of these shares of them is near enough: with fewer there may be less that
 stands out."""
 
-_FURTHEST = 3.2
-"""Where the pieces stand out by more than three tolerances by this measure, they may by at most so many."""
-
-MANY = 24
-"""So many pieces of a link cost a simulation time; fewer stay with their parts."""
+MANY = 12
+"""Fewer pieces of a link stay with their parts."""
 
 _FINE = 0.5
 """The spacing of the points that stand for the parts in the verdict, in tolerances."""
@@ -83,8 +80,7 @@ def across(surfaces: Sequence[Surface], pieces: Sequence[Piece], settings: Colli
 
     def near(tried: Sequence[Piece]) -> bool:
         share, furthest = _standing(verdict, tried)
-        few = share <= _SAFE * 0.05
-        return few and furthest <= max(MOST_OF_TOLERANCE, min(before[1], _FURTHEST))
+        return share <= max(_SAFE * 0.05, before[0]) and furthest <= max(MOST_OF_TOLERANCE, before[1])
 
     most = next((count for of in _WORTH if near(taken(count := int(of * len(pieces))))), 0)
     if not most:
