@@ -39,8 +39,9 @@ _FINE = 0.5
 _BURIED = 1e-3
 """How deep in another piece a point is within it, in tolerances."""
 
+_POINTS = 5000
 _SAFE = 0.8
-"""Of the share that may stand out: points tell how large it is."""
+"""Of the share that may stand out: so many points tell how large it is."""
 
 
 def across(surfaces: Sequence[Surface], pieces: Sequence[Piece], settings: ColliderSettings) -> Collision:
@@ -100,7 +101,7 @@ def across(surfaces: Sequence[Surface], pieces: Sequence[Piece], settings: Colli
 def _standing(verdict: Overhang, pieces: Sequence[Piece]) -> tuple[float, float]:
     """The share of the outer surface that stands out by more than the tolerance, and by how many tolerances
     it stands out at most."""
-    far = verdict.standing(outer_samples(pieces))
+    far = verdict.standing(outer_samples(pieces, _POINTS))
     return float((far > 1).mean()), float(far.max(initial=0.0))
 
 

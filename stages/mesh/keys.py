@@ -26,12 +26,12 @@ class MeshSection(Keys):
     """Meshes of the links."""
 
     collider: ColliderName = "ladder"
-    """Collision geometry. ladder: of each part the cheapest of a primitive, its convex hull, and as few convex
-    pieces as it takes, at most 16, that is within the tolerance; hull: the convex hull of each link; coacd: at most 16
-    convex pieces of each part; primitives: of each part the box, sphere, capsule or cylinder that fits it
-    best, however well; raw: the mesh of each part as it is, of which MuJoCo and most other engines take the
-    convex hull; spheres: at most 64 spheres for each part, fewer where they meet mesh.tolerance; visual:
-    none, the links touch nothing."""
+    """Collision geometry. ladder: of each part the cheapest of a primitive, its convex hull, and as few
+    convex pieces as it takes, at most 16, that is within the tolerance; hull: the convex hull of each link;
+    coacd: at most 16 convex pieces of each part; primitives: of each part the box, sphere, capsule or
+    cylinder that fits it best, however well; raw: the mesh of each part as it is, of which MuJoCo and most
+    other engines take the convex hull; spheres: at most 64 spheres for each part, fewer where they meet
+    mesh.tolerance; visual: none, the links touch nothing."""
 
     colliders: Annotated[
         dict[Text, ColliderChoice],

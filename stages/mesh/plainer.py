@@ -10,7 +10,7 @@ from stages.mesh.fit.kinds import Fitted, best, subject_of
 from stages.mesh.measure import Measures
 from stages.mesh.pieces import Piece
 from stages.mesh.surface import Surface
-from stages.mesh.verdict import Judge, miss
+from stages.mesh.verdict import Judge
 from stages.robot.model import PrimitiveKind
 
 _NEAR = 0.75
@@ -33,8 +33,8 @@ def plainer(judge: Judge, hulls: Sequence[Surface], measures: Measures) -> tuple
         for index in ranked:
             tried[index] = fitted[index].primitive
         if not judge.hopeless(tried):
-            found = judge.measure(tried)
-            if miss(found, judge.tolerance) <= 1:
+            found = judge.near(tried)
+            if found is not None:
                 return tuple(tried), found
         ranked = ranked[: len(ranked) // 2]
     return tuple(hulls), measures

@@ -9,7 +9,7 @@ from stages.mesh.clean import clean
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.collision import Collision
 from stages.mesh.fit.score import MOST_OF_TOLERANCE
-from stages.mesh.measure import Measures, Target, hopeless, measure
+from stages.mesh.measure import FEW, Measures, Target, hopeless, measure, measure_near
 from stages.mesh.pieces import Piece
 from stages.mesh.surface import Surface, joined
 
@@ -46,13 +46,18 @@ class Judge:
         allowed = settings.extra_volume * (volume + skin) / volume if volume > 0 else float("inf")
         return Judge(solid, target, tolerance, allowed)
 
-    def hopeless(self, pieces: Sequence[Piece], tolerances: float = 1.0) -> bool:
-        """A quick no: whether some points say already that the pieces are too far off, by so many times the
-        tolerance."""
-        return hopeless(self.target, pieces, tolerances * self.tolerance)
+    def hopeless(self, pieces: Sequence[Piece], tolerances: float = 1.0, points: int = FEW) -> bool:
+        """A quick no: whether so many points say already that the pieces are too far off, by so many times
+        the tolerance."""
+        return hopeless(self.target, pieces, tolerances * self.tolerance, points)
 
     def measure(self, pieces: Sequence[Piece]) -> Measures:
         return measure(self.target, pieces)
+
+    def near(self, pieces: Sequence[Piece]) -> Measures | None:
+        """The measures of pieces that are near enough."""
+        found = measure_near(self.target, pieces, self.tolerance)
+        return found if found is not None and miss(found, self.tolerance) <= 1 else None
 
     def collision(
         self, pieces: Sequence[Piece], measures: Measures, rung: str, meets: bool = True
