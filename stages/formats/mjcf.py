@@ -130,6 +130,16 @@ class MjcfSensor:
     size: tuple[float, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class MjcfKeyframe:
+    """A named pose: (joint, value) [rad or m] of every hinge and slide, and the balls and free joints that
+    are elsewhere than at qpos0, all by their numbers."""
+
+    name: str
+    values: tuple[tuple[int, float], ...]
+    moved: tuple[int, ...] = ()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Mjcf:
     """A model. `bodies[0]` is the world; a body's parent comes before it, and the joints are counted from
@@ -142,3 +152,4 @@ class Mjcf:
     diagnostics: tuple[Diagnostic, ...]
     actuators: tuple[MjcfActuator, ...] = ()
     sensors: tuple[MjcfSensor, ...] = ()
+    keyframes: tuple[MjcfKeyframe, ...] = ()

@@ -42,7 +42,7 @@ def assemble(bundle: Bundle, keys: GraphKeys, read: MechanismReader) -> Robot:
     robot = with_zero(robot, keys.zero, keys.joints, log)
     robot = with_mobility(robot, log)
     log.raise_errors()
-    robot = with_keyframes(robot, keys.keyframes, log)
+    robot = with_keyframes(robot, keys.keyframes, log, mechanism.keyframes)
     log.raise_errors()
     robot = with_actuation(robot, mechanism, log)
     return replace(robot, diagnostics=tuple(log.found))

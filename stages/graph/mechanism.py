@@ -17,6 +17,7 @@ from stages.robot.model import (
     Dof,
     Inertial,
     JointType,
+    Keyframe,
     MateRef,
     Part,
     Primitive,
@@ -121,7 +122,8 @@ class Mechanism:
 
     `root`: the body that is the root in the source itself, if any. `has_saved_pose`: whether the source has
     a saved pose; a robot file has none, so all its joints are at zero. `unstated_base`: the diagnostic
-    for a root that nothing fixes, where the source cannot express whether it is fixed.
+    for a root that nothing fixes, where the source cannot express whether it is fixed. `keyframes`: the named
+    poses of the source, in its own values.
     """
 
     bodies: tuple[RigidBody, ...]
@@ -135,6 +137,7 @@ class Mechanism:
     controls: tuple[str, ...] = ()
     actuators: tuple[Actuator, ...] = ()
     sensors: tuple[Sensor, ...] = ()
+    keyframes: tuple[Keyframe, ...] = ()
     unstated_base: Diagnostic | None = None
 
 

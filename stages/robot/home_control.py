@@ -5,13 +5,17 @@ from collections.abc import Mapping
 
 from stages.robot.actuation import Actuator
 
+_FILTERS = ("filter", "filterexact")
+"""Dynamics whose state follows the control: at rest it is the control."""
+
 
 def home_control(actuator: Actuator, value: float, force: float) -> float:
     """A servo's is its target: where its force is 0 at rest with the dof at `value`. Any other's makes the
     `force` at the dof that holds the robot's weight.
 
-    The force is gain · control + b₀ + b₁ · length + b₂ · speed. An actuator whose control moves its state, a
-    damper, or one of a kind that has no such form, rests at 0. Within the control range.
+    The force is gain · control + b₀ + b₁ · length + b₂ · speed; at rest a filter's state is its control. An
+    actuator whose control moves its state in another way, a damper, or one of a kind that has no such form,
+    rests at 0. Within the control range.
     """
     gain, b0, b1 = _affine(actuator)
     control = 0.0
@@ -39,9 +43,12 @@ def state_at(actuator: Actuator, value: float) -> tuple[float, ...]:
         return (*target, *((0.0,) if "ki" in terms else ()))
     if actuator.type == "dcmotor":
         return (0.0,) * sum(name in terms for name in ("inductance", "thermal", "lugre"))
-    if terms.get("dyntype", "none") == "none":
+    dynamics = terms.get("dyntype", "none")
+    if dynamics == "none":
         return ()
-    if terms["dyntype"] == "integrator":
+    if dynamics in _FILTERS:
+        return (control_at(actuator, value),)
+    if dynamics == "integrator":
         # As that of an intvelocity, which a file may have in these words.
         gain, b0, b1 = _of_terms(terms)
         return ((-b0 - b1 * actuator.gear * value) / gain if gain and b1 else 0.0,)
@@ -62,7 +69,7 @@ def _affine(actuator: Actuator) -> tuple[float, float, float]:
     if actuator.type != "general":
         return 0.0, 0.0, 0.0
     terms = dict(actuator.terms)
-    return (0.0, 0.0, 0.0) if terms.get("dyntype", "none") != "none" else _of_terms(terms)
+    return _of_terms(terms) if terms.get("dyntype", "none") in ("none", *_FILTERS) else (0.0, 0.0, 0.0)
 
 
 def _of_terms(terms: Mapping[str, str]) -> tuple[float, float, float]:

@@ -94,10 +94,10 @@ def nearest(robot: Robot, near: Configuration, given: Mapping[str, float] | None
         driver = start[one.driver]
         if one.follower not in given and not isinstance(driver, tuple):
             start[one.follower] = one.multiplier * driver + one.offset
-    return _closed(robot, start, near, given) if robot.loops else start
+    return nearest_closed(robot, start, near, given) if robot.loops else start
 
 
-def _closed(
+def nearest_closed(
     robot: Robot, start: Configuration, near: Configuration, given: Mapping[str, float]
 ) -> dict[str, Value]:
     """The configuration with closed loops that is nearest to `near`; `start` where there is none."""

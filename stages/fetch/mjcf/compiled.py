@@ -9,6 +9,7 @@ import numpy as np
 
 from stages.fetch.mjcf.actuation import Numbers, actuator, driven, sensor
 from stages.fetch.mjcf.effort import efforts
+from stages.fetch.mjcf.keyframes import keyframes
 from stages.fetch.mjcf.meshes import Meshes, placed
 from stages.fetch.mjcf.textures import Textures
 from stages.fetch.mjcf.unsupported import carried, left_out
@@ -56,7 +57,7 @@ _SHOWN = 3
 _FINITE = (
     *("qpos0", "body_pos", "body_quat", "body_mass", "body_ipos", "body_iquat", "body_inertia"),
     *("jnt_pos", "jnt_axis", "jnt_range", "geom_pos", "geom_quat", "geom_size", "site_pos", "site_quat"),
-    *("eq_data", "dof_damping", "dof_frictionloss", "dof_armature"),
+    *("eq_data", "dof_damping", "dof_frictionloss", "dof_armature", "key_qpos"),
 )
 """Arrays that must be finite: MuJoCo compiles a NaN with only a warning."""
 
@@ -107,6 +108,7 @@ def convert(
         diagnostics=tuple(left_out(model, spec, set(numbers), textures, where, acting, list(measured))),
         actuators=tuple(actuator(model, one, order) for one in acting),
         sensors=tuple(measured.values()),
+        keyframes=keyframes(model, order),
     )
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from stages.fetch.mjcf.keyframes import left_of_keyframes
 from stages.fetch.mjcf.textures import Textures
 from stages.fetch.mjcf.unsupported_fields import (
     Omission,
@@ -52,6 +53,7 @@ def left_out(
         *of_elements(model, kept, equalities, textures.materials, driven, measured),
         *of_options(model),
         *_elements(model, {"texture": textures.carried, "actuator": driven, "sensor": measured}),
+        *left_of_keyframes(model, driven),
         *of_the_viewer(model),
         *of_the_file(spec),
     ]
@@ -169,7 +171,6 @@ def _alpha(model: Any, geom: int) -> float:
 
 _KINDS = {
     "sensor": ("mjOBJ_SENSOR", "nsensor"),
-    "keyframe": ("mjOBJ_KEY", "nkey"),
     "camera": ("mjOBJ_CAMERA", "ncam"),
     "light": ("mjOBJ_LIGHT", "nlight"),
     "contact pair": ("mjOBJ_PAIR", "npair"),

@@ -14,6 +14,7 @@ from stages.graph.mjcf.actuation import actuators_of, sensors_of
 from stages.graph.mjcf.base import base_of, bodies_of, floats, joining, root_of
 from stages.graph.mjcf.equalities import closings, connections, own_sites
 from stages.graph.mjcf.joints import SINGLE, Chain, body_joint, chain_of
+from stages.graph.mjcf.keyframes import keyframes_of
 from stages.graph.mjcf.naming import MjcfFileNames, names_of
 from stages.graph.relation_steps import followed_values
 from stages.robot import codec
@@ -71,16 +72,18 @@ def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[M
         if len({numbers[body] for body in one.closure.bodies}) > 1
     )
     closing = connections(apart, numbers, pose.world_from_body)
+    root = root_of(mjcf, there)
     mechanism = Mechanism(
         bodies=tuple(_body(mjcf, number, names, pose, numbers) for number in there),
         connections=(*_tree(mjcf, names, chains, pose, numbers), *closing),
         relations=tuple(_relations(mjcf, names)),
         markers=tuple(_markers(mjcf, names, pose, numbers, log)),
         provenance=Provenance(**bundle.root),
-        root=numbers[root_of(mjcf, there)],
+        root=numbers[root],
         has_saved_pose=False,
         actuators=actuators_of(mjcf, names),
         sensors=sensors_of(mjcf, names),
+        keyframes=keyframes_of(mjcf, names, root, log),
     )
     return mechanism, keys
 
@@ -100,6 +103,7 @@ def _require_tree(mjcf: Mjcf) -> None:
     joints = sum(len(body.joints) for body in mjcf.bodies)
     numbers = [number for one in mjcf.closures for number in one.bodies]
     ends = [number for one in mjcf.relations for number in (one.follower, one.driver)]
+    ends += [number for one in mjcf.keyframes for number in (*dict(one.values), *one.moved)]
     within = all(0 <= number < len(mjcf.bodies) for number in numbers)
     within = within and all(0 <= number < joints for number in ends)
     if not within or any(not 0 <= body.parent < max(1, i) for i, body in enumerate(mjcf.bodies)):

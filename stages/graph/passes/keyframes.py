@@ -1,11 +1,12 @@
-"""Poses that the key `keyframes` names, and whether `home` closes the loops."""
+"""Poses that the key `keyframes` and the source name, and whether `home` closes the loops."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
+from stages.graph.passes.source_keyframes import source_values
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.dof_ranges import ranges
-from stages.robot.globs import fits, there_are
+from stages.robot.globs import as_key, fits, there_are
 from stages.robot.model import Dof, Keyframe, Robot
 from stages.robot.quantity_keys import as_typed, misfit
 from stages.robot.start_pose import HOME, SAVED, home, keyframes, open_loops
@@ -14,26 +15,39 @@ BEYOND = 1e-9
 """How far [rad or m] a value may lie beyond a limit: the rounding of what was typed."""
 
 
-def with_keyframes(robot: Robot, wanted: Mapping[str, Mapping[str, float]], log: Diagnostics) -> Robot:
-    """The robot with the user's keyframes: of a dof that several globs match the last one counts.
+def with_keyframes(
+    robot: Robot,
+    wanted: Mapping[str, Mapping[str, float]],
+    log: Diagnostics,
+    of_source: Sequence[Keyframe] = (),
+) -> Robot:
+    """The robot with the keyframes of the source and the user's: of a dof that several globs match the last
+    one counts, and the source's value counts where none does.
 
     E-GLOB for a glob that matches no dof; E-KEYFRAME for a value that a dof cannot have: it is no turn or
     slide, the value is beyond its limits, or it contradicts a relation, and for values that leave a loop
-    open. W-HOME where no pose within the limits closes a loop.
+    open. W-HOME where no pose within the limits closes a loop; I-KEYFRAME as in `source_values`.
     """
-    made = [_keyframe(robot, name, values, log) for name, values in wanted.items()]
+    before = source_values(robot, of_source, wanted, log)
+    made = [
+        _keyframe(robot, name, wanted.get(name, {}), before.get(name, {}), log)
+        for name in dict.fromkeys((*before, *wanted))
+    ]
     if log.problems:
         return robot
     found = replace(robot, keyframes=tuple(made))
-    _check_loops(found, wanted, log)
+    _check_loops(found, wanted, before, log)
     return found
 
 
-def _keyframe(robot: Robot, name: str, wanted: Mapping[str, float], log: Diagnostics) -> Keyframe:
+def _keyframe(
+    robot: Robot, name: str, wanted: Mapping[str, float], before: Mapping[str, float], log: Diagnostics
+) -> Keyframe:
+    """`before`: values by dof that the user's do not replace."""
     where = f"keyframes.{name}"
     if name == SAVED:
         log.report("E-KEYFRAME", f"{SAVED} is the pose that was saved in CAD", where, "choose another name")
-    given: dict[str, float] = {}
+    given = dict(before)
     for glob, value in wanted.items():
         matched = [dof for dof in robot.dofs if fits(dof.name, glob)]
         scalars = [dof for dof in matched if dof.kind in ("turn", "slide")]
@@ -50,11 +64,13 @@ def _keyframe(robot: Robot, name: str, wanted: Mapping[str, float], log: Diagnos
             text = f"{glob!r}: {text}, and {dof.name} is a {dof.kind}"
             log.report("E-KEYFRAME", text, where, as_typed(dof.kind))
         given |= {dof.name: float(value) for dof in scalars}
-    _check_limits(robot, given, where, log)
+    _check_limits(robot, given, before, where, log)
     return Keyframe(name, tuple(_with_drivers(robot, given, where, log).items()))
 
 
-def _check_limits(robot: Robot, given: Mapping[str, float], where: str, log: Diagnostics) -> None:
+def _check_limits(
+    robot: Robot, given: Mapping[str, float], before: Mapping[str, float], where: str, log: Diagnostics
+) -> None:
     limits = ranges(robot)
     for dof in robot.dofs:
         if dof.name not in given:
@@ -63,7 +79,12 @@ def _check_limits(robot: Robot, given: Mapping[str, float], where: str, log: Dia
         if not low - BEYOND <= given[dof.name] <= high + BEYOND:
             unit = "rad" if dof.kind == "turn" else "m"
             text = f"{given[dof.name]:g} {unit} is outside the limits of {dof.name}, {low:.6g} to {high:.6g}"
-            log.report("E-KEYFRAME", text, where, "choose a value within, or set limits in `joints`")
+            hint = "choose a value within, or set limits in `joints`"
+            if dof.name in before:
+                text = f"the source's keyframe: {text}"
+                entry = f"{{{as_key(dof.name)}: {min(max(given[dof.name], low), high):.6g}}}"
+                hint = f"say where it is: `{where}: {entry}`, or set limits in `joints`"
+            log.report("E-KEYFRAME", text, where, hint)
 
 
 def _with_drivers(robot: Robot, given: Mapping[str, float], where: str, log: Diagnostics) -> dict[str, float]:
@@ -82,17 +103,20 @@ def _with_drivers(robot: Robot, given: Mapping[str, float], where: str, log: Dia
     return {dof.name: found[dof.name] for dof in order}
 
 
-def _check_loops(robot: Robot, wanted: Mapping[str, Mapping[str, float]], log: Diagnostics) -> None:
+def _check_loops(robot: Robot, wanted: Collection[str], before: Collection[str], log: Diagnostics) -> None:
+    """`wanted`, `before`: the names of the user's and of the source's keyframes."""
     if not robot.loops:
         return
     poses = keyframes(robot) if robot.keyframes else {HOME: home(robot)}
     for name, pose in poses.items():
         still_open = ", ".join(open_loops(robot, pose)) if name != SAVED else ""
-        if still_open and name in wanted:
+        if still_open and (name in wanted or name in before):
             text = f"no pose with these values closes {still_open}"
-            log.report(
-                "E-KEYFRAME", text, f"keyframes.{name}", "give fewer joints of the loop: the others follow"
-            )
+            hint = "give fewer joints of the loop: the others follow"
+            if name not in wanted:
+                text = f"the source's keyframe: {text}"
+                hint = f"give one joint of the loop in `keyframes.{name}`: the others follow"
+            log.report("E-KEYFRAME", text, f"keyframes.{name}", hint)
         elif still_open:
             text = f"no pose within the limits closes this loop, so it starts open at {name}"
             log.report(

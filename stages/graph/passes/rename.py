@@ -47,6 +47,10 @@ def renamed(mechanism: Mechanism, wanted: NamesKeys, log: Diagnostics) -> Mechan
         relations=specs,
         actuators=tuple(replace(one, dof=called.get(one.dof, one.dof)) for one in mechanism.actuators),
         sensors=tuple(_measuring(one, called, of_links) for one in mechanism.sensors),
+        keyframes=tuple(
+            replace(one, given=tuple((called.get(name, name), value) for name, value in one.given))
+            for one in mechanism.keyframes
+        ),
     )
     _check_free(made, {*links.values(), *joints.values()}, log)
     return made

@@ -401,8 +401,7 @@ def test_an_attached_model_is_part_of_the_identity_with_its_meshes(tmp_path):
 
 ACTUATED = """<actuator><motor joint="a" gear="10" ctrlrange="-2 2"/><position joint="b" forcerange="-3 5"/>
   <motor name="push" joint="c" gear="2"/></actuator><sensor><gyro name="imu" site="tip"/></sensor>
-  <tendon><spatial name="cable"><site site="tip"/><site site="root"/></spatial></tendon>
-  <keyframe><key name="stand"/></keyframe>"""
+  <tendon><spatial name="cable"><site site="tip"/><site site="root"/></spatial></tendon>"""
 
 
 def test_actuators_bound_efforts_and_what_is_left_is_reported_by_name(tmp_path):
@@ -420,7 +419,6 @@ def test_actuators_bound_efforts_and_what_is_left_is_reported_by_name(tmp_path):
     assert "actuator" not in told["I-MJCF-LEFT"]
     assert "sensor" not in told["I-MJCF-LEFT"]
     for words in (
-        "keyframe (stand)",
         "camera (eye)",
         "light (sun)",
     ):

@@ -26,7 +26,7 @@ from tests.support.building import plan_of
 from tests.support.mujoco_schema import Where, schema
 
 LEFT_WHOLE: tuple[Where, ...] = (
-    *((name,) for name in ("actuator", "sensor", "tendon", "keyframe", "custom", "contact", "deformable")),
+    *((name,) for name in ("actuator", "sensor", "tendon", "custom", "contact", "deformable")),
     *(("asset", name) for name in ("texture", "skin", "hfield")),
     *(("body", name) for name in ("camera", "light", "flexcomp")),
     *(("equality", name) for name in ("tendon", "flex", "flexstrain", "flexvert")),
@@ -57,6 +57,8 @@ WITHOUT_MEANING = {
     "fitscale",  # comes to a size
     "nstack",  # is refused
     "material name",  # is only referred to in the file
+    # Of things that the model below does not have: `unit/fetch/test_mjcf_keyframes.py` has them.
+    *("key act", "key ctrl", "key mpos", "key mquat", "key plastic"),
     *("bv", "bvactive"),  # colours of MuJoCo's own debugging, which its Python does not show
 }
 """Attributes that are settled when MuJoCo compiles."""
@@ -77,7 +79,8 @@ BASE = f"""<mujoco model="base"><compiler angle="radian"/><option><flag/></optio
     <site name="pin" pos="0 0 1"/></body>
   <body name="foot" pos="0 2 0">{SOLID}<joint name="n"/><site name="toe"/></body></body></worldbody>
 <equality><connect name="c" body1="foot" body2="hand" anchor="0 0 1"/>
-  <weld name="w" body1="foot" body2="hand"/><joint name="e" joint1="n" joint2="k"/></equality></mujoco>"""
+  <weld name="w" body1="foot" body2="hand"/><joint name="e" joint1="n" joint2="k"/></equality>
+<keyframe><key name="ready"/></keyframe></mujoco>"""
 
 Values = Mapping[str, str | None]
 
@@ -157,6 +160,8 @@ ELSEWHERE: Mapping[tuple[str, str], str | Values] = {
     ("flag", "ipc"): {"ipc": "enable", "../integrator": "discrete"},
     ("geom", "type"): "box",
     ("site", "type"): "box",
+    ("key", "qpos"): "0 0 0 1 0 0 0 .5 0 0 0",
+    ("key", "qvel"): "0 0 0 0 0 0 .5 0 0 0",
     ("geom", "mass"): {"mass": "2", "BODY": None},
     ("geom", "density"): {"density": "2", "BODY": None},
 }
@@ -272,7 +277,6 @@ WHOLE = {
     "actuator": '<actuator><adhesion name="x" body="arm" gain="1" ctrlrange="0 1"/></actuator>',
     "sensor": '<sensor><user name="x" objtype="body" objname="arm" dim="1" needstage="pos"/></sensor>',
     "tendon": '<tendon><fixed name="x"><joint joint="j" coef="1"/></fixed></tendon>',
-    "keyframe": '<keyframe><key name="x"/></keyframe>',
     "custom numeric": '<custom><numeric name="x" data="1"/></custom>',
     "custom text": '<custom><text name="x" data="1"/></custom>',
     "custom tuple": '<custom><tuple name="x"><element objtype="body" objname="arm"/></tuple></custom>',

@@ -1,0 +1,208 @@
+"""Keyframes of an MJCF are keyframes of the robot, and what a keyframe of ours cannot have is named."""
+
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from stages.export import export
+from stages.fetch.mjcf.gather import gather
+from stages.graph import build_robot
+from stages.robot.errors import AssemblyError
+from stages.robot.model import Robot
+from tests.support.building import NO_MESHES, plan_of
+from tests.support.mjcfs import SOLID, body, model, written
+
+GEOM = '<geom type="capsule" fromto="0 0 0 0 0 -.2" size=".02"/>'
+LEG = body(
+    "thigh",
+    '<joint name="hip" axis="0 1 0" range="-1 1" ref=".3"/>'
+    + GEOM
+    + body("shin", GEOM + '<joint name="knee" axis="0 1 0" range="-2 0"/>', pos="0 0 -.2"),
+)
+BASE = f'<body name="base" pos="0 0 1"><freejoint name="root"/>{SOLID.format(mass=1)}{LEG}</body>'
+SERVOS = """<actuator><position name="hip" joint="hip" kp="20"/>
+<position name="knee" joint="knee" kp="20" timeconst=".02"/></actuator>"""
+KEYS = """<keyframe><key name="home" qpos="1 2 .5 1 0 0 0 .4 -.7"/><key qpos="0 0 1 1 0 0 0 -.9 -1.5"/>
+<key name="crouch" qpos="0 0 1 1 0 0 0 .9 -1.5"/></keyframe>"""
+
+
+def plan(path: Path, **keys: object):
+    return plan_of(source={"kind": "mjcf", "path": str(path)}, **keys)
+
+
+def robot_of(path: Path, **keys: object) -> Robot:
+    made = plan(path, **keys)
+    return build_robot(gather(made.source)[0], made)
+
+
+def compiled(path: Path, **keys: object) -> mujoco.MjModel:
+    made = plan(path, **keys)
+    found = export(build_robot(gather(made.source)[0], made), NO_MESHES, made)
+    return mujoco.MjModel.from_xml_string(found.files["robot.xml"].decode())
+
+
+def at_keys(robot: mujoco.MjModel, names: tuple[str, ...]) -> dict[str, dict[str, float]]:
+    """Keyframe → joint → value, of hinges and slides."""
+    scalar = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+    joints = [robot.joint(index) for index in range(robot.njnt) if robot.jnt_type[index] in scalar]
+    return {name: {one.name: float(robot.key(name).qpos[one.qposadr[0]]) for one in joints} for name in names}
+
+
+def given(robot: Robot) -> dict[str, dict[str, float]]:
+    return {one.name: dict(one.given) for one in robot.keyframes}
+
+
+def told(robot: Robot, code: str) -> str:
+    return " ".join(one.message for one in robot.diagnostics if one.code == code)
+
+
+def test_the_joints_are_at_each_keyframe_where_the_source_has_them(tmp_path: Path) -> None:
+    path = written(tmp_path, model(BASE, SERVOS + KEYS))
+    robot = robot_of(path)
+    assert given(robot) == {
+        "home": {"hip": 0.4, "knee": -0.7},
+        "keyframe_1": {"hip": -0.9, "knee": -1.5},
+        "crouch": {"hip": 0.9, "knee": -1.5},
+    }
+    assert "keyframe" not in told(robot, "I-MJCF-LEFT")
+    original, ours = mujoco.MjModel.from_xml_path(str(path)), compiled(path)
+    assert at_keys(ours, ("home", "crouch")) == at_keys(original, ("home", "crouch"))
+    # The links stand to each other as they did, wherever the scene puts the robot.
+    for name in ("home", "crouch"):
+        shins = []
+        for one in (original, ours):
+            data = mujoco.MjData(one)
+            mujoco.mj_resetDataKeyframe(one, data, one.key(name).id)
+            mujoco.mj_kinematics(one, data)
+            base = data.body("base").xmat.reshape(3, 3)
+            shins.append(base.T @ (data.body("shin").xpos - data.body("base").xpos))
+        np.testing.assert_allclose(*shins, atol=1e-12)
+
+
+def test_the_servos_hold_each_keyframe_also_those_with_a_filter(tmp_path: Path) -> None:
+    ours = compiled(written(tmp_path, model(BASE, SERVOS + KEYS)))
+    assert {name: ours.key(name).ctrl.tolist() for name in ("home", "crouch")} == {
+        "home": [0.4, -0.7],
+        "crouch": [0.9, -1.5],
+    }
+    assert {name: ours.key(name).act.tolist() for name in ("home", "crouch")} == {
+        "home": [-0.7],
+        "crouch": [-1.5],
+    }
+    data = mujoco.MjData(ours)
+    mujoco.mj_resetDataKeyframe(ours, data, ours.key("crouch").id)
+    mujoco.mj_forward(ours, data)
+    np.testing.assert_allclose(data.actuator_force, 0, atol=1e-9)
+
+
+def test_our_own_file_keeps_its_keyframes(tmp_path: Path) -> None:
+    path = written(tmp_path, model(BASE, SERVOS + KEYS))
+    made = plan(path)
+    first = export(build_robot(gather(made.source)[0], made), NO_MESHES, made).files["robot.xml"]
+    (tmp_path / "again").mkdir()
+    again = written(tmp_path / "again", first.decode())
+    second = export(robot_of(again), NO_MESHES, plan(again)).files["robot.xml"]
+    lines = [[line for line in data.decode().splitlines() if "<key " in line] for data in (first, second)]
+    of_source = [[line for line in every if 'name="cad"' not in line] for every in lines]
+    assert len(of_source[0]) == 3
+    assert of_source[0] == of_source[1]
+
+
+def test_the_values_of_the_user_win_one_by_one(tmp_path: Path) -> None:
+    path = written(tmp_path, model(BASE, KEYS))
+    robot = robot_of(path, keyframes={"home": {"k*": -0.2}, "low": {"hip": 0.1}})
+    assert given(robot)["home"] == {"hip": 0.4, "knee": -0.2}
+    assert given(robot)["crouch"] == {"hip": 0.9, "knee": -1.5}
+    assert given(robot)["low"] == {"hip": 0.1}
+
+
+def test_the_values_follow_the_names_and_the_count_of_their_joints(tmp_path: Path) -> None:
+    path = written(tmp_path, model(BASE, KEYS))
+    keys = {"names": {"joints": {"hip": "swing"}}, "joints": {"knee": {"invert": True}}}
+    assert given(robot_of(path, **keys))["home"] == {"swing": 0.4, "knee": 0.7}
+
+
+def test_a_pose_outside_the_limits_is_refused_but_for_rounding(tmp_path: Path) -> None:
+    path = written(tmp_path, model(BASE, KEYS))
+    with pytest.raises(AssemblyError) as error:
+        robot_of(path, joints={"knee": {"limits": [-0.5, 0]}})
+    problems = [one for one in error.value.problems if one.where == "keyframes.home"]
+    assert [one.code for one in problems] == ["E-KEYFRAME"]
+    assert "the source's keyframe" in problems[0].message
+    assert "`keyframes.home: {knee: -0.5}`" in problems[0].hint
+    near = robot_of(path, joints={"knee": {"limits": [-1.4999, 0]}})
+    assert given(near)["crouch"]["knee"] == -1.4999
+
+
+FOLLOWING = '<equality><joint joint1="knee" joint2="hip" polycoef="-.7 -1 0 0 0"/></equality>'
+
+
+def test_a_follower_is_left_to_its_driver_but_not_against_it(tmp_path: Path) -> None:
+    key = '<keyframe><key name="home" qpos="0 0 1 1 0 0 0 .5 {}"/></keyframe>'
+    path = written(tmp_path, model(BASE, FOLLOWING + key.format("-.9001")))
+    assert given(robot_of(path))["home"] == {"hip": 0.5}
+    # One value of the two given anew: the other is no longer the source's.
+    assert given(robot_of(path, keyframes={"home": {"knee": -0.8}}))["home"] == {"hip": pytest.approx(0.4)}
+    path = written(tmp_path, model(BASE, FOLLOWING + key.format("-.5")))
+    robot = robot_of(path)
+    assert given(robot)["home"] == {"hip": 0.5}
+    assert "hip = 0.5 makes knee -0.9, not -0.5" in told(robot, "I-KEYFRAME")
+
+
+def four_bar(angle: float, key: str) -> str:
+    """A parallelogram whose bars are 0.2 m long and 0.3 m apart, drawn upright."""
+    bar = '<geom type="capsule" fromto="0 0 0 0 0 .2" size=".01"/>'
+    hinge = '<joint name="{}" axis="0 1 0"/>'
+    coupler = body("coupler", hinge.format("pin") + '<site name="end" pos=".3 0 0"/>', pos="0 0 .2")
+    left = body("left", hinge.format("drive") + bar + coupler)
+    right = body("right", hinge.format("swing") + bar + '<site name="top" pos="0 0 .2"/>', pos=".3 0 0")
+    closing = '<equality><connect name="loop" site1="end" site2="top"/></equality>'
+    pose = f"{angle} {key}"
+    return model(
+        body("base", left + right), f'{closing}<keyframe><key name="home" qpos="{pose}"/></keyframe>'
+    )
+
+
+def test_a_loop_closes_where_the_source_rounds_it_and_is_refused_where_it_is_open(tmp_path: Path) -> None:
+    robot = robot_of(written(tmp_path, four_bar(0.4, "-.4002 .3999")))
+    home = given(robot)["home"]
+    assert home["drive"] == pytest.approx(-home["pin"], abs=1e-9)
+    assert home["drive"] == pytest.approx(home["swing"], abs=1e-9)
+    assert home["drive"] == pytest.approx(0.4, abs=1e-3)
+    wrong = written(tmp_path, four_bar(0.4, "-.1 .1"))
+    with pytest.raises(AssemblyError, match="the source's keyframe: no pose with these values closes loop"):
+        robot_of(wrong)
+    mended = robot_of(wrong, keyframes={"home": {"drive": 0.4}})
+    assert given(mended)["home"] == {"drive": 0.4}
+
+
+def test_what_a_keyframe_cannot_have_is_named(tmp_path: Path) -> None:
+    ball = body("head", '<joint name="neck" type="ball"/>')
+    world = BASE.replace('<body name="thigh">', ball + '<body name="thigh">')
+    world += f'<body name="box"><freejoint name="adrift"/>{SOLID.format(mass=0.1)}</body>'
+    world += '<body name="hand" mocap="true" pos="0 1 0"/>'
+    muscle = '<actuator><muscle name="biceps" joint="hip" lengthrange="0 1"/></actuator>'
+    free = "0 0 1 1 0 0 0"
+    still = f'<key name="still" qpos="{free} 1 0 0 0 0 0 0 0 0 1 0 0 0"/>'
+    moved = f'<key name="moved" time="2" mpos="0 2 0" qpos="{free} 0 1 0 0 0 0 0 0 1 1 0 0 0" act=".2"/>'
+    cad = (
+        f'<key name="cad" qpos="{free} 1 0 0 0 .5 0 0 0 0 1 0 0 0" qvel="1 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0"/>'
+    )
+    path = written(tmp_path, model(world, f"{muscle}<keyframe>{still}{moved}{cad}</keyframe>"))
+    robot = robot_of(path, root={"disconnected": "separate"})
+    left = told(robot, "I-MJCF-LEFT")
+    for words in (
+        "key time (moved)",
+        "key qvel (cad)",
+        "key mpos (moved)",
+        "key act (moved)",
+    ):
+        assert f"1 × {words}" in left
+    assert "mquat" not in left
+    found = {one.where: one.message for one in robot.diagnostics if one.code == "I-KEYFRAME"}
+    assert sorted(found) == ["cad", "moved"]
+    assert "adrift, neck" in found["moved"]
+    assert "moves hip" in found["cad"]
+    assert sorted(given(robot)) == ["moved", "still"]
