@@ -4,7 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from stages.export.actuators.choices import Wanted, driven_order
+from stages.export.actuators.loads import postures
 from stages.robot.actuation import Actuation
+from stages.robot.couplings import Couplings
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Array, Robot
 from stages.robot.start_pose import home
@@ -18,13 +21,30 @@ def advice(
     robot: Robot, actuation: Actuation, world_from_root: Array, gravity: Sequence[float] = GRAVITY
 ) -> str:
     """The override that makes a robot hold itself, where at `home` a dof that nothing drives bears more
-    weight than its friction holds; "" where none does. `gravity` (3,) [m/s²]: in the world."""
+    weight than its friction holds; "" where none does. Of a dof that follows another it names that other.
+    `gravity` (3,) [m/s²]: in the world."""
     if actuation.actuators or not robot.mobility.dof:
         return ""
     fallen = _not_held(robot, world_from_root, gravity)
     if not fallen:
         return ""
+    fallen = _driver(robot, fallen)
     return f"nothing holds {fallen} against its weight: try actuators=position"
+
+
+def _driver(robot: Robot, dof: str) -> str:
+    """The dof itself, or of those that `actuators=position` drives the one that moves it the most."""
+    if not robot.loops and all(one.follower != dof for one in robot.relations):
+        return dof
+    values = postures(robot)
+    couplings = Couplings(robot, values)
+    scalar = [one.name for one in robot.dofs if one.kind in ("turn", "slide")]
+    wanted = {name: Wanted("position", {}, named=False) for name in scalar}
+    rates = couplings.moved_by(couplings.independent(driven_order(robot, wanted, ())))
+    if dof in rates:
+        return dof
+    speeds = {name: float(np.abs(moved[dof]).max()) for name, moved in rates.items() if dof in moved}
+    return max(speeds, key=lambda name: speeds[name]) if speeds else dof
 
 
 def _not_held(robot: Robot, world_from_root: Array, gravity: Sequence[float]) -> str:

@@ -1,16 +1,23 @@
 """Diagnostics about what drives a robot."""
 
-from collections.abc import Sequence
+import math
+from collections.abc import Collection, Mapping, Sequence
+
+import numpy as np
 
 from stages.robot.actuation import Actuation, Actuator
+from stages.robot.couplings import Rates
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import listed
+from stages.robot.globs import as_key, listed
 from stages.robot.model import Robot
 
 WHERE = "actuators"
 
 FAR = {"turn": 0.02, "slide": 0.002}
 """Sag [rad, m] at home from which on a servo is reported."""
+
+STILL = 1e-9
+"""The speed of a dof, for a unit speed of another, up to which it rests."""
 
 
 def remark(
@@ -38,6 +45,48 @@ def remark(
     if weak:
         text = f"somewhere in its range the robot weighs more [N m or N] than these may hold: {listed(weak)}"
         log.report("W-ACTUATOR-EFFORT", text, WHERE, "raise the effort (joints), or compensate (gravcomp)")
+
+
+def remark_couplings(
+    robot: Robot, actuation: Actuation, rates: Mapping[str, Rates], asked: Collection[str], log: Diagnostics
+) -> None:
+    """W-ACTUATOR-TWICE for dofs that are driven although other driven ones move them; I-ACTUATOR for targets
+    without a range, where limits of other dofs bound the dof.
+
+    `rates`: by the dofs that are driven independently of each other, what moves with them; `asked`: the dofs
+    that the user drives.
+    """
+    limits = {dof.name: dof.limits.interval for dof in robot.dofs if dof.kind in ("turn", "slide")}
+    for one in (one for one in actuation.actuators if one.dof in asked):
+        others = [name for name, moved in rates.items() if _moves(moved, one.dof) and name != one.dof]
+        if one.dof not in rates and others:
+            text = f"{one.dof} is driven, and so is what moves it already, by a loop or a relation: "
+            text += f"{listed(others)}. The two can fight each other"
+            if "kp" in one.estimated:
+                text += f"; its kp of {one.kp:g} stands for no load, since {others[0]} bears the weight"
+            hint = f"drive one of the two: actuators: {{{as_key(others[0])}: none}}"
+            log.report("W-ACTUATOR-TWICE", text, WHERE, hint)
+        bounding = _bounding(one.dof, rates, limits)
+        if one.control is None and one.type in ("position", "pid") and bounding:
+            text = (
+                f"{one.dof} has no limits of its own, so its control has no range; bounded by limits that it "
+            )
+            text += f"moves with: {listed(bounding)}"
+            log.report("I-ACTUATOR", text, WHERE, f"joints: {{{as_key(one.dof)}: {{limits: [..., ...]}}}}")
+
+
+def _moves(moved: Rates, name: str) -> bool:
+    return name in moved and bool(np.abs(moved[name]).max(initial=0.0) > STILL)
+
+
+def _bounding(name: str, rates: Mapping[str, Rates], limits: Mapping[str, tuple[float, float]]) -> list[str]:
+    """The dofs with two limits that move with this one."""
+    moved = rates.get(name, {})
+    return [
+        other
+        for other in moved
+        if other != name and _moves(moved, other) and all(map(math.isfinite, limits.get(other, (math.inf,))))
+    ]
 
 
 def _report_sag(actuation: Actuation, robot: Robot, log: Diagnostics) -> None:

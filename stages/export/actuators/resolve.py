@@ -14,7 +14,7 @@ from stages.export.actuators.choices import Wanted, driven_order, wanted_of
 from stages.export.actuators.loads import Load, loads, postures
 from stages.export.actuators.motors import Motors, completed, supplied
 from stages.export.actuators.ranges import control_range
-from stages.export.actuators.remarks import remark
+from stages.export.actuators.remarks import remark, remark_couplings
 from stages.export.actuators.terms import terms_of
 from stages.robot.actuation import SERVOS, Actuation, Actuator, ActuatorType, Armature
 from stages.robot.couplings import Couplings, Rates
@@ -90,6 +90,7 @@ def actuate(
     )
     looped = [dof for dof in driven if dof in couplings.in_loops]
     remark(robot, actuation, looped, [dof for dof in order if dof not in driven], log)
+    remark_couplings(robot, actuation, rates, [one for one in driven if one in wanted], log)
     return actuation, tuple(log.found)
 
 

@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -16,6 +17,7 @@ from tests.fake_onshape.sample import sample_document
 from tests.support.building import NO_MESHES, plan_of, robot_of
 from tests.support.kit import SIDE, TOP, Kit, four_bar
 from tests.support.robots import at, joint, robot_with
+from tests.unit.robot.test_home import four_bar as planar_bar
 
 ARM, MASS, GRAVITY = 0.3, 2.0, 9.81
 ACROSS = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0.0], [0, 0, 0, 1]])
@@ -337,14 +339,74 @@ def test_a_glob_leaves_followers_out_and_a_name_drives_one_in_place_of_its_drive
     assert [one.dof for one in out.actuators] == []
 
 
-def test_a_follower_puts_its_weight_on_its_driver() -> None:
+def weighing() -> Robot:
+    """Two turns of which the second bears the weight and follows the first."""
     swings = [
         joint("revolute", "base", "a", [0.0], place=ACROSS),
         joint("revolute", "base", "b", [0.0], place=at(0, 0.5, 0) @ ACROSS),
     ]
     inertials = {"a": lump(1.0, 0, 0, 0), "b": lump(MASS, ARM, 0, 0)}
     relation = Relation("gear", "b_joint", "a_joint", 3.0, 0.0)
-    robot = robot_with(swings, relations=[relation], inertials=inertials)
+    return robot_with(swings, relations=[relation], inertials=inertials)
+
+
+def upright_bar(limits: dict[str, Limits] | None = None) -> Robot:
+    """A four-bar that gravity acts on: its plane is upright, and the rocker is heavy."""
+    flat = planar_bar(limits)
+    first, *rest = flat.joints
+    *others, last = rest
+    up = [replace(one, parent_from_joint=frozen(ACROSS @ one.parent_from_joint)) for one in (first, last)]
+    links = tuple(
+        replace(link, inertial=lump(MASS, ARM, 0, 0)) if link.name == "rocker" else link
+        for link in flat.links
+    )
+    return replace(flat, joints=(up[0], *others, up[1]), links=links)
+
+
+def test_the_advice_names_what_drives_and_not_what_follows() -> None:
+    assert exported(weighing()).advice == "nothing holds a_joint against its weight: try actuators=position"
+    bar = upright_bar()
+    (servo,) = actuation(bar, **{"*": "position"}).actuators
+    assert exported(bar).advice == f"nothing holds {servo.dof} against its weight: try actuators=position"
+
+
+def remarks(robot: Robot, code: str, **actuators: object) -> list[str]:
+    return [
+        f"{one.message} -> {one.hint}"
+        for one in exported(robot, actuators=actuators).diagnostics
+        if one.code == code
+    ]
+
+
+def test_a_loop_or_a_relation_that_is_driven_twice_is_reported_with_where_its_gain_is_from() -> None:
+    (told,) = remarks(upright_bar(), "W-ACTUATOR-TWICE", drive="position", swing="position")
+    assert told.startswith(
+        "swing is driven, and so is what moves it already, by a loop or a relation: drive."
+    )
+    assert "its kp of 1 stands for no load, since drive bears the weight" in told
+    assert told.endswith("actuators: {drive: none}")
+    (told,) = remarks(
+        upright_bar(), "W-ACTUATOR-TWICE", drive="position", swing={"type": "position", "kp": 3}
+    )
+    assert "its kp" not in told
+    assert remarks(weighing(), "W-ACTUATOR-TWICE", a_joint="position", b_joint="motor") != []
+    assert remarks(upright_bar(), "W-ACTUATOR-TWICE", **{"*": "position"}) == []
+
+
+def test_a_target_without_a_range_of_its_own_is_reported_where_others_bound_it() -> None:
+    limited = upright_bar({"swing": Limits(-4.0, 4.0)})
+    told = remarks(limited, "I-ACTUATOR", drive="position")
+    assert told == [
+        "drive has no limits of its own, so its control has no range; bounded by limits that it moves with: "
+        "swing -> joints: {drive: {limits: [..., ...]}}"
+    ]
+    assert remarks(upright_bar(), "I-ACTUATOR", drive="position") == []
+    both_limited = upright_bar({"swing": Limits(-4.0, 4.0), "drive": Limits(-4.0, 4.0)})
+    assert remarks(both_limited, "I-ACTUATOR", drive="position") == []
+
+
+def test_a_follower_puts_its_weight_on_its_driver() -> None:
+    robot = weighing()
     (servo,) = actuation(robot, **{"*": "position"}).actuators
     assert servo.home_load == pytest.approx(3.0 * MASS * GRAVITY * ARM, rel=1e-9)
     data = at_home(compiled(robot, actuators={"*": "position"}), 3.0)
