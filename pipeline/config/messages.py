@@ -1,8 +1,9 @@
 """Messages about errors of a configuration: the full key, the given value, the allowed values."""
 
 import difflib
+import re
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, get_args, get_origin
 
 from pydantic import ValidationError
@@ -20,6 +21,8 @@ GLOBAL = "# @package _global_"
 
 EXPERIMENT = "experiment"
 """The usual group of files that change a robot and choose its options; they override everything else."""
+
+_SIGNED_POINT = re.compile(r"\s*(?:\+|(-))(\.\d+(?:[eE][+-]?\d+)?)\s*")
 
 WORDS = {
     "bool_type": "must be true or false",
@@ -106,7 +109,15 @@ class _Problem:
 def _diagnostic(details: ErrorDetails, root: type[Keys]) -> Diagnostic:
     problem = _Problem.of(details, root)
     handler = _mapping_name if problem.name == "[key]" else _HANDLERS.get(problem.kind, _other)
-    return handler(problem)
+    found = handler(problem)
+    hint = _number_as_text(problem.value) if found.code == "E-VALUE" else ""
+    return replace(found, hint=hint) if hint else found
+
+
+def _number_as_text(value: Any) -> str:
+    """The hint for a number that YAML takes for text: one that begins with a sign and a point."""
+    match = _SIGNED_POINT.fullmatch(value) if isinstance(value, str) else None
+    return f"write {match[1] or ''}0{match[2]}: in YAML {value} is text" if match else ""
 
 
 def _missing(problem: _Problem) -> Diagnostic:

@@ -45,7 +45,9 @@ def quantity(text: str, *measures: Measure) -> TypedNumber:
         raise invalid(expected)
     number, unit = match.groups()
     if unit is None:
-        raise invalid(f"{expected}: without quotes, or with a unit")
+        # YAML takes "-.04" for text, and the configuration's messages say so.
+        as_text = number.startswith(("-.", "+."))
+        raise invalid(expected if as_text else f"{expected}: without quotes, or with a unit")
     known = UNITS.get(unit)
     if known is None or known[1] not in measures:
         names = "; ".join(_NAMED[one] for one in measures)

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+import yaml
 
 from pipeline.config.plan import Plan
 from stages.robot.errors import AssemblyError, ConfigError
@@ -26,6 +27,12 @@ def told(**data):
     with pytest.raises(ConfigError) as caught:
         plan(**data)
     return [(one.code, one.where, one.message) for one in caught.value.problems]
+
+
+def hinted(**data):
+    with pytest.raises(ConfigError) as caught:
+        plan(**data)
+    return [(one.code, one.where, one.hint) for one in caught.value.problems]
 
 
 def test_a_text_with_a_unit_is_the_number_in_si():
@@ -97,6 +104,25 @@ def test_onshape_takes_units_too():
 )
 def test_what_is_no_length_is_named(value, message):
     assert told(mesh={"tolerance": value}) == [("E-VALUE", "mesh.tolerance", message)]
+
+
+@pytest.mark.parametrize(
+    ("tree", "key", "hint"),
+    [
+        ("ground: {xyz: [0, 0, -.04]}", "ground.xyz[2]", "write -0.04: in YAML -.04 is text"),
+        (
+            "joints: {elbow: {damping: +.5e-1}}",
+            "joints.elbow.damping",
+            "write 0.5e-1: in YAML +.5e-1 is text",
+        ),
+        ("joints: {elbow: {limits: [-.5, 1]}}", "joints.elbow.limits[0]", "write -0.5: in YAML -.5 is text"),
+    ],
+)
+def test_a_number_that_yaml_takes_for_text_comes_with_its_form(tree, key, hint):
+    from omegaconf._utils import get_yaml_loader  # that of the configuration's files
+
+    ((code, where, found),) = hinted(**yaml.load(tree, Loader=get_yaml_loader()))
+    assert (code, where, found) == ("E-VALUE", key, hint)
 
 
 def test_limits_are_as_their_joint_has_them():
