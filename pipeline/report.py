@@ -158,7 +158,10 @@ def findings(report: Report) -> list[str]:
     for word, checks in (("WARNING", report.warned_checks), ("FAILED", report.failed_checks)):
         for check in checks:
             lines += check_lines(word, check, MOST_FINDINGS, " in report.json")
-    lines += [printable(f"{one.name}: {one.detail}") for one in report.checks if one.table and one.passed]
+    where = " (report.html has the table)" if report.folder else ""
+    lines += [
+        printable(f"{one.name}: {one.detail}{where}") for one in report.checks if one.table and one.passed
+    ]
     lines += [tally(report.checks)] if report.checks else []
     lines += spent(report)
     pages = f" (report.html, {report.preview})" if report.preview else ""

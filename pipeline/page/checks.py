@@ -24,7 +24,17 @@ def checks(found: Sequence[Mapping[str, Any]]) -> str:
     unmet = [check for word in OUTCOMES if word != "passed" for check in groups[word]]
     own = "".join(_own_table(check) for check in found if check.get("table"))
     body = _table(unmet) + folded(words, _table(passed), on_paper=False) + own
-    return section(f"Checks: {len(passed)} of {len(found)} passed", body, "checks") if found else ""
+    return section(f"Checks: {tally(found)}", body, "checks") if found else ""
+
+
+def tally(found: Sequence[Mapping[str, Any]], what: str = "") -> str:
+    """How many of the checks passed, and what the others did; `what`: what the number counts."""
+    words = [outcome(check) for check in found]
+    said = f"{words.count('passed')} of {len(found)}{what} passed"
+    warn = words.count("warning")
+    others = [f"{words.count('failed')} failed"] if "failed" in words else []
+    others += [f"{warn} {'warns' if warn == 1 else 'warn'}"] if warn else []
+    return ", ".join([said, *others])
 
 
 def outcome(check: Mapping[str, Any]) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from pipeline.changes.since import Since
+from pipeline.page.checks import tally
 from pipeline.page.figures import NAMES
 from pipeline.page.files import top_level
 from pipeline.page.markup import file_link, link, text
@@ -43,8 +44,7 @@ def _outcome(tree: Mapping[str, Any], changes: Since | None) -> str:
     checks = tree["checks"]
     said = []
     if checks:
-        passed = sum(check["passed"] for check in checks)
-        said.append(link("#checks", f"{passed} of {len(checks)} checks passed"))
+        said.append(link("#checks", tally(checks, " checks")))
     codes = [one["code"][:1] for one in tree["diagnostics"]]
     for letter, word in (("E", "error"), ("W", "warning")):
         if letter in codes:

@@ -7,6 +7,9 @@ from pipeline.page.markup import part, plain_table, section
 
 Row = Mapping[str, Any]
 
+_TYPES = {"turn": "hinge"}
+"""Kind of dof → MuJoCo's type of joint, where they have other names."""
+
 
 def order(tables: Mapping[str, Any]) -> str:
     """The section; nothing without tables. `tables`: `order` of the report's details."""
@@ -21,11 +24,11 @@ def order(tables: Mapping[str, Any]) -> str:
 
 
 def _joints(rows: Sequence[Row]) -> str:
-    header = ["joint", "kind", "qpos", "dof", "unit", "in the URDF", "CAD"]
+    header = ["joint", "type", "qpos", "dof", "unit", "in the URDF", "CAD"]
     cells = [
         [
             row["name"],
-            row["kind"],
+            _TYPES.get(row["kind"], row["kind"]),
             _span(*row["qpos"]),
             _span(*row["dof"]),
             row["unit"],

@@ -118,7 +118,7 @@ def _loops(robot: Robot) -> Rows:
             printable(loop.mate.name),
             loop.link_a,
             loop.link_b,
-            f"{loop.residual:.2g}",
+            f"{loop.residual:.2g} m or rad",
             str(redundant.get(loop.name, 0)),
         ]
         for loop in robot.loops

@@ -28,9 +28,12 @@ def score(finished: Finished) -> Check:
     passed = sum(verdict == PASSED for _, _, verdict, _ in rows)
     total = passed + len(findings)
     detail = f"{passed} of {count(total, 'point')}"
+    if total < len(POINTS):
+        apply = "does not apply" if len(POINTS) - total == 1 else "do not apply"
+        detail += f" ({len(POINTS) - total} of the {len(POINTS)} {apply})"
     if findings:
         numbers = ", ".join(str(number) for number, _, verdict, _ in rows if verdict == MISSING)
-        detail += f"; what would raise it (points {numbers}) is in report.html"
+        detail += f"; missing: {numbers}"
     name = f"{finished.path.name}: sim-readiness"
     table = Table(HEADER, tuple(rows))
     return Check(name, True, detail, float(passed), float(total), CODE, "warning", table=table)

@@ -20,6 +20,7 @@ from stages.graph.view.tables import tables
 from stages.robot.model import Dynamics, Frame, Limits, Mobility, Relation
 from stages.robot.printable import printable
 from tests.support.robots import CHAINS, EVERY, joint, loop, robot_with
+from tests.unit.robot.test_home import four_bar
 
 SVG = "{http://www.w3.org/2000/svg}"
 NASTY = 'Größe <b> & "中文" \x07\x1b[31m]]>'
@@ -345,6 +346,12 @@ def test_the_tables_have_a_row_for_each_dof_with_units():
     assert [row["link"] for row in masses] == ["base", "cart", "mast", "arm", "total"]
     assert sum(float(row["share"].removesuffix(" %")) for row in masses[:-1]) == pytest.approx(100, abs=0.3)
     assert masses[-1]["share"] == "100.0 %"
+
+
+def test_a_loop_is_open_by_so_many_metres_or_radians():
+    (table,) = (one for one in json.loads(tables(four_bar())) if one["title"] == "Loops")
+    (row,) = (dict(zip(table["header"], row, strict=True)) for row in table["rows"])
+    assert row["open by"] == "0 m or rad"
 
 
 @pytest.mark.parametrize("make", [random_robot, nasty_robot])

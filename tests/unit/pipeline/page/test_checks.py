@@ -3,11 +3,14 @@
 import json
 from pathlib import Path
 
+import pytest
+
 from pipeline.page.document import page
 from pipeline.report import Report, findings
 from pipeline.secrets import Secrets
 from stages.robot import codec
 from stages.robot.check import Check, Table
+from tests.support.page_reader import Reader
 
 SCORE = Check(
     "arm.xml: sim-readiness",
@@ -43,9 +46,27 @@ def test_report_json_has_the_table():
 
 def test_the_terminal_has_one_line_of_it():
     lines = findings(report(SCORE))
-    assert lines.count("arm.xml: sim-readiness: 30 of 33 points") == 1
+    assert lines.count("arm.xml: sim-readiness: 30 of 33 points (report.html has the table)") == 1
     bare = Check("arm.xml: compiles", True, "no warnings")
     assert not [line for line in findings(report(bare)) if "compiles" in line]
+
+
+@pytest.mark.parametrize(
+    ("levels", "said"),
+    [
+        ((), "1 of 1{} passed"),
+        (("warning",), "1 of 2{} passed, 1 warns"),
+        (("warning", "warning", "error"), "1 of 4{} passed, 1 failed, 2 warn"),
+    ],
+)
+def test_the_head_and_the_section_say_what_the_checks_did_that_did_not_pass(levels, said):
+    unmet = [
+        Check(f"arm.xml: c{number}", False, "no", code="C-REST", level=level)
+        for number, level in enumerate(levels)
+    ]
+    text = Reader(page(report(Check("arm.xml: compiles", True, "fine"), *unmet), {}, {}, Secrets({}))).text
+    assert said.format(" checks") in text
+    assert f"Checks: {said.format('')}" in text
 
 
 def test_a_check_without_a_table_has_none_on_the_page():

@@ -24,6 +24,15 @@ TABLES = {
                 "cad": "Ball <1>",
             },
             {
+                "name": "elbow",
+                "kind": "turn",
+                "unit": "rad",
+                "qpos": [12, 1],
+                "dof": [10, 1],
+                "urdf": ["elbow"],
+                "cad": None,
+            },
+            {
                 "name": "lift",
                 "kind": "slide",
                 "unit": "m",
@@ -88,6 +97,7 @@ def test_the_page_has_a_table_of_each() -> None:
     read = Reader(page(replace(REPORT, details={"order": TABLES}), {}, {"arm.urdf": 1}, Secrets({})))
     for words in (
         "Joints in the order of MuJoCo",
+        "hinge",
         "7 to 10",
         "6 to 8",
         "ball_x, ball_y, ball_z",
