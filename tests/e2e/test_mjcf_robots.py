@@ -1,6 +1,7 @@
 """MJCFs through the installed command: a real arm, a bundle, and files that no one can read."""
 
 import json
+import shutil
 from pathlib import Path
 
 import mujoco
@@ -51,6 +52,31 @@ def test_a_real_arm_passes_every_check_and_moves_as_it_did(tmp_path: Path, name:
         np.testing.assert_allclose(now.qfrc_passive, was.qfrc_passive, atol=1e-9)
         np.testing.assert_allclose(full(again, now), full(original, was), atol=1e-9)
     np.testing.assert_allclose(again.jnt_range, original.jnt_range, atol=1e-9)
+
+
+@pytest.mark.slow
+@REAL
+def test_a_real_arm_keeps_its_keyframes(tmp_path: Path) -> None:
+    """The file has none, so some are added to a copy of it, as typed: four digits, within the limits."""
+    shutil.copytree(SO101, tmp_path / "arm")
+    source = tmp_path / "arm" / "keyed.xml"
+    text = (SO101 / "so101_new_calib.xml").read_text()
+    low, high = mujoco.MjModel.from_xml_path(str(SO101 / "so101_new_calib.xml")).jnt_range.T
+    poses = {"home": 0.3, "ready": 0.5, "tucked": 0.8}
+    rows = {
+        name: " ".join(f"{value:.4f}" for value in low + share * (high - low))
+        for name, share in poses.items()
+    }
+    keys = "".join(f'<key name="{name}" qpos="{row}"/>' for name, row in rows.items())
+    source.write_text(text.replace("</mujoco>", f"<keyframe>{keys}</keyframe></mujoco>"))
+    done = linkwright(tmp_path, "source=mjcf", f"source.path={source}", "output=out", "mesh=hull")
+    assert done.returncode == 0, done.stdout + done.stderr
+    (ours,) = [one for one in (tmp_path / "out").glob("*.xml") if one.name != "scene.xml"]
+    original, again = (mujoco.MjModel.from_xml_path(str(path)) for path in (source, ours))
+    for name in poses:
+        joints = [again.joint(index).name for index in range(again.njnt)]
+        was = [original.key(name).qpos[original.joint(joint).qposadr[0]] for joint in joints]
+        assert again.key(name).qpos.tolist() == was
 
 
 def full(compiled: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
