@@ -15,6 +15,16 @@ class Amendment:
     adds: tuple[str, ...] = ()
     sets: tuple[str, ...] = ()
 
+    @property
+    def added_tags(self) -> frozenset[str]:
+        """The tags of the elements that were added."""
+        return frozenset(map(tag_of, self.adds))
+
+
+def tag_of(said: str) -> str:
+    """The tag of an element in words: "body torso", or "<body>" of one without a name."""
+    return said.split()[0].strip("<>")
+
 
 @dataclass(frozen=True, slots=True)
 class Surplus:

@@ -41,6 +41,7 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
     "sensors": ("mjcf",),
     "self_contact": ("mjcf",),
     "contact_filter": ("mjcf",),
+    "contact_properties": ("mjcf",),
     "scene": ("scene",),
     "options": ("simulated",),
     "inertial": ("simulated",),

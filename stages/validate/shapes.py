@@ -11,6 +11,7 @@ import mujoco
 import numpy as np
 
 from stages.robot.model import Array
+from stages.validate.findings import named
 from stages.validate.mujoco_poses import placed
 
 GEOM = mujoco.mjtGeom
@@ -29,6 +30,17 @@ def seen_and_solid(model: Any) -> dict[int, tuple[list[int], list[int]]]:
             collides = bool(model.geom_contype[geom] or model.geom_conaffinity[geom])
             found.setdefault(int(model.geom_bodyid[geom]), ([], []))[collides].append(geom)
     return found
+
+
+def named_geom(model: Any, geom: int, link: str = "") -> str:
+    """A geom as an element of its file; one without a name by its mesh, else by its link or body."""
+    name = model.geom(geom).name
+    if name:
+        return named("geom", name)
+    mesh = int(model.geom_dataid[geom])
+    if mesh >= 0 and model.geom_type[geom] == MESH:
+        return named("geom mesh", model.mesh(mesh).name)
+    return f"geom of {named('body', link or model.body(int(model.geom_bodyid[geom])).name)}"
 
 
 def directions(number: int) -> Array:

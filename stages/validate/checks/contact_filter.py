@@ -13,10 +13,11 @@ from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import body_index
 from stages.validate.findings import few
+from stages.validate.shapes import named_geom
 
 CODE = "C-EXCLUDE"
 
-TAGS = frozenset({"exclude", "pair", "geom", "contype", "conaffinity", "flag"})
+TAGS = frozenset({"contact", "exclude", "pair", "geom", "contype", "conaffinity", "flag"})
 """Of the user's own XML: what changes which shapes collide."""
 
 Grid = npt.NDArray[np.bool_]
@@ -27,10 +28,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     geometry = compiled.geometry
     if compiled.urdf or geometry is None or not geometry.shapes:
         return
-    changed = {
-        word for one in compiled.amendments.changes for word in (*one.sets, *" ".join(one.adds).split())
-    }
-    if changed & TAGS:
+    if any(TAGS & {*one.sets, *one.added_tags} for one in compiled.amendments.changes):
         return
     model, pairs, found = compiled.model, 0, []
     colliders = _colliders(compiled, geometry)
@@ -51,8 +49,17 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
                 if more:
                     words = f"{count(more, 'pair')} of their shapes may collide, but must not"
                 found.append(Finding(f'exclude "{first}" "{second}"', "body1, body2", words))
+    found += _pairs(model)
     detail = f"what may collide of {count(pairs, 'pair')} of links"
     yield compiled.within("contact filter", float(len(found)), 0.0, detail, few(found))
+
+
+def _pairs(model: Any) -> Iterator[Finding]:
+    """Pairs of geoms that collide whatever their bits say: no robot has any."""
+    for geoms in zip(model.pair_geom1, model.pair_geom2, strict=True):
+        first, second = (named_geom(model, int(geom)) for geom in geoms)
+        words = "they collide by it whatever their contype and conaffinity say; the robot has no pair"
+        yield Finding(f"pair of {first} and {second}", "geom1, geom2", words)
 
 
 def _colliders(compiled: CompiledModel, geometry: Geometry) -> list[tuple[str, list[int]]]:

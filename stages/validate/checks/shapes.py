@@ -14,7 +14,17 @@ from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import body_index, distance, placed_by_site
 from stages.validate.findings import named
 from stages.validate.mujoco_poses import placed
-from stages.validate.shapes import BOX, CAPSULE, CYLINDER, MESH, SPHERE, area, seen_and_solid, vertices
+from stages.validate.shapes import (
+    BOX,
+    CAPSULE,
+    CYLINDER,
+    MESH,
+    SPHERE,
+    area,
+    named_geom,
+    seen_and_solid,
+    vertices,
+)
 
 CODE = "C-SHAPE"
 
@@ -38,19 +48,70 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         return
     every = seen_and_solid(compiled.model)
     shapes = compiled.geometry.by_link()
-    findings: list[Finding] = []
+    wrong: list[Finding] = []
+    more: list[Finding] = []
     for link in compiled.robot.links:
         body = body_index(compiled.model, link.name)
         places = [pose for holder, pose in compiled.held.values() if holder == link.name] or [UNMOVED]
         if body == 0:
             places = [placed_by_site(compiled.model, link.name) @ pose for pose in places]
         for role, geoms in zip(ROLES, every.get(body, ((), ())), strict=True):
-            findings += _differences(compiled.model, link.name, role, shapes[link.name, role], geoms, places)
+            own = shapes[link.name, role]
+            added = _added(compiled, own, geoms, places)
+            more += [_more(compiled.model, link.name, role, geom) for geom in added]
+            kept = [geom for geom in geoms if geom not in added]
+            wrong += _differences(compiled.model, link.name, role, own, kept, places)
     total = len(compiled.geometry.shapes)
     detail = f"{count(total, 'shape')} in place, of their size"
-    if findings:
-        detail = f"{len(findings)} of {count(total, 'shape')} not as the robot has them"
-    yield compiled.within("shapes", float(len(findings)), 0.0, detail, findings)
+    if wrong or more:
+        says = [f"{len(wrong)} of {count(total, 'shape')} not as the robot has them"] if wrong else []
+        says += [f"{len(more)} more than the robot has: {more[0].element}"] if more else []
+        detail = "; ".join(says)
+    number = float(len(wrong) + len(more))
+    yield compiled.within("shapes", number, 0.0, detail, (*more, *wrong))
+
+
+def _more(model: Any, link: str, role: Role, geom: int) -> Finding:
+    text = f"is a {role} shape more than the robot's {named('body', link)} has"
+    return Finding(named_geom(model, geom, link), "geom", text)
+
+
+def _added(
+    compiled: CompiledModel, shapes: Sequence[Shape], geoms: Sequence[int], places: Sequence[Array]
+) -> list[int]:
+    """The geoms that a body has more than the robot, wherever in their order they stand: those without which
+    the others fit. None where the user's own XML changes the file: what that adds comes last."""
+    more = len(geoms) - len(shapes)
+    if more <= 0 or compiled.amendments.of(compiled.path.name):
+        return []
+    added: list[int] = []
+    at = 0
+    for geom in geoms:
+        fits = at < len(shapes) and not _wrong(compiled.model, shapes[at], geom, places)
+        if fits or len(added) == more or not _fits_later(compiled, shapes, geoms, places, geom, at):
+            at += 1
+        else:
+            added.append(geom)
+    return added
+
+
+def _fits_later(
+    compiled: CompiledModel,
+    shapes: Sequence[Shape],
+    geoms: Sequence[int],
+    places: Sequence[Array],
+    geom: int,
+    at: int,
+) -> bool:
+    """Whether the shape at this place is that of a later geom, or there is none left."""
+    rest = [one for one in geoms if one > geom]
+    if at >= len(shapes):
+        return True
+    return any(not _wrong(compiled.model, shapes[at], one, places) for one in rest)
+
+
+def _wrong(model: Any, shape: Shape, geom: int, places: Sequence[Array]) -> tuple[str, str] | None:
+    return _of_mesh(model, shape, geom, places) if shape.file else _of_primitive(model, shape, geom, places)
 
 
 def _differences(
@@ -62,12 +123,11 @@ def _differences(
         yield Finding(named("body", link), "geom", text)
         return
     for shape, geom in zip(shapes, geoms, strict=False):
-        wrong = (
-            _of_mesh(model, shape, geom, places) if shape.file else _of_primitive(model, shape, geom, places)
-        )
+        wrong = _wrong(model, shape, geom, places)
         if wrong:
             attribute, text = wrong
-            yield Finding(_element(model, geom), attribute, f"{_words(model, geom, link)} {text}")
+            element = named_geom(model, geom, link)
+            yield Finding(element, attribute, f"{element} of {link} {text}")
 
 
 def _of_mesh(model: Any, shape: Shape, geom: int, places: Sequence[Array]) -> tuple[str, str] | None:
@@ -110,15 +170,3 @@ def _of_primitive(model: Any, shape: Shape, geom: int, places: Sequence[Array]) 
     place = placed(model.geom_quat[geom], model.geom_pos[geom])
     off = min(distance(place, expected @ primitive.link_from_shape) for expected in places)
     return ("pos", f"is {off:.3g} m or rad from its place") if off > SAME else None
-
-
-def _element(model: Any, geom: int) -> str:
-    name = model.geom(geom).name
-    if name:
-        return named("geom", name)
-    mesh = int(model.geom_dataid[geom])
-    return named("geom mesh", model.mesh(mesh).name) if mesh >= 0 else "geom"
-
-
-def _words(model: Any, geom: int, link: str) -> str:
-    return f"{_element(model, geom)} of {link}"

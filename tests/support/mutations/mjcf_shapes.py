@@ -3,6 +3,8 @@
 import random
 from pathlib import Path
 
+from lxml import etree
+
 from tests.support.mutations.edits import moved, named, numbers, pick, put
 from tests.support.mutations.kind import Element, Files, Kinds, NothingToChange, Planted
 from tests.support.mutations.urdf_links import broken
@@ -49,6 +51,70 @@ def _(files: Files, rng: random.Random) -> Planted:
     put(geom, "size", [1.1 * value for value in numbers(geom, "size")])
     name, others = of_geom(geom)
     return Planted(name, ("size",), others)
+
+
+@KINDS.add("collider added before the others", "C-SHAPE")
+def _(files: Files, rng: random.Random) -> Planted:
+    first = collider(files, rng)
+    body, added = first.getparent(), etree.Element("geom", name="bumper", type="sphere", size="0.01")
+    body.insert(list(body).index(first), added)
+    return Planted('geom "bumper"', ("geom",))
+
+
+@KINDS.add("collider added after the others", "C-SHAPE")
+def _(files: Files, rng: random.Random) -> Planted:
+    body = collider(files, rng).getparent()
+    etree.SubElement(body, "geom", name="bumper", type="box", size="0.01 0.01 0.01")
+    return Planted('geom "bumper"', ("geom",))
+
+
+CONTACT = {
+    "friction": "0 0 0",
+    "condim": "1",
+    "solref": "0.2 1",
+    "solimp": "0.1 0.2 0.01",
+    "priority": "3",
+    "margin": "0.02",
+    "gap": "0.01",
+}
+"""Attributes of a collider's contact, and other values than any robot here has."""
+
+
+def _of_contact(attribute: str, value: str) -> None:
+    @KINDS.add(f"collider's {attribute}", "C-CONTACT")
+    def _(files: Files, rng: random.Random) -> Planted:
+        geom = collider(files, rng)
+        geom.set(attribute, value)
+        name, others = of_geom(geom)
+        return Planted(name, (attribute,), others)
+
+
+for _attribute, _value in CONTACT.items():
+    _of_contact(_attribute, _value)
+
+
+@KINDS.add("friction of all colliders", "C-CONTACT")
+def _(files: Files, rng: random.Random) -> Planted:
+    files.mjcf.find(".//default[@class='collision']/geom").set("friction", "0 0 0")
+    return Planted("geom", ("friction",))
+
+
+@KINDS.add("hull of few points", "C-CONTACT")
+def _(files: Files, rng: random.Random) -> Planted:
+    stem = collider(files, rng, "[@mesh]").get("mesh")
+    (mesh,) = (one for one in files.mjcf.xpath("//asset/mesh[@file]") if Path(one.get("file")).stem == stem)
+    mesh.set("maxhullvert", "5")
+    return Planted(f'mesh "{stem}"', ("maxhullvert",))
+
+
+@KINDS.add("pair of colliders", "C-EXCLUDE")
+def _(files: Files, rng: random.Random) -> Planted:
+    names = files.mjcf.xpath("//body/geom[contains(@class, 'collision')]/@name")
+    first, second = rng.sample(list(names), 2)
+    contact = files.mjcf.find("contact")
+    contact = etree.SubElement(files.mjcf, "contact") if contact is None else contact
+    etree.SubElement(contact, "pair", geom1=first, geom2=second)
+    return Planted(f'geom "{first}"', ("geom1",), (f'geom "{second}"',))
 
 
 @KINDS.add("visual moved", "C-SHAPE")

@@ -1,0 +1,61 @@
+"""Each collider touches as the robot says: by its friction, stiffness, margin and priority, and by all of its
+hull."""
+
+from collections.abc import Iterator
+from pathlib import PurePosixPath
+
+import mujoco
+
+from stages.robot.check import Check, Finding
+from stages.robot.geometry import Geometry
+from stages.robot.globs import listed
+from stages.robot.plural import count
+from stages.validate.compiled import CompiledModel
+from stages.validate.contact_attributes import contact_differences, sets_defaults
+from stages.validate.coordinates import body_index
+from stages.validate.findings import differs, few, named
+from stages.validate.shapes import named_geom, seen_and_solid
+
+CODE = "C-CONTACT"
+
+WHOLE_HULL = -1
+"""MuJoCo's `maxhullvert` of a mesh whose hull may have any number of vertices."""
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    """Of a robot whose shapes are known."""
+    geometry = compiled.geometry
+    if geometry is None or not geometry.shapes or sets_defaults(compiled):
+        return
+    found = [*_of_geoms(compiled, geometry), *_of_hulls(compiled, geometry)]
+    total = sum(shape.role == "collision" for shape in geometry.shapes)
+    detail = f"{count(total, 'collider')} with the friction, stiffness and margin that the robot says"
+    if found:
+        detail = f"not what the robot says: {listed(f'{one.element} {one.attribute}' for one in found)}"
+    yield compiled.within("contact properties", float(len(found)), 0.0, detail, few(found))
+
+
+def _of_geoms(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
+    """Of each link that has as many colliders as the robot, before what the user's own XML adds: where it
+    has not, that is found elsewhere."""
+    model, shapes = compiled.model, geometry.by_link()
+    every = seen_and_solid(model)
+    changed = bool(compiled.amendments.of(compiled.path.name))
+    for link in compiled.robot.links:
+        own = shapes[link.name, "collision"]
+        _, geoms = every.get(body_index(model, link.name), ([], []))
+        if len(geoms) == len(own) or (changed and len(geoms) > len(own)):
+            for shape, geom in zip(own, geoms, strict=False):
+                element = named_geom(model, geom, link.name)
+                yield from contact_differences(compiled, geom, element, shape.contact)
+
+
+def _of_hulls(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
+    if compiled.sets("maxhullvert"):
+        return
+    solid = {PurePosixPath(one.file).stem for one in geometry.shapes if one.role == "collision" and one.file}
+    for mesh in mujoco.MjSpec.from_file(str(compiled.path.resolve())).meshes:
+        name = mesh.name or PurePosixPath(mesh.file).stem
+        most = getattr(mesh, "maxhullvert", WHOLE_HULL)
+        if name in solid and most != WHOLE_HULL:
+            yield differs(named("mesh", name), "maxhullvert", most, None)
