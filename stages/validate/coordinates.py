@@ -61,6 +61,14 @@ def body_index(model: Any, name: str) -> int:
     return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
 
 
+def of_the_scene(model: Any, robot: Robot) -> frozenset[int]:
+    """The bodies that are nothing of the robot's, as a ball that lies beside it: those of trees, from the
+    world on, that have none of its links."""
+    every = (body_index(model, link.name) for link in robot.links)
+    roots = {int(model.body_rootid[body]) for body in every if body > 0}
+    return frozenset(body for body in range(1, model.nbody) if int(model.body_rootid[body]) not in roots)
+
+
 def site_index(model: Any, name: str) -> int:
     return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_SITE, name))
 

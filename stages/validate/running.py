@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -47,14 +48,28 @@ def at_keyframe(model: Any, name: str = "home") -> Any:
     return data
 
 
-def touching(model: Any, data: Any) -> list[tuple[int, int, float]]:
-    """(body, other body, depth [m]) of the bodies in contact, the deepest first, each pair with its deepest
-    contact; the world, 0, is always the other."""
-    found: dict[tuple[int, int], float] = {}
+@dataclass(frozen=True, slots=True)
+class Touching:
+    """Two bodies in contact, and how deep [m]; the world, 0, is always the other. `geom`: of the world, what
+    is touched of it; -1 of another body."""
+
+    body: int
+    other: int
+    depth: float
+    geom: int = -1
+
+
+def touching(model: Any, data: Any) -> list[Touching]:
+    """What is in contact, the deepest first, each pair of bodies, and each body with each thing of the world,
+    with its deepest contact."""
+    found: dict[tuple[int, int, int], float] = {}
     for contact in data.contact[: data.ncon]:
-        body, other = sorted((int(model.geom_bodyid[geom]) for geom in contact.geom), reverse=True)
-        found[body, other] = max(found.get((body, other), 0.0), -float(contact.dist))
-    return sorted(((*pair, depth) for pair, depth in found.items()), key=lambda one: -one[2])
+        geoms = sorted(contact.geom, key=lambda geom: model.geom_bodyid[geom], reverse=True)
+        body, other = (int(model.geom_bodyid[geom]) for geom in geoms)
+        key = body, other, int(geoms[1]) if other == 0 else -1
+        found[key] = max(found.get(key, 0.0), -float(contact.dist))
+    every = (Touching(body, other, depth, geom) for (body, other, geom), depth in found.items())
+    return sorted(every, key=lambda one: -one.depth)
 
 
 def drawn(name: str, count: int) -> Array:

@@ -16,7 +16,7 @@ from stages.validate.asset_files import named_files
 from stages.validate.bare.mjcf_figures import body_name
 from stages.validate.documents import ModelDocument
 from stages.validate.findings import named, unstable
-from stages.validate.running import DEEP, at_keyframe, touching
+from stages.validate.running import DEEP, Touching, at_keyframe, touching
 
 OPEN = 1e-3
 """A loop that is open by more [m, rad] at the start jumps when it is simulated: files have few digits."""
@@ -129,11 +129,18 @@ def _words(finding: Finding) -> str:
 
 
 def _deep(model: Any, data: Any) -> Iterator[Finding]:
-    for body, other, depth in touching(model, data):
-        if depth > DEEP:
-            inside = body_name(model, other) if other else "world"
-            message = f'it is {1000 * depth:.2g} mm inside "{inside}" at the start'
-            yield Finding(named("body", body_name(model, body)), "pos", message)
+    for one in touching(model, data):
+        if one.depth > DEEP:
+            message = f"it is {1000 * one.depth:.2g} mm inside {_inside(model, one)} at the start"
+            yield Finding(named("body", body_name(model, one.body)), "pos", message)
+
+
+def _inside(model: Any, one: Touching) -> str:
+    """A body by its name, and of the world the geom, where it has one."""
+    if one.other:
+        return f'"{body_name(model, one.other)}"'
+    name = model.geom(one.geom).name
+    return f"{named('geom', name)} of the world" if name else '"world"'
 
 
 def _opened(model: Any, data: Any) -> Iterator[Finding]:

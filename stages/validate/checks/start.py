@@ -1,12 +1,13 @@
 """A simulation starts with nothing inside something else: at `home`, and at qpos0, where a reset leads to.
 
 What earlier stages have reported is known and a warning: colliders that overlap at `home`, since they are
-larger than their parts, and links of a fixed robot that reach into the ground. All else is an error.
+larger than their parts, and links of a fixed robot that reach into the ground, which is a plane. All else is
+an error: what else the scene has is in the way.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 import mujoco
 
@@ -14,33 +15,42 @@ from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.geometry import Touch
 from stages.robot.start_pose import HOME
 from stages.validate.compiled import CompiledModel
+from stages.validate.coordinates import of_the_scene
 from stages.validate.findings import named
-from stages.validate.running import DEEP, at_keyframe, touching
+from stages.validate.running import DEEP, Touching, at_keyframe, touching
+from stages.validate.shapes import seen_and_solid
 
 CODE = "C-START"
+
+GROUND = "floor"
+"""The geom of a scene that is its ground."""
+
+
+Other = Literal["ground", "obstacle", "link"]
+"""What a link may be in: a plane of the world; something else of the scene; another link, or what a robot
+whose root is the world has there."""
+
+HINTS: dict[Other, str] = {
+    "ground": "see scene.pose and keyframes",
+    "obstacle": "move it in scene.xml, or see scene.pose and keyframes",
+    "link": "see contact.exclude, keyframes and its colliders",
+}
 
 
 @dataclass(frozen=True, slots=True)
 class Overlap:
-    """Two bodies in each other, the world last, and how deep [m]."""
+    """Two things in each other, the robot's first, and how deep [m]. `second`: a link's name, or words."""
 
     first: str
     second: str
     depth: float
+    other: Other = "link"
 
     @property
     def finding(self) -> Finding:
-        words = f"it is {1e3 * self.depth:.3g} mm inside {'the ground' if self.ground else self.second}"
-        hint = (
-            "see scene.pose and keyframes"
-            if self.ground
-            else "see contact.exclude, keyframes and its colliders"
-        )
-        return Finding(named("body", self.first), "pos" if self.ground else "geom", f"{words}: {hint}")
-
-    @property
-    def ground(self) -> bool:
-        return self.second == "world"
+        words = f"it is {1e3 * self.depth:.3g} mm inside {self.second}"
+        attribute = "geom" if self.other == "link" else "pos"
+        return Finding(named("body", self.first), attribute, f"{words}: {HINTS[self.other]}")
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -50,15 +60,14 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if not model.ngeom:
         return
     if has_home:
-        found = overlaps(model, at_keyframe(model, HOME))
+        found = overlaps(compiled, at_keyframe(model, HOME))
         reported = {(one.link_a, one.link_b): one.depth for one in _touching(compiled)}
         deeper = [one for one in found if one.depth > _known(one, reported) + DEEP]
         if compiled.robot.base.fixed:
-            deeper = [one for one in deeper if not one.ground]
+            deeper = [one for one in deeper if one.other != "ground"]
         yield _result(compiled, HOME, found, "error" if deeper else "warning")
-    yield _result(
-        compiled, "qpos0", overlaps(model, mujoco.MjData(model)), "warning" if has_home else "error"
-    )
+    found = overlaps(compiled, mujoco.MjData(model))
+    yield _result(compiled, "qpos0", found, "warning" if has_home else "error")
 
 
 def _touching(compiled: CompiledModel) -> tuple[Touch, ...]:
@@ -81,8 +90,39 @@ def _result(compiled: CompiledModel, where: str, found: list[Overlap], level: Ch
     return compiled.result(f"start at {where}", not deep, detail, worst, DEEP, findings, level)
 
 
-def overlaps(model: Any, data: Any) -> list[Overlap]:
-    """The pairs of bodies that are in contact, the deepest first, each with its deepest contact."""
-    mujoco.mj_fwdPosition(model, data)
-    every = touching(model, data)
-    return [Overlap(model.body(a).name, model.body(b).name, depth) for a, b, depth in every if depth > 0.0]
+def overlaps(compiled: CompiledModel, data: Any) -> list[Overlap]:
+    """What is in contact, the deepest first, each pair with its deepest contact."""
+    mujoco.mj_fwdPosition(compiled.model, data)
+    strange = of_the_scene(compiled.model, compiled.robot)
+    every = touching(compiled.model, data)
+    return [_overlap(compiled, one, strange) for one in every if one.depth > 0.0]
+
+
+def _overlap(compiled: CompiledModel, one: Touching, strange: Collection[int]) -> Overlap:
+    model = compiled.model
+    if one.other == 0:
+        return Overlap(model.body(one.body).name, *_of_the_world(compiled, one.geom, one.depth))
+    first, second = one.body, one.other
+    if first in strange and second not in strange:
+        first, second = second, first
+    name = model.body(second).name
+    if second in strange and first not in strange:
+        return Overlap(model.body(first).name, f"{named('body', name)} of the scene", one.depth, "obstacle")
+    return Overlap(model.body(first).name, name, one.depth)
+
+
+def _of_the_world(compiled: CompiledModel, geom: int, depth: float) -> tuple[str, float, Other]:
+    """(words, depth [m], what it is) of a geom of the world that is touched."""
+    model = compiled.model
+    name = model.geom(geom).name
+    if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE:
+        return ("the ground" if name in ("", GROUND) else f"the ground ({name})"), depth, "ground"
+    if compiled.robot.root.name == "world" and geom in _colliders_of_the_world(compiled):
+        return "world", depth, "ground"
+    return named("geom", name) if name else "a geom of the world", depth, "obstacle"
+
+
+def _colliders_of_the_world(compiled: CompiledModel) -> list[int]:
+    """The geoms of a root that is the world: they come before those of the scene."""
+    number = 0 if compiled.geometry is None else len(compiled.geometry.of("world", "collision"))
+    return seen_and_solid(compiled.model).get(0, ([], []))[1][:number]

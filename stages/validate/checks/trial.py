@@ -97,7 +97,7 @@ def _deepest(model: Any) -> str:
     mujoco.mj_forward(model, data)
     if not data.ncon:
         return "see contact.exclude and mesh.colliders"
-    *pair, depth = touching(model, data)[0]
-    see = "contact.exclude and mesh.colliders" if all(pair) else "scene.pose"
-    names = " and ".join(model.body(body).name for body in reversed(pair))
-    return f"{names} overlap by {1000 * depth:.2g} mm at home, see {see}"
+    deepest = touching(model, data)[0]
+    see = "contact.exclude and mesh.colliders" if deepest.other else "scene.pose"
+    names = " and ".join(model.body(body).name for body in (deepest.other, deepest.body))
+    return f"{names} overlap by {1000 * deepest.depth:.2g} mm at home, see {see}"

@@ -58,3 +58,18 @@ def _(files: Files, rng: random.Random) -> Planted:
 def _(files: Files, rng: random.Random) -> Planted:
     files.scene.find("include").set("file", "lost.xml")
     return Planted("include", ("file",))
+
+
+@KINDS.add("obstacle inside the robot", "C-START")
+def _(files: Files, rng: random.Random) -> Planted:
+    size = f"{rng.uniform(0.08, 0.12):.3g}"
+    box = {"type": "box", "size": f"{size} {size} {size}", "pos": "0 0 0.3"}
+    etree.SubElement(files.scene.find("worldbody"), "geom", name="crate", **box)
+    return Planted("body", ("pos",))
+
+
+@KINDS.add("body of the scene inside the robot", "C-START")
+def _(files: Files, rng: random.Random) -> Planted:
+    body = etree.SubElement(files.scene.find("worldbody"), "body", name="crate", pos="0 0 0.3")
+    etree.SubElement(body, "geom", type="box", size="0.1 0.1 0.1")
+    return Planted("body", ("pos",))

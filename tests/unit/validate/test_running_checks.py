@@ -137,6 +137,29 @@ def test_in_the_ground_is_an_error_unless_the_build_reports_it_of_a_fixed_base(f
     assert "50 mm inside the ground" in found.findings[0].message
 
 
+@pytest.mark.parametrize("fixed", [True, False])
+@pytest.mark.parametrize(
+    ("thing", "called"),
+    [
+        ('<geom name="crate" type="box" size=".1 .1 .1" pos="0 0 .05"/>', 'geom "crate"'),
+        ('<geom type="box" size=".1 .1 .1" pos="0 0 .05"/>', "a geom of the world"),
+        (
+            '<body name="crate"><geom type="box" size=".1 .1 .1" pos="0 0 .05"/></body>',
+            'body "crate" of the scene',
+        ),
+    ],
+)
+def test_an_obstacle_is_an_error_and_named_whatever_the_base(thing, called, fixed):
+    robot = robot_with([], fixed=fixed)
+    text = BALLS.format(low=0.1, high=0.4).replace('name="low"', f'name="{robot.root.name}"')
+    compiled = compiled_of(thing + text, robot, more=HOME.format(0.1))
+    found = only(start.check(compiled), "start at home")
+    assert found.fails
+    assert [one.element for one in found.findings] == [f'body "{robot.root.name}"']
+    assert f"mm inside {called}: move it in scene.xml" in found.findings[0].message
+    assert called in found.detail
+
+
 def test_what_was_reported_is_a_warning_and_what_is_deeper_an_error():
     text, more = BALLS.format(low=0.1, high=0.293), HOME.format(0.1)
     for depth, fails in ((0.007, False), (0.003, True)):
