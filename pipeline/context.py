@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from stages.robot.bundle import Bundle
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
+    from stages.robot.scene import Scene
     from stages.robot.sensing import Sensing
 
 NOTES = "notes.json"
@@ -31,6 +32,7 @@ FORM = "form.json"
 MJCF_FORM = "mjcf_form.json"
 SENSING = "sensing.json"
 AMENDMENTS = "amendments.json"
+SCENE = "scene.json"
 FILES = "files/"
 """The folder of the files that the export stage writes for the user."""
 
@@ -89,10 +91,11 @@ class BuildContext:
         return codec.load(Actuation, self.files["export"][ACTUATION])
 
     @property
-    def exported(self) -> "tuple[Actuation, Geometry, UrdfForm, MjcfForm, Sensing, Amendments]":
+    def exported(self) -> "tuple[Actuation, Geometry, UrdfForm, MjcfForm, Sensing, Amendments, Scene]":
         """What drives the robot in the exported files, its shapes, the forms of its URDF and MJCF, what
-        measures it, and what the user's own XML changed in them."""
-        return self.actuation, self.shapes, self.form, self.mjcf_form, self.sensing, self.amendments
+        measures it, what the user's own XML changed in them, and where they put it."""
+        forms = self.form, self.mjcf_form
+        return self.actuation, self.shapes, *forms, self.sensing, self.amendments, self.scene
 
     @property
     def sensing(self) -> "Sensing":
@@ -107,6 +110,13 @@ class BuildContext:
         from stages.robot.amendments import Amendments
 
         return codec.load(Amendments, self.files["export"][AMENDMENTS])
+
+    @property
+    def scene(self) -> "Scene":
+        """Where the exported files put the robot."""
+        from stages.robot.scene import Scene
+
+        return codec.load(Scene, self.files["export"][SCENE])
 
     @functools.cached_property
     def element_texts(self) -> Mapping[str, str]:
@@ -146,6 +156,7 @@ def facts(exported: "Exported") -> dict[str, bytes]:
         MJCF_FORM: codec.dump(exported.mjcf_form),
         SENSING: codec.dump(exported.sensing),
         AMENDMENTS: codec.dump(exported.amendments),
+        SCENE: codec.dump(exported.scene),
     }
 
 

@@ -58,6 +58,7 @@ def export(
     from stages.export.order_tables import order_tables
     from stages.export.readers import dropped
     from stages.export.robot_json import describe
+    from stages.export.scene_records import scene_of
     from stages.export.sensors.resolve import sensing_of
     from stages.export.standing import stand
     from stages.export.urdf.form import form_of
@@ -87,7 +88,8 @@ def export(
     told = {name: dict(one.record) for name, one in written.items() if one.record}
     known = actuation, form, mjcf_form, sensing, order, mine.amendments, told
     paths = {*assets, *_files(written, [name for name in keys.export.chosen if name in written])}
-    every["robot.json"] = describe(robot, start, *known, geometry, paths)
+    scene = scene_of(keys, place)
+    every["robot.json"] = describe(robot, start, *known, geometry, paths, scene)
     for name in [name for name in OF_ALL if name in needed]:
         written[name] = writer_of(name).write(replace(given, files=every))
     files = {**assets, "robot.json": every["robot.json"], **_files(written, keys.export.chosen)}
@@ -97,7 +99,7 @@ def export(
     tip = advice(robot, actuation, place, gravity_of(keys.scene.option))
     what = actuation, tip, form, mjcf_form, order, sensing, mine.amendments
     others = dropped(robot, geometry, needed)
-    return Exported(dict(sorted(files.items())), remarks, *what, readers=others)
+    return Exported(dict(sorted(files.items())), remarks, *what, readers=others, scene=scene)
 
 
 def _files(written: Mapping[str, Exported], names: Collection[str]) -> dict[str, bytes]:

@@ -45,6 +45,8 @@ MuJoCo's properties, `collider` which one of its link it is a
 piece of. With `self_contact` the links collide with each other but for the `excludes` (of `geoms`, only
 those pairs of colliders, by their numbers); `touching` are others that touch at `home`, `depth` [m] deep.
 These are missing where a build ends before its shapes are made.
+`scene` says where the files put the robot (`pose` of its root), which plane is its `ground` (null: none),
+and what MuJoCo's `option` and `flag` say: all else of these is MuJoCo's default.
 `amendments` lists what `elements` and `attributes` added to the files and set in them, `surplus` how many
 degrees of freedom, actuators and equalities a file has after the robot's own by that. `files` has the paths
 of the robot's other files, but for those of a Python package, which are copies.
@@ -70,6 +72,7 @@ from stages.export.keyframe_records import keyframe_records
 from stages.export.link_records import link_record
 from stages.export.mjcf.joints import free_joint_name
 from stages.export.provenance import provenance
+from stages.export.scene_records import scene_record
 from stages.export.urdf.lowering import Lowered, lower, unset
 from stages.formats.mjcf_form import AS_IS as EVERY_BODY
 from stages.formats.mjcf_form import MjcfForm
@@ -98,6 +101,7 @@ from stages.robot.model import (
 )
 from stages.robot.poses import at_rest
 from stages.robot.printable import printable_lines
+from stages.robot.scene import Scene
 from stages.robot.sensing import Sensing
 
 FORMAT = "linkwright-robot"
@@ -115,11 +119,13 @@ def describe(
     formats: Mapping[str, Any] | None = None,
     geometry: Geometry | None = None,
     files: Collection[str] = (),
+    scene: Scene | None = None,
 ) -> bytes:
     """The file. `start`: the MJCF's qpos0, by dof; `form`: of the URDF; `mjcf_form`: of the MJCF; `sensing`:
     what measures the robot (None: the sensors of the source); `order`: see `stages.export.order`;
     `amendments`: what the user's own XML changed in the files; `formats`: what others tell, by name;
-    `geometry`: the shapes, None where they are not made; `files`: the paths of the others."""
+    `geometry`: the shapes, None where they are not made; `files`: the paths of the others;
+    `scene`: where the files put the robot, None where there are none."""
     names = urdf_names(as_written(robot, form))
     estimated = {one.dof for one in actuation.armatures}
     table = {
@@ -153,6 +159,8 @@ def describe(
         table["order"] = order
     if geometry is not None:
         table |= geometry_records(geometry)
+    if scene is not None:
+        table["scene"] = scene_record(scene)
     for key, rows in (("amendments", amendments.changes), ("surplus", amendments.surplus)):
         if rows:
             table[key] = plain(rows)

@@ -9,6 +9,7 @@ from stages.formats.mjcf_form import MjcfForm
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.robot.amendments import UNCHANGED, Amendments
 from stages.robot.errors import Diagnostic
+from stages.robot.scene import Scene
 from stages.robot.sensing import NOTHING, Sensing
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ class Exported:
     `mjcf_form`: of the MJCF; `order`: the tables of joints, actuators and sensors by format;
     `sensing`: what measures the robot in the files; `amendments`: what the user's own XML changed in them;
     `record`: what robot.json tells of the format, under its name; `readers`: what other readers drop of
-    this robot (`stages.export.readers`)."""
+    this robot (`stages.export.readers`); `scene`: where the files put it."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...] = ()
@@ -39,6 +40,7 @@ class Exported:
     amendments: Amendments = UNCHANGED
     record: Mapping[str, Any] = field(default_factory=dict)
     readers: Sequence[Mapping[str, Any]] = ()
+    scene: Scene | None = None
 
     @property
     def details(self) -> dict[str, Any]:

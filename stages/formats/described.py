@@ -14,6 +14,7 @@ from stages.formats.robot_json.fields import Fields, RobotJsonError
 from stages.formats.robot_json.joints import frame_of, joint_of, keyframe_of, loop_of, relation_of
 from stages.formats.robot_json.links import link_of
 from stages.formats.robot_json.references import require_names
+from stages.formats.robot_json.scene import scene_of
 from stages.formats.robot_json.shapes import geometry_of
 from stages.formats.urdf.form import UrdfForm
 from stages.robot.actuation import Actuation
@@ -21,6 +22,7 @@ from stages.robot.amendments import Amendment, Amendments, Surplus
 from stages.robot.geometry import Geometry
 from stages.robot.linear_coupling import LinearCoupling
 from stages.robot.model import Base, Joint, Link, Mobility, Provenance, Robot
+from stages.robot.scene import Scene
 from stages.robot.sensing import Sensing
 
 FORMAT, VERSION = "linkwright-robot", 1
@@ -38,14 +40,15 @@ class Truth:
     sensing: Sensing
     amendments: Amendments
     files: tuple[str, ...]
+    scene: Scene | None
 
     @property
     def known(
         self,
-    ) -> tuple[Actuation, Geometry | None, UrdfForm, MjcfForm, Sensing, Amendments]:
+    ) -> tuple[Actuation, Geometry | None, UrdfForm, MjcfForm, Sensing, Amendments, Scene | None]:
         """What `stages.validate.validate` is given besides the robot, in its order."""
         forms = self.form, self.mjcf_form
-        return self.actuation, self.geometry, *forms, self.sensing, self.amendments
+        return self.actuation, self.geometry, *forms, self.sensing, self.amendments, self.scene
 
 
 def described(data: bytes) -> Truth:
@@ -77,6 +80,7 @@ def described(data: bytes) -> Truth:
             tuple(_surplus(one) for one in record.records("surplus")),
         ),
         files=files,
+        scene=scene_of(record),
     )
 
 

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from stages.robot.check import Check
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
+    from stages.robot.scene import Scene
     from stages.robot.sensing import Sensing
     from stages.validate.compiled import FileKind
     from stages.validate.keys import ValidateKeys
@@ -29,6 +30,7 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
     "closed_at_start": ("mjcf", "urdf"),
     "masses": ("mjcf", "urdf"),
     "poses": ("mjcf", "urdf"),
+    "placement": ("mjcf",),
     "joints": ("mjcf", "urdf"),
     "motion": ("mjcf", "urdf"),
     "parity": ("mjcf", "urdf"),
@@ -43,6 +45,7 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
     "contact_filter": ("mjcf",),
     "contact_properties": ("mjcf",),
     "scene": ("scene",),
+    "surroundings": ("scene",),
     "options": ("simulated",),
     "inertial": ("simulated",),
     "mass_ratio": ("simulated",),
@@ -80,6 +83,7 @@ def validate(
     mjcf_form: "MjcfForm | None" = None,
     sensing: "Sensing | None" = None,
     amendments: "Amendments | None" = None,
+    scene: "Scene | None" = None,
     own: "Sequence[OwnCheck]" = (),
 ) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only of its text, and that it
@@ -87,7 +91,7 @@ def validate(
     `geometry`: its shapes, without their files, and which of them collide; `form`: how the URDF differs
     from the robot, by default as closed loops ask; `mjcf_form`: how the MJCF does, by default with links on
     fixed joints as part of others; `sensing`: what measures the robot; `amendments`: what
-    the user's own XML changed in the files; `own`: the user's checks."""
+    the user's own XML changed in the files; `scene`: where these put the robot; `own`: the user's checks."""
     from stages.formats import mjcf_written
     from stages.formats.urdf.as_written import form_with
     from stages.robot.actuation import NONE
@@ -102,7 +106,10 @@ def validate(
     asked = Asked(keys.validate.level == "strict", known_payload(robot, keys.validate.payload))
     read_back = check_read_back(folder, robot, READ_BACK, known[0], quick=not checks)
     found = list(check_texts(folder, robot.name, ENGINES, known[-1]))
-    found += [*check_files(folder, robot, ENGINES, checks, *known, own if checks else (), asked), *read_back]
+    found += [
+        *check_files(folder, robot, ENGINES, checks, *known, scene, own if checks else (), asked),
+        *read_back,
+    ]
     if checks:
         found += readiness(folder, robot, found, ENGINES, geometry, forms[1])
     return tuple(found)

@@ -12,6 +12,7 @@ from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.fusing import Holders
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
+from stages.robot.scene import Scene
 from stages.robot.sensing import NOTHING, Sensing
 from stages.validate.asked import AS_STANDARD, Asked
 
@@ -47,7 +48,7 @@ class CompiledModel:
     (None where nothing is known of them) and what measures it, that it must agree with. `closed`: the robot's
     loops that a URDF closes by its relations; `held`: the bodies of an MJCF that have links, and where;
     `amendments`: what the user's own XML changed in the files; `asked`: what the configuration asks of the
-    checks."""
+    checks; `scene`: where the files put the robot, None where nothing is known of that."""
 
     path: Path
     model: Any
@@ -59,6 +60,7 @@ class CompiledModel:
     held: Holders = field(default_factory=dict)
     amendments: Amendments = UNCHANGED
     asked: Asked = AS_STANDARD
+    scene: Scene | None = None
 
     @property
     def surplus(self) -> Surplus:
@@ -68,6 +70,10 @@ class CompiledModel:
     def sets(self, attribute: str) -> bool:
         """Whether the user's own XML sets an attribute of this name: its value is then the user's."""
         return any(attribute in one.sets for one in self.amendments.changes)
+
+    def sets_of(self, target: str) -> frozenset[str]:
+        """The attributes that the user's own XML sets of an element, by its tag and name: "geom floor"."""
+        return frozenset(name for one in self.amendments.changes if one.target == target for name in one.sets)
 
     @property
     def urdf(self) -> bool:

@@ -2,7 +2,7 @@
 defaults of what is not."""
 
 import functools
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
 import mujoco
@@ -26,13 +26,14 @@ def _default() -> Any:
 
 
 def contact_differences(
-    compiled: CompiledModel, geom: int, element: str, given: ContactProperties | None
+    model: Any, geom: int, element: str, given: ContactProperties | None, own: Collection[str]
 ) -> Iterator[Finding]:
-    """What a geom has otherwise, but for what the user's own XML sets."""
-    model, values = compiled.model, {} if given is None else given.given()
+    """What a geom has otherwise. `own`: attributes that the user's own XML sets, whose values are the
+    user's."""
+    values = {} if given is None else given.given()
     for attribute in ATTRIBUTES:
         field = f"geom_{attribute}"
-        if compiled.sets(attribute) or not hasattr(model, field):
+        if attribute in own or not hasattr(model, field):
             continue
         found = getattr(model, field)[geom]
         expected = values.get(attribute, getattr(_default(), field)[0])

@@ -63,9 +63,11 @@ def body_index(model: Any, name: str) -> int:
 
 def of_the_scene(model: Any, robot: Robot) -> frozenset[int]:
     """The bodies that are nothing of the robot's, as a ball that lies beside it: those of trees, from the
-    world on, that have none of its links."""
+    world on, that have none of its links. None where the model has no link at all."""
     every = (body_index(model, link.name) for link in robot.links)
     roots = {int(model.body_rootid[body]) for body in every if body > 0}
+    if not roots:
+        return frozenset()
     return frozenset(body for body in range(1, model.nbody) if int(model.body_rootid[body]) not in roots)
 
 

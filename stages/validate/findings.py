@@ -1,6 +1,7 @@
 """What a check says of what it does not accept: element of the file, attribute, found and expected."""
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -22,6 +23,16 @@ def named(tag: str, name: str) -> str:
 def link(name: str, urdf: bool) -> str:
     """A link, as its file calls it."""
     return named("link" if urdf else "body", name)
+
+
+def named_joint(model: Any, index: int) -> str:
+    """A joint of a compiled model; one without a name by the body that it moves."""
+    name = model.joint(index).name
+    return named("joint", name) if name else f"joint of {link(_mover(model, index), urdf=False)}"
+
+
+def _mover(model: Any, index: int) -> str:
+    return str(model.body(int(model.jnt_bodyid[index])).name)
 
 
 def unstable(joint: str, words: str) -> Finding:

@@ -20,6 +20,7 @@ from stages.robot.fused_geometry import fused_geometry
 from stages.robot.geometry import Geometry
 from stages.robot.globs import listed
 from stages.robot.model import Robot
+from stages.robot.scene import Scene
 from stages.robot.sensing import NOTHING, Sensing
 from stages.validate.asked import AS_STANDARD, Asked
 from stages.validate.compiled import CheckFunction, CompiledModel, Engine, FileKind, without_warnings
@@ -50,6 +51,7 @@ def check_files(
     mjcf_form: MjcfForm = EVERY_BODY,
     sensing: Sensing = NOTHING,
     amendments: Amendments = UNCHANGED,
+    scene: Scene | None = None,
     own: Sequence[OwnCheck] = (),
     asked: Asked = AS_STANDARD,
 ) -> Iterator[Check]:
@@ -66,7 +68,7 @@ def check_files(
                 described, shapes, of = (mjcf, solid, held)
                 if file.endswith(".urdf"):
                     described, shapes, of = urdf, geometry, holders(robot, form)
-                known = (actuation, shapes, form.closed, sensing, of, amendments, asked)
+                known = (actuation, shapes, form.closed, sensing, of, amendments, asked, scene)
                 given = CompiledModel(folder / file, None, described, *known)
                 changes = amendments.of(file, *engine.files(robot.name)[:1] if file == SCENE else ())
                 chosen = [one for one, kinds in checks.items() if kinds_of(given.path) & {*kinds}]

@@ -209,6 +209,43 @@ def test_what_means_nothing_raises_no_alarm(edit: str, name: str, builds: Builds
     assert {check.name for check in checks if check.warns} == warned(build.folder)
 
 
+ADDED = {
+    "a table": '<body name="table" pos="2 0 0.2"><geom type="box" size="0.3 0.3 0.2"/></body>',
+    "a ball": '<body name="ball" pos="2 0 0.05"><freejoint/><geom size="0.05" mass="0.2"/></body>',
+    "a cupboard": '<body name="cupboard" pos="2 0 0.5"><body name="door"><joint axis="0 0 1"/>'
+    '<geom type="box" size="0.3 0.02 0.3" mass="1"/></body></body>',
+    "a wall": '<geom type="box" size="0.02 1 1" pos="2 0 1"/>',
+    "lights and cameras": '<light pos="1 1 2"/><camera name="above" pos="0 0 3"/>',
+    "a mark": '<site name="goal" pos="1 0 0"/><geom type="box" size="1 1 1" contype="0" conaffinity="0"/>',
+}
+
+
+@pytest.mark.parametrize("thing", ADDED)
+@pytest.mark.parametrize("name", BUILDS)
+def test_what_is_put_beside_the_robot_raises_no_alarm(
+    thing: str, name: str, builds: Builds, tmp_path: Path
+) -> None:
+    """By all checks, with the ground moved along itself, under another name and look."""
+    build = builds(name)
+    folder = shutil.copytree(build.folder, tmp_path / "edited")
+    root = etree.parse(folder / "scene.xml").getroot()
+    world = root.find("worldbody")
+    world.extend(etree.fromstring(f"<worldbody>{ADDED[thing]}</worldbody>"))
+    floor = world.find("geom[@name='floor']")
+    floor.attrib.update(
+        {"name": "meadow", "pos": "1 2 0", "euler": "0 0 1", "rgba": "0 1 0 1", "size": "9 9 1"}
+    )
+    root.find("visual/headlight").set("ambient", "1 1 1")
+    (folder / "scene.xml").write_bytes(etree.tostring(root))
+    assert odd(folder) == odd(build.folder)
+
+
+@functools.cache
+def odd(folder: Path) -> frozenset[tuple[str, str]]:
+    """(name, code) of the checks that a folder does not pass."""
+    return frozenset((check.name, check.code) for check in checks_of(folder) if not check.passed)
+
+
 @pytest.mark.slow
 @settings(max_examples=200, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)), st.booleans())

@@ -9,10 +9,10 @@ import numpy as np
 from stages.export.mjcf.cameras import overview, write_camera
 from stages.export.mjcf.placement import placement
 from stages.export.mujoco_keys import IN_THE_ROBOT
+from stages.export.scene_records import ground_pose
 from stages.export.standing import Stance
 from stages.formats.numbers import number, spaced
 from stages.formats.xml import Element, element, parse, to_bytes
-from stages.robot.poses import from_parts, rotation_from_rpy
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
@@ -101,8 +101,7 @@ def _ground(root: Element, ground: "GroundKeys") -> None:
     half = "0 0" if ground.size is None else spaced(np.array(ground.size) / 2)
     floor.set("size", f"{half} 0.05")
     floor.set("friction", spaced(ground.friction))
-    pose = from_parts(rotation_from_rpy(ground.rpy), np.array(ground.xyz))
-    for name, value in placement(pose).items():
+    for name, value in placement(ground_pose(ground)).items():
         floor.set(name, value)
 
 

@@ -11,7 +11,7 @@ from stages.robot.geometry import Geometry
 from stages.robot.globs import listed
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
-from stages.validate.contact_attributes import contact_differences, sets_defaults
+from stages.validate.contact_attributes import ATTRIBUTES, contact_differences, sets_defaults
 from stages.validate.coordinates import body_index
 from stages.validate.findings import differs, few, named
 from stages.validate.shapes import named_geom, seen_and_solid
@@ -40,6 +40,7 @@ def _of_geoms(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
     has not, that is found elsewhere."""
     model, shapes = compiled.model, geometry.by_link()
     every = seen_and_solid(model)
+    mine = {attribute for attribute in ATTRIBUTES if compiled.sets(attribute)}
     changed = bool(compiled.amendments.of(compiled.path.name))
     for link in compiled.robot.links:
         own = shapes[link.name, "collision"]
@@ -47,7 +48,7 @@ def _of_geoms(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
         if len(geoms) == len(own) or (changed and len(geoms) > len(own)):
             for shape, geom in zip(own, geoms, strict=False):
                 element = named_geom(model, geom, link.name)
-                yield from contact_differences(compiled, geom, element, shape.contact)
+                yield from contact_differences(model, geom, element, shape.contact, mine)
 
 
 def _of_hulls(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:

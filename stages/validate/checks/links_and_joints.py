@@ -7,10 +7,13 @@ import mujoco
 from stages.robot.check import Check, Finding
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import WIDTH, body_index, joints_of, missing_names
-from stages.validate.findings import few, link, named
+from stages.validate.coordinates import WIDTH, body_index, joints_of, missing_names, of_the_scene
+from stages.validate.findings import few, link, named, named_joint
 
 CODE = "C-LINKS"
+
+SCENE = "scene.xml"
+"""The file that has other things beside the robot."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -18,7 +21,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     floating = 0 if robot.base.fixed or compiled.urdf else 6
     expected = sum(WIDTH[kind] for _, kind, _ in joints_of(robot, compiled.urdf)) + floating
     expected += compiled.surplus.dofs
-    surplus = model.nv - expected
+    surplus = model.nv - expected - _beside(compiled)
     missing = missing_names(compiled)
     detail = f"{count(len(robot.links), 'link')}, {_dofs(model.nv)}"
     if missing:
@@ -28,6 +31,16 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     passed = not missing and surplus == 0
     found = [_missing(compiled, name) for name in missing] or list(_others(compiled))
     yield compiled.result("links and joints", passed, detail, float(abs(surplus)), 0.0, few(found))
+
+
+def _beside(compiled: CompiledModel) -> int:
+    """The degrees of freedom of what lies beside the robot in a scene, without those that the user's own XML
+    gave it, which are counted."""
+    if compiled.path.name != SCENE:
+        return 0
+    strange = of_the_scene(compiled.model, compiled.robot)
+    number = sum(int(body) in strange for body in compiled.model.dof_bodyid)
+    return max(0, number - compiled.surplus.dofs)
 
 
 def _missing(compiled: CompiledModel, name: str) -> Finding:
@@ -49,12 +62,13 @@ def _others(compiled: CompiledModel) -> Iterator[Finding]:
             yield Finding(
                 link(robot.root.name, False), "freejoint", "has none, so the robot hangs in the air"
             )
+    beside = of_the_scene(model, robot) if compiled.path.name == SCENE else ()
     for index in range(model.njnt):
         name = model.joint(index).name
-        if name not in own:
-            holder = model.body(int(model.jnt_bodyid[index])).name
-            message = f"is not one of the robot's; it moves {link(holder, compiled.urdf)}"
-            yield Finding(named("joint", name), "type", message)
+        body = int(model.jnt_bodyid[index])
+        if name not in own and body not in beside:
+            message = f"is not one of the robot's; it moves {link(model.body(body).name, compiled.urdf)}"
+            yield Finding(named_joint(model, index), "type", message)
 
 
 def _dofs(number: int) -> str:

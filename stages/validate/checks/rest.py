@@ -14,8 +14,8 @@ from stages.robot.check import Check, Finding
 from stages.robot.mujoco_warnings import listening
 from stages.robot.trial_run import EFFORT, failure
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import FREE, HINGE, SLIDE
-from stages.validate.findings import named
+from stages.validate.coordinates import FREE, HINGE, SLIDE, of_the_scene
+from stages.validate.findings import named, named_joint
 from stages.validate.running import at_keyframe
 
 CODE = "C-REST"
@@ -42,16 +42,25 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         mujoco.mj_step(model, data, max(1, min(steps, int(EFFORT / max(1, model.nv) ** 2))))
     if failure(model, data):
         return  # the trial run says so
-    judged = [one for one in range(model.njnt) if model.jnt_type[one] != FREE or _carried(model)]
+    judged = _judged(compiled)
     moved = sorted((one for joint in judged for one in _moved(model, data, start, joint)), reverse=True)
     far = [one for one in moved if one[0] > 1.0]
     share, worst, words = moved[0] if moved else (0.0, -1, "")
-    name = model.joint(worst).name if worst >= 0 else ""
+    name = model.joint(worst).name or named_joint(model, worst) if worst >= 0 else ""
     detail = (
         f"{data.time:.3g} s with the controls of home; the most, as a share of what may be: {name} {words}"
     )
     findings = [_finding(model, joint, words) for _, joint, words in far]
     yield compiled.result("rests at home", not far, detail, share, 1.0, findings, "warning")
+
+
+def _judged(compiled: CompiledModel) -> list[int]:
+    """The joints but for those of what lies beside the robot, since a ball may roll, and for a free base that
+    falls since nothing is there to stand on."""
+    model = compiled.model
+    beside = of_the_scene(model, compiled.robot)
+    own = [one for one in range(model.njnt) if int(model.jnt_bodyid[one]) not in beside]
+    return [one for one in own if model.jnt_type[one] != FREE or _carried(model)]
 
 
 def _carried(model: Any) -> bool:
@@ -84,10 +93,12 @@ def _finding(model: Any, joint: int, words: str) -> Finding:
     name = model.joint(joint).name
     own = [one for one in range(model.nu) if int(model.actuator_trnid[one][0]) == joint]
     if model.jnt_type[joint] == FREE:
-        return Finding(named("joint", name), "", f"the base {words}: it does not stand at home by itself")
+        return Finding(
+            named_joint(model, joint), "", f"the base {words}: it does not stand at home by itself"
+        )
     if own:
         actuator = model.actuator(own[0]).name
         return Finding(
             named("actuator", actuator), "ctrl of the keyframe home", f"{name} {words}: it does not hold it"
         )
-    return Finding(named("joint", name), "", f"it {words}, and nothing drives it")
+    return Finding(named_joint(model, joint), "", f"it {words}, and nothing drives it")

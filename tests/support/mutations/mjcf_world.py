@@ -250,3 +250,43 @@ def _(files: Files, rng: random.Random) -> Planted:
     first, second = rng.choice(pairs)
     etree.SubElement(holder, "exclude", body1=first, body2=second)
     return exclude(first, second)
+
+
+def root(files: Files) -> Element:
+    """The body of the robot's root."""
+    return files.mjcf.find("worldbody/body")
+
+
+@KINDS.add("root 5 mm up", "C-PLACE")
+def _(files: Files, rng: random.Random) -> Planted:
+    x, y, z = numbers(root(files), "pos") if root(files).get("pos") else (0.0, 0.0, 0.0)
+    put(root(files), "pos", (x, y, z + 0.005))
+    return Planted(named("body", root(files)), ("pos",))
+
+
+@KINDS.add("root turned by 90 degrees", "C-PLACE")
+def _(files: Files, rng: random.Random) -> Planted:
+    put(root(files), "quat", (0.5**0.5, 0, 0, 0.5**0.5))
+    return Planted(named("body", root(files)), ("quat",))
+
+
+def _of_home(files: Files, at: int, change: tuple[float, ...]) -> Planted:
+    """The numbers of the free joint at `home`, from this one on."""
+    if files.mjcf.find(".//freejoint") is None:
+        raise NothingToChange
+    (key,) = files.mjcf.xpath("//key[@name='home']")
+    values = numbers(key, "qpos")
+    values[at : at + len(change)] = change
+    put(key, "qpos", values)
+    return Planted('key "home"', ("qpos",))
+
+
+@KINDS.add("free base 5 cm up at home", "C-PLACE")
+def _(files: Files, rng: random.Random) -> Planted:
+    height = numbers(root(files), "pos")[2] if root(files).get("pos") else 0.0
+    return _of_home(files, 2, (height + 0.05,))
+
+
+@KINDS.add("free base turned at home", "C-PLACE")
+def _(files: Files, rng: random.Random) -> Planted:
+    return _of_home(files, 3, (0.8, 0.0, 0.0, 0.6))

@@ -4,7 +4,7 @@ import random
 
 from lxml import etree
 
-from tests.support.mutations.kind import Files, Kinds, Planted
+from tests.support.mutations.kind import Element, Files, Kinds, Planted
 
 KINDS = Kinds("scene")
 
@@ -58,6 +58,61 @@ def _(files: Files, rng: random.Random) -> Planted:
 def _(files: Files, rng: random.Random) -> Planted:
     files.scene.find("include").set("file", "lost.xml")
     return Planted("include", ("file",))
+
+
+def _option(name: str, attribute: str, value: str) -> None:
+    @KINDS.add(name, "C-SCENE")
+    def _(files: Files, rng: random.Random) -> Planted:
+        etree.SubElement(files.scene, "option", **{attribute: value})
+        return Planted("option", (attribute,))
+
+
+_option("gravity of the moon", "gravity", "0 0 -1.62")
+_option("wind", "wind", "5 0 0")
+_option("air as dense as water", "density", "1000")
+_option("another time step", "timestep", "0.005")
+_option("another integrator", "integrator", "Euler")
+_option("other friction cones", "cone", "elliptic")
+_option("hardly any iterations", "iterations", "1")
+
+
+@KINDS.add("limits switched off", "C-SCENE")
+def _(files: Files, rng: random.Random) -> Planted:
+    etree.SubElement(etree.SubElement(files.scene, "option"), "flag", limit="disable")
+    return Planted("flag", ("limit",))
+
+
+def floor(files: Files) -> Element:
+    return files.scene.find("worldbody/geom[@name='floor']")
+
+
+@KINDS.add("ground removed", "C-SCENE")
+def _(files: Files, rng: random.Random) -> Planted:
+    one = floor(files)
+    one.getparent().remove(one)
+    return Planted('geom "floor"', ("name",))
+
+
+def _ground(name: str, attribute: str, value: str) -> None:
+    @KINDS.add(name, "C-SCENE")
+    def _(files: Files, rng: random.Random) -> Planted:
+        floor(files).set(attribute, value)
+        return Planted('geom "floor"', (attribute,))
+
+
+_ground("ground 30 cm lower", "pos", "0 0 -0.3")
+_ground("ground 2 cm up", "pos", "0 0 0.02")
+_ground("ground tilted", "quat", "0.9962 0 0.0872 0")
+_ground("ground without friction", "friction", "0 0 0")
+_ground("ground soft", "solref", "0.2 1")
+_ground("ground that is no plane", "type", "box")
+
+
+@KINDS.add("ground without collisions", "C-SCENE")
+def _(files: Files, rng: random.Random) -> Planted:
+    floor(files).set("contype", "0")
+    floor(files).set("conaffinity", "0")
+    return Planted('geom "floor"', ("contype",))
 
 
 @KINDS.add("obstacle inside the robot", "C-START")

@@ -31,6 +31,7 @@ from stages.robot.model import (
     Transmission,
     frozen,
 )
+from stages.robot.scene import Ground, Scene
 from stages.robot.sensing import Sensing, SensorCamera, SensorSite
 from tests.support.robots import EVERY, LOOPS, at, joint, loop, pose, robot_with, solid
 from tests.support.truth import differences
@@ -156,13 +157,19 @@ AMENDMENTS = Amendments(
     (Amendment("elements.cam", "robot.xml", "body link1", ("site cam",), ("pos",)),),
     (Surplus("robot.xml", 1, 2, 3),),
 )
+SCENE = Scene(
+    frozen(at(0, 0.1, 0.2)),
+    Ground(frozen(at(0, 0, -0.1)), (1, 0.005, 0.0001)),
+    {"timestep": 0.002, "integrator": "RK4", "gravity": (0.0, 0.0, -9.81)},
+    {"contact": "disable"},
+)
 KNOWN = ACTUATION, FORM, MjcfForm(("link0",)), SENSING
 
 
 def text(robot: Robot) -> bytes:
     start = saved_configuration(robot)
     files = ["robot.xml", "assets/a.stl"]
-    return describe(robot, start, *KNOWN, None, AMENDMENTS, None, GEOMETRY, files)
+    return describe(robot, start, *KNOWN, None, AMENDMENTS, None, GEOMETRY, files, SCENE)
 
 
 def read(robot: Robot) -> Truth:
@@ -177,7 +184,7 @@ def test_everything_is_read_back(seed: int) -> None:
     assert found.robot.base.joint == "base_free"
     assert found.robot.keyframes == robot.keyframes
     pairs = [(ACTUATION, found.actuation), (FORM, found.form), (SENSING, found.sensing)]
-    pairs += [(GEOMETRY, found.geometry), (AMENDMENTS, found.amendments)]
+    pairs += [(GEOMETRY, found.geometry), (AMENDMENTS, found.amendments), (SCENE, found.scene)]
     for one, other in pairs:
         assert differences(one, other, NEAR, {"files": ""}) == []
     assert found.mjcf_form == MjcfForm(("link0",))
@@ -188,6 +195,7 @@ def test_what_a_build_that_ends_early_leaves_is_read_too() -> None:
     robot = whole(0)
     found = described(describe(robot, saved_configuration(robot)))
     assert found.geometry is None
+    assert found.scene is None
     assert found.files == ()
     assert found.form == UrdfForm()
 

@@ -10,7 +10,7 @@ from stages.validate.checks import control_noise, energy, rest, start, time_step
 from stages.validate.energy import SECONDS, drift_of_energy
 from stages.validate.noise import control_ranges
 from tests.support.compiled import compiled_of, only
-from tests.support.robots import robot_with
+from tests.support.robots import joint, robot_with
 
 GRAVITY = 9.81
 
@@ -206,9 +206,23 @@ def test_a_joint_that_nothing_drives_and_a_base_that_falls_are_warnings(ground):
     text = pendulum() + swing.replace('pos="0 0 -0.5"', 'pos="-0.5 0 0"') + base
     text += '<geom type="plane" size="1 1 1" pos="0 0 -9"/>' if ground else ""
     more = '<actuator><position joint="swing" kp="100" kv="20"/></actuator>'
-    found = only(rest.check(compiled_of(text, more=more)), "rests at home")
+    robot = robot_with([joint("revolute", "base", name) for name in ("bob", "other")])
+    found = only(rest.check(compiled_of(text, robot, more=more)), "rests at home")
     assert found.warns
     assert {one.element for one in found.findings} == {'joint "idle"', *['joint "base"'] * ground}
+    without_a_name = text.replace('name="base"/>', "/>")
+    found = only(rest.check(compiled_of(without_a_name, robot, more=more)), "rests at home")
+    assert {one.element for one in found.findings} == {'joint "idle"', *['joint of body "base"'] * ground}
+
+
+def test_what_lies_beside_the_robot_need_not_rest():
+    ball = '<body name="ball" pos="5 0 1"><freejoint/><geom type="sphere" size=".1"/></body>'
+    robot = robot_with([joint("revolute", "base", "bob")])
+    ground = '<geom type="plane" size="1 1 1" pos="0 0 -9"/>'
+    for beside, rests in ((ball, True), (ball.replace("ball", "base"), False)):
+        more = SERVO.format(kp=1000, kv=20, q=0.0).replace('qpos="0.0"', 'qpos="0 5 0 1 1 0 0 0"')
+        found = only(rest.check(compiled_of(pendulum() + beside + ground, robot, more=more)), "rests at home")
+        assert found.passed == rests
 
 
 # --- control noise ------------------------------------------------------------------------------------------

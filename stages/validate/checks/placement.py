@@ -1,0 +1,71 @@
+"""The robot stands where the build put it: its root, and the free base in each keyframe."""
+
+from collections.abc import Iterator
+
+import mujoco
+import numpy as np
+
+from stages.robot.check import Check, Finding
+from stages.robot.model import Array
+from stages.robot.start_pose import keyframes
+from stages.validate.compiled import CompiledModel
+from stages.validate.coordinates import CAD_ERROR, FREE, body_index, distance, root_pose
+from stages.validate.findings import apart, few, link, named, place_differs, shown
+from stages.validate.mujoco_poses import placed
+
+CODE = "C-PLACE"
+
+TURNS = frozenset({"quat", "axisangle", "xyaxes", "zaxis", "euler"})
+"""Attributes that turn a body or site."""
+
+
+def check(compiled: CompiledModel) -> Iterator[Check]:
+    """Of a robot whose scene is known."""
+    if compiled.scene is None:
+        return
+    expected, root = compiled.scene.world_from_root, compiled.robot.root.name
+    yield _at_start(compiled, root, expected)
+    if not compiled.robot.base.fixed and not compiled.sets("qpos"):
+        yield from _in_keyframes(compiled, root, expected)
+
+
+def _at_start(compiled: CompiledModel, root: str, expected: Array) -> Check:
+    model, data = compiled.model, mujoco.MjData(compiled.model)
+    mujoco.mj_kinematics(model, data)
+    found = root_pose(model, data, compiled.robot)
+    body = body_index(model, root) > 0
+    element = link(root, urdf=False) if body else named("site", root)
+    own = compiled.sets_of(f"{'body' if body else 'site'} {root}")
+    findings = [
+        one
+        for one in place_differs(element, found, expected, ("pos", "quat"), CAD_ERROR)
+        if not own & (TURNS if one.attribute == "quat" else {one.attribute})
+    ]
+    value = distance(found, expected) if findings else 0.0
+    detail = "the root against the pose that the build gave it [m, rad]"
+    return compiled.within("placement", value, CAD_ERROR, detail, findings)
+
+
+def _in_keyframes(compiled: CompiledModel, root: str, expected: Array) -> Iterator[Check]:
+    """A free base is in every keyframe where it is at the start."""
+    model, body = compiled.model, body_index(compiled.model, root)
+    joint = int(model.body_jntadr[body]) if body > 0 and model.body_jntnum[body] else -1
+    if joint < 0 or model.jnt_type[joint] != FREE:
+        return
+    at, worst, findings = int(model.jnt_qposadr[joint]), 0.0, []
+    for name in keyframes(compiled.robot):
+        key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name)
+        if key < 0:
+            continue
+        numbers = model.key_qpos[key][at : at + 7]
+        found = placed(numbers[3:], numbers[:3])
+        off, turn = apart(found, expected)
+        worst = max(worst, off, turn)
+        if not off <= CAD_ERROR:
+            words = f"puts {root} at {shown(found[:3, 3])}, expected {shown(expected[:3, 3])} [m]"
+            findings.append(Finding(named("key", name), "qpos", words))
+        if not turn <= CAD_ERROR:
+            words = f"turns {root} by {shown(np.degrees(turn))} degrees from the expected"
+            findings.append(Finding(named("key", name), "qpos", words))
+    detail = "the free base in the keyframes against the pose that the build gave it [m, rad]"
+    yield compiled.within("placement in keyframes", worst, CAD_ERROR, detail, few(findings))
