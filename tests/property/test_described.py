@@ -48,7 +48,7 @@ def comes_back(document: Document, root: int, seed: int, **keys) -> None:
         truth = described((Path(folder) / "robot.json").read_bytes())
         checks = validate(Path(folder), truth.robot, plan, *truth.known)
         known = exported.actuation, NO_MESHES, exported.form, exported.mjcf_form, exported.sensing
-        before = validate(Path(folder), robot, plan, *known, exported.amendments)
+        before = validate(Path(folder), robot, plan, *known, exported.amendments, exported.scene)
     written = as_driven(robot, exported.actuation)
     assert differences(written, truth.robot, NEAR, NOT_IN_IT) == []
     # Where links on fixed joints are merged and there are none, nothing is.

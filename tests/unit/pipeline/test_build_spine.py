@@ -85,6 +85,10 @@ def test_bypass_and_the_cache_give_the_same_bytes(archive, tmp_path):
     assert not any(stage.cached for stage in bypassed.stages)
 
 
+NOT_YET = ("shapes", "self_contact", "excludes", "touching", "scene")
+"""Tables of robot.json that a build makes after its graph."""
+
+
 def test_until_graph_leaves_the_same_robot_json_as_the_whole_build(archive, tmp_path):
     source = {"kind": "bundle", "path": str(archive)}
     build(plan(tmp_path, source), environ={})
@@ -92,8 +96,8 @@ def test_until_graph_leaves_the_same_robot_json_as_the_whole_build(archive, tmp_
     left = robot_files(tmp_path / "arm.graph")
     assert set(left) == {"robot.json", "graph.svg"}
     whole = json.loads((tmp_path / "arm" / "robot.json").read_bytes())
-    # There are no shapes yet, and no files whose order or names it could tell.
-    assert all(whole.pop(key) is not None for key in ("shapes", "self_contact", "excludes", "touching"))
+    # There are no shapes yet, no scene, and no files whose order or names it could tell.
+    assert all(whole.pop(key) is not None for key in NOT_YET)
     assert set(whole.pop("order")) == {"mjcf", "urdf"}
     assert {*whole.pop("files")} == robot_files(tmp_path / "arm").keys() - {"robot.json", "graph.svg"}
     assert left["robot.json"].decode() == json.dumps(whole, indent=2, ensure_ascii=False) + "\n"
