@@ -46,7 +46,8 @@ piece of. With `self_contact` the links collide with each other but for the `exc
 those pairs of colliders, by their numbers); `touching` are others that touch at `home`, `depth` [m] deep.
 These are missing where a build ends before its shapes are made.
 `scene` says where the files put the robot (`pose` of its root), which plane is its `ground` (null: none),
-and what MuJoCo's `option` and `flag` say: all else of these is MuJoCo's default. It is missing as `shapes` are.
+and what MuJoCo's `option` and `flag` say: all else of these is MuJoCo's default. It is missing as `shapes`
+are. `urdf` is there where the URDF names its meshes by a `package`.
 `amendments` lists what `elements` and `attributes` added to the files and set in them, `surplus` how many
 degrees of freedom, actuators and equalities a file has after the robot's own by that. `files` has the paths
 of the robot's other files, but for those of a Python package, which are copies.
@@ -149,6 +150,8 @@ def describe(
     }
     if form.couplings:
         table["couplings"] = coupling_records(form)
+    if form.package:
+        table["urdf"] = {"package": form.package}
     table |= _held(robot, form, mjcf_form)
     if robot.transmissions:
         table["transmissions"] = [plain(transmission) for transmission in robot.transmissions]

@@ -72,6 +72,7 @@ def described(data: bytes) -> Truth:
             merged=bool(record.records("merged")),
             couplings=tuple(_coupling(one) for one in record.records("couplings")),
             closed=tuple(one.text("name") for one in loops if one.truth("mimic")),
+            package=record.inside("urdf").text("package") if record.has("urdf") else "",
         ),
         mjcf_form=MjcfForm(tuple(one.text("link") for one in record.records("fused"))),
         sensing=sensing_of(record),

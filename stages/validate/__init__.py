@@ -105,7 +105,7 @@ def validate(
     known = (actuation or NONE, geometry, *forms, sensing or NOTHING, amendments or UNCHANGED)
     asked = Asked(keys.validate.level == "strict", known_payload(robot, keys.validate.payload))
     read_back = check_read_back(folder, robot, READ_BACK, known[0], quick=not checks)
-    found = list(check_texts(folder, robot.name, ENGINES, known[-1]))
+    found = list(check_texts(folder, robot.name, ENGINES, known[-1], form))
     found += [
         *check_files(folder, robot, ENGINES, checks, *known, scene, own if checks else (), asked),
         *read_back,

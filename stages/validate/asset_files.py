@@ -50,15 +50,16 @@ def _of_urdf(document: ModelDocument) -> Iterator[NamedFile]:
         text = element.get("filename", "")
         if not text.strip() or any("ros2_control" in tag(one) for one in element.iterancestors()):
             continue
-        yield NamedFile(element, "filename", text, _place(text, folder, meshdir))
+        yield NamedFile(element, "filename", text, _place(text, folder, meshdir, document.packages))
 
 
-def _place(text: str, folder: Path, meshdir: str) -> Path | None:
-    """Where a path of a URDF leads: from its own folder, or from the folder of the package."""
+def _place(text: str, folder: Path, meshdir: str, packages: tuple[str, ...] | None) -> Path | None:
+    """Where a path of a URDF leads: from its own folder, or from the folder of the package. `packages`: those
+    that its own folder may be, None for any."""
     if is_of_package(text):
         name = package_of(text)
         rest = unquote(text.partition("://")[2].partition("/")[2])
-        tries = [folder / rest]
+        tries = [folder / rest] if packages is None or name in packages else []
         for above in (folder.resolve(), *folder.resolve().parents):
             tries += [above / name / rest, *([above / rest] if above.name == name else [])]
         tries += [folder / meshdir / PurePosixPath(rest).name] if meshdir else []

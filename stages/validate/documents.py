@@ -29,13 +29,15 @@ MOST_INCLUDES = 100
 @dataclass(frozen=True, slots=True, eq=False)
 class ModelDocument:
     """`root`: the model with what it includes; `included`: the elements of other files, and these files.
-    `language` is None where the root is of no model. `broken`: what of the text cannot be read."""
+    `language` is None where the root is of no model. `broken`: what of the text cannot be read.
+    `packages`: those that the file's own folder is to it, None where nothing is known of that."""
 
     path: Path
     root: Element
     language: Language | None
     included: dict[Element, Path]
     broken: tuple[Finding, ...] = ()
+    packages: tuple[str, ...] | None = None
 
     def elements(self) -> Iterator[Element]:
         """The elements of this file itself, in its order."""

@@ -76,12 +76,22 @@ def check_files(
                 yield from (_with_changes(one, changes) for one in found)
 
 
-def check_texts(folder: Path, robot: str, engines: Sequence[str], amendments: Amendments) -> Iterator[Check]:
-    """The checks of files as text, of a robot of this name, before any engine runs."""
+def check_texts(
+    folder: Path,
+    robot: str,
+    engines: Sequence[str],
+    amendments: Amendments,
+    form: UrdfForm | None = None,
+) -> Iterator[Check]:
+    """The checks of files as text, of a robot of this name, before any engine runs. `form`: of its URDF, None
+    where nothing is known of that."""
     models: list[str] = []
     for name in engines:
         models += import_module(f"stages.validate.engines.{name}").files(robot)
-    for one in check_folder(folder, models, (f"{robot}{ending}" for ending in OTHERS)):
+    # What the user's own XML names may be of any package.
+    known = form is not None and not amendments.of(f"{robot}.urdf")
+    packages = (form.package,) if known and form is not None else None
+    for one in check_folder(folder, models, (f"{robot}{ending}" for ending in OTHERS), packages):
         file = one.name.partition(":")[0]
         yield _with_changes(one, amendments.of(file) if file in models else ())
 

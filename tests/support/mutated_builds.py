@@ -88,3 +88,11 @@ def rover_document() -> Document:
     kit.root.connector("Mast", head, SIDE)
     kit.root.connector("Hook", hand, TOP)
     return kit.document
+
+
+def hinge_document() -> Document:
+    """Two parts on a hinge."""
+    kit = Kit()
+    one, other = kit.place("One"), kit.place("Other")
+    kit.root.revolute("Hinge", (other, TOP), (one, TOP), limits=(-1, 1))
+    return kit.document

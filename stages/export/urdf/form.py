@@ -1,5 +1,6 @@
 """The form of a robot's URDF, as the configuration wants it."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stages.formats.urdf.as_written import form_with
@@ -9,6 +10,7 @@ from stages.robot.model import Robot
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
+    from stages.export.urdf.keys import UrdfFormatKeys
 
 
 def form_of(robot: Robot, keys: "ExportKeys", actuation: Actuation) -> UrdfForm:
@@ -16,4 +18,10 @@ def form_of(robot: Robot, keys: "ExportKeys", actuation: Actuation) -> UrdfForm:
     urdf = keys.export.urdf
     driven = [one.dof for one in actuation.actuators]
     driven += [one.joint for one in robot.transmissions]
-    return form_with(robot, urdf is not None and urdf.fixed_joints == "merge", driven)
+    form = form_with(robot, urdf is not None and urdf.fixed_joints == "merge", driven)
+    return form if urdf is None else replace(form, package=package_of(urdf, robot.name))
+
+
+def package_of(keys: "UrdfFormatKeys", robot: str) -> str:
+    """The package by which the URDF of a robot of this name names its meshes; "" for paths."""
+    return keys.package or robot if keys.meshes == "package" else ""

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from stages.export.paints import Paint, materials, paint
+from stages.export.urdf.form import package_of
 from stages.export.urdf.keys import UrdfFormatKeys
 from stages.export.urdf.lowering import LoweredJoint, lower
 from stages.formats.numbers import LENGTH, TURN, number, numbers, spaced
@@ -83,7 +84,8 @@ def _origin(parent: Element, pose: Array) -> None:
 
 def _assets_of(keys: UrdfFormatKeys, robot: str) -> str:
     """What the path of a mesh in a URDF begins with, for a robot of this name."""
-    return f"package://{keys.package or robot}/assets/" if keys.meshes == "package" else "assets/"
+    package = package_of(keys, robot)
+    return f"package://{package}/assets/" if package else "assets/"
 
 
 def _materials(root: Element, geometry: Geometry, assets: str) -> dict[Paint, str]:

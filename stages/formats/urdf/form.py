@@ -8,11 +8,13 @@ from stages.robot.linear_coupling import LinearCoupling
 @dataclass(frozen=True, slots=True)
 class UrdfForm:
     """`merged`: whether links on fixed joints are part of their parents. `couplings`: what the robot's closed
-    loops make follow what; those that are exact are <mimic>s. `closed`: the loops that these alone close."""
+    loops make follow what; those that are exact are <mimic>s. `closed`: the loops that these alone close.
+    `package`: that by which it names its meshes, "" where it names them by paths."""
 
     merged: bool = False
     couplings: tuple[LinearCoupling, ...] = ()
     closed: tuple[str, ...] = ()
+    package: str = ""
 
     @property
     def mimics(self) -> tuple[LinearCoupling, ...]:

@@ -57,10 +57,12 @@ def _velocity(name: str, dof: Dof, text: str | None) -> Iterator[Finding]:
     if expected is None or dof.kind == "free":
         return
     try:
-        found = float(text or "nan")
+        found = float(text) if text else None
     except ValueError:
         found = math.nan
-    if not abs(found - expected) <= SAME * max(1.0, expected):
+    if found is None:
+        yield Finding(named("joint", name), "limit velocity", f"is missing, expected {shown(expected)}")
+    elif not abs(found - expected) <= SAME * max(1.0, expected):
         yield differs(named("joint", name), "limit velocity", found, expected)
 
 

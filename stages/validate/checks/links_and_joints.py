@@ -4,11 +4,12 @@ from collections.abc import Iterator
 
 import mujoco
 
+from stages.formats.xml import parse
 from stages.robot.check import Check, Finding
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import WIDTH, body_index, joints_of, missing_names, of_the_scene
-from stages.validate.findings import few, link, named, named_joint
+from stages.validate.findings import differs, few, link, named, named_joint
 
 CODE = "C-LINKS"
 
@@ -31,6 +32,17 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     passed = not missing and surplus == 0
     found = [_missing(compiled, name) for name in missing] or list(_others(compiled))
     yield compiled.result("links and joints", passed, detail, float(abs(surplus)), 0.0, few(found))
+    if passed and compiled.urdf and "name" not in compiled.sets_of(f"robot {robot.name}"):
+        yield _name(compiled)
+
+
+def _name(compiled: CompiledModel) -> Check:
+    """What a URDF calls its robot, by which others find its package and its groups."""
+    expected = compiled.robot.name
+    found = parse(compiled.path.read_bytes()).get("name", "")
+    finding = differs("robot", "name", f'"{found}"', f'"{expected}"')
+    detail = f"the robot is called {expected}" if found == expected else finding.message
+    return compiled.result("name", found == expected, detail, findings=(finding,))
 
 
 def _beside(compiled: CompiledModel) -> int:

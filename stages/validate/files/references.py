@@ -64,6 +64,8 @@ def _of_urdf(document: ModelDocument) -> Iterator[Finding]:
         for (own, attribute), kind in URDF.items():
             if tag(element) == own and element.get(attribute, "").strip():
                 yield from _missing(document, element, attribute, kind, element.get(attribute), known[kind])
+    for element in document.root.iterfind("transmission/joint"):
+        yield from _missing(document, element, "name", "joint", element.get("name", ""), known["joint"])
     for element in document.root.iterfind("link/visual/material"):
         if not len(element) and element.get("name"):
             name = element.get("name")

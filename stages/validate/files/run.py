@@ -1,6 +1,7 @@
 """The run of the checks of files: of each model in a folder, and of what lies beside them."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 
@@ -16,15 +17,22 @@ _XML = (".srdf",)
 """Endings of files that are XML, and that nothing else reads back."""
 
 
-def check_folder(folder: Path, models: Iterable[str], others: Iterable[str] = ()) -> Iterator[Check]:
+def check_folder(
+    folder: Path,
+    models: Iterable[str],
+    others: Iterable[str] = (),
+    packages: tuple[str, ...] | None = None,
+) -> Iterator[Check]:
     """The checks of the model files of these names in a build's folder; that its other files are XML, where
-    they shall be; and that every asset is used."""
+    they shall be; and that every asset is used. `packages`: those that the folder is, None where nothing is
+    known of that."""
     documents = []
     for name in models:
         if (folder / name).exists():
             document, check = opened(folder / name)
             yield check
             if document is not None:
+                document = replace(document, packages=packages)
                 documents.append(document)
                 yield from check_document(document)
     present = [name for name in others if (folder / name).exists()]

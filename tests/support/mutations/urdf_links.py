@@ -4,6 +4,8 @@ import random
 import re
 from pathlib import Path
 
+from lxml import etree
+
 from tests.support.mutations.edits import moved, named, numbers, pick, put
 from tests.support.mutations.kind import Element, Files, Kinds, NothingToChange, Planted
 from tests.support.mutations.urdf_joints import MOVING, inertial
@@ -213,6 +215,26 @@ def _(files: Files, rng: random.Random) -> Planted:
         raise NothingToChange
     mesh.set("filename", rng.choice(others))
     return Planted(named("link", link), ("mesh", "filename"))
+
+
+@KINDS.add("mesh of an unknown package", "C-PATH")
+def _(files: Files, rng: random.Random) -> Planted:
+    mesh = pick(files.urdf.xpath("//mesh[@filename]"), rng)
+    mesh.set("filename", "package://no_such_package/" + mesh.get("filename"))
+    return Planted("mesh of", ("filename",))
+
+
+@KINDS.add("transmission of an unknown joint", "C-REFERENCE")
+def _(files: Files, rng: random.Random) -> Planted:
+    one = etree.SubElement(files.urdf, "transmission", name="gearbox")
+    etree.SubElement(one, "joint", name="no_such_joint")
+    return Planted("joint", ("name",))
+
+
+@KINDS.add("robot renamed", "C-LINKS")
+def _(files: Files, rng: random.Random) -> Planted:
+    files.urdf.set("name", "another")
+    return Planted("robot", ("name",))
 
 
 @KINDS.add("mesh path broken", "C-ASSET", "C-COMPILE", simcheck="broken mesh path")

@@ -151,7 +151,7 @@ GEOMETRY = Geometry(
     touching=(Touch("base", "link2", 0.001),),
 )
 FORM = UrdfForm(
-    False, (LinearCoupling("link1_joint", "link2_joint", 2.0, 0.5, 0.0, True, -1, 1),), ("loop0",)
+    False, (LinearCoupling("link1_joint", "link2_joint", 2.0, 0.5, 0.0, True, -1, 1),), ("loop0",), "arm"
 )
 AMENDMENTS = Amendments(
     (Amendment("elements.cam", "robot.xml", "body link1", ("site cam",), ("pos",)),),

@@ -9,16 +9,7 @@ import pytest
 from lxml import etree
 
 from stages.robot.check import Check
-from tests.fake_onshape.document import Document
-from tests.support.kit import TOP, Kit
-from tests.support.mutated_builds import built, checks_of
-
-
-def document() -> Document:
-    kit = Kit()
-    one, other = kit.place("One"), kit.place("Other")
-    kit.root.revolute("Hinge", (other, TOP), (one, TOP), limits=(-1, 1))
-    return kit.document
+from tests.support.mutated_builds import built, checks_of, hinge_document
 
 
 def found(folder: Path) -> list[Check]:
@@ -38,11 +29,11 @@ PAIR = {"elements": {"touch": {"into": {"tag": "contact"}, "xml": f"<pair {ENDS}
 
 @pytest.mark.parametrize("keys", [GIVEN, OWN, CLASS, PAIR, {**GIVEN, **OWN}])
 def test_what_the_configuration_asks_for_raises_no_alarm(keys: Mapping[str, Any], tmp_path: Path) -> None:
-    assert found(built(document(), tmp_path / "build", keys).folder) == []
+    assert found(built(hinge_document(), tmp_path / "build", keys).folder) == []
 
 
 def test_what_is_given_must_be_in_the_file(tmp_path: Path) -> None:
-    build = built(document(), tmp_path / "build", GIVEN)
+    build = built(hinge_document(), tmp_path / "build", GIVEN)
     folder = shutil.copytree(build.folder, tmp_path / "edited")
     root = etree.parse(folder / f"{build.name}.xml").getroot()
     (geom,) = root.xpath("//geom[@condim='4']")

@@ -150,6 +150,11 @@ OF_URDF = [
     ("assets/base", "/tmp/assets/base", "C-PATH", 'mesh of visual of link "base"', "filename"),
     ("assets/base", "../x/assets/base", "C-PATH", 'mesh of visual of link "base"', "filename"),
     ("assets/base", "package://other/base", "C-PATH", 'mesh of visual of link "base"', "filename"),
+    (
+        '<joint name="elbow"',
+        '<transmission name="t"><joint name="knee"/></transmission><joint name="elbow"',
+        *("C-REFERENCE", 'joint "knee"', "name"),
+    ),
 ]
 
 

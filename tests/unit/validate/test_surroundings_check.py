@@ -9,16 +9,7 @@ import pytest
 from lxml import etree
 
 from stages.robot.check import Finding
-from tests.fake_onshape.document import Document
-from tests.support.kit import TOP, Kit
-from tests.support.mutated_builds import Build, built, checks_of
-
-
-def document() -> Document:
-    kit = Kit()
-    one, other = kit.place("One"), kit.place("Other")
-    kit.root.revolute("Hinge", (other, TOP), (one, TOP), limits=(-1, 1))
-    return kit.document
+from tests.support.mutated_builds import Build, built, checks_of, hinge_document
 
 
 def found(folder: Path) -> list[Finding]:
@@ -55,7 +46,7 @@ ASKED: dict[str, Mapping[str, Any]] = {
 
 @pytest.mark.parametrize("asked", ASKED)
 def test_what_the_configuration_asks_for_raises_no_alarm(asked: str, tmp_path: Path) -> None:
-    assert found(built(document(), tmp_path / "build", ASKED[asked]).folder) == []
+    assert found(built(hinge_document(), tmp_path / "build", ASKED[asked]).folder) == []
 
 
 def edited(build: Build, folder: Path, file: str, change: Callable[[etree._Element], None]) -> list[Finding]:
@@ -69,7 +60,7 @@ def edited(build: Build, folder: Path, file: str, change: Callable[[etree._Eleme
 def test_what_is_asked_for_must_be_in_the_file(tmp_path: Path) -> None:
     keys = {**ASKED["ground"], **ASKED["moon"], **ASKED["free"]}
     keys["scene"] = {**ASKED["moon"]["scene"], **ASKED["free"]["scene"]}
-    build = built(document(), tmp_path / "build", keys)
+    build = built(hinge_document(), tmp_path / "build", keys)
     assert found(build.folder) == []
 
     def as_by_default(root: etree._Element) -> None:
