@@ -17,10 +17,12 @@ _LIMIT_S = 60
 
 @dataclass(frozen=True, slots=True)
 class Described:
-    """A robot as its robot.json describes it; `place`: where that is, for the user."""
+    """A robot as its robot.json describes it; `place`: where that is, for the user; `folder`: whether that is
+    the folder of a build."""
 
     place: str
     robot: Mapping[str, Any]
+    folder: bool = False
 
 
 def described(asked: str) -> Described:
@@ -32,7 +34,7 @@ def described(asked: str) -> Described:
         if not file.is_file():
             msg = f"the folder has no {FILE}"
             raise OutputError(msg, asked, "a build leaves one; " + _HINT)
-        return Described(asked, _read(_bytes(file), str(file)))
+        return Described(asked, _read(_bytes(file), str(file)), path.is_dir())
     revision, colon, inside = asked.partition(":")
     if not colon or not revision:
         raise OutputError("there is no such file or folder", asked, _HINT)

@@ -7,14 +7,19 @@ from itertools import groupby
 from typing import Any
 
 from pipeline.changes.change import Change
-from pipeline.changes.read import Described
+from pipeline.changes.read import FILE, Described
 from stages.robot.plural import count
 from stages.robot.printable import printable
+
+ONLY = f"of a folder only its {FILE} is compared; `linkwright check` compares the other files with that"
+"""What is said where a folder was given."""
 
 
 def as_text(one: Described, other: Described, changes: Sequence[Change]) -> str:
     """A line for each difference, under the thing that has it, under its table."""
     lines = [f"{_named(one)} → {_named(other)}", *moved_source(one.robot, other.robot)]
+    if one.folder or other.folder:
+        lines.append(ONLY)
     if not changes:
         return "\n".join([*lines, "the same robot"])
     for section, found in groupby(changes, lambda change: change.section):

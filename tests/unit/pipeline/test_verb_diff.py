@@ -225,6 +225,15 @@ def test_another_order_of_the_arrays_is_a_difference(robot):
     assert f"{', '.join(names)} → {', '.join(reversed(names))}" in text
 
 
+def test_of_folders_the_text_says_that_only_robot_json_is_compared(folder, robot, tmp_path, capsys):
+    file = str(saved(robot, tmp_path / "one.json"))
+    for places, told in (((folder, folder), True), ((folder, file), True), ((file, file), False)):
+        run(["diff", *map(str, places)])
+        assert ("of a folder only its robot.json is compared" in capsys.readouterr().out) == told
+    run(["diff", "--json", str(folder), str(folder)])
+    assert "only" not in json.loads(capsys.readouterr().out)
+
+
 def test_the_exit_status_says_how_it_ended(folder, robot, tmp_path, capsys):
     robot["mass"] = 7.0
     other = saved(robot, tmp_path / "other.json")

@@ -45,3 +45,13 @@ def test_what_is_given_must_be_in_the_file(tmp_path: Path) -> None:
         "friction": "is 1 0.005 0.0001, expected 0.5 0.01 0.001",
         "condim": "is 3, expected 4",
     }
+
+
+def test_a_collider_that_is_added_in_front_is_named_and_no_other(tmp_path: Path) -> None:
+    build = built(hinge_document(), tmp_path / "build", {})
+    path = build.folder / f"{build.name}.xml"
+    path.write_text(path.read_text().replace("<geom name=", '<geom type="sphere" size="0.1"/><geom name=', 1))
+    (check,) = [one for one in found(build.folder) if one.code == "C-SHAPE"]
+    assert check.detail == '1 more than the robot has: geom of body "one"'
+    (finding,) = check.findings
+    assert finding.message == 'is a collision shape more than the robot\'s body "one" has'
