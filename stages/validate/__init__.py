@@ -98,13 +98,15 @@ def validate(
     from stages.robot.amendments import UNCHANGED
     from stages.robot.sensing import NOTHING
     from stages.validate.asked import Asked, known_payload
+    from stages.validate.expected import Expected
     from stages.validate.run import check_files, check_read_back, check_texts, readiness
 
     checks = {} if keys.validate.level == "quick" else CHECKS
     forms = form or form_with(robot), mjcf_form or mjcf_written.form_with(robot)
     known = (actuation or NONE, geometry, *forms, sensing or NOTHING, amendments or UNCHANGED)
     asked = Asked(keys.validate.level == "strict", known_payload(robot, keys.validate.payload))
-    read_back = check_read_back(folder, robot, READ_BACK, known[0], quick=not checks)
+    expected = Expected(known[0], geometry, forms[0], known[-1])
+    read_back = check_read_back(folder, robot, READ_BACK, expected, quick=not checks)
     found = list(check_texts(folder, robot.name, ENGINES, known[-1], form))
     found += [
         *check_files(folder, robot, ENGINES, checks, *known, scene, own if checks else (), asked),

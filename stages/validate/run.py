@@ -25,6 +25,7 @@ from stages.robot.sensing import NOTHING, Sensing
 from stages.validate.asked import AS_STANDARD, Asked
 from stages.validate.compiled import CheckFunction, CompiledModel, Engine, FileKind, without_warnings
 from stages.validate.coordinates import missing_names
+from stages.validate.expected import Expected
 from stages.validate.files.run import check_folder
 from stages.validate.guarded import guarded
 from stages.validate.own import OwnCheck
@@ -106,15 +107,16 @@ def kinds_of(path: Path) -> set[FileKind]:
 
 
 def check_read_back(
-    folder: Path, robot: Robot, formats: Sequence[tuple[str, str]], actuation: Actuation, *, quick: bool
+    folder: Path, robot: Robot, formats: Sequence[tuple[str, str]], expected: Expected, *, quick: bool
 ) -> Iterator[Check]:
     """The results of the files in `folder` that no engine reads, of these formats with their endings.
     `quick`: only whether each can be read."""
+    robot = as_driven(robot, expected.actuation)
     for name, ending in formats:
         path = folder / f"{robot.name}{ending}"
         if path.exists():
             reader = import_module(f"stages.validate.{name}.read_back")
-            read = partial(reader.check_file, path, as_driven(robot, actuation), quick=quick)
+            read = partial(reader.check_file, path, robot, expected, quick=quick)
             found = guarded(f"{path.name}: checks", read)
             yield from (replace(one, code=reader.CODE) for one in found)
 

@@ -19,7 +19,7 @@ from tests.fake_onshape.document import Document
 from tests.fake_onshape.random_document import documents
 from tests.support import mutation_table
 from tests.support.building import robot_of
-from tests.support.mutated_builds import Build, built, checks_of, rover, sample
+from tests.support.mutated_builds import FORMATS, Build, built, checks_of, rover, sample
 from tests.support.mutations import KINDS
 from tests.support.mutations.kind import Kind, NothingToChange, catches, plant
 
@@ -166,14 +166,20 @@ def rewritten(root: etree._Element, rng: random.Random) -> None:
     """Other digits for the same numbers."""
     for node in root.iter("*"):
         for key, value in node.attrib.items():
-            try:
-                numbers = [float(word) for word in value.split()]
-            except ValueError:
-                continue
-            # Whole numbers are counts: MuJoCo takes no others for some.
-            if "." in value:
-                style = rng.choice((".17g", ".16e", "+.17g"))
-                node.set(key, "  ".join(f"{number:{style}}" for number in numbers))
+            if key != "version":
+                node.set(key, redrawn(value, rng))
+        if not len(node):
+            node.text = redrawn(node.text or "", rng)
+
+
+def redrawn(text: str, rng: random.Random) -> str:
+    try:
+        numbers = [float(word) for word in text.split()]
+    except ValueError:
+        return text
+    # Whole numbers are counts: MuJoCo takes no others for some.
+    style = rng.choice((".17g", ".16e", "+.17g"))
+    return "  ".join(f"{number:{style}}" for number in numbers) if "." in text else text
 
 
 HARMLESS = {
@@ -198,7 +204,10 @@ def test_what_means_nothing_raises_no_alarm(edit: str, name: str, builds: Builds
     build = builds(name)
     folder = shutil.copytree(build.folder, tmp_path / "edited")
     rng = random.Random(f"{edit} {SEED}")
-    for file in (f"{build.name}.urdf", f"{build.name}.xml", "scene.xml"):
+    files = [f"{build.name}.urdf", f"{build.name}.xml", "scene.xml"]
+    # An SDF has no names of materials.
+    files += [] if edit == "names of materials" else [f"{build.name}.sdf"]
+    for file in files:
         root = etree.parse(folder / file).getroot()
         before = etree.tostring(root)
         HARMLESS[edit](root, rng)
@@ -254,6 +263,7 @@ def test_random_good_documents_raise_no_alarm(document: Document, free: bool) ->
     base = "free" if free and not held else "auto"
     # Parts that are drawn anywhere may stand in the ground, which is rightly an error.
     keys = {"root": {"base": base}, "actuators": {"*": {"type": "motor"}}, "ground": {"kind": "none"}}
+    keys["export"] = FORMATS
     with tempfile.TemporaryDirectory() as place:
         build = built(document, Path(place) / "build", keys)
         assert [check for check in checks_of(build.folder) if check.fails] == []

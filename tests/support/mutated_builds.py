@@ -19,7 +19,10 @@ from tests.support.kit import SIDE, TOP, Kit
 
 RESISTS = {"effort": 20, "velocity": 3, "damping": 0.1, "friction": 0.02, "armature": 0.01}
 
+FORMATS = {"urdf": {}, "mjcf": {}, "sdf": {}}
+
 SAMPLE = {
+    "export": FORMATS,
     "mesh": {"collider": "hull", "colliders": {"*[Pp]late*": "box"}},
     "contact": {"self": "auto"},
     "joints": {"*": RESISTS},
@@ -31,6 +34,7 @@ SAMPLE = {
 }
 
 ROVER = {
+    "export": FORMATS,
     "root": {"select": "Body", "base": "free"},
     "mesh": {"collider": "primitives"},
     "contact": {"self": "auto"},

@@ -48,6 +48,7 @@ def _plan(given: WriterInput) -> "SdfPlan":
     from stages.export.sdf.lowering import lower
     from stages.export.sdf.model import SdfPlan
     from stages.export.sdf.sensors import sensors_of
+    from stages.formats.sdf.contacts import self_collides
     from stages.formats.sdf.names import sdf_names
 
     robot, geometry = given.robot, given.geometry
@@ -55,14 +56,11 @@ def _plan(given: WriterInput) -> "SdfPlan":
     lowered = lower(robot, given.start, names)
     held = [joint.child for joint in robot.joints if joint.type != "free"]
     solid = sorted({shape.link for shape in geometry.shapes if shape.role == "collision"})
-    # Engines leave out by themselves only what a joint holds together.
-    joined = {frozenset((one.parent, one.child)) for one in robot.joints if one.type != "free"}
-    apart = [one for one in geometry.excludes if frozenset((one.link_a, one.link_b)) not in joined]
     return SdfPlan(
         names,
         lowered,
         sensors_of(robot, given.sensing, held, solid),
-        geometry.self_contact and not apart,
+        self_collides(robot, geometry),
         given.standing.placed(lowered.stands),
     )
 

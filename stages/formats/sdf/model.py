@@ -3,16 +3,23 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from stages.formats.sdf.shapes import SdfShape
 from stages.robot.model import Array, Dynamics, Inertial, Limits
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SdfLink:
-    """A link. `model_from_link` (4, 4); `inertial` in the link's axes."""
+    """A link. `model_from_link` (4, 4); `inertial` in the link's axes. `falls`: whether gravity pulls it;
+    `forced`: whether forces move it; `self_collides`: whether it collides with other links of its model."""
 
     name: str
     model_from_link: Array
     inertial: Inertial
+    visuals: tuple[SdfShape, ...]
+    collisions: tuple[SdfShape, ...]
+    falls: bool
+    forced: bool
+    self_collides: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,10 +60,13 @@ class SdfFrame:
 @dataclass(frozen=True, slots=True, eq=False)
 class SdfModel:
     """The only model of a file. Names are unique over `links`, `joints` and `frames`; `root`: the link whose
-    pose is the model's, unless the file says otherwise."""
+    pose is the model's, unless the file says otherwise. `world_from_model` (4, 4); `self_collides`: whether
+    its links collide with each other."""
 
     name: str
     root: str
     links: Mapping[str, SdfLink]
     joints: Mapping[str, ReadJoint]
     frames: Mapping[str, SdfFrame]
+    world_from_model: Array
+    self_collides: bool

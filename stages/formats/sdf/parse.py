@@ -9,11 +9,13 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from stages.formats.sdf.elements import SdfError, bound, needed, number, numbers, pose_of, truth
 from stages.formats.sdf.model import ReadJoint, SdfFrame, SdfLink, SdfMimic, SdfModel
 from stages.formats.sdf.names import ROOT_OF_ALL
+from stages.formats.sdf.shapes import shapes_of
 from stages.formats.xml import Element, Malformed, parse
 from stages.robot.model import Array, Dynamics, Inertial, Limits, frozen
-from stages.robot.poses import from_parts, rotation_from_rpy
+from stages.robot.poses import inverse
 
 VERSIONS = ("1.7", "1.8", "1.9", "1.10", "1.11", "1.12")
 """With these, names and poses mean the same."""
@@ -25,10 +27,6 @@ MODEL = "__model__"
 
 _NOT_READ = ("include", "model", "static", "placement_frame")
 """Elements of a model that would change what the rest means."""
-
-
-class SdfError(ValueError):
-    """The text is no SDF that is read here."""
 
 
 def parse_sdf(data: bytes) -> SdfModel:
@@ -70,7 +68,15 @@ class _Reader:
         frames = {
             name: SdfFrame(name, self._moves_with(name), self._place(name)) for name in self._kinds["frame"]
         }
-        return SdfModel(str(self._top.get("name")), self._link_named(root), links, joints, frames)
+        return SdfModel(
+            str(self._top.get("name")),
+            self._link_named(root),
+            links,
+            joints,
+            frames,
+            frozen(pose_of(self._top.find("pose"))),
+            truth(self._top, "self_collide", unless=False),
+        )
 
     def _link_named(self, name: str) -> str:
         if name not in self._kinds["link"]:
@@ -91,7 +97,7 @@ class _Reader:
         pose = node.find("pose")
         unless = {"joint": node.findtext("child"), "frame": node.get("attached_to")}.get(node.tag) or MODEL
         above = self._place((pose.get("relative_to") if pose is not None else None) or unless)
-        self._places[name] = found = above @ _pose(pose)
+        self._places[name] = found = above @ pose_of(pose)
         return found
 
     def _moves_with(self, name: str) -> str:
@@ -106,36 +112,50 @@ class _Reader:
         return name
 
     def _link(self, name: str, node: Element) -> SdfLink:
-        inertial = _needed(node, "inertial")
-        axes = _pose(inertial.find("pose"))
+        inertial = needed(node, "inertial")
+        axes = pose_of(inertial.find("pose"))
         entries = {
-            key: _number(inertial, f"inertia/{key}") for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+            key: number(inertial, f"inertia/{key}") for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
         }
         rows = [["ixx", "ixy", "ixz"], ["ixy", "iyy", "iyz"], ["ixz", "iyz", "izz"]]
         tensor = np.array([[entries[key] for key in row] for row in rows])
         turned = axes[:3, :3] @ tensor @ axes[:3, :3].T
-        body = Inertial(_number(inertial, "mass"), frozen(axes[:3, 3]), frozen(turned))
-        return SdfLink(name, frozen(self._place(name)), body)
+        body = Inertial(number(inertial, "mass"), frozen(axes[:3, 3]), frozen(turned))
+        place = self._place(name)
+
+        def link_from(other: str) -> Array:
+            return inverse(place) @ self._place(other)
+
+        return SdfLink(
+            name,
+            frozen(place),
+            body,
+            shapes_of(node, "visual", link_from),
+            shapes_of(node, "collision", link_from),
+            falls=truth(node, "gravity", unless=True),
+            forced=not truth(node, "kinematic", unless=False),
+            self_collides=truth(node, "self_collide", unless=False),
+        )
 
     def _joint(self, name: str, node: Element) -> ReadJoint:
-        type_, parent = str(node.get("type")), str(_needed(node, "parent").text)
+        type_, parent = str(node.get("type")), str(needed(node, "parent").text)
         if type_ not in TYPES:
             raise SdfError(f"the type {type_} of the joint {name!r} is not read")
         if parent != ROOT_OF_ALL:
             self._link_named(parent)
-        child = self._link_named(str(_needed(node, "child").text))
+        child = self._link_named(str(needed(node, "child").text))
         axis = node.find("axis/xyz")
         if axis is not None and axis.get("expressed_in"):
             raise SdfError(f"the joint {name!r} has its axis in the frame of something else")
-        limits = Limits(*(_bound(node, f"axis/limit/{key}") for key in ("lower", "upper")))
+        limits = Limits(*(bound(node, f"axis/limit/{key}") for key in ("lower", "upper")))
         dynamics = Dynamics(
-            damping=_bound(node, "axis/dynamics/damping"),
-            friction=_bound(node, "axis/dynamics/friction"),
-            effort=_bound(node, "axis/limit/effort"),
-            velocity=_bound(node, "axis/limit/velocity"),
+            damping=bound(node, "axis/dynamics/damping"),
+            friction=bound(node, "axis/dynamics/friction"),
+            effort=bound(node, "axis/limit/effort"),
+            velocity=bound(node, "axis/limit/velocity"),
         )
         place = frozen(self._place(name))
-        turned = None if axis is None else frozen(_numbers(axis, 3))
+        turned = None if axis is None else frozen(numbers(axis, 3))
         return ReadJoint(name, type_, parent, child, place, turned, limits, dynamics, _mimic(node))
 
 
@@ -152,39 +172,4 @@ def _mimic(node: Element) -> SdfMimic | None:
     if mimic is None:
         return None
     keys = ("multiplier", "offset", "reference")
-    return SdfMimic(str(mimic.get("joint")), *(_number(mimic, key) for key in keys))
-
-
-def _pose(node: Element | None) -> Array:
-    """The (4, 4) pose of an element; the identity without one."""
-    if node is None:
-        return np.eye(4)
-    if set(node.attrib) - {"relative_to"}:
-        raise SdfError("of the attributes of a pose only relative_to is read")
-    x, y, z, *rpy = _numbers(node, 6)
-    return from_parts(rotation_from_rpy((rpy[0], rpy[1], rpy[2])), np.array([x, y, z]))
-
-
-def _needed(above: Element, path: str) -> Element:
-    found = above.find(path)
-    if found is None:
-        raise SdfError(f"{above.tag} {above.get('name') or ''} has no <{path}>")
-    return found
-
-
-def _numbers(node: Element, count: int) -> list[float]:
-    try:
-        found = [float(text) for text in (node.text or "").split()]
-    except ValueError:
-        found = []
-    if len(found) != count or not np.isfinite(found).all():
-        raise SdfError(f"<{node.tag}> is not {count} numbers: {node.text!r}")
-    return found
-
-
-def _number(above: Element, path: str) -> float:
-    return _numbers(_needed(above, path), 1)[0]
-
-
-def _bound(above: Element, path: str) -> float | None:
-    return None if above.find(path) is None else _number(above, path)
+    return SdfMimic(str(mimic.get("joint")), *(number(mimic, key) for key in keys))

@@ -246,6 +246,10 @@ def _differences(read: ReadSdf, joint: ReadJoint, dof: Dof) -> Iterator[Finding]
         return
     if dof.kind == "ball":
         return  # SDF has nothing else of a ball
+    limited = (dof.limits.lower, dof.limits.upper) != (None, None)
+    if joint.type == "continuous" and limited:
+        # Readers leave out the limits of such a joint.
+        yield differs(element, "type", joint.type, "revolute")
     zero, own, wanted = read.stands[dof.name], joint.dynamics, dof.dynamics
     assert not isinstance(zero, tuple)
     for attribute, found, expected, start in (

@@ -3,14 +3,18 @@
 from collections.abc import Iterator
 from pathlib import Path
 
+from stages.formats.sdf.elements import SdfError
 from stages.formats.sdf.names import sdf_names
-from stages.formats.sdf.parse import SdfError, parse_sdf
+from stages.formats.sdf.parse import parse_sdf
 from stages.formats.xml import parse
 from stages.robot.check import Check, Finding
 from stages.robot.model import Robot
+from stages.validate.expected import NOTHING_ELSE, Expected
 from stages.validate.findings import few
+from stages.validate.placed_root import world_from_root
 from stages.validate.sdf.checks import CHECKS, links_and_joints
 from stages.validate.sdf.known import ReadSdf
+from stages.validate.sdf.shapes import of_model, shapes
 
 CODE = "C-SDF"
 
@@ -27,9 +31,11 @@ def _meshes(path: Path) -> Check:
     return Check(f"{path.name}: meshes", not found, detail, float(len(found)), 0.0, findings=few(found))
 
 
-def check_file(path: Path, robot: Robot, *, quick: bool) -> Iterator[Check]:
-    """The results. `quick`: only whether it can be read. Where a link or joint is missing, the checks that
-    look for each by its name are left out."""
+def check_file(
+    path: Path, robot: Robot, expected: Expected = NOTHING_ELSE, *, quick: bool
+) -> Iterator[Check]:
+    """The results. `expected`: what is known besides the robot; `quick`: only whether it can be read. Where a
+    link or joint is missing, the checks that look for each by its name are left out."""
     try:
         model = parse_sdf(path.read_bytes())
     except SdfError as error:
@@ -45,3 +51,5 @@ def check_file(path: Path, robot: Robot, *, quick: bool) -> Iterator[Check]:
     if complete.passed:
         for check in CHECKS:
             yield from check(given)
+        yield from of_model(given, expected, world_from_root(path.parent, robot, expected.amendments))
+        yield from shapes(given, expected.geometry)

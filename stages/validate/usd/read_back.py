@@ -17,6 +17,7 @@ from stages.robot.plural import count
 from stages.robot.poses import at_rest, from_parts, inverse, motion
 from stages.robot.start_pose import home
 from stages.validate.coordinates import SAME, distance, spread
+from stages.validate.expected import NOTHING_ELSE, Expected
 from stages.validate.findings import few, named, shown, worst_first
 from stages.validate.usd.reader import ReadUsdJoint, UsdError, UsdRobot, read_usd
 
@@ -83,9 +84,11 @@ class _Given:
         return from_parts(turned.T @ relative @ turned, np.zeros(3))
 
 
-def check_file(path: Path, robot: Robot, *, quick: bool) -> Iterator[Check]:
-    """The results. `quick`: only whether it can be read. Where a body or joint is missing, the checks that
-    look for each by its name are left out."""
+def check_file(
+    path: Path, robot: Robot, expected: Expected = NOTHING_ELSE, *, quick: bool
+) -> Iterator[Check]:
+    """The results. `expected`: what is known besides the robot; `quick`: only whether it can be read. Where a
+    body or joint is missing, the checks that look for each by its name are left out."""
     try:
         usd = read_usd(path)
     except UsdError as error:

@@ -6,6 +6,7 @@ from tests.support.mutations import (
     mjcf_shapes,
     mjcf_world,
     scene,
+    sdf,
     urdf_joints,
     urdf_links,
 )
@@ -18,4 +19,5 @@ KINDS = [
     *mjcf_shapes.KINDS,
     *scene.KINDS,
     *assets.KINDS,
+    *sdf.KINDS,
 ]

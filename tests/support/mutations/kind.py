@@ -46,6 +46,10 @@ class Files:
     def scene(self) -> Element:
         return self.tree("scene.xml")
 
+    @property
+    def sdf(self) -> Element:
+        return self.tree(f"{self.name}.sdf")
+
     def tree(self, file: str) -> Element:
         if file not in self.trees:
             self.trees[file] = etree.parse(self.folder / file).getroot()
@@ -63,12 +67,21 @@ class NothingToChange(Exception):
     """The build has nothing that this fault could be planted in."""
 
 
+NEEDED = {
+    "urdf": ("{}.urdf",),
+    "mjcf": ("{}.xml",),
+    "scene": ("{}.xml", "scene.xml"),
+    "assets": ("{}.urdf", "{}.xml"),
+    "sdf": ("{}.sdf", "{}.xml"),
+}
+"""By where a fault is planted: that file, and what it is checked with; {} stands for the robot's name."""
+
 Plant = Callable[[Files, random.Random], Planted]
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of fault. `file`: where it is planted: urdf, mjcf, scene or assets; `codes`: of the checks of
+    """A kind of fault. `file`: where it is planted, by a word of `NEEDED`; `codes`: of the checks of
     which one names it; `simcheck`: what simcheck calls it, "" if that does not plant it."""
 
     name: str
@@ -97,14 +110,12 @@ class Kinds(list[Kind]):
 def plant(one: Kind, source: Path, name: str, folder: Path, seed: int, *, whole: bool = False) -> Planted:
     """A copy of the build at `source` in `folder`, with a fault: of the file in which it is, its assets and
     what it includes, or `whole`. NothingToChange where the build has no place for it."""
-    urdf, mjcf = f"{name}.urdf", f"{name}.xml"
-    needed = {"urdf": (urdf,), "mjcf": (mjcf,), "scene": (mjcf, "scene.xml"), "assets": (urdf, mjcf)}
     if whole:
         shutil.copytree(source, folder)
     else:
         folder.mkdir()
         shutil.copytree(source / "assets", folder / "assets")
-        for file in ("robot.json", *needed[one.file]):
+        for file in ("robot.json", *(file.format(name) for file in NEEDED[one.file])):
             shutil.copy(source / file, folder / file)
     files = Files(folder, name)
     planted = one.plant(files, random.Random(f"{one.name} in {one.file}, {seed}"))

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stages.formats.sdf.parse import SdfError, parse_sdf
+from stages.formats.sdf.elements import SdfError
+from stages.formats.sdf.parse import parse_sdf
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Dynamics, Frame, Limits, Relation, Robot, frozen
 from stages.validate import validate
@@ -59,7 +60,7 @@ def test_every_joint_passes_every_check(kind: str, fixed: bool, tmp_path: Path) 
     rows = [joint(kind, "base", "one", saved, place=pose(rng), backwards=fixed, origins=origins)]
     rows.append(joint("prismatic", "one", "two", place=pose(rng), mirrored=True))
     found = checks(robot_with(rows, fixed=fixed), tmp_path)
-    assert len(found) == 10
+    assert len(found) == 11
     assert all(found.values()), found
 
 

@@ -1,0 +1,79 @@
+"""The visuals and collisions of an SDF's links."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from stages.formats.sdf.elements import SdfError, bound, needed, numbers, pose_of, truth
+from stages.formats.xml import Element, tag
+from stages.robot.model import Array, frozen
+
+SIZES = {"box": (("size", 3),), "sphere": (("radius", 1),)} | dict.fromkeys(
+    ("cylinder", "capsule"), (("radius", 1), ("length", 1))
+)
+"""The elements that have a primitive's size, and how many numbers each has."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SdfShape:
+    """A visual or a collision.
+
+    `kind`: the element in its <geometry>, "" for none; `size` [m] as in `model.Primitive`, () of what is no
+    primitive; `filename`: the <uri> of a mesh, as the file has it; `link_from_shape` (4, 4). Of a collision:
+    `friction`: the coefficients `mu` and `mu2`, None where the file gives none; `collides`: whether contacts
+    push it.
+    """
+
+    name: str
+    kind: str
+    size: tuple[float, ...]
+    filename: str
+    scale: tuple[float, ...]
+    link_from_shape: Array
+    friction: tuple[float | None, float | None]
+    collides: bool
+
+
+def shapes_of(link: Element, role: str, link_from: Callable[[str], Array]) -> tuple[SdfShape, ...]:
+    """Those of a link that are a `visual`, or a `collision`, in the order of the file. `link_from`: the pose
+    (4, 4) in the link of what a name stands for. SdfError where a number is none, or is missing."""
+    return tuple(_shape(node, link_from) for node in link.findall(role))
+
+
+def _shape(node: Element, link_from: Callable[[str], Array]) -> SdfShape:
+    pose = node.find("pose")
+    above = pose.get("relative_to") if pose is not None else None
+    place = (link_from(above) if above else np.eye(4)) @ pose_of(pose)
+    held = [one for one in needed(node, "geometry") if isinstance(one.tag, str)]
+    geometry = held[0] if held else None
+    kind = "" if geometry is None else tag(geometry)
+    size: list[float] = []
+    filename, scale = "", [1.0, 1.0, 1.0]
+    if geometry is not None and kind == "mesh":
+        filename = (needed(geometry, "uri").text or "").strip()
+        given = geometry.find("scale")
+        scale = scale if given is None else numbers(given, 3)
+    elif geometry is not None:
+        for path, count in SIZES.get(kind, ()):
+            size += numbers(needed(geometry, path), count)
+    mu, mu2 = (bound(node, f"surface/friction/ode/{key}") for key in ("mu", "mu2"))
+    return SdfShape(
+        str(node.get("name")),
+        kind,
+        tuple(size),
+        filename,
+        tuple(scale),
+        frozen(place),
+        (mu, mu2),
+        _mask(node) != 0 and not truth(node, "surface/contact/collide_without_contact", unless=False),
+    )
+
+
+def _mask(node: Element) -> int:
+    """The bits of which two shapes must share one to collide; all where the file gives none."""
+    text = (node.findtext("surface/contact/collide_bitmask") or "0xffff").strip()
+    try:
+        return int(text, 0)
+    except ValueError:
+        raise SdfError(f"<collide_bitmask> is no whole number: {text!r}") from None

@@ -1,0 +1,23 @@
+"""What a file that no engine reads is compared with, besides the robot."""
+
+from dataclasses import dataclass
+
+from stages.formats.urdf.form import AS_IS, UrdfForm
+from stages.robot.actuation import NONE, Actuation
+from stages.robot.amendments import UNCHANGED, Amendments
+from stages.robot.geometry import Geometry
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Expected:
+    """`actuation`: what drives the robot; `geometry`: its shapes, without their files, None where these are
+    unknown; `form`: how the URDF differs from the robot; `amendments`: what the user's own XML changed."""
+
+    actuation: Actuation = NONE
+    geometry: Geometry | None = None
+    form: UrdfForm = AS_IS
+    amendments: Amendments = UNCHANGED
+
+
+NOTHING_ELSE = Expected()
+"""The robot alone is known."""

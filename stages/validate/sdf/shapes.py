@@ -1,0 +1,88 @@
+"""The checks of what an SDF's links look like, what they collide with, and how the model stands."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from stages.formats.sdf.contacts import self_collides
+from stages.formats.sdf.shapes import SdfShape
+from stages.robot.check import Check, Finding
+from stages.robot.geometry import Geometry, Shape
+from stages.robot.model import Array
+from stages.robot.plural import count
+from stages.validate.coordinates import SAME
+from stages.validate.expected import Expected
+from stages.validate.findings import differs, named, place_differs, shown
+from stages.validate.sdf.known import ReadSdf
+from stages.validate.solids import ShapeWords, differences, solid_of, solids_by_link
+
+WORDS = ShapeWords("mesh uri", "mesh scale", ("pose", "pose"))
+"""What an SDF calls what a shape is."""
+
+
+def of_model(read: ReadSdf, expected: Expected, world_from_root: Array | None) -> Iterator[Check]:
+    """Its name, that gravity and forces move its links, which of them collide with each other, and that it
+    stands where the MJCF has the robot: `world_from_root` (4, 4), None where that is not known."""
+    model, element = read.model, named("model", read.model.name)
+    found: list[Finding] = []
+    if model.name != read.robot.name:
+        found.append(differs(element, "name", model.name, read.robot.name))
+    for one in model.links.values():
+        own = named("link", one.name)
+        found += [] if one.falls else [differs(own, "gravity", "false", "true")]
+        found += [] if one.forced else [differs(own, "kinematic", "true", "false")]
+    if expected.geometry is not None:
+        collides = self_collides(read.robot, expected.geometry)
+        word = "true" if collides else "false"
+        if model.self_collides != collides:
+            found.append(differs(element, "self_collide", "false" if collides else "true", word))
+        for one in model.links.values():
+            if one.self_collides and not collides:
+                found.append(differs(named("link", one.name), "self_collide", "true", word))
+    if world_from_root is not None:
+        root = model.links[read.names.links[read.robot.root.name]]
+        place = model.world_from_model @ root.model_from_link
+        found += place_differs(element, place, world_from_root, ("pose", "pose"), SAME)
+    detail = "name, place, gravity and self-collision of the model"
+    yield read.within("model", float(len(found)), 0.0, detail, found)
+
+
+def shapes(read: ReadSdf, geometry: Geometry | None) -> Iterator[Check]:
+    """Each link has the shapes of the robot, where these are known: as many, of their files and sizes, where
+    they must be, and as slippery; and what is between the dofs of a joint has none."""
+    if geometry is None:
+        return
+    held = {link.name: (read.names.links[link.name], np.eye(4)) for link in read.robot.links}
+    wanted = solids_by_link(geometry, lambda shape: (solid_of(shape),), held)
+    colliders = {
+        read.names.links[link]: every
+        for (link, role), every in geometry.by_link().items()
+        if role == "collision" and link in held
+    }
+    found: list[Finding] = []
+    for link in read.model.links.values():
+        element = named("link", link.name)
+        own = wanted.get((link.name, "visual"), [])
+        found += differences(element, "visual", link.visuals, own, WORDS)
+        own = wanted.get((link.name, "collision"), [])
+        different = list(differences(element, "collision", link.collisions, own, WORDS))
+        found += different or _contacts(element, link.collisions, colliders.get(link.name, []))
+    total = len(geometry.shapes)
+    detail = f"{count(total, 'shape')} of the robot, with their files, sizes and places"
+    yield read.within("shapes", float(len(found)), 0.0, detail, found)
+
+
+def _contacts(element: str, found: Sequence[SdfShape], wanted: Sequence[Shape]) -> Iterator[Finding]:
+    """`found` and `wanted`: a link's colliders, as many of the one as of the other."""
+    for number, (shape, own) in enumerate(zip(found, wanted, strict=True), 1):
+        which = f"collision {number} surface"
+        if not shape.collides:
+            yield Finding(element, f"{which} contact", "lets all pass through it")
+        friction = own.contact.friction[0] if own.contact and own.contact.friction else None
+        for key, value in zip(("mu", "mu2"), shape.friction, strict=True):
+            if value != friction and not _alike(value, friction):
+                yield differs(element, f"{which} friction ode {key}", shown(value), shown(friction))
+
+
+def _alike(value: float | None, wanted: float | None) -> bool:
+    return value is not None and wanted is not None and abs(value - wanted) <= SAME * max(1.0, abs(wanted))
