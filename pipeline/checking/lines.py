@@ -47,7 +47,8 @@ class ElementLines:
             root = self._root(file) if Path(file).suffix in _XML else None
             for node in root.iter() if root is not None else ():
                 if isinstance(node.tag, str):
-                    pair = '" "'.join(node.get(key, "") for key in ("body1", "body2"))
+                    keys = ("link1", "link2") if node.get("link1") else ("body1", "body2")
+                    pair = '" "'.join(node.get(key, "") for key in keys)
                     for name in (node.get("name") or pair, ""):
                         found.setdefault((node.tag, name), node)
             self._read[file] = found

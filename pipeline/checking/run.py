@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from stages.formats.described import Truth
 
 TRUTH = "robot.json"
-ENDINGS = (".urdf", ".xml", ".sdf", ".usda")
+ENDINGS = (".urdf", ".xml", ".srdf", ".sdf", ".usda")
 ALONE = (".urdf", ".xml", ".mjcf")
 """Endings of the files of a build, and of those that are checked without a robot.json, too."""
 

@@ -68,7 +68,7 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
 the robot is the MJCF's, so that what is true of the one needs no second look. Where the first check finds
 that a link or joint is missing, the others, which look for each by its name, are left out."""
 
-READ_BACK = (("sdf", ".sdf"), ("usd", ".usda"))
+READ_BACK = (("srdf", ".srdf"), ("sdf", ".sdf"), ("usd", ".usda"))
 """Formats that no engine reads, with the endings of their files: rooms of this stage, each with a module
 `read_back` that has the checks."""
 

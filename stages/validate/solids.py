@@ -21,7 +21,7 @@ ROLES: tuple[Role, Role] = ("visual", "collision")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Solid:
+class WrittenShape:
     """What a file has to have. `kind`: that of a primitive, or "mesh"; `size` [m] as in `model.Primitive`, ()
     for a mesh; `file`: the name of a mesh's file, "" for none; `link_from_shape` (4, 4)."""
 
@@ -55,21 +55,21 @@ class ShapeWords:
     place: tuple[str, str]
 
 
-def solid_of(shape: Shape) -> Solid:
+def solid_of(shape: Shape) -> WrittenShape:
     """A shape as it is."""
     one = shape.primitive
     if one is None:
-        return Solid("mesh", (), str(shape.file), UNMOVED)
-    return Solid(one.kind, tuple(one.size), "", one.link_from_shape)
+        return WrittenShape("mesh", (), str(shape.file), UNMOVED)
+    return WrittenShape(one.kind, tuple(one.size), "", one.link_from_shape)
 
 
 def solids_by_link(
-    geometry: Geometry, solids: Callable[[Shape], Iterable[Solid]], held: Holders
-) -> Mapping[tuple[str, Role], list[Solid]]:
+    geometry: Geometry, solids: Callable[[Shape], Iterable[WrittenShape]], held: Holders
+) -> Mapping[tuple[str, Role], list[WrittenShape]]:
     """By link of a file and role: what it has, in the order of the links that it holds. `solids`: what stands
     in the file for a shape; `held`: the holders of links that are part of others, and where they are."""
     by_link = geometry.by_link()
-    found: dict[tuple[str, Role], list[Solid]] = {}
+    found: dict[tuple[str, Role], list[WrittenShape]] = {}
     for name in dict.fromkeys((*held, *(shape.link for shape in geometry.shapes))):
         holder, place = held.get(name, (name, UNMOVED))
         for role in ROLES:
@@ -81,7 +81,7 @@ def solids_by_link(
 
 
 def differences(
-    element: str, role: str, shapes: Sequence[ReadShape], wanted: Sequence[Solid], words: ShapeWords
+    element: str, role: str, shapes: Sequence[ReadShape], wanted: Sequence[WrittenShape], words: ShapeWords
 ) -> Iterator[Finding]:
     """What a link's shapes of one role are otherwise than they have to be. `element`: the link."""
     if len(shapes) != len(wanted):

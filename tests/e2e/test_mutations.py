@@ -205,8 +205,8 @@ def test_what_means_nothing_raises_no_alarm(edit: str, name: str, builds: Builds
     folder = shutil.copytree(build.folder, tmp_path / "edited")
     rng = random.Random(f"{edit} {SEED}")
     files = [f"{build.name}.urdf", f"{build.name}.xml", "scene.xml"]
-    # An SDF has no names of materials.
-    files += [] if edit == "names of materials" else [f"{build.name}.sdf"]
+    # SDF and SRDF have no names of materials.
+    files += [] if edit == "names of materials" else [f"{build.name}.sdf", f"{build.name}.srdf"]
     for file in files:
         root = etree.parse(folder / file).getroot()
         before = etree.tostring(root)

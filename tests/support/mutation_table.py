@@ -2,7 +2,7 @@
 
 from tests.support.mutations import KINDS
 
-PLACES = {"urdf": "URDF", "mjcf": "MJCF", "scene": "scene", "assets": "asset", "sdf": "SDF"}
+PLACES = {"urdf": "URDF", "mjcf": "MJCF", "scene": "scene", "assets": "asset", "sdf": "SDF", "srdf": "SRDF"}
 
 INTRODUCTION = """\
 # What the checks find

@@ -16,7 +16,7 @@ from stages.robot.geometry import Role, Shape
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
 from stages.validate.findings import few, link
-from stages.validate.solids import ShapeWords, Solid, differences, solid_of, solids_by_link
+from stages.validate.solids import ShapeWords, WrittenShape, differences, solid_of, solids_by_link
 
 CODE = "C-SHAPE"
 
@@ -49,7 +49,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     yield compiled.within("shapes", float(len(found)), 0.0, detail, few(found))
 
 
-def _solids(shape: Shape) -> Iterator[Solid]:
+def _solids(shape: Shape) -> Iterator[WrittenShape]:
     one = shape.primitive
     if one is None or one.kind != "capsule":
         yield solid_of(shape)
@@ -58,4 +58,4 @@ def _solids(shape: Shape) -> Iterator[Solid]:
     for end in (-one.size[1] / 2, one.size[1] / 2):
         moved = np.eye(4)
         moved[2, 3] = end
-        yield Solid("sphere", one.size[:1], "", one.link_from_shape @ moved)
+        yield WrittenShape("sphere", one.size[:1], "", one.link_from_shape @ moved)

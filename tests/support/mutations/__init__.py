@@ -7,6 +7,7 @@ from tests.support.mutations import (
     mjcf_world,
     scene,
     sdf,
+    srdf,
     urdf_joints,
     urdf_links,
 )
@@ -20,4 +21,5 @@ KINDS = [
     *scene.KINDS,
     *assets.KINDS,
     *sdf.KINDS,
+    *srdf.KINDS,
 ]

@@ -50,6 +50,10 @@ class Files:
     def sdf(self) -> Element:
         return self.tree(f"{self.name}.sdf")
 
+    @property
+    def srdf(self) -> Element:
+        return self.tree(f"{self.name}.srdf")
+
     def tree(self, file: str) -> Element:
         if file not in self.trees:
             self.trees[file] = etree.parse(self.folder / file).getroot()
@@ -73,6 +77,7 @@ NEEDED = {
     "scene": ("{}.xml", "scene.xml"),
     "assets": ("{}.urdf", "{}.xml"),
     "sdf": ("{}.sdf", "{}.xml"),
+    "srdf": ("{}.srdf",),
 }
 """By where a fault is planted: that file, and what it is checked with; {} stands for the robot's name."""
 

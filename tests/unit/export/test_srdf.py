@@ -15,6 +15,7 @@ from stages.robot.start_pose import keyframes
 from tests.support.building import NO_MESHES, plan_of, write
 from tests.support.robots import EVERY, at, joint, loop, pose, robot_with
 from tests.support.srdf import InPinocchio, Srdf
+from tests.support.srdf_checks import srdf_checks
 from tests.support.touching import ball, box, geometry_of
 
 
@@ -51,6 +52,7 @@ def read(tmp_path):
         files = made(robot, geometry, tmp_path, **keys).files
         found = Srdf(files["robot.srdf"], files["robot.urdf"])
         assert found.problems() == []
+        assert [one for one in srdf_checks(tmp_path) if not one.passed] == []
         return found
 
     return reading

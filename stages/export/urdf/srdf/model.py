@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from stages.export.urdf.srdf.apart import POSES
 from stages.export.urdf.srdf.disabled import Disabled, disabled_pairs
 from stages.export.urdf.srdf.groups import Groups, groups_of
-from stages.export.urdf.srdf.passive import passive_dofs
 from stages.export.urdf.srdf.states import states_of
 from stages.formats.urdf.as_written import as_written
 from stages.formats.urdf.form import UrdfForm
@@ -19,6 +18,7 @@ from stages.robot.actuation import Actuation
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
 from stages.robot.names import free
+from stages.robot.passive import passive_dofs
 
 WORLD = "world"
 """What the base is fixed to, or flies in."""

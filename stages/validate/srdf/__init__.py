@@ -1,0 +1,1 @@
+"""An SRDF held against the robot and its URDF's names."""

@@ -1,0 +1,88 @@
+"""The groups of an SRDF and its end effectors, against the robot."""
+
+from collections.abc import Collection, Iterator
+
+from stages.formats.urdf.names import urdf_names
+from stages.formats.xml import Element
+from stages.robot.check import Finding
+from stages.validate.findings import differs, named
+from stages.validate.srdf.known import ALL, ReadSrdf
+
+
+def groups(read: ReadSrdf) -> Iterator[Finding]:
+    """Each chain is one of the robot, and ends where its group's name says; each frame that moves has one;
+    one group has all joints; and none is empty, or there twice."""
+    for node in read.root.findall("group"):
+        name, element = node.get("name", ""), named("group", node.get("name", ""))
+        if read.groups[name] is not node:
+            yield Finding(element, "name", "another group has this name")
+            continue
+        wrong = list(_chains(read, node))
+        yield from wrong
+        keys = ("name", "base_link", "tip_link")
+        held = {one.get(key) for one in node.iterchildren() for key in keys if one.get(key)}
+        # Of what is unknown, or of the user's own XML, nothing can be said.
+        foreign = held - {*read.chains.joints, *read.chains.links, *read.groups}
+        if not wrong and not foreign and not read.moved_by(name):
+            yield Finding(element, "", "moves nothing")
+    for link in _framed(read):
+        if link not in read.groups:
+            yield Finding(named("group", link), "name", f"there is none, expected the chain to {link}")
+    every = read.moving
+    found = [name for name in read.groups if read.moved_by(name) == every]
+    whole = read.groups.get(ALL)
+    judged = whole is not None and whole.find("chain") is None and ALL not in read.chains.links
+    if every and (judged and ALL not in found):
+        missing = sorted(every - read.moved_by(ALL))
+        yield Finding(named("group", ALL), "joint", f"is without {', '.join(missing)}, expected every joint")
+    elif every and not found:
+        yield Finding(named("group", ALL), "name", "there is none, and no other group has every joint")
+
+
+def _chains(read: ReadSrdf, node: Element) -> Iterator[Finding]:
+    name = node.get("name", "")
+    element = named("group", name)
+    chains = node.findall("chain")
+    for one in chains:
+        base, tip = one.get("base_link", ""), one.get("tip_link", "")
+        if not {base, tip} <= {*read.chains.links}:
+            continue  # unknown, or of the user's own XML
+        if name in read.chains.links and len(chains) == 1:
+            if tip != name:
+                yield differs(element, "chain tip_link", tip, name)
+            if base != read.chains.base_of(name):
+                yield differs(element, "chain base_link", base, read.chains.base_of(name))
+        elif read.chains.between(base, tip) is None:
+            yield Finding(element, "chain base_link", f'is "{base}", which "{tip}" does not hang on')
+
+
+def _framed(read: ReadSrdf) -> Iterator[str]:
+    """The links of the URDF that are frames of the robot, and that joints of groups move."""
+    for link in urdf_names(read.written).frames.values():
+        if read.joints_to(link):
+            yield link
+
+
+def end_effectors(read: ReadSrdf) -> Iterator[Finding]:
+    """Each is all that its parent link carries, at the end of the group that moves that link."""
+    for node in read.root.findall("end_effector"):
+        element, parent = named("end_effector", node.get("name", "")), node.get("parent_link", "")
+        group, arm = node.get("group", ""), node.get("parent_group", "")
+        if parent not in read.chains.links or not {group, arm} <= {*read.groups}:
+            continue
+        own, beyond = read.moved_by(group), read.joints_beyond(parent)
+        if own != beyond:
+            carriers = sorted({read.chains.joints[name].parent for name in own})
+            fits = [link for link in carriers if read.joints_beyond(link) == own]
+            if fits:
+                yield differs(element, "parent_link", parent, " or ".join(fits))
+                continue
+            words = f"moves {_listed(own)}, expected all that {parent} carries: {_listed(beyond)}"
+            yield Finding(element, "group", words)
+        if read.moved_by(arm) != read.joints_to(parent):
+            words = f"moves {_listed(read.moved_by(arm))}, expected what moves {parent}: "
+            yield Finding(element, "parent_group", words + _listed(read.joints_to(parent)))
+
+
+def _listed(names: Collection[str]) -> str:
+    return ", ".join(sorted(names)) or "nothing"

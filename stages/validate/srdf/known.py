@@ -1,0 +1,117 @@
+"""An SRDF that was read, and the robot that it must be of."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from stages.formats.urdf.as_written import as_written
+from stages.formats.urdf.chains import UrdfChains, UrdfStep, chains_of
+from stages.formats.xml import Element
+from stages.robot.model import Robot
+from stages.validate.expected import Expected
+from stages.validate.findings import named
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ReadSrdf:
+    """`root`: the file's; `robot`: what it must be of, and all else that is `expected`. `written`: the robot
+    as its URDF has it, and its `chains`. `links` and `joints`: every name that the URDF has, also of what the
+    user's own XML adds, of which nothing else is known."""
+
+    root: Element
+    robot: Robot
+    expected: Expected
+    written: Robot = field(init=False)
+    chains: UrdfChains = field(init=False)
+    links: frozenset[str] = field(init=False)
+    joints: frozenset[str] = field(init=False)
+
+    def __post_init__(self) -> None:
+        written = as_written(self.robot, self.expected.form)
+        chains = chains_of(written)
+        changes = self.expected.amendments.of(f"{self.robot.name}.urdf")
+        added = [one.partition(" ") for change in changes for one in change.adds]
+        for key, value in (
+            ("written", written),
+            ("chains", chains),
+            ("links", frozenset({*chains.links, *(name for tag, _, name in added if tag == "link")})),
+            ("joints", frozenset({*chains.joints, *(name for tag, _, name in added if tag == "joint")})),
+        ):
+            object.__setattr__(self, key, value)
+
+    @property
+    def groups(self) -> dict[str, Element]:
+        """By name; of two with the same name the first."""
+        found: dict[str, Element] = {}
+        for one in self.root.findall("group"):
+            found.setdefault(one.get("name", ""), one)
+        return found
+
+    @property
+    def moving(self) -> frozenset[str]:
+        """The joints that groups have: all that move, but for free ones."""
+        return frozenset(name for name, one in self.chains.joints.items() if one.moves)
+
+    def moved_by(self, group: str) -> frozenset[str]:
+        """The joints of a group that move: those that it names, above the links that it names, of its chains
+        and of the groups in it."""
+        return frozenset(step.name for step in self._steps(group, frozenset()) if step.moves)
+
+    def _steps(self, group: str, seen: frozenset[str]) -> Iterator[UrdfStep]:
+        node = self.groups.get(group)
+        if node is None or group in seen:
+            return
+        for one in node.findall("joint"):
+            yield from filter(None, [self.chains.joints.get(one.get("name", ""))])
+        for one in node.findall("link"):
+            yield from filter(None, [self.chains.above.get(one.get("name", ""))])
+        for one in node.findall("chain"):
+            yield from self.chains.between(one.get("base_link", ""), one.get("tip_link", "")) or ()
+        for one in node.findall("group"):
+            yield from self._steps(one.get("name", ""), seen | {group})
+
+    def is_own(self, group: str) -> bool:
+        """Whether a group is one that every SRDF of the robot has: to a frame or link, of a gripper, or of
+        all joints. Others are the user's."""
+        of_hands = (one.get("group") for one in self.root.findall("end_effector"))
+        return group in {*self.chains.links, *of_hands, ALL}
+
+    def rigid(self, link: str) -> set[str]:
+        """The links that no joint moves against one, and itself."""
+        found = {link}
+        for step in self.chains.up(link):
+            if step.dof is not None:
+                break
+            found.add(step.parent)
+        for step in self.chains.joints.values():  # parents come first, but for frames, which carry nothing
+            if step.dof is None and step.parent in found:
+                found.add(step.child)
+        return found
+
+    def joints_beyond(self, link: str) -> frozenset[str]:
+        """The joints of groups that what is rigid with a link carries, without those beyond a free joint."""
+        body, base = self.rigid(link), self.chains.base_of(link)
+        return frozenset(
+            name
+            for name in self.moving
+            if self.chains.base_of(self.chains.joints[name].child) == base
+            and body & {step.parent for step in self.chains.up(self.chains.joints[name].child)}
+        )
+
+    def joints_to(self, link: str) -> frozenset[str]:
+        """The joints of groups from where its chain begins to a link."""
+        steps = self.chains.between(self.chains.base_of(link), link) or ()
+        return frozenset(step.name for step in steps if step.moves)
+
+
+ALL = "all"
+"""The group of all joints."""
+
+
+def state(node: Element) -> str:
+    """What a finding calls a pose of a group."""
+    return f"{named('group_state', node.get('name', ''))} of {named('group', node.get('group', ''))}"
+
+
+def pair(node: Element) -> str:
+    """What a finding calls an element that is of two links."""
+    return named(str(node.tag), f'{node.get("link1", "")}" "{node.get("link2", "")}')

@@ -1,0 +1,69 @@
+"""The pairs of links that an SRDF keeps from colliding, against the robot."""
+
+from collections.abc import Iterator
+
+from stages.formats.urdf.as_written import holders
+from stages.formats.urdf.contacts import Reason, known_pairs
+from stages.formats.xml import Element
+from stages.robot.check import Finding
+from stages.robot.geometry import Geometry
+from stages.validate.findings import differs, named
+from stages.validate.srdf.known import ReadSrdf, pair
+
+Links = frozenset[str]
+"""Of a pair."""
+
+NEVER = "Never"
+
+ALWAYS = ("Default", "Always")
+"""Words of MoveIt's assistant for a pair that touches: at the start, and in all poses."""
+
+
+def pairs(read: ReadSrdf) -> Iterator[Finding]:
+    """Each pair that the robot keeps from colliding is there, with its reason; of others only those that
+    never meet, as far as the robot does not say that they touch. Nothing where its shapes are unknown."""
+    geometry = read.expected.geometry
+    if geometry is None:
+        return
+    given, _ = known_pairs(read.robot, geometry, read.expected.form)
+    expected = {frozenset(one): reason for one, reason in given.items()}
+    touching = _touching(read, geometry)
+    seen: set[Links] = set()
+    for node in read.root.findall("disable_collisions"):
+        links = frozenset((node.get("link1", ""), node.get("link2", "")))
+        if not links <= {*read.chains.links}:
+            continue  # unknown, or of the user's own XML
+        if links in seen:
+            yield Finding(pair(node), "", "is there twice")
+        else:
+            yield from _otherwise(node, expected.get(links), links in touching)
+        seen.add(links)
+    for one, reason in given.items():
+        if frozenset(one) not in seen:
+            element = named("disable_collisions", '" "'.join(one))
+            yield Finding(element, "reason", f"there is none of these links, expected {reason}")
+    for node in read.root.findall("disable_default_collisions"):
+        element = named("disable_default_collisions", node.get("link", ""))
+        yield Finding(element, "link", "lets all pass through the link, which the robot does not")
+
+
+def _otherwise(node: Element, expected: Reason | None, touches: bool) -> Iterator[Finding]:
+    """What is wrong with a pair, which the robot keeps from colliding for a reason that is `expected`; None
+    where nothing but that they never meet can keep these links apart."""
+    reason = node.get("reason", "")
+    if node.get("link1") == node.get("link2"):
+        yield Finding(pair(node), "link2", "is the same link as link1")
+    elif expected is not None:
+        if reason != expected and not {reason, expected} <= {*ALWAYS}:
+            yield differs(pair(node), "reason", reason, expected)
+    elif reason != NEVER:
+        words = f'is "{reason}", but nothing in the robot keeps these links from colliding'
+        yield Finding(pair(node), "reason", words)
+    elif touches:
+        yield Finding(pair(node), "reason", f"is {NEVER}, but these links touch at home")
+
+
+def _touching(read: ReadSrdf, geometry: Geometry) -> set[Links]:
+    """The links of the URDF that touch at `home`."""
+    held = holders(read.robot, read.expected.form)
+    return {frozenset((held[one.link_a][0], held[one.link_b][0])) for one in geometry.touching}

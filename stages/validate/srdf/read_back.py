@@ -1,0 +1,51 @@
+"""The run of the checks of an SRDF."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from stages.formats.xml import Malformed, parse
+from stages.robot.check import Check
+from stages.robot.model import Robot
+from stages.validate.documents import sentence
+from stages.validate.expected import NOTHING_ELSE, Expected
+from stages.validate.findings import few
+from stages.validate.srdf.base import base, passive
+from stages.validate.srdf.groups import end_effectors, groups
+from stages.validate.srdf.known import ReadSrdf
+from stages.validate.srdf.pairs import pairs
+from stages.validate.srdf.references import references
+from stages.validate.srdf.states import states
+
+CODE = "C-SRDF"
+
+CHECKS = {
+    "names": (references, "every link, joint and group that it names is there"),
+    "base": (base, "the robot's name, and the joint by which it is in the world"),
+    "groups": (groups, "chains to each frame, and a group of every joint"),
+    "end effectors": (end_effectors, "each is what its parent link carries"),
+    "poses": (states, "each group at `home` and at the keyframes of the robot"),
+    "passive joints": (passive, "those that nothing drives"),
+    "disabled collisions": (
+        pairs,
+        "the pairs of links that the robot keeps from colliding, with the reasons",
+    ),
+}
+"""In the order of the report: by name what looks, and what is true where it finds nothing."""
+
+
+def check_file(
+    path: Path, robot: Robot, expected: Expected = NOTHING_ELSE, *, quick: bool
+) -> Iterator[Check]:
+    """The results. `expected`: what is known besides the robot; `quick`: none, since the text alone is looked
+    at elsewhere. None of a file that is no XML either."""
+    try:
+        root = parse(path.read_bytes())
+    except Malformed:
+        return
+    if quick:
+        return
+    read = ReadSrdf(root, robot, expected)
+    for name, (look, passed) in CHECKS.items():
+        found = list(look(read))
+        detail = sentence(tuple(found)) if found else passed
+        yield Check(f"{path.name}: {name}", not found, detail, float(len(found)), 0.0, findings=few(found))

@@ -1,0 +1,134 @@
+"""The SRDF is held against the robot: what only some robots have, and what a user may add by hand."""
+
+from pathlib import Path
+
+import pytest
+
+from stages.robot.model import Frame, Limits, Robot, frozen
+from tests.support.building import plan_of, write
+from tests.support.robots import at, joint, robot_with
+from tests.support.srdf_checks import srdf_checks
+from tests.support.touching import box, geometry_of
+
+MOTOR = {"type": "motor"}
+
+
+def robot(**more: object) -> Robot:
+    """A shoulder, an elbow and a ball, with a frame at the end."""
+    limits = {name: Limits(-1, 1) for name in ("shoulder", "elbow")}
+    rows = [
+        joint("revolute", "base", "upper", name="shoulder", place=at(0.3, 0, 0), limits=limits),
+        joint("revolute", "upper", "lower", name="elbow", place=at(0.3, 0, 0), limits=limits),
+        joint("ball", "lower", "hand", [(0.8, 0.6, 0.0, 0.0)], name="wrist", place=at(0.3, 0, 0)),
+    ]
+    shapes = {name: (box(0.05, 0.05, 0.05),) for name in ("base", "upper", "lower", "hand")}
+    tool = Frame("tool", "hand", frozen(at(0, 0, 0.1)), "Tool")
+    return robot_with(rows, frames=[tool], shapes=shapes, **more)
+
+
+def findings(folder: Path, old: str = "", new: str = "", **keys: object) -> list[tuple[str, str]]:
+    """Elements and attributes that the checks name, after a change to the text."""
+    own = robot()
+    write(
+        own,
+        folder,
+        plan_of(**{"export": {"urdf": {}}, "contact": {"self": "auto"}, **keys}),
+        geometry_of(own),
+    )
+    path = folder / "robot.srdf"
+    text = path.read_text()
+    assert not old or old in text, text
+    path.write_text(text.replace(old, new, 1) if old else text)
+    return [(found.element, found.attribute) for one in srdf_checks(folder) for found in one.findings]
+
+
+ELBOW = {"actuators": {"shoulder": MOTOR, "wrist": "none", "elbow": "none"}}
+
+
+def test_joints_that_nothing_drives_must_be_passive(tmp_path: Path) -> None:
+    assert findings(tmp_path, **ELBOW) == []
+    gone = findings(tmp_path, '<passive_joint name="elbow"/>', "", **ELBOW)
+    assert gone == [('passive_joint "elbow"', "name")]
+    more = findings(tmp_path, "</robot>", '<passive_joint name="tool_fixed"/></robot>', **ELBOW)
+    assert more == [('passive_joint "tool_fixed"', "name")]
+
+
+def test_a_turned_ball_is_found_by_its_joints(tmp_path: Path) -> None:
+    found = findings(tmp_path, '<joint name="wrist_y" value="0"/>', '<joint name="wrist_y" value="0.1"/>')
+    assert found
+    assert {attribute.partition("_")[0] for _, attribute in found} == {"joint wrist"}
+
+
+OWN = """
+<group name="mine"><chain base_link="upper" tip_link="hand"/></group>
+<group name="links"><link name="lower"/><group name="mine"/></group>
+<group_state name="ready" group="links">
+  <joint name="elbow" value="0.9"/><joint name="wrist_x" value="2"/>
+  <joint name="wrist_y" value="0"/><joint name="wrist_z" value="0"/>
+</group_state>
+<enable_collisions link1="base" link2="hand"/>
+</robot>"""
+
+
+def test_groups_and_poses_of_the_users_own_are_no_fault(tmp_path: Path) -> None:
+    assert findings(tmp_path, "</robot>", OWN) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ('<link name="lower"/>', '<link name="lowr"/>', ('group "links"', "link name")),
+        ('base_link="upper"', 'base_link="tool"', ('group "mine"', "chain base_link")),
+        ('value="0.9"', 'value="1.9"', ('group_state "ready" of group "links"', "joint elbow value")),
+        ('value="0.9"', 'value="x"', ('group_state "ready" of group "links"', "joint elbow value")),
+        ('group="links"', 'group="lnks"', ('group_state "ready" of group "lnks"', "group")),
+        ('name="mine"><', 'name="tool"><', ('group "tool"', "name")),
+        ("<enable_collisions", "<disable_collisions", ('disable_collisions "base" "hand"', "")),
+        (
+            "</robot>",
+            '<disable_default_collisions link="hand"/></robot>',
+            ('disable_default_collisions "hand"', "link"),
+        ),
+        (
+            "</robot>",
+            '<disable_collisions link1="upper" link2="base" reason="Adjacent"/></robot>',
+            ('disable_collisions "upper" "base"', ""),
+        ),
+        (
+            "</robot>",
+            '<disable_collisions link1="hand" link2="hand" reason="Never"/></robot>',
+            ('disable_collisions "hand" "hand"', "link2"),
+        ),
+    ],
+)
+def test_what_a_user_adds_must_fit_the_robot(
+    old: str, new: str, named: tuple[str, str], tmp_path: Path
+) -> None:
+    assert named in findings(tmp_path, "</robot>", OWN.replace(old, new, 1))
+
+
+def test_a_link_of_the_users_own_xml_is_known(tmp_path: Path) -> None:
+    held = '<joint name="held" type="fixed"><parent link="hand"/><child link="camera"/></joint>'
+    xml = f'<link name="camera"/>{held}'
+    own = {"elements": {"camera": {"into": {"tag": "robot"}, "xml": xml, "formats": ["urdf"]}}}
+    added = '<group name="seen"><chain base_link="base" tip_link="camera"/></group></robot>'
+    assert findings(tmp_path, "</robot>", added, **own) == []
+    assert findings(tmp_path, "</robot>", added) == [('group "seen"', "chain tip_link")]
+
+
+def test_a_pair_that_touches_at_home_is_not_apart(tmp_path: Path) -> None:
+    limits = {name: Limits(-1, 1) for name in ("shoulder", "elbow")}
+    rows = [
+        joint("revolute", "base", "upper", name="shoulder", place=at(0.3, 0, 0), limits=limits),
+        joint("revolute", "upper", "lower", name="elbow", place=at(-0.3, 0, 0), limits=limits),
+    ]
+    shapes = {name: (box(0.05, 0.05, 0.05),) for name in ("base", "upper", "lower")}
+    own = robot_with(rows, shapes=shapes)
+    write(own, tmp_path, plan_of(export={"urdf": {}}, contact={"self": "auto"}), geometry_of(own))
+    path = tmp_path / "robot.srdf"
+    assert all(one.passed for one in srdf_checks(tmp_path))
+    added = '<disable_collisions link1="base" link2="lower" reason="Never"/></robot>'
+    path.write_text(path.read_text().replace("</robot>", added))
+    (found,) = [found for one in srdf_checks(tmp_path) for found in one.findings]
+    assert (found.element, found.attribute) == ('disable_collisions "base" "lower"', "reason")
+    assert "touch at home" in found.message
