@@ -67,6 +67,8 @@ def called(one: Kind) -> str:
 @pytest.mark.parametrize("one", KINDS, ids=called)
 def test_a_planted_fault_is_found_and_named(one: Kind, builds: Builds, tmp_path: Path) -> None:
     """In the sample, or where that lacks the thing in the other robot."""
+    if one.file == "usd":
+        pytest.importorskip("pxr")
     try:
         build = builds("sample")
         # What cannot be read must not stop the checks of the other files.

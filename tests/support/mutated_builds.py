@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,8 @@ from tests.support.kit import SIDE, TOP, Kit
 
 RESISTS = {"effort": 20, "velocity": 3, "damping": 0.1, "friction": 0.02, "armature": 0.01}
 
-FORMATS = {"urdf": {}, "mjcf": {}, "sdf": {}}
+FORMATS: dict[str, Any] = {"urdf": {}, "mjcf": {}, "sdf": {}}
+FORMATS |= {"usd": {}} if find_spec("pxr") else {}
 
 SAMPLE = {
     "export": FORMATS,

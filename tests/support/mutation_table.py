@@ -2,7 +2,15 @@
 
 from tests.support.mutations import KINDS
 
-PLACES = {"urdf": "URDF", "mjcf": "MJCF", "scene": "scene", "assets": "asset", "sdf": "SDF", "srdf": "SRDF"}
+PLACES = {
+    "urdf": "URDF",
+    "mjcf": "MJCF",
+    "scene": "scene",
+    "assets": "asset",
+    "sdf": "SDF",
+    "srdf": "SRDF",
+    "usd": "USD",
+}
 
 INTRODUCTION = """\
 # What the checks find

@@ -19,6 +19,8 @@ from stages.robot.start_pose import home
 from stages.validate.coordinates import SAME, distance, spread
 from stages.validate.expected import NOTHING_ELSE, Expected
 from stages.validate.findings import few, named, shown, worst_first
+from stages.validate.placed_root import world_from_root
+from stages.validate.usd.model import moving, placed, shapes, units
 from stages.validate.usd.reader import ReadUsdJoint, UsdError, UsdRobot, read_usd
 
 CODE = "C-USD"
@@ -98,12 +100,24 @@ def check_file(
     if quick:
         return
     at_home = home(robot)
-    given = _Given(path.name, usd, robot, usd_names(robot), at_home, ball_zeros(robot, at_home))
+    names = usd_names(robot)
+    given = _Given(path.name, usd, robot, names, at_home, ball_zeros(robot, at_home))
     complete = _bodies_and_joints(given)
     yield complete
+    found = units(usd)
+    yield given.within("units", float(len(found)), 0.0, "metres, kilograms, and z upwards", found)
     if complete.passed:
         for check in CHECKS:
             yield check(given)
+        place = world_from_root(path.parent, robot, expected.amendments)
+        found = [*placed(usd, robot, names, place), *moving(usd, robot, names, expected.geometry)]
+        detail = "place, self-collision and pairs of bodies that do not collide"
+        yield given.within("model", float(len(found)), 0.0, detail, found)
+        if expected.geometry is not None:
+            found = list(shapes(usd, names, expected.geometry))
+            total = count(len(expected.geometry.shapes), "shape")
+            detail = f"{total} of the robot, with their sizes and places, and what collides"
+            yield given.within("shapes", float(len(found)), 0.0, detail, found)
 
 
 def _bodies_and_joints(given: _Given) -> Check:

@@ -11,6 +11,7 @@ from pxr import Tf, Usd, UsdGeom, UsdPhysics
 
 from stages.robot.model import Array, Inertial, frozen
 from stages.robot.poses import from_parts, rotation_from_quat
+from stages.validate.usd.shape_reader import ReadUsdShape, shapes_of
 
 AXES = {"X": (1.0, 0.0, 0.0), "Y": (0.0, 1.0, 0.0), "Z": (0.0, 0.0, 1.0)}
 
@@ -21,10 +22,14 @@ class UsdError(Exception):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReadUsdBody:
-    """Where a body stands (4, 4), and its mass properties."""
+    """Where a body stands (4, 4), and its mass properties. `moves`: whether forces move it. `shapes`: what it
+    looks like and collides with; `apart`: the bodies that it does not collide with."""
 
     world_from_body: Array
     inertial: Inertial
+    moves: bool
+    shapes: tuple[ReadUsdShape, ...]
+    apart: frozenset[str]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,11 +51,15 @@ class ReadUsdJoint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UsdRobot:
-    """Bodies and joints by the names of their prims; `roots`: the prims that begin an articulation."""
+    """Bodies and joints by the names of their prims; `roots`: the prims that begin an articulation, and
+    whether its bodies collide with each other. `units`: metres and kilograms per unit; `up`: the axis that
+    points upwards."""
 
     bodies: Mapping[str, ReadUsdBody]
     joints: Mapping[str, ReadUsdJoint]
-    roots: tuple[str, ...]
+    roots: Mapping[str, bool]
+    units: tuple[float, float]
+    up: str
 
 
 def read_usd(path: Path) -> UsdRobot:
@@ -64,17 +73,28 @@ def read_usd(path: Path) -> UsdRobot:
         msg = "it has no default prim"
         raise UsdError(msg)
     prims = list(Usd.PrimRange(top))
+<<<<<<< HEAD
     moving = [one for one in prims if one.HasAPI(UsdPhysics.RigidBodyAPI)]
     bodies = {one.GetName(): _body(one) for one in moving}
     paths = {one.GetPath() for one in moving}
+=======
+    rigid = [one for one in prims if one.HasAPI(UsdPhysics.RigidBodyAPI)]
+    bodies = {one.GetName(): _body(one, {other.GetName() for other in rigid}) for one in rigid}
+>>>>>>> 1c10a3a (Of a USD units, place, shapes and what collides are compared with the robot's)
     joints = {
         one.GetName(): _joint(UsdPhysics.Joint(one), paths) for one in prims if one.IsA(UsdPhysics.Joint)
     }
-    roots = tuple(one.GetName() for one in prims if one.HasAPI(UsdPhysics.ArticulationRootAPI))
-    return UsdRobot(bodies, joints, roots)
+    roots = {one.GetName(): _collides(one) for one in prims if one.HasAPI(UsdPhysics.ArticulationRootAPI)}
+    units = UsdGeom.GetStageMetersPerUnit(stage), UsdPhysics.GetStageKilogramsPerUnit(stage)
+    return UsdRobot(bodies, joints, roots, units, str(UsdGeom.GetStageUpAxis(stage)))
 
 
-def _body(prim: Any) -> ReadUsdBody:
+def _collides(root: Any) -> bool:
+    """Whether the bodies of an articulation collide with each other: in PhysX they do unless it is said."""
+    return root.GetAttribute("physxArticulation:enabledSelfCollisions").Get() is not False
+
+
+def _body(prim: Any, bodies: set[str]) -> ReadUsdBody:
     api = UsdPhysics.MassAPI(prim)
     axes = _rotation(api.GetPrincipalAxesAttr().Get())
     moments = np.array(api.GetDiagonalInertiaAttr().Get(), dtype=float)
@@ -82,8 +102,15 @@ def _body(prim: Any) -> ReadUsdBody:
     inertia = axes @ np.diag(moments) @ axes.T
     world = UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(Usd.TimeCode.Default())
     # USD's matrices act on rows.
+    rigid = UsdPhysics.RigidBodyAPI(prim)
+    moves = rigid.GetRigidBodyEnabledAttr().Get() and not rigid.GetKinematicEnabledAttr().Get()
+    apart = UsdPhysics.FilteredPairsAPI(prim).GetFilteredPairsRel().GetTargets()
     return ReadUsdBody(
-        np.array(world).T, Inertial(float(api.GetMassAttr().Get()), frozen(com), frozen(inertia))
+        np.array(world).T,
+        Inertial(float(api.GetMassAttr().Get()), frozen(com), frozen(inertia)),
+        bool(moves),
+        tuple(shapes_of(prim)),
+        frozenset(path.name for path in apart) & bodies,
     )
 
 

@@ -10,6 +10,7 @@ from tests.support.mutations import (
     srdf,
     urdf_joints,
     urdf_links,
+    usd,
 )
 
 KINDS = [
@@ -22,4 +23,5 @@ KINDS = [
     *assets.KINDS,
     *sdf.KINDS,
     *srdf.KINDS,
+    *usd.KINDS,
 ]
