@@ -26,6 +26,7 @@ from stages.validate.asked import AS_STANDARD, Asked
 from stages.validate.compiled import CheckFunction, CompiledModel, Engine, FileKind, without_warnings
 from stages.validate.coordinates import missing_names
 from stages.validate.expected import Expected
+from stages.validate.files.model_config import model_config
 from stages.validate.files.run import check_folder
 from stages.validate.guarded import guarded
 from stages.validate.own import OwnCheck
@@ -95,6 +96,7 @@ def check_texts(
     for one in check_folder(folder, models, (f"{robot}{ending}" for ending in OTHERS), packages):
         file = one.name.partition(":")[0]
         yield _with_changes(one, amendments.of(file) if file in models else ())
+    yield from model_config(folder, robot)
 
 
 def kinds_of(path: Path) -> set[FileKind]:

@@ -10,6 +10,7 @@ PLACES = {
     "sdf": "SDF",
     "srdf": "SRDF",
     "usd": "USD",
+    "config": "model.config",
 }
 
 INTRODUCTION = """\

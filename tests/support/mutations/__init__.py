@@ -5,6 +5,7 @@ from tests.support.mutations import (
     mjcf_joints,
     mjcf_shapes,
     mjcf_world,
+    model_config,
     scene,
     sdf,
     srdf,
@@ -24,4 +25,5 @@ KINDS = [
     *sdf.KINDS,
     *srdf.KINDS,
     *usd.KINDS,
+    *model_config.KINDS,
 ]

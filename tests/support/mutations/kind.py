@@ -78,6 +78,7 @@ NEEDED = {
     "assets": ("{}.urdf", "{}.xml"),
     "sdf": ("{}.sdf", "{}.xml"),
     "srdf": ("{}.srdf",),
+    "config": ("model.config", "{}.sdf"),
     "usd": ("{}.usda", "{}_meshes.usd"),
 }
 """By where a fault is planted: that file, and what it is checked with; {} stands for the robot's name."""
