@@ -51,7 +51,7 @@ def _(files: Files, rng: random.Random) -> Planted:
 
 @KINDS.add("collider collides with nothing", "C-USD")
 def _(files: Files, rng: random.Random) -> Planted:
-    body, _ = edited(files, rng, r'"PhysicsCollisionAPI"(, )?', "")
+    body, _ = edited(files, rng, '"PhysicsCollisionAPI"', '"GeomModelAPI"')
     return of_body(body, "apiSchemas")
 
 
