@@ -73,14 +73,9 @@ def read_usd(path: Path) -> UsdRobot:
         msg = "it has no default prim"
         raise UsdError(msg)
     prims = list(Usd.PrimRange(top))
-<<<<<<< HEAD
     moving = [one for one in prims if one.HasAPI(UsdPhysics.RigidBodyAPI)]
-    bodies = {one.GetName(): _body(one) for one in moving}
     paths = {one.GetPath() for one in moving}
-=======
-    rigid = [one for one in prims if one.HasAPI(UsdPhysics.RigidBodyAPI)]
-    bodies = {one.GetName(): _body(one, {other.GetName() for other in rigid}) for one in rigid}
->>>>>>> 1c10a3a (Of a USD units, place, shapes and what collides are compared with the robot's)
+    bodies = {one.GetName(): _body(one, paths) for one in moving}
     joints = {
         one.GetName(): _joint(UsdPhysics.Joint(one), paths) for one in prims if one.IsA(UsdPhysics.Joint)
     }
@@ -94,7 +89,7 @@ def _collides(root: Any) -> bool:
     return root.GetAttribute("physxArticulation:enabledSelfCollisions").Get() is not False
 
 
-def _body(prim: Any, bodies: set[str]) -> ReadUsdBody:
+def _body(prim: Any, bodies: set[Any]) -> ReadUsdBody:
     api = UsdPhysics.MassAPI(prim)
     axes = _rotation(api.GetPrincipalAxesAttr().Get())
     moments = np.array(api.GetDiagonalInertiaAttr().Get(), dtype=float)
@@ -110,7 +105,7 @@ def _body(prim: Any, bodies: set[str]) -> ReadUsdBody:
         Inertial(float(api.GetMassAttr().Get()), frozen(com), frozen(inertia)),
         bool(moves),
         tuple(shapes_of(prim)),
-        frozenset(path.name for path in apart) & bodies,
+        frozenset(str(path.name) for path in apart if path in bodies),
     )
 
 
