@@ -88,7 +88,7 @@ def export(
     told = {name: dict(one.record) for name, one in written.items() if one.record}
     known = actuation, form, mjcf_form, sensing, order, mine.amendments, told
     paths = {*assets, *_files(written, [name for name in keys.export.chosen if name in written])}
-    scene = scene_of(keys, place)
+    scene = scene_of(robot, keys, standing, start)
     every["robot.json"] = describe(robot, start, *known, geometry, paths, scene)
     for name in [name for name in OF_ALL if name in needed]:
         written[name] = writer_of(name).write(replace(given, files=every))

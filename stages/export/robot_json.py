@@ -45,9 +45,9 @@ MuJoCo's properties, `collider` which one of its link it is a
 piece of. With `self_contact` the links collide with each other but for the `excludes` (of `geoms`, only
 those pairs of colliders, by their numbers); `touching` are others that touch at `home`, `depth` [m] deep.
 These are missing where a build ends before its shapes are made.
-`scene` says where the files put the robot (`pose` of its root), which plane is its `ground` (null: none),
-and what MuJoCo's `option` and `flag` say: all else of these is MuJoCo's default. It is missing as `shapes`
-are. `urdf` is there where the URDF names its meshes by a `package`.
+`scene` says where the files put the robot (`pose` of its root at qpos0, and in the `keyframes`), which plane
+is its `ground` (null: none), and what MuJoCo's `option` and `flag` say: all else is MuJoCo's default. It is
+missing as `shapes` are. `urdf` is there where the URDF names its meshes by a `package`.
 `amendments` lists what `elements` and `attributes` added to the files and set in them, `surplus` how many
 degrees of freedom, actuators and equalities a file has after the robot's own by that. `files` has the paths
 of the robot's other files, but for those of a Python package, which are copies.

@@ -5,20 +5,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stages.export.json_values import as_float, as_floats, as_pose
-from stages.robot.model import Array, frozen
+from stages.robot.model import Array, Configuration, Robot, frozen
 from stages.robot.poses import from_parts, rotation_from_rpy
 from stages.robot.scene import Ground, Scene
+from stages.robot.start_pose import keyframes
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
     from stages.export.scene_keys import GroundKeys
+    from stages.export.standing import Stance
 
 
-def scene_of(keys: "ExportKeys", world_from_root: Array) -> Scene:
-    """The scene around a robot whose root is at this pose (4, 4)."""
+def scene_of(robot: Robot, keys: "ExportKeys", standing: "Stance", start: Configuration) -> Scene:
+    """The scene around the robot, whose qpos0 is `start`."""
     option = keys.scene.option
     return Scene(
-        frozen(world_from_root),
+        frozen(standing.placed(start)),
+        {name: frozen(standing.placed(values)) for name, values in keyframes(robot).items()},
         None if keys.ground.kind == "none" else Ground(ground_pose(keys.ground), keys.ground.friction),
         {name: _plain(value) for name, value in option.given().items()},
         dict(option.flag.given()),
@@ -41,6 +44,7 @@ def scene_record(scene: Scene) -> dict[str, Any]:
     ground = scene.ground
     return {
         "pose": as_pose(scene.world_from_root),
+        "keyframes": {name: as_pose(pose) for name, pose in scene.keyframes.items()},
         "ground": None
         if ground is None
         else {"pose": as_pose(ground.world_from_ground), "friction": as_floats(ground.friction)},

@@ -15,6 +15,8 @@ def differences(one: Any, other: Any, allowed: float, left_out: Mapping[str, Any
         pairs = [(name, getattr(one, name), getattr(other, name)) for name in names]
     elif isinstance(one, tuple) and isinstance(other, tuple) and len(one) == len(other):
         pairs = [(str(index), *both) for index, both in enumerate(zip(one, other, strict=True))]
+    elif isinstance(one, Mapping) and isinstance(other, Mapping) and one.keys() == other.keys():
+        pairs = [(str(key), one[key], other[key]) for key in one]
     elif isinstance(one, float | int | np.ndarray) and not isinstance(one, bool) and other is not None:
         off = np.abs(np.asarray(one) - np.asarray(other)).max(initial=0.0)
         scale = max(1.0, float(np.abs(one).max(initial=0.0)))

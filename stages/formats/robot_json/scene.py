@@ -11,8 +11,10 @@ def scene_of(record: Fields) -> Scene | None:
     table = record.inside("scene")
     options = table.inside("option")
     flags = table.inside("flag")
+    poses = table.inside("keyframes")
     return Scene(
         table.pose("pose"),
+        {name: poses.pose(name) for name in poses.table},
         _ground(table.inside("ground")) if table.has("ground") else None,
         {name: _setting(options, name) for name in options.table},
         {name: flags.text(name) for name in flags.table},

@@ -1,13 +1,12 @@
 """The robot stands where the build put it: its root, and the free base in each keyframe."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import mujoco
 import numpy as np
 
 from stages.robot.check import Check, Finding
 from stages.robot.model import Array
-from stages.robot.start_pose import keyframes
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import CAD_ERROR, FREE, body_index, distance, root_pose
 from stages.validate.findings import apart, few, link, named, place_differs, shown
@@ -26,7 +25,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     expected, root = compiled.scene.world_from_root, compiled.robot.root.name
     yield _at_start(compiled, root, expected)
     if not compiled.robot.base.fixed and not compiled.sets("qpos"):
-        yield from _in_keyframes(compiled, root, expected)
+        yield from _in_keyframes(compiled, root, compiled.scene.keyframes)
 
 
 def _at_start(compiled: CompiledModel, root: str, expected: Array) -> Check:
@@ -46,14 +45,14 @@ def _at_start(compiled: CompiledModel, root: str, expected: Array) -> Check:
     return compiled.within("placement", value, CAD_ERROR, detail, findings)
 
 
-def _in_keyframes(compiled: CompiledModel, root: str, expected: Array) -> Iterator[Check]:
-    """A free base is in every keyframe where it is at the start."""
+def _in_keyframes(compiled: CompiledModel, root: str, every: Mapping[str, Array]) -> Iterator[Check]:
+    """A free base is in every keyframe where the build put it."""
     model, body = compiled.model, body_index(compiled.model, root)
     joint = int(model.body_jntadr[body]) if body > 0 and model.body_jntnum[body] else -1
     if joint < 0 or model.jnt_type[joint] != FREE:
         return
     at, worst, findings = int(model.jnt_qposadr[joint]), 0.0, []
-    for name in keyframes(compiled.robot):
+    for name, expected in every.items():
         key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name)
         if key < 0:
             continue

@@ -22,7 +22,8 @@ WORDS = ShapeWords("mesh uri", "mesh scale", ("pose", "pose"))
 
 def of_model(read: ReadSdf, expected: Expected, world_from_root: Array | None) -> Iterator[Check]:
     """Its name, that gravity and forces move its links, which of them collide with each other, and that it
-    stands where the MJCF has the robot: `world_from_root` (4, 4), None where that is not known."""
+    stands where the MJCF has the robot: `world_from_root` (4, 4), None where that is not known. At what
+    height a free robot touches the ground depends on its joints, which need not stand alike in the two."""
     model, element = read.model, named("model", read.model.name)
     found: list[Finding] = []
     if model.name != read.robot.name:
@@ -42,6 +43,8 @@ def of_model(read: ReadSdf, expected: Expected, world_from_root: Array | None) -
     if world_from_root is not None:
         root = model.links[read.names.links[read.robot.root.name]]
         place = model.world_from_model @ root.model_from_link
+        if not read.robot.base.fixed:
+            place[2, 3] = world_from_root[2, 3]
         found += place_differs(element, place, world_from_root, ("pose", "pose"), SAME)
     detail = "name, place, gravity and self-collision of the model"
     yield read.within("model", float(len(found)), 0.0, detail, found)

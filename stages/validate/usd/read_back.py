@@ -15,7 +15,7 @@ from stages.robot.kinematics import chain, link_poses
 from stages.robot.model import Array, Configuration, Dof, Limits, Robot, Value
 from stages.robot.plural import count
 from stages.robot.poses import at_rest, from_parts, inverse, motion
-from stages.robot.start_pose import home
+from stages.robot.start_pose import HOME, home
 from stages.validate.coordinates import SAME, distance, spread
 from stages.validate.expected import NOTHING_ELSE, Expected
 from stages.validate.findings import few, named, shown, worst_first
@@ -109,7 +109,7 @@ def check_file(
     if complete.passed:
         for check in CHECKS:
             yield check(given)
-        place = world_from_root(path.parent, robot, expected.amendments)
+        place = world_from_root(path.parent, robot, expected.amendments, HOME)
         found = [*placed(usd, robot, names, place), *moving(usd, robot, names, expected.geometry)]
         detail = "place, self-collision and pairs of bodies that do not collide"
         yield given.within("model", float(len(found)), 0.0, detail, found)
