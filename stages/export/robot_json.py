@@ -65,8 +65,8 @@ from typing import Any
 
 import numpy as np
 
-from stages.export.coupling_records import coupling_records
 from stages.export.driving_records import actuation_records, sensing_records
+from stages.export.form_records import form_records
 from stages.export.geometry_records import geometry_records
 from stages.export.json_values import as_float, as_floats, as_pose, as_value
 from stages.export.keyframe_records import keyframe_records
@@ -148,10 +148,7 @@ def describe(
         "frames": [_frame(frame, names.frames[frame.name]) for frame in robot.frames],
         "lowered": [_lowered(item) for item in lower(robot) if item.between],
     }
-    if form.couplings:
-        table["couplings"] = coupling_records(form)
-    if form.package:
-        table["urdf"] = {"package": form.package}
+    table |= form_records(form)
     table |= _held(robot, form, mjcf_form)
     if robot.transmissions:
         table["transmissions"] = [plain(transmission) for transmission in robot.transmissions]

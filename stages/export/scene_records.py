@@ -21,7 +21,7 @@ def scene_of(robot: Robot, keys: "ExportKeys", standing: "Stance", start: Config
     option = keys.scene.option
     return Scene(
         frozen(standing.placed(start)),
-        {name: frozen(standing.placed(values)) for name, values in keyframes(robot).items()},
+        tuple((name, frozen(standing.placed(values))) for name, values in keyframes(robot).items()),
         None if keys.ground.kind == "none" else Ground(ground_pose(keys.ground), keys.ground.friction),
         {name: _plain(value) for name, value in option.given().items()},
         dict(option.flag.given()),
@@ -44,7 +44,7 @@ def scene_record(scene: Scene) -> dict[str, Any]:
     ground = scene.ground
     return {
         "pose": as_pose(scene.world_from_root),
-        "keyframes": {name: as_pose(pose) for name, pose in scene.keyframes.items()},
+        "keyframes": {name: as_pose(pose) for name, pose in scene.keyframes},
         "ground": None
         if ground is None
         else {"pose": as_pose(ground.world_from_ground), "friction": as_floats(ground.friction)},

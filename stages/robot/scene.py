@@ -22,12 +22,12 @@ class Ground:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """`world_from_root` (4, 4): the pose of the robot's root at qpos0; `keyframes`: the same in each of them,
-    since a free robot touches the ground in every one; `ground`: None where there is none; `option`, `flag`:
-    what MuJoCo's elements of these names say, by attribute. What these leave out is MuJoCo's default."""
+    """`world_from_root` (4, 4): the pose of the robot's root at qpos0; `keyframes`: (name, pose) of each, since
+    a free robot touches the ground in every one; `ground`: None where there is none; `option`, `flag`: what
+    MuJoCo's elements of these names say, by attribute. What these leave out is MuJoCo's default."""
 
     world_from_root: "Array"
-    keyframes: Mapping[str, "Array"]
+    keyframes: "tuple[tuple[str, Array], ...]"
     ground: Ground | None
     option: Mapping[str, Setting] = field(default_factory=dict)
     flag: Mapping[str, str] = field(default_factory=dict)

@@ -14,7 +14,7 @@ def scene_of(record: Fields) -> Scene | None:
     poses = table.inside("keyframes")
     return Scene(
         table.pose("pose"),
-        {name: poses.pose(name) for name in poses.table},
+        tuple((name, poses.pose(name)) for name in poses.table),
         _ground(table.inside("ground")) if table.has("ground") else None,
         {name: _setting(options, name) for name in options.table},
         {name: flags.text(name) for name in flags.table},

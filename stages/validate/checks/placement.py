@@ -1,6 +1,6 @@
 """The robot stands where the build put it: its root, and the free base in each keyframe."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Sequence
 
 import mujoco
 import numpy as np
@@ -45,14 +45,14 @@ def _at_start(compiled: CompiledModel, root: str, expected: Array) -> Check:
     return compiled.within("placement", value, CAD_ERROR, detail, findings)
 
 
-def _in_keyframes(compiled: CompiledModel, root: str, every: Mapping[str, Array]) -> Iterator[Check]:
+def _in_keyframes(compiled: CompiledModel, root: str, every: Sequence[tuple[str, Array]]) -> Iterator[Check]:
     """A free base is in every keyframe where the build put it."""
     model, body = compiled.model, body_index(compiled.model, root)
     joint = int(model.body_jntadr[body]) if body > 0 and model.body_jntnum[body] else -1
     if joint < 0 or model.jnt_type[joint] != FREE:
         return
     at, worst, findings = int(model.jnt_qposadr[joint]), 0.0, []
-    for name, expected in every.items():
+    for name, expected in every:
         key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name)
         if key < 0:
             continue

@@ -159,7 +159,7 @@ AMENDMENTS = Amendments(
 )
 SCENE = Scene(
     frozen(at(0, 0.1, 0.2)),
-    {"home": frozen(at(0, 0.1, 0.15))},
+    (("home", frozen(at(0, 0.1, 0.15))),),
     Ground(frozen(at(0, 0, -0.1)), (1, 0.005, 0.0001)),
     {"timestep": 0.002, "integrator": "RK4", "gravity": (0.0, 0.0, -9.81)},
     {"contact": "disable"},

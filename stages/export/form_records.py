@@ -1,4 +1,4 @@
-"""What the loops make follow what, as robot.json has it."""
+"""What the loops make follow what in the URDF, and the package of its meshes, as robot.json has them."""
 
 from typing import Any
 
@@ -6,9 +6,11 @@ from stages.formats.urdf.form import UrdfForm
 from stages.robot.linear_coupling import LinearCoupling
 
 
-def coupling_records(form: UrdfForm) -> list[dict[str, Any]]:
-    """A record of each coupling."""
-    return [_coupling(one) for one in form.couplings]
+def form_records(form: UrdfForm) -> dict[str, Any]:
+    """The tables `couplings` and `urdf`, where the URDF has any of that."""
+    couplings = [_coupling(one) for one in form.couplings]
+    package = {"urdf": {"package": form.package}} if form.package else {}
+    return ({"couplings": couplings} if couplings else {}) | package
 
 
 def _coupling(one: LinearCoupling) -> dict[str, Any]:
