@@ -22,9 +22,9 @@ class Ground:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scene:
-    """`world_from_root` (4, 4): the pose of the robot's root at qpos0; `keyframes`: (name, pose) of each, since
-    a free robot touches the ground in every one; `ground`: None where there is none; `option`, `flag`: what
-    MuJoCo's elements of these names say, by attribute. What these leave out is MuJoCo's default."""
+    """`world_from_root` (4, 4): the pose of the robot's root at qpos0; `keyframes`: (name, pose) of each,
+    since a free robot touches the ground in every one; `ground`: None where there is none; `option`, `flag`:
+    what MuJoCo's elements of these names say, by attribute. What these leave out is MuJoCo's default."""
 
     world_from_root: "Array"
     keyframes: "tuple[tuple[str, Array], ...]"
