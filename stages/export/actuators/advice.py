@@ -13,6 +13,9 @@ from stages.robot.model import Array, Robot
 from stages.robot.start_pose import home
 from stages.robot.statics import GRAVITY
 
+_MANY = 50
+"""Of a robot with more dofs the driver of a follower is not looked for: that takes time by their square."""
+
 NEGLIGIBLE = 1e-6
 """A force is none [N m or N] below this share of the robot's weight (times one metre)."""
 
@@ -34,15 +37,17 @@ def advice(
 
 def _driver(robot: Robot, dof: str) -> str:
     """The dof itself, or of those that `actuators=position` drives the one that moves it the most."""
-    if not robot.loops and all(one.follower != dof for one in robot.relations):
+    follows = robot.loops or any(one.follower == dof for one in robot.relations)
+    if not follows or len(robot.dofs) > _MANY:
         return dof
     values = postures(robot)
     couplings = Couplings(robot, values)
     scalar = [one.name for one in robot.dofs if one.kind in ("turn", "slide")]
     wanted = {name: Wanted("position", {}, named=False) for name in scalar}
-    rates = couplings.moved_by(couplings.independent(driven_order(robot, wanted, ())))
-    if dof in rates:
+    driven = couplings.independent(driven_order(robot, wanted, ()))
+    if dof in driven:
         return dof
+    rates = couplings.moved_by(driven)
     speeds = {name: float(np.abs(moved[dof]).max()) for name, moved in rates.items() if dof in moved}
     return max(speeds, key=lambda name: speeds[name]) if speeds else dof
 
