@@ -4,8 +4,7 @@ hull."""
 from collections.abc import Iterator
 from pathlib import PurePosixPath
 
-import mujoco
-
+from stages.formats.xml import parse
 from stages.robot.check import Check, Finding
 from stages.robot.geometry import Geometry
 from stages.robot.globs import listed
@@ -18,7 +17,7 @@ from stages.validate.shapes import named_geom, seen_and_solid
 
 CODE = "C-CONTACT"
 
-WHOLE_HULL = -1
+WHOLE_HULL = "-1"
 """MuJoCo's `maxhullvert` of a mesh whose hull may have any number of vertices."""
 
 
@@ -55,8 +54,8 @@ def _of_hulls(compiled: CompiledModel, geometry: Geometry) -> Iterator[Finding]:
     if compiled.sets("maxhullvert"):
         return
     solid = {PurePosixPath(one.file).stem for one in geometry.shapes if one.role == "collision" and one.file}
-    for mesh in mujoco.MjSpec.from_file(str(compiled.path.resolve())).meshes:
-        name = mesh.name or PurePosixPath(mesh.file).stem
-        most = getattr(mesh, "maxhullvert", WHOLE_HULL)
+    for mesh in parse(compiled.path.read_bytes(), large=True).iterfind("asset/mesh"):
+        name = mesh.get("name") or PurePosixPath(mesh.get("file", "")).stem
+        most = mesh.get("maxhullvert", WHOLE_HULL)
         if name in solid and most != WHOLE_HULL:
             yield differs(named("mesh", name), "maxhullvert", most, None)
