@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:  # numpy comes with the model
     from stages.robot.model import Array
 
+FLOOR = "floor"
+"""The geom of a scene that is its ground."""
+
 Setting = str | float | tuple[float, ...]
 """What MuJoCo takes: a word, a number, or several."""
 

@@ -61,6 +61,10 @@ def body_index(model: Any, name: str) -> int:
     return int(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name))
 
 
+TURNS = frozenset({"quat", "axisangle", "xyaxes", "zaxis", "euler"})
+"""Attributes of an MJCF that turn a body, site or geom."""
+
+
 def of_the_scene(model: Any, robot: Robot) -> frozenset[int]:
     """The bodies that are nothing of the robot's, as a ball that lies beside it: those of trees, from the
     world on, that have none of its links. None where the model has no link at all."""

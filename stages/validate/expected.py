@@ -6,17 +6,20 @@ from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.robot.actuation import NONE, Actuation
 from stages.robot.amendments import UNCHANGED, Amendments
 from stages.robot.geometry import Geometry
+from stages.robot.scene import Scene
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Expected:
     """`actuation`: what drives the robot; `geometry`: its shapes, without their files, None where these are
-    unknown; `form`: how the URDF differs from the robot; `amendments`: what the user's own XML changed."""
+    unknown; `form`: how the URDF differs from the robot; `amendments`: what the user's own XML changed;
+    `scene`: where the files put the robot, None where nothing is known of that."""
 
     actuation: Actuation = NONE
     geometry: Geometry | None = None
     form: UrdfForm = AS_IS
     amendments: Amendments = UNCHANGED
+    scene: Scene | None = None
 
 
 NOTHING_ELSE = Expected()

@@ -8,14 +8,11 @@ import numpy as np
 from stages.robot.check import Check, Finding
 from stages.robot.model import Array
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import CAD_ERROR, FREE, body_index, distance, root_pose
+from stages.validate.coordinates import CAD_ERROR, FREE, TURNS, body_index, distance, root_pose
 from stages.validate.findings import apart, few, link, named, place_differs, shown
 from stages.validate.mujoco_poses import placed
 
 CODE = "C-PLACE"
-
-TURNS = frozenset({"quat", "axisangle", "xyaxes", "zaxis", "euler"})
-"""Attributes that turn a body or site."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:

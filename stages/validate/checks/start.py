@@ -13,6 +13,7 @@ import mujoco
 
 from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.geometry import Touch
+from stages.robot.scene import FLOOR
 from stages.robot.start_pose import HOME
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import of_the_scene
@@ -21,10 +22,6 @@ from stages.validate.running import DEEP, Touching, at_keyframe, touching
 from stages.validate.shapes import seen_and_solid
 
 CODE = "C-START"
-
-GROUND = "floor"
-"""The geom of a scene that is its ground."""
-
 
 Other = Literal["ground", "obstacle", "link"]
 """What a link may be in: a plane of the world; something else of the scene; another link, or what a robot
@@ -116,7 +113,7 @@ def _of_the_world(compiled: CompiledModel, geom: int, depth: float) -> tuple[str
     model = compiled.model
     name = model.geom(geom).name
     if model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_PLANE:
-        return ("the ground" if name in ("", GROUND) else f"the ground ({name})"), depth, "ground"
+        return ("the ground" if name in ("", FLOOR) else f"the ground ({name})"), depth, "ground"
     if compiled.robot.root.name == "world" and geom in _colliders_of_the_world(compiled):
         return "world", depth, "ground"
     return named("geom", name) if name else "a geom of the world", depth, "obstacle"

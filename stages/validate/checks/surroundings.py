@@ -13,17 +13,14 @@ from stages.formats.numbers import number, spaced
 from stages.formats.xml import element, to_bytes
 from stages.robot.check import Check, Finding
 from stages.robot.geometry import ContactProperties
-from stages.robot.scene import Ground, Scene, Setting
+from stages.robot.scene import FLOOR, Ground, Scene, Setting
 from stages.validate.compiled import CompiledModel
 from stages.validate.contact_attributes import contact_differences, sets_defaults
-from stages.validate.coordinates import CAD_ERROR, SAME
+from stages.validate.coordinates import CAD_ERROR, SAME, TURNS
 from stages.validate.findings import differs, few, named, shown
 from stages.validate.mujoco_poses import placed
 
 CODE = "C-SCENE"
-
-FLOOR = "floor"
-"""The geom that is the ground."""
 
 PLANE = mujoco.mjtGeom.mjGEOM_PLANE
 
@@ -75,7 +72,7 @@ def _ground(compiled: CompiledModel, ground: Ground) -> Iterator[Finding]:
     height, tilt = _off(model, geom, ground)
     if not abs(height) <= CAD_ERROR and "pos" not in own:
         yield differs(what, "pos", model.geom_pos[geom], ground.world_from_ground[:3, 3], "m")
-    if not tilt <= CAD_ERROR and not own & {"quat", "axisangle", "xyaxes", "zaxis", "euler"}:
+    if not tilt <= CAD_ERROR and not own & TURNS:
         yield Finding(what, "quat", f"is tilted by {shown(np.degrees(tilt))} degrees from the expected")
     if sets_defaults(compiled):
         return

@@ -11,7 +11,6 @@ from stages.robot.check import Check, Finding
 from stages.robot.model import Robot
 from stages.validate.expected import NOTHING_ELSE, Expected
 from stages.validate.findings import few
-from stages.validate.placed_root import world_from_root
 from stages.validate.sdf.checks import CHECKS, links_and_joints
 from stages.validate.sdf.known import ReadSdf
 from stages.validate.sdf.shapes import of_model, shapes
@@ -51,5 +50,5 @@ def check_file(
     if complete.passed:
         for check in CHECKS:
             yield from check(given)
-        yield from of_model(given, expected, world_from_root(path.parent, robot, expected.amendments))
+        yield from of_model(given, expected)
         yield from shapes(given, expected.geometry)

@@ -8,7 +8,6 @@ from stages.formats.sdf.contacts import self_collides
 from stages.formats.sdf.shapes import SdfShape
 from stages.robot.check import Check, Finding
 from stages.robot.geometry import Geometry, Shape
-from stages.robot.model import Array
 from stages.robot.plural import count
 from stages.validate.coordinates import SAME
 from stages.validate.expected import Expected
@@ -20,10 +19,10 @@ WORDS = ShapeWords("mesh uri", "mesh scale", ("pose", "pose"))
 """What an SDF calls what a shape is."""
 
 
-def of_model(read: ReadSdf, expected: Expected, world_from_root: Array | None) -> Iterator[Check]:
+def of_model(read: ReadSdf, expected: Expected) -> Iterator[Check]:
     """Its name, that gravity and forces move its links, which of them collide with each other, and that it
-    stands where the MJCF has the robot: `world_from_root` (4, 4), None where that is not known. At what
-    height a free robot touches the ground depends on its joints, which need not stand alike in the two."""
+    stands where the scene has the robot. At what height a free robot touches the ground depends on its
+    joints, which need not stand as at qpos0."""
     model, element = read.model, named("model", read.model.name)
     found: list[Finding] = []
     if model.name != read.robot.name:
@@ -40,7 +39,8 @@ def of_model(read: ReadSdf, expected: Expected, world_from_root: Array | None) -
         for one in model.links.values():
             if one.self_collides and not collides:
                 found.append(differs(named("link", one.name), "self_collide", "true", word))
-    if world_from_root is not None:
+    if expected.scene is not None and read.robot.root.name != "world":
+        world_from_root = expected.scene.world_from_root
         root = model.links[read.names.links[read.robot.root.name]]
         place = model.world_from_model @ root.model_from_link
         if not read.robot.base.fixed:

@@ -1,10 +1,10 @@
 """Every link, joint and group that an SRDF names is there."""
 
 from collections.abc import Iterator
-from difflib import get_close_matches
 
 from stages.formats.xml import Element, tag
 from stages.robot.check import Finding
+from stages.robot.globs import did_you_mean
 from stages.validate.findings import named
 from stages.validate.srdf.known import ReadSrdf, pair, state
 
@@ -39,8 +39,8 @@ def references(read: ReadSrdf) -> Iterator[Finding]:
         for node in read.root.iterfind(path):
             name = node.get(attribute, "")
             if name not in known[kind]:
-                near = get_close_matches(name, sorted(known[kind]), 1)
-                hint = f"; did you mean {near[0]}?" if near else ""
+                near = did_you_mean(name, sorted(known[kind]))
+                hint = f"; {near}" if near else ""
                 inner = f"{tag(node)} " if "/" in path else ""
                 element = _called(node.getparent() if inner else node)
                 yield Finding(element, f"{inner}{attribute}", f'there is no {kind} "{name}"{hint}')

@@ -36,8 +36,8 @@ def units(usd: UsdRobot) -> list[Finding]:
 
 
 def placed(usd: UsdRobot, robot: Robot, names: UsdNames, place: Array | None) -> Iterator[Finding]:
-    """The root stands, and is held, where the MJCF has the robot: `place` (4, 4), None where that is not
-    known."""
+    """The root stands, and is held, where the scene has the robot at `home`: `place` (4, 4), None where that
+    is not known."""
     if place is None:
         return
     body = names.links[robot.root.name]

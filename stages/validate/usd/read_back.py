@@ -19,7 +19,6 @@ from stages.robot.start_pose import HOME, home
 from stages.validate.coordinates import SAME, distance, spread
 from stages.validate.expected import NOTHING_ELSE, Expected
 from stages.validate.findings import few, named, shown, worst_first
-from stages.validate.placed_root import world_from_root
 from stages.validate.usd.model import moving, placed, shapes, units
 from stages.validate.usd.reader import ReadUsdJoint, UsdError, UsdRobot, read_usd
 
@@ -109,7 +108,8 @@ def check_file(
     if complete.passed:
         for check in CHECKS:
             yield check(given)
-        place = world_from_root(path.parent, robot, expected.amendments, HOME)
+        known = expected.scene is not None and robot.root.name != "world"
+        place = dict(expected.scene.keyframes).get(HOME) if known and expected.scene else None
         found = [*placed(usd, robot, names, place), *moving(usd, robot, names, expected.geometry)]
         detail = "place, self-collision and pairs of bodies that do not collide"
         yield given.within("model", float(len(found)), 0.0, detail, found)
