@@ -9,6 +9,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from stages.robot.model import Array
 from stages.validate.findings import named
@@ -151,10 +152,24 @@ def _outside_hull(model: Any, geom: int, points: Array) -> Array:
     if not number:
         middle, half = (corners.max(0) + corners.min(0)) / 2, (corners.max(0) - corners.min(0)) / 2
         return np.asarray(np.linalg.norm(np.maximum(np.abs(points - middle) - half, 0.0), axis=1))
-    normals = np.asarray(model.mesh_polynormal[first : first + number], float)
-    starts = model.mesh_polyvert[model.mesh_polyvertadr[first : first + number]]
-    offsets = (normals * corners[starts]).sum(axis=1)
+    sizes = model.mesh_polyvertnum[first : first + number]
+    start = int(model.mesh_polyvertadr[first])
+    rounds = corners[model.mesh_polyvert[start : start + int(sizes.sum())]]
+    normals, offsets = _planes(rounds, np.cumsum(sizes) - sizes)
     return np.asarray((points @ normals.T - offsets).max(axis=1))
+
+
+def _planes(corners: Array, starts: npt.NDArray[np.integer]) -> tuple[Array, Array]:
+    """The unit normals (P, 3) of polygons and how far their planes are from the origin [m] (P,). `corners`
+    (N, 3) has the polygons one after the other, `starts` (P,) the first corner of each. A normal is of the
+    whole polygon (Newell's formula): MuJoCo before 4.0 has that of three corners, which may be one sliver."""
+    nexts = np.arange(len(corners)) + 1
+    lasts = np.append(starts[1:], len(corners)) - 1
+    nexts[lasts] = starts
+    areas = np.add.reduceat(np.cross(corners, corners[nexts]), starts)
+    normals = areas / np.maximum(np.linalg.norm(areas, axis=1, keepdims=True), np.finfo(float).tiny)
+    middles = np.add.reduceat(corners, starts) / np.diff(np.append(starts, len(corners)))[:, None]
+    return normals, (normals * middles).sum(axis=1)
 
 
 def area(model: Any, geom: int) -> float:

@@ -70,6 +70,16 @@ def test_points_outside_are_as_far_as_a_small_sphere_or_nearer_and_never_outside
     assert 0 < inside < 60
 
 
+def test_normals_of_a_hull_are_of_its_faces_whatever_the_engine_says_of_them():
+    """MuJoCo before 4.0 takes a normal from three corners of a face, which may be one sliver."""
+    model = model_of("mesh")
+    it, points = model.geom("it").id, np.random.default_rng(6).uniform(-0.5, 0.7, (60, 3))
+    found = outside(model, [it], points)
+    model.mesh_polynormal[:] = [0.0, 0.6, 0.8]
+    assert found.max() > 0.1
+    assert np.array_equal(outside(model, [it], points), found)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_surface_points_are_on_the_surface(kind):
     """Within, and yet nothing reaches further: where they are foremost, they are as far as the shape is."""
