@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from stages.mesh.fit.kinds import Fitted, best, subject_of
-from stages.mesh.measure import Measures
 from stages.mesh.pieces import Piece
 from stages.mesh.surface import Surface
 from stages.mesh.verdict import Judge
@@ -19,8 +18,8 @@ _NEAR = 0.75
 _MOST_TRIES = 6
 
 
-def plainer(judge: Judge, hulls: Sequence[Surface], measures: Measures) -> tuple[tuple[Piece, ...], Measures]:
-    """The pieces, as many of them as primitives as the tolerance allows; and the measures of all.
+def plainer(judge: Judge, hulls: Sequence[Surface]) -> tuple[Piece, ...]:
+    """Pieces that are near enough, as many of them as primitives as the tolerance allows.
 
     All that fit their pieces are tried at once; where that is too far off, the half of them that fits best.
     """
@@ -32,12 +31,10 @@ def plainer(judge: Judge, hulls: Sequence[Surface], measures: Measures) -> tuple
         tried: list[Piece] = list(hulls)
         for index in ranked:
             tried[index] = fitted[index].primitive
-        if not judge.hopeless(tried):
-            found = judge.near(tried)
-            if found is not None:
-                return tuple(tried), found
+        if not judge.hopeless(tried) and judge.near(tried):
+            return tuple(tried)
         ranked = ranked[: len(ranked) // 2]
-    return tuple(hulls), measures
+    return tuple(hulls)
 
 
 def _fit(hull: Surface, tolerance: float) -> Fitted | None:

@@ -9,7 +9,7 @@ from stages.mesh.clean import clean
 from stages.mesh.collider_settings import ColliderSettings
 from stages.mesh.collision import Collision
 from stages.mesh.fit.score import MOST_OF_TOLERANCE
-from stages.mesh.measure import FEW, Measures, Target, hopeless, measure, measure_near
+from stages.mesh.measure import FEW, Measures, Target, hopeless, measure, near
 from stages.mesh.pieces import Piece
 from stages.mesh.surface import Surface, joined
 
@@ -54,10 +54,9 @@ class Judge:
     def measure(self, pieces: Sequence[Piece]) -> Measures:
         return measure(self.target, pieces)
 
-    def near(self, pieces: Sequence[Piece]) -> Measures | None:
-        """The measures of pieces that are near enough."""
-        found = measure_near(self.target, pieces, self.tolerance)
-        return found if found is not None and miss(found, self.tolerance) <= 1 else None
+    def near(self, pieces: Sequence[Piece]) -> bool:
+        """Whether pieces are near enough."""
+        return near(self.target, pieces, self.tolerance, MOST_OF_TOLERANCE * self.tolerance)
 
     def collision(
         self, pieces: Sequence[Piece], measures: Measures, rung: str, meets: bool = True

@@ -22,7 +22,6 @@ from stages.mesh.decompose import (
     search,
 )
 from stages.mesh.fit import capped_hull, fits
-from stages.mesh.measure import Measures
 from stages.mesh.pieces import Piece
 from stages.mesh.plainer import plainer
 from stages.mesh.snapping import snapped
@@ -175,18 +174,19 @@ def _of_pieces(judge: Judge, found: Decomposition, settings: ColliderSettings, b
     while low < high:
         count = (low + high) // 2
         low, high = (count + 1, high) if judge.hopeless(hulls_of(count), points=_LOOK) else (low, count)
-    near: tuple[tuple[Surface, ...], Measures] | None = None
+    enough: tuple[Surface, ...] = ()
     count, high = low, most
     while low <= high:
         hulls = hulls_of(count)
-        measures = judge.near(hulls)
-        if measures is not None:
-            near, high = (hulls, measures), min(count, len(hulls)) - 1
+        if judge.near(hulls):
+            enough, high = hulls, min(count, len(hulls)) - 1
         else:
             low = count + 1
         count = (low + high) // 2
-    if near is not None:
-        return judge.collision(*plainer(judge, *near), rung="pieces")
+    if enough:
+        taken = plainer(judge, enough)
+        measures = judge.measure(taken)
+        return judge.collision(taken, measures, "pieces", miss(measures, judge.tolerance) <= 1)
     measures = judge.measure(hulls_of(most))
     if best.measures is None or miss(measures, judge.tolerance) < miss(best.measures, judge.tolerance):
         return judge.collision(hulls_of(most), measures, "pieces", meets=False)

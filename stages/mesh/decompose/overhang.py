@@ -108,9 +108,10 @@ class Overhang:
             ratios = np.minimum(self.field(points) / self.near[0][0], _FAR)
             return np.where(ratios > 1, ratios, 0.0)
         ratios = np.full(len(points), _FAR)
-        for tolerance, tree in self.near:
-            far, _ = tree.query(points, eps=self.roughly, distance_upper_bound=_FAR * tolerance)
-            ratios = np.minimum(ratios, far / tolerance)
+        for tolerance, tree in sorted(self.near, key=lambda one: -one[1].n):
+            rest = np.flatnonzero(ratios > 1)
+            far, _ = tree.query(points[rest], eps=self.roughly, distance_upper_bound=_FAR * tolerance)
+            ratios[rest] = np.minimum(ratios[rest], far / tolerance)
         out = np.flatnonzero(ratios > 1)
         result = np.zeros(len(points))
         out = out[~self.inside(points[out])]

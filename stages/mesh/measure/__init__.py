@@ -6,6 +6,6 @@ Every rung of the ladder, and every figure of a report, is judged by `measure(Ta
 from stages.mesh.measure.judge import FEW as FEW
 from stages.mesh.measure.judge import hopeless as hopeless
 from stages.mesh.measure.judge import measure as measure
-from stages.mesh.measure.judge import measure_near as measure_near
+from stages.mesh.measure.judge import near as near
 from stages.mesh.measure.target import Target as Target
 from stages.robot.geometry import Measures as Measures

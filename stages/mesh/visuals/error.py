@@ -80,10 +80,13 @@ def farthest(points: Points, surface: Surface, enough: float, limit: float) -> f
     middles, owners, reach = _pieces(surface)
     tree = cKDTree(middles)
     # The distance from any triangles is a bound; the nearest lies within that bound and the pieces' reach.
+    _, nearest = tree.query(points)
+    bound = _from_triangles(points, surface, owners[nearest])
+    some = np.flatnonzero(bound > enough)
     near = min(_NEAREST, len(owners))
-    _, index = tree.query(points, list(range(1, near + 1)))
-    bound = _from_triangles(np.repeat(points, near, axis=0), surface, owners[index.ravel()])
-    bound = bound.reshape(-1, near).min(axis=1)
+    _, index = tree.query(points[some], list(range(1, near + 1)))
+    closer = _from_triangles(np.repeat(points[some], near, axis=0), surface, owners[index.ravel()])
+    bound[some] = closer.reshape(-1, near).min(axis=1)
     order = np.argsort(-bound, kind="stable")
     worst, place, batch = 0.0, 0, _BATCH
     while place < len(order):
@@ -107,20 +110,26 @@ def _pieces(surface: Surface) -> tuple[Points, npt.NDArray[np.int64], float]:
     """Middles (k, 3) and triangles (k,) of pieces that cover the surface, and how far [m] a piece reaches
     from its middle at most: triangles, halved across their longest side until that is short."""
     corners, owners = surface.corners, np.arange(len(surface.triangles))
-    size = float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
-    while True:
-        sides = ((corners - np.roll(corners, -1, axis=1)) ** 2).sum(axis=2)
-        longest = np.sqrt(sides.max(axis=1))
-        long = longest > _PIECE * size
-        if not long.any() or len(corners) > _MOST_PIECES:
-            # No point of a triangle is farther from its middle than 2/3 of its longest side.
-            return corners.mean(axis=1), owners, float(longest.max()) * 2 / 3
-        first = sides[long].argmax(axis=1)[:, None]
-        turned = corners[long][np.arange(len(first))[:, None], (first + np.arange(3)) % 3]
+    most = _PIECE * float(np.linalg.norm(np.ptp(surface.vertices, axis=0)))
+    done: list[tuple[Points, npt.NDArray[np.int64]]] = []
+    count, reach = len(corners), 0.0
+    while len(corners):
+        along = corners - np.roll(corners, -1, axis=1)
+        squares = np.einsum("ijk,ijk->ij", along, along)
+        widest = squares.argmax(axis=1)
+        longest = np.sqrt(squares[np.arange(len(corners)), widest])
+        long = (longest > most) & (count <= _MOST_PIECES)
+        # No point of a triangle is farther from its middle than 2/3 of its longest side.
+        reach = max(reach, 2 / 3 * float(longest[~long].max(initial=0.0)))
+        done.append((corners[~long].mean(axis=1), owners[~long]))
+        turned = corners[long][np.arange(long.sum())[:, None], (widest[long, None] + np.arange(3)) % 3]
         a, b, c = np.moveaxis(turned, 1, 0)
         half = (a + b) / 2
-        corners = np.concatenate([corners[~long], np.stack([a, half, c], 1), np.stack([half, b, c], 1)])
-        owners = np.concatenate([owners[~long], owners[long], owners[long]])
+        corners = np.concatenate([np.stack([a, half, c], 1), np.stack([half, b, c], 1)])
+        owners = np.concatenate([owners[long], owners[long]])
+        count += int(long.sum())
+    middles, triangles = (np.concatenate(list(column)) for column in zip(*done, strict=True))
+    return middles, triangles, reach
 
 
 def _from_triangles(

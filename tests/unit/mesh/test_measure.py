@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stages.mesh.convex_hull import convex_hull
-from stages.mesh.measure import Target, hopeless, measure
+from stages.mesh.measure import Target, hopeless, measure, near
 from stages.mesh.pieces import placed, surface_of
 from stages.mesh.surface import Surface, moved, weld
 from stages.robot.model import Primitive, frozen
@@ -251,6 +251,32 @@ def test_nothing_within_the_tolerance_is_hopeless(seed, count, tolerance):
         found = measure(target, pieces)
         worst = max(found.bareness_max, found.protrusion_p95, found.protrusion_max / 3)
         assert worst > 0.98 * tolerance
+
+
+@settings(max_examples=15)
+@given(st.integers(0, 10_000), st.integers(1, 4), st.booleans())
+def test_what_is_near_is_what_measures_say(seed, count, three_times):
+    """A tolerance on either side of what is measured, by the precision of a maximum."""
+    random = np.random.default_rng(seed)
+    target, pieces = Target.of(a_part(random)), hulls_of(random, count)
+    times = 3.0 if three_times else 1.0
+    found = measure(target, pieces)
+    worst = max(found.bareness_max, found.protrusion_p95, found.protrusion_max / times)
+    spare = 2 * WITHIN * target.diagonal
+    above, below = 1.05 * worst + spare, 0.95 * worst - spare
+    assert near(target, pieces, above, times * above)
+    if below > 0:
+        assert not near(target, pieces, below, times * below)
+
+
+@pytest.mark.parametrize(
+    ("off", "kept"), [((0.0, 0.0), True), ((0.02, 0.0), False), ((0.0, 0.02), False), ((0.009, 0.009), True)]
+)
+def test_what_reaches_too_far_or_leaves_too_much_bare_is_not_near(off, kept):
+    target = Target.of(box(1, 1, 1))
+    beyond, bare = off
+    piece = box(1 + beyond - bare, 1, 1, at=((beyond + bare) / 2, 0, 0))
+    assert near(target, [piece], 0.01, 0.01) is kept
 
 
 def test_an_open_part_is_judged_by_sampling_and_hardly_differently():
