@@ -1,9 +1,9 @@
-"""Where straight lines cross a surface, and so what is inside of it."""
+"""Where straight lines cross a surface."""
 
 import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +16,7 @@ Indices = npt.NDArray[np.int64]
 _PAIRS = 1 << 18  # pairs of a point and a triangle looked at in one go
 _LEVELS = 24
 _SIDE = 1 << 25  # cells of a level, at most, along each axis
-_DIRECTIONS = 6
-_ASKED = 3
+DIRECTIONS = 6
 _MOST_STRIPS = 16
 _FINEST = 128  # strips over the whole size, at most
 _TURN = (3 - math.sqrt(5)) * math.pi  # between neighbours of a Fibonacci lattice
@@ -193,66 +192,9 @@ class _Strips:
         return np.asarray(np.clip(np.floor(place * count), 0, count - 1) == self.number[strips])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Inside:
-    """Which points a surface has inside of it, by its winding number.
-
-    Along a line a closed surface that faces outwards is left once more than it is entered from each point
-    inside, however often shells overlap: one direction says it exactly. The mean over lines in all directions
-    is the winding number of a surface with holes (Jacobson, Kavan, Sorkine-Hornung, "Robust inside-outside
-    segmentation using generalized winding numbers", 2013): inside is where it is above ½. Here it is
-    the mean over 6 lines, both ways each.
-    """
-
-    surface: Surface
-    closed: bool
-    _lines: dict[int, LineGrid] = field(default_factory=dict)
-
-    @staticmethod
-    def of(surface: Surface) -> "Inside":
-        return Inside(surface, surface.closed())
-
-    def __call__(self, points: Points) -> npt.NDArray[np.bool_]:
-        """(n,): whether each of the points (n, 3) is inside; of those on the surface, either."""
-        if not self.closed:
-            twice = sum(self._winding(points, number)[0] for number in range(_DIRECTIONS))
-            return np.asarray(twice > _DIRECTIONS)
-        return self.times_around(points) > 0
-
-    def times_around(self, points: Points) -> Indices:
-        """(n,): how often a closed surface goes round each of the points (n, 3): 1 inside, more where shells
-        overlap or one lies across itself, less than 0 where one is inside out."""
-        result = np.zeros(len(points), dtype=np.int64)
-        # A line all the way through a closed surface enters as often as it leaves. Where it does not, it met
-        # a corner, where rounding decides: another direction is asked. Points on corners never get better.
-        asked = np.arange(len(points))
-        for number in range(_ASKED):
-            twice, through = self._winding(points[asked], number)
-            result[asked] = twice // 2
-            asked = asked[through != 0]
-            if not len(asked):
-                break
-        return result
-
-    def _winding(self, points: Points, number: int) -> tuple[Indices, Indices]:
-        """(n,), (n,): twice the winding number by the lines of one direction, and how much oftener they leave
-        than enter."""
-        if number not in self._lines:
-            self._lines[number] = LineGrid.of(self.surface, number)
-        twice, through = np.zeros(len(points), dtype=np.int64), np.zeros(len(points), dtype=np.int64)
-        for some in self._lines[number].crossings(points):
-            twice += _sums(some.points, np.where(some.above, some.sign, -some.sign), len(points))
-            through += _sums(some.points, some.sign, len(points))
-        return twice, through
-
-
-def _sums(places: Indices, values: npt.NDArray[np.int8], count: int) -> Indices:
-    return np.bincount(places, values, count).astype(np.int64)
-
-
 def _axes(number: int) -> Points:
     """(3, 3): rows are a frame whose last axis is the direction."""
-    height = (number + 0.37) / _DIRECTIONS
+    height = (number + 0.37) / DIRECTIONS
     turn = 0.61 + number * _TURN
     width = math.sqrt(1 - height * height)
     direction = [width * math.cos(turn), width * math.sin(turn), height]

@@ -18,7 +18,7 @@ from stages.mesh.decompose.seams import OVERLAP_OF_SIZE, grown
 from stages.mesh.decompose.sectors import Hole, hole, sectors
 from stages.mesh.decompose.tighten import tightened
 from stages.mesh.decompose.wire import Decomposition, refusal
-from stages.mesh.rays import Inside
+from stages.mesh.inside import Inside
 from stages.mesh.snapping import grid, on_grid
 from stages.mesh.surface import Points, Surface, joined
 

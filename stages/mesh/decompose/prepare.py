@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from stages.mesh.decompose.remesh import closed_around
-from stages.mesh.rays import Inside
+from stages.mesh.inside import Inside
 from stages.mesh.surface import Points, Surface, Triangles
 
 _PASSES = {"as it is": (0.1, 0.1, 0.1, 0.1), "remeshed": (0.1, 0.15, 0.2, 0.2)}

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stages.mesh.clean import clean
+from stages.mesh.inside import Inside
 from stages.mesh.measure.samples import Samples, even, thinned
 from stages.mesh.measure.tree import BoxTree, Nearest
 from stages.mesh.measure.union import Union
 from stages.mesh.measure.volumes import Cloud, Shares, Solid
-from stages.mesh.rays import Inside
 from stages.mesh.shells import Shells
 from stages.mesh.surface import Points, Surface
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from stages.mesh.inside import Inside
 from stages.mesh.measure.tree import BoxTree, Corners, Indices, Nearest, Numbers, split
 from stages.mesh.pieces import Piece, along, half_spaces, signed_distance, surface_of
-from stages.mesh.rays import Inside
 from stages.mesh.surface import Points, Surface, joined
 from stages.robot.model import Primitive
 

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from stages.mesh.inside import Inside
 from stages.mesh.measure.tree import Numbers, split
 from stages.mesh.measure.union import Union
-from stages.mesh.rays import Inside
 from stages.mesh.surface import Points, Surface
 from stages.robot.geometry import By
 

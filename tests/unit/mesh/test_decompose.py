@@ -26,7 +26,7 @@ from stages.mesh.decompose.joining import groups, joinings
 from stages.mesh.decompose.overhang import Overhang
 from stages.mesh.decompose.prepare import Prepared, prepared
 from stages.mesh.decompose.seams import containing, grown
-from stages.mesh.rays import Inside
+from stages.mesh.inside import Inside
 from stages.mesh.surface import Surface, weld
 from stages.robot.errors import ConfigError, DecompositionFailed, MeshError
 from stages.robot.guest import Bounds

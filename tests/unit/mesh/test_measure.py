@@ -15,7 +15,7 @@ from stages.mesh.pieces import placed, surface_of
 from stages.mesh.surface import Surface, moved, weld
 from stages.robot.model import Primitive, frozen
 from tests.support.solids import box, joined, of_mesh
-from tests.unit.mesh.test_rays import winding
+from tests.unit.mesh.test_inside import winding
 
 WITHIN = 1.5e-3
 """Of the diagonal: the precision that is promised of a maximum."""

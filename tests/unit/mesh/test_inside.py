@@ -6,7 +6,8 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from stages.mesh.rays import Inside, LineGrid
+from stages.mesh.inside import Inside
+from stages.mesh.rays import LineGrid
 from stages.mesh.surface import Surface, weld
 from tests.support.solids import joined, of_mesh
 
@@ -89,6 +90,22 @@ def test_an_open_surface_has_inside_what_most_directions_say():
     clear = np.abs(number - 0.5) > 0.3
     assert Inside.of(holed)(points)[clear].tolist() == (number > 0.5)[clear].tolist()
     assert not holed.closed()
+
+
+def test_closed_shells_and_open_ones_add_up():
+    ball = of_mesh(trimesh.creation.icosphere(3))
+    holed = Surface(ball.vertices, ball.triangles[ball.corners[:, :, 2].min(axis=1) < 0.9])
+    pinched = np.vstack([ball.triangles, [[0, 0, 1]]])  # a side from a corner to itself is no hole
+    closed = Surface(ball.vertices * 0.5 + [0.7, 0, 0], pinched)
+    inner = Surface(ball.vertices * 0.3, ball.triangles).flipped()
+    surface = joined(closed, holed, inner)
+    points = points_in(surface, 800)
+    number = winding(surface, points)
+    clear = np.abs(number - 0.5) > 0.3
+    inside = Inside.of(surface)
+    assert inside(points)[clear].tolist() == (number > 0.5)[clear].tolist()
+    assert len(inside.holed.surface.triangles) == len(holed.triangles)
+    assert 0.1 < inside(points).mean() < 0.9
 
 
 def test_a_plate_and_nothing_have_no_inside():
