@@ -15,8 +15,8 @@ _ASKED = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lines:
-    """A surface, and lines of each direction across it, made when they are asked for."""
+class LineGrids:
+    """A surface, and the grids of lines across it, each direction made when it is asked for."""
 
     surface: Surface
     _grids: dict[int, LineGrid] = field(default_factory=dict)
@@ -44,14 +44,14 @@ class Inside:
     the mean over 6 lines, both ways each. What is closed of a surface, and what is not, add up.
     """
 
-    closed: Lines
-    holed: Lines
+    closed: LineGrids
+    holed: LineGrids
 
     @staticmethod
     def of(surface: Surface) -> "Inside":
         holed = _holed(surface)
         closed, rest = (Surface(surface.vertices, surface.triangles[some]) for some in (~holed, holed))
-        return Inside(Lines(closed), Lines(rest))
+        return Inside(LineGrids(closed), LineGrids(rest))
 
     def __call__(self, points: Points) -> npt.NDArray[np.bool_]:
         """(n,): whether each of the points (n, 3) is inside; of those on the surface, either."""
