@@ -3,8 +3,7 @@ gives or a trusted file."""
 
 import importlib
 import importlib.util
-import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +11,7 @@ from pipeline.config.plan import Plan
 from pipeline.config.trust import TARGET, covered
 from pipeline.digest import sha256
 from pipeline.errors import ConfigError
+from pipeline.trusted_modules import NotTrusted, trust
 from stages.robot.globs import listed
 
 if TYPE_CHECKING:
@@ -29,9 +29,12 @@ def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
     if not covered(path, plugins):
         msg = f"{path} is of no module that plugins names"
         raise ConfigError(msg, where, f"if you trust it: plugins=[{module or path}]")
-    _search_here()
+    trust(plugins)
     try:
         found = importlib.import_module(module)
+    except NotTrusted as error:
+        msg = f"{module} imports {error.name} of the working folder, which plugins does not name"
+        raise ConfigError(msg, where, f"if you trust it: {error.line}") from error
     except Exception as error:
         msg = f"the module {module} cannot be imported: {type(error).__name__}: {error}"
         raise ConfigError(msg, where, LOOKED_FOR) from error
@@ -46,7 +49,9 @@ def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
 def named(plan: Plan) -> None:
     """ConfigError where code that `validate.checks` names cannot be found. What is of no trusted module is
     reported where the configuration is composed; so is a module of `plugins` that does not exist."""
-    _search_here()
+    if not plan.plugins:
+        return
+    trust(plan.plugins)
     for plugin in plan.plugins:
         if not _is_there(plugin):
             msg = f"there is no module {plugin}"
@@ -85,9 +90,9 @@ def with_sources(known: dict[str, Any], plan: Plan) -> dict[str, Any] | None:
     return None if text is None else {**known, "plugins": text}
 
 
-def sources(plugins: Iterable[str]) -> str | None:
+def sources(plugins: Sequence[str]) -> str | None:
     """The digest of the text of these modules, with all of a package's; None where one has no text."""
-    _search_here()
+    trust(plugins)
     digests = []
     for plugin in plugins:
         files = list(_files(plugin))
@@ -115,11 +120,3 @@ def _files(plugin: str) -> Iterator[Path]:
         yield from sorted(Path(folder).rglob("*.py"))
     if not spec.submodule_search_locations and spec.origin and spec.origin.endswith(".py"):
         yield Path(spec.origin)
-
-
-def _search_here() -> None:
-    """Lets Python find modules in the working folder too, after all others."""
-    here = str(Path.cwd())
-    if here not in sys.path:
-        sys.path.append(here)
-        importlib.invalidate_caches()

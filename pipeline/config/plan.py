@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import AfterValidator, Field, ValidationError
 
 from pipeline.config.messages import diagnostics
 from pipeline.config.motor_library import with_motors
@@ -15,7 +15,7 @@ from stages.export.keys import ExportKeys
 from stages.fetch.keys import FetchKeys
 from stages.graph.keys import GraphKeys
 from stages.mesh.keys import MeshKeys
-from stages.robot.keys import Flag, Keys, Text, example
+from stages.robot.keys import Flag, Keys, Text, example, invalid
 from stages.validate.keys import ValidateKeys
 
 SECTIONS: tuple[type[Keys], ...] = (FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys)
@@ -36,6 +36,16 @@ RUN_KEYS = (
 )
 """Keys and sections about how a build runs, not about its result: they do not identify a job of a sweep and
 are not part of a cache key."""
+
+
+def _module(name: str) -> str:
+    if not all(part.isidentifier() for part in name.split(".")):
+        raise invalid("must be the name of a module, such as my_checks or lab.checks")
+    return name
+
+
+Module = Annotated[Text, AfterValidator(_module)]
+"""The name of a module, with the packages around it."""
 
 
 def is_run_key(key: str) -> bool:
@@ -66,7 +76,7 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
     vars: Annotated[dict[Text, Any], example({"reach": 0.3})] = Field(default_factory=dict)
     """Values of your own, for interpolations such as `${vars.reach}`."""
 
-    plugins: Annotated[tuple[Text, ...], example(["my_checks"])] = ()
+    plugins: Annotated[tuple[Module, ...], example(["my_checks"])] = ()
     """Modules whose functions and classes may be used as `_target_`. Counts on the command line, and in files
     that `LINKWRIGHT_TRUST` names."""
 

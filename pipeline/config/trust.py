@@ -7,6 +7,7 @@ command line alone (`ours`).
 import json
 import os
 import re
+import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -208,7 +209,7 @@ def _override(key: str, value: Any) -> str:
         value if isinstance(value, bool) else [str(one) for one in value] if _is_list(value) else str(value)
     )
     text = json.dumps(plain, ensure_ascii=False).replace('"', "")
-    return f"{key}={text}" if re.fullmatch(r"\w+", text) else f"'{key}={text}'"
+    return shlex.quote(f"{key}={text}")
 
 
 def _is_list(value: Any) -> bool:

@@ -19,9 +19,11 @@ def shipped(folder: Path) -> Path:
     return folder
 
 
-def python(package: Path, *arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    """Runs Python in `cwd` with the package that is below `package`."""
-    places = os.pathsep.join([str(package), str(PROJECT)])
+def python(
+    package: Path, *arguments: str, cwd: Path, before: tuple[Path, ...] = ()
+) -> subprocess.CompletedProcess[str]:
+    """Runs Python in `cwd` with the package that is below `package`, and folders `before` it on the path."""
+    places = os.pathsep.join(map(str, (*before, package, PROJECT)))
     environ = {"PYTHONPATH": places, "LINKWRIGHT_CACHE": str(package / "cache")}
     return subprocess.run(
         [sys.executable, *arguments],

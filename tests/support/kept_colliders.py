@@ -56,7 +56,7 @@ def _built() -> Path:
         if not (here / "done").exists():
             shutil.rmtree(here / "cache", ignore_errors=True)
             environ = {"PATH": os.environ["PATH"], "HOME": str(here), "LINKWRIGHT_CACHE": str(here / "cache")}
-            command = [sys.executable, "-m", "pipeline", "until=mesh"]
+            command = [sys.executable, "-m", "linkwright", "until=mesh"]
             subprocess.run(command, cwd=here, env=environ, check=True, capture_output=True, timeout=900)
             (here / "done").touch()
     return here

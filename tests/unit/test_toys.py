@@ -60,7 +60,7 @@ class Tree:
     def build(self, *overrides: str) -> Path:
         """The folder of a build in which every check passed."""
         output = self.folder.parent / "built"
-        self.run("-m", "pipeline", *overrides, f"output={output}")
+        self.run("-m", "linkwright", *overrides, f"output={output}")
         return output
 
     def check_goldens(self, toy: str) -> None:

@@ -4,6 +4,14 @@ The wheel ships this folder as `linkwright`; what the package offers is in `pipe
 nothing else: each name is loaded when it is first used, once our packages are known to be ours.
 """
 
+import sys
+
+if sys.argv[:1] == ["-m"]:
+    from . import own_path
+
+    if own_path.is_command():
+        own_path.leave_out_working_folder()
+
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:

@@ -2,7 +2,11 @@
 
 import sys
 
-from .shadows import shadows
+from . import own_path
+
+own_path.leave_out_working_folder()
+
+from .shadows import shadows  # noqa: E402 (the working folder must be off the path)
 
 
 def main() -> int:

@@ -36,7 +36,7 @@ ENVIRONMENT = {**os.environ, "PYTHONPATH": str(PROJECT)}
 def command(*arguments, cwd=PROJECT, **environ):
     """Runs `python -m pipeline` in a process of its own."""
     return subprocess.run(
-        [sys.executable, "-m", "pipeline", *arguments],
+        [sys.executable, "-m", "linkwright", *arguments],
         cwd=cwd,
         env={**ENVIRONMENT, **environ},
         capture_output=True,

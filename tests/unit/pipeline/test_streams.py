@@ -13,7 +13,7 @@ from tests.support.places import PROJECT
 def piped(folder, *arguments, read=1, both=False):
     """The exit status of a command whose reader leaves after so many lines, and what it said besides."""
     command = subprocess.Popen(
-        [sys.executable, "-m", "pipeline", *arguments],
+        [sys.executable, "-m", "linkwright", *arguments],
         cwd=folder,
         env={**os.environ, "PYTHONPATH": str(PROJECT), "LINKWRIGHT_CACHE": str(folder / "cache")},
         stdout=subprocess.PIPE,
@@ -58,7 +58,7 @@ def test_a_sweep_whose_reader_left_goes_on(tmp_path, launcher):
 def test_an_output_that_cannot_be_written_is_one_message_and_a_failure(tmp_path):
     with open("/dev/full", "w") as full:
         done = subprocess.run(
-            [sys.executable, "-m", "pipeline", "--version"],
+            [sys.executable, "-m", "linkwright", "--version"],
             cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(PROJECT)}, stdout=full,
             stderr=subprocess.PIPE, text=True, check=False,
         )  # fmt: skip

@@ -1,5 +1,6 @@
 """Checks of the user's own: functions and classes of trusted modules, and what goes wrong in them."""
 
+import importlib
 import json
 import subprocess
 import sys
@@ -10,8 +11,10 @@ import pytest
 from pipeline.config.trust import covered, targets
 from pipeline.errors import ConfigError
 from pipeline.plugins import sources, target
+from pipeline.trusted_modules import NotTrusted, trust
 from stages.robot.check import Check
 from stages.validate.own import OwnCheck
+from tests.support.command import COMMAND
 from tests.support.written import compiled_of
 
 MODEL = '<mujoco><worldbody><body name="base"><joint/><geom size=".1" mass="2"/></body></worldbody></mujoco>'
@@ -123,7 +126,7 @@ def test_a_target_is_found():
 
 def test_the_text_of_a_plugin_is_part_of_what_is_kept(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "path", list(sys.path))
+    monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))
     Path("my_light_checks.py").write_text("def light(compiled): return []\n")
     first = sources(["my_light_checks"])
     assert first == sources(["my_light_checks"])
@@ -131,6 +134,32 @@ def test_the_text_of_a_plugin_is_part_of_what_is_kept(tmp_path, monkeypatch):
     assert sources(["my_light_checks"]) != first
     assert sources(["no_such_module_here"]) is None
     assert sources(["time"]) is None
+
+
+def test_modules_of_the_working_folder_are_found_where_they_are_trusted_and_only_there(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "meta_path", list(sys.meta_path))
+    package = tmp_path / "lab_of_mine"
+    package.mkdir()
+    (package / "__init__.py").write_text("")
+    (package / "checks.py").write_text("def light(compiled): return []\n")
+    (package / "deep.py").write_text("from lab_of_mine.checks import light\n")
+    (tmp_path / "neighbour_of_mine.py").write_text("")
+    (tmp_path / "asking_of_mine.py").write_text("import neighbour_of_mine\ndef light(compiled): return []\n")
+    path = list(sys.path)
+    assert callable(target({"_target_": "lab_of_mine.checks.light"}, ["lab_of_mine.checks"], ""))
+    with pytest.raises(ConfigError) as caught:
+        target({"_target_": "asking_of_mine.light"}, ["asking_of_mine"], "validate.checks[0]")
+    assert "asking_of_mine imports neighbour_of_mine of the working folder" in caught.value.message
+    assert caught.value.hint == "if you trust it: plugins=[asking_of_mine,neighbour_of_mine]"
+    assert target({"_target_": "asking_of_mine.light"}, ["asking_of_mine", "neighbour_of_mine"], "")
+    trust(["lab_of_mine.checks"])
+    with pytest.raises(NotTrusted, match="plugins="):
+        importlib.import_module("lab_of_mine.deep")
+    trust(["lab_of_mine"])
+    sys.modules.pop("lab_of_mine")
+    assert importlib.import_module("lab_of_mine.deep").light
+    assert sys.path == path
 
 
 OWN = """
@@ -144,7 +173,7 @@ def light(compiled, most):
 
 def test_a_build_runs_them_from_the_working_folder(tmp_path):
     (tmp_path / "my_own_checks.py").write_text(OWN)
-    words = [sys.executable, "-m", "pipeline", "robot=sample", "mesh=primitives", "output=out", "export=mjcf"]
+    words = [str(COMMAND), "robot=sample", "mesh=primitives", "output=out", "export=mjcf"]
     own = ["validate.checks=[{_target_: my_own_checks.light, most: 0.5}]"]
     refused = subprocess.run([*words, *own], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert refused.returncode == 2

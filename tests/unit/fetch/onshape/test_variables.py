@@ -460,7 +460,7 @@ def test_a_build_of_its_own_cache_sets_and_puts_back(server, tmp_path):
 def test_what_a_killed_process_left_is_put_back_by_the_next(server, tmp_path):
     before = tables(server)
     command = [
-        sys.executable, "-m", "pipeline", "source=onshape", f"source.url='{server.document_url()}'",
+        sys.executable, "-m", "linkwright", "source=onshape", f"source.url='{server.document_url()}'",
         "source.variables={LegLength: '400 mm'}", "source.allow_write=true",
         f"cache.dir='{tmp_path / 'cache'}'", f"output='{tmp_path / 'out'}'", "until=graph", "name=stand",
     ]  # fmt: skip

@@ -96,7 +96,11 @@ def test_another_package_of_the_name_is_reported_with_both_paths(package, tmp_pa
     script = python(package, "script.py", cwd=tmp_path)
     assert script.returncode == 1
     assert script.stderr.endswith(f"ImportError: {message(name, other)}")
-    command = python(package, "-m", "linkwright", cwd=tmp_path)
+    command = python(package, "-m", "linkwright", "--cfg", "job", cwd=tmp_path)
+    assert command.returncode == 0, command.stderr
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    command = python(package, "-m", "linkwright", cwd=elsewhere, before=(tmp_path,))
     assert command.returncode == 2
     assert command.stderr == f"error: {message(name, other)}"
 

@@ -255,7 +255,7 @@ def test_an_interrupt_of_many_processes_is_one_message(tmp_path):
     pytest.importorskip("hydra_plugins.hydra_joblib_launcher")
     arguments = ["-m", "root=auto,fixed,free", "ground=plane,none", "hydra/launcher=workstation"]
     sweep = subprocess.Popen(
-        [sys.executable, "-m", "pipeline", *arguments],
+        [sys.executable, "-m", "linkwright", *arguments],
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": str(PROJECT), "LINKWRIGHT_CACHE": str(tmp_path / "cache")},
         stdout=subprocess.PIPE,
