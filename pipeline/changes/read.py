@@ -1,18 +1,17 @@
 """Reads the robot.json of an output folder, of a file, or of a revision in git."""
 
 import json
-import subprocess
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from pipeline.changes.git import blob
 from pipeline.errors import ConfigError, OutputError
 
 FILE = "robot.json"
 FORMAT, VERSION = "linkwright-robot", 1
 _HINT = "give an output folder, its robot.json, or REV:path of git"
-_LIMIT_S = 60
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,21 +56,11 @@ def _from_git(asked: str, revision: str, inside: str) -> bytes:
     for path in (inside, here):
         for one in (path, str(PurePosixPath(path) / FILE) if inside else FILE):
             name = one if path != here or one.startswith(("./", "../")) else f"./{one}"
-            found = _git("show", f"{revision}:{name}")
-            # `git show` of a folder lists it.
-            if found.returncode == 0 and not found.stdout.startswith(b"tree "):
+            found = blob(f"{revision}:{name}", _HINT)
+            if found.returncode == 0:
                 return found.stdout
             said = said or found.stderr.decode(errors="replace").strip()
     raise OutputError(f"git has no robot there: {said or 'it is a folder without ' + FILE}", asked, _HINT)
-
-
-def _git(*arguments: str) -> "subprocess.CompletedProcess[bytes]":
-    try:
-        return subprocess.run(["git", *arguments], capture_output=True, timeout=_LIMIT_S, check=False)
-    except FileNotFoundError:
-        raise OutputError("git is not installed", ":".join(arguments[1:]), _HINT) from None
-    except subprocess.TimeoutExpired:
-        raise OutputError(f"git gave no answer in {_LIMIT_S} s", ":".join(arguments[1:]), _HINT) from None
 
 
 def _read(data: bytes, place: str) -> Mapping[str, Any]:

@@ -1,13 +1,13 @@
 """`linkwright view NAME`: the robot of a build in MuJoCo's own viewer."""
 
 import os
-import shutil
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from pipeline.errors import ConfigError, OutputError
+from stages.robot.programs import program
 
 HELP = """\
 linkwright view: open the robot of a build in MuJoCo's own viewer, simulating, from its keyframe `home`.
@@ -77,7 +77,7 @@ def show(scene: str, otherwise: str = "") -> None:
 def _by_mjpython(scene: Path, otherwise: str) -> int:
     """A Mac draws windows from the main thread alone, which MuJoCo's own interpreter sees to."""
     mjpython = Path(sys.executable).with_name("mjpython")
-    found = str(mjpython) if mjpython.exists() else shutil.which("mjpython")
+    found = str(mjpython) if mjpython.exists() else program("mjpython")
     if found is None:
         msg = "there is no mjpython, by which MuJoCo's viewer runs on a Mac"
         raise OutputError(msg, "view", f"pip install mujoco; or {otherwise}")

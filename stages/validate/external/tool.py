@@ -2,13 +2,15 @@
 
 import functools
 import importlib.util
-import shutil
 import subprocess
 import sys
+import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
+
+from stages.robot.programs import program
 
 PATIENCE = 60.0
 """How long a program may take to say its version [s]."""
@@ -27,11 +29,11 @@ class Tool:
 
     def command(self, environ: Mapping[str, str]) -> tuple[str, ...] | None:
         """The program on PATH, or the module of this Python; None where there is neither."""
-        found = shutil.which(self.program, path=environ.get("PATH", ""))
+        found = program(self.program, environ)
         if found is not None:
             return (found,)
         if importlib.util.find_spec(self.module) is not None:
-            return sys.executable, "-m", self.main or self.module
+            return sys.executable, "-P", "-m", self.main or self.module
         return None
 
     def version(self, environ: Mapping[str, str]) -> str:
@@ -44,7 +46,7 @@ class Tool:
 def _version(command: tuple[str, ...], package: str, path: str) -> str:
     said = _said((*command, "--version"), path)
     if said is None:
-        said = _said((_interpreter(command[0]), "-c", _ASK, package), path)
+        said = _said((_interpreter(command[0]), "-I", "-c", _ASK, package), path)
     words = (said or "").split()
     return words[-1] if words else sha256(Path(command[0]).read_bytes()).hexdigest()[:12]
 
@@ -61,17 +63,19 @@ def _interpreter(program: str) -> str:
 
 
 def _said(command: tuple[str, ...], path: str) -> str | None:
-    """What a program prints; None where it fails."""
+    """What a program prints, in an empty working folder; None where it fails."""
     try:
-        done = subprocess.run(
-            command,
-            env={"PATH": path},
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=PATIENCE,
-            check=False,
-        )
+        with tempfile.TemporaryDirectory(prefix="linkwright-") as empty:
+            done = subprocess.run(
+                command,
+                cwd=empty,
+                env={"PATH": path, "PYTHONSAFEPATH": "1"},
+                stdin=subprocess.DEVNULL,
+                capture_output=True,
+                text=True,
+                timeout=PATIENCE,
+                check=False,
+            )
     except (OSError, subprocess.TimeoutExpired):
         return None
     return done.stdout if done.returncode == 0 and done.stdout.strip() else None

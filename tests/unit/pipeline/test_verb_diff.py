@@ -294,6 +294,57 @@ def test_a_revision_of_git_is_a_robot_too(folder, robot, tmp_path, monkeypatch, 
     assert run(["diff", "--output=x:robots/arm", "."]) == 2
 
 
+def test_git_runs_nothing_that_a_repository_names(folder, tmp_path, monkeypatch, capsys):
+    """Not the helper of a remote that promises a missing file, no hook, filter, text converter or pager."""
+    repository, marks = tmp_path / "repository", tmp_path / "marks"
+    (repository / "arm").mkdir(parents=True)
+    marks.mkdir()
+    (repository / "arm" / "robot.json").write_bytes((folder / "robot.json").read_bytes())
+    (repository / ".gitattributes").write_text("*.json filter=trap diff=trap\n")
+
+    def git(*words: str) -> str:
+        name = ["-c", "user.name=a", "-c", "user.email=a@b.c"]
+        done = subprocess.run(
+            ["git", *name, *words], cwd=repository, capture_output=True, text=True, check=True
+        )
+        return done.stdout.strip()
+
+    git("init", "-q")
+    git("add", ".")
+    git("commit", "-q", "-m", "one")
+    blob = git("rev-parse", "HEAD:arm/robot.json")
+
+    def trap(name: str) -> str:
+        return f"touch {marks / name}"
+
+    for key, value in {
+        "core.repositoryFormatVersion": "1",
+        "extensions.partialClone": "origin",
+        "remote.origin.url": f"ext::sh -c {trap('remote').replace(' ', '% ')}",
+        "remote.origin.promisor": "true",
+        "protocol.ext.allow": "always",
+        "filter.trap.smudge": trap("smudge"),
+        "filter.trap.clean": trap("clean"),
+        "diff.trap.textconv": trap("textconv"),
+        "diff.trap.command": trap("diff"),
+        "core.pager": trap("pager"),
+        "core.fsmonitor": trap("fsmonitor"),
+        "core.sshCommand": trap("ssh"),
+        "credential.helper": f"!{trap('credential')}",
+        "alias.cat-file": f"!{trap('alias')}",
+    }.items():
+        git("config", key, value)
+    for hook in ("post-index-change", "reference-transaction", "post-checkout"):
+        (repository / ".git" / "hooks" / hook).write_text(f"#!/bin/sh\n{trap(hook)}\n")
+        (repository / ".git" / "hooks" / hook).chmod(0o755)
+    monkeypatch.chdir(repository)
+    assert run(["diff", "HEAD:arm", "arm"]) == 0
+    (repository / ".git" / "objects" / blob[:2] / blob[2:]).unlink()
+    assert run(["diff", "HEAD:arm", "arm"]) == 1
+    assert "git has no robot there" in capsys.readouterr().err
+    assert list(marks.iterdir()) == []
+
+
 def test_programs_get_the_values(folder, robot, tmp_path, capsys):
     before = row(robot, "links", "palm")["mass"]
     row(robot, "links", "palm")["mass"] = 1.0

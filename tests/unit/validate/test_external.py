@@ -1,6 +1,7 @@
 """Checkers of other makers: found on PATH, run on a copy, their words as checks. Stand-ins play them."""
 
 import json
+import os
 import stat
 import sys
 from pathlib import Path
@@ -130,20 +131,39 @@ def test_a_tool_works_on_a_copy_and_sees_no_secret(folder, path, tmp_path):
     stand_in(
         tmp_path / "bin",
         "simcheck",
-        "open('arm.urdf', 'w').write('changed')\n"
-        f"json.dump([dict(os.environ), os.getcwd(), sys.argv[1:]], open({str(seen)!r}, 'w'))\n"
+        "open(sys.argv[2], 'w').write('changed')\n"
+        "facts = [dict(os.environ), os.getcwd(), os.listdir(), sys.path, sys.argv[1:]]\n"
+        f"json.dump(facts, open({str(seen)!r}, 'w'))\n"
         f"print(json.dumps([{SIMCHECK!r}]))",
     )
     (folder / "arm.srdf").write_text("<robot/>")
     (folder / "arm.xml").unlink()
     check_externally(folder, "arm", ["simcheck"], path)
-    environ, where, arguments = json.loads(seen.read_text())
+    environ, where, files, modules, arguments = json.loads(seen.read_text())
     assert (folder / "arm.urdf").read_text() == "<robot/>"
     assert Path(where) != folder
     assert not any("s3cret" in value for value in environ.values())
-    assert arguments[:2] == ["check", "arm.urdf"]
-    assert arguments[-2:] == ["--srdf", "arm.srdf"]
+    assert files == []
+    assert not {where, "", str(Path(arguments[1]).parent)} & set(modules)
+    assert [Path(word).name for word in arguments[:2]] == ["check", "arm.urdf"]
+    assert [Path(word).name for word in arguments[-2:]] == ["--srdf", "arm.srdf"]
     assert not Path(where).exists()
+
+
+def test_paths_in_what_a_tool_says_start_in_the_robots_folder(folder, path, tmp_path):
+    code = "report = json.loads(" + repr(json.dumps(SIMCHECK)) + ")\nreport['verdict'] = sys.argv[2]\n"
+    stand_in(tmp_path / "bin", "simcheck", code + "print(json.dumps([report]))")
+    check = check_externally(folder, "arm", ["simcheck"], path)[0]
+    assert check.detail.startswith("arm.urdf, score")
+
+
+def test_no_program_of_the_working_folder_is_a_checker(folder, tmp_path, monkeypatch):
+    (tmp_path / "bin").mkdir()
+    monkeypatch.chdir(tmp_path / "bin")
+    stand_in(tmp_path / "bin", "simcheck", f"print(json.dumps([{SIMCHECK!r}]))")
+    for places in ("", ".", os.pathsep, f"..{os.sep}bin"):
+        assert TOOLS["simcheck"].command({"PATH": places}) in (None, (sys.executable, "-P", "-m", "simcheck"))
+    assert TOOLS["simcheck"].command({"PATH": str(tmp_path / "bin")}) == (str(tmp_path / "bin" / "simcheck"),)
 
 
 @pytest.mark.parametrize("code", ["sys.exit(1)", "print('[]')", "print('oops')", "os.abort()"])
