@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from pipeline import pasted
 from pipeline.config.plan import Plan
 from pipeline.config.trust import TARGET, covered
 from pipeline.digest import sha256
@@ -28,7 +29,7 @@ def target(entry: Mapping[str, Any], plugins: Sequence[str], where: str) -> Any:
     module, _, name = path.rpartition(".")
     if not covered(path, plugins):
         msg = f"{path} is of no module that plugins names"
-        raise ConfigError(msg, where, f"if you trust it: plugins=[{module or path}]")
+        raise ConfigError(msg, where, f"if you trust it: {pasted.word(f'plugins=[{module or path}]')}")
     trust(plugins)
     try:
         found = importlib.import_module(module)

@@ -8,6 +8,8 @@ from importlib.machinery import ModuleSpec, PathFinder
 from pathlib import Path
 from types import ModuleType
 
+from pipeline import pasted
+
 
 class NotTrusted(ModuleNotFoundError):
     """A module is in the working folder, and no trusted module.
@@ -17,7 +19,7 @@ class NotTrusted(ModuleNotFoundError):
     """
 
     def __init__(self, name: str, trusted: Sequence[str]) -> None:
-        self.line = f"plugins=[{','.join((*trusted, name))}]"
+        self.line = pasted.word(f"plugins=[{','.join((*trusted, name))}]")
         super().__init__(f"{name} is in the working folder and not trusted; if you trust it: {self.line}")
         self.name = name
 

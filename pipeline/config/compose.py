@@ -6,7 +6,6 @@ a sweep runs under Hydra's launcher after every job's plan is validated.
 
 import os
 import re
-import shlex
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
@@ -21,6 +20,7 @@ from hydra.types import RunMode
 from omegaconf import DictConfig, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
+from pipeline import pasted
 from pipeline.config import interpolated
 from pipeline.config.choices import resolved_tree
 from pipeline.config.hydra_errors import explained
@@ -204,7 +204,7 @@ class Composer:
         sweeping = self._node.sweeping(config, draft, resolved.get("name"), job)
         for problem in self._params(sweeping.params)[1]:
             draft.add(problem)
-        files, command = self._presets.own_files(paths), shlex.join(self._typed)
+        files, command = self._presets.own_files(paths), pasted.line(self._typed)
         draft.problems += targets(resolved, command)
         places = {problem.where for problem in draft.problems}
         draft.problems += [one for one in overridden(map(content, files)) if one.where not in places]

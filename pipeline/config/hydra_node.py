@@ -1,6 +1,5 @@
 """The node `hydra` of a tree: launchers, the folders of a sweep, and keys that a file must not set."""
 
-import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
@@ -9,6 +8,7 @@ from typing import Any
 from hydra.core.hydra_config import HydraConfig
 from omegaconf import DictConfig, open_dict
 
+from pipeline import pasted
 from pipeline.config.hydra_errors import explained
 from pipeline.config.hydra_loader import composed
 from pipeline.config.overrides import Override
@@ -110,7 +110,7 @@ class HydraNode:
             return None
         text = f"your own launchers are used only from --config-dir, and this launcher is {files[0]}"
         command = [*self._command[:1], "--config-dir", str(files[0].parents[2]), *self._command[1:]]
-        return Diagnostic(CODE, text, f"{GROUP}={launcher}", f"if you trust it: {shlex.join(command)}")
+        return Diagnostic(CODE, text, f"{GROUP}={launcher}", f"if you trust it: {pasted.line(command)}")
 
 
 @lru_cache(maxsize=16)

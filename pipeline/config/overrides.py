@@ -6,11 +6,11 @@ becomes `++joints={*:{damping:1}}`.
 """
 
 import re
-import shlex
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from pipeline import pasted
 from pipeline.config import grammar
 from pipeline.config.messages import nearest
 from stages.robot.errors import Diagnostic
@@ -213,7 +213,7 @@ def _parsed(argument: str, hydra: str, values: Values) -> tuple[str, ...]:
         if value.startswith("~"):
             value = str(Path(value).expanduser())
         raise _RefusedError(
-            f"cannot be read: {message}", *(hint or [f"quote the value: {quoted(key, value)}"])
+            f"cannot be read: {message}", *(hint or [f"quote the value: {pasted.override(key, value)}"])
         ) from None
 
 
@@ -236,13 +236,6 @@ def _yaml(key: str, value: str) -> str:
     return f"{head}: " + "".join(f"{{{name}: " for name in names) + value + "}" * len(names)
 
 
-def quoted(key: str, value: str) -> str:
-    """`key=value` to paste: Hydra's quotes inside, the shell's outside."""
-    inner = value.strip().strip("'\"").replace("'", r"\'")
-    text = f"{key}='{inner}'"
-    return shlex.quote(text) if re.search(r'[$`"!\\]', text) else f'"{text}"'
-
-
 def _has_url(argument: str) -> bool:
     return "://" in argument
 
@@ -251,7 +244,7 @@ def _paste(arguments: Iterable[str], multirun: bool) -> str:
     words = ["linkwright", "-m"] if multirun else ["linkwright"]
     for argument in arguments:
         key, _, value = argument.partition("=")
-        whole = quoted(key, value) if _has_url(argument) else shlex.quote(argument)
+        whole = pasted.override(key, value) if _has_url(argument) else pasted.word(argument)
         words.append(whole)
     line = " ".join(words)
     return f"paste: {line}   (check its end: an unquoted & has cut the URL in the shell)"
@@ -261,14 +254,15 @@ def _one_value(argument: str, override: Override) -> str:
     key, _, value = argument.partition("=")
     if value.startswith("glob("):
         return "for a sweep add -m"
-    return f"for a sweep add -m; for one text {quoted(key, value)}; for a list '{key}=[{value}]'"
+    several = pasted.word(f"{key}=[{value}]")
+    return f"for a sweep add -m; for one text {pasted.override(key, value)}; for a list {several}"
 
 
 def _no_key(argument: str) -> tuple[str, str]:
     if argument in VERBS:
         return f"`{argument}` is not supported yet", "linkwright --help lists the verbs"
     if "://" in argument:
-        return _NO_KEY, f"linkwright source=onshape {quoted('source.url', argument)}"
+        return _NO_KEY, f"linkwright source=onshape {pasted.override('source.url', argument)}"
     near = nearest(argument, VERBS)
     if near or not re.fullmatch(r"[\w./~ -]+", argument):
         return _NO_KEY, near or "linkwright --help shows how keys and groups are typed"
@@ -281,7 +275,7 @@ def _no_key(argument: str) -> tuple[str, str]:
 def _given(key: str, value: str) -> str:
     """The last word of `key` in quotes, with its value."""
     *before, last = key.split(" ")
-    return " ".join([*before, quoted(last, value)])
+    return " ".join([*before, pasted.override(last, value)])
 
 
 _SOURCES = {"urdf": "urdf", "xacro": "urdf", "xml": "mjcf", "mjcf": "mjcf", "zip": "bundle"}

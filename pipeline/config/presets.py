@@ -2,7 +2,6 @@
 
 import os
 import re
-import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -10,6 +9,7 @@ from typing import Any
 import yaml
 
 import conf
+from pipeline import pasted
 from pipeline.config import yaml_file
 from pipeline.config.choices import Choices
 from pipeline.config.messages import EXPERIMENT, nearest
@@ -209,7 +209,7 @@ class Presets:
         near = nearest(stem, options)
         other = (self._here / path).with_suffix(".yaml")
         if path.endswith(".yml") and (self._here / path).is_file():
-            return f"rename it: mv {shlex.quote(path)} {shlex.quote(str(other.name))}"
+            return f"rename it: mv {pasted.line([path, other.name])}"
         places = " and ".join(str(folder / "robot") for folder in self.own)
         return f"{near} paths start at {self._here}{f'; robots by name: {places}' if places else ''}".strip()
 
@@ -246,7 +246,7 @@ def _check_place(folder: Path, named: str) -> None:
         msg = f"{named} contains YAML files, but no folder robot/"
         above = folder.resolve().parent
         if folder.resolve().name == "robot":
-            wanted = f"name the folder above it: --config-dir {shlex.quote(str(above))}"
+            wanted = f"name the folder above it: --config-dir {pasted.word(str(above))}"
         raise ConfigError(msg, "--config-dir", wanted)
     msg = f"{named} has no folder robot/ with a robot in it"
     raise ConfigError(msg, "--config-dir", wanted)

@@ -7,12 +7,12 @@ command line alone (`ours`).
 import json
 import os
 import re
-import shlex
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from pipeline import pasted
 from pipeline.config.messages import shown
 from pipeline.key_path import Place, key_of
 from stages.robot.errors import Diagnostic
@@ -209,7 +209,7 @@ def _override(key: str, value: Any) -> str:
         value if isinstance(value, bool) else [str(one) for one in value] if _is_list(value) else str(value)
     )
     text = json.dumps(plain, ensure_ascii=False).replace('"', "")
-    return shlex.quote(f"{key}={text}")
+    return pasted.word(f"{key}={text}")
 
 
 def _is_list(value: Any) -> bool:

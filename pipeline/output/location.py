@@ -5,6 +5,7 @@ import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from pipeline import pasted
 from pipeline.errors import ConfigError
 
 NAME_MAX = 255
@@ -61,7 +62,9 @@ def _check(place: Path, given: str) -> None:
             raise ConfigError(f"{folder} is a file", "output", ELSEWHERE)
     if place.is_mount():
         msg = f"{place} is a mount point and cannot be replaced"
-        raise ConfigError(msg, "output", f"name a folder in it, such as output={place / 'arm'}")
+        raise ConfigError(
+            msg, "output", f"name a folder in it, such as {pasted.override('output', str(place / 'arm'))}"
+        )
 
 
 def require_free(place: Path, taken: Mapping[str, Path], cache: Path) -> None:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pipeline import pasted
 from pipeline.errors import CacheError, ConfigError, OutputError
 from stages.robot.plural import count
 
@@ -64,7 +65,7 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
     print(
         f"{asked.out}: {count(replies, 'reply', 'replies')}, {len(data) / 1e6:.2f} MB: all inputs of {folder}"
     )
-    print(f"  → linkwright source=bundle source.path={asked.out}")
+    print(f"  → linkwright source=bundle {pasted.override('source.path', str(asked.out))}")
     return 0
 
 

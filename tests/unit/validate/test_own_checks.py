@@ -151,7 +151,7 @@ def test_modules_of_the_working_folder_are_found_where_they_are_trusted_and_only
     with pytest.raises(ConfigError) as caught:
         target({"_target_": "asking_of_mine.light"}, ["asking_of_mine"], "validate.checks[0]")
     assert "asking_of_mine imports neighbour_of_mine of the working folder" in caught.value.message
-    assert caught.value.hint == "if you trust it: plugins=[asking_of_mine,neighbour_of_mine]"
+    assert caught.value.hint == "if you trust it: 'plugins=[asking_of_mine,neighbour_of_mine]'"
     assert target({"_target_": "asking_of_mine.light"}, ["asking_of_mine", "neighbour_of_mine"], "")
     trust(["lab_of_mine.checks"])
     with pytest.raises(NotTrusted, match="plugins="):

@@ -1,0 +1,82 @@
+"""Text to paste: whatever a name holds, the shell hands it over as it is and runs nothing of it."""
+
+import shutil
+import subprocess
+import sys
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pipeline import pasted
+from pipeline.config.compose import compose_plan
+from pipeline.config.trust import targets
+
+TEXTS = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), min_size=1, max_size=12)
+HOSTILE = [
+    "'; touch X; '",
+    "$(touch X)",
+    "`touch X`",
+    'a"; touch X; "',
+    "a b",
+    "~",
+    "*",
+    "!!",
+    "a\\",
+    "\\'",
+    "#x",
+]
+
+
+def said(line: str) -> str:
+    """What the shell gives a program as its only argument."""
+    code = "import sys; sys.stdout.write(repr(sys.argv[1:]))"
+    words = [shutil.which("sh") or "sh", "-c", f"{pasted.word(sys.executable)} -c {pasted.word(code)} {line}"]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    (argument,) = eval(done.stdout)
+    return str(argument)
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_a_shell_runs_nothing_of_a_word(text: str, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert said(pasted.word(text)) == text
+    assert said(pasted.line([text])) == text
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("text", HOSTILE)
+def test_an_override_comes_through_the_shell_and_through_hydra(text: str) -> None:
+    value = text.strip("'\"")
+    argument = said(pasted.override("vars.x", text))
+    assert compose_plan(["source=sample", argument]).plan.vars["x"] == value
+
+
+@settings(max_examples=200)
+@given(TEXTS)
+def test_a_word_of_powershell_is_one_literal(text: str) -> None:
+    word = pasted.word(text, windows=True)
+    if word == text:
+        assert not set(text) & set("'\"`$;&|()<>{}@# \t\r\n" if text[0] == "@" else "'\"`$;&|()<>{}# \t\r\n")
+        return
+    inner = word[1:-1]
+    for quote in "'\u2018\u2019\u201a\u201b":
+        assert inner.count(quote) == 2 * text.count(quote)
+        inner = inner.replace(2 * quote, quote)
+    assert inner == text
+
+
+def test_the_hint_of_a_module_that_is_not_trusted_can_be_pasted() -> None:
+    tree = {"validate": {"checks": [{"_target_": "a'; touch X; '.light"}]}}
+    (problem,) = targets(tree, "linkwright")
+    line = problem.hint.partition("linkwright ")[2]
+    assert said(line) == "plugins=[a'; touch X; ']"
+
+
+@pytest.mark.parametrize("name", ["a'; touch X; '", "a b", "1a", "a.", ".a", "a-b", ""])
+def test_a_plugin_has_the_name_of_a_module(name: str) -> None:
+    from pipeline.config.plan import Plan
+    from pipeline.errors import ConfigError
+
+    with pytest.raises(ConfigError, match="plugins"):
+        Plan.parse({"name": "arm", "source": {"kind": "sample"}, "plugins": [name]})
