@@ -1,5 +1,6 @@
 """Compares two robots, table by table of robot.json."""
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
@@ -46,6 +47,9 @@ _JOINTS = ("follower", "driver", "dof", "joint")
 _OF_JOINTS = ("given", "values", "compensating")
 """Fields that name links, joints or dofs, and several of these."""
 
+_WITH_DOFS = ("joints", "loops")
+"""Tables whose rows list their degrees of freedom; the units of a row are those of its first."""
+
 _APART = ("format", "version", "source", "order", *KEYED_BY)
 """What has rows of its own, or is no property of the robot: its document, and the places in arrays, which
 follow from all else but the order of the rows."""
@@ -88,14 +92,14 @@ def _tables(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) -
 def _rows(table: str, key: Key, before: Entry, after: Entry, names: Names) -> Iterator[Change]:
     """Differences of a row that both robots have."""
     name, was = name_of(after, key), name_of(before, key)
+    kind = after["dofs"][0]["kind"] if table in _WITH_DOFS and after["dofs"] else "turn"
     # An actuator that has the name of its joint has nothing of its own to tell.
     if was != name and table in ("links", "joints", "loops"):
         yield Change(table, name, "renamed", "name", was, name, f"was {was}")
-    kind = _kind_of(after)
     for field in dict.fromkeys((*before, *after)):
         if field == key or field in key or field in _NOT_COMPARED:
             continue
-        if field == "dofs":
+        if field == "dofs" and table in _WITH_DOFS:
             yield from _dofs(table, name, before[field], after[field], names)
         else:
             one = _in_new_names(field, before.get(field), names)
@@ -170,8 +174,9 @@ def _order(before: Mapping[str, Any], after: Mapping[str, Any], names: Names) ->
         for table in sorted(old[file].keys() & new[file].keys()):
             one = [names.joints.get(row["name"], row["name"]) for row in old[file][table]]
             other = [row["name"] for row in new[file][table]]
-            if one != other and sorted(one) == sorted(other):
-                text = f"{table} have another order: {', '.join(one)} → {', '.join(other)}"
+            if one != other and Counter(one) == Counter(other):
+                shown, now = (", ".join(name or "(unnamed)" for name in row) for row in (one, other))
+                text = f"{table} have another order: {shown} → {now}"
                 yield Change("order", file, "changed", table, one, other, text)
 
 
@@ -183,12 +188,6 @@ def _in_new_names(field: str, value: Any, names: Names) -> Any:
         return [names.joints.get(one, one) for one in value]
     known = names.links if field in _LINKS else names.joints if field in _JOINTS else {}
     return known.get(value, value) if known and isinstance(value, str) else value
-
-
-def _kind_of(row: Entry) -> str:
-    """The kind of dof whose units the numbers of a row have."""
-    dofs = row.get("dofs") or ()
-    return dofs[0]["kind"] if dofs else "turn"
 
 
 def _presence(table: str, row: Entry) -> str:

@@ -26,18 +26,20 @@ class Since:
     """What is different from the last build in the folder.
 
     `first`: no build was there. `robot`: differences of the robot, a thing and what is said of it each, and
-    how many `more` there are; `files`: of its checks and files, each a sentence.
+    how many `more` there are; `unknown`: why these could not be found, or nothing; `files`: of its checks and
+    files, each a sentence.
     """
 
     first: bool = False
     robot: tuple[tuple[str, str], ...] = ()
     more: int = 0
+    unknown: str = ""
     files: tuple[str, ...] = ()
 
     @property
     def nothing(self) -> bool:
         """Whether every file of the robot is as it was."""
-        return not (self.first or self.robot or self.files)
+        return not (self.first or self.robot or self.unknown or self.files)
 
 
 def since(
@@ -64,7 +66,7 @@ def since(
         changes = _compared(json.loads((folder / FILE).read_bytes()), json.loads(files[FILE]))
     except Exception as error:  # an older build, or a changed file, may hold anything
         failed = f"the {FILE} of the previous build cannot be compared: {type(error).__name__}"
-        return Since(files=(failed, *told))
+        return Since(unknown=failed, files=told)
     return Since(robot=changes[:MOST], more=max(0, len(changes) - MOST), files=told)
 
 

@@ -20,6 +20,8 @@ def changed(changes: Since | None, secrets: Secrets) -> str:
 
 
 def _robot(changes: Since, secrets: Secrets) -> str:
+    if changes.unknown:
+        return f"<p>Whether the robot is the same is not known: {text(secrets.blanked(changes.unknown))}.</p>"
     if not changes.robot:
         return "<p>The robot is the same; its files are not.</p>"
     rows, last = [], ""

@@ -58,6 +58,8 @@ def difference(changes: Since) -> str:
     """How much is different from the last build, in words."""
     if changes.nothing:
         return "unchanged since the previous build"
+    if changes.unknown:
+        return "the previous build cannot be compared"
     number = len(changes.robot) + changes.more
     return f"{count(number, 'difference')} from the previous build" if number else "some files are different"
 

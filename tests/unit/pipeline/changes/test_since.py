@@ -10,6 +10,7 @@ from pipeline.changes.since import MOST, since
 from pipeline.digest import sha256
 from pipeline.output import manifest
 from pipeline.page.changed import changed
+from pipeline.page.head import difference
 from pipeline.secrets import Secrets
 from stages.robot.check import Check
 from stages.robot.errors import AssemblyError
@@ -125,7 +126,10 @@ def test_a_last_build_that_cannot_be_read_fails_nothing(last, files, broken):
     new = changed_robot(files, lambda robot: robot.update(mass=1.0))
     (last / "robot.json").write_bytes(broken)
     found = since(last, digests(new), new)
-    assert "cannot be compared" in found.files[0]
+    assert "cannot be compared" in found.unknown
+    assert "cannot be compared" in text(found)
+    assert "is the same;" not in text(found)
+    assert difference(found) == "the previous build cannot be compared"
 
 
 def test_names_and_secrets_break_out_nowhere(last, files):

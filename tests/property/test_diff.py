@@ -1,0 +1,91 @@
+"""`linkwright diff` of any two robots: it ends without an error, and says what differs."""
+
+import copy
+import json
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pipeline.changes.compare import compare
+from pipeline.changes.pairs import renamed
+from pipeline.changes.read import Described
+from pipeline.changes.show import as_json, as_markdown, as_text
+from tests.fake_onshape.document import Document
+from tests.fake_onshape.random_document import documents
+from tests.support.building import write
+from tests.support.drawn import PLACES, SLOWLY, drawn
+
+BODY = "<body name='{}' pos='3 0 1'>{}<geom name='{}' size='.1'/></body>"
+
+ELEMENTS: tuple[dict[str, Any], ...] = (
+    {},
+    {"cube": {"into": {"tag": "worldbody"}, "xml": BODY.format("cube", "<freejoint/>", "cube")}},
+    {"ball": {"into": {"tag": "worldbody"}, "xml": BODY.format("ball", "<joint type='ball'/>", "ball")}},
+    {"post": {"into": {"tag": "worldbody"}, "xml": BODY.format("post", "", "post")}},
+    {"lamp": {"into": {"tag": "worldbody", "file": "scene"}, "xml": "<light pos='0 1 2' dir='0 -1 -2'/>"}},
+)
+"""Values of the key `elements`: bodies with a free joint, a ball or no joint, and a light of the scene."""
+
+Drawn = tuple[Document, int, int, dict[str, Any]]
+
+ROBOTS = st.tuples(
+    st.booleans().flatmap(lambda loops: documents(max_bodies=6, loops=loops)),
+    PLACES,
+    PLACES,
+    st.sampled_from(ELEMENTS),
+)
+
+
+def described(choice: Drawn) -> dict[str, Any]:
+    """The robot.json of a drawn robot with its element."""
+    document, root, seed, elements = choice
+    servos = {"*": "position"} if seed % 3 == 0 else {}
+    robot, plan = drawn(document, root, seed, elements=elements, actuators=servos)
+    with tempfile.TemporaryDirectory() as folder:
+        write(robot, Path(folder), plan)
+        table: dict[str, Any] = json.loads((Path(folder) / "robot.json").read_text())
+    return table
+
+
+def differs_as_it_should(first: Drawn, second: Drawn) -> None:
+    before, after = described(first), described(second)
+    assert compare(before, copy.deepcopy(before)) == ()
+    changes = compare(before, after)
+    for shown in (as_text, as_json, as_markdown):
+        assert shown(Described("before", before), Described("after", after), changes)
+    names = renamed(before, after).links
+    old = {names.get(link["name"], link["name"]) for link in before["links"]}
+    new = {link["name"] for link in after["links"]}
+    links = [change for change in changes if change.section == "links"]
+    assert {change.name for change in links if change.kind == "added"} == new - old
+    assert {names.get(change.name, change.name) for change in links if change.kind == "removed"} == old - new
+    paths = {change.field.partition(".")[0] for change in changes if change.section == "robot"}
+    assert ("amendments" in paths) == (before.get("amendments") != after.get("amendments"))
+    assert ("base" in paths) >= (before["base"]["fixed"] != after["base"]["fixed"])
+
+
+@settings(max_examples=6, deadline=None, **SLOWLY)
+@given(ROBOTS, ROBOTS)
+def test_a_few_pairs_of_robots_differ_as_they_should(first: Drawn, second: Drawn) -> None:
+    differs_as_it_should(first, second)
+
+
+@pytest.mark.slow
+@settings(max_examples=150, deadline=None, **SLOWLY)
+@given(ROBOTS, ROBOTS)
+def test_pairs_of_robots_differ_as_they_should(first: Drawn, second: Drawn) -> None:
+    differs_as_it_should(first, second)
+
+
+@pytest.mark.parametrize("elements", ELEMENTS)
+@settings(max_examples=2, deadline=None, **SLOWLY)
+@given(documents(max_bodies=4), PLACES)
+def test_an_added_element_is_the_difference(elements: dict[str, Any], document: Document, seed: int) -> None:
+    plain, amended = (described((document, 0, seed, choice)) for choice in ({}, elements))
+    changes = compare(plain, amended)
+    assert {change.section for change in changes} <= {"robot", "surplus", "keyframes", "order"}
+    assert bool(changes) == bool(elements)
