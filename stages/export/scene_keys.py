@@ -45,8 +45,8 @@ class PoseKeys(Keys):
 
     kind: Literal["touch", "given"] = "given"
     """touch: upright at the origin, with its lowest collider on the ground, at `home` and in each other
-    keyframe (of a fixed base, the lowest of what is fixed), and without a ground at the origin; given: as the
-    other keys say."""
+    keyframe (of a fixed base, the lowest of what is fixed, and it stays where CAD has it where that is within
+    2 mm of the ground), and without a ground at the origin; given: as the other keys say."""
 
     xyz: Annotated[Position, example([0, 0, 0.2])] = (0, 0, 0)
     """Position [m]."""

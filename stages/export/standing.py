@@ -25,6 +25,11 @@ BELOW = 5e-4
 """How deep [m] a link of a fixed robot may be in the ground before it is reported."""
 
 
+SLACK = 2e-3
+"""How far [m] the collider of a fixed robot's foot may be off the ground, above or below, with the robot where
+CAD has it: a collider may be that much larger or smaller than the part."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Stance:
     """`world_from_root` (4, 4): the root link's pose at `home`. `low`, `high` (3,) [m]: the corners of the
@@ -49,7 +54,8 @@ def stand(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> Stance:
     touches = pose.kind == "touch" and ground.kind != "none"
 
     def height(extents: Extents) -> float:
-        return _height(robot, extents, ground) if touches else 0.0
+        rise = _height(robot, extents, ground) if touches else 0.0
+        return 0.0 if robot.base.fixed and abs(rise) <= SLACK else rise
 
     at_home = home(robot)
     extents = _extents(robot, geometry, given, at_home)
