@@ -43,6 +43,11 @@ def _folder(folder: Path, asked: str, level: str) -> Verdict:
     truth = _truth(folder)
     if truth is not None:
         found = _against(truth, folder, level)
+        if not found:
+            msg = f"its {TRUTH} lists no files: that build ended before the export"
+            raise OutputError(
+                msg, asked, "build the robot without `until`, and check the folder of that build"
+            )
         return Verdict(asked, str(folder), truth.robot.name, level, found)
     if not _models(folder):
         raise OutputError(f"the folder has no {TRUTH}, and no URDF or MJCF", asked, _HINT)

@@ -16,6 +16,7 @@ from typing import Any
 
 from hydra._internal.core_plugins import file_config_source, importlib_resources_config_source
 from hydra._internal.sources_registry import SourcesRegistry
+from hydra.errors import ConfigCompositionException
 from hydra.plugins.config_source import ConfigResult, ConfigSource
 from omegaconf import OmegaConf
 from omegaconf.base import Container
@@ -42,7 +43,9 @@ class FileConfigSource(file_config_source.FileConfigSource):
         path = Path(self.path) / self._normalize_file_name(config_path)
         if not path.exists():
             return super().load_config(config_path)
-        return _result(self, os.path.realpath(path), yaml_file.text(path))
+        found = _result(self, os.path.realpath(path), yaml_file.text(path))
+        _check_order(found.config, config_path.removesuffix(".yaml"))
+        return found
 
 
 class ImportlibResourcesConfigSource(importlib_resources_config_source.ImportlibResourcesConfigSource):
@@ -57,6 +60,24 @@ def _result(source: ConfigSource, name: str, text: str) -> ConfigResult:
     # Hydra takes the defaults list out of what it gets.
     mine = copy.deepcopy(config)
     return ConfigResult(source.provider, f"{source.scheme()}://{source.path}", mine, dict(header))
+
+
+def _check_order(config: Container, name: str) -> None:
+    """Raises ConfigCompositionException where an override precedes another entry of a file's defaults list.
+
+    Hydra 1.3 and 1.4 find that too, but fail to say so where the override chooses several options.
+    """
+    plain = OmegaConf.to_container(config, resolve=False)
+    defaults = plain.get("defaults") if isinstance(plain, dict) else None
+    overridden = ""
+    for entry in defaults if isinstance(defaults, list) else ():
+        text = " ".join(map(str, entry)) if isinstance(entry, dict) else str(entry)
+        if text.startswith("override "):
+            overridden = text.removeprefix("override ")
+        elif overridden and text != "_self_":
+            raise ConfigCompositionException(
+                f"In {name}: Override '{overridden}' is defined before '{text}'."
+            )
 
 
 @lru_cache(maxsize=64)

@@ -191,6 +191,9 @@ class Presets:
             return Diagnostic("E-OPTION", f"there is no folder {group}/", where, hint)
         hint = f"options: {', '.join(options)}"
         if group == "robot" and (option.endswith((".yaml", ".yml")) or "/" in option):
+            if (self._here / option).is_file() and not option.endswith((".yaml", ".yml")):
+                hint = "a URDF or an MJCF is a source: source=urdf source.path=arm.urdf"
+                return Diagnostic("E-OPTION", "a robot's file is YAML: its name ends in .yaml", where, hint)
             return Diagnostic("E-OPTION", "there is no such file", where, self._near(option, options))
         near = nearest(option.removesuffix(".yaml").rpartition("/")[2], options)
         if near:

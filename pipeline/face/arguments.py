@@ -44,6 +44,11 @@ def plan_of(
         given = " and ".join("a mapping" if isinstance(one, Mapping) else str(one) for one in robots)
         raise ConfigError(f"one robot is built at a time, got {given}", "", "call build once for each")
     overrides = [str(one) for one in what if not is_robot(one)]
+    chosen = next((text for text in overrides if text.lstrip("+").startswith("robot=")), None)
+    if robots and chosen:
+        given = "a mapping" if isinstance(robots[0], Mapping) else str(robots[0])
+        hint = f"leave one out, or begin with the other: defaults: [/robot/{chosen.partition('=')[2]}]"
+        raise ConfigError(f"one robot is built at a time, got {given} and {chosen}", "", hint)
     overrides += ["source.trust=true"] if trust else []
     overrides += [f"plugins=[{','.join(map(hydra_text, plugins))}]"] if plugins else []
     overrides += [f"output={hydra_text(os.fspath(output))}"] if output is not None else []

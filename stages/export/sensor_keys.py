@@ -178,7 +178,7 @@ class SensorKeys(Keys):
     """What is measured, in this order. joint: pos, vel, actuator_force, limit_pos, limit_vel, limit_force;
     actuator: pos, vel, force; imu: gyro, accelerometer, quat, velocimeter, magnetometer; frame: pos, quat,
     xaxis, yaxis, zaxis, linvel, angvel, linacc, angacc. null: pos and vel; all; gyro, accelerometer and quat;
-    pos and quat."""
+    pos and quat. linacc includes gravity, as an accelerometer does: at rest it is 9.81 m/s² upwards."""
 
     size: Annotated[Size | None, example([0.1, 0.06, 0.02])] = None
     """Of touch: radius of a ball, or lengths of a box [m], around the frame, inside which contact counts.

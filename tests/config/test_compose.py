@@ -206,6 +206,7 @@ def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
     [
         (["robot=my_rm"], "did you mean my_arm? options: bare, legged, my_arm, sample; robots of your"),
         (["robot=robot/my_arn.yaml"], "there is no such file\n      did you mean my_arm? paths start at"),
+        (["robot=robot/config.json"], "robot=robot/config.json: a robot's file is YAML: its name ends in .yaml"),
         (["robot=old"], "{own}/old.yml must end in .yaml"),
         (["robot=null"], "E-OPTION robot=null: there is no such option"),
         (["robot=[my_arm,bare]"], "E-OPTION robot=[my_arm,bare]: expected one option"),
@@ -230,6 +231,7 @@ def test_a_robot_of_the_same_name_as_ours_is_ambiguous(tmp_path):
 def test_a_choice_that_cannot_be_made_is_reported(tmp_path, arguments, shown):
     write(tmp_path, my_arm=MY_ARM)
     (tmp_path / "robot" / "old.yml").write_text("")
+    (tmp_path / "robot" / "config.json").write_text("{}")
     assert shown.format(own=tmp_path / "robot") in refused(tmp_path, *arguments)
 
 

@@ -118,6 +118,7 @@ ROBOTS = {
     "no option": ("  - override /mesh: hul\n", "E-OPTION mesh=hul", "did you mean hull? options: coacd, hull"),
     "no folder": ("  - /extra: x\n", "E-OPTION extra=x", "groups: actuators"),
     "order": ("  - override /mesh: hull\n  - bare\n", "E-OVERRIDE robot/bad.yaml", "at the end of the list"),
+    "order of a list": ("  - override /export: [urdf, mjcf]\n  - bare\n", "E-OVERRIDE robot/bad.yaml", "at the end of the list"),
     "twice": ("  - /mesh: ladder\n", "E-OVERRIDE mesh", "- override /mesh: ..."),
     "computed": ("  - /${mesh}/x\n", "E-OVERRIDE ${mesh}/x", "the name of the option itself"),
     "logging": ("  - override /hydra/job_logging: nope\n", "E-TRUST hydra.job_logging", "remove it"),

@@ -124,7 +124,9 @@ def test_a_fixed_robot_stands_on_what_is_fixed_and_what_is_below_is_named() -> N
     assert "240 mm in the ground" in found.message
 
 
-@pytest.mark.parametrize(("off", "stays"), [(0.0019, True), (-0.0019, True), (0.0021, False), (-0.0021, False)])
+@pytest.mark.parametrize(
+    ("off", "stays"), [(0.0019, True), (-0.0019, True), (0.0021, False), (-0.0021, False)]
+)
 def test_a_fixed_robot_stays_where_cad_has_it_within_a_colliders_slack(off: float, stays: bool) -> None:
     box = Primitive("box", (0.2, 0.1, 0.06), frozen(at(0.0, 0.0, 0.03 - off)))
     robot = shaped(robot_with([]), base=[box])

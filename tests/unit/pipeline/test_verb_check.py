@@ -344,3 +344,11 @@ def test_reports_are_written_beside_the_text(folder: Path, capsys: pytest.Captur
     first = Path("a.sarif").read_bytes(), Path("a.xml").read_bytes()
     assert run(["check", "--sarif", "a.sarif", "--junit=a.xml", "robot"]) == 3
     assert (Path("a.sarif").read_bytes(), Path("a.xml").read_bytes()) == first
+
+
+def test_a_build_that_ended_before_the_export_has_nothing_to_check(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert run(["robot=sample", "until=graph"]) == 0
+    capsys.readouterr()
+    assert run(["check", "outputs/sample.graph"]) == 1
+    assert "that build ended before the export" in capsys.readouterr().err

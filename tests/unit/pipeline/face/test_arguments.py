@@ -106,6 +106,13 @@ def test_one_robot_is_built_at_a_time():
     assert "got robot/arm.yaml and a mapping" in refused("robot/arm.yaml", DATA).message
 
 
+@pytest.mark.parametrize("robot", [{"source": {"kind": "sample"}}, "robot/mine.yaml"])
+def test_a_robot_and_the_choice_of_another_are_refused(robot):
+    with pytest.raises(ConfigError, match=r"got (a mapping|robot/mine.yaml) and robot=sample") as caught:
+        plan(robot, "robot=sample")
+    assert "defaults: [/robot/sample]" in caught.value.hint
+
+
 @pytest.mark.parametrize("how", ["file", "data"])
 @pytest.mark.parametrize(("key", "way"), [("source.trust", "trust=True"), ("plugins", "plugins=[...]")])
 def test_a_robot_cannot_make_itself_trusted(folder, how, key, way):
