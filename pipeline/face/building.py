@@ -44,6 +44,18 @@ class Build:
         return Robot(decode_robot(self.encoded))
 
     @property
+    def assets(self) -> dict[str, bytes]:
+        """The files that `<name>.xml` and `scene.xml` name, relative path → bytes, as MuJoCo takes them.
+
+        MuJoCo finds a file by its base name alone, and the packages of `export=ros2` and `export=python` hold
+        copies.
+        """
+        model = f"{self.report.name}.xml"
+        return {
+            path: data for path, data in self.files.items() if path == model or path.startswith("assets/")
+        }
+
+    @property
     def outline(self) -> str:
         """The kinematic tree as text, a line for each link."""
         return "\n".join(self.report.outline)

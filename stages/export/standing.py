@@ -26,8 +26,8 @@ BELOW = 5e-4
 
 
 SLACK = 2e-3
-"""How far [m] the collider of a fixed robot's foot may be off the ground, above or below, with the robot where
-CAD has it: a collider may be that much larger or smaller than the part."""
+"""How far [m] the lowest collider of a fixed robot may be above or below the ground with the robot where CAD
+has it: a collider may be that much larger or smaller than the part."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import mujoco
 import pytest
 
 from pipeline import face
@@ -35,6 +36,15 @@ def test_a_build_in_memory_has_the_files_of_the_command_and_writes_and_prints_no
     assert built.outline.startswith("arm: 11 links, 10 joints")
     passed = f"{sum(check.passed for check in built.report.checks)} of {len(built.report.checks)}"
     assert repr(built) == f"<linkwright.Build arm: built, {passed} checks passed, 42 files>"
+
+
+def test_mujoco_compiles_the_files_whatever_else_is_exported():
+    built = face.build(
+        "source=sample", "name=arm", "mesh=visual", "export=[urdf,mjcf,ros2,python]", "validate=quick"
+    )
+    for file in ("arm.xml", "scene.xml"):
+        model = mujoco.MjModel.from_xml_string(built.files[file].decode(), built.assets)
+        assert model.joint("elbow").id >= 0
 
 
 @pytest.mark.parametrize("how", ["argument", "key"])
