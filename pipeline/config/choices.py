@@ -18,12 +18,14 @@ UNSET = "???"
 class Choices:
     """The choices behind a composed tree.
 
-    `robot`: the robot's option; `formats`: the chosen options of `export`; `presets`: the content of
-    each option that the command line chose, by group; `keys`: the full keys that the command line set.
+    `robot`: the robot's option; `formats`: the chosen options of `export`; `experiments`: the chosen
+    experiments; `presets`: the content of each option that the command line chose, by group; `keys`: the full
+    keys that the command line or an experiment set.
     """
 
     robot: str
     formats: tuple[str, ...]
+    experiments: tuple[str, ...] = ()
     presets: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     keys: frozenset[str] = frozenset()
 
@@ -42,7 +44,8 @@ def resolved_tree(tree: Mapping[str, Any], choices: Choices) -> dict[str, Any]:
     - An option chosen on the command line overrides the values of the robot's file.
     - Keys of other kinds of source are dropped if the command line chooses the source.
     - Of the known formats, only the chosen formats stay.
-    - A robot without a name gets a default name.
+    - A robot without a name gets a default name, and a robot of an experiment the name `<robot>_<experiment>`,
+      unless the experiment or the command line gives a name.
     """
     resolved = copy.deepcopy(dict(tree))
     for group, preset in choices.presets.items():
@@ -54,6 +57,8 @@ def resolved_tree(tree: Mapping[str, Any], choices: Choices) -> dict[str, Any]:
     _keep_chosen_formats(resolved, choices)
     if resolved.get("name") is None:
         resolved["name"] = name_of(resolved.get("source"), choices.robot)
+    if choices.experiments and not choices.sets("name"):
+        resolved["name"] = "_".join([str(resolved["name"]), *map(_safe, choices.experiments)])
     return resolved
 
 

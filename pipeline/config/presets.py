@@ -155,6 +155,7 @@ class Presets:
         presets: dict[str, dict[str, Any]] = {}
         keys: set[str] = set()
         groups = self.own_groups()
+        experiments = [path.partition("/")[2] for path in paths if path.startswith(f"{EXPERIMENT}/")]
         for file in self.own_files(path for path in paths if path.partition("/")[0] in groups):
             experiment = content(file)
             for group, option in _overridden(experiment.pop("defaults", None)):
@@ -167,7 +168,7 @@ class Presets:
                 keys.add(key)
             elif key != "robot" and key not in SEVERAL and not text.startswith("~"):
                 presets[key] = self._section(key, chosen(value)[0])
-        return Choices(robot, formats, presets, frozenset(keys))
+        return Choices(robot, formats, tuple(experiments), presets, frozenset(keys))
 
     def chosen_twice(self, files: Iterable[Path]) -> list[Diagnostic]:
         """The problems of files whose defaults lists override a group more than once."""

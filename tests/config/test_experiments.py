@@ -35,7 +35,7 @@ def refused(folder, *arguments):
 def test_an_experiment_chooses_the_robot_and_nothing_is_defaulted(tmp_path, typed):
     write(experiment(tmp_path, e1="defaults:\n  - override /robot: my_arm\n"), my_arm=MY_ARM)
     made = composed(tmp_path, typed)
-    assert (made.robot, made.plan.name, made.plan.root.base) == ("my_arm", "my_arm", "fixed")
+    assert (made.robot, made.plan.name, made.plan.root.base) == ("my_arm", "my_arm_e1", "fixed")
 
 
 @pytest.mark.parametrize(
@@ -47,7 +47,7 @@ def test_an_experiment_chooses_the_robot_and_nothing_is_defaulted(tmp_path, type
 )
 def test_an_experiment_chooses_the_source_and_nothing_is_defaulted(tmp_path, text):
     made = composed(experiment(tmp_path, e1=text), "+experiment=e1")
-    assert (made.robot, made.plan.name, made.plan.source.kind) == ("bare", "a", "bundle")
+    assert (made.robot, made.plan.name, made.plan.source.kind) == ("bare", "a_e1", "bundle")
 
 
 def test_an_experiment_that_chooses_neither_changes_the_sample(tmp_path):
@@ -70,6 +70,21 @@ def test_an_option_of_ones_own_may_have_a_defaults_list_and_a_place(tmp_path):
     root = composed(tmp_path, "robot=my_arm", "root=mine").plan.root
     assert (root.base, root.select) == ("free", "base")
     assert composed(tmp_path, "source=sample", "root=wide").plan.ground.size == (9, 9)
+
+
+def test_an_experiment_leaves_the_robots_own_output_alone(tmp_path):
+    texts = {"wide": "ground: {size: [1, 1]}\n", "named": "name: other\n", "placed": "output: elsewhere\n"}
+    write(experiment(tmp_path, **texts), my_arm=MY_ARM, titled=f"{MY_ARM}name: arm\n")
+    found = {
+        (robot, name): composed(tmp_path, f"robot={robot}", f"experiment={name}").plan
+        for robot in ("my_arm", "titled")
+        for name in texts
+    }
+    names = [plan.name for plan in found.values()]
+    assert names == ["my_arm_wide", "other", "my_arm_placed", "arm_wide", "other", "arm_placed"]
+    assert str(found["titled", "wide"].folder).endswith("outputs/arm_wide")
+    assert str(found["titled", "placed"].folder) == "elsewhere"
+    assert composed(tmp_path, "robot=titled", "experiment=wide", "name=mine").plan.name == "mine"
 
 
 def test_an_experiment_wins_over_the_robot_and_the_command_line_over_both(tmp_path):
@@ -113,7 +128,7 @@ def test_experiments_are_swept_over(tmp_path, monkeypatch):
         return Report("built", plan.name, str(plan.folder), plan.until, 0)
 
     assert run(["-m", "experiment=a,b"], build) == 0
-    assert [(plan.name, plan.source.kind) for plan in plans] == [("my_arm", "sample"), ("b", "sample")]
+    assert [(plan.name, plan.source.kind) for plan in plans] == [("my_arm_a", "sample"), ("b", "sample")]
 
 
 @pytest.mark.parametrize(
