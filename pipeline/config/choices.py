@@ -44,8 +44,8 @@ def resolved_tree(tree: Mapping[str, Any], choices: Choices) -> dict[str, Any]:
     - An option chosen on the command line overrides the values of the robot's file.
     - Keys of other kinds of source are dropped if the command line chooses the source.
     - Of the known formats, only the chosen formats stay.
-    - A robot without a name gets a default name, and a robot of an experiment the name `<robot>_<experiment>`,
-      unless the experiment or the command line gives a name.
+    - A robot without a name gets a default name; the robot of an experiment is `<robot>_<experiment>`, unless
+      the experiment or the command line gives a name.
     """
     resolved = copy.deepcopy(dict(tree))
     for group, preset in choices.presets.items():

@@ -209,7 +209,11 @@ class Composer:
         places = {problem.where for problem in draft.problems}
         draft.problems += [one for one in overridden(map(content, files)) if one.where not in places]
         draft.problems += self._presets.chosen_twice(files)
-        draft.problems += untrusted(resolved, self.reading.trusting(good), files, self._environ, command)
+        distrusted = untrusted(resolved, self.reading.trusting(good), files, self._environ, command)
+        draft.problems += distrusted
+        if any(problem.where == "plugins" for problem in distrusted):
+            # The judge of the rest imports plug-ins.
+            resolved["plugins"] = []
         known, folders = draft.problems, self._presets.with_motors
         plan = Plan.parse(resolved, known, unsure=draft.unsure, judge=self._judge, folders=folders)
         return Composed(plan, resolved, robot, sweeping, config, computed)

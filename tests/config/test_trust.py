@@ -9,6 +9,7 @@ import pytest
 from pipeline.cli import run
 from pipeline.config.compose import compose_plan, session
 from pipeline.config.trust import listed
+from pipeline.preflight import plan_problems
 from pipeline.report import Report
 from stages.robot.errors import ConfigError
 from tests.support.cases import mostly_slow
@@ -273,3 +274,16 @@ def test_a_mark_would_be_seen(tmp_path):
     module, _, name = code["_target_"].rpartition(".")
     getattr(__import__(module), name)(code["filename"]).close()
     assert (tmp_path / MARK).is_file()
+
+
+def test_a_plugin_that_only_a_file_names_is_not_imported(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "plugin_of_nobody.py").write_text("open('ran', 'w').close()\n")
+    (tmp_path / "robot").mkdir()
+    (tmp_path / "robot" / "mine.yaml").write_text(
+        "# @package _global_\ndefaults: [override /source: sample]\nplugins: [plugin_of_nobody]\n"
+        "validate: {checks: [{_target_: plugin_of_nobody.x}]}\n"
+    )
+    with pytest.raises(ConfigError, match="E-TRUST plugins"):
+        compose_plan(["robot=mine"], judge=plan_problems)
+    assert not (tmp_path / "ran").exists()
