@@ -28,13 +28,14 @@ from pipeline.config.hydra_files import guarded
 from pipeline.config.hydra_loader import PRIMARY, composed, use_loader
 from pipeline.config.hydra_node import HydraNode, hydra_text, searching
 from pipeline.config.hydra_reading import Reading
-from pipeline.config.messages import how_to_give
+from pipeline.config.messages import fitting
 from pipeline.config.overrides import Override, read, refused
 from pipeline.config.partial import Draft
+from pipeline.config.places import OUTPUT, SWEEP_DIR, outside
 from pipeline.config.plain import plain
 from pipeline.config.plan import Judge, Plan
 from pipeline.config.presets import GROUPS, Presets, chosen, content, stand_in
-from pipeline.config.trust import SweepSettings, not_allowed, overridden, targets, untrusted
+from pipeline.config.trust import DEFAULTS, SweepSettings, not_allowed, overridden, targets, untrusted
 from pipeline.errors import ConfigError, Diagnostic, refusal
 from pipeline.key_path import Place
 from pipeline.secrets import Secrets
@@ -194,7 +195,7 @@ class Composer:
         computed: set[Place] = set()
         tree = plain(config, (), unresolved, computed)
         kind = str((tree.get("source") or {}).get("kind", "")) if isinstance(tree.get("source"), dict) else ""
-        unresolved = [_fitting(problem, kind) for problem in unresolved]
+        unresolved = [fitting(problem, kind) for problem in unresolved]
         draft.problems += [problem for problem in unresolved if not draft.unsure(problem)]
         draft.problems += self._leaks(config, tree)
         tree = self._secrets.within(tree)
@@ -209,11 +210,15 @@ class Composer:
         places = {problem.where for problem in draft.problems}
         draft.problems += [one for one in overridden(map(content, files)) if one.where not in places]
         draft.problems += self._presets.chosen_twice(files)
-        distrusted = untrusted(resolved, self.reading.trusting(good), files, self._environ, command)
+        typed = self.reading.given(good, (*DEFAULTS, OUTPUT))
+        distrusted = untrusted(resolved, typed, files, self._environ, command)
         draft.problems += distrusted
         if any(problem.where == "plugins" for problem in distrusted):
             # The judge of the rest imports plug-ins.
             resolved["plugins"] = []
+        own_places = {OUTPUT: resolved.get(OUTPUT), SWEEP_DIR: sweeping.dir}
+        typed |= {SWEEP_DIR} if self._node.types(SWEEP_DIR) else set()
+        draft.problems += outside(own_places, config, typed, files, self._environ, command)
         known, folders = draft.problems, self._presets.with_motors
         plan = Plan.parse(resolved, known, unsure=draft.unsure, judge=self._judge, folders=folders)
         return Composed(plan, resolved, robot, sweeping, config, computed)
@@ -284,9 +289,8 @@ class Composer:
         for key, values in params.items():
             given, wrong = read([f"{key}={values}"], GROUPS, self.reading.values, multirun=True)
             place = f"sweeper.params.{key}"
-            if any(one.for_hydra_itself for one in given) or self.reading.trusting(
-                one.hydra for one in given
-            ):
+            keys = self.reading.given((one.hydra for one in given), (*DEFAULTS, OUTPUT))
+            if keys or any(one.for_hydra_itself for one in given):
                 problems.append(not_allowed(place, values))
             else:
                 added += given
@@ -310,9 +314,3 @@ class Composer:
 def _lacks_a_robot(config: DictConfig) -> bool:
     """Whether neither the command line nor a defaults list chooses a robot or a source."""
     return config.hydra.runtime.choices.get("robot") in (None, "bare") and not config.get("source")
-
-
-def _fitting(problem: Diagnostic, kind: str) -> Diagnostic:
-    """The problem of a missing value, with an example for the kind of source."""
-    missing = problem.code == "E-MISSING"
-    return replace(problem, hint=how_to_give(problem.where, kind)) if missing else problem

@@ -13,7 +13,6 @@ from pipeline.config.hydra_node import hydra_text
 from pipeline.config.hydra_words import READING, in_words
 from pipeline.config.overrides import Override
 from pipeline.config.presets import GROUPS, Presets
-from pipeline.config.trust import DEFAULTS
 
 
 class Reading:
@@ -58,12 +57,12 @@ class Reading:
         """The value of an override that is not swept, as plain data."""
         return _plain(self._parser.parse_override(text).value())
 
-    def trusting(self, overrides: Iterable[str]) -> set[str]:
-        """The keys in the overrides that let code run."""
-        found = set()
+    def given(self, overrides: Iterable[str], keys: Iterable[str]) -> set[str]:
+        """Those of the `keys` that the overrides set."""
+        found, keys = set(), list(keys)
         for override in map(self._parser.parse_override, overrides):
             value = None if override.is_delete() else override.value()
-            for key in DEFAULTS:
+            for key in keys:
                 below = key.removeprefix(override.key_or_group)
                 inside = isinstance(value, dict) and below[:1] == "." and below[1:] in value
                 if not override.is_delete() and (not below or inside):

@@ -68,6 +68,12 @@ def how_to_give(key: str, kind: str = "") -> str:
     return f"set it in the robot's file, or on the command line: \"{key}='{example}'\""
 
 
+def fitting(problem: Diagnostic, kind: str) -> Diagnostic:
+    """The problem, that of a missing value with an example for the kind of source."""
+    missing = problem.code == "E-MISSING"
+    return replace(problem, hint=how_to_give(problem.where, kind)) if missing else problem
+
+
 @dataclass(frozen=True, slots=True)
 class _Problem:
     """A problem that pydantic found. `place`: in the tree; `owner`: the section or type that holds the

@@ -81,7 +81,8 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
     that `LINKWRIGHT_TRUST` names."""
 
     output: Annotated[Text | None, example("~/robots/my_arm")] = None
-    """The output folder; `~` is the home folder; null: `outputs/<name>`."""
+    """The output folder; `~` is the home folder; null: `outputs/<name>`. It is new, empty or of an earlier
+    build. In a file it lies below the working folder, or is `${oc.env:NAME}`, which may be any place."""
 
     overwrite: Flag = False
     """Whether files in the way of the build (files of an earlier build that were changed, and files of yours

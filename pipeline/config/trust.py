@@ -151,7 +151,7 @@ def _targets(tree: Any, plugins: Sequence[str], command: str, place: Place) -> I
             yield Diagnostic(CODE, text, key_of(inner), "remove it: a robot's file is data and runs no code")
         elif isinstance(value, str) and not covered(value, plugins):
             text = f"names code of a module that is not trusted (given {shown(value)})"
-            module = _override("plugins", [value.partition(".")[0]])
+            module = override("plugins", [value.partition(".")[0]])
             yield Diagnostic(CODE, text, key_of(inner), f"if you trust it: {command} {module}")
 
 
@@ -175,14 +175,14 @@ def untrusted(
     typed = set(typed)
     given = {key: value for key, default in DEFAULTS.items() if (value := _at(tree, key, default)) != default}
     wanting = [key for key in given if key not in typed]
-    if not wanting or _named(files, environ):
+    if not wanting or trusted(files, environ):
         return []
     return [
         Diagnostic(
             CODE,
             f"must be set on the command line: a file cannot trust itself (given {shown(given[key])})",
             key,
-            f"if you trust it: {command} {_override(key, given[key])}",
+            f"if you trust it: {command} {override(key, given[key])}",
         )
         for key in wanting
     ]
@@ -196,7 +196,7 @@ def _at(tree: Any, key: str, default: Any) -> Any:
     return tree
 
 
-def _named(files: Iterable[Path], environ: Mapping[str, str]) -> bool:
+def trusted(files: Iterable[Path], environ: Mapping[str, str]) -> bool:
     """Whether the environment names all of these files, and there is at least one."""
     texts = [text for text in environ.get(VARIABLE, "").split(os.pathsep) if text]
     trusted = {Path(text).expanduser().resolve() for text in texts}
@@ -204,7 +204,8 @@ def _named(files: Iterable[Path], environ: Mapping[str, str]) -> bool:
     return bool(files) and files <= trusted
 
 
-def _override(key: str, value: Any) -> str:
+def override(key: str, value: Any) -> str:
+    """`key=value` as a user types it."""
     plain = (
         value if isinstance(value, bool) else [str(one) for one in value] if _is_list(value) else str(value)
     )

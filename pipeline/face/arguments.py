@@ -24,8 +24,8 @@ HEADER = "# @package _global_\n"
 
 DATA = "the robot's data"
 
-TRUSTING = {"source.trust": "trust=True", "plugins": "plugins=[...]"}
-"""Key that only the caller may set → the argument of `build` for it."""
+TRUSTING = {"source.trust": "trust=True", "plugins": "plugins=[...]", "output": "output=..."}
+"""Key that only the caller may set, or only the caller freely → the argument of `build` for it."""
 
 _ALONE = RLock()
 """Hydra composes for one thread at a time."""
@@ -54,6 +54,9 @@ def plan_of(
     overrides += [f"output={hydra_text(os.fspath(output))}"] if output is not None else []
     folders = [os.fspath(folder) for folder in config_dirs]
     robot = robots[0] if robots else None
+    if isinstance(robot, Mapping) and output is None and _names_a_folder(robot.get("output")):
+        # What Python says may be any place, as on the command line.
+        overrides.insert(0, f"output={hydra_text(os.fspath(robot['output']))}")
     with _ALONE, robot_file(robot) as file:
         chosen = [f"robot={file}"] if file else []
         try:
@@ -65,6 +68,11 @@ def plan_of(
             if isinstance(robot, Mapping):
                 problems = [_without_file(problem, Path(file)) for problem in problems]
             raise refusal(problems) from None
+
+
+def _names_a_folder(output: Any) -> bool:
+    """Whether a robot's `output` is a folder that is not computed by an interpolation."""
+    return isinstance(output, str | os.PathLike) and "${" not in str(output)
 
 
 def is_robot(one: object) -> bool:

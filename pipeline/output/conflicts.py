@@ -60,11 +60,20 @@ def look(folder: Path, coming: Iterable[str], reader: DigestReader) -> Found:
 
 
 def require_folder(folder: Path) -> None:
-    """ConfigError where the path is a file, or the folder of a sweep."""
+    """ConfigError where the path is a file, the folder of a sweep, or a folder of others."""
     if os.path.lexists(folder) and not manifest.is_folder(folder):
         raise ConfigError(f"{folder} is a file", "output", ELSEWHERE)
     if manifest.is_sweep(folder):
         raise ConfigError(f"{folder} is the folder of a sweep", "output", ELSEWHERE)
+    if manifest.is_of_others(folder):
+        raise foreign(folder)
+
+
+def foreign(folder: Path) -> ConfigError:
+    """The refusal of a folder that is not empty and that no build made."""
+    msg = f"{folder} is not empty, and no build made it: a build replaces its output folder"
+    hint = "name a new or an empty folder, such as output=outputs/arm, or move what is in it elsewhere"
+    return ConfigError(msg, "output", hint)
 
 
 def why(entry: Entry) -> str:

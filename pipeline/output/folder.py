@@ -18,7 +18,7 @@ from pipeline import disk_space, lock
 from pipeline.caching.store import write_tree
 from pipeline.digest import sha256
 from pipeline.errors import ConfigError, InTheWay, LinkwrightError, OutputError, reason
-from pipeline.output import conflicts, manifest
+from pipeline.output import access, conflicts, manifest
 from pipeline.output.location import absolute
 from pipeline.output.manifest import is_folder
 
@@ -106,7 +106,9 @@ class Output:
             self._repair(folder)
             self._require_free(folder, files)
             try:
-                _stage(_staging(folder), files, digests or {})
+                # A new folder beside the output holds what the output holds: nobody else may read it.
+                like = folder if folder.exists() else self.target
+                _stage(_staging(folder), files, digests or {}, like)
                 self._swap(folder)
             except BaseException:
                 with contextlib.suppress(OSError):
@@ -137,7 +139,7 @@ class Output:
             # First: without it, an incomplete folder after a kill does not count as a build.
             (folder / "report.json").unlink(missing_ok=True)
         within = manifest.parents(own)
-        manifest.clear(folder, own.keys() - kept, lambda path: path in within)
+        manifest.clear_but_mark(folder, own.keys() - kept, lambda path: path in within)
 
     def _judge(self, folder: Path, coming: Iterable[str]) -> list[str]:
         """The paths of files that will be kept; ConfigError where a file is in the way."""
@@ -229,10 +231,12 @@ class Output:
         self._report(f"waiting for another build of {self.target.name}")
 
 
-def _stage(staging: Path, files: Mapping[str, bytes], digests: Mapping[str, str]) -> None:
-    staging.mkdir()
+def _stage(staging: Path, files: Mapping[str, bytes], digests: Mapping[str, str], like: Path) -> None:
+    """Writes the files to a new folder, with the mode and the owner of `like` if that exists."""
+    access.make(staging, like)
     manifest.write(staging, {path: digests.get(path) or sha256(data) for path, data in files.items()})
     write_tree(staging, files)
+    access.copy(like, staging)
 
 
 def _staging(folder: Path) -> Path:
@@ -258,13 +262,28 @@ def _can_take(folder: Path, path: str) -> bool:
 def move_aside(place: Path, folder: Path, path: str) -> Path:
     """Moves `place` to `path` below `<folder>.replaced`, with a number if that exists; returns the new
     path."""
-    to = folder.parent
-    *above, last = (f"{folder.name}{conflicts.REPLACED}", *PurePosixPath(path).parts)
+    *above, last = PurePosixPath(path).parts
+    to = _for_replaced(folder)
     for name in above:
         to = next(one for one in _numbered(to / name) if is_folder(one) or not os.path.lexists(one))
         to.mkdir(exist_ok=True)
     to = next(one for one in _numbered(to / last) if not os.path.lexists(one))
     place.rename(to)
+    return to
+
+
+def _for_replaced(folder: Path) -> Path:
+    """The folder `<folder>.replaced`, marked as linkwright's; with a number where that is of others."""
+    usual = folder.with_name(f"{folder.name}{conflicts.REPLACED}")
+    to = next(
+        one
+        for one in _numbered(usual)
+        if not os.path.lexists(one) or (is_folder(one) and not manifest.is_of_others(one))
+    )
+    if not os.path.lexists(to):
+        access.make(to, folder)
+        access.copy(folder, to)
+    manifest.keep(to, {})
     return to
 
 

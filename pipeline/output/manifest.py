@@ -123,6 +123,18 @@ def is_sweep(folder: Path) -> bool:
     return SWEEP in _json(folder / "summary.json")
 
 
+def is_of_others(folder: Path) -> bool:
+    """Whether the folder holds anything, and is neither the output of a build nor that of a sweep.
+
+    OSError where it cannot be read. What builds may leave in a folder does not count: locks, and a manifest
+    that a kill kept from its name.
+    """
+    if not folder.is_dir() or ours(folder) is not None or is_sweep(folder):
+        return False
+    with os.scandir(folder) as found:
+        return any(entry.name not in (LOCKS, STAGED) for entry in found)
+
+
 def is_folder(path: Path) -> bool:
     """Whether the path is a folder, and not a link to a folder."""
     return path.is_dir() and not path.is_symlink()
@@ -154,6 +166,17 @@ def clear(folder: Path, own: Collection[str], within: Callable[[str], bool] = la
     for name in (STAGED, NAME):
         (folder / name).unlink(missing_ok=True)
     _remove_if_empty(folder)
+
+
+def clear_but_mark(folder: Path, own: Collection[str], within: Callable[[str], bool]) -> None:
+    """As `clear`, but where other files stay, so does a manifest: the folder is still linkwright's."""
+    _clear(folder, own, within, "")
+    with os.scandir(folder) as found:
+        others = any(entry.name not in (STAGED, NAME) for entry in found)
+    if not others:
+        clear(folder, ())
+    elif ours(folder) != {}:
+        write(folder, {})
 
 
 def _clear(folder: Path, own: Collection[str], within: Callable[[str], bool], base: str) -> None:

@@ -17,7 +17,9 @@ VARIABLES = (
     Variable("ONSHAPE_AUTH", "signature", "sign each request with the keys: the secret is never sent"),
     Variable("ONSHAPE_ACCESS_TOKEN", "", "a bearer token, in place of the two keys"),
     Variable("LINKWRIGHT_CACHE", "DIR", "the folder of the cache, where `cache.dir` names none"),
-    Variable("LINKWRIGHT_TRUST", "FILE", "a robot's file that may set `source.trust` and `plugins`"),
+    Variable(
+        "LINKWRIGHT_TRUST", "FILE", "a robot's file that may set `source.trust`, `plugins`, any `output`"
+    ),
     Variable("LINKWRIGHT_PAGE", "plain", "pages without the live view and builds without a picture, for CI"),
     Variable("LINKWRIGHT_TRACEBACK", "1", "show the traceback of an error"),
     Variable("HTTPS_PROXY", "URL", "a proxy for Onshape; NO_PROXY names hosts that need none"),

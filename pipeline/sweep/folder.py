@@ -32,14 +32,16 @@ def prepare(root: Path, plan: Plan, typed: Sequence[str], environ: Mapping[str, 
     """Creates and marks the folder of a sweep, and records a new run with its `typed` overrides after earlier
     runs; `plan`: the plan of any job.
 
-    ConfigError where no sweep can be there, or a file that is not linkwright's is in its way; OutputError
-    where it cannot be written.
+    ConfigError where no sweep can be there, the folder is of others, or a file that is not linkwright's is in
+    its way; OutputError where it cannot be written.
     """
     with named(root):
         place = absolute(root)
         require_free(place, {}, actions.folder(plan.cache.dir, environ))
         if manifest.is_build(place):
             raise ConfigError(f"{root} is the folder of a build", "output", ELSEWHERE)
+        if manifest.is_of_others(place):
+            raise conflicts.foreign(root)
         stopped = _in_the_way(place)
         if stopped and not plan.overwrite:
             raise ConfigError(conflicts.message(root, stopped), "output", conflicts.ways_out(root))

@@ -11,6 +11,7 @@ from typing import Any
 
 from pipeline import pasted
 from pipeline.errors import CacheError, ConfigError, OutputError
+from pipeline.output import access
 from stages.robot.plural import count
 
 HELP = """\
@@ -23,7 +24,7 @@ usage: linkwright bundle NAME OUT.zip [cache.dir=FOLDER]
 
 NAME is the robot's name, or the output folder of its build. The replies come from the cache, so no
 API call is made. It is the cache that the build used (key cache.dir, environment LINKWRIGHT_CACHE, or
-the platform's folder), unless cache.dir= names another. OUT.zip is replaced if it is a zip file.
+the platform's folder), unless cache.dir= names another. OUT.zip is replaced if it is a bundle.
 
 The zip holds the replies of the CAD system, unchanged; for a URDF its text (after xacro) and the
 triangles of its meshes; for an MJCF the model that MuJoCo compiled. It holds no API key and nothing
@@ -87,14 +88,18 @@ def parse(arguments: Sequence[str]) -> Request:
 
 
 def _check_place(out: Path) -> None:
-    import zipfile
-
     if not out.parent.is_dir():
         msg = f"{out} cannot be written: there is no folder {out.parent}"
         raise ConfigError(msg, "bundle", "make the folder, or choose another place")
-    if out.is_dir() or (out.exists() and not zipfile.is_zipfile(out)):
-        msg = f"{out} exists and is not a zip file"
+    if out.exists() and not _is_older_bundle(out):
+        msg = f"{out} exists and is not a bundle"
         raise ConfigError(msg, "bundle", "choose another name: only an older bundle is replaced")
+
+
+def _is_older_bundle(out: Path) -> bool:
+    from stages.fetch.bundle.archive import is_bundle
+
+    return out.is_file() and is_bundle(out)
 
 
 def _manifest(folder: Path) -> str:
@@ -156,13 +161,16 @@ def _configured(folder: Path) -> str | None:
 
 
 def _write(out: Path, data: bytes) -> None:
-    """Writes the file atomically; OutputError where that fails."""
+    """Writes the file atomically; OutputError where that fails. A link stands for its target, and an older
+    bundle's mode and owner stay."""
     temporary = ""
+    out = out.resolve() if out.is_symlink() else out
     try:
         with tempfile.NamedTemporaryFile(dir=out.parent, prefix=f".{out.name}.", delete=False) as file:
             temporary = file.name
             file.write(data)
         Path(temporary).chmod(0o644)
+        access.copy(out, Path(temporary))
         Path(temporary).replace(out)
     except OSError as error:
         with contextlib.suppress(OSError):

@@ -33,6 +33,7 @@ import struct
 import zipfile
 import zlib
 from hashlib import sha256
+from pathlib import Path
 from typing import Annotated, Literal, Self
 
 from pydantic import (
@@ -146,6 +147,16 @@ def read(data: bytes, where: str) -> Recording:
         options=dict(manifest.options),
         definition_api=manifest.definition_api,
     )
+
+
+def is_bundle(file: Path) -> bool:
+    """Whether a file is a zip with the names of a bundle, whatever is in its entries."""
+    try:
+        with zipfile.ZipFile(file) as archive:
+            names = set(archive.namelist())
+    except (OSError, ValueError, zipfile.BadZipFile, NotImplementedError):
+        return False
+    return _MANIFEST in names and all(map(_REPLY.fullmatch, names - {_MANIFEST}))
 
 
 def pack(bundle: Bundle) -> bytes:

@@ -243,12 +243,13 @@ def test_what_is_wrong_before_the_first_stage_leaves_nothing(make, tmp_path):
 def test_a_file_of_others_in_the_way_stops_a_build_before_the_first_stage(make, folder, name, until):
     place = folder.with_name("arm.fetch") if until == "fetch" else folder
     place.mkdir(parents=True)
+    manifest.write(place, {})
     (place / name).write_text("x")
     stages = fakes()
     with pytest.raises(ConfigError, match=f"{name} is not linkwright's"):
         make(stages, until=until)
     assert stages[0].runs == 0
-    assert names(folder.parent) == [f"{place.name}/{name}"]
+    assert names(folder.parent) == [f"{place.name}/{manifest.NAME}", f"{place.name}/{name}"]
     assert make(stages, until=until, overwrite=True).exit_status == 0
     assert (place.with_name(f"{place.name}.replaced") / name).read_text() == "x"
 

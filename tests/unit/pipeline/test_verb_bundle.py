@@ -170,7 +170,7 @@ def test_a_cache_that_is_named_is_the_one_that_is_looked_in(built, capsys):
 def test_an_older_bundle_is_replaced_and_nothing_else_is(built, capsys):
     Path("arm.txt").write_text("mine")
     assert run(["bundle", "arm", "arm.txt"]) == 2
-    assert "exists and is not a zip file" in capsys.readouterr().err
+    assert "exists and is not a bundle" in capsys.readouterr().err
     assert Path("arm.txt").read_text() == "mine"
     assert run(["bundle", "arm", "arm.zip"]) == 0
     first = Path("arm.zip").read_bytes()

@@ -106,13 +106,6 @@ def test_what_is_in_a_folder_that_the_build_no_longer_makes_stays_there(output):
     assert content(output.target) == {"report.json": OURS, "assets/mine.stl": b"solid"}
 
 
-def test_a_folder_of_files_of_others_alone_gets_a_build_beside_them(tmp_path):
-    (tmp_path / "arm").mkdir()
-    (tmp_path / "arm" / "thesis.tex").write_text("mine")
-    Output(tmp_path / "arm").publish(build(b"1"))
-    assert content(tmp_path / "arm") == build(b"1", **{"thesis.tex": b"mine"})
-
-
 def changed(folder):
     (folder / "arm.xml").write_text("better")
     return "arm.xml was changed since it was built"
@@ -244,7 +237,7 @@ def test_a_path_that_is_known_only_late_stops_at_the_swap_and_both_are_kept(outp
 
 @pytest.mark.parametrize("coming", [COMING, [*COMING, "assets/*"]])
 def test_a_file_where_a_folder_of_ours_goes_is_in_the_way(tmp_path, coming):
-    (tmp_path / "arm").mkdir()
+    Output(tmp_path / "arm").publish({"report.json": OURS})
     (tmp_path / "arm" / "assets").write_text("mine")
     with pytest.raises(ConfigError, match="assets is not linkwright's"):
         Output(tmp_path / "arm").judge("", coming)
@@ -467,7 +460,7 @@ def test_a_kill_at_every_step_of_removing_loses_nothing_of_the_users(tmp_path):
         assert (output.folder(FAILED) / "NOTES.md").read_text() == "mine"
         output.remove(FAILED)
         assert content(output.folder(FAILED)) == {"NOTES.md": b"mine"}
-        assert not (output.folder(FAILED) / manifest.NAME).exists()
+        assert manifest.ours(output.folder(FAILED)) == {}
         if not killed:
             break
     assert not killed
