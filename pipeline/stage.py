@@ -87,6 +87,7 @@ class FetchStage(StageBase):
                 source={**bundle.root, **({"title": fetched.title} if fetched.title else {})},
                 calls=fetched.calls + fetched.saved,
                 stale=fetched.stale,
+                **({} if fetched.lasts else {"lasts": False}),
             ),
         }
 

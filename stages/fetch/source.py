@@ -76,7 +76,8 @@ class Fetched:
     """A bundle, the `calls` made for it that count against the quota, and the calls `saved`.
 
     `title`: the name of the assembly's tab, where a reply has it. `stale`: the bundle is from the last
-    complete fetch, since the quota is used up, and `source.stale` does not accept that as success.
+    complete fetch, since the quota is used up, and `source.stale` does not accept that as success. `lasts`:
+    whether a later fetch of pinned content gives the same; otherwise it is not taken from the cache.
     """
 
     bundle: Bundle
@@ -85,6 +86,7 @@ class Fetched:
     diagnostics: tuple[Diagnostic, ...] = ()
     title: str = ""
     stale: bool = False
+    lasts: bool = True
 
 
 class Source(Protocol):

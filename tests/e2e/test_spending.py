@@ -12,7 +12,7 @@ import pytest
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import Fault, OnshapeServer
 from tests.support.cases import mostly_slow
-from tests.support.command import COMMAND, environment, linkwright
+from tests.support.command import COMMAND, called, environment, linkwright
 
 STUDIOS = 4
 
@@ -118,3 +118,32 @@ def test_the_jobs_of_a_sweep_share_one_state_of_a_workspace(tmp_path: Path, laun
     reports = [json.loads(path.read_text()) for path in tmp_path.rglob("report.json")]
     assert len(reports) == 2
     assert len({report["source"]["microversion"] for report in reports}) == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pin", ["v", "w"])
+def test_a_refusal_of_faces_that_passes_changes_no_byte_for_good(tmp_path: Path, pin: str) -> None:
+    """The build with glTF differs; the next one has the files that it would have had without the fault."""
+
+    def outputs(here: Path, server: OnshapeServer, *more: str) -> dict[str, str]:
+        here.mkdir(exist_ok=True)
+        environ = environment(here, **server.environ, LINKWRIGHT_PAGE="plain")
+        line = ["source=onshape", f"source.url='{server.document_url(pin)}'", "mesh=visual", "name=arm"]
+        assert called(here, *line, "until=export", *more, environ=environ).returncode == 0
+        report = json.loads((here / "outputs" / "arm" / "report.json").read_text())
+        found: dict[str, str] = report["outputs"]
+        return found
+
+    def refuse(method: str, target: str, number: int) -> Fault | None:
+        return Fault(400) if "tessellatedfaces" in target else None
+
+    with OnshapeServer(sample_document()) as server:
+        right = outputs(tmp_path / "right", server)
+        server.fault = refuse
+        assert outputs(tmp_path / "arm", server) != right
+        server.fault = None
+        assert outputs(tmp_path / "arm", server, "source.offline=true") != right
+        assert outputs(tmp_path / "arm", server) == right
+        asked = server.count
+        assert outputs(tmp_path / "arm", server) == right
+        assert server.count == asked + (pin == "w")

@@ -102,6 +102,15 @@ class CachedClient:
         """SourceError where `more` further calls exceed the budget of the build."""
         allow(more, self._session.calls, self._max_calls)
 
+    @property
+    def may_call(self) -> bool:
+        """Whether this build may call the server: it is not offline, and there is a key."""
+        return not self.offline and self._session.has_key()
+
+    def affords(self, more: int) -> bool:
+        """Whether `more` further calls are within the budget of the build."""
+        return self._session.calls + more <= self._max_calls
+
     def now(self, request: str) -> bytes:
         """The reply to a request whose reply changes with time: fetched, not cached."""
         self._reachable([request])

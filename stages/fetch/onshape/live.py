@@ -46,6 +46,8 @@ class LiveAnswers:
         self._then: str | None = None
         self._pin = url.pin
         self._definition: Reply | None = None
+        self.lasts = True
+        """Whether a later build of the same microversion uses the same replies."""
         self.diagnostics: tuple[Diagnostic, ...] = ()
         """Diagnostics about the replies."""
 
@@ -107,6 +109,9 @@ class LiveAnswers:
         missing = [request for request in wanted if request not in kept and request not in reused]
         suspects = {*reused, *self._unchecked(wanted)}
         calls = len(missing) + self._to_weigh(suspects)
+        again = self._shapes.doubtful(needs, {**kept, **reused})
+        again = again if client.affords(calls + len(again)) else []
+        calls += len(again)
         cached = len(kept) + len(reused)
         self._progress(f"{count(len(needs), 'part studio')}: {count(calls, 'call')}, {cached} kept")
         client.spare(cached)
@@ -121,9 +126,12 @@ class LiveAnswers:
         self._check_later(() if checked else suspects)
         for request in reused.keys() - fresh.keys():
             client.keep(request, reused[request])
+        self._shapes.refusals.keep(reused, fresh)
         if self._workspace is not None and not client.offline:
             self._workspace.completed(self._pin[2:])
         bodies |= fresh
+        bodies |= self._shapes.asked_again(again, bodies)
+        self.lasts = self._shapes.lasts(needs, bodies)
         self.diagnostics += self._shapes.diagnostics(needs, bodies)
         return [self._shapes.answer(need, bodies) for need in needs]
 

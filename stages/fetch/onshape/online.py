@@ -41,7 +41,8 @@ def fetch(keys: OnshapeSourceKeys, context: FetchContext) -> Fetched:
             calls.saved = used.saved
     stale = bool(found) and not keys.stale
     diagnostics = (*answers.diagnostics, *found)
-    return Fetched(bundle, calls.made, calls.saved, diagnostics, answers.title(), stale)
+    title = answers.title()
+    return Fetched(bundle, calls.made, calls.saved, diagnostics, title, stale, answers.lasts)
 
 
 def _with_variables(

@@ -13,7 +13,7 @@ from stages.fetch.onshape.api.retries import Patience
 from stages.fetch.onshape.keys import OnshapeSourceKeys
 from stages.fetch.onshape.reply_checks import accepted
 from stages.fetch.source import Calls, FetchContext
-from stages.robot.errors import ProtocolError
+from stages.robot.errors import ConfigError, ProtocolError
 
 Promise = Callable[[bytes], None]
 """Raises ProtocolError for an accepted reply without its required content."""
@@ -55,6 +55,13 @@ class Session:
         if self._client is not None:
             calls.served = dict(sorted(self._client.met.items()))
             calls.waited = self._client.waited
+
+    def has_key(self) -> bool:
+        """Whether there is a key: a build from cached replies needs none."""
+        try:
+            return self._client is not None or bool(find(self._context.environ))
+        except ConfigError:
+            return False
 
     def ready(self) -> Client:
         """The client, made for the first call: a build from cached replies needs no key."""

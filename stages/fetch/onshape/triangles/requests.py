@@ -1,12 +1,13 @@
 """Requests the triangles of a part studio: tessellated faces, or glTF where the server refuses them.
 
 Tessellated faces are asked for: of all parts, or only of those used where the studio holds many
-others. Where they are refused for good, glTF is. As files it is half as large as faces with a table
-of points, but compressed, as both are sent, a third larger; it has single precision, and does not
-show which body is which part (`python -m tests.benchmarks.tessellation` measures both).
+others. Where they are refused, glTF is, and the next build asks for them once more. As files it is half
+as large as faces with a table of points, but compressed, as both are sent, a third larger; it has single
+precision, and does not show which body is which part (`python -m tests.benchmarks.tessellation` measures
+both).
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from types import MappingProxyType
 
 import orjson
@@ -16,8 +17,9 @@ from stages.fetch.onshape.api.http_errors import Declined
 from stages.fetch.onshape.cached_client import CachedClient, Refused
 from stages.fetch.onshape.gather import Needs, Reply, StudioReplies
 from stages.fetch.onshape.reply_checks import compacted
+from stages.fetch.onshape.triangles.refusals import Refusals
 from stages.formats import triangles
-from stages.robot.errors import Diagnostic, NotFound, ProtocolError
+from stages.robot.errors import ConfigError, Diagnostic, NotFound, ProtocolError, SourceError
 
 NOTHING: Mapping[str, bytes] = MappingProxyType({})
 
@@ -41,7 +43,8 @@ class Shapes:
     def __init__(self, client: CachedClient, quality: requests.Tessellation) -> None:
         self._client = client
         self._quality = quality
-        self._refusals: dict[str, str] = {}
+        self._reasons: dict[str, str] = {}
+        self.refusals = Refusals(client)
 
     def mass(self, need: Needs) -> str:
         """The request for the mass properties of a part studio, which must cover all solids."""
@@ -62,8 +65,9 @@ class Shapes:
         """The request for `need`, and the request with a known reply for `before`."""
         mass = self._body(self.mass(before), NOTHING)
         old = self.request(before, NOTHING)
-        names = dict(zip(self._ways(before, mass), self._ways(need, mass), strict=True))
-        return names[old], old
+        new = dict(zip(self._ways(before, mass), self._ways(need, mass), strict=True))[old]
+        self.refusals.carry(old, new)
+        return new, old
 
     def gathered(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> dict[str, bytes]:
         """Fetches the replies about triangles that are not `known`; the masses must be known."""
@@ -76,31 +80,79 @@ class Shapes:
             found[request] = body
         return found
 
+    def doubtful(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> list[Needs]:
+        """The part studios whose faces a build that may call asks for again, since they were refused once."""
+        ways = [(need, self.request(need, known)) for need in needs]
+        found = [need for need, way in ways if requests.is_gltf(way) and self.refusals.due(way)]
+        return found if found and self._client.may_call else []
+
+    def asked_again(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> dict[str, bytes]:
+        """The faces of `doubtful` part studios that are not refused again.
+
+        No failure ends the build, since it has their glTF. One that is no refusal leaves the count as it is.
+        """
+        ways = {need.studio: self._ways(need, known[self.mass(need)]) for need in needs}
+        refused: Refused = {}
+        found: dict[str, bytes] = {}
+        try:
+            found |= self._client.all([some for some, _, _ in ways.values()], refused)
+            for studio, (some, whole, gltf) in ways.items():
+                try:
+                    request, body = self._first((some, whole), found, refused, studio.element)
+                    found[request] = body
+                except (NotFound, Declined):
+                    self.refusals.second(gltf)
+        except (SourceError, ConfigError) as error:
+            for studio, (_, _, gltf) in ways.items():
+                if not self.refusals.settled(gltf):
+                    self._reasons[studio.element] = f"earlier, and asking again failed: {error.message}"
+        return found
+
+    def lasts(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> bool:
+        """Whether a later build asks for no faces again."""
+        ways = (self.request(need, known) for need in needs)
+        return all(self.refusals.settled(way) for way in ways if requests.is_gltf(way))
+
     def answer(self, need: Needs, known: Mapping[str, bytes]) -> StudioReplies:
         """The replies about a part studio, once they are known."""
         mass, request = self.mass(need), self.request(need, known)
-        body = compacted(request, known[request], known[mass])
+        body = self._body(request, known)
+        assert body is not None
+        body = compacted(request, body, known[mass])
         return StudioReplies((Reply(mass, known[mass]),), Reply(request, body))
 
     def diagnostics(self, needs: Sequence[Needs], known: Mapping[str, bytes]) -> tuple[Diagnostic, ...]:
         """I-TESSELLATION for each part studio whose triangles are from its glTF."""
+        found = [(need.studio.element, self.request(need, known)) for need in needs]
         return tuple(
             Diagnostic(
                 "I-TESSELLATION",
                 "the triangles are from glTF, which has single precision and no part ids, since "
-                f"tessellated faces were refused: {self._refusals.get(need.studio.element, 'earlier')}",
-                f"part studio {need.studio.element}",
-                "to ask for tessellated faces again, build with source.refresh=true",
+                f"tessellated faces were refused: {self._reasons.get(element, 'earlier')}",
+                f"part studio {element}",
+                "to ask for tessellated faces again, build with source.refresh=true"
+                if self.refusals.settled(way)
+                else "the next build asks for tessellated faces once more",
             )
-            for need in needs
-            if requests.is_gltf(self.request(need, known))
+            for element, way in found
+            if requests.is_gltf(way)
         )
 
     def _one(self, need: Needs, known: Mapping[str, bytes], refused: Refused) -> tuple[str, bytes]:
         """The first request for triangles that is not refused, and its reply."""
         some, whole, gltf = self._ways(need, known[self.mass(need)])
+        ways = (self.request(need, known), some, whole, gltf)
+        request, body = self._first(ways, known, refused, need.studio.element)
+        if request == gltf:
+            self.refusals.first(gltf)
+        return request, body
+
+    def _first(
+        self, ways: Iterable[str], known: Mapping[str, bytes], refused: Refused, element: str
+    ) -> tuple[str, bytes]:
+        """The first request that is not refused, and its reply; raises the first refusal if all are."""
         first: NotFound | Declined | None = None
-        for request in dict.fromkeys([self.request(need, known), some, whole, gltf]):
+        for request in dict.fromkeys(ways):
             try:
                 if request in refused:
                     raise refused[request]
@@ -108,7 +160,7 @@ class Shapes:
                 return request, self._client.one(request) if body is None else body
             except (NotFound, Declined) as error:
                 first = first or error
-                self._refusals.setdefault(need.studio.element, error.message)
+                self._reasons.setdefault(element, error.message)
         assert first is not None
         raise first
 
