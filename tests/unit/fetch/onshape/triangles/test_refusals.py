@@ -1,4 +1,4 @@
-"""Tessellated faces that were refused are asked for once more: a fault that passes changes no byte for good."""
+"""Tessellated faces that were refused are asked for again: a fault that passes changes no byte for good."""
 
 import pytest
 
