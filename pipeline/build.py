@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline import report
+from pipeline import interrupt, report
 from pipeline.caching import actions, bundles
 from pipeline.config.choices import name_of
 from pipeline.config.plan import Plan
@@ -117,8 +117,11 @@ def build_files(
             if output:
                 whole = {**files, **run.seen.files, **run.pictures.files}
                 whole |= run.documents(done, files, output.folder(suffix))
+                interrupt.check()
                 output.publish(whole, suffix, done.outputs)
     except Exception as error:
+        if interrupt.behind(error):
+            raise KeyboardInterrupt from error
         # A result that cannot be moved into the output folder is kept there.
         leave_failure(output, run, error, files if isinstance(error, InTheWay) else {})
         raise
@@ -182,7 +185,7 @@ class Run:
     def stage(self, stage: Stage, context: BuildContext) -> None:
         """Runs one stage, and records its time and its findings."""
         context.detail = context.cache.on_wait = lambda line: self.progress.detail(stage.name, line)
-        context.transient = lambda line: self.progress.transient(stage.name, line)
+        context.transient = lambda line: self.transient(stage.name, line)
         self.calls = context.calls
         self.progress.start(stage.name)
         start = time.perf_counter()
@@ -205,6 +208,11 @@ class Run:
         done = StageReport(stage.name, cached, round(seconds, 4), found["summary"])
         self.stages.append(done)
         self.progress.done(done)
+
+    def transient(self, stage: str, line: str) -> None:
+        """Shows a line about a long step, which Ctrl-C ends."""
+        interrupt.check()
+        self.progress.transient(stage, line)
 
     def note(self, found: Iterable[Diagnostic]) -> None:
         """Records diagnostics, each once."""

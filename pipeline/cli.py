@@ -235,7 +235,9 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
 def _report(error: BaseException) -> int:
     """Prints an error as one message; returns the exit status."""
     from pipeline.errors import exit_status, render
+    from pipeline.interrupt import behind
 
+    error = KeyboardInterrupt() if behind(error) else error
     if os.environ.get("LINKWRIGHT_TRACEBACK", "") not in ("", "0"):
         import traceback
 

@@ -8,6 +8,7 @@ Exit status: 0 built and valid; 1 failed while the stages ran; 2 an error found 
 import errno
 from collections.abc import Sequence
 
+from pipeline import interrupt
 from stages.robot.errors import (
     AssemblyError,
     AuthError,
@@ -106,7 +107,7 @@ def exit_status(error: BaseException) -> int:
     if isinstance(error, ValidationFailed):
         return 3
     if isinstance(error, KeyboardInterrupt):
-        return 130
+        return interrupt.STATUS
     return 1
 
 
@@ -117,7 +118,7 @@ def render(error: BaseException) -> str:
 
 def _message(error: BaseException) -> str:
     if isinstance(error, KeyboardInterrupt):
-        return "error: interrupted"
+        return interrupt.MESSAGE
     if isinstance(error, LinkwrightError):
         return f"error: {error}"
     if isinstance(error, OSError) and (error.filename or error.errno in FULL):

@@ -1,13 +1,70 @@
-"""Ctrl-C during a sweep in many processes ends this one, which ends the others."""
+"""Ctrl-C ends a command with exit status 130, wherever it comes.
+
+Python raises KeyboardInterrupt between any two instructions, and so also where it is lost: in a `__del__` or
+a callback, of which Python only prints it, and below a library that makes another error of it. So a command
+records that Ctrl-C came, asks at each step of a build (`check`), and takes each later error for it
+(`behind`). In a program that imports linkwright the signals are that program's.
+"""
 
 import _thread
 import contextlib
 import signal
+import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from types import FrameType
+
+STATUS = 130
+"""The exit status of a command that Ctrl-C ended."""
+
+MESSAGE = "error: interrupted"
+
+FINISHED = (0, 3)
+"""The exit statuses of a command that did all that it was asked for."""
 
 LOOK = 0.1
 """Interval [s] at which the watcher checks whether the sweep is over."""
+
+_CAME = threading.Event()
+
+
+def command(run: Callable[[], int]) -> int:
+    """Runs a command, the last thing that this process does; returns its exit status.
+
+    A command that finished although Ctrl-C came has its own status, and its output says that it finished.
+    """
+    try:
+        if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+            signal.signal(signal.SIGINT, _note)
+        status = run()
+        # The status stands: to end the process by now would contradict what it said.
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    except KeyboardInterrupt:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        print(MESSAGE, file=sys.stderr)
+        return STATUS
+    return STATUS if _CAME.is_set() and status not in FINISHED else status
+
+
+def _note(number: int, frame: FrameType | None) -> None:
+    _CAME.set()
+    raise KeyboardInterrupt
+
+
+def check() -> None:
+    """Raises KeyboardInterrupt again if Ctrl-C came and was lost: before a step begins, and before a result
+    is kept, which may lack what the lost exception cut short. Not for cleaning up."""
+    if _CAME.is_set():
+        raise KeyboardInterrupt
+
+
+def behind(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is the reason of an error."""
+    while error is not None and not _CAME.is_set():
+        if isinstance(error, KeyboardInterrupt):
+            return True
+        error = error.__cause__ or error.__context__
+    return _CAME.is_set()
 
 
 @contextlib.contextmanager

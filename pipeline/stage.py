@@ -9,6 +9,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
+from pipeline import interrupt
 from pipeline.caching import bundles
 from pipeline.caching.actions import Action, Files, Remembered
 from pipeline.config.plan import Plan, section
@@ -258,6 +259,7 @@ def libraries(stage: Stage) -> dict[str, str]:
 
 def perform(stage: Stage, context: BuildContext) -> tuple[Files, bool]:
     """The stage's files, and whether they came from the cache."""
+    interrupt.check()
     config = stage.config(context)
     if config is None:
         return context.cache.keep(stage.run(context)), False

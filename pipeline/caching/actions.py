@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
+from pipeline import interrupt
 from pipeline.caching.store import Store
 from pipeline.digest import sha256
 from pipeline.errors import CacheError, ConfigError, reason
@@ -138,6 +139,7 @@ class Cache:
                 return found, True
             start = time.perf_counter()
             outputs = make()
+            interrupt.check()
             seconds = round(time.perf_counter() - start, 6)
             files = Files(self.store, self.keep(outputs).digests, seconds)
             if not lasts(outputs):

@@ -15,6 +15,7 @@ from pipeline.config.overrides import Override
 from pipeline.config.plan import Judge, Plan, is_run_key
 from pipeline.config.trust import SweepSettings
 from pipeline.errors import as_problems, refusal
+from pipeline.interrupt import behind, check
 from pipeline.preflight import destination
 from pipeline.sweep.outcome import Outcome, built, failed
 from pipeline.terminal import clean
@@ -60,6 +61,7 @@ class Task:
         self._build = build
 
     def __call__(self, number: int) -> Outcome:
+        check()
         job = self._jobs[number]
         _print(f"job {number} starts: {job.label}")
         start = time.perf_counter()
@@ -71,9 +73,9 @@ class Task:
         which = (job.number, job.label, job.overrides)
         try:
             return built(*which, self._build(job.plan))
-        except KeyboardInterrupt:
-            raise
         except BaseException as error:
+            if behind(error):
+                raise KeyboardInterrupt from error
             # SystemExit too: it would end the whole sweep.
             return failed(*which, str(job.plan.folder), error)
 

@@ -12,13 +12,14 @@ if sys.argv[:1] == ["-m"]:
     if own_path.is_command():
         own_path.leave_out_working_folder()
 
-from typing import TYPE_CHECKING, Any
+TYPE_CHECKING = False
+"""What type checkers take for true; `typing` is not imported, so that the command begins at once."""
 
 if TYPE_CHECKING:
     from pipeline.face import *  # noqa: F403
 else:
 
-    def __getattr__(name: str) -> Any:
+    def __getattr__(name: str) -> object:
         from .shadows import shadows
 
         message = shadows()

@@ -6,18 +6,22 @@ from . import own_path
 
 own_path.leave_out_working_folder()
 
-from .shadows import shadows  # noqa: E402 (the working folder must be off the path)
-
 
 def main() -> int:
     """Runs the command line and returns the exit status."""
-    message = shadows()
-    if message:
-        print(f"error: {message}", file=sys.stderr)
-        return 2
-    from pipeline import cli
+    try:
+        # Here, since Ctrl-C may come before anything is imported.
+        from .shadows import shadows
 
-    return cli.main()
+        message = shadows()
+        if message:
+            print(f"error: {message}", file=sys.stderr)
+            return 2
+        from pipeline import cli, interrupt
+    except KeyboardInterrupt:
+        print("error: interrupted", file=sys.stderr)
+        return 130
+    return interrupt.command(cli.main)
 
 
 if __name__ == "__main__":
