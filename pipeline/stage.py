@@ -80,6 +80,7 @@ class FetchStage(StageBase):
         bundle = fetched.bundle
         context.cache.check(bundles.named(bundle))
         size = sum(len(body) for body in bundle.blobs.values())
+        passing: dict[str, Any] = {} if fetched.lasts else {"lasts": False}
         return {
             **codec.encode_bundle(bundle),
             NOTES: notes(
@@ -88,7 +89,7 @@ class FetchStage(StageBase):
                 source={**bundle.root, **({"title": fetched.title} if fetched.title else {})},
                 calls=fetched.calls + fetched.saved,
                 stale=fetched.stale,
-                **({} if fetched.lasts else {"lasts": False}),
+                **passing,
             ),
         }
 
