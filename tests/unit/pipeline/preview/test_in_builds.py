@@ -8,6 +8,7 @@ import pytest
 from pipeline.build import build
 from pipeline.config.plan import Plan
 from pipeline.errors import LinkwrightError
+from pipeline.output import manifest
 from pipeline.preview import ENDED, PICTURE, ask
 from pipeline.report import findings
 from tests.support.pictures import pixels_of, robot_in
@@ -95,6 +96,7 @@ def test_a_build_that_stops_before_the_export_has_none(make, tmp_path):
 
 def test_a_picture_of_the_users_own_in_the_way_is_not_replaced(make, tmp_path):
     (tmp_path / "out").mkdir()
+    manifest.write(tmp_path / "out", {})
     (tmp_path / "out" / PICTURE).write_bytes(b"mine")
     with pytest.raises(LinkwrightError, match=PICTURE):
         make()
