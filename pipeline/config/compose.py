@@ -210,14 +210,13 @@ class Composer:
         places = {problem.where for problem in draft.problems}
         draft.problems += [one for one in overridden(map(content, files)) if one.where not in places]
         draft.problems += self._presets.chosen_twice(files)
-        typed = self.reading.given(good, (*DEFAULTS, OUTPUT))
+        typed = self.reading.given(good, (*DEFAULTS, OUTPUT)) | self._node.given([SWEEP_DIR])
         distrusted = untrusted(resolved, typed, files, self._environ, command)
         draft.problems += distrusted
         if any(problem.where == "plugins" for problem in distrusted):
             # The judge of the rest imports plug-ins.
             resolved["plugins"] = []
         own_places = {OUTPUT: resolved.get(OUTPUT), SWEEP_DIR: sweeping.dir}
-        typed |= {SWEEP_DIR} if self._node.types(SWEEP_DIR) else set()
         draft.problems += outside(own_places, config, typed, files, self._environ, command)
         known, folders = draft.problems, self._presets.with_motors
         plan = Plan.parse(resolved, known, unsure=draft.unsure, judge=self._judge, folders=folders)

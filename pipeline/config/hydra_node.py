@@ -48,9 +48,9 @@ class HydraNode:
             return [problem for problem in own if problem] or [explained(error, self._presets)]
         return []
 
-    def types(self, key: str) -> bool:
-        """Whether the command line sets a key of Hydra."""
-        return any(f"{key}=" in one for one in self.typed)
+    def given(self, keys: Iterable[str]) -> set[str]:
+        """Those of these keys of Hydra that the command line sets."""
+        return {key for key in keys if any(f"{key}=" in one for one in self.typed)}
 
     def ours(self, launcher: str = "") -> DictConfig:
         """Hydra's configuration from the command line alone, without a robot's file: a sweep runs under
@@ -71,7 +71,7 @@ class HydraNode:
         """
         launcher = str(config.hydra.runtime.choices.get(GROUP))
         changed = self._set_by_files(config, launcher, draft) if self._presets.own else {}
-        typed = [key for key in FOLDERS if self.types(f"hydra.{key}")]
+        typed = [key for key in FOLDERS if self.given([f"hydra.{key}"])]
         folders: dict[str, str] = {}
         if job is not None:
             with open_dict(config):
