@@ -58,9 +58,9 @@ def plan_of(
         # What Python says may be any place, as on the command line.
         overrides.insert(0, f"output={hydra_text(os.fspath(robot['output']))}")
     with _ALONE, robot_file(robot) as file:
-        chosen = [f"robot={file}"] if file else []
+        overrides = [*([f"robot={file}"] if file else []), *overrides]
         try:
-            return compose_plan([*chosen, *overrides], folders, judge=plan_problems).plan
+            return compose_plan(overrides, folders, judge=plan_problems).plan
         except ConfigError as error:
             if not error.problems:
                 raise
