@@ -15,9 +15,9 @@ from stages.robot.ways import Ways
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moving:
-    """Of `k` dofs at `n` poses. `poses`: root_from_link (n, 4, 4) by link; `mass` (n, k, k): the mass matrix
-    without armature; `gravity` (n, k): the forces that hold the weight; `bias` (n, k): those of the
-    speeds, Coriolis and centrifugal, without gravity."""
+    """Of `k` dofs at `n` poses. `poses`: root_from_link (n, 4, 4) by link; `mass`: the mass matrix without
+    armature (n, k, k), or its products with `v` vectors (n, k, v); `gravity` (n, k): the forces that hold the
+    weight; `bias` (n, k): those of the speeds, Coriolis and centrifugal, without gravity."""
 
     poses: dict[str, Array]
     mass: Array
@@ -31,49 +31,109 @@ def scalar_dofs(robot: Robot) -> list[Dof]:
 
 
 def dynamics(robot: Robot, values: Values, speeds: Array, up: Array) -> Moving:
-    """At `values`, with the `speeds` (n, k) of `scalar_dofs`, against gravity along `up` (n, 3) [m/s²].
+    """At `values`, with the `speeds` (n, k) of `scalar_dofs`, against gravity along `up` (n, 3) [m/s²]."""
+    return Mechanism(robot, values).moving(speeds, up)
+
+
+class Mechanism:
+    """A robot at many poses: the motions of its dofs, and the inertias that these move.
 
     Featherstone, "Rigid Body Dynamics Algorithms" (2008): composite bodies for the mass matrix (6.2), the
-    recursive Newton-Euler algorithm (5.3) for the bias.
+    recursive Newton-Euler algorithm (5.3) for its products with vectors and for the bias. The whole matrix
+    takes work of links times depth, all else of links alone.
     """
-    poses, frames = placed(robot.root.name, robot.joints, values)
-    number, count = {dof.name: at for at, dof in enumerate(scalar_dofs(robot))}, count_of(values)
-    bodies = {link.name: _inertias(robot, link.name, poses[link.name]) for link in robot.links}
-    carried = dict(bodies)
-    for joint in reversed(robot.joints):
-        carried[joint.parent] = carried[joint.parent] + carried[joint.child]
-    velocities = {robot.root.name: np.zeros((count, 6))}
-    drifts = {robot.root.name: np.zeros((count, 6))}
-    ways: dict[str, list[tuple[int, Array]]] = {}
-    for joint in robot.joints:
-        velocity, drift = velocities[joint.parent], drifts[joint.parent]
-        ways[joint.child] = []
-        for dof in joint.dofs:
-            if dof.name in number:
-                at = number[dof.name]
-                way = _motion(dof, frames[dof.name][0])
+
+    def __init__(self, robot: Robot, values: Values) -> None:
+        self._robot = robot
+        self.poses, frames = placed(robot.root.name, robot.joints, values)
+        self._count = count_of(values)
+        number = {dof.name: at for at, dof in enumerate(scalar_dofs(robot))}
+        self._size = len(number)
+        self._bodies = {link.name: _inertias(robot, link.name, self.poses[link.name]) for link in robot.links}
+        self._carried = dict(self._bodies)
+        for joint in reversed(robot.joints):
+            self._carried[joint.parent] = self._carried[joint.parent] + self._carried[joint.child]
+        self._ways = {
+            joint.child: [
+                (number[dof.name], _motion(dof, frames[dof.name][0]))
+                for dof in joint.dofs
+                if dof.name in number
+            ]
+            for joint in robot.joints
+        }
+        self._momenta = [
+            (joint.child, at, way, _times(self._carried[joint.child], way))
+            for joint in robot.joints
+            for at, way in self._ways[joint.child]
+        ]
+
+    def moving(self, speeds: Array, up: Array, vectors: Array | None = None) -> Moving:
+        """What moves with the `speeds` (n, k), against gravity along `up` (n, 3) [m/s²]. `vectors` (k, v): the
+        mass matrix is multiplied by these; None for the whole."""
+        mass = self._mass() if vectors is None else self._products(vectors)
+        return Moving(self.poses, mass, self.gravity(up), self._bias(speeds))
+
+    def diagonal(self) -> Array:
+        """The diagonal (n, k) of the mass matrix."""
+        found = np.zeros((self._count, self._size))
+        for _, at, way, momentum in self._momenta:
+            found[:, at] = np.einsum("ni,ni->n", way, momentum)
+        return found
+
+    def _mass(self) -> Array:
+        mass = np.zeros((self._count, self._size, self._size))
+        above = Ways(self._robot)
+        for child, at, _, momentum in self._momenta:
+            for upper in above.up(child):
+                for other, its_way in self._ways[upper.child]:
+                    mass[:, at, other] = mass[:, other, at] = np.einsum("ni,ni->n", its_way, momentum)
+        return mass
+
+    def _products(self, vectors: Array) -> Array:
+        """The forces (n, k, v) that give the resting mechanism the accelerations `vectors` (k, v)."""
+        rest = np.zeros((self._count, 6, vectors.shape[1]))
+        gains = {self._robot.root.name: rest}
+        for joint in self._robot.joints:
+            gain = gains[joint.parent]
+            for at, way in self._ways[joint.child]:
+                gain = gain + way[:, :, None] * vectors[at]
+            gains[joint.child] = gain
+        forces = {name: body @ gains[name] for name, body in self._bodies.items()}
+        found = np.zeros((self._count, *vectors.shape))
+        for joint in reversed(self._robot.joints):
+            for at, way in self._ways[joint.child]:
+                found[:, at] = np.einsum("ni,niv->nv", way, forces[joint.child])
+            forces[joint.parent] = forces[joint.parent] + forces[joint.child]
+        return found
+
+    def gravity(self, up: Array) -> Array:
+        """The forces (n, k) that hold the weight against gravity along `up` (n, 3) [m/s²]."""
+        weightless = np.concatenate([np.zeros((self._count, 3)), up], axis=1)
+        found = np.zeros((self._count, self._size))
+        for _, at, _, momentum in self._momenta:
+            found[:, at] = np.einsum("ni,ni->n", momentum, weightless)
+        return found
+
+    def _bias(self, speeds: Array) -> Array:
+        root = self._robot.root.name
+        velocities, drifts = {root: np.zeros((self._count, 6))}, {root: np.zeros((self._count, 6))}
+        for joint in self._robot.joints:
+            velocity, drift = velocities[joint.parent], drifts[joint.parent]
+            for at, way in self._ways[joint.child]:
                 own = way * speeds[:, at, None]
                 drift = drift + _crossed(velocity, own)
                 velocity = velocity + own
-                ways[joint.child].append((at, way))
-        velocities[joint.child], drifts[joint.child] = velocity, drift
-    mass, gravity, bias = np.zeros((count, len(number), len(number))), *np.zeros((2, count, len(number)))
-    forces = {
-        name: _times(body, drifts[name]) + _crossed_force(velocities[name], _times(body, velocities[name]))
-        for name, body in bodies.items()
-    }
-    weightless = np.concatenate([np.zeros((count, 3)), up], axis=1)
-    above = Ways(robot)
-    for joint in reversed(robot.joints):
-        for at, way in ways[joint.child]:
-            momentum = _times(carried[joint.child], way)
-            gravity[:, at] = np.einsum("ni,ni->n", momentum, weightless)
-            bias[:, at] = np.einsum("ni,ni->n", way, forces[joint.child])
-            for upper in above.up(joint.child):
-                for other, its_way in ways[upper.child]:
-                    mass[:, at, other] = mass[:, other, at] = np.einsum("ni,ni->n", its_way, momentum)
-        forces[joint.parent] = forces[joint.parent] + forces[joint.child]
-    return Moving(poses, mass, gravity, bias)
+            velocities[joint.child], drifts[joint.child] = velocity, drift
+        forces = {
+            name: _times(body, drifts[name]) + _crossed_force(velocities[name], _times(body, velocities[name]))
+            for name, body in self._bodies.items()
+        }
+        found = np.zeros((self._count, self._size))
+        for joint in reversed(self._robot.joints):
+            for at, way in self._ways[joint.child]:
+                found[:, at] = np.einsum("ni,ni->n", way, forces[joint.child])
+            forces[joint.parent] = forces[joint.parent] + forces[joint.child]
+        return found
 
 
 def _inertias(robot: Robot, link: str, pose: Array) -> Array:

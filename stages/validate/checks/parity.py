@@ -8,6 +8,7 @@ loop has a carrier, which has a share of a link's mass.
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,23 +20,32 @@ from stages.robot.install import install
 from stages.robot.model import Array, Robot
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import BY_EQUALITY
+from stages.validate.coordinates import BY_EQUALITY, KINDS, WIDTH
 from stages.validate.findings import link, named, shown, worst_first
 from stages.validate.in_mujoco import in_mujoco
 from stages.validate.in_pinocchio import in_pinocchio, installed
+from stages.validate.mass_probes import own_sizes, probes
 from stages.validate.mujoco_abilities import axes_error
-from stages.validate.random_poses import POSES, samples
-from stages.validate.tree_dynamics import Moving, dynamics, scalar_dofs
+from stages.validate.random_poses import samples
+from stages.validate.tree_dynamics import Mechanism, Moving, scalar_dofs
 
 CODE = "C-PARITY"
 
 ALIKE = 1e-9
 """Poses [m, rad, relative to the robot's size where that is above 1 m], matrices and forces [relative]."""
 
+SURELY = 8.0
+"""A sum of terms with signs at random is above so many times the root of their squares in 1 of 10^13."""
+
 WEIGHS = frozenset({"body", "geom", "inertial", "link", "joint"})
 """Elements of the user's own XML that may weigh something, or have what does."""
 
 ABSENT = f"Pinocchio is not installed ({install('pin')}), so that no second engine has read the URDF"
+
+MOST_OF_PINOCCHIO = 100
+"""Dofs: Pinocchio's memory grows with their cube, to 32 GB for 1,000."""
+
+TOO_LARGE = f"Pinocchio is not asked of more than {MOST_OF_PINOCCHIO} dofs, whose cube its memory grows with"
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -44,21 +54,37 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     values, speeds = samples(robot)
     if not values:
         return
-    found, up = in_mujoco(compiled.model, robot, values, speeds, compiled.urdf)
-    expected = dynamics(robot, values, speeds, up)
-    note = "" if not compiled.urdf or installed() else f"; {ABSENT}"
+    mechanism = Mechanism(robot, values)
+    own = mechanism.diagonal()
+    vectors = probes(own)
+    found, up = in_mujoco(compiled.model, robot, values, speeds, vectors, compiled.urdf)
+    expected = mechanism.moving(speeds, up, vectors)
+    asks = compiled.urdf and installed()
+    large = sum(WIDTH[KINDS[dof.kind]] for dof in robot.dofs) > MOST_OF_PINOCCHIO
+    note = "" if asks or not compiled.urdf else f"; {ABSENT}"
+    note = f"; {TOO_LARGE}" if asks and large else note
     turned = _turned(robot) if compiled.urdf else 0.0
-    yield _compared(compiled, "MuJoCo", found, expected, note, turned)
-    if compiled.urdf and installed():
+    yield _compared(compiled, "MuJoCo", found, expected, Inertias(own, vectors, turned), note)
+    if asks and not large:
         read = in_pinocchio(compiled.path.read_bytes(), robot, values, speeds)
-        upright = np.tile([0.0, 0.0, 9.81], (POSES, 1))
-        yield _compared(compiled, "Pinocchio", read, dynamics(robot, values, speeds, upright), "", 0.0)
+        upright = np.tile([0.0, 0.0, 9.81], (len(up), 1))
+        expected = replace(expected, gravity=mechanism.gravity(upright))
+        yield _compared(compiled, "Pinocchio", read, expected, Inertias(own, None, 0.0), "")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inertias:
+    """`own`: the diagonals (n, k) of the mass matrices; `vectors`: as `probes` has them; `turned`: what the
+    engine's own axes of inertias may change in an entry of the mass matrix [kg m²]."""
+
+    own: Array
+    vectors: Array | None
+    turned: float
 
 
 def _compared(
-    compiled: CompiledModel, engine: str, found: Moving, expected: Moving, note: str, turned: float
+    compiled: CompiledModel, engine: str, found: Moving, expected: Moving, inertias: Inertias, note: str
 ) -> Check:
-    """`turned`: what the engine's own axes of inertias may change in an entry of the mass matrix [kg m²]."""
     robot, urdf = compiled.robot, compiled.urdf
     off = _poses_off(found.poses, expected.poses)
     most = {"poses": max(off.values())}
@@ -72,9 +98,9 @@ def _compared(
     added = [one.key for one in changes if WEIGHS & {*" ".join(one.adds).split()}]
     names = [dof.name for dof in scalar_dofs(robot)]
     weight = 9.81 * math.sqrt(sum(link.inertial.mass for link in robot.links))
-    speck = turned + (_specks(robot, expected) if urdf else 0.0)
+    speck = inertias.turned + (_specks(robot, expected) if urdf else 0.0)
     forces = (
-        _forces_off(found, expected, weight, speck, turned * len(names) ** 2)
+        _forces_off(found, expected, inertias, weight, speck)
         if names and not carried and not added
         else {}
     )
@@ -85,7 +111,8 @@ def _compared(
                 message = f"{quantity} of what it moves is off by {shown(value)}"
                 findings.append((float(value), Finding(named("joint", name), "inertial", message)))
     figures = ", ".join(f"{quantity} {value:.1g}" for quantity, value in most.items())
-    detail = f"against the robot's own at {POSES} poses: {figures}{_left_out(robot, carried, added)}{note}"
+    left = f"{_left_out(robot, carried, added)}{note}"
+    detail = f"against the robot's own at {len(expected.bias)} poses: {figures}{left}"
     worst = max(most.values())
     return compiled.within(f"parity in {engine}", worst, ALIKE, detail, worst_first(findings))
 
@@ -112,18 +139,25 @@ def _turned(robot: Robot) -> float:
 
 
 def _forces_off(
-    found: Moving, expected: Moving, weight: float, speck: float, bias: float
+    found: Moving, expected: Moving, inertias: Inertias, weight: float, speck: float
 ) -> dict[str, Array]:
     """By quantity: the largest difference of each dof. Of the mass matrix relative to the two dofs' own
     entries, but at least a millionth of the largest; of forces to the largest of them, but at least to what
     the mass matrix alone makes: its entry, by a speed of 1, and the root of its entry times `weight`, which
-    is the root of the mass times gravity. Left out are `speck` of the mass matrix and `bias` of the bias."""
-    own = np.sqrt(np.maximum(np.einsum("nii->ni", expected.mass), 0.0))
-    largest = float(own.max(initial=0.0)) or 1.0
-    own = np.maximum(own, 1e-3 * largest)
-    scale = own[:, :, None] * own[:, None, :]
-    off = np.maximum(np.abs(found.mass - expected.mass) - speck, 0.0)
+    is the root of the mass times gravity. Left out are `speck` of the mass matrix, and of the bias what
+    `turned` makes of it."""
+    own, vectors = own_sizes(inertias.own), inertias.vectors
+    largest = float(own.max(initial=0.0))
+    if vectors is None:
+        scale, least = own[:, :, None] * own[:, None, :], speck
+    else:
+        # The vectors are already divided by the dofs' own entries; what entries are off by adds up in a
+        # product as signs at random do.
+        scale = own[:, :, None] * math.sqrt(own.shape[1])
+        least = SURELY * speck * np.linalg.norm(vectors, axis=0)
+    off = np.maximum(np.abs(found.mass - expected.mass) - least, 0.0)
     rows = {"mass matrix": (off / scale).max(axis=(0, 2))}
+    bias = inertias.turned * len(own[0]) ** 2
     for name, one, other, least in (
         ("gravity", found.gravity, expected.gravity, largest * weight),
         ("bias", found.bias, expected.bias, largest**2),
