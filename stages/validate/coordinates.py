@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 
 from stages.formats.urdf.names import urdf_names
-from stages.robot.model import Array, Configuration, Dof, Robot, Value
+from stages.robot.model import Array, Configuration, Dof, Joint, Robot, Value
 from stages.robot.poses import UNMOVED, inverse, motion, quat_from_rotation, turns_from_rotation
 from stages.validate.compiled import CompiledModel
 from stages.validate.mujoco_poses import placed
@@ -83,24 +83,14 @@ def set_values(model: Any, data: Any, robot: Robot, q: Configuration, urdf: bool
     """Resets, sets the values `q` by the names of dofs and computes poses."""
     mujoco.mj_resetData(model, data)
     mujoco.mj_kinematics(model, data)
-    turns = urdf_names(robot).turns
     numbers: dict[str, list[float]] = {}
     for joint in robot.joints:
-        # A free joint's value is relative to the root's pose at qpos0.
-        place = link_pose(model, data, robot, joint.parent) @ joint.parent_from_joint
-        start = inverse(place) @ link_pose(model, data, robot, joint.child)
         for dof in joint.dofs:
             value = q[dof.name]
-            pose = motion(dof.kind, dof.axis, value)
-            if not isinstance(value, tuple):
-                numbers[dof.name] = [value]
-            elif dof.kind == "free":
-                numbers[dof.name] = seven(place @ pose)
-            elif urdf:
-                angles = turns_from_rotation(pose[:3, :3])
-                numbers |= {name: [angle] for name, angle in zip(turns[dof.name], angles, strict=True)}
+            if isinstance(value, tuple):
+                numbers |= _numbers(model, data, robot, joint, dof, value, urdf)
             else:
-                numbers[dof.name] = list(quat_from_rotation(start[:3, :3].T @ pose[:3, :3]))
+                numbers[dof.name] = [value]
     for loop in robot.loops:
         numbers |= {dof.name: [value] for dof in loop.dofs if not isinstance(value := q[dof.name], tuple)}
     for name, _, _ in joints_of(robot, urdf):
@@ -108,6 +98,22 @@ def set_values(model: Any, data: Any, robot: Robot, q: Configuration, urdf: bool
         first = int(model.jnt_qposadr[joint_index(model, name)])
         data.qpos[first : first + len(part)] = part
     mujoco.mj_kinematics(model, data)
+
+
+def _numbers(
+    model: Any, data: Any, robot: Robot, joint: Joint, dof: Dof, value: tuple[float, ...], urdf: bool
+) -> dict[str, list[float]]:
+    """The numbers of a ball or a free joint, by the names of the model's joints; `data` is at qpos0."""
+    # A free joint's value is relative to the root's pose at qpos0.
+    place = link_pose(model, data, robot, joint.parent) @ joint.parent_from_joint
+    pose = motion(dof.kind, dof.axis, value)
+    if dof.kind == "free":
+        return {dof.name: seven(place @ pose)}
+    if urdf:
+        angles = turns_from_rotation(pose[:3, :3])
+        return {name: [angle] for name, angle in zip(urdf_names(robot).turns[dof.name], angles, strict=True)}
+    start = inverse(place) @ link_pose(model, data, robot, joint.child)
+    return {dof.name: list(quat_from_rotation(start[:3, :3].T @ pose[:3, :3]))}
 
 
 def seven(pose: Array) -> list[float]:

@@ -4,18 +4,16 @@ whole, which has as many entries as its dofs squared."""
 import numpy as np
 
 from stages.robot.model import Array
-
-WHOLE = 100
-"""Up to this many dofs the whole matrix is compared."""
+from stages.validate.tree_dynamics import WHOLE
 
 PRODUCTS = 4
-"""Vectors otherwise: an entry that is off is hidden only where others that are off cancel it in each."""
+"""Vectors: an entry that is off is hidden only where others that are off cancel it in each."""
 
 SEED = 27182
 
 
 def probes(diagonal: Array) -> Array | None:
-    """Seeded vectors (k, v) for mass matrices of this diagonal (n, k); None where the whole is to be compared.
+    """Seeded vectors (k, v) for mass matrices of this diagonal (n, k); None where the whole is compared.
 
     Random signs, each divided by the root of its dof's own entry: so that the rows of a light link count as
     much as those of a heavy one.

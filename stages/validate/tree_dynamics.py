@@ -12,6 +12,9 @@ from stages.robot.model import Array, Dof, Robot
 from stages.robot.pose_batch import Values, count_of, placed
 from stages.robot.ways import Ways
 
+WHOLE = 100
+"""Up to this many dofs mass matrices are compared as a whole."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moving:
@@ -40,7 +43,8 @@ class Mechanism:
 
     Featherstone, "Rigid Body Dynamics Algorithms" (2008): composite bodies for the mass matrix (6.2), the
     recursive Newton-Euler algorithm (5.3) for its products with vectors and for the bias. The whole matrix
-    takes work of links times depth, all else of links alone.
+    takes work of links times depth, all else of links alone. A large robot's are about its middle instead of
+    the root's origin: far from that its many small inertias would lose their digits.
     """
 
     def __init__(self, robot: Robot, values: Values) -> None:
@@ -49,13 +53,18 @@ class Mechanism:
         self._count = count_of(values)
         number = {dof.name: at for at, dof in enumerate(scalar_dofs(robot))}
         self._size = len(number)
-        self._bodies = {link.name: _inertias(robot, link.name, self.poses[link.name]) for link in robot.links}
+        middle = np.zeros((self._count, 3))
+        if self._size > WHOLE:
+            middle = np.mean([pose[:, :3, 3] for pose in self.poses.values()], axis=0)
+        self._bodies = {
+            link.name: _inertias(robot, link.name, self.poses[link.name], middle) for link in robot.links
+        }
         self._carried = dict(self._bodies)
         for joint in reversed(robot.joints):
             self._carried[joint.parent] = self._carried[joint.parent] + self._carried[joint.child]
         self._ways = {
             joint.child: [
-                (number[dof.name], _motion(dof, frames[dof.name][0]))
+                (number[dof.name], _motion(dof, frames[dof.name][0], middle))
                 for dof in joint.dofs
                 if dof.name in number
             ]
@@ -136,11 +145,11 @@ class Mechanism:
         return found
 
 
-def _inertias(robot: Robot, link: str, pose: Array) -> Array:
-    """The inertia (n, 6, 6) of a link about the root's origin."""
+def _inertias(robot: Robot, link: str, pose: Array, origin: Array) -> Array:
+    """The inertia (n, 6, 6) of a link about `origin` (n, 3)."""
     one = robot.link(link).inertial
     turn = pose[:, :3, :3]
-    shift = one.mass * _skew(turn @ one.com + pose[:, :3, 3])
+    shift = one.mass * _skew(turn @ one.com + (pose[:, :3, 3] - origin))
     tensor = turn @ one.inertia @ turn.transpose(0, 2, 1)
     out = np.zeros((len(pose), 6, 6))
     if one.mass:
@@ -152,12 +161,12 @@ def _inertias(robot: Robot, link: str, pose: Array) -> Array:
     return out
 
 
-def _motion(dof: Dof, before: Array) -> Array:
-    """The motion (n, 6) of a unit speed of a dof in the frame `before` (n, 4, 4)."""
+def _motion(dof: Dof, before: Array, origin: Array) -> Array:
+    """The motion (n, 6) about `origin` (n, 3) of a unit speed of a dof in the frame `before` (n, 4, 4)."""
     axis: Array = before[:, :3, :3] @ dof.axis
     if dof.kind == "slide":
         return np.concatenate([np.zeros_like(axis), axis], axis=1)
-    return np.concatenate([axis, np.cross(before[:, :3, 3], axis)], axis=1)
+    return np.concatenate([axis, np.cross(before[:, :3, 3] - origin, axis)], axis=1)
 
 
 def _times(bodies: Array, motion: Array) -> Array:

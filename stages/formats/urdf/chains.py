@@ -42,6 +42,10 @@ class UrdfChains:
         yield self.root
         yield from self.above
 
+    def has(self, link: str) -> bool:
+        """Whether there is such a link."""
+        return link == self.root or link in self.above
+
     def up(self, tip: str) -> Iterator[UrdfStep]:
         """The joints from a link up to the root."""
         while tip in self.above:

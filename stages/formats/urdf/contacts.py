@@ -1,7 +1,6 @@
 """Which links of a URDF do not collide, as far as the robot says: for who writes or checks an SRDF."""
 
 from collections.abc import Set
-from itertools import combinations
 from typing import Literal
 
 from stages.formats.urdf.as_written import as_written, holders
@@ -33,7 +32,16 @@ def known_pairs(
     given = {(one.link_a, one.link_b): one for one in geometry.excludes}
     found: dict[Pair, Reason] = {}
     partly: list[Pair] = []
-    for pair in combinations(order, 2):
+    holder = {one: link for link in order for one in parts[link]}
+    at = {link: number for number, link in enumerate(order)}
+    # Of any other pair of links nothing is known: a large robot has too many to look at each.
+    near = {
+        tuple(sorted((holder[a], holder[b]), key=at.__getitem__))
+        for a, b in (*adjacent, *given)
+        if a in holder and b in holder and holder[a] != holder[b]
+    }
+    for one, other in sorted(near, key=lambda both: (at[both[0]], at[both[1]])):
+        pair = (one, other)
         own = [(a, b) if place[a] < place[b] else (b, a) for a in parts[pair[0]] for b in parts[pair[1]]]
         known = [given.get(one) for one in own]
         if not adjacent.isdisjoint(own):

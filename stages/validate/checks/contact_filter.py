@@ -1,6 +1,9 @@
 """Which pairs of shapes may collide is what the robot says: in MuJoCo's own rules, whatever the pose."""
 
+import math
+from collections import Counter
 from collections.abc import Iterator
+from itertools import combinations_with_replacement
 from typing import Any
 
 import mujoco
@@ -30,28 +33,60 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         return
     if any(TAGS & {*one.sets, *one.added_tags} for one in compiled.amendments.changes):
         return
-    model, pairs, found = compiled.model, 0, []
+    model, found = compiled.model, []
     colliders = _colliders(compiled, geometry)
     excluded = {(one.link_a, one.link_b): one.geoms for one in geometry.excludes}
-    for at, (first, own) in enumerate(colliders):
-        for second, others in colliders[at + 1 :]:
-            if _never_collide(model, own[0], others[0]):
-                continue
-            may = _may_collide(model, own, others)
-            wanted = np.full(may.shape, geometry.self_contact)
-            apart = excluded.get((first, second))
-            if apart is not None:
-                wanted[tuple(np.array(apart).T) if apart else ...] = False
-            pairs += 1
-            if (may != wanted).any():
-                more, fewer = int((may & ~wanted).sum()), int((wanted & ~may).sum())
-                words = f"{count(fewer, 'pair')} of their shapes cannot collide, but must"
-                if more:
-                    words = f"{count(more, 'pair')} of their shapes may collide, but must not"
-                found.append(Finding(f'exclude "{first}" "{second}"', "body1, body2", words))
+    outside = {int(one) for one in model.exclude_signature}
+    for one, other in sorted(_candidates(model, geometry, colliders)):
+        (first, own), (second, others) = colliders[one], colliders[other]
+        if _never_collide(model, own[0], others[0]):
+            continue
+        may = _may_collide(model, own, others, outside)
+        wanted = np.full(may.shape, geometry.self_contact)
+        apart = excluded.get((first, second))
+        if apart is not None:
+            wanted[tuple(np.array(apart).T) if apart else ...] = False
+        if (may != wanted).any():
+            more, fewer = int((may & ~wanted).sum()), int((wanted & ~may).sum())
+            words = f"{count(fewer, 'pair')} of their shapes cannot collide, but must"
+            if more:
+                words = f"{count(more, 'pair')} of their shapes may collide, but must not"
+            found.append(Finding(f'exclude "{first}" "{second}"', "body1, body2", words))
     found += _pairs(model)
-    detail = f"what may collide of {count(pairs, 'pair')} of links"
+    detail = f"what may collide of {count(_judged(model, colliders), 'pair')} of links"
     yield compiled.within("contact filter", float(len(found)), 0.0, detail, few(found))
+
+
+def _candidates(
+    model: Any, geometry: Geometry, colliders: list[tuple[str, list[int]]]
+) -> set[tuple[int, int]]:
+    """The pairs of places in `colliders` that may be other than they must: those that the file or the robot
+    leaves out, and those whose bits alone say so. Of all others the bits say what must be, and links are of
+    few kinds by their bits: a large robot has too many pairs to look at each."""
+    place = {link: at for at, (link, _) in enumerate(colliders)}
+    of_body = {int(model.geom_bodyid[geoms[0]]): at for at, (_, geoms) in enumerate(colliders)}
+    named = [(place.get(one.link_a), place.get(one.link_b)) for one in geometry.excludes]
+    named += [(of_body.get(int(one) >> 16), of_body.get(int(one) & 0xFFFF)) for one in model.exclude_signature]
+    found = {(min(a, b), max(a, b)) for a, b in named if a is not None and b is not None and a != b}
+    kinds: dict[frozenset[tuple[int, int]], list[int]] = {}
+    for at, (_, geoms) in enumerate(colliders):
+        bits = frozenset((int(model.geom_contype[geom]), int(model.geom_conaffinity[geom])) for geom in geoms)
+        kinds.setdefault(bits, []).append(at)
+    for (one, members), (other, others) in combinations_with_replacement(kinds.items(), 2):
+        if any(bool(a[0] & b[1] or b[0] & a[1]) != geometry.self_contact for a in one for b in other):
+            found |= {(min(a, b), max(a, b)) for a in members for b in others if a != b}
+    return found
+
+
+def _judged(model: Any, colliders: list[tuple[str, list[int]]]) -> int:
+    """How many pairs of links there are but for those of `_never_collide`."""
+    welds = Counter(int(model.body_weldid[model.geom_bodyid[geoms[0]]]) for _, geoms in colliders)
+    never = sum(math.comb(number, 2) for number in welds.values())
+    if not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_FILTERPARENT:
+        for weld, number in welds.items():
+            above = int(model.body_weldid[model.body_parentid[weld]])
+            never += number * welds[above] if weld and above else 0
+    return math.comb(len(colliders), 2) - never
 
 
 def _pairs(model: Any) -> Iterator[Finding]:
@@ -87,11 +122,11 @@ def _never_collide(model: Any, own: int, other: int) -> bool:
     return all(welds) and (welds[0] == above[1] or welds[1] == above[0])
 
 
-def _may_collide(model: Any, own: list[int], others: list[int]) -> Grid:
+def _may_collide(model: Any, own: list[int], others: list[int], excluded: set[int]) -> Grid:
     """By the rules of MuJoCo's documentation, "Collision detection": the bits of both, and that their bodies
-    are not excluded."""
+    are not `excluded`, by their signatures."""
     bodies = [int(model.geom_bodyid[geoms[0]]) for geoms in (own, others)]
     bits = [(model.geom_contype[geoms], model.geom_conaffinity[geoms]) for geoms in (own, others)]
     meet: Grid = (bits[0][0][:, None] & bits[1][1] | bits[1][0] & bits[0][1][:, None]) != 0
     signature = (min(bodies) << 16) + max(bodies)
-    return meet & (signature not in {int(one) for one in model.exclude_signature})
+    return meet & (signature not in excluded)

@@ -25,6 +25,13 @@ CODE = "C-REACH"
 STEPS = 24
 """Values of a joint from one end of its range to the other, besides `home`."""
 
+PLACED = 4_000_000
+"""The most bodies times poses: of a robot of more than 400 joints each is looked at in fewer steps, and of one
+of some thousands not every joint."""
+
+FEWEST = 4
+"""Steps over a joint's range."""
+
 DEEP = 5e-4
 """Links that are in each other by less [m] touch."""
 
@@ -56,9 +63,10 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     mujoco.mj_collision(model, data)
     meeting = _contacts(model, data)
     follower = Follower(model, start)
-    rows, findings, poses, joints = [], [], 0, swept_joints(model, start)
+    rows, findings, poses, every = [], [], 0, swept_joints(model, start)
+    joints, steps = _within_reason(every, model.nbody)
     for joint in joints:
-        found, tried = _swept(model, data, follower, joint, set(meeting))
+        found, tried = _swept(model, data, follower, joint, set(meeting), steps)
         poses += tried
         name = model.joint(joint).name
         for (pair, _), one in sorted(found.items()):
@@ -73,22 +81,30 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if not joints:
         return
     told = tuple(one for _, one in sorted(findings, key=lambda pair: pair[0]))
-    detail = f"{count(len(joints), 'joint')} over its range, {poses} poses: no links run into each other"
+    looked = count(len(joints), "joint") + (f" of {len(every)}" if len(every) > len(joints) else "")
+    detail = f"{looked} over its range, {poses} poses: no links run into each other"
     if told:
-        detail = f"{count(len(told), 'collision')} of links over the ranges of {count(len(joints), 'joint')}"
+        detail = f"{count(len(told), 'collision')} of links over the ranges of {looked}"
     result = compiled.within("reach", float(len(told)), 0.0, detail, told, "warning")
     yield replace(result, table=Table(HEADER, tuple(rows)) if rows else None)
 
 
+def _within_reason(joints: list[int], bodies: int) -> tuple[list[int], int]:
+    """The joints that are looked at, spread evenly over all, and in how many steps each."""
+    poses = max(FEWEST, PLACED // bodies)
+    steps = max(FEWEST, min(STEPS, poses // max(1, len(joints))))
+    return joints[:: math.ceil(len(joints) * steps / poses) or 1], steps
+
+
 def _swept(
-    model: Any, data: Any, follower: Follower, joint: int, ignored: set[tuple[int, int]]
+    model: Any, data: Any, follower: Follower, joint: int, ignored: set[tuple[int, int]], steps: int
 ) -> tuple[dict[tuple[tuple[int, int], float], Meeting], int]:
     """The pairs of bodies that meet, each with the end of the range where they do, and how many poses were
     looked at: from `home` to the one end, and to the other."""
     found: dict[tuple[tuple[int, int], float], Meeting] = {}
     value = follower.start[model.jnt_qposadr[joint]]
     low, high = _range(model, joint, value)
-    step, tried = max(high - low, 1e-12) / STEPS, 0
+    step, tried = max(high - low, 1e-12) / steps, 0
     for end in (low, high):
         pose = follower.start
         for at in np.linspace(value, end, math.ceil(abs(end - value) / step - 1e-6) + 1)[1:]:

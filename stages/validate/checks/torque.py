@@ -22,6 +22,9 @@ HEADER = ("joint", "unit", "holds at home", "holds at most", "can hold", "share"
 POSES = 64
 """So many poses stand for the robot's range, beside `home`."""
 
+PLACED, FEWEST = 20_000, 8
+"""The most links times poses: of a larger robot fewer poses stand for the range."""
+
 REACH = 0.5
 """How far [m] slides without limits go."""
 
@@ -62,7 +65,8 @@ def _rounded(value: float | None) -> float | None:
 
 def _poses(compiled: CompiledModel) -> list[Configuration]:
     start = home(compiled.robot)
-    drawn = sampled_poses(compiled.robot, POSES, REACH, start)
+    poses = max(FEWEST, min(POSES, PLACED // len(compiled.robot.links)))
+    drawn = sampled_poses(compiled.robot, poses, REACH, start)
     count = min(map(len, drawn.values()))
     return [start, *({name: _value(every[row]) for name, every in drawn.items()} for row in range(count))]
 

@@ -12,6 +12,7 @@ from stages.validate.srdf.known import ALL, ReadSrdf
 def groups(read: ReadSrdf) -> Iterator[Finding]:
     """Each chain is one of the robot, and ends where its group's name says; each frame that moves has one;
     one group has all joints; and none is empty, or there twice."""
+    known = {*read.chains.joints, *read.chains.links, *read.groups}
     for node in read.root.findall("group"):
         name, element = node.get("name", ""), named("group", node.get("name", ""))
         if read.groups[name] is not node:
@@ -22,7 +23,7 @@ def groups(read: ReadSrdf) -> Iterator[Finding]:
         keys = ("name", "base_link", "tip_link")
         held = {one.get(key) for one in node.iterchildren() for key in keys if one.get(key)}
         # Of what is unknown, or of the user's own XML, nothing can be said.
-        foreign = held - {*read.chains.joints, *read.chains.links, *read.groups}
+        foreign = held - known
         if not wrong and not foreign and not read.moved_by(name):
             yield Finding(element, "", "moves nothing")
     for link in _framed(read):
@@ -31,7 +32,7 @@ def groups(read: ReadSrdf) -> Iterator[Finding]:
     every = read.moving
     found = [name for name in read.groups if read.moved_by(name) == every]
     whole = read.groups.get(ALL)
-    judged = whole is not None and whole.find("chain") is None and ALL not in read.chains.links
+    judged = whole is not None and whole.find("chain") is None and not read.chains.has(ALL)
     if every and (judged and ALL not in found):
         missing = sorted(every - read.moved_by(ALL))
         yield Finding(named("group", ALL), "joint", f"is without {', '.join(missing)}, expected every joint")
@@ -45,9 +46,9 @@ def _chains(read: ReadSrdf, node: Element) -> Iterator[Finding]:
     chains = node.findall("chain")
     for one in chains:
         base, tip = one.get("base_link", ""), one.get("tip_link", "")
-        if not {base, tip} <= {*read.chains.links}:
+        if not (read.chains.has(base) and read.chains.has(tip)):
             continue  # unknown, or of the user's own XML
-        if name in read.chains.links and len(chains) == 1:
+        if read.chains.has(name) and len(chains) == 1:
             if tip != name:
                 yield differs(element, "chain tip_link", tip, name)
             if base != read.chains.base_of(name):
@@ -68,7 +69,7 @@ def end_effectors(read: ReadSrdf) -> Iterator[Finding]:
     for node in read.root.findall("end_effector"):
         element, parent = named("end_effector", node.get("name", "")), node.get("parent_link", "")
         group, arm = node.get("group", ""), node.get("parent_group", "")
-        if parent not in read.chains.links or not {group, arm} <= {*read.groups}:
+        if not read.chains.has(parent) or not {group, arm} <= read.groups.keys():
             continue
         own, beyond = read.moved_by(group), read.joints_beyond(parent)
         if own != beyond:

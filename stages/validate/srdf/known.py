@@ -15,7 +15,9 @@ from stages.validate.findings import named
 class ReadSrdf:
     """`root`: the file's; `robot`: what it must be of, and all else that is `expected`. `written`: the robot
     as its URDF has it, and its `chains`. `links` and `joints`: every name that the URDF has, also of what the
-    user's own XML adds, of which nothing else is known."""
+    user's own XML adds, of which nothing else is known. `groups`: by name, of two with the same name the
+    first; `moving`: the joints that groups have, which are all that move, but for free ones; `own`: the names
+    of the groups that every SRDF of the robot has: to a frame or link, of a gripper, of all joints."""
 
     root: Element
     robot: Robot
@@ -24,32 +26,29 @@ class ReadSrdf:
     chains: UrdfChains = field(init=False)
     links: frozenset[str] = field(init=False)
     joints: frozenset[str] = field(init=False)
+    groups: dict[str, Element] = field(init=False)
+    moving: frozenset[str] = field(init=False)
+    own: frozenset[str] = field(init=False)
 
     def __post_init__(self) -> None:
         written = as_written(self.robot, self.expected.form)
         chains = chains_of(written)
         changes = self.expected.amendments.of(f"{self.robot.name}.urdf")
+        groups: dict[str, Element] = {}
+        for node in self.root.findall("group"):
+            groups.setdefault(node.get("name", ""), node)
+        of_hands = (one.get("group", "") for one in self.root.findall("end_effector"))
         added = [one.partition(" ") for change in changes for one in change.adds]
         for key, value in (
             ("written", written),
             ("chains", chains),
             ("links", frozenset({*chains.links, *(name for tag, _, name in added if tag == "link")})),
             ("joints", frozenset({*chains.joints, *(name for tag, _, name in added if tag == "joint")})),
+            ("groups", groups),
+            ("moving", frozenset(name for name, one in chains.joints.items() if one.moves)),
+            ("own", frozenset({*chains.links, *of_hands, ALL})),
         ):
             object.__setattr__(self, key, value)
-
-    @property
-    def groups(self) -> dict[str, Element]:
-        """By name; of two with the same name the first."""
-        found: dict[str, Element] = {}
-        for one in self.root.findall("group"):
-            found.setdefault(one.get("name", ""), one)
-        return found
-
-    @property
-    def moving(self) -> frozenset[str]:
-        """The joints that groups have: all that move, but for free ones."""
-        return frozenset(name for name, one in self.chains.joints.items() if one.moves)
 
     def moved_by(self, group: str) -> frozenset[str]:
         """The joints of a group that move: those that it names, above the links that it names, of its chains
@@ -72,8 +71,7 @@ class ReadSrdf:
     def is_own(self, group: str) -> bool:
         """Whether a group is one that every SRDF of the robot has: to a frame or link, of a gripper, or of
         all joints. Others are the user's."""
-        of_hands = (one.get("group") for one in self.root.findall("end_effector"))
-        return group in {*self.chains.links, *of_hands, ALL}
+        return group in self.own
 
     def rigid(self, link: str) -> set[str]:
         """The links that no joint moves against one, and itself."""

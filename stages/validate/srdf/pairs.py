@@ -28,10 +28,10 @@ def pairs(read: ReadSrdf) -> Iterator[Finding]:
     given, _ = known_pairs(read.robot, geometry, read.expected.form)
     expected = {frozenset(one): reason for one, reason in given.items()}
     touching = _touching(read, geometry)
-    seen: set[Links] = set()
+    known, seen = {*read.chains.links}, set[Links]()
     for node in read.root.findall("disable_collisions"):
         links = frozenset((node.get("link1", ""), node.get("link2", "")))
-        if not links <= {*read.chains.links}:
+        if not links <= known:
             continue  # unknown, or of the user's own XML
         if links in seen:
             yield Finding(pair(node), "", "is there twice")
