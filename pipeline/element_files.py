@@ -5,7 +5,7 @@ from pathlib import Path
 
 from pipeline.config.plan import Plan
 from pipeline.errors import ConfigError, Diagnostic, as_problems, refusal
-from stages.fetch import regular_files
+from stages.robot import regular_files
 
 LARGEST = 16 << 20
 """Largest size of such a file [bytes]."""

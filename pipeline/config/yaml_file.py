@@ -10,7 +10,7 @@ from typing import Any
 
 import yaml
 
-from stages.fetch import regular_files
+from stages.robot import regular_files
 
 LARGEST = 4 << 20
 """Larger files are not read [bytes]."""

@@ -55,7 +55,7 @@ def run(arguments: Sequence[str]) -> int:
     read or written."""
     asked = _parsed(arguments)
     from pipeline.checking.as_json import as_json, baseline
-    from pipeline.checking.run import checked
+    from pipeline.checking.ask import checked
     from pipeline.checking.show import as_text
 
     known = baseline(asked.values["--baseline"]) if "--baseline" in asked.values else None

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
-from stages.fetch import regular_files
+from stages.robot import regular_files
 
 if TYPE_CHECKING:
     from stages.fetch.onshape.api.retries import Patience

@@ -27,6 +27,9 @@ from stages.robot.sensing import Sensing
 
 FORMAT, VERSION = "linkwright-robot", 1
 
+MOST_ROWS = 20_000
+"""Of links, joints and all else that a robot has."""
+
 
 @dataclass(frozen=True, slots=True)
 class Truth:
@@ -104,6 +107,11 @@ def _require_inside(*paths: str) -> None:
 
 
 def _robot(record: Fields) -> Robot:
+    for table in ("links", "joints", "loops", "relations", "frames", "keyframes"):
+        rows = len(record.records(table))
+        if rows > MOST_ROWS:
+            msg = f"{table}: {rows} rows; at most {MOST_ROWS} are read"
+            raise RobotJsonError(msg)
     links = tuple(link_of(one) for one in record.records("links"))
     joints = tuple(joint_of(one) for one in record.records("joints"))
     _require_tree(links, joints)
@@ -129,13 +137,13 @@ def _robot(record: Fields) -> Robot:
 
 def _require_tree(links: tuple[Link, ...], joints: tuple[Joint, ...]) -> None:
     """Each link but the first is the child of one joint, which comes after that of its parent."""
-    known = [link.name for link in links[:1]]
+    known = {link.name for link in links[:1]}
     for joint in joints:
         if joint.parent not in known or joint.child in known:
             msg = f"joints: {joint.name!r} is between {joint.parent!r} and {joint.child!r}, which is no tree"
             raise RobotJsonError(msg)
-        known.append(joint.child)
-    if not links or sorted(known) != sorted(link.name for link in links):
+        known.add(joint.child)
+    if not links or len(known) != len(links) or known != {link.name for link in links}:
         msg = "links: expected the root and the children of all joints"
         raise RobotJsonError(msg)
 

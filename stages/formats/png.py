@@ -64,6 +64,14 @@ def problem(data: bytes) -> str:
     return why or ("" if _inflates(packed, _size(header)) else "it is damaged: its pixels are incomplete")
 
 
+def pixels(head: bytes) -> int:
+    """How many pixels the first 24 bytes of a PNG say that it has; 0 where they are of no PNG."""
+    if len(head) < 24 or not head.startswith(SIGNATURE):
+        return 0
+    width, height = struct.unpack_from(">II", head, 16)
+    return int(width) * int(height)
+
+
 def encode(pixels: npt.NDArray[np.uint8]) -> bytes:
     """The file of an image (height, width, 1, 3 or 4 channels), its first row at the top. Each row is stored
     as its difference from the one above (filter 2), which halves the size of photos."""

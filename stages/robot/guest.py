@@ -184,6 +184,8 @@ class _Guest:
             status = self._process.wait(_PATIENCE)
         except subprocess.TimeoutExpired:
             return "gave no reply"
+        if -status == getattr(signal, "SIGPROF", 0):
+            return "took more of the processor than the sizes of its files explain"
         if status < 0:
             name = signal.Signals(-status).name if -status in list(signal.Signals) else str(-status)
             return f"crashed ({name})"

@@ -5,10 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
+from stages.formats.mjcf_bounds import LARGEST_TEXT
 from stages.formats.own_xml import name_of
 from stages.formats.xml import Element, Malformed, parse, tag
 from stages.robot.check import Finding
 from stages.robot.plural import count
+from stages.robot.regular_files import FileTooLarge, content, is_file
 from stages.validate.findings import named
 
 Language = Literal["urdf", "mjcf"]
@@ -52,7 +54,7 @@ class ModelDocument:
 def read(path: Path) -> ModelDocument | None:
     """The document in a file; None where the file is no XML (see `broken_text`)."""
     try:
-        root = parse(path.read_bytes())
+        root = parse(content(path, LARGEST_TEXT))
     except Malformed:
         return None
     included: dict[Element, Path] = {}
@@ -64,7 +66,7 @@ def read(path: Path) -> ModelDocument | None:
 def broken_text(path: Path) -> Finding | None:
     """Why a file is no XML."""
     try:
-        parse(path.read_bytes())
+        parse(content(path, LARGEST_TEXT))
     except Malformed as error:
         return Finding("XML", "", error.place)
     return None
@@ -117,7 +119,7 @@ def _include(root: Element, path: Path, included: dict[Element, Path]) -> Iterat
         above = node.getparent()
         if above is None:
             continue
-        if not wanted or not place.is_file():
+        if not wanted or not is_file(place):
             yield Finding("include", "file", f'"{wanted}" does not exist (line {node.sourceline})')
             above.remove(node)
             continue
@@ -127,7 +129,11 @@ def _include(root: Element, path: Path, included: dict[Element, Path]) -> Iterat
             continue
         seen.add(place.resolve())
         try:
-            other = parse(place.read_bytes())
+            other = parse(content(place, LARGEST_TEXT))
+        except FileTooLarge:
+            yield Finding("include", "file", f'"{wanted}" is longer than {LARGEST_TEXT >> 20} MB')
+            above.remove(node)
+            continue
         except Malformed as error:
             yield Finding("include", "file", f'"{wanted}" is no XML: {error.place}')
             above.remove(node)

@@ -134,7 +134,8 @@ class Mechanism:
                 velocity = velocity + own
             velocities[joint.child], drifts[joint.child] = velocity, drift
         forces = {
-            name: _times(body, drifts[name]) + _crossed_force(velocities[name], _times(body, velocities[name]))
+            name: _times(body, drifts[name])
+            + _crossed_force(velocities[name], _times(body, velocities[name]))
             for name, body in self._bodies.items()
         }
         found = np.zeros((self._count, self._size))

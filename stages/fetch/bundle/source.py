@@ -7,9 +7,10 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any, ClassVar
 
-from stages.fetch import regular_files, source_class
+from stages.fetch import source_class
 from stages.fetch.recording import LARGEST
 from stages.fetch.source import FetchContext, Fetched, FileSource
+from stages.robot import regular_files
 from stages.robot.errors import SourceError
 
 

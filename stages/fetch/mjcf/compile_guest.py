@@ -8,10 +8,10 @@ from pathlib import Path
 
 import mujoco
 
-from stages.fetch.mjcf import size_bounds
 from stages.fetch.mjcf.compiled import convert
 from stages.fetch.mjcf.meshes import Meshes
 from stages.fetch.mjcf.textures import Textures
+from stages.formats import mjcf_bounds
 from stages.robot import codec
 from stages.robot.errors import SourceError
 from stages.robot.mujoco_warnings import listening
@@ -28,7 +28,7 @@ def answer(request: bytes) -> bytes:
     """
     asked = json.loads(request)
     path = Path(asked["path"])
-    size_bounds.require(path, [Path(text) for text in asked["texts"]])
+    mjcf_bounds.require(path, [Path(text) for text in asked["texts"]])
     model, spec, warnings = _compiled(path)
     meshes, textures = Meshes(model), Textures(model)
     body = codec.dump(convert(model, spec, meshes, textures, path.name))

@@ -13,11 +13,9 @@ from html import unescape
 from itertools import chain, product
 from pathlib import Path, PurePath
 
-from stages.fetch import regular_files
+from stages.formats.mjcf_bounds import LARGEST_TEXT
+from stages.robot import regular_files
 from stages.robot.errors import SourceError
-
-LARGEST_TEXT = 1 << 25
-"""Largest size of an XML file [bytes]: a model of 10,000 bodies has a tenth of that."""
 
 LARGEST_FILE = 1 << 29
 """Largest size of one file [bytes]."""

@@ -8,7 +8,6 @@ from hashlib import sha256
 from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
-from stages.fetch import regular_files
 from stages.fetch.robot_file import IMAGE
 from stages.fetch.urdf.companions import companions
 from stages.fetch.urdf.loose_mesh import LooseMesh, body
@@ -19,6 +18,7 @@ from stages.fetch.urdf.textures import NO_COORDINATES, Texture, texture
 from stages.formats import png, triangles
 from stages.formats.urdf.model import Urdf, UrdfShape, mesh_key
 from stages.formats.urdf.parse import parse
+from stages.robot import regular_files
 from stages.robot.bundle import FileBundle
 from stages.robot.errors import Diagnostic, SourceError
 

@@ -14,11 +14,11 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stages.fetch import regular_files
 from stages.fetch.urdf import expand, plain, text
 from stages.fetch.urdf.companions import NAMING_FILES, companions
 from stages.fetch.urdf.resolve import MeshPlace, MeshPlaces
 from stages.fetch.urdf.ros_packages import Packages
+from stages.robot import regular_files
 from stages.robot.errors import SourceError
 
 if TYPE_CHECKING:

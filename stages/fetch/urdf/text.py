@@ -8,7 +8,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from stages.fetch import regular_files
+from stages.robot import regular_files
 from stages.robot.errors import SourceError
 
 LARGEST = 1 << 24

@@ -1,6 +1,6 @@
 """A table of robot.json: its fields by type, and where each is for the error that names it."""
 
-import math
+import sys
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -98,6 +98,12 @@ class Fields:
     def inside(self, key: str) -> "Fields":
         return Fields(self._of(key, Mapping, "a table"), self._place(key))
 
+    def pairs(self, key: str) -> tuple[tuple[float, float], ...]:
+        """A list of pairs of numbers; none where it is not there."""
+        rows = self._of(key, list, "a list of pairs") if self.has(key) else []
+        both = [Fields({key: row}, self.place).numbers(key, 2) for row in rows]
+        return tuple((first, second) for first, second in both)
+
     def records(self, key: str) -> "list[Fields]":
         """The rows of a table; none where it is not there."""
         if key not in self.table:
@@ -133,6 +139,7 @@ class Fields:
 
 
 def _finite(found: Any, record: Fields, key: str) -> float:
-    if isinstance(found, bool) or not isinstance(found, int | float) or not math.isfinite(found):
+    # A whole number may be too large for any other.
+    if isinstance(found, bool) or not isinstance(found, int | float) or not abs(found) <= sys.float_info.max:
         raise record._not(key, "finite numbers", found)
     return float(found)

@@ -1,5 +1,6 @@
 """Whether the names by which tables of a robot.json refer to each other are there."""
 
+from collections import Counter
 from collections.abc import Collection, Iterable
 
 from stages.formats.robot_json.fields import Fields, RobotJsonError
@@ -34,7 +35,7 @@ def require_names(record: Fields, robot: Robot) -> None:
     loops = [dof.name for loop in robot.loops for dof in loop.dofs]
     dofs = [dof.name for dof in robot.dofs]
     for what, names in (("links", links), ("joints", [*dofs, *loops])):
-        twice = sorted({name for name in names if names.count(name) > 1})
+        twice = sorted(name for name, number in Counter(names).items() if number > 1)
         if twice:
             msg = f"{what}: {twice[0]!r} is there twice"
             raise RobotJsonError(msg)

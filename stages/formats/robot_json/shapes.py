@@ -55,8 +55,5 @@ def _contact(record: Fields) -> ContactProperties:
 
 def _exclude(record: Fields) -> Exclude:
     links = record.text("link_a"), record.text("link_b")
-    pairs = []
-    for pair in record.table.get("geoms") or ():
-        first, second = Fields({"geoms": pair}, record.place).numbers("geoms", 2)
-        pairs.append((int(first), int(second)))
+    pairs = [(int(first), int(second)) for first, second in record.pairs("geoms")]
     return Exclude(*links, record.one_of("reason", *REASONS), record.number("depth"), tuple(pairs))

@@ -66,7 +66,9 @@ def _candidates(
     place = {link: at for at, (link, _) in enumerate(colliders)}
     of_body = {int(model.geom_bodyid[geoms[0]]): at for at, (_, geoms) in enumerate(colliders)}
     named = [(place.get(one.link_a), place.get(one.link_b)) for one in geometry.excludes]
-    named += [(of_body.get(int(one) >> 16), of_body.get(int(one) & 0xFFFF)) for one in model.exclude_signature]
+    named += [
+        (of_body.get(int(one) >> 16), of_body.get(int(one) & 0xFFFF)) for one in model.exclude_signature
+    ]
     found = {(min(a, b), max(a, b)) for a, b in named if a is not None and b is not None and a != b}
     kinds: dict[frozenset[tuple[int, int]], list[int]] = {}
     for at, (_, geoms) in enumerate(colliders):

@@ -100,9 +100,7 @@ def _compared(
     weight = 9.81 * math.sqrt(sum(link.inertial.mass for link in robot.links))
     speck = inertias.turned + (_specks(robot, expected) if urdf else 0.0)
     forces = (
-        _forces_off(found, expected, inertias, weight, speck)
-        if names and not carried and not added
-        else {}
+        _forces_off(found, expected, inertias, weight, speck) if names and not carried and not added else {}
     )
     for quantity, values in forces.items():
         most[quantity] = float(values.max())

@@ -4,8 +4,9 @@ import json
 
 import pytest
 
-from stages.fetch.mjcf import gather, size_bounds
+from stages.fetch.mjcf import gather
 from stages.fetch.mjcf.keys import MjcfSourceKeys
+from stages.formats import mjcf_bounds
 from stages.robot import guest
 from stages.robot.errors import SourceError
 from stages.robot.guest import Bounds, Ended
@@ -106,7 +107,7 @@ MANY = "9" * 400
 def test_more_than_a_robot_has_is_refused_before_it_is_compiled(tmp_path, text, said):
     path = written(tmp_path, text)
     with pytest.raises(SourceError) as caught:
-        size_bounds.require(path, [path])
+        mjcf_bounds.require(path, [path])
     assert said in caught.value.message
 
 
@@ -131,7 +132,7 @@ def test_what_a_model_includes_is_bounded_too_and_the_guest_asks(tmp_path):
 )
 def test_what_a_robot_may_have_is_let_through(tmp_path, text):
     path = written(tmp_path, text)
-    size_bounds.require(path, [path])
+    mjcf_bounds.require(path, [path])
 
 
 def test_bounds_take_time_in_proportion(tmp_path):
@@ -140,7 +141,7 @@ def test_bounds_take_time_in_proportion(tmp_path):
 
     def counted(count):
         path = written(tmp_path, model("<body><geom/></body>" * count))
-        return lines_run(lambda: size_bounds.require(path, [path]))
+        return lines_run(lambda: mjcf_bounds.require(path, [path]))
 
     before, after = counted(200), counted(800)
     assert max(after[line] / before[line] for line in after if after[line] > FEW) < 5

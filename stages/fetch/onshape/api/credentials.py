@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Literal
 from urllib.parse import quote
 
-from stages.fetch import regular_files
+from stages.robot import regular_files
 from stages.robot.errors import ConfigError, Diagnostic
 
 ACCESS = "ONSHAPE_ACCESS_KEY"

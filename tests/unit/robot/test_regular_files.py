@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 from pipeline.config.plan import Plan
-from stages.fetch import pinned, preflight, regular_files
+from stages.fetch import pinned, preflight
 from stages.fetch.bundle.keys import BundleSourceKeys
 from stages.fetch.mjcf.gather import gather as gather_mjcf
 from stages.fetch.mjcf.keys import MjcfSourceKeys
 from stages.fetch.urdf.gather import gather as gather_urdf
 from stages.fetch.urdf.keys import UrdfSourceKeys
 from stages.fetch.urdf.ros_packages import Packages
-from stages.robot import guest
+from stages.robot import guest, regular_files
 from stages.robot.errors import ConfigError, SourceError
 from tests.support.mjcfs import model, written
 

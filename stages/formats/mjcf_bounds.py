@@ -5,11 +5,13 @@ from collections.abc import Iterable, Iterator
 from math import prod
 from pathlib import Path
 
-from stages.fetch import regular_files
-from stages.fetch.mjcf.files import LARGEST_TEXT
 from stages.formats import xml
 from stages.formats.xml import Element
+from stages.robot import regular_files
 from stages.robot.errors import SourceError
+
+LARGEST_TEXT = 1 << 25
+"""Largest size of an XML file [bytes]: a model of 10,000 bodies has a tenth of that."""
 
 MOST_COPIES = 10_000
 """Largest number of elements that <replicate>, <composite> and <flexcomp> may make."""

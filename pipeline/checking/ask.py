@@ -1,0 +1,35 @@
+"""Asks the guest that checks files, within limits of time and memory."""
+
+import json
+
+from pipeline.checking.verdict import Verdict
+from pipeline.checking.wire import load
+from pipeline.errors import OutputError
+from stages.robot import guest
+from stages.robot.errors import SourceError
+
+GUEST = "pipeline.checking.guest"
+
+BOUNDS = guest.Bounds(seconds=900, memory=8 << 30, reply=256 << 20)
+"""The most of any check; the guest holds itself to less, by the sizes of the files."""
+
+_ENVIRON = {"MUJOCO_GL": "disable", "OPENBLAS_NUM_THREADS": "1"}
+"""Environment without rendering and threaded linear algebra: to initialise them takes as long as all else."""
+
+_HINT = (
+    "look for large counts or sizes, models in models, or a file that includes itself; a file without these "
+    "shows a bug in what reads it"
+)
+
+
+def checked(place: str, level: str) -> Verdict:
+    """The verdict for a folder or file. OutputError where it cannot be read, or not within the limits."""
+    request = json.dumps({"place": place, "level": level}).encode()
+    try:
+        return load(guest.ask(GUEST, request, BOUNDS, _ENVIRON))
+    except guest.Ended as ended:
+        raise OutputError(f"it cannot be checked: what reads it {ended}", place, _HINT) from None
+    except SourceError as error:
+        raise OutputError(error.message, error.where, error.hint) from None
+    except (ValueError, KeyError, TypeError, RecursionError):
+        raise OutputError("it cannot be checked: the reply is no verdict", place, _HINT) from None

@@ -1,0 +1,43 @@
+"""A verdict as JSON, and back: what the guest that checks replies with."""
+
+import json
+from dataclasses import asdict
+from typing import Any
+
+from pipeline.checking.verdict import Verdict
+from stages.robot.check import Check, Finding
+
+
+def dump(verdict: Verdict) -> bytes:
+    """Without what is known from a baseline, and without tables, which no verdict shows."""
+    head = {"place": verdict.place, "folder": verdict.folder, "robot": verdict.robot, "level": verdict.level}
+    checks = [{**asdict(check), "table": None} for check in verdict.checks]
+    return json.dumps({**head, "notes": verdict.notes, "checks": checks}, default=float).encode()
+
+
+def load(data: bytes) -> Verdict:
+    """The verdict; ValueError, KeyError or TypeError where it is none."""
+    record = json.loads(data)
+    head = [str(record[key]) for key in ("place", "folder", "robot", "level")]
+    return Verdict(*head, tuple(map(_check, record["checks"])), tuple(map(str, record["notes"])))
+
+
+def _check(record: dict[str, Any]) -> Check:
+    texts = {key: str(record[key]) for key in ("name", "detail", "code")}
+    if record["level"] not in ("error", "warning"):
+        raise ValueError(record["level"])
+    return Check(
+        **texts,
+        passed=bool(record["passed"]),
+        value=_number(record["value"]),
+        limit=_number(record["limit"]),
+        level=record["level"],
+        findings=tuple(
+            Finding(*(str(one[key]) for key in ("element", "attribute", "message")))
+            for one in record["findings"]
+        ),
+    )
+
+
+def _number(value: Any) -> float | None:
+    return None if value is None else float(value)
