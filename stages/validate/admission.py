@@ -9,7 +9,7 @@ from pathlib import Path
 
 from stages.formats import mjcf_bounds, png
 from stages.formats.mjcf_bounds import LARGEST_TEXT
-from stages.formats.xml import tag
+from stages.formats.xml import Malformed, parse, tag
 from stages.robot import regular_files
 from stages.robot.errors import SourceError
 from stages.validate.asset_files import named_files
@@ -51,12 +51,13 @@ def admitted(place: Path) -> Sizes:
     models = [path for path in seen if path.suffix.lower() in MODELS]
     pixels = 0
     while models:
-        document = read(models.pop())
+        model = models.pop()
+        for path in _included(model):
+            _admit(path, sizes, seen, model.name)
+        document = read(model)
         if document is None:
             continue
         _require_bounded(document)
-        for path in set(document.included.values()):
-            _admit(path, sizes, seen, document.path.name)
         for named in named_files(document):
             if named.path is None or not named.path.exists() or named.path in seen:
                 continue
@@ -98,6 +99,22 @@ def _below(folder: Path) -> Iterator[Path]:
                 waiting += [] if path.is_symlink() else [path]
             elif path.exists():
                 yield path
+
+
+def _included(model: Path) -> Iterator[Path]:
+    """What a model includes, and what that includes, as MuJoCo opens it, whatever it is."""
+    waiting, seen = [model], {model}
+    while waiting:
+        try:
+            root = parse(regular_files.content(waiting.pop(), LARGEST_TEXT))
+        except (Malformed, OSError, regular_files.FileTooLarge):
+            continue
+        for node in root.iter("include"):
+            path = model.parent / node.get("file", "")
+            if path not in seen and path.exists() and not path.is_dir():
+                seen.add(path)
+                yield path
+                waiting.append(path)
 
 
 def _entries(folder: Path) -> list[Path]:
