@@ -30,6 +30,12 @@ MOST_FILES = 20_000
 MOST_ELEMENTS = 200_000
 """Elements of a URDF or MJCF: with 20,000 links and what they have."""
 
+MOST_MARKS = 2_000_000
+"""Characters of a text that begin an element or a table: each takes a hundred bytes of memory and more."""
+
+LARGEST_TRUTH = 1 << 27
+"""Largest size of a robot.json [bytes]: of 20,000 links."""
+
 _TEXTURES = ("texture", "hfield")
 _SMALLER = "check that it is the file that you mean"
 
@@ -59,7 +65,7 @@ def admitted(place: Path) -> Sizes:
             continue
         _require_bounded(document)
         for named in named_files(document):
-            if named.path is None or not named.path.exists() or named.path in seen:
+            if named.path is None or not _is_there(named.path) or named.path in seen:
                 continue
             _admit(named.path, sizes, seen, document.path.name)
             if tag(named.element) == "model":
@@ -111,7 +117,7 @@ def _included(model: Path) -> Iterator[Path]:
             continue
         for node in root.iter("include"):
             path = model.parent / node.get("file", "")
-            if path not in seen and path.exists() and not path.is_dir():
+            if path not in seen and _is_there(path):
                 seen.add(path)
                 yield path
                 waiting.append(path)
@@ -125,6 +131,11 @@ def _entries(folder: Path) -> list[Path]:
         raise SourceError(msg, str(folder)) from None
 
 
+def _is_there(path: Path) -> bool:
+    """Whether something that is no folder is there, by a name that a file can have."""
+    return regular_files.is_file(path) or regular_files.is_special(path)
+
+
 def _admit(path: Path, sizes: Sizes, seen: set[Path], where: str) -> None:
     if path in seen:
         return
@@ -136,15 +147,26 @@ def _admit(path: Path, sizes: Sizes, seen: set[Path], where: str) -> None:
     if not regular_files.is_file(path):
         return  # a check says what is wrong with it
     size, text = path.stat().st_size, path.suffix.lower() in TEXTS
-    most = LARGEST_TEXT if text else LARGEST_ASSET
+    most = (LARGEST_TRUTH if path.name == TRUTH else LARGEST_TEXT) if text else LARGEST_ASSET
     if size > most:
         raise _refused(f"{path.name} is longer than {most >> 20} MB", where)
     if text:
         sizes.texts += size
+        _require_readable(path, most, where)
     else:
         sizes.assets += size
     if sizes.texts + sizes.assets > LARGEST:
         raise _refused(f"its files have more than {LARGEST / 1e9:.3g} GB", where)
+
+
+def _require_readable(path: Path, most: int, where: str) -> None:
+    """SourceError where a text has more elements or tables than any robot."""
+    try:
+        data = regular_files.content(path, most)
+    except OSError:
+        return  # a check says so
+    if sum(data.count(mark) for mark in (b"<", b"[", b"{")) > MOST_MARKS:
+        raise _refused(f"{path.name} has more than {MOST_MARKS} elements or tables", where)
 
 
 def _require_bounded(document: ModelDocument) -> None:

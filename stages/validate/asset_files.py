@@ -6,6 +6,7 @@ from pathlib import Path, PurePosixPath
 from urllib.parse import unquote
 
 from stages.formats.xml import Element, tag
+from stages.robot.regular_files import is_file
 from stages.validate.documents import ModelDocument
 
 _MESH_FOLDER = ("mesh", "hfield", "skin", "flexcomp")
@@ -63,11 +64,11 @@ def _place(text: str, folder: Path, meshdir: str, packages: tuple[str, ...] | No
         for above in (folder.resolve(), *folder.resolve().parents):
             tries += [above / name / rest, *([above / rest] if above.name == name else [])]
         tries += [folder / meshdir / PurePosixPath(rest).name] if meshdir else []
-        return next((one for one in tries if one.is_file()), None)
+        return next((one for one in tries if is_file(one)), None)
     plain = text.removeprefix("file://")
     tries = [folder / plain]
     tries += [folder / meshdir / plain, folder / meshdir / PurePosixPath(plain).name] if meshdir else []
-    return next((one for one in tries if one.is_file()), tries[0])
+    return next((one for one in tries if is_file(one)), tries[0])
 
 
 def _of_mjcf(document: ModelDocument) -> Iterator[NamedFile]:

@@ -11,6 +11,7 @@ from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.mujoco_warnings import deprecations, listening
 from stages.robot.plural import count
+from stages.robot.regular_files import is_file
 from stages.robot.trial_run import trial_run
 from stages.validate.asset_files import named_files
 from stages.validate.bare.mjcf_figures import body_name
@@ -74,7 +75,7 @@ def _of_urdf(document: ModelDocument) -> Any:
     places = [one.path for one in named_files(document) if one.element.tag == "mesh"]
     meshes = [mesh for mesh in root.iter("mesh") if mesh.get("filename", "").strip()]
     for mesh, place in zip(meshes, places, strict=False):
-        if place is not None and place.is_file() and place.suffix.lower() in _READ_BY_MUJOCO:
+        if place is not None and is_file(place) and place.suffix.lower() in _READ_BY_MUJOCO:
             mesh.set("filename", str(place.resolve()))
         else:
             _drop(mesh)

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from stages.robot.check import Finding
+from stages.robot.regular_files import is_file
 from stages.validate.asset_files import named_files
 from stages.validate.documents import ModelDocument
 from stages.validate.files.whole import damage
@@ -19,7 +20,7 @@ def findings(document: ModelDocument) -> Iterator[Finding]:
     for one in named_files(document):
         if one.element in document.included or one.path is None:
             continue
-        if not one.path.is_file():
+        if not is_file(one.path):
             yield document.finding(one.element, one.attribute, f'"{one.text}" does not exist')
             continue
         if one.path not in damaged:
