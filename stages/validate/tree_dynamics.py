@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stages.robot.model import Array, Dof, Robot
-from stages.robot.pose_batch import Values, count_of, placed
+from stages.robot.model import Array, Dof, Inertial, Robot
+from stages.robot.pose_batch import Values, count_of, cross, placed
 from stages.robot.ways import Ways
 
 WHOLE = 100
@@ -57,7 +57,7 @@ class Mechanism:
         if self._size > WHOLE:
             middle = np.mean([pose[:, :3, 3] for pose in self.poses.values()], axis=0)
         self._bodies = {
-            link.name: _inertias(robot, link.name, self.poses[link.name], middle) for link in robot.links
+            link.name: _inertias(link.inertial, self.poses[link.name], middle) for link in robot.links
         }
         self._carried = dict(self._bodies)
         for joint in reversed(robot.joints):
@@ -146,9 +146,8 @@ class Mechanism:
         return found
 
 
-def _inertias(robot: Robot, link: str, pose: Array, origin: Array) -> Array:
+def _inertias(one: Inertial, pose: Array, origin: Array) -> Array:
     """The inertia (n, 6, 6) of a link about `origin` (n, 3)."""
-    one = robot.link(link).inertial
     turn = pose[:, :3, :3]
     shift = one.mass * _skew(turn @ one.com + (pose[:, :3, 3] - origin))
     tensor = turn @ one.inertia @ turn.transpose(0, 2, 1)
@@ -167,7 +166,7 @@ def _motion(dof: Dof, before: Array, origin: Array) -> Array:
     axis: Array = before[:, :3, :3] @ dof.axis
     if dof.kind == "slide":
         return np.concatenate([np.zeros_like(axis), axis], axis=1)
-    return np.concatenate([axis, np.cross(before[:, :3, 3] - origin, axis)], axis=1)
+    return np.concatenate([axis, cross(before[:, :3, 3] - origin, axis)], axis=1)
 
 
 def _times(bodies: Array, motion: Array) -> Array:
@@ -179,14 +178,14 @@ def _crossed(velocity: Array, motion: Array) -> Array:
     """How a motion (n, 6) changes that is carried along with a velocity (n, 6)."""
     turn, shift = np.split(velocity, 2, axis=1)
     first, last = np.split(motion, 2, axis=1)
-    return np.concatenate([np.cross(turn, first), np.cross(turn, last) + np.cross(shift, first)], axis=1)
+    return np.concatenate([cross(turn, first), cross(turn, last) + cross(shift, first)], axis=1)
 
 
 def _crossed_force(velocity: Array, force: Array) -> Array:
     """The same of a force or momentum (n, 6)."""
     turn, shift = np.split(velocity, 2, axis=1)
     first, last = np.split(force, 2, axis=1)
-    return np.concatenate([np.cross(turn, first) + np.cross(shift, last), np.cross(turn, last)], axis=1)
+    return np.concatenate([cross(turn, first) + cross(shift, last), cross(turn, last)], axis=1)
 
 
 def _skew(vectors: Array) -> Array:

@@ -118,7 +118,7 @@ def _changed(robot: Any, scene: Any) -> Iterator[Finding]:
 
 
 def _differs(element: str, attribute: str, found: Any, wanted: Any) -> Iterator[Finding]:
-    if not np.allclose(found, wanted, rtol=SAME, atol=SAME * SAME):
+    if not np.array_equal(found, wanted) and not np.allclose(found, wanted, rtol=SAME, atol=SAME * SAME):
         yield differs(element, attribute, found, wanted)
 
 

@@ -1,0 +1,40 @@
+"""What the checks of a finished build take: `python -m tests.support.measured_checks FOLDER WARM` prints the
+seconds of the processor and the memory [bytes] that it grows by, after the imports that a build of `WARM`
+needs, and the names of the checks that fail."""
+
+import json
+import resource
+import sys
+import time
+from pathlib import Path
+
+from stages.formats.described import Truth, described
+from stages.robot.check import Check
+from stages.validate import validate
+from stages.validate.keys import ValidateKeys
+
+
+def checks_of(folder: Path, truth: Truth) -> tuple[Check, ...]:
+    return validate(folder, truth.robot, ValidateKeys.model_validate({}), *truth.known)
+
+
+def truth_of(folder: Path) -> Truth:
+    return described((folder / "robot.json").read_bytes())
+
+
+def _memory() -> int:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+
+
+def main() -> None:
+    folder, warm = map(Path, sys.argv[1:])
+    checks_of(warm, truth_of(warm))
+    truth = truth_of(folder)
+    seconds, memory = time.process_time(), _memory()
+    checks = checks_of(folder, truth)
+    figures = {"seconds": time.process_time() - seconds, "memory": _memory() - memory}
+    print(json.dumps({**figures, "failed": [check.name for check in checks if check.fails]}))
+
+
+if __name__ == "__main__":
+    main()

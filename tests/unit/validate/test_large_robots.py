@@ -1,0 +1,197 @@
+"""Checks of robots of many links: they take work of their links, not of pairs of them, and find as much."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from dataclasses import replace
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from stages.formats.described import described
+from stages.formats.urdf.contacts import known_pairs
+from stages.formats.urdf.form import UrdfForm
+from stages.robot.check import Check
+from stages.robot.dynamics import mass_matrix
+from stages.robot.model import Dynamics, Limits, Robot
+from stages.validate import validate
+from stages.validate.checks import contact_filter, parity, reach
+from stages.validate.compiled import CompiledModel
+from stages.validate.mass_probes import PRODUCTS, WHOLE, probes
+from stages.validate.random_poses import FEWEST, POSES, samples
+from stages.validate.tree_dynamics import Mechanism
+from tests.support.building import plan_of, write
+from tests.support.robots import at, joint, robot_with
+from tests.support.touching import ball, geometry_of, model_of
+
+MANY = WHOLE + 20
+
+
+def chain(links: int) -> Robot:
+    return _robot(links, lambda number: number - 1)
+
+
+def tree(links: int) -> Robot:
+    return _robot(links, lambda number: (number - 1) // 2)
+
+
+def _robot(links: int, above: Callable[[int], int]) -> Robot:
+    names = ["base", *(f"l{number}" for number in range(1, links))]
+    axes = [np.eye(3)[number % 3] for number in range(links)]
+    rows = [
+        joint(
+            "revolute",
+            names[above(number)],
+            name,
+            place=at(0.02 * (-1) ** number, 0.0, 0.05),
+            limits={f"{name}_joint": Limits(-0.5, 0.5)},
+            dynamics=Dynamics(0.1, 0.1, 0.01, 10, 2),
+        )
+        for number, name in enumerate(names)
+        if number
+    ]
+    rows = [
+        replace(row, dofs=tuple(replace(dof, axis=axes[at]) for dof in row.dofs))
+        for at, row in enumerate(rows)
+    ]
+    return robot_with(rows)
+
+
+def test_the_more_links_the_fewer_poses() -> None:
+    assert {len(samples(robot)[1]) for robot in (chain(3), tree(150))} == {POSES}
+    assert len(samples(tree(1000))[1]) == 20
+    assert len(samples(tree(3000))[1]) == FEWEST
+
+
+def test_products_are_those_of_the_whole_matrix() -> None:
+    robot = tree(MANY + 2)
+    values, speeds = samples(robot)
+    few = {name: value[:3] for name, value in values.items()}
+    mechanism = Mechanism(robot, few)
+    own = mechanism.diagonal()
+    vectors = probes(own)
+    assert vectors is not None
+    assert vectors.shape == (MANY + 1, PRODUCTS)
+    up = np.tile([0.0, 0.0, 9.81], (3, 1))
+    whole = mechanism.moving(speeds[:3], up).mass
+    products = mechanism.moving(speeds[:3], up, vectors).mass
+    np.testing.assert_allclose(products, whole @ vectors, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(own, np.einsum("nii->ni", whole), rtol=1e-12)
+    first = {name: float(value[0]) for name, value in few.items()}
+    np.testing.assert_allclose(whole[0], mass_matrix(robot, first), rtol=1e-8, atol=1e-10)
+
+
+def test_a_small_robot_is_compared_as_a_whole() -> None:
+    assert probes(np.ones((2, WHOLE))) is None
+
+
+@pytest.mark.parametrize("ending", ["xml", "urdf"])
+def test_a_mass_a_little_off_is_found_in_a_large_robot(tmp_path: Path, ending: str) -> None:
+    robot = tree(MANY)
+    write(robot, tmp_path)
+    file = tmp_path / f"robot.{ending}"
+    assert {one.name: one.passed for one in _parity(tmp_path, robot)}[f"{file.name}: parity in MuJoCo"]
+    text = file.read_text()
+    key = 'mass="' if ending == "xml" else '<mass value="'
+    at_link = text.index(f'<{"body" if ending == "xml" else "link"} name="l{MANY // 2}"')
+    start = text.index(key, at_link) + len(key)
+    end = text.index('"', start)
+    file.write_text(text[:start] + repr(float(text[start:end]) * (1 + 1e-5)) + text[end:])
+    found = next(one for one in _parity(tmp_path, robot) if one.name == f"{file.name}: parity in MuJoCo")
+    assert not found.passed
+    assert f'joint "l{MANY // 2}_joint"' in {one.element for one in found.findings} | {'joint "l1_joint"'}
+    assert "mass matrix" in found.detail
+
+
+def _parity(folder: Path, robot: Robot) -> list[Check]:
+    return [one for one in validate(folder, robot, plan_of()) if one.code == parity.CODE]
+
+
+def test_a_second_engine_is_not_asked_of_too_many_dofs(tmp_path: Path) -> None:
+    pytest.importorskip("pinocchio")
+    robot = tree(MANY)
+    write(robot, tmp_path)
+    checks = _parity(tmp_path, robot)
+    assert [check.name for check in checks] == ["robot.xml: parity in MuJoCo", "robot.urdf: parity in MuJoCo"]
+    assert "Pinocchio is not asked of more than 100 dofs" in checks[1].detail
+
+
+def test_few_joints_are_swept_in_full_and_many_in_fewer_steps() -> None:
+    assert reach._within_reason(list(range(400)), 401) == (list(range(400)), reach.STEPS)
+    joints, steps = reach._within_reason(list(range(999)), 1000)
+    assert (len(joints), steps) == (999, reach.FEWEST)
+    joints, steps = reach._within_reason(list(range(4999)), 5000)
+    assert len(joints) * steps * 5000 <= reach.PLACED
+    assert (joints[0], joints[-1] > 4900, steps) == (0, True, reach.FEWEST)
+
+
+def _spheres(robot: Robot) -> Robot:
+    """Each link a ball that touches few of the others."""
+    return replace(robot, links=tuple(replace(link, shapes=(ball(0.01),)) for link in robot.links))
+
+
+@pytest.mark.parametrize("changed", [False, True])
+def test_the_pairs_that_are_looked_at_are_those_that_matter(tmp_path: Path, changed: bool) -> None:
+    """Against every pair, one by one."""
+    robot = _spheres(tree(12))
+    geometry = geometry_of(robot, exclude=[["l5", "l9"], ["l1", "l11"]])
+    model = model_of(robot, geometry, tmp_path)
+    if changed:
+        model.geom_contype[3], model.geom_conaffinity[3] = 0, 2
+        model.geom_conaffinity[7] = 4
+    compiled = CompiledModel(tmp_path / "robot.xml", model, robot, geometry=geometry)
+    (check,) = contact_filter.check(compiled)
+    colliders = contact_filter._colliders(compiled, geometry)
+    outside = {int(one) for one in model.exclude_signature}
+    excluded = {(one.link_a, one.link_b) for one in geometry.excludes}
+    wrong, pairs = [], 0
+    for (first, own), (second, others) in combinations(colliders, 2):
+        if contact_filter._never_collide(model, own[0], others[0]):
+            continue
+        pairs += 1
+        wanted = geometry.self_contact and (first, second) not in excluded
+        if (contact_filter._may_collide(model, own, others, outside) != wanted).any():
+            wrong.append(f'exclude "{first}" "{second}"')
+    assert check.detail.startswith(f"what may collide of {pairs} pair")
+    assert check.value == len(wrong)
+    assert bool(wrong) == changed
+    assert [one.element for one in check.findings] == wrong[: len(check.findings)]
+
+
+def test_the_pairs_of_a_urdf_are_in_the_order_of_its_links() -> None:
+    robot = _spheres(tree(12))
+    geometry = geometry_of(robot, exclude=[["l5", "l9"], ["l1", "l11"]])
+    found, _ = known_pairs(robot, geometry, UrdfForm())
+    place = {link.name: number for number, link in enumerate(robot.links)}
+    order = [(place[a], place[b]) for a, b in found]
+    assert order == sorted(order)
+    assert {frozenset((one.parent, one.child)) for one in robot.joints} <= {frozenset(one) for one in found}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("make", [chain, tree])
+def test_a_thousand_links_take_3_s_and_half_a_gigabyte(tmp_path: Path, make: Callable[[int], Robot]) -> None:
+    for name, links in (("warm", 3), ("large", 1000)):
+        robot = make(links)
+        write(robot, tmp_path / name)
+        assert described((tmp_path / name / "robot.json").read_bytes()).robot.name == robot.name
+    places = [str(tmp_path / one) for one in ("large", "warm")]
+    command = [sys.executable, "-m", "tests.support.measured_checks", *places]
+    # What else the machine does is in the processor's time too, least in the least of three runs.
+    runs = [_run(command) for _ in range(3)]
+    figures = min(runs, key=lambda run: run["seconds"])
+    # MuJoCo reads no MJCF of bodies in bodies 1,000 deep; the URDF is compared whole.
+    assert all(one.endswith(("XML", "compiles")) for one in figures["failed"]), figures
+    assert figures["seconds"] < 3.0
+    assert figures["memory"] < 0.5e9
+
+
+def _run(command: list[str]) -> dict[str, Any]:
+    here = Path(__file__).parents[3]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=here)
+    figures: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
+    return figures
