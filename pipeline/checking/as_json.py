@@ -40,8 +40,12 @@ from pipeline.checking.verdict import Issue, Verdict, file_of, issues
 from pipeline.errors import OutputError, reason
 from pipeline.reference.codes import remedy
 from stages.robot.check import Check
+from stages.robot.regular_files import FileTooLarge, content
 
 FORMAT, VERSION = "linkwright-check", 1
+LARGEST_BASELINE = 1 << 27
+"""Largest size of a baseline [bytes]."""
+
 _HINT = "linkwright check --json DIR > baseline.json writes one"
 
 
@@ -72,7 +76,10 @@ def as_json(verdict: Verdict) -> str:
 def baseline(file: str) -> frozenset[Issue]:
     """The issues of a file that `as_json` wrote. OutputError for any other file."""
     try:
-        table = json.loads(Path(file).read_bytes())
+        table = json.loads(content(Path(file), LARGEST_BASELINE))
+    except FileTooLarge:
+        msg = f"the baseline is longer than {LARGEST_BASELINE >> 20} MB"
+        raise OutputError(msg, file, _HINT) from None
     except OSError as error:
         raise OutputError(f"the baseline cannot be read: {reason(error)}", file, _HINT) from None
     except (ValueError, RecursionError) as error:

@@ -4,6 +4,9 @@ import re
 from pathlib import Path
 from typing import Any
 
+from stages.formats.mjcf_bounds import LARGEST_TEXT
+from stages.robot.regular_files import FileTooLarge, content
+
 _LABEL = re.compile(r'(?P<tag>[\w:.-]+)(?: "(?P<name>.*)")?')
 """How a finding names an element: its tag, and its name."""
 
@@ -76,6 +79,6 @@ class ElementLines:
 
     def _data(self, file: str) -> bytes | None:
         try:
-            return (self.folder / file).read_bytes()
-        except OSError:
+            return content(self.folder / file, LARGEST_TEXT)
+        except (OSError, FileTooLarge):
             return None

@@ -18,19 +18,26 @@ def dump(verdict: Verdict) -> bytes:
 def load(data: bytes) -> Verdict:
     """The verdict; ValueError, KeyError or TypeError where it is none."""
     record = json.loads(data)
-    head = [str(record[key]) for key in ("place", "folder", "robot", "level")]
-    return Verdict(*head, tuple(map(_check, record["checks"])), tuple(map(str, record["notes"])))
+    return Verdict(
+        place=str(record["place"]),
+        folder=str(record["folder"]),
+        robot=str(record["robot"]),
+        level=str(record["level"]),
+        checks=tuple(map(_check, record["checks"])),
+        notes=tuple(map(str, record["notes"])),
+    )
 
 
 def _check(record: dict[str, Any]) -> Check:
-    texts = {key: str(record[key]) for key in ("name", "detail", "code")}
     if record["level"] not in ("error", "warning"):
         raise ValueError(record["level"])
     return Check(
-        **texts,
+        name=str(record["name"]),
         passed=bool(record["passed"]),
+        detail=str(record["detail"]),
         value=_number(record["value"]),
         limit=_number(record["limit"]),
+        code=str(record["code"]),
         level=record["level"],
         findings=tuple(
             Finding(*(str(one[key]) for key in ("element", "attribute", "message")))

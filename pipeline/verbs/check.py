@@ -24,7 +24,8 @@ The files are compared with robot.json, which lies beside them and says what the
 mass and inertia of CAD's parts, poses, joints, limits, loops, relations, keyframes, actuators, sensors,
 shapes. It alone counts, so that it can be kept with the files in git. Without it a file is checked by itself.
 Each check that does not pass names the file, the element and the attribute, what was measured against what
-threshold, and what to do; linkwright explain CODE says more.
+threshold, and what to do; linkwright explain CODE says more. Files that need more time or memory than their
+sizes explain, and what is no regular file, are refused.
 
 options:
   --level quick|standard|strict

@@ -20,8 +20,8 @@ REACH = {"turn": math.pi, "slide": 1.0}
 
 
 def samples(robot: Robot) -> tuple[dict[str, Array], Array]:
-    """Values (n, ...) of every dof of the tree, within limits, and speeds (n, k) of its turns and slides up to
-    1 rad/s or m/s. `POSES` of them, fewer for a robot of more than 200 links."""
+    """Values (n, ...) of every dof of the tree, within limits, and speeds (n, k) of its turns and slides up
+    to 1 rad/s or m/s. n is `POSES`, less for a robot of more than 200 links."""
     random = np.random.Generator(np.random.PCG64(SEED))
     poses = max(FEWEST, min(POSES, PLACED // len(robot.links)))
     values: dict[str, Array] = {}

@@ -77,8 +77,8 @@ class Mechanism:
         ]
 
     def moving(self, speeds: Array, up: Array, vectors: Array | None = None) -> Moving:
-        """What moves with the `speeds` (n, k), against gravity along `up` (n, 3) [m/s²]. `vectors` (k, v): the
-        mass matrix is multiplied by these; None for the whole."""
+        """What moves with the `speeds` (n, k), against gravity along `up` (n, 3) [m/s²]. `vectors` (k, v):
+        the mass matrix is multiplied by these; None for the whole."""
         mass = self._mass() if vectors is None else self._products(vectors)
         return Moving(self.poses, mass, self.gravity(up), self._bias(speeds))
 

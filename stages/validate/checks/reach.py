@@ -26,8 +26,8 @@ STEPS = 24
 """Values of a joint from one end of its range to the other, besides `home`."""
 
 PLACED = 4_000_000
-"""The most bodies times poses: of a robot of more than 400 joints each is looked at in fewer steps, and of one
-of some thousands not every joint."""
+"""The most bodies times poses: of a robot of more than 400 joints each is looked at in fewer steps, and of
+some thousands not every joint."""
 
 FEWEST = 4
 """Steps over a joint's range."""

@@ -44,7 +44,10 @@ def test_what_cannot_be_read_is_the_error_of_this_process(tmp_path: Path) -> Non
         ask.checked(str(tmp_path / "none"), "standard")
 
 
-@pytest.mark.parametrize("reply", [b"", b"[]", b"{}", b"[" * 100_000, json.dumps({"checks": [None]}).encode()])
+NO_VERDICTS = [b"", b"[]", b"{}", b"[" * 100_000, json.dumps({"checks": [None]}).encode()]
+
+
+@pytest.mark.parametrize("reply", NO_VERDICTS)
 def test_a_reply_that_is_no_verdict_is_an_error(model: str, reply: bytes) -> None:
     with patch.object(guest, "ask", return_value=reply), pytest.raises(OutputError, match="no verdict"):
         ask.checked(model, "standard")

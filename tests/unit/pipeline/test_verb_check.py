@@ -14,6 +14,7 @@ import pytest
 from pipeline.checking.as_json import as_json, baseline
 from pipeline.checking.junit import as_junit
 from pipeline.checking.lines import ElementLines
+from pipeline.checking.run import checked
 from pipeline.checking.sarif import as_sarif
 from pipeline.checking.show import as_text
 from pipeline.checking.verdict import Verdict
@@ -114,6 +115,7 @@ def test_what_a_check_breaks_over_is_one_check_that_fails(
         raise KeyError("leg")
 
     monkeypatch.setattr("stages.validate.checks.joints.check", breaks)
+    monkeypatch.setattr("pipeline.checking.ask.checked", checked)
     found = table([str(folder / "robot.urdf")], capsys, 3)
     assert [one["name"] for one in found["checks"] if not one["passed"]] == ["robot.urdf: joints"]
     (broken,) = [one for one in found["checks"] if not one["passed"]]
