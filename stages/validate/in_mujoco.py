@@ -16,7 +16,7 @@ from stages.validate.tree_dynamics import Moving, scalar_dofs
 def in_mujoco(
     model: Any, robot: Robot, values: Values, speeds: Array, vectors: Array | None, urdf: bool
 ) -> tuple[Moving, Array]:
-    """As `Mechanism.moving`, and what gravity is against there (n, 3), in the root's axes, which a scene may
+    """As `PosedRobot.moving`, and what gravity is against there (n, 3), in the root's axes, which a scene may
     turn."""
     kept = model.opt.gravity.copy(), int(model.opt.disableflags)
     model.opt.gravity[:], model.opt.disableflags = GRAVITY, 0

@@ -35,10 +35,10 @@ def scalar_dofs(robot: Robot) -> list[Dof]:
 
 def dynamics(robot: Robot, values: Values, speeds: Array, up: Array) -> Moving:
     """At `values`, with the `speeds` (n, k) of `scalar_dofs`, against gravity along `up` (n, 3) [m/s²]."""
-    return Mechanism(robot, values).moving(speeds, up)
+    return PosedRobot(robot, values).moving(speeds, up)
 
 
-class Mechanism:
+class PosedRobot:
     """A robot at many poses: the motions of its dofs, and the inertias that these move.
 
     Featherstone, "Rigid Body Dynamics Algorithms" (2008): composite bodies for the mass matrix (6.2), the

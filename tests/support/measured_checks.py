@@ -1,16 +1,19 @@
 """What the checks of a finished build take: `python -m tests.support.measured_checks FOLDER WARM` prints the
-seconds of the processor and the memory [bytes] that it grows by, after the imports that a build of `WARM`
-needs, and the names of the checks that fail."""
+seconds of the processor, those of them in which MuJoCo compiles, and the memory [bytes] that it grows by,
+after the imports that a build of `WARM` needs, and the names of the checks that fail."""
 
 import json
 import resource
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from stages.formats.described import Truth, described
 from stages.robot.check import Check
 from stages.validate import validate
+from stages.validate.compiled import Loaded
+from stages.validate.engines import mujoco_engine
 from stages.validate.keys import ValidateKeys
 
 
@@ -26,13 +29,25 @@ def _memory() -> int:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
 
 
+def _timed(load: Callable[[Path], Loaded], spent: list[float]) -> Callable[[Path], Loaded]:
+    def timed(path: Path) -> Loaded:
+        before = time.process_time()
+        loaded = load(path)
+        spent.append(time.process_time() - before)
+        return loaded
+
+    return timed
+
+
 def main() -> None:
     folder, warm = map(Path, sys.argv[1:])
     checks_of(warm, truth_of(warm))
     truth = truth_of(folder)
+    spent: list[float] = []
+    mujoco_engine.load = _timed(mujoco_engine.load, spent)
     seconds, memory = time.process_time(), _memory()
     checks = checks_of(folder, truth)
-    figures = {"seconds": time.process_time() - seconds, "memory": _memory() - memory}
+    figures = {"seconds": time.process_time() - seconds, "memory": _memory() - memory, "compiles": sum(spent)}
     print(json.dumps({**figures, "failed": [check.name for check in checks if check.fails]}))
 
 

@@ -27,7 +27,7 @@ from stages.validate.in_pinocchio import in_pinocchio, installed
 from stages.validate.mass_probes import own_sizes, probes
 from stages.validate.mujoco_abilities import axes_error
 from stages.validate.random_poses import samples
-from stages.validate.tree_dynamics import Mechanism, Moving, scalar_dofs
+from stages.validate.tree_dynamics import Moving, PosedRobot, scalar_dofs
 
 CODE = "C-PARITY"
 
@@ -54,11 +54,11 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     values, speeds = samples(robot)
     if not values:
         return
-    mechanism = Mechanism(robot, values)
-    own = mechanism.diagonal()
+    posed = PosedRobot(robot, values)
+    own = posed.diagonal()
     vectors = probes(own)
     found, up = in_mujoco(compiled.model, robot, values, speeds, vectors, compiled.urdf)
-    expected = mechanism.moving(speeds, up, vectors)
+    expected = posed.moving(speeds, up, vectors)
     asks = compiled.urdf and installed()
     large = sum(WIDTH[KINDS[dof.kind]] for dof in robot.dofs) > MOST_OF_PINOCCHIO
     note = "" if asks or not compiled.urdf else f"; {ABSENT}"
@@ -68,7 +68,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if asks and not large:
         read = in_pinocchio(compiled.path.read_bytes(), robot, values, speeds)
         upright = np.tile([0.0, 0.0, 9.81], (len(up), 1))
-        expected = replace(expected, gravity=mechanism.gravity(upright))
+        expected = replace(expected, gravity=posed.gravity(upright))
         yield _compared(compiled, "Pinocchio", read, expected, Inertias(own, None, 0.0), "")
 
 
