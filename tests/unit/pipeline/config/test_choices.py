@@ -6,19 +6,19 @@ from pipeline.config.choices import Choices, resolved_tree
 def test_a_preset_of_the_command_line_wins_but_for_keys_set_there():
     tree = {"name": "a", "root": {"base": "fixed", "select": "x"}, "export": {}}
     presets = {"root": {"base": "free", "select": "auto"}}
-    choices = Choices("arm", (), presets, frozenset({"root.select"}))
+    choices = Choices("arm", (), (), presets, frozenset({"root.select"}))
     assert resolved_tree(tree, choices)["root"] == {"base": "free", "select": "x"}
 
 
 def test_a_preset_without_a_value_leaves_the_robots_own():
     tree = {"name": "a", "source": {"kind": "onshape", "url": "mine"}}
-    choices = Choices("arm", (), {"source": {"kind": "onshape", "url": "???"}})
+    choices = Choices("arm", (), (), {"source": {"kind": "onshape", "url": "???"}})
     assert resolved_tree(tree, choices)["source"] == {"kind": "onshape", "url": "mine"}
 
 
 def test_keys_of_another_source_go_unless_the_command_line_set_them():
     tree = {"name": "a", "source": {"url": "u", "tessellation": {}, "path": "p", "mine": 1}}
-    choices = Choices("arm", (), {"source": {"kind": "bundle"}}, frozenset({"source.tessellation.angle"}))
+    choices = Choices("arm", (), (), {"source": {"kind": "bundle"}}, frozenset({"source.tessellation.angle"}))
     assert resolved_tree(tree, choices)["source"] == {
         "tessellation": {},
         "path": "p",

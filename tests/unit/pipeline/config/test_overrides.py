@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from pipeline.config.compose import session
-from pipeline.config.overrides import quoted, read
+from pipeline.config.overrides import read
 from pipeline.config.presets import GROUPS
+from pipeline.pasted import override
 
 
 @pytest.fixture(scope="module")
@@ -166,6 +167,6 @@ def test_what_cannot_be_carried_is_answered_with_what_to_do(values, typed, messa
 
 
 def test_quotes_inside_and_outside():
-    assert quoted("a", "b c") == "\"a='b c'\""
-    assert quoted("a", "'b'") == "\"a='b'\""
-    assert quoted("a", "$b") == "'a='\"'\"'$b'\"'\"''"
+    assert override("a", "b c") == "\"a='b c'\""
+    assert override("a", "'b'") == "\"a='b'\""
+    assert override("a", "$b") == "'a='\"'\"'$b'\"'\"''"
