@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.robot.model import Array
+from stages.validate.findings import MARK
 
 CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 
@@ -32,9 +33,9 @@ class ShapeFigures:
 @dataclass(frozen=True, slots=True, eq=False)
 class WeighedBody:
     """A body. `world` (3,) [m]: its origin at the start; `com` (3,) and `inertia` (3, 3) about it, in its own
-    frame; `parent`: the name of the body above, "" for none, and whether
-    it is `fixed` to it. `mass_at`, `inertia_at`, `com_at`: the element
-    and the attribute that say so."""
+    frame; `parent`: the name of the body above, "" for none; `fixed`: whether it is fixed to it; `whole`:
+    whether all its shapes could be read. `mass_at`, `inertia_at`, `com_at`: the element and the attribute
+    that say so."""
 
     name: str
     parent: str
@@ -44,9 +45,17 @@ class WeighedBody:
     com: Array
     inertia: Array
     shapes: tuple[ShapeFigures, ...]
+    whole: bool
     mass_at: tuple[str, str]
     inertia_at: tuple[str, str]
     com_at: tuple[str, str]
+
+    @property
+    def marked(self) -> bool:
+        """Whether a shape of it is a mark and not its form: many files have a box or a ball of a few
+        millimetres where a link has no mesh."""
+        seen = [shape for shape in self.shapes if not shape.collides] or self.shapes
+        return bool(seen) and all(not shape.mesh and shape.extent < MARK for shape in seen)
 
     def box(self, *, collides: bool | None = None) -> tuple[Array, Array] | None:
         """The least and greatest corner of all shapes, of the seen or of those that collide; None without."""

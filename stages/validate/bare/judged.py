@@ -18,9 +18,10 @@ STAND_IN = 1e-6
 """A link of at most this mass [kg] is a stand-in for a frame: its inertia is of no account."""
 
 
-def wrong_mass(mass: float) -> Iterator[str]:
-    """Why a mass is none."""
-    if not mass > 0.0:
+def wrong_mass(mass: float, moves: bool) -> Iterator[str]:
+    """Why a mass [kg] cannot be that of a link. `moves`: whether the link is on a joint that moves; another
+    link needs no mass."""
+    if mass < 0.0 or (moves and not mass > 0.0):
         yield f"{mass:g} kg: a mass is above zero"
 
 
@@ -50,12 +51,10 @@ def _largest_product(tensor: Array) -> str:
 
 
 def in_degrees(angle: float) -> bool:
-    """Whether an angle that should be in radians looks like one in degrees: beyond two turns, or beyond one
-    and a multiple of 5."""
+    """Whether an angle that should be in radians looks like an angle in degrees: more than two turns as
+    radians, at most two as degrees. Smaller angles such as 10, and huge angles, often stand for no limit."""
     size = abs(angle)
-    if not math.isfinite(size) or size <= 2.0 * math.pi + 0.01:
-        return False
-    return (size > 4.0 * math.pi + 0.01 and not _whole_turns(size)) or size % 5.0 == 0.0
+    return 4.0 * math.pi + 0.01 < size <= 720.0 and not _whole_turns(size)
 
 
 def _whole_turns(size: float) -> bool:

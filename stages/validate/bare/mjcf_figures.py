@@ -42,6 +42,7 @@ def _body(model: Any, data: Any, body: int) -> WeighedBody:
         model.body_ipos[body].copy(),
         inertia,
         shapes,
+        True,
         (at, "mass"),
         (at, "diaginertia"),
         (at, "pos"),

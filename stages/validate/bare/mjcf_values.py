@@ -11,9 +11,6 @@ from stages.validate.bare.judged import STAND_IN, in_degrees, wrong_inertia, wro
 from stages.validate.bare.mjcf_defaults import Defaults
 from stages.validate.documents import ModelDocument
 
-UNIT = 2e-2
-"""How far the length of a quaternion may be from 1: three digits are often all that is written."""
-
 _RESISTS = ("damping", "frictionloss", "armature", "stiffness")
 
 
@@ -46,13 +43,9 @@ def degrees_of(document: ModelDocument) -> bool:
 
 def _turned(document: ModelDocument, element: Element) -> Iterator[Coded]:
     quat = numbers(element.get("quat"))
-    if quat is None or len(quat) != 4:
-        return
-    length = math.hypot(*quat)
-    if length < 1e-10:
+    # MuJoCo normalizes it.
+    if quat is not None and len(quat) == 4 and math.hypot(*quat) < 1e-10:
         yield "C-DIRECTION", document.finding(element, "quat", "its length is 0: it is no rotation")
-    elif abs(length - 1.0) > UNIT:
-        yield "C-PLAUSIBLE", document.finding(element, "quat", f"its length is {length:.4g}, expected 1")
 
 
 def _joint(
@@ -84,12 +77,14 @@ def _falls(document: ModelDocument, element: Element, given: Mapping[str, str], 
 
 
 def _inertial(document: ModelDocument, element: Element) -> Iterator[Coded]:
-    mass = number(element.get("mass"))
+    mass, body = number(element.get("mass")), element.getparent()
+    moves = body is not None and any(child.tag in ("joint", "freejoint") for child in body)
     if mass is not None:
-        for message in wrong_mass(mass):
+        for message in wrong_mass(mass, moves):
             yield "C-SOLID", document.finding(element, "mass", message)
     diagonal, full = numbers(element.get("diaginertia")), numbers(element.get("fullinertia"))
-    if mass is not None and 0 <= mass <= STAND_IN and not any([*(diagonal or []), *(full or [])]):
+    point = not moves or (mass is not None and 0 <= mass <= STAND_IN)
+    if point and not any([*(diagonal or []), *(full or [])]):
         return
     if diagonal is not None and len(diagonal) == 3:
         for _, message in wrong_inertia(np.diag(diagonal)):

@@ -1,6 +1,7 @@
 """The bodies of a URDF by mass and size, from its text and its meshes."""
 
 import struct
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -25,14 +26,11 @@ def figures(document: ModelDocument) -> list[WeighedBody]:
     found = []
     for link in document.root.iterfind("link"):
         name = link.get("name", "")
-        shapes = []
-        for visual in link.iterchildren("visual", "collision"):
-            shape = _shape(visual, places, boxes)
-            shapes += [] if shape is None else [shape]
+        shapes = [_shape(visual, places, boxes) for visual in link.iterchildren("visual", "collision")]
         above = joints.get(name)
         parent = "" if above is None else _end(above, "parent")
         fixed = above is not None and above.get("type") == "fixed"
-        found.append(_body(link, parent, fixed, _world(name, joints), tuple(shapes)))
+        found.append(_body(link, parent, fixed, _world(name, joints), shapes))
     return found
 
 
@@ -61,7 +59,7 @@ def _pose(element: Element) -> Array:
 
 
 def _body(
-    link: Element, parent: str, fixed: bool, world: Array, shapes: tuple[ShapeFigures, ...]
+    link: Element, parent: str, fixed: bool, world: Array, shapes: Sequence[ShapeFigures | None]
 ) -> WeighedBody:
     inertial = link.find("inertial")
     mass, com, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
@@ -76,7 +74,9 @@ def _body(
             xx, xy, xz, yy, yz, zz = values
             inertia = pose[:3, :3] @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ pose[:3, :3].T
     places = (f"mass of {own}", "value"), (f"inertia of {own}", "ixx"), (f"origin of {own}", "xyz")
-    return WeighedBody(link.get("name", ""), parent, fixed, world, mass, com, inertia, shapes, *places)
+    read = tuple(shape for shape in shapes if shape is not None)
+    whole = len(read) == len(shapes)
+    return WeighedBody(link.get("name", ""), parent, fixed, world, mass, com, inertia, read, whole, *places)
 
 
 def _shape(

@@ -1,7 +1,7 @@
 """The numbers of a URDF's joints and links, as far as they can be judged each on its own."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 
@@ -25,9 +25,10 @@ def look(document: ModelDocument) -> Iterator[Coded]:
             yield from _axis(document, joint)
             yield from _limit(document, joint)
             yield from _dynamics(document, joint)
-    yield from _without_inertial(document)
-    for inertial in document.root.iterfind("link/inertial"):
-        yield from _inertial(document, inertial)
+    moved = _moved(document)
+    yield from _without_inertial(document, moved)
+    for link in document.root.iterfind("link[inertial]"):
+        yield from _inertial(document, link.find("inertial"), link.get("name") in moved)
 
 
 def _axis(document: ModelDocument, joint: Element) -> Iterator[Coded]:
@@ -80,30 +81,35 @@ def _dynamics(document: ModelDocument, joint: Element) -> Iterator[Coded]:
             yield "C-LIMIT", document.finding(dynamics, name, message)
 
 
-def _without_inertial(document: ModelDocument) -> Iterator[Coded]:
-    """Links with shapes, on a joint that moves, without mass: readers take none, or 1 kg."""
-    moved = {
+def _moved(document: ModelDocument) -> set[str | None]:
+    """The links on joints that move."""
+    return {
         joint.find("child").get("link")
         for joint in document.root.iterfind("joint[child]")
-        if joint.get("type") in MOVING
+        if joint.get("type") in (*MOVING, "floating")
     }
+
+
+def _without_inertial(document: ModelDocument, moved: Collection[str | None]) -> Iterator[Coded]:
+    """Links with shapes, on a joint that moves, without mass: readers take none, or 1 kg."""
     for link in document.root.iterfind("link[collision]"):
         if link.get("name") in moved and link.find("inertial") is None:
             message = "it moves and has shapes, and no <inertial>: readers take no mass, or 1 kg"
             yield "C-PLAUSIBLE", document.finding(link, "inertial", message)
 
 
-def _inertial(document: ModelDocument, inertial: Element) -> Iterator[Coded]:
+def _inertial(document: ModelDocument, inertial: Element, moves: bool) -> Iterator[Coded]:
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
     weight = None if mass is None else number(mass.get("value"))
     values = [] if inertia is None else [number(inertia.get(name)) for name in _MOMENTS]
     moments = [value for value in values if value is not None and math.isfinite(value)]
-    nothing = weight is not None and 0 <= weight <= STAND_IN and not any(moments)
+    point = not moves or (weight is not None and weight <= STAND_IN)
+    nothing = point and weight is not None and weight >= 0 and not any(moments)
     if mass is None or (inertia is None and weight):
         what = "mass" if mass is None else "inertia"
         yield "C-SOLID", document.finding(inertial, what, f"<inertial> has no <{what}>")
     if weight is not None and not nothing:
-        for message in wrong_mass(weight):
+        for message in wrong_mass(weight, moves):
             yield "C-SOLID", document.finding(mass, "value", message)
     if len(moments) == 6 and not nothing:
         xx, xy, xz, yy, yz, zz = moments

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from stages.robot.check import Check, CheckLevel, Finding
@@ -16,7 +17,7 @@ from stages.robot.model import Array
 from stages.robot.plural import count
 from stages.validate.body_shapes import BodyExtents, extents, outside, reaches
 from stages.validate.compiled import CompiledModel
-from stages.validate.findings import link
+from stages.validate.findings import MARK, link
 from stages.validate.mujoco_poses import rotation
 
 CODE = "C-INERTIAL"
@@ -63,7 +64,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     found: dict[str, list[_Judged]] = {"inertia": [], "centre": [], "density": []}
     for body in range(1, model.nbody):
         shape = extents(model, body)
-        if shape is None or model.body_mass[body] <= 0.0 or shape.size <= 0.0:
+        if shape is None or model.body_mass[body] <= 0.0 or shape.size <= 0.0 or _marked(model, body, shape):
             continue
         found["inertia"].append(_gyration(model, body, shape))
         found["centre"].append(_centre(model, body, shape))
@@ -77,6 +78,13 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     ):
         if found[key]:
             yield _result(compiled, name, found[key], limit, f"{words}, of {bodies}")
+
+
+def _marked(model: Any, body: int, shape: BodyExtents) -> bool:
+    """Whether the shapes of a body are a mark and not its form, such as a box of a millimetre."""
+    first = int(model.body_geomadr[body])
+    kinds = model.geom_type[first : first + int(model.body_geomnum[body])]
+    return shape.size < MARK and bool((kinds != mujoco.mjtGeom.mjGEOM_MESH).all())
 
 
 def _result(compiled: CompiledModel, name: str, every: list[_Judged], limit: float, words: str) -> Check:
