@@ -1,11 +1,13 @@
 """Tab completion for bash, zsh and fish: the shell scripts, and the candidates for a command line.
 
 It runs at every press of the tab key, so it reads only file names and the list of keys and imports nothing
-heavy.
+heavy. File names may be hostile: a name that a shell could read as more than a word is never offered.
 """
 
 import importlib.util
 import os
+import re
+import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -47,9 +49,12 @@ CHECK_OPTIONS = ("--level", "--json", "--sarif", "--junit", "--baseline", "--hel
 
 BASH = """\
 _linkwright() {
-    local IFS=$'\\n'
-    COMPREPLY=($(COMP_LINE="$COMP_LINE" COMP_POINT="$COMP_POINT" COMP_WORDBREAKS="$COMP_WORDBREAKS" \\
-        "${COMP_WORDS[0]}" -sc query=bash 2>/dev/null))
+    local found
+    COMPREPLY=()
+    while IFS= read -r found; do
+        COMPREPLY+=("$found")
+    done < <(COMP_LINE="$COMP_LINE" COMP_POINT="$COMP_POINT" COMP_WORDBREAKS="$COMP_WORDBREAKS" \\
+        "${COMP_WORDS[0]}" -sc query=bash 2>/dev/null)
 }
 complete -o nospace -F _linkwright linkwright
 """
@@ -57,6 +62,7 @@ complete -o nospace -F _linkwright linkwright
 ZSH = """\
 #compdef linkwright
 _linkwright() {
+    emulate -L zsh
     local -a found open whole
     found=("${(@f)$(COMP_LINE="${(j: :)words[1,CURRENT]}" "${(Q)words[1]}" -sc query=zsh 2>/dev/null)}")
     open=(${(M)found:#*[=./]}) whole=(${found:#*[=./]})
@@ -96,30 +102,50 @@ def run(argument: str, environ: Mapping[str, str] = os.environ) -> str:
     return {"install": SCRIPTS, "uninstall": REMOVALS}.get(verb, {}).get(shell, "")
 
 
+_HARMLESS = re.compile(r"[\w./,+:=@ -]*")
+"""What completion may add: characters that are themselves in every shell, a space after a backslash."""
+
+
 def query(shell: str, environ: Mapping[str, str]) -> list[str]:
     """The candidates for the line in `COMP_LINE`, in the format of the shell."""
     line = environ.get("COMP_LINE", "")
     point = environ.get("COMP_POINT", "")
-    words = split(line[: int(point)] if point.isdigit() else line)
-    found = candidates(words[-1], words[1:-1], Path.cwd()) if len(words) > 1 else []
-    if shell != "bash":
+    written = split(line[: int(point)] if point.isdigit() else line)
+    if len(written) < 2:
+        return []
+    typed, words = written[-1], [word.replace("\\ ", " ") for word in written]
+    found = _additions(words[-1], candidates(words[-1], words[1:-1], Path.cwd()))
+    if shell == "fish":
+        # fish quotes what it inserts.
+        return [words[-1] + rest for rest in found]
+    found = [typed + rest.replace(" ", "\\ ") for rest in found]
+    if shell == "zsh":
         return found
     # bash replaces only the text after the last of these characters, and the script asks it to add no space.
-    breaks = set(environ.get("COMP_WORDBREAKS", "=:")) & set("=:")
-    cut = max((words[-1].rfind(one) + 1 for one in breaks), default=0) if words else 0
+    breaks = set(environ.get("COMP_WORDBREAKS", "=:")) & set("=:@")
+    cut = max((typed.rfind(one) + 1 for one in breaks), default=0)
     sweep = {"-m", "--multirun"} & set(words)
     return [one[cut:] if one.endswith(("=", ".", "/")) or sweep else f"{one[cut:]} " for one in found]
 
 
+def _additions(word: str, found: Iterable[str]) -> list[str]:
+    """The text that each candidate adds to `word`, without candidates that would add more to a shell's line
+    than a part of a word: `$(...)`, quotes, globs, control characters; or, from a file's name, an option."""
+    rests = (one.removeprefix(word) for one in found)
+    own = () if word else ("-", "=")
+    return [rest for rest in rests if _HARMLESS.fullmatch(rest) and not rest.startswith(own)]
+
+
 def split(line: str) -> list[str]:
-    """The words of a line, quotes left as they are; the last one is empty after a space."""
-    words, quote = [""], ""
+    """The words of a line, quotes and backslashes left as they are; the last one is empty after a space."""
+    words, quote, escaped = [""], "", False
     for letter in line:
-        if letter.isspace() and not quote:
+        if letter.isspace() and not quote and not escaped:
             words += [""] if words[-1] else []
             continue
-        if letter in "'\"":
+        if letter in "'\"" and not escaped:
             quote = "" if letter == quote else quote or letter
+        escaped = letter == "\\" and not escaped and quote != "'"
         words[-1] += letter
     return words
 
@@ -272,7 +298,8 @@ def install(shell: str, environ: Mapping[str, str] = os.environ) -> str:
     script.write_text(SCRIPTS[shell], encoding="utf-8")
     done = [f"{script}: completion for {shell}"]
     if start is not None:
-        line = f'[ -r "{script}" ] && . "{script}"  # completion of linkwright\n'
+        path = f'"{script}"' if re.fullmatch(r"[\w ./,+:=@-]+", str(script)) else shlex.quote(str(script))
+        line = f"[ -r {path} ] && . {path}  # completion of linkwright\n"
         before = start.read_text(encoding="utf-8") if start.exists() else ""
         if line not in before:
             gap = "" if not before or before.endswith("\n") else "\n"

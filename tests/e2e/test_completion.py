@@ -2,6 +2,7 @@
 
 import os
 import shutil
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -17,14 +18,27 @@ START = {
 }
 
 
+STAND_IN = f"""\
+#!/bin/sh
+[ "$1" = -sc ] && exec {COMMAND} "$@"
+printf '<%s>' "$@"
+echo ' ended'
+"""
+"""The command: completes, and else shows its arguments."""
+
+
 @pytest.fixture(params=list(START))
-def shell(request, tmp_path: Path):
+def shell(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Terminal]:
     """An interactive shell that has just started where `robot/my_arm.yaml` is, completion installed."""
     name = request.param
     if shutil.which(name) is None:
         pytest.skip(f"{name} is not installed")
     write(tmp_path, my_arm=MY_ARM)
-    path = f"{COMMAND.parent}{os.pathsep}{os.environ['PATH']}"
+    command = tmp_path / "bin" / "linkwright"
+    command.parent.mkdir()
+    command.write_text(STAND_IN)
+    command.chmod(0o755)
+    path = f"{command.parent}{os.pathsep}{COMMAND.parent}{os.pathsep}{os.environ['PATH']}"
     environ = environment(tmp_path, PATH=path, SHELL=f"/usr/bin/{name}", PS1="$ ")
     (tmp_path / ".zshrc").write_text("PROMPT='$ '\n")
     (tmp_path / ".bashrc").write_text("PS1='$ '\n")
@@ -47,8 +61,86 @@ TYPED = [
 ]
 
 
+HOSTILE = (
+    "$(touch ran)", "`touch ran`", "a;touch ran", "a;touch ran;", "a&touch ran&", "a|touch ran",
+    "a&&touch ran",
+    ">ran", "a>ran", "<(touch ran)", "$(touch${IFS}ran)", "a\ntouch ran\n", "a\n$(touch ran)", "a\rtouch ran",
+    "a\ttouch ran", "it's", "'$(touch ran)'", 'a"b', '"$(touch ran)"', "'; touch ran; '", "\\", "a\\", "*",
+    "?", "[a-z]*", "{a,b}", "~", "~root", "!!", "!ls", "#c", "^a", "a\x1b]0;title\x07", "(touch ran)", "a)",
+    "$HOME", "%1", "\x01", "\u202e", "$'\\x24(touch ran)'",
+)  # fmt: skip
+"""Names of files that are more than a word to a shell."""
+
+IN_FRONT = ("-rf", "--output=x", "=ls", "-")
+"""Names that are something else where a word begins."""
+
+
+def pressed(shell: Terminal, line: str) -> str:
+    """What a line runs after a press of the tab key, and the enter key."""
+    shell.type(f"{line}\t\n")
+    return shell.until(" ended\n")
+
+
 def test_the_tab_key_completes(shell: Terminal) -> None:
     for typed, becomes in TYPED:
         shell.type(f"{typed}\t")
         shell.until(becomes)
         shell.type("\x15")  # clears the line
+
+
+def test_a_name_with_spaces_is_completed_as_a_word(shell: Terminal, tmp_path: Path) -> None:
+    write(tmp_path, **{"our arm": MY_ARM})
+    (tmp_path / "a folder" / "of robots").mkdir(parents=True)
+    (tmp_path / "a folder" / "of robots" / "big arm.urdf").touch()
+    assert "<robot=our arm> ended" in pressed(shell, "linkwright robot=our")
+    assert "<robot=our arm> ended" in pressed(shell, "linkwright robot=our\\ a")
+    shell.type("linkwright check a\t\t\t\n")
+    assert "<check><a folder/of robots/big arm.urdf> ended" in shell.until(" ended\n")
+
+
+PLACES: dict[str, Callable[[int, str], tuple[str, str]]] = {
+    "option": lambda number, name: (f"robot/p{number}_{name}.yaml", f"linkwright robot=p{number}_"),
+    "file": lambda number, name: (f"p{number}_{name}.urdf", f"linkwright check p{number}_"),
+    "alone": lambda number, name: (f"d{number}/{name}", f"linkwright source.path=d{number}/"),
+    "folder": lambda number, name: (f"f{number}_{name}/a.urdf", f"linkwright output=f{number}_"),
+}
+"""What is completed → the file with a name, and the line that the tab key completes with it."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("place", PLACES)
+def test_a_hostile_name_runs_nothing(shell: Terminal, tmp_path: Path, place: str) -> None:
+    for number, name in enumerate(HOSTILE):
+        path, line = PLACES[place](number, name)
+        file = tmp_path / path
+        file.parent.mkdir(exist_ok=True)
+        file.touch()
+        # What is typed stays as it is, and nothing of the name is added.
+        assert f"<{'><'.join(line.split()[1:])}> ended" in pressed(shell, line), name
+    assert not [*tmp_path.rglob("ran")]
+
+
+@pytest.mark.slow
+def test_a_hostile_name_at_the_front_of_a_word_is_not_added(shell: Terminal, tmp_path: Path) -> None:
+    for number, name in enumerate((*IN_FRONT, *HOSTILE)):
+        folder = tmp_path / f"d{number}"
+        folder.mkdir()
+        (folder / name).touch()
+        shell.type(f"cd {folder}\n")
+        assert "<check> ended" in pressed(shell, "linkwright check "), name
+    assert not [*tmp_path.rglob("ran")]
+
+
+@pytest.mark.slow
+def test_a_name_is_not_a_pattern_for_other_names(shell: Terminal, tmp_path: Path) -> None:
+    """A candidate with a star must not become the name of a file that it matches."""
+    for number, star in enumerate(("*", "?*", "[!q]*")):
+        (tmp_path / "robot" / f"g{number}{star}.yaml").touch()
+        (tmp_path / f"robot=g{number}$(touch ran)").touch()
+        (tmp_path / f"g{number}$(touch ran)").touch()
+        assert f"<robot=g{number}> ended" in pressed(shell, f"linkwright robot=g{number}")
+    shell.type("linkwright 'joints.*.da\t\x15")
+    (tmp_path / "joints.$(touch ran).damping=").touch()
+    shell.type("linkwright joints.*.da\t")
+    shell.until("joints.*.damping=")
+    assert not [*tmp_path.rglob("ran")]

@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import sys
+from contextlib import chdir
 
 import pytest
 
@@ -87,8 +88,10 @@ def test_a_first_word_may_be_a_verb_and_an_empty_one_anything(here):
 
 @pytest.mark.parametrize(
     ("line", "words"),
-    [("a", ["a"]), ("a ", ["a", ""]), ("a  b", ["a", "b"]), ("a 'b c' d", ["a", "'b c'", "d"]), ("", [""])],
-)
+    [("a", ["a"]), ("a ", ["a", ""]), ("a  b", ["a", "b"]), ("a 'b c' d", ["a", "'b c'", "d"]), ("", [""]),
+     (r"a b\ c d", ["a", r"b\ c", "d"]), (r"a b\' c", ["a", r"b\'", "c"]), (r"a 'b\' c", ["a", r"'b\'", "c"]),
+     (r"a b\\ c", ["a", r"b\\", "c"])],
+)  # fmt: skip
 def test_a_line_is_split_at_spaces_outside_quotes(line, words):
     assert split(line) == words
 
@@ -111,6 +114,53 @@ def test_each_shell_gets_what_it_puts_into_the_line(here, shell, environ, printe
     found = query(shell, environ)
     assert found[: len(printed)] == printed
     assert bool(found) == bool(printed)
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "a$(touch x)",
+        "a`b`",
+        "a;b",
+        "a\nb",
+        "a\tb",
+        "it's",
+        'a"b',
+        "a\\",
+        "a*",
+        "a!b",
+        "a~b",
+        "a#b",
+        "a\x1b[m",
+        "a>b",
+    ],
+)
+def test_a_name_that_is_more_than_a_word_to_a_shell_is_not_offered(here, shell, name):
+    write(here, **{name: MY_ARM})
+    assert query(shell, {"COMP_LINE": "linkwright robot=a"}) == []
+    assert query(shell, {"COMP_LINE": "linkwright robot=robot/a"}) == []
+
+
+@pytest.mark.parametrize(
+    ("shell", "offered"), [("bash", r"b\ c "), ("zsh", r"robot=b\ c"), ("fish", "robot=b c")]
+)
+def test_a_space_in_a_name_is_quoted_but_not_twice(here, shell, offered):
+    write(here, **{"b c": MY_ARM})
+    for typed in ("b", r"b\ ", r"b\ c"):
+        assert offered in query(shell, {"COMP_LINE": f"linkwright robot={typed}"})
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_a_name_is_no_option_where_a_word_begins(here, shell):
+    for name in ("-rf", "--output=x", "=ls"):
+        (here / "there" / name).touch()
+    assert not {"-rf", "--output=x", "=ls"} & {one.strip() for one in query_in(here / "there", shell)}
+
+
+def query_in(folder, shell):
+    with chdir(folder):
+        return query(shell, {"COMP_LINE": "linkwright check "})
 
 
 def test_it_imports_nothing_heavy(here):
@@ -156,6 +206,19 @@ def test_installing_twice_is_installing_once_and_keeps_what_was_there(tmp_path, 
         lines = (tmp_path / start).read_text().splitlines()
         assert lines[0] == "mine"
         assert len(lines) == 2
+
+
+def test_the_name_of_the_home_folder_runs_nothing_when_a_shell_starts(tmp_path):
+    home = tmp_path / "$(touch ran)`touch ran`"
+    home.mkdir()
+    install("bash", {"HOME": str(home)})
+    environ = {"PATH": "/usr/bin:/bin", "HOME": str(home)}
+    done = subprocess.run(
+        ["bash", "--rcfile", str(home / ".bashrc"), "-ic", "complete -p linkwright"],
+        cwd=tmp_path, capture_output=True, text=True, check=True, env=environ,
+    )  # fmt: skip
+    assert "_linkwright" in done.stdout
+    assert not list(tmp_path.rglob("ran"))
 
 
 def test_another_shell_is_reported(capsys, monkeypatch):
