@@ -14,9 +14,9 @@ from hypothesis.internal.conjecture import engine
 from tests.support.kit import Kit
 
 SURROUNDINGS = (
-    "ONSHAPE_", "LINKWRIGHT_TRUST", "LINKWRIGHT_PAGE", "LINKWRIGHT_TRACEBACK", "ROS_", "AMENT_", "SSL_CERT_",
-    "HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY", "NO_PROXY", "FORCE_COLOR", "NO_COLOR", "CLICOLOR", "COLORTERM",
-    "HYDRA_",
+    "ONSHAPE_", "LINKWRIGHT_TRUST", "LINKWRIGHT_HOST", "LINKWRIGHT_PAGE", "LINKWRIGHT_TRACEBACK", "ROS_",
+    "AMENT_", "SSL_CERT_", "HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY", "NO_PROXY", "FORCE_COLOR", "NO_COLOR",
+    "CLICOLOR", "COLORTERM", "HYDRA_",
 )  # fmt: skip
 """What the user's own environment may say, and no test may depend on."""
 

@@ -21,7 +21,7 @@ from omegaconf import DictConfig, open_dict
 from omegaconf.errors import OmegaConfBaseException
 
 from pipeline import pasted
-from pipeline.config import interpolated
+from pipeline.config import hosts, interpolated
 from pipeline.config.choices import resolved_tree
 from pipeline.config.hydra_errors import explained
 from pipeline.config.hydra_files import guarded
@@ -78,12 +78,15 @@ def compose_plan(
     cwd: Path | None = None,
     judge: Judge | None = None,
     environ: Mapping[str, str] = os.environ,
+    addresses: Iterable[str] = (),
 ) -> Composed:
     """The plan of a single build; ConfigError lists all problems.
 
-    If there is any problem, `judge` adds the problems that it finds in the valid rest.
+    If there is any problem, `judge` adds the problems that it finds in the valid rest. `addresses`: those
+    that the caller gives as `source.url` besides the arguments.
     """
     with session(config_dirs, cwd, judge, environ) as composer:
+        composer.addresses |= {*addresses}
         overrides, problems = composer.read(arguments)
         return composer.compose([override.hydra for override in overrides], problems)
 
@@ -136,6 +139,8 @@ class Composer:
         self._secrets = Secrets(environ, cwd)
         self.reading = Reading(presets)
         self._node = HydraNode(presets)
+        self.addresses: set[str] = set()
+        """The addresses of assemblies that the user gave, not a file."""
         self._typed = ["linkwright"]
         self._everything: list[str] = []
 
@@ -151,6 +156,7 @@ class Composer:
         problems += leaks + [problem for one in overrides if (problem := refused(one, multirun))]
         overrides = [one for one in overrides if not refused(one, multirun)]
         problems += self._node.take(overrides, self._typed)
+        self.addresses |= self.reading.addresses(overrides)
         return overrides, problems
 
     def _by_path(self, argument: str) -> str:
@@ -210,6 +216,7 @@ class Composer:
         places = {problem.where for problem in draft.problems}
         draft.problems += [one for one in overridden(map(content, files)) if one.where not in places]
         draft.problems += self._presets.chosen_twice(files)
+        draft.problems += hosts.unnamed(resolved, self.addresses, self._environ)
         typed = self.reading.given(good, (*DEFAULTS, OUTPUT)) | self._node.given([SWEEP_DIR])
         distrusted = untrusted(resolved, typed, files, self._environ, command)
         draft.problems += distrusted

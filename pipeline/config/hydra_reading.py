@@ -69,6 +69,20 @@ class Reading:
                     found.add(key)
         return found
 
+    def addresses(self, overrides: Iterable[Override]) -> set[str]:
+        """The addresses that the overrides give as `source.url`, also those of a sweep."""
+        found: set[str] = set()
+        for override in map(self._parser.parse_override, [one.hydra for one in overrides]):
+            key = override.key_or_group
+            if override.is_delete() or key not in ("source", "source.url"):
+                continue
+            swept = override.is_sweep_override()
+            texts = override.sweep_string_iterator() if swept else [override.get_value_element_as_str()]
+            for value in [self.data(f"++{key}={text}") for text in texts]:
+                address = value.get("url") if isinstance(value, dict) else value
+                found |= {address} if isinstance(address, str) else set()
+        return found
+
     def jobs(self, overrides: Iterable[Override]) -> list[list[str]]:
         """The overrides of each job, split and ordered as by Hydra's sweeper."""
         wanted = [override.hydra for override in overrides if not override.for_hydra_itself]

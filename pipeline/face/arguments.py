@@ -60,7 +60,8 @@ def plan_of(
     with _ALONE, robot_file(robot) as file:
         overrides = [*([f"robot={file}"] if file else []), *overrides]
         try:
-            return compose_plan(overrides, folders, judge=plan_problems).plan
+            addresses = _addresses(robot)
+            return compose_plan(overrides, folders, judge=plan_problems, addresses=addresses).plan
         except ConfigError as error:
             if not error.problems:
                 raise
@@ -80,6 +81,13 @@ def is_robot(one: object) -> bool:
     if isinstance(one, str):
         return "=" not in one and one.endswith((".yaml", ".yml"))
     return isinstance(one, Mapping | os.PathLike)
+
+
+def _addresses(robot: Any) -> list[str]:
+    """The address of the assembly in a robot given as data, which the caller names."""
+    source = robot.get("source") if isinstance(robot, Mapping) else None
+    address = source.get("url") if isinstance(source, Mapping) else None
+    return [address] if isinstance(address, str) else []
 
 
 @contextmanager

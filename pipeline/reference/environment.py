@@ -20,6 +20,7 @@ VARIABLES = (
     Variable(
         "LINKWRIGHT_TRUST", "FILE", "a robot's file that may set `source.trust`, `plugins`, any `output`"
     ),
+    Variable("LINKWRIGHT_HOST", "URL", "a server on this computer that `source.url` of a file may name"),
     Variable("LINKWRIGHT_PAGE", "plain", "pages without the live view and builds without a picture, for CI"),
     Variable("LINKWRIGHT_TRACEBACK", "1", "show the traceback of an error"),
     Variable("HTTPS_PROXY", "URL", "a proxy for Onshape; NO_PROXY names hosts that need none"),

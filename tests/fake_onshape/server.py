@@ -80,8 +80,9 @@ class OnshapeServer:
 
     @property
     def environ(self):
-        """The environment variables that carry the credentials."""
-        return {"ONSHAPE_ACCESS_KEY": self.keys[0], "ONSHAPE_SECRET_KEY": self.keys[1]}
+        """The environment variables that carry the credentials, and let files name the server."""
+        keys = {"ONSHAPE_ACCESS_KEY": self.keys[0], "ONSHAPE_SECRET_KEY": self.keys[1]}
+        return {**keys, "LINKWRIGHT_HOST": self.url}
 
     @property
     def count(self):

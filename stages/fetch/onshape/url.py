@@ -15,6 +15,12 @@ _NO_TAB = re.compile(r"/documents/[0-9a-f]{24}(/[wvm]/[0-9a-f]{24})?/?", re.IGNO
 OWNER = "onshape.com"
 """The domain whose hosts may be sent a key."""
 
+_OWNERS = re.compile(r"([a-z0-9]([a-z0-9-]*[a-z0-9])?\.)*onshape\.com(:443)?")
+_BYTE = r"(25[0-5]|2[0-4]\d|1\d\d|[1-9]?\d)"
+_LOOPBACK = re.compile(rf"(localhost|127\.{_BYTE}\.{_BYTE}\.{_BYTE}|\[::1\])(:\d{{1,5}})?", re.ASCII)
+_NEVER = re.compile(r"[\s\\\x00-\x1f\x7f]")
+"""What libraries disagree about before the query of an address: some end the host there, some drop it."""
+
 
 @dataclass(frozen=True, slots=True)
 class AssemblyUrl:
@@ -40,7 +46,7 @@ class AssemblyUrl:
     @property
     def loopback(self) -> bool:
         """Whether the host is this computer."""
-        return is_loopback(urlsplit(self.origin).hostname or "")
+        return is_loopback(urlsplit(self.origin).netloc)
 
 
 def parse(text: str) -> AssemblyUrl:
@@ -56,7 +62,7 @@ def parse(text: str) -> AssemblyUrl:
         raise _refused(parts, "its path is not /documents/<id>/w|v|m/<id>/e/<id>, each id 24 hex digits")
     document, kind, version, element = (piece.lower() for piece in match.groups())
     return AssemblyUrl(
-        origin=f"{parts.scheme}://{parts.netloc.lower()}",
+        origin=_origin(parts),
         document=document,
         pin=f"{kind}/{version}",
         element=element,
@@ -65,41 +71,58 @@ def parse(text: str) -> AssemblyUrl:
     )
 
 
+def split(text: str) -> SplitResult:
+    """The address in pieces; ValueError where libraries could disagree about its host."""
+    if _NEVER.search(re.split(r"[?#]", text, maxsplit=1)[0]):
+        msg = "white space, a control character or a backslash"
+        raise ValueError(msg)
+    parts = urlsplit(text)
+    _ = parts.port  # the library checks the port only when it is read
+    return parts
+
+
+def key_origin(parts: SplitResult) -> str:
+    """Scheme, host and port of an address where a key may be sent: a host of Onshape over https, or this
+    computer; "" for others."""
+    host = parts.netloc
+    if parts.scheme == "https" and is_owner(host):
+        return _origin(parts)
+    return _origin(parts) if parts.scheme in ("http", "https") and is_loopback(host) else ""
+
+
+def is_owner(host: str) -> bool:
+    """Whether a host, as an address has it, is Onshape's."""
+    return host.isascii() and bool(_OWNERS.fullmatch(host.lower()))
+
+
+def is_loopback(host: str) -> bool:
+    """Whether a host, with its port as an address has it, is this computer."""
+    return host.isascii() and bool(_LOOPBACK.fullmatch(host.lower()))
+
+
+def _origin(parts: SplitResult) -> str:
+    return f"{parts.scheme}://{parts.netloc.lower()}"
+
+
 def _split(text: str) -> SplitResult:
     """The address in pieces, once scheme and host are ones that may be sent a key."""
     try:
-        parts = urlsplit(text)
-        host = parts.hostname or ""
-        _ = parts.port  # the library checks the port only when it is read
+        parts = split(text)
     except ValueError:
         msg = "the address is not a URL"
         raise ConfigError(msg, "source.url", _hint()) from None
-    if parts.scheme not in ("https", "http") or not host:
+    if parts.scheme not in ("https", "http") or not parts.hostname:
         msg = "expected an address that starts with https://"
         raise ConfigError(msg, "source.url", _hint())
     if "@" in parts.netloc:
         # The address is not shown: what stands before the @ may be a key.
         msg = "the address must not contain a user name or password"
         raise ConfigError(msg, "source.url", "keys belong in ONSHAPE_ACCESS_KEY and ONSHAPE_SECRET_KEY")
-    if is_loopback(host):
+    if key_origin(parts):
         return parts
-    if parts.scheme == "http":
+    if parts.scheme == "http" and is_owner(parts.netloc):
         raise _refused(parts, "plain http would send your key unencrypted; use https://")
-    if host != OWNER and not host.endswith(f".{OWNER}"):
-        raise _refused(parts, f"its host is not {OWNER} or below it, and no key is sent elsewhere")
-    return parts
-
-
-def is_loopback(host: str) -> bool:
-    """Whether a host name or address means this computer."""
-    if host == "localhost":
-        return True
-    import ipaddress  # not on the way of every build
-
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
+    raise _refused(parts, f"its host is not {OWNER} or below it, and no key is sent elsewhere")
 
 
 def _configuration(query: str) -> str:

@@ -99,7 +99,8 @@ def test_wrong_keys_are_refused_and_not_billed(server, document, keys):
 def test_other_keys_can_be_set(document):
     with OnshapeServer(document, keys=("mine", "own")) as server:
         assert get(server, assembly(document))[0] == 200
-        assert server.environ == {"ONSHAPE_ACCESS_KEY": "mine", "ONSHAPE_SECRET_KEY": "own"}
+        keys = {"ONSHAPE_ACCESS_KEY": "mine", "ONSHAPE_SECRET_KEY": "own"}
+        assert server.environ == {**keys, "LINKWRIGHT_HOST": server.url}
 
 
 def test_a_part_studio_is_no_assembly_nor_the_other_way_round(server, document):

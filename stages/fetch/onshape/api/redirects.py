@@ -1,8 +1,8 @@
 """Follows redirects by hand, so that a key is sent only to hosts of its owner."""
 
-from urllib.parse import urljoin, urlsplit
+from urllib.parse import SplitResult, urljoin, urlsplit
 
-from stages.fetch.onshape.url import OWNER, is_loopback
+from stages.fetch.onshape.url import is_loopback, key_origin, split
 from stages.robot.errors import ProtocolError
 
 MOST = 3
@@ -24,20 +24,20 @@ def target(here: str, location: str, what: str) -> str:
     """The address that a reply from the address `here` points to.
 
     ProtocolError where a key must not be sent there: Onshape's hosts point to Onshape's hosts over
-    https, this computer to itself, and any other host to itself. `what` names what was asked for.
+    https, and this computer to the same port. `what` names what was asked for.
     """
     before = urlsplit(here)
     try:
-        address = urljoin(here, location) if location else ""
-        parts = urlsplit(address)
-        host, _ = parts.hostname or "", parts.port  # a port that is none shows only when it is read
+        # What joins drops line breaks, which the address must not have.
+        split(location)
+        parts = split(urljoin(here, location)) if location else urlsplit("")
     except ValueError:
-        parts, host = urlsplit(""), ""
-    if not host:
+        parts = urlsplit("")
+    if not parts.hostname:
         msg = f"the server redirects the request for {what} without a valid address"
         raise ProtocolError(msg, before.netloc, "use the host that the browser shows for this document")
-    if "@" in parts.netloc or not _safe(before.scheme, before.hostname or "", parts.scheme, host):
-        to = f"{parts.scheme}://{host}"
+    if not _safe(before, parts):
+        to = f"{parts.scheme}://{parts.hostname}"
         msg = f"the server redirects the request for {what} to {to}; your key is not sent there"
         raise ProtocolError(msg, before.netloc, "use the host that the browser shows for this document")
     return parts._replace(fragment="").geturl()
@@ -50,13 +50,8 @@ def moved(here: str, there: str) -> str | None:
     return f"{new.scheme}://{new.netloc}" if same and old.netloc != new.netloc else None
 
 
-def _safe(old_scheme: str, old: str, scheme: str, host: str) -> bool:
-    if is_loopback(old):
-        return is_loopback(host) and scheme in ("http", "https")
-    if scheme != "https" or old_scheme != "https":
-        return False
-    return host == old or (_onshape(old) and _onshape(host))
-
-
-def _onshape(host: str) -> bool:
-    return host == OWNER or host.endswith(f".{OWNER}")
+def _safe(before: SplitResult, after: SplitResult) -> bool:
+    old, new = key_origin(before), key_origin(after)
+    if is_loopback(before.netloc) or is_loopback(after.netloc):
+        return new == old != ""
+    return bool(old and new)

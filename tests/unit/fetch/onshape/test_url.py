@@ -1,12 +1,14 @@
 """Addresses: what a browser shows becomes an assembly, anything else an error that says why."""
 
 import pickle
+import socket
 
 import pytest
 
 from stages.fetch.onshape.keys import OnshapeSourceKeys
 from stages.fetch.onshape.url import AssemblyUrl, parse
 from stages.robot.errors import ConfigError
+from tests.support.tricky_hosts import HOSTS
 
 D, W, E = "5f1a0c2b9d8e7f6a5b4c3d2e", "0a1b2c3d4e5f60718293a4b5", "a1b2c3d4e5f60718293a4b5c"
 PLAIN = f"https://cad.onshape.com/documents/{D}/w/{W}/e/{E}"
@@ -47,6 +49,12 @@ def test_the_configuration_is_decoded_once(query, configuration):
         (PLAIN.replace("https://cad.onshape.com", "http://127.0.0.1:8123"), "http://127.0.0.1:8123", True),
         (PLAIN.replace("https://cad.onshape.com", "http://localhost:80"), "http://localhost:80", True),
         (PLAIN.replace("https://cad.onshape.com", "http://[::1]:9"), "http://[::1]:9", True),
+        (
+            PLAIN.replace("https://cad.onshape.com", "HTTPS://CAD.Onshape.com"),
+            "https://cad.onshape.com",
+            False,
+        ),
+        (PLAIN.replace("cad.", ""), "https://onshape.com", False),
     ],
 )
 def test_the_host_is_kept(address, origin, loopback):
@@ -79,6 +87,16 @@ def test_anything_else_is_refused_with_the_reason_and_an_example(address, why):
     assert why in str(caught.value)
     assert caught.value.where == "source.url"
     assert "https://" in caught.value.hint
+
+
+@pytest.mark.parametrize("scheme", ["https", "http"])
+@pytest.mark.parametrize("host", HOSTS)
+def test_no_trick_makes_a_host_onshapes(host, scheme, monkeypatch):
+    monkeypatch.setattr(socket, "getaddrinfo", None)
+    monkeypatch.setattr(socket, "socket", None)
+    with pytest.raises(ConfigError) as caught:
+        parse(PLAIN.replace("https://cad.onshape.com", f"{scheme}://{host}"))
+    assert caught.value.where == "source.url"
 
 
 def test_a_password_in_an_address_is_refused_and_not_repeated():

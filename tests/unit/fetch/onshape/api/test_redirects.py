@@ -10,6 +10,7 @@ from stages.robot.errors import ProtocolError
 from tests.fake_onshape.sample import sample_document
 from tests.fake_onshape.server import ACCESS_KEY, SECRET_KEY, TOKEN, Fault, OnshapeServer
 from tests.support.kept import QUICK, Kept, fetched, onshape
+from tests.support.tricky_hosts import HOSTS
 
 CAD = "https://cad.onshape.com/api/v16/x?a=b%2Fc"
 LOCAL = "http://127.0.0.1:8000/api/v16/x"
@@ -23,8 +24,8 @@ LOCAL = "http://127.0.0.1:8000/api/v16/x"
         (CAD, "/api/v16/y?p=JF%2F", "https://cad.onshape.com/api/v16/y?p=JF%2F"),
         (CAD, "//big-co.onshape.com/y", "https://big-co.onshape.com/y"),
         (CAD, "https://cad.onshape.com/y#part", "https://cad.onshape.com/y"),
-        (LOCAL, "http://127.0.0.1:9000/api/v16/x", None),
-        (LOCAL, "http://localhost:9000/y", None),
+        (LOCAL, "http://127.0.0.1:8000/y", None),
+        (LOCAL, "/y", "http://127.0.0.1:8000/y"),
     ],
 )
 def test_a_key_goes_to_hosts_of_the_same_owner(here, location, there):
@@ -50,6 +51,15 @@ def test_a_key_goes_to_hosts_of_the_same_owner(here, location, there):
         (LOCAL, "https://cad.onshape.com/y"),
         (LOCAL, "http://192.168.0.1/y"),
         (LOCAL, "file:///etc/passwd"),
+        (LOCAL, "http://127.0.0.1:9000/api/v16/x"),
+        (LOCAL, "http://localhost:8000/y"),
+        (LOCAL, "https://127.0.0.1:8000/y"),
+        *((CAD, f"https://{host}/y") for host in HOSTS),
+        *((LOCAL, f"http://{host}/y") for host in HOSTS),
+        (CAD, "//evil.com\\.onshape.com/y"),
+        (CAD, "\\\\evil.com/y"),
+        (CAD, "https:\\\\evil.com\\.onshape.com"),
+        (CAD, "\thttps://evil.com"),
         ("https://cad.example.org/x", "https://www.example.org/x"),
     ],
 )
@@ -77,8 +87,10 @@ def document():
         {"ONSHAPE_ACCESS_TOKEN": TOKEN},
     ],
 )
-def test_a_region_is_followed_with_a_key_of_its_own_and_remembered(document, environ):
+def test_a_region_is_followed_with_a_key_of_its_own_and_remembered(document, environ, monkeypatch):
     """Only the first call for each of the two documents pays for the way; each stop is billed."""
+    # Here both are this computer, and not Onshape's hosts.
+    monkeypatch.setattr(redirects, "_safe", lambda before, after: True)
     with OnshapeServer(document) as region, OnshapeServer(document) as front:
         front.fault = lambda method, path, number: Fault(307, headers={"Location": region.url + path})
         found = fetched(onshape(front.document_url()), Kept(), environ)
@@ -92,8 +104,9 @@ def test_a_region_is_followed_with_a_key_of_its_own_and_remembered(document, env
 
 @pytest.mark.parametrize(
     ("location", "stops"),
-    [("/api/v16/again", 4), ("https://cad.onshape.com/x", 1), ("http://192.168.0.1/x", 1)],
-)
+    [("/api/v16/again", 4), ("https://cad.onshape.com/x", 1), ("http://192.168.0.1/x", 1),
+     ("http://127.0.0.1:9/x", 1), ("http://evil.com\\.onshape.com/x", 1)],
+)  # fmt: skip
 def test_a_way_that_does_not_end_or_leads_away_is_left(document, location, stops):
     with OnshapeServer(document) as server:
         server.fault = lambda *_: Fault(307, headers={"Location": location})

@@ -1,0 +1,25 @@
+"""Hosts that a library or a person may take for Onshape's, or for this computer."""
+
+HOSTS = (
+    "evil.com\\.onshape.com", "evil.com\\@cad.onshape.com", "cad.onshape.com\\.evil.com",
+    "evil.com/.onshape.com",
+    "evil.com?.onshape.com", "evil.com#.onshape.com", "cad.onshape.com@evil.com", "evil.com@cad.onshape.com",
+    "cad.onshape.com:443@evil.com", "evil.com%2e.onshape.com", "evil.com%00.onshape.com",
+    "evil.com%2f.onshape.com", "cad.onshape.com%2eevil.com", "cad%2eonshape.com", "cad.onshape.com.",
+    "cad.onshape.com..", ".onshape.com", "cad..onshape.com", "-.onshape.com", "cad.onshape.com:",
+    "cad.onshape.com:8443", "cad.onshape.com:80", "cad.onshape.com:443:80", "cad.onshape.com:0443",
+    "cad.onshape.com:+443", "cad.onshape.com:\uff14\uff14\uff13", "cad.on\tshape.com", "cad.onshape\n.com",
+    "cad.onshape.com\r\n.evil.com", "evil.com\t.onshape.com", "evil.com .onshape.com",
+    "evil.com\u00a0.onshape.com", "evil.com\x00.onshape.com", "evil.com\x7f.onshape.com",
+    "cad.onsh\u0430pe.com", "cad.\u03bfnshape.com", "cad.on\u017fhape.com", "cad\u3002onshape.com",
+    "cad.onshape\uff0ecom", "\uff43\uff41\uff44.onshape.com", "evil.com\uff0f.onshape.com",
+    "evil.com\uff20cad.onshape.com", "evil.com\uff03.onshape.com", "\u212aad.onshape.com",
+    "cad.onshape.com\u200b", "cad.onshape.com\u2028", "cad.onshape.co", "onshape.com.evil.com",
+    "evilonshape.com",
+    "[cad.onshape.com]", "evil.com;.onshape.com", "evil.com,cad.onshape.com", "evil.com&.onshape.com",
+    "evil.com'.onshape.com", "evil.com*.onshape.com", "evil.com_.onshape.com", "127.1", "2130706433",
+    "0x7f.0.0.1", "0177.0.0.1", "127.0.0.1.evil.com", "127.0.0.256", "127.0.0.1:8000@evil.com",
+    "127.0.0.1\\.evil.com", "127.0.0.1:", "127.0.0.1:99999", "0.0.0.0", "[::]", "[::ffff:127.0.0.1]",
+    "[::1%25eth0]", "localhost.", "localhost.evil.com", "evil.localhost", "\uff11\uff12\uff17.0.0.1",
+    "192.168.0.1", "evil.com",
+)  # fmt: skip
