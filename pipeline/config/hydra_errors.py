@@ -10,6 +10,7 @@ from omegaconf.errors import OmegaConfBaseException
 from pipeline.config.hydra_words import COMPOSING, in_words
 from pipeline.config.messages import GLOBAL
 from pipeline.config.presets import GROUPS, Presets
+from pipeline.config.reach import OutsideError, outside
 from pipeline.config.trust import not_allowed
 from pipeline.config.yaml_file import RefusedError
 from pipeline.errors import Diagnostic
@@ -50,6 +51,10 @@ def _no_such_file(error: Any, presets: Presets) -> Diagnostic:
     return found
 
 
+def _outside(error: Any, presets: Presets) -> Diagnostic:
+    return outside(error.path, "the defaults lists, or the command line")
+
+
 def _not_utf8(error: Any, presets: Presets) -> Diagnostic:
     return Diagnostic("E-YAML", "not UTF-8 text", str(presets.not_utf8() or ""), "save it as UTF-8")
 
@@ -84,6 +89,7 @@ def _not_readable(error: Any, presets: Presets) -> Diagnostic:
 
 
 _HANDLERS: tuple[tuple[tuple[type[Exception], ...], Callable[[Any, Presets], Diagnostic]], ...] = (
+    ((OutsideError,), _outside),
     ((yaml.MarkedYAMLError,), _not_yaml),
     ((MissingConfigException,), _no_such_file),
     ((UnicodeDecodeError,), _not_utf8),

@@ -8,21 +8,22 @@ wherever it is used: ten lines of `${a}${a}...` expand as far as ten lines of al
 import copy
 import io
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
 from hydra._internal.core_plugins import file_config_source, importlib_resources_config_source
 from hydra._internal.sources_registry import SourcesRegistry
 from hydra.errors import ConfigCompositionException
-from hydra.plugins.config_source import ConfigResult, ConfigSource
+from hydra.plugins.config_source import ConfigLoadError, ConfigResult, ConfigSource
 from omegaconf import OmegaConf
 from omegaconf.base import Container
 from omegaconf.errors import InterpolationResolutionError
 
-from pipeline.config import yaml_file
+from pipeline.config import reach, yaml_file
 
 MOST_RESOLVED = 2000
 """Most interpolations that one value may resolve."""
@@ -33,26 +34,72 @@ LONGEST = 1 << 20
 _RESOLVE = "_maybe_resolve_interpolation"
 
 
-# The classes have the names of Hydra's classes: Hydra registers its own repeatedly, and skips an equal name.
+class Guarded(ConfigSource):  # type: ignore[misc]
+    """A source of files in a folder, which reaches none outside `folders`, those of the search path.
 
+    Hydra's own joins any path to its folder.
+    """
 
-class FileConfigSource(file_config_source.FileConfigSource):
-    """Hydra's source of files in folders, which checks each file first."""
+    folders: Sequence[Path] = ()
+
+    @property
+    def folder(self) -> Path:
+        raise NotImplementedError
+
+    def at(self, config_path: str) -> Path | None:
+        """The place of a file or folder; None where it is outside."""
+        return reach.place(self.folder, config_path, self.folders)
+
+    def is_group(self, config_path: str) -> bool:
+        place = self.at(config_path)
+        return place is not None and place.is_dir()
+
+    def is_config(self, config_path: str) -> bool:
+        place = self.at(self._normalize_file_name(config_path))
+        return place is not None and place.is_file()
 
     def load_config(self, config_path: str) -> ConfigResult:
-        path = Path(self.path) / self._normalize_file_name(config_path)
-        if not path.exists():
-            return super().load_config(config_path)
-        found = _result(self, os.path.realpath(path), yaml_file.text(path))
+        place = self.at(self._normalize_file_name(config_path))
+        if place is None or not place.exists():
+            msg = f"no such file: {config_path}"
+            raise ConfigLoadError(msg)
+        found = _result(self, os.path.realpath(place), self._text(place))
         _check_order(found.config, config_path.removesuffix(".yaml"))
         return found
 
+    def _text(self, place: Path) -> str:
+        return yaml_file.text(place)
 
-class ImportlibResourcesConfigSource(importlib_resources_config_source.ImportlibResourcesConfigSource):
-    """Hydra's source of files in packages."""
 
-    def _read_config(self, res: Any) -> ConfigResult:
-        return _result(self, str(res), res.read_text(encoding="utf-8"))
+# The classes have the names of Hydra's classes: Hydra registers its own repeatedly, and skips an equal name.
+
+
+class FileConfigSource(Guarded, file_config_source.FileConfigSource):  # type: ignore[misc]
+    """Hydra's source of files in folders, which checks each file first."""
+
+    @property
+    def folder(self) -> Path:
+        return Path(self.path)
+
+
+class ImportlibResourcesConfigSource(  # type: ignore[misc]
+    Guarded, importlib_resources_config_source.ImportlibResourcesConfigSource
+):
+    """Hydra's source of files in packages, which are installed and need no check; but a robot by its path is
+    found from there too."""
+
+    @property
+    def folder(self) -> Path:
+        return _of_package(self.path)
+
+    def _text(self, place: Path) -> str:
+        ours = place.is_relative_to(self.folder)
+        return place.read_text(encoding="utf-8") if ours else yaml_file.text(place)
+
+
+@lru_cache(maxsize=8)
+def _of_package(name: str) -> Path:
+    return Path(str(resources.files(name))).resolve()
 
 
 def _result(source: ConfigSource, name: str, text: str) -> ConfigResult:

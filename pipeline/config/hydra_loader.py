@@ -8,18 +8,54 @@ from collections.abc import Sequence
 
 from hydra import compose
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
-from hydra._internal.config_repository import IConfigRepository
+from hydra._internal.config_repository import ConfigRepository, IConfigRepository
+from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.default_element import ResultDefault
 from hydra.core.global_hydra import GlobalHydra
+from hydra.core.object_type import ObjectType
+from hydra.plugins.config_source import ConfigSource
 from omegaconf import DictConfig
 
+from pipeline.config.hydra_files import Guarded
+from pipeline.config.reach import OutsideError, is_plain
+
 PRIMARY = "build"
+
+
+class Repository(ConfigRepository):
+    """Hydra's files, without those outside the folders of the search path."""
+
+    def initialize_sources(self, config_search_path: ConfigSearchPath) -> None:
+        super().initialize_sources(config_search_path)
+        guarded = [source for source in self.sources if isinstance(source, Guarded)]
+        folders = tuple(source.folder for source in guarded)
+        for source in guarded:
+            source.folders = folders
+
+    def _find_object_source(self, config_path: str, object_type: ObjectType | None) -> ConfigSource | None:
+        if is_plain(config_path):
+            return super()._find_object_source(config_path, object_type)
+        inside = [source for source in self.sources if isinstance(source, Guarded) and source.at(config_path)]
+        if not inside:
+            raise OutsideError(config_path)
+        for source in inside:
+            if (
+                source.is_config(config_path)
+                if object_type == ObjectType.CONFIG
+                else source.is_group(config_path)
+            ):
+                return source
+        return None
 
 
 class Loader(ConfigLoaderImpl):
     """Hydra's loader; `paths` are those of the files of the last composition, in the order of their merge."""
 
     paths: Sequence[str] = ()
+
+    def __init__(self, config_search_path: ConfigSearchPath) -> None:
+        super().__init__(config_search_path)
+        self.repository = Repository(config_search_path)
 
     def _compose_config_from_defaults_list(
         self, defaults: list[ResultDefault], repo: IConfigRepository

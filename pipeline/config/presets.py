@@ -10,7 +10,7 @@ import yaml
 
 import conf
 from pipeline import pasted
-from pipeline.config import yaml_file
+from pipeline.config import reach, yaml_file
 from pipeline.config.choices import Choices
 from pipeline.config.messages import EXPERIMENT, nearest
 from pipeline.key_path import Place, key_of
@@ -74,10 +74,11 @@ class Presets:
 
     def files(self, group: str, option: str) -> list[Path]:
         """The files of an option; more than one file is a conflict."""
-        found = [folder / group / f"{option}.yaml" for folder in (OURS, *self.own)]
-        if option.startswith("../"):
-            found = found[:1]
-        elif group == "actuators" and option.startswith(f"{MOTORS}/"):
+        # The path of a robot's file is one from our own folder.
+        bases = (OURS.resolve(),) if option.startswith("../") else (OURS, *self.own)
+        inside = (OURS.resolve(), *self.own)
+        found = [place for base in bases if (place := reach.place(base, f"{group}/{option}.yaml", inside))]
+        if group == "actuators" and option.startswith(f"{MOTORS}/"):
             return []
         return [file for file in found if file.is_file()]
 
@@ -186,7 +187,10 @@ class Presets:
 
     def unknown(self, group: str, option: str) -> Diagnostic:
         """The problem of an option without a file."""
-        where, options = f"{group}={option}", self.options(group)
+        where = f"{group}={option}"
+        if group != "robot" and not reach.is_plain(option):
+            return reach.outside(option, where)
+        options = self.options(group)
         if not options:
             hint = f"groups: {', '.join([*GROUPS, *self.own_groups()])}"
             return Diagnostic("E-OPTION", f"there is no folder {group}/", where, hint)

@@ -54,8 +54,8 @@ class OnshapeSourceKeys(SourceKeys):
     """Kind of the source; `source=KIND` chooses it."""
 
     url: Annotated[Address, example("https://cad.onshape.com/documents/.../w/.../e/...")]
-    """Address of the assembly, as the browser shows it: https and a host of onshape.com. An address on this
-    computer counts on the command line, in Python, or where LINKWRIGHT_HOST names its scheme, host and port."""
+    """Address of the assembly, as the browser shows it: https and a host of onshape.com. One on this computer
+    counts on the command line, in Python, or where LINKWRIGHT_HOST names it: `http://127.0.0.1:PORT`."""
 
     configuration: Annotated[dict[Text, Setting], example({"leg_length": "0.25 m"})] = Field(
         default_factory=dict
