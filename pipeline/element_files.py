@@ -49,7 +49,8 @@ def _text(path: str, key: str) -> str:
         text = regular_files.content(Path(path), LARGEST).decode("utf-8")
         fragment(text)
     except (OSError, UnicodeDecodeError) as error:
-        msg, hint = f"{path} is not readable as text: {error}", "it must be a file in UTF-8"
+        why = error.strerror if isinstance(error, OSError) else "it is not UTF-8"
+        msg, hint = f"{path} is not readable as text: {why}", "it must be a file in UTF-8"
     except regular_files.FileTooLarge as error:
         msg, hint = f"{path} has {error.size} bytes, more than {LARGEST}", "give the elements alone"
     except Malformed as error:

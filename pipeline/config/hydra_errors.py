@@ -7,6 +7,7 @@ import yaml
 from hydra.errors import HydraException, MissingConfigException
 from omegaconf.errors import OmegaConfBaseException
 
+from pipeline.config import yaml_file
 from pipeline.config.hydra_words import COMPOSING, in_words
 from pipeline.config.messages import GLOBAL
 from pipeline.config.presets import GROUPS, Presets
@@ -28,12 +29,8 @@ def explained(error: Exception, presets: Presets) -> Diagnostic:
 
 
 def _not_yaml(error: Any, presets: Presets) -> Diagnostic:
-    mark = error.problem_mark or error.context_mark
-    where = f"{mark.name}, line {mark.line + 1}, column {mark.column + 1}" if mark else ""
-    if isinstance(error, RefusedError):
-        return Diagnostic("E-YAML", f"cannot be read: {error.problem}", where, error.hint)
-    text = f"not valid YAML: {error.problem or error.context}"
-    return Diagnostic("E-YAML", text, where, "check quotes, colons and indentation there")
+    hint = error.hint if isinstance(error, RefusedError) else "check quotes, colons and indentation there"
+    return Diagnostic("E-YAML", yaml_file.problem(error), yaml_file.where(error), hint)
 
 
 def _no_such_file(error: Any, presets: Presets) -> Diagnostic:
@@ -90,7 +87,7 @@ def _not_readable(error: Any, presets: Presets) -> Diagnostic:
 
 _HANDLERS: tuple[tuple[tuple[type[Exception], ...], Callable[[Any, Presets], Diagnostic]], ...] = (
     ((OutsideError,), _outside),
-    ((yaml.MarkedYAMLError,), _not_yaml),
+    ((yaml.YAMLError,), _not_yaml),
     ((MissingConfigException,), _no_such_file),
     ((UnicodeDecodeError,), _not_utf8),
     ((RecursionError,), _too_deep),

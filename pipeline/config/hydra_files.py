@@ -134,6 +134,7 @@ def _parsed(name: str, text: str) -> tuple[Container, dict[str, str | None]]:
     header = ConfigSource._get_header_dict(stream.read(512))
     stream.seek(0)
     stream.name = name
+    yaml_file.require_mapping(text, name)
     return OmegaConf.load(stream), header
 
 

@@ -63,8 +63,10 @@ def _content(file: Path) -> tuple[dict[str, Any] | None, list[Diagnostic]]:
     """The content of a motor's file, and its problems, which name the file."""
     try:
         content = yaml_file.read(file)
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        return None, [Diagnostic("E-MOTOR", f"cannot be read: {' '.join(str(error).split())}", str(file))]
+    except (OSError, ValueError, yaml.YAMLError) as error:
+        mark = getattr(error, "problem_mark", None)
+        place = str(file) if mark is None else f"{file}, line {mark.line + 1}, column {mark.column + 1}"
+        return None, [Diagnostic("E-MOTOR", yaml_file.problem(error), place)]
     if not isinstance(content, dict):
         hint = "title: ..., values: {armature: {value: ..., source: ..., kind: ...}}"
         return None, [Diagnostic("E-MOTOR", "must be a mapping", str(file), hint)]

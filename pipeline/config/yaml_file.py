@@ -5,6 +5,7 @@ nesting ends a recursive parser. So the events of a file are counted first, whic
 faster than parsing.
 """
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +26,17 @@ DEEPEST = 32
 _EVENTS = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
+class _Strict(yaml.SafeLoader):  # type: ignore[misc]
+    """Refuses a key that stands twice in a mapping, as OmegaConf does."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        keys = [key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode) and key.value != "<<"]
+        if len(set(keys)) < len(keys):
+            raise yaml.constructor.ConstructorError(None, None, "found a key twice", node.start_mark)
+        found: dict[Any, Any] = super().construct_mapping(node, deep=deep)
+        return found
+
+
 class RefusedError(yaml.MarkedYAMLError):  # type: ignore[misc]
     """A YAML file above the limits, with a `hint`."""
 
@@ -38,7 +50,7 @@ def read(path: Path) -> Any:
 
     OSError, UnicodeDecodeError or yaml.YAMLError (RefusedError is one) where it cannot be read.
     """
-    return yaml.safe_load(text(path))
+    return yaml.load(text(path), Loader=_Strict)
 
 
 def text(path: Path) -> str:
@@ -52,6 +64,57 @@ def text(path: Path) -> str:
     found = content.decode("utf-8")
     judge(found, path)
     return found
+
+
+def problem(error: Exception) -> str:
+    """What is wrong with a file that cannot be read, in words that quote nothing of it: a link, or a path in
+    a robot's file, may name any file. Of what the parser expected, and of marks such as `:`, it says all."""
+    if isinstance(error, UnicodeDecodeError):
+        return "not UTF-8 text"
+    if isinstance(error, OSError):
+        return f"cannot be read: {error.strerror or type(error).__name__}"
+    if isinstance(error, RefusedError):
+        return f"cannot be read: {error.problem}"
+    if isinstance(error, yaml.MarkedYAMLError):
+        words = _QUOTED.sub(_if_harmless, f"{error.problem or error.context}")
+        return f"not valid YAML: {_DUPLICATE.sub('found a key twice', words)}"
+    if isinstance(error, yaml.reader.ReaderError):
+        return "not valid YAML: found a control character"
+    return "not valid YAML"
+
+
+def where(error: Exception) -> str:
+    """File, line and column of an error, as far as it names them."""
+    if isinstance(error, yaml.MarkedYAMLError) and (mark := error.problem_mark or error.context_mark):
+        return f"{mark.name}, line {mark.line + 1}, column {mark.column + 1}"
+    return str(error.name) if isinstance(error, yaml.reader.ReaderError) else ""
+
+
+_QUOTED = re.compile(r""" ?('(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*")""")
+_DUPLICATE = re.compile(r"found duplicate key.*", re.DOTALL)
+
+
+def _if_harmless(quoted: re.Match[str]) -> str:
+    """A quoted text where it is the parser's, or a mark, else nothing."""
+    inside = quoted[1][1:-1]
+    return quoted[0] if re.fullmatch(r"<[a-z ]+>|\\t|[^\w\s]", inside) else ""
+
+
+def require_mapping(content: str, name: str) -> None:
+    """RefusedError where the text of the file `name` begins with a value that is no mapping: what cannot be a
+    robot's file is not taken for a key of it."""
+    try:
+        for event in yaml.parse(content, Loader=_EVENTS):
+            if isinstance(event, yaml.MappingStartEvent | yaml.StreamEndEvent):
+                return
+            empty = isinstance(event, yaml.ScalarEvent) and event.value in ("", "~", "null")
+            if isinstance(event, yaml.NodeEvent) and not empty:
+                mark = yaml.Mark(name, 0, event.start_mark.line, event.start_mark.column, None, None)
+                raise RefusedError("it is not a mapping of keys", mark, "write it as keys: `name: value`")
+    except RefusedError:
+        raise
+    except yaml.YAMLError:
+        return
 
 
 def judge(content: str, path: Path) -> None:

@@ -39,7 +39,7 @@ def _well_formed(text: str) -> str:
     try:
         fragment(text)
     except Malformed as error:
-        raise invalid(f"must be XML: {error.place}") from None
+        raise invalid(f"must be XML: {error.quoted_place}") from None
     return text
 
 

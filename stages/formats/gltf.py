@@ -16,6 +16,7 @@ import numpy.typing as npt
 import orjson
 
 from stages.formats.colours import NEUTRAL
+from stages.formats.damaged import Damaged
 from stages.robot.errors import ProtocolError
 from stages.robot.geometry import Colour
 
@@ -221,11 +222,11 @@ def values(text: bytes) -> int:
 
 
 def natural(record: _Record, key: str, default: int | None = None) -> int:
-    """A number that counts something; KeyError where it is missing, ValueError for anything else."""
+    """A number that counts something; KeyError where it is missing, Damaged for anything else."""
     value = record[key] if default is None else record.get(key, default)
     if type(value) is not int or value < 0:
-        msg = f"{key} is {str(value)[:40]}"
-        raise ValueError(msg)
+        msg = f"{key} is not a whole number of at least 0"
+        raise Damaged(msg)
     return value
 
 

@@ -10,6 +10,7 @@ from urllib.parse import unquote
 
 import orjson
 
+from stages.formats.damaged import Damaged
 from stages.formats.gltf import LARGEST_STRIDE, MOST_VALUES, chunks, natural, room, values
 
 _SIZES = {5120: 1, 5121: 1, 5122: 2, 5123: 2, 5125: 4, 5126: 4}
@@ -20,21 +21,21 @@ _Record = Mapping[str, Any]
 
 
 def judge(data: bytes, companions: Mapping[str, bytes]) -> None:
-    """ValueError, or another error for an unknown structure, where a file claims more than it contains.
+    """Damaged, or another error for an unknown structure, where a file claims more than it contains.
 
     `companions`: the files that it names, as it names them.
     """
     text, chunk = chunks(data)
     if values(text) > MOST_VALUES:
         msg = "its JSON is larger than the limit"
-        raise ValueError(msg)
+        raise Damaged(msg)
     root = orjson.loads(text)
     lengths = [_length(record, len(chunk), companions) for record in root.get("buffers") or ()]
     views = root.get("bufferViews") or ()
     for index, view in enumerate(views):
         if natural(view, "byteOffset", 0) + natural(view, "byteLength") > lengths[natural(view, "buffer", 0)]:
             msg = f"view {index} reaches beyond its buffer"
-            raise ValueError(msg)
+            raise Damaged(msg)
     accessors = root.get("accessors") or ()
     for index, accessor in enumerate(accessors):
         _require_within(index, accessor, views, len(data))
@@ -63,12 +64,12 @@ def _require_within(index: int, accessor: _Record, views: Sequence[_Record], siz
         stride = natural(view, "byteStride", 0) or each
         if not each <= stride <= LARGEST_STRIDE:
             msg = f"accessor {index} has a stride of {stride} bytes"
-            raise ValueError(msg)
+            raise Damaged(msg)
         start, length = natural(accessor, "byteOffset", 0), natural(view, "byteLength")
         end = start + ((count - 1) * stride + each if count else 0)
     if end > length:
         msg = f"accessor {index} has {count} of {each} bytes, which are not there"
-        raise ValueError(msg)
+        raise Damaged(msg)
 
 
 def _require_tree(nodes: Sequence[_Record], scenes: Sequence[_Record]) -> None:
@@ -77,7 +78,7 @@ def _require_tree(nodes: Sequence[_Record], scenes: Sequence[_Record]) -> None:
     roots = {root for scene in scenes for root in scene.get("nodes") or ()}
     if len(set(children)) < len(children) or roots.intersection(children):
         msg = "its nodes are no tree"
-        raise ValueError(msg)
+        raise Damaged(msg)
 
 
 def _require_few(
@@ -88,7 +89,7 @@ def _require_few(
     total = sum(sizes) + sum(sizes[natural(node, "mesh")] for node in nodes if "mesh" in node)
     if total > 2 * most:
         msg = "its meshes are used too often"
-        raise ValueError(msg)
+        raise Damaged(msg)
 
 
 def _numbers(primitive: _Record, accessors: Sequence[_Record]) -> int:

@@ -16,17 +16,29 @@ _MOST_LEVELS = 100
 
 class Malformed(ValueError):
     """The text is not XML, or uses entities, or exceeds the limits of nesting or length. `line`, `column`:
-    where, from 1, as far as that is known; `what` is wrong there."""
+    where, from 1, as far as that is known; `what` is wrong there, without a word of the text, which may be
+    that of any file; `quoted`: the same with its words, for a text that stands in a robot's own file."""
 
-    def __init__(self, what: str, line: int | None = None, column: int | None = None) -> None:
+    def __init__(
+        self, what: str, line: int | None = None, column: int | None = None, quoted: str | None = None
+    ) -> None:
         super().__init__(what if line is None else f"line {line}: {what}")
         self.what, self.line, self.column = what, line, column
+        self.quoted = what if quoted is None else quoted
 
     @property
     def place(self) -> str:
         """The message with line and column."""
+        return self._at(self.what)
+
+    @property
+    def quoted_place(self) -> str:
+        """The message with line and column, and with words of the text."""
+        return self._at(self.quoted)
+
+    def _at(self, what: str) -> str:
         column = "" if self.column is None else f", column {self.column}"
-        return self.what if self.line is None else f"line {self.line}{column}: {self.what}"
+        return what if self.line is None else f"line {self.line}{column}: {what}"
 
 
 def element(parent: Element | None, tag: str, **attributes: str | None) -> Element:
@@ -131,21 +143,22 @@ def fragment(text: str) -> list[Element]:
             # What is wrong at the end is found in what is around the text.
             shift = len(begin) if error.line == 1 else 0
             column = min(max(1, column - shift), len(bare.splitlines()[error.line - 1]) + 1 if bare else 1)
-        unclosed = _MISMATCH.match(error.what)
-        what = error.what
+        unclosed = _MISMATCH.match(error.quoted)
+        what, quoted = error.what, error.quoted
         if unclosed is not None:
             tag, line, other = unclosed.groups()
-            what = f"</{other}> does not close <{tag}> of line {line}"
-            if _AROUND in (tag, other):
-                what = (
-                    f"<{tag}> of line {line} is not closed"
-                    if other == _AROUND
-                    else f"</{other}> closes nothing"
-                )
-        raise Malformed(what.replace(_AROUND, "text"), error.line, column) from None
+            what = f"an end tag does not close the element of line {line}"
+            quoted = f"</{other}> does not close <{tag}> of line {line}"
+            if other == _AROUND:
+                end = f"of line {line} is not closed"
+                what, quoted = f"an element {end}", f"<{tag}> {end}"
+            elif tag == _AROUND:
+                what, quoted = "an end tag closes nothing", f"</{other}> closes nothing"
+        raise Malformed(what, error.line, column, quoted.replace(_AROUND, "text")) from None
     for words, line in ((root.text, 1), *((one.tail, one.sourceline) for one in root)):
         if words is not None and words.strip():
-            raise Malformed(f"text outside of an element: {words.strip()[:40]!r}", line)
+            what = "text outside of an element"
+            raise Malformed(what, line, quoted=f"{what}: {words.strip()[:40]!r}")
     if not len(root):
         raise Malformed("there is no element")
     found = list(root)
@@ -177,11 +190,54 @@ def _parser(large: bool, *, recover: bool = False) -> Any:
 def _why(error: Any, found: list[Any]) -> Malformed:
     """The first thing that is wrong, with its line."""
     if not found:
-        return Malformed(str(error.msg))
+        return Malformed("it is not XML", quoted=str(error.msg))
     first = next((one for one in found if one.domain != etree.ErrorDomains.NAMESPACE), found[0])
     text = " ".join(first.message.split())[:200]
-    own = next((ours for theirs, ours in _LIMITS.items() if theirs in text), text)
-    return Malformed(own, first.line, first.column)
+    own = next((ours for theirs, ours in _LIMITS.items() if theirs in text), None)
+    if own is not None:
+        return Malformed(own, first.line, first.column)
+    unclosed = _MISMATCH.match(text)
+    what = f"an end tag does not close the element of line {unclosed[2]}" if unclosed else ""
+    return Malformed(what or _unquoted(first, text), first.line, first.column, text)
+
+
+def _unquoted(first: Any, text: str) -> str:
+    """The parser's message as far as it is the same for each text, else the name of its error."""
+    known = next((words for words in _WORDS if text.startswith(words)), None)
+    name = first.type_name.removeprefix("ERR_").replace("_", " ").lower()
+    return known or _MEANINGS.get(first.type_name) or f"it is not XML ({name})"
+
+
+_WORDS = (
+    "Start tag expected, '<' not found",
+    "StartTag: invalid element name",
+    "EndTag: '</' not found",
+    "Extra content at the end of the document",
+    "Document is empty",
+    "AttValue: \" or ' expected",
+    "Unescaped '<' not allowed in attributes values",
+    "attributes construct error",
+    "Comment not terminated",
+    "CData section not finished",
+    "Comment must not contain '--' (double-hyphen)",
+    "Input is not proper UTF-8, indicate encoding !",
+    "xmlParseEntityRef: no name",
+    "EntityRef: expecting ';'",
+    "internal error",
+)
+"""The beginnings of the parser's messages that hold nothing of the text."""
+
+_MEANINGS = {
+    "ERR_TAG_NOT_FINISHED": "an element is not closed",
+    "ERR_GT_REQUIRED": "a tag does not end in >",
+    "ERR_ATTRIBUTE_REDEFINED": "an attribute stands twice in an element",
+    "ERR_ATTRIBUTE_WITHOUT_VALUE": "an attribute has no value",
+    "ERR_UNDECLARED_ENTITY": "an entity is not defined",
+    "WAR_UNDECLARED_ENTITY": "an entity is not defined",
+    "ERR_UNSUPPORTED_ENCODING": "its encoding is not supported",
+    "ERR_INVALID_CHAR": "it has a control character",
+}
+"""The parser's name of an error, whose message quotes the text → our message."""
 
 
 _LIMITS = {

@@ -1,10 +1,18 @@
-"""Collects MuJoCo's warnings, in place of a log file in the working folder."""
+"""MuJoCo's warnings, collected in place of a log file in the working folder, and its errors."""
 
+import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import mujoco
+
+_QUOTED = re.compile(r"(Line number=\d+): XML.*")
+
+
+def unquoted(error: Exception) -> str:
+    """MuJoCo's message, without the part of a file that is not XML: a model may include any file."""
+    return _QUOTED.sub(r"\1", str(error))
 
 
 @contextmanager

@@ -14,7 +14,7 @@ from stages.fetch.mjcf.textures import Textures
 from stages.formats import mjcf_bounds
 from stages.robot import codec
 from stages.robot.errors import SourceError
-from stages.robot.mujoco_warnings import listening
+from stages.robot.mujoco_warnings import listening, unquoted
 
 _HINT = "MuJoCo's own viewer gives the same error (python -m mujoco.viewer --mjcf=...)"
 
@@ -48,7 +48,7 @@ def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
             spec.compiler.discardvisual = False
             model = spec.compile()
         except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
-            msg = f"MuJoCo cannot compile it: {_in_one_line(str(error), path)}"
+            msg = f"MuJoCo cannot compile it: {_in_one_line(unquoted(error), path)}"
             raise SourceError(msg, path.name, _HINT) from None
     return model, spec, [_in_one_line(text, path) for text in sorted(set(heard))]
 

@@ -108,7 +108,7 @@ def _own_text(path: Path) -> str:
     if first[1] == "robot":
         raise _refused(path.name, "it is a URDF", "source=urdf reads a URDF")
     if first[1] != "mujoco":
-        raise _refused(path.name, f"its first element is <{first[1]}>, expected <mujoco>")
+        raise _refused(path.name, "its first element is not <mujoco>")
     return text
 
 

@@ -8,6 +8,8 @@ import struct
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+from stages.formats.damaged import Damaged
+
 MALFORMED = (AttributeError, IndexError, KeyError, TypeError, ValueError)
 """The errors for an unknown structure, and for base64 that is none."""
 
@@ -136,7 +138,7 @@ def _decoded(uri: str) -> bytes:
     head, _, content = uri.partition(",")
     if not head.endswith(";base64"):
         msg = "it is not base64"
-        raise ValueError(msg)
+        raise Damaged(msg)
     return base64.b64decode(content, validate=True)
 
 

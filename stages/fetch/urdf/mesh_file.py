@@ -25,6 +25,8 @@ from stages.fetch.urdf.images import images
 from stages.fetch.urdf.loose_mesh import WHITE, LooseMesh, Texcoords, joined
 from stages.fetch.urdf.textures import NO_COORDINATES, Texture, of_gltf, of_obj
 from stages.formats import gltf_claims
+from stages.formats.damaged import Damaged
+from stages.formats.xml import Malformed
 from stages.robot.geometry import NEUTRAL, Colour
 from stages.robot.install import install
 
@@ -62,7 +64,8 @@ def read(data: bytes, name: str, beside: Companions) -> LooseMesh:
             pieces = [_placed(scene, node, textures) for node in scene.graph.nodes_geometry]
             scale = _unit(scene, kind)
     except Exception as error:
-        why = " ".join(str(error).split())[:200] or type(error).__name__
+        # The words of a library may quote the file, which is any file that a robot names.
+        why = str(error) if isinstance(error, Damaged | Malformed) else type(error).__name__
         raise Unreadable(f"it is damaged, or is not a {kind.upper()} file ({why})") from None
     there = [piece for piece in pieces if piece is not None]
     if not there:
@@ -102,7 +105,7 @@ def _whole(data: bytes) -> bytes:
         if size > len(data):
             there = (len(data) - _STL_HEAD) // _STL_FACE
             msg = f"it announces {(size - _STL_HEAD) // _STL_FACE} triangles and contains {there}"
-            raise ValueError(msg)
+            raise Damaged(msg)
         return data[:size]
     return data
 
@@ -169,14 +172,14 @@ def _placed(scene: Any, node: str, textures: Mapping[str, Texture]) -> LooseMesh
     corners = np.asarray(shape.faces, dtype=np.int64)
     if corners.min() < 0 or corners.max() >= len(points):
         msg = "a triangle refers to a vertex that does not exist"
-        raise ValueError(msg)
+        raise Damaged(msg)
     if not np.array_equal(transform, np.eye(4)):
         points = points @ transform[:3, :3].T + transform[:3, 3]
         if np.linalg.det(transform[:3, :3]) < 0:
             corners = corners[:, ::-1]
     if not np.isfinite(points).all():
         msg = "a vertex is NaN or infinite"
-        raise ValueError(msg)
+        raise Damaged(msg)
     texcoords = _texcoords(shape, corners)
     texture = _texture(shape, textures)
     if texture is not None and texture.image and texcoords is None:

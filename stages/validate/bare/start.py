@@ -9,7 +9,7 @@ import numpy as np
 
 from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.check import Check, CheckLevel, Finding
-from stages.robot.mujoco_warnings import deprecations, listening
+from stages.robot.mujoco_warnings import deprecations, listening, unquoted
 from stages.robot.plural import count
 from stages.robot.regular_files import is_file
 from stages.robot.trial_run import trial_run
@@ -44,7 +44,7 @@ def start(document: ModelDocument) -> Started:
         try:
             model = (_of_urdf(document) if urdf else _of_mjcf(document)).compile()
         except (ValueError, RuntimeError, SyntaxError) as error:
-            message = str(error).replace(str(document.path.resolve().parent), "").strip()
+            message = unquoted(error).replace(str(document.path.resolve().parent), "").strip()
             # A URDF may be right, and still not be for MuJoCo.
             level: CheckLevel = "warning" if urdf else "error"
             return Started(None, (Check(f"{name}: compiles", False, message, code="C-COMPILE", level=level),))

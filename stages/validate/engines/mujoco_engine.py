@@ -8,7 +8,7 @@ import mujoco
 
 from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.check import Check
-from stages.robot.mujoco_warnings import deprecations, listening
+from stages.robot.mujoco_warnings import deprecations, listening, unquoted
 from stages.validate.compiled import Loaded, without_warnings
 from stages.validate.located import located
 
@@ -35,7 +35,7 @@ def load(path: Path) -> Loaded:
             model = spec_of(path).compile()
         except (ValueError, RuntimeError, SyntaxError) as error:
             # MuJoCo's message may name the folder of this build, which is no fact of the robot.
-            message = str(error).replace(str(path.resolve().parent), "").strip()
+            message = unquoted(error).replace(str(path.resolve().parent), "").strip()
             where = located(path, message)
             return Loaded(None, Check(f"{path.name}: compiles", False, message, code=CODE, findings=where))
     return Loaded(model, without_warnings(f"{path.name}: compiles", found, CODE))

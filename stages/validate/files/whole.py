@@ -41,7 +41,7 @@ def _obj(data: bytes) -> str:
             try:
                 last = max(last, *(int(word.split(b"/")[0]) for word in line.split()[1:]))
             except (ValueError, TypeError):
-                return f"has a face that cannot be read: {line[:40].decode('ascii', 'replace')}"
+                return "has a face that cannot be read"
         elif line.startswith(b"v ") and (b"nan" in line.lower() or b"inf" in line.lower()):
             return "has points that are not finite"
     if not points or not faces:

@@ -40,8 +40,29 @@ def test_a_fragment_is_its_elements(text: str, elements: list[str]) -> None:
 def test_what_is_no_fragment_is_named_with_line_and_column(text: str, place: str) -> None:
     with pytest.raises(Malformed) as caught:
         fragment(text)
+    assert caught.value.quoted_place.startswith(place)
+    assert "linkwright" not in caught.value.quoted_place
+
+
+@pytest.mark.parametrize(
+    ("text", "place"),
+    [
+        ("<secret>", "line 1, column 9: an element of line 1 is not closed"),
+        ("<a>\n  <secret></a>", "line 2, column 15: an end tag does not close the element of line 2"),
+        ("</secret>", "line 1, column 10: an end tag closes nothing"),
+        ("secret <a/>", "line 1: text outside of an element"),
+        ("<a>&secret;</a>", "line 1, column 12: an entity is not defined"),
+        ("<a secret='1' secret='2'/>", "line 1, column 25: an attribute stands twice in an element"),
+        ("<a secret>", "line 1, column 10: an attribute has no value"),
+        ("<a secret\x01='1'/>", "line 1"),
+        ("<?secret", "line 1"),
+    ],
+)
+def test_what_is_wrong_is_said_without_a_word_of_the_text(text: str, place: str) -> None:
+    with pytest.raises(Malformed) as caught:
+        fragment(text)
     assert caught.value.place.startswith(place)
-    assert "linkwright" not in caught.value.place
+    assert "ecret" not in f"{caught.value.place}{caught.value}"
 
 
 def test_every_element_of_mujoco_is_known() -> None:

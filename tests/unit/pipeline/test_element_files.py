@@ -38,7 +38,7 @@ def test_a_new_content_makes_new_files_and_the_old_one_the_old_ones(tmp_path: Pa
     ("content", "said"),
     [
         (None, "does not exist"),
-        (b"<site>", "is not XML: line 1, column 7: <site> of line 1 is not closed"),
+        (b"<site>", "is not XML: line 1, column 7: an element of line 1 is not closed"),
         (b"<site name='\xff'/>", "is not readable as text"),
         (b"<!-- nothing -->", "there is no element"),
         (b" " * (LARGEST + 1), "more than"),

@@ -74,7 +74,7 @@ def test_an_unknown_motor_is_told_with_near_names_and_all_that_there_are(tmp_pat
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("title: [", "cannot be read"),
+        ("title: [", "line 1, column 9: not valid YAML"),
         ("- a", "must be a mapping"),
         ("title: x\n", "values: missing"),
         (MINE.replace("source: my bench, ", ""), "values.effort.source: missing"),
