@@ -63,12 +63,15 @@ class Guarded(ConfigSource):  # type: ignore[misc]
         if place is None or not place.exists():
             msg = f"no such file: {config_path}"
             raise ConfigLoadError(msg)
-        found = _result(self, os.path.realpath(place), self._text(place))
+        if self.installed(place):
+            return _result(self, str(place), place.read_text(encoding="utf-8"))
+        found = _result(self, os.path.realpath(place), yaml_file.text(place))
         _check_order(found.config, config_path.removesuffix(".yaml"))
         return found
 
-    def _text(self, place: Path) -> str:
-        return yaml_file.text(place)
+    def installed(self, place: Path) -> bool:
+        """Whether a file is no user's, and needs no check."""
+        return False
 
 
 # The classes have the names of Hydra's classes: Hydra registers its own repeatedly, and skips an equal name.
@@ -85,16 +88,14 @@ class FileConfigSource(Guarded, file_config_source.FileConfigSource):  # type: i
 class ImportlibResourcesConfigSource(  # type: ignore[misc]
     Guarded, importlib_resources_config_source.ImportlibResourcesConfigSource
 ):
-    """Hydra's source of files in packages, which are installed and need no check; but a robot by its path is
-    found from there too."""
+    """Hydra's source of files in packages; a robot by its path is found from there too."""
 
     @property
     def folder(self) -> Path:
         return _of_package(self.path)
 
-    def _text(self, place: Path) -> str:
-        ours = place.is_relative_to(self.folder)
-        return place.read_text(encoding="utf-8") if ours else yaml_file.text(place)
+    def installed(self, place: Path) -> bool:
+        return place.is_relative_to(self.folder)
 
 
 @lru_cache(maxsize=8)

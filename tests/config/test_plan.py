@@ -7,6 +7,7 @@ from pipeline.config.messages import diagnostics
 from pipeline.config.plan import SECTIONS, Plan, section
 from pipeline.config.schema import annotation_at, is_section, leaves, names
 from stages.fetch.keys import SOURCES
+from stages.fetch.onshape.keys import OnshapeSourceKeys
 from stages.graph.keys import GraphKeys
 from stages.mesh.keys import MeshKeys
 from stages.robot.errors import ConfigError
@@ -123,7 +124,7 @@ CHOOSE = f"choose one: {', '.join(f'source={kind}' for kind in KINDS)}"
         ({"kind": "onshap"}, ("E-VALUE", "source.kind", "'onshap' is not allowed", CHOOSE)),
         (
             {"kind": "onshape"},
-            ("E-MISSING", "source.url", "missing", "Address of the assembly, as the browser shows it."),
+            ("E-MISSING", "source.url", "missing", " ".join(OnshapeSourceKeys.meanings()["url"].split())),
         ),
     ],
 )

@@ -108,8 +108,20 @@ def _own_text(path: Path) -> str:
     if first[1] == "robot":
         raise _refused(path.name, "it is a URDF", "source=urdf reads a URDF")
     if first[1] != "mujoco":
-        raise _refused(path.name, "its first element is not <mujoco>")
+        named = f"is <{first[1]}>, expected" if _is_xml(text) else "is not"
+        raise _refused(path.name, f"its first element {named} <mujoco>")
     return text
+
+
+def _is_xml(text: str) -> bool:
+    """Whether a text without its comments is XML, so that a message may quote it."""
+    from stages.formats import xml
+
+    try:
+        xml.parse(text.encode("latin-1"))
+    except xml.Malformed:
+        return False
+    return True
 
 
 def _text(path: Path) -> str:
