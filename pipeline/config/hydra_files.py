@@ -34,7 +34,7 @@ LONGEST = 1 << 20
 _RESOLVE = "_maybe_resolve_interpolation"
 
 
-class Guarded(ConfigSource):  # type: ignore[misc]
+class Guarded(ConfigSource):
     """A source of files in a folder, which reaches none outside `folders`, those of the search path.
 
     Hydra's own joins any path to its folder.
@@ -77,7 +77,7 @@ class Guarded(ConfigSource):  # type: ignore[misc]
 # The classes have the names of Hydra's classes: Hydra registers its own repeatedly, and skips an equal name.
 
 
-class FileConfigSource(Guarded, file_config_source.FileConfigSource):  # type: ignore[misc]
+class FileConfigSource(Guarded, file_config_source.FileConfigSource):
     """Hydra's source of files in folders, which checks each file first."""
 
     @property
@@ -85,7 +85,7 @@ class FileConfigSource(Guarded, file_config_source.FileConfigSource):  # type: i
         return Path(self.path)
 
 
-class ImportlibResourcesConfigSource(  # type: ignore[misc]
+class ImportlibResourcesConfigSource(
     Guarded, importlib_resources_config_source.ImportlibResourcesConfigSource
 ):
     """Hydra's source of files in packages; a robot by its path is found from there too."""
