@@ -25,7 +25,7 @@ from pipeline.config import hosts, interpolated
 from pipeline.config.choices import resolved_tree
 from pipeline.config.hydra_errors import explained
 from pipeline.config.hydra_files import guarded
-from pipeline.config.hydra_loader import PRIMARY, composed, use_loader
+from pipeline.config.hydra_loader import PRIMARY, aside, composed, use_loader
 from pipeline.config.hydra_node import HydraNode, hydra_text, searching
 from pipeline.config.hydra_reading import Reading
 from pipeline.config.messages import fitting
@@ -101,7 +101,7 @@ def session(
     """Hydra, ready to compose from `conf`, `./robot/` of `cwd` and `config_dirs`."""
     presets = Presets(config_dirs, cwd)
     with (
-        _aside(),
+        aside(),
         initialize_config_module("conf", job_name="linkwright", **HYDRA),
         guarded(),
         catch_warnings(),
@@ -110,17 +110,6 @@ def session(
         filterwarnings("ignore", message=r"\s*'hydra/launcher/", category=UserWarning)
         use_loader()
         yield Composer(presets, judge, environ, cwd)
-
-
-@contextmanager
-def _aside() -> Iterator[None]:
-    """Sets aside the Hydra instance of a calling program that itself runs under Hydra."""
-    theirs = GlobalHydra.instance().hydra
-    GlobalHydra.instance().clear()
-    try:
-        yield
-    finally:
-        GlobalHydra.instance().hydra = theirs
 
 
 class Composer:

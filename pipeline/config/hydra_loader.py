@@ -4,7 +4,8 @@ Hydra tells a tree without its files; its public way to the files computes the w
 which takes more than half as long as the composition.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from hydra import compose
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
@@ -77,3 +78,14 @@ def composed(overrides: Sequence[str]) -> tuple[DictConfig, Sequence[str]]:
     loader = GlobalHydra.instance().config_loader()
     assert isinstance(loader, Loader)
     return config, loader.paths
+
+
+@contextmanager
+def aside() -> Iterator[None]:
+    """Sets aside the Hydra instance of a calling program that itself runs under Hydra."""
+    theirs = GlobalHydra.instance().hydra
+    GlobalHydra.instance().clear()
+    try:
+        yield
+    finally:
+        GlobalHydra.instance().hydra = theirs
