@@ -39,7 +39,7 @@ def session(here: Path, *arguments: str) -> Terminal:
 
 def test_a_sweep_shows_its_jobs_and_a_table_with_figures(here: Path) -> None:
     with session(here, "-m", "+experiment=wide", "depth=flexible,rigid", "until=graph") as terminal:
-        shown = terminal.until("4 of 4 jobs built and valid: outputs/my_arm.sweep")
+        shown = terminal.until("4 of 4 jobs built and valid: outputs/my_arm_wide.sweep")
     assert "job 3 starts: hidden=drop depth=rigid" in shown
     head, *rows = [line.split() for line in shown[shown.index("job  status") :].splitlines()]
     assert head == ["job", "status", "what", "kg", "dof", "calls", "folder"]
@@ -51,7 +51,7 @@ def test_cfg_shows_what_an_experiment_makes_of_its_robot(here: Path) -> None:
     with session(here, "--cfg", "job", "experiment=wide", "--resolve") as terminal:
         shown = terminal.until("until: validate")
     tree = yaml.safe_load(shown)
-    assert (tree["name"], tree["root"]["base"], tree["source"]["kind"]) == ("my_arm", "free", "sample")
+    assert (tree["name"], tree["root"]["base"], tree["source"]["kind"]) == ("my_arm_wide", "free", "sample")
     assert tree["joints"]["lift"]["limits"] == [0, 0.03]
 
 
