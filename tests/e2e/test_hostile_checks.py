@@ -2,11 +2,8 @@
 each is one message within 5 s of the processor and 1 GB."""
 
 import os
-import resource
 import shutil
-import subprocess
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
@@ -14,6 +11,7 @@ import pytest
 from tests.support.building import plan_of, write
 from tests.support.command import COMMAND, environment
 from tests.support.hostile_checks import ANSWERED, BESIDE, BUILDS, ONE, Content
+from tests.support.measured import Done, measured
 from tests.support.robots import joint, robot_with
 
 pytestmark = [pytest.mark.slow, pytest.mark.skipif(os.name == "nt", reason="it has no pipes")]
@@ -23,63 +21,13 @@ WAITS = 120
 """By the clock [s], whatever else the machine does."""
 
 
-@dataclass(frozen=True)
-class Done:
-    status: int
-    shown: str
-
-
-def check(here: Path, *arguments: str) -> Done:
-    """What the command says, within the limits of this file; it and all that it started are measured."""
-    with subprocess.Popen(
-        [str(COMMAND), "check", *arguments],
-        cwd=here,
-        env=environment(here),
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    ) as run:
-        try:
-            shown, _ = run.communicate(timeout=WAITS)
-        except subprocess.TimeoutExpired:
-            run.kill()
-            raise
-    return Done(run.returncode, shown)
-
-
-def measured(here: Path, *arguments: str) -> tuple[Done, float, int]:
-    """With the seconds of the processor and the largest memory [bytes]: in a process of its own, since these
-    are those of all children."""
-    receive, send = os.pipe()
-    child = os.fork()
-    if child == 0:
-        code = 1
-        try:
-            done = check(here, *arguments)
-            used = resource.getrusage(resource.RUSAGE_CHILDREN)
-            with os.fdopen(send, "w") as file:
-                file.write(
-                    f"{done.status} {used.ru_utime + used.ru_stime} {used.ru_maxrss * 1024}\n{done.shown}"
-                )
-            code = 0
-        finally:
-            os._exit(code)
-    os.close(send)
-    with os.fdopen(receive) as file:
-        head, _, shown = file.read().partition("\n")
-    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
-    status, seconds, memory = head.split()
-    return Done(int(status), shown), float(seconds), int(memory)
-
-
 def held(here: Path, *arguments: str) -> Done:
-    done, seconds, memory = measured(here, *arguments)
+    done = measured([str(COMMAND), "check", *arguments], here, environment(here), WAITS)
     assert not [word for word in ("Traceback", "a bug in linkwright", "root:") if word in done.shown], (
         done.shown[-2000:]
     )
-    assert seconds < SECONDS, (seconds, done.shown[-500:])
-    assert memory < MEMORY, (memory, done.shown[-500:])
+    assert done.seconds < SECONDS, (done.seconds, done.shown[-500:])
+    assert done.memory < MEMORY, (done.memory, done.shown[-500:])
     return done
 
 
