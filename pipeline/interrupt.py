@@ -60,9 +60,12 @@ def check() -> None:
 
 def behind(error: BaseException | None) -> bool:
     """Whether Ctrl-C is the reason of an error."""
-    while error is not None and not _CAME.is_set():
+    # An error that is raised again from what it caused is its own context: the chain may be a ring.
+    seen: set[int] = set()
+    while error is not None and id(error) not in seen and not _CAME.is_set():
         if isinstance(error, KeyboardInterrupt):
             return True
+        seen.add(id(error))
         error = error.__cause__ or error.__context__
     return _CAME.is_set()
 

@@ -81,6 +81,14 @@ def test_a_command_that_ignores_ctrl_c_from_the_start_still_does():
     assert (done.returncode, done.stderr) == (0, "")
 
 
+def test_a_ring_of_errors_has_an_end():
+    first, second = ValueError("a"), ValueError("b")
+    first.__context__, second.__context__ = second, first
+    assert not interrupt.behind(first)
+    second.__cause__ = KeyboardInterrupt()
+    assert interrupt.behind(first)
+
+
 def test_an_error_that_a_library_makes_of_it_is_no_bug():
     """As `cached_property` does in Python 3.11, for one of the first imports."""
     code = "from pipeline.cli import run\n\ndef build(plan):\n    converted()\n"
