@@ -120,7 +120,18 @@ def require_mapping(content: str, name: str) -> None:
 def judge(content: str, path: Path) -> None:
     """RefusedError where the text of the file at `path` is above the limits."""
     try:
-        _Count(path).all(content)
+        _Count(path).all(content, _EVENTS)
+    except RefusedError:
+        raise
+    except yaml.YAMLError:
+        _judge_again(content, path)
+
+
+def _judge_again(content: str, path: Path) -> None:
+    """Counts with the parser that loads files. libyaml looks ahead for `:` and ends at its own limit of levels
+    before it reports the first of them, where that parser would recurse."""
+    try:
+        _Count(path).all(content, yaml.SafeLoader)
     except RefusedError:
         raise
     except yaml.YAMLError:
@@ -135,8 +146,8 @@ class _Count:
         self._anchors: dict[str, tuple[int, int]] = {}
         self._open: list[tuple[str | None, int, int]] = []
 
-    def all(self, content: str) -> None:
-        for event in yaml.parse(content, Loader=_EVENTS):
+    def all(self, content: str, loader: Any) -> None:
+        for event in yaml.parse(content, Loader=loader):
             if isinstance(event, yaml.AliasEvent):
                 self._repeated(event)
             elif isinstance(event, yaml.ScalarEvent):
