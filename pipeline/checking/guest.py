@@ -19,6 +19,9 @@ MEMORY_PER_TEXT, MEMORY_PER_ASSET = 60, 12
 STRICT = 4.0
 """Times as much of the processor for what only `--level strict` runs."""
 
+_DATA = 5
+"""The field of Linux's `statm` that has the pages of data and stack."""
+
 _LARGE = "look for large counts or sizes, models in models, or a file that includes itself"
 
 
@@ -47,14 +50,15 @@ def answer(request: bytes) -> bytes:
 
 def _limit(seconds: float, memory: int) -> None:
     """From now on: the kernel ends this process after `seconds` of the processor, and gives it no more than
-    this memory [bytes] beside what it has. Not on Windows, where the guest's own bounds hold."""
+    this memory [bytes] beside what it has. Only memory that is written to counts: usd-core reserves 400 MB of
+    addresses for each of its threads. Not on Windows, where the guest's own bounds hold."""
     if not hasattr(signal, "setitimer"):
         return
     import resource
 
     signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
-        taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        taken = int(Path("/proc/self/statm").read_text().split()[_DATA]) * resource.getpagesize()
     except (OSError, ValueError, IndexError):
         return
-    resource.setrlimit(resource.RLIMIT_AS, (taken + memory, resource.RLIM_INFINITY))
+    resource.setrlimit(resource.RLIMIT_DATA, (taken + memory, resource.RLIM_INFINITY))

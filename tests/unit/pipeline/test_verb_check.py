@@ -97,6 +97,15 @@ def test_a_wrong_mass_is_found_in_the_file_that_has_it(
     assert [run(["check", str(folder / one)]) for one in others] == [0, 0]
 
 
+def test_a_usd_is_read_within_the_limits(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of addresses usd-core reserves more than all memory that a check may take."""
+    pytest.importorskip("pxr")
+    robot = robot_with([joint("revolute", "base", "arm", [0.1])])
+    write(robot, tmp_path / "robot", plan_of(export={"usd": {}}))
+    assert run(["check", str(tmp_path / "robot")]) == 0
+    assert "checks passed" in capsys.readouterr().out
+
+
 def test_a_file_that_is_gone_is_missed(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "robot.sdf").unlink()
     (folder / "scene.xml").unlink()
