@@ -128,8 +128,8 @@ def judge(content: str, path: Path) -> None:
 
 
 def _judge_again(content: str, path: Path) -> None:
-    """Counts with the parser that loads files. libyaml looks ahead for `:` and ends at its own limit of levels
-    before it reports the first of them, where that parser would recurse."""
+    """Counts with the parser that loads files. libyaml looks ahead for `:` and ends at its own limit of
+    levels before it reports the first of them, where that parser would recurse."""
     try:
         _Count(path).all(content, yaml.SafeLoader)
     except RefusedError:
