@@ -71,6 +71,12 @@ def test_the_sample_has_no_diagnostic_but_of_contacts_its_loop_and_what_a_urdf_l
     assert codes == ["I-ALWAYS-CONTACT", *of_formats, "I-ACTUATOR"]
 
 
+def test_the_sample_passes_all_its_checks(built: Path) -> None:
+    """Also those that only warn: the fingers stop where their pads meet."""
+    checks = report(built / "outputs" / "sample")["checks"]
+    assert [check["name"] for check in checks if not check["passed"]] == []
+
+
 def test_a_second_build_runs_no_stage_and_gives_the_same_bytes(built: Path) -> None:
     before = robot_files(built / "outputs" / "sample")
     done = linkwright(built)

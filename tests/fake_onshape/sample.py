@@ -106,7 +106,7 @@ def _gripper(document):
     x, _, z = shapes.PIVOT
     left, right = (gripper.add(finger, name=f"{side} finger") for side in ("Left", "Right"))
     for_left, for_right = pitch(), frame(x=(-1, 0, 0), z=(0, -1, 0))
-    opening = (-0.17, 0.6)
+    opening = (-0.145, 0.6)  # at -0.143 the tips of the pads meet
     one = gripper.revolute("Left finger", (left / body, for_left), (palm, pitch(x, 0, z)), 0.22, opening)
     closing = (-opening[1], -opening[0])
     two = gripper.revolute("Right finger", (right / body, for_right), (palm, pitch(-x, 0, z)), -0.22, closing)
