@@ -299,6 +299,7 @@ def _frame(frame: Frame, urdf: str) -> dict[str, Any]:
         "name": frame.name,
         "link": frame.link,
         "urdf": urdf,
+        **({"joint": frame.joint} if frame.joint else {}),
         "pose": as_pose(frame.link_from_frame),
         "cad": {"name": frame.source} if frame.source else None,
     }

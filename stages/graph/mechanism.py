@@ -106,13 +106,15 @@ class RelationSpec:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Marker:
-    """A frame that the designer named. `source`: the name as typed."""
+    """A frame that the designer named. `source`: the name as typed; `joint`: the name of the fixed joint that
+    holds it in the source; "" for none."""
 
     name: str
     title: str
     body: int
     world_from_frame: Array
     source: str
+    joint: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

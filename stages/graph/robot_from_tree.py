@@ -192,6 +192,7 @@ def _frames(
             mechanism.bodies[marker.body].name,
             frozen(inverse(world_from_link[marker.body]) @ marker.world_from_frame),
             marker.source,
+            marker.joint,
         )
         for marker in mechanism.markers
         if marker.body in world_from_link and any(fits(marker.name, glob) for glob in include)

@@ -216,12 +216,14 @@ class Keyframe:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """A named frame fixed to a link. `source`: the mate connector's name as typed; "" if it is not one."""
+    """A named frame fixed to a link. `source`: the mate connector's name as typed; "" if it is not one.
+    `joint`: the name of the fixed joint that holds it in the source; "" for none."""
 
     name: str
     link: str
     link_from_frame: Array
     source: str
+    joint: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,9 +2,9 @@
 
 For each: whether plain MuJoCo loads the file as it is; what the source had to be told (bad inertias
 projected, missing meshes skipped), and why without that; checks of the validate stage that pass; how far
-our URDF and MJCF are from Pinocchio's reading of the file, at random values; seconds; or why it is
-refused. FOLDER: where example-robot-data lies (its `robots`), unless the package is installed. Ends
-with exit status 1 where fewer than `GOAL` convert, or one of them is not its file.
+our URDF and MJCF are from Pinocchio's reading of the file, at random values; links and joints whose names our
+URDF lacks; seconds; or why it is refused. FOLDER: where example-robot-data lies (its `robots`), unless the
+package is installed. Ends with exit status 1 where fewer than `GOAL` convert, or one of them is not its file.
 """
 
 import argparse
@@ -26,7 +26,7 @@ from stages.robot.errors import LinkwrightError
 from stages.robot.mujoco_warnings import listening
 from stages.validate import validate
 from tests.support.building import plan_of
-from tests.support.urdfs import parity, same_bounds
+from tests.support.urdfs import lost_names, parity, same_bounds
 
 GOAL = 66
 CLOSE = 1e-9
@@ -48,20 +48,21 @@ class Row:
     passed: str = ""
     failed: str = ""
     apart: float = 0.0
+    lost: int = 0
     bounds: str = ""
     seconds: float = 0.0
     refused: str = ""
 
     @property
     def good(self) -> bool:
-        return not (self.refused or self.failed or self.bounds) and self.apart < CLOSE
+        return not (self.refused or self.failed or self.bounds or self.lost) and self.apart < CLOSE
 
     def __str__(self) -> str:
         start = f"{self.name:48} {'loads' if self.plain else '-':6}"
         if self.refused:
             return f"{start} refused: {self.refused}"
         end = "; ".join(filter(None, (self.told, self.failed, self.bounds)))
-        return f"{start} {self.passed:7} {self.apart:8.1e} {self.seconds:6.1f} s  {end}"
+        return f"{start} {self.passed:7} {self.apart:8.1e} {self.lost:4} {self.seconds:6.1f} s  {end}"
 
 
 def main() -> int:
@@ -71,7 +72,7 @@ def main() -> int:
     asked = parser.parse_args()
     share = asked.folder or _installed()
     files = [path for path in sorted(share.rglob("*.urdf")) if asked.only in str(path)]
-    print(f"{'file':48} {'MuJoCo':6} {'checks':7} {'apart':>8} {'time':>8}  notes")
+    print(f"{'file':48} {'MuJoCo':6} {'checks':7} {'apart':>8} {'lost':>4} {'time':>8}  notes")
     rows = []
     for path in files:
         rows.append(_row(path, share))
@@ -81,7 +82,8 @@ def main() -> int:
     print(
         f"{len(rows)} files: plain MuJoCo loads {sum(row.plain for row in rows)}; {len(made)} convert, "
         f"{sum(not row.told for row in made)} of them as they are; {len(good)} with all checks and parity "
-        f"(the worst {max((row.apart for row in made), default=0.0):.1e}); {len(rows) - len(made)} refused"
+        f"(the worst {max((row.apart for row in made), default=0.0):.1e}), "
+        f"{sum(not row.lost for row in made)} with all names; {len(rows) - len(made)} refused"
     )
     return 0 if len(good) >= min(GOAL, len(rows)) and len(good) == len(made) else 1
 
@@ -143,11 +145,13 @@ def _made(path: Path, settings: dict[str, str]) -> dict[str, object]:
         text = bundle.body(bundle.definition)
         apart = parity(text, robot, files, here).worst
         bounds = same_bounds(text, robot, files["robot.urdf"])
+        lost = len(lost_names(text, files["robot.urdf"]))
     failed = [f"{check.name}: {check.detail[:100]}" for check in checks if check.fails]
     return {
         "passed": f"{len(checks) - len(failed)}/{len(checks)}",
         "failed": "; ".join(failed[:3]),
         "apart": apart,
+        "lost": lost,
         "bounds": "; ".join(bounds[:3]),
     }
 

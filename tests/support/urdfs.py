@@ -159,6 +159,15 @@ def same_bounds(text: bytes, robot: Robot, urdf: bytes) -> list[str]:
     return wrong if len(mimics) == len(true_mimics) else [*wrong, "the number of mimics"]
 
 
+def lost_names(text: bytes, urdf: bytes) -> list[str]:
+    """The links and joints of `text` that the exported URDF lacks by name, as "joint elbow"."""
+    before, after = (
+        {f"{node.tag} {node.get('name')}" for node in etree.fromstring(data).iterfind("*")}
+        for data in (text, urdf)
+    )
+    return sorted(name for name in before - after if name.startswith(("link ", "joint ")))
+
+
 def names_of(robot: Robot) -> dict[str, str]:
     """The robot's name of each joint by the file's."""
     return {joint.mate.name: joint.name for joint in robot.joints}

@@ -63,7 +63,8 @@ def relation_of(record: Fields) -> Relation:
 
 def frame_of(record: Fields) -> Frame:
     source = record.inside("cad").text("name") if record.has("cad") else ""
-    return Frame(record.text("name"), record.text("link"), record.pose("pose"), source)
+    joint = record.text("joint") if record.has("joint") else ""
+    return Frame(record.text("name"), record.text("link"), record.pose("pose"), source, joint)
 
 
 def keyframe_of(record: Fields) -> Keyframe | None:

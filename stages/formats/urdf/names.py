@@ -29,7 +29,8 @@ class UrdfNames:
 
 
 def urdf_names(robot: Robot) -> UrdfNames:
-    """A frame keeps its name unless a link has it; names that are made up give way to all that are not."""
+    """A frame keeps its name unless a link has it, and so does the joint that holds it unless another joint
+    has that; names that are made up give way to all that are not."""
     links = {link.name for link in robot.links}
     every = links | {frame.name for frame in robot.frames}
     frames = {
@@ -44,13 +45,14 @@ def urdf_names(robot: Robot) -> UrdfNames:
         loop.name: (_taken(f"{loop.name}_a", every), _taken(f"{loop.name}_b", every)) for loop in robot.loops
     }
     joints = {joint.name for joint in robot.joints} | {dof.name for dof in robot.dofs}
+    holders = {frames[frame.name]: _taken(frame.joint, joints) for frame in robot.frames if frame.joint}
     turns = {}
     for dof in robot.dofs:
         if dof.kind == "ball":
             x, y, z = (_taken(f"{dof.name}_{letter}", joints) for letter in "xyz")
             turns[dof.name] = (x, y, z)
     fixed = [*frames.values(), *(end for pair in ends.values() for end in pair)]
-    holders = {link: _taken(f"{link}_fixed", joints) for link in fixed}
+    holders |= {link: _taken(f"{link}_fixed", joints) for link in fixed if link not in holders}
     return UrdfNames(frames, ends, between, turns, holders)
 
 

@@ -15,8 +15,9 @@ from stages.robot.sensing import Sensor
 def renamed(mechanism: Mechanism, wanted: NamesKeys, log: Diagnostics) -> Mechanism:
     """The mechanism with the names that `wanted` gives; no other name changes.
 
-    An entry means the one body or connection that has this name; else the one that is called so in CAD
-    or that the glob matches. E-RENAME for none or several, E-NAME for a name that is not free.
+    An entry means the one body or joint (a connection, or what holds a frame) that has this name; else the
+    one that is called so in CAD or that the glob matches. E-RENAME for none or several, E-NAME for a name
+    that is not free.
     """
     links = _new_names(
         [body.name for body in mechanism.bodies],
@@ -24,15 +25,13 @@ def renamed(mechanism: Mechanism, wanted: NamesKeys, log: Diagnostics) -> Mechan
         (wanted.links, "names.links", "link"),
         log,
     )
-    joints = _new_names(
-        [connection.name for connection in mechanism.connections],
-        [{connection.ref.name, connection.title} for connection in mechanism.connections],
-        (wanted.joints, "names.joints", "joint"),
-        log,
-    )
+    titles = {one.name: {one.ref.name, one.title} for one in mechanism.connections}
+    titles |= {marker.joint: set() for marker in mechanism.markers if marker.joint}
+    names = list(titles)
+    joints = _new_names(names, list(titles.values()), (wanted.joints, "names.joints", "joint"), log)
     bodies = tuple(replace(body, name=links.get(i, body.name)) for i, body in enumerate(mechanism.bodies))
     connections = tuple(_called(one, joints.get(i, one.name)) for i, one in enumerate(mechanism.connections))
-    called = {mechanism.connections[i].name: name for i, name in joints.items()}
+    called = {names[i]: name for i, name in joints.items()}
     for old, new in zip(mechanism.connections, connections, strict=True):
         called |= {one.name: other.name for one, other in zip(old.dofs, new.dofs, strict=True)}
     specs = tuple(
@@ -45,6 +44,7 @@ def renamed(mechanism: Mechanism, wanted: NamesKeys, log: Diagnostics) -> Mechan
         bodies=bodies,
         connections=connections,
         relations=specs,
+        markers=tuple(replace(one, joint=called.get(one.joint, one.joint)) for one in mechanism.markers),
         actuators=tuple(replace(one, dof=called.get(one.dof, one.dof)) for one in mechanism.actuators),
         sensors=tuple(_measuring(one, called, of_links) for one in mechanism.sensors),
         keyframes=tuple(
@@ -111,7 +111,7 @@ def _called(connection: Connection, name: str) -> Connection:
 def _check_free(mechanism: Mechanism, new: Collection[str], log: Diagnostics) -> None:
     """E-NAME for each new name that is invalid, or that something else has too."""
     counts = Counter(body.name for body in mechanism.bodies)
-    counts.update(marker.name for marker in mechanism.markers)
+    counts.update(name for marker in mechanism.markers for name in (marker.name, marker.joint))
     for connection in mechanism.connections:
         # A connection of one dof has that dof's name: the two are one thing.
         counts.update(_names_of(connection))

@@ -17,9 +17,11 @@ from stages.robot.plural import count
 
 @dataclass(frozen=True, slots=True, eq=False)
 class UrdfFrame:
-    """A dummy link turned into a frame: where it was on `link`, under its name in the file."""
+    """A dummy link turned into a frame: where it was on `link`, under its name in the file. `joint`: the
+    fixed joint that held it there."""
 
     name: str
+    joint: str
     link: str
     link_from_frame: Array
 
@@ -49,7 +51,7 @@ def without_dummies(urdf: Urdf, log: Diagnostics) -> tuple[Urdf, tuple[UrdfFrame
         text = f"{count(len(dummies), 'link')} without a body became frames of their parent links"
         hint = f"these links: {listed(dummies)}; the exported URDF has them as links again"
         log.report("I-URDF-FRAME", text, urdf.name, hint)
-    frames = tuple(UrdfFrame(name, *places[name]) for name in sorted(dummies))
+    frames = tuple(UrdfFrame(name, joints[name].name, *places[name]) for name in sorted(dummies))
     return replace(urdf, links=tuple(kept), joints=tuple(moved_joints)), frames
 
 

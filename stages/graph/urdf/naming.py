@@ -1,11 +1,11 @@
 """Names from a URDF: links, joints and frames keep theirs."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from stages.formats.urdf.model import Urdf, UrdfJoint
 from stages.graph.mechanism import WORLD_LINK
 from stages.graph.naming import FileNames, Namer
-from stages.graph.urdf.dummy_links import has_world
+from stages.graph.urdf.dummy_links import UrdfFrame, has_world
 from stages.graph.urdf.structure import SCALAR
 from stages.robot.diagnostics import Diagnostics
 
@@ -15,14 +15,15 @@ _PLANAR = ("_x", "_y", "_turn")
 """What the names of a planar joint's dofs end in."""
 
 
-def names_of(urdf: Urdf, frames: Iterable[str], log: Diagnostics) -> UrdfFileNames:
-    """The file's own names wherever they can stay; W-NAME for each that changes."""
+def names_of(urdf: Urdf, frames: Sequence[UrdfFrame], log: Diagnostics) -> UrdfFileNames:
+    """The file's own names wherever they can stay, `joints` with those that hold `frames`; W-NAME for each
+    that changes."""
     namer = Namer()
     world = {WORLD_LINK: WORLD_LINK} if has_world(urdf) else {}
     links = namer.keep("link", _pairs(link.name for link in urdf.links if link.name not in world))
-    kept = namer.keep("frame", _pairs(frames))
+    kept = namer.keep("frame", _pairs(frame.name for frame in frames))
     ordered = sorted(urdf.joints, key=lambda joint: joint.name)
-    joints = namer.keep("joint", _pairs(joint.name for joint in ordered))
+    joints = namer.keep("joint", _pairs([*(one.name for one in ordered), *(one.joint for one in frames)]))
     dofs = {joint.name: _dofs(joint, joints[joint.name], namer) for joint in ordered}
     followers = [joint.name for joint in ordered if joint.mimic is not None and joint.type in SCALAR]
     relations = {name: namer.make("equality", f"{joints[name]}_mimic") for name in followers}

@@ -69,7 +69,7 @@ def read_mechanism(bundle: FileBundle, keys: GraphKeys, log: Diagnostics) -> tup
     urdf = repaired(urdf, policy, bundle, log)
     urdf = with_carriers(urdf, policy != "refuse", log)
     root = _root(urdf)
-    names = names_of(urdf, [frame.name for frame in frames], log)
+    names = names_of(urdf, frames, log)
     dofs = _saved({joint.name: tuple(_dofs(joint, names, log)) for joint in urdf.joints}, urdf)
     world_from_link = _poses(urdf, dofs)
     numbers = {link.name: number for number, link in enumerate(urdf.links)}
@@ -294,4 +294,5 @@ def _marker(
     frame: UrdfFrame, names: UrdfFileNames, numbers: Mapping[str, int], world_from_link: Mapping[str, Array]
 ) -> Marker:
     pose = frozen(world_from_link[frame.link] @ frame.link_from_frame)
-    return Marker(names.frames[frame.name], frame.name, numbers[frame.link], pose, frame.name)
+    name, joint = names.frames[frame.name], names.joints[frame.joint]
+    return Marker(name, frame.name, numbers[frame.link], pose, frame.name, joint)

@@ -20,7 +20,7 @@ from tests.support.mjcfs import robot_of as mjcf_robot
 from tests.support.mjcfs import written as mjcf_file
 from tests.support.pinocchio import pin
 from tests.support.places import SHARED
-from tests.support.urdfs import urdf_bundle, urdf_robot
+from tests.support.urdfs import lost_names, urdf_bundle, urdf_robot
 from tests.unit.graph.urdf.test_reader import BODY, codes, joint, link, robot_text
 
 ODD = ["joint_0.0", "LF-HAA", "left/hip", "upper arm", "Überarm", "a[0]", "x*", "世界", "l'r", "1.0", "null"]
@@ -66,7 +66,7 @@ def test_the_gripper_of_an_so101_stays_the_gripper(tmp_path: Path) -> None:
     assert "gripper" in {one.name for one in robot.joints}
     for tag in ("link", "joint"):
         names, theirs = ({one.get("name") for one in tree.getroot().findall(tag)} for tree in (found, wanted))
-        assert theirs - names == {one for one in theirs if one.endswith("_frame_joint")}
+        assert names == theirs
     assert "W-NAME" not in codes(robot)
 
 
@@ -117,9 +117,29 @@ def test_what_we_call_things_gives_way_to_what_the_file_calls_them(tmp_path: Pat
     }
     turns = {"slab_x_2", "slab_y", "slab_turn"}
     assert found["mjcf joint"] == {"slab_x", "eye_fixed", "base_free"} | turns
-    assert found["urdf joint"] == {"slab_x", "eye_fixed", "base_free", "eye_fixed_2"} | turns
+    assert found["urdf joint"] == {"slab_x", "eye_fixed", "base_free", "see"} | turns
     assert found["mjcf freejoint"] == {"base_free_2"}
     assert "W-NAME" not in codes(robot)
+
+
+def test_joints_that_hold_links_without_a_body_keep_their_names(tmp_path: Path) -> None:
+    """A frame on a frame, one that carries a joint that moves, and one whose joint has the name of a link."""
+    text = robot_text(
+        *(link(name) for name in ("base", "arm", "eye")),
+        *(link(name, "") for name in ("mount", "tool", "tip")),
+        joint("to_mount", "base", "mount", "fixed", ""),
+        joint("turn", "mount", "arm"),
+        joint("arm", "arm", "tool", "fixed", ""),
+        joint("tool_fixed", "tool", "tip", "fixed", ""),
+        joint("mount_fixed", "tip", "eye", "fixed", ""),
+    )
+    robot = urdf_robot(text)
+    found = named(tmp_path, robot)
+    assert lost_names(text.encode(), (tmp_path / "robot.urdf").read_bytes()) == []
+    assert found["urdf joint"] == {"to_mount", "turn", "arm", "tool_fixed", "mount_fixed"}
+    table = json.loads((tmp_path / "robot.json").read_text())
+    holders = {frame["name"]: frame["joint"] for frame in table["frames"]}
+    assert holders == {"mount": "to_mount", "tool": "arm", "tip": "tool_fixed"}
 
 
 SHARED = body(

@@ -37,7 +37,7 @@ MECHANISM = Mechanism(
         connection("leg_2_piston", "CYLINDRICAL", (1, 3), "Piston", "Leg <2>/Piston"),
     ),
     relations=(RelationSpec("Screw", "SCREW", ("piston", ""), 1.0, 0.1, False),),
-    markers=(Marker("tip", "Tip", 1, POSE, "Tip"),),
+    markers=(Marker("tip", "Tip", 1, POSE, "Tip"), Marker("eye", "Eye", 1, POSE, "Eye", "eye_mount")),
     provenance=Provenance("d", "e", "m", ""),
 )
 
@@ -86,6 +86,13 @@ def test_the_dof_of_a_hinge_is_called_as_the_hinge():
     assert [dof.name for dof in made.connections[0].dofs] == ["elbow"]
 
 
+@pytest.mark.parametrize("entry", ["eye_mount", "eye*"])
+def test_the_joint_that_holds_a_frame_is_renamed(entry):
+    made, log = called(joints={entry: "mount"})
+    assert log.problems == []
+    assert [(one.name, one.joint) for one in made.markers] == [("tip", ""), ("eye", "mount")]
+
+
 @pytest.mark.parametrize(
     ("asked", "told"),
     [
@@ -100,6 +107,7 @@ def test_the_dof_of_a_hinge_is_called_as_the_hinge():
         ({"links": {"base": "tip"}}, ("E-NAME", "names", "'tip' is taken")),
         ({"links": {"base": "piston_turn"}}, ("E-NAME", "names", "'piston_turn' is taken")),
         ({"links": {"base": "x"}, "joints": {"Revolute 3": "x"}}, ("E-NAME", "names", "'x' is taken")),
+        ({"joints": {"Revolute 3": "eye_mount"}}, ("E-NAME", "names", "'eye_mount' is taken")),
         ({"joints": {"Revolute 3": "leg_2_piston_slide"}}, ("E-NAME", "names", "_slide' is taken")),
     ],
 )
