@@ -176,8 +176,9 @@ class ActuatorKeys(Keys):
 
     motor: Annotated[Text | None, example("sts3215")] = None
     """A motor of the library, or of your own: `motors/<name>.yaml` beside `robot/`. What is known of its
-    inertia, damping, friction, torque and speed holds for the dof, unless `joints` says otherwise. `gear` is
-    then one between the motor and the dof."""
+    inertia, damping, friction, torque and speed holds for the dof. What `joints` or this mapping gives under
+    the dof's own name wins over it, and so do globs, unless the motor is named for the dof itself. `gear` is
+    then a gear between the motor and the dof."""
 
     @model_validator(mode="after")
     def _of_the_type(self) -> Self:

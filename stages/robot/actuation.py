@@ -84,7 +84,8 @@ class Supplied:
 class Actuation:
     """What drives a robot, in the order of its dofs.
 
-    `supplied`: by motors; `armatures`: of dofs that have none by then. `compensated`: (link, share of its
+    `supplied`: by motors; `overruled`: the dofs where a value of the motor loses to the configuration;
+    `armatures`: of dofs that have none by then. `compensated`: (link, share of its
     weight) that actuators carry; `compensating`: the dofs whose actuators do so.
     """
 
@@ -93,6 +94,7 @@ class Actuation:
     compensated: tuple[tuple[str, float], ...] = ()
     compensating: tuple[str, ...] = ()
     supplied: tuple[Supplied, ...] = ()
+    overruled: tuple[str, ...] = ()
 
     def of(self, dof: str) -> Actuator | None:
         """The first actuator of a dof."""

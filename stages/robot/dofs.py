@@ -100,7 +100,8 @@ class Dof:
     (4, 4) is that frame in the one which the dof before it moves (previous_from_dof); the first has
     the identity. The only dof of a joint has the joint's name. `saved`: the value in the pose that
     CAD was left in. `given`: those of `limits` and of the dynamics, by name, that the configuration gives;
-    the others are the source's. `in_mate`: how its value is counted in the mate's own.
+    the others are the source's. `named`: those of `given` that an entry with the dof's own name gives.
+    `in_mate`: how its value is counted in the mate's own.
     """
 
     name: str
@@ -111,4 +112,5 @@ class Dof:
     dynamics: Dynamics
     saved: Value
     given: tuple[str, ...] = ()
+    named: tuple[str, ...] = ()
     in_mate: MateValue = AS_THE_MATE

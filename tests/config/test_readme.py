@@ -14,19 +14,21 @@ from typing import Any
 
 import mujoco
 import pytest
+import yaml
 
 from pipeline import face
 from pipeline.build import build_files
 from pipeline.cli import parse
 from pipeline.config.compose import Composed, compose_plan
 from pipeline.verbs import VERBS
+from stages.export import export
 from stages.graph.keys import GraphKeys
 from stages.graph.view.outline import outline
 from stages.graph.view.picture import draw
 from stages.robot.keys import Keys
 from stages.robot.model import Robot
 from tests.fake_onshape.sample import sample_document
-from tests.support.building import plan_of, robot_of
+from tests.support.building import NO_MESHES, plan_of, robot_of
 from tests.support.places import PROJECT
 from tests.support.users import URL, write
 
@@ -126,6 +128,29 @@ def test_the_keys_of_the_kinematics_make_a_robot_of_the_sample(tmp_path: Path) -
     assert {"base_footprint", "payload"} <= {link.name for link in robot.links}
     assert "elbow_pitch" in {joint.name for joint in robot.joints}
     assert not robot.base.fixed
+
+
+def test_the_motor_of_the_actuators_has_its_values_beside_the_properties_of_all_joints(
+    tmp_path: Path,
+) -> None:
+    """The snippet of `joints` gives damping, armature, effort and velocity to every joint; that of
+    `actuators` names a motor for one of them, here for the sample's elbow."""
+    texts = [text for _, text in blocks("yaml")]
+    (joints,) = [text for text in texts if text.startswith("joints:\n") and "effort" in text]
+    (driven,) = [text for text in texts if text.startswith("actuators:") and "motor: " in text]
+    entry = yaml.safe_load(driven)["actuators"]["hip"]
+    text = f"{joints}actuators: {{'*': position, elbow: {entry}}}\n"
+    plan = composed(tmp_path, text).plan
+    robot = robot_of(sample_document(), plan)
+    files = export(robot, NO_MESHES, plan).files
+    model = mujoco.MjModel.from_xml_string(files[f"{robot.name}.xml"].decode())
+    joint, servo = model.joint("elbow"), model.actuator("elbow")
+    assert joint.armature[0] == 0.0284
+    assert joint.damping[0] == pytest.approx(0.05909 + 0.5486)
+    assert joint.frictionloss[0] == 0.05239
+    assert list(model.jnt_actfrcrange[joint.id]) == [-3.35, 3.35]
+    assert servo.gainprm[0] == 17.8
+    assert model.joint("shoulder").armature[0] == 0.01
 
 
 def test_every_key_of_the_kinematics_is_in_the_readme() -> None:

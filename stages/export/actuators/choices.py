@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from stages.robot.couplings import nearest_first
@@ -25,19 +25,23 @@ OF_ONE_KIND = ("kp", "kv", "ki", "imax", "slewmax", "ctrlrange", "forcerange")
 @dataclass(frozen=True, slots=True)
 class Wanted:
     """What the key says of a dof. `named`: by a name without wildcards, so that it is driven even where it
-    follows others. `motor`: of the library, "" for none."""
+    follows others. `motor`: of the library, "" for none; `motor_named`: whether its entry has the dof's own
+    name. `origin`: the entry that gives each parameter."""
 
     type: str
     parameters: Mapping[str, Any]
     named: bool
     motor: str = ""
+    motor_named: bool = False
+    origin: Mapping[str, str] = field(default_factory=dict)
 
 
 def wanted_of(
     robot: Robot, entries: Mapping[str, ActuatorKeys], motors: Mapping[str, MotorKeys], log: Diagnostics
 ) -> dict[str, Wanted]:
     """By dof of the tree that an entry matches, in tree order; later entries win, property by property, and
-    an entry with another type starts from that type's defaults, and keeps the motor.
+    an entry with another type starts from that type's defaults, and keeps the motor. A motor that is named
+    for the dof stays, whatever globs come later.
 
     E-GLOB for an entry but "*" that matches no dof; E-ACTUATOR for one that names a dof that cannot be
     driven, for parameters that are not of the type, and for a number for turns and slides at once; E-MOTOR
@@ -59,7 +63,7 @@ def _merged(
     dof: Dof, entries: Mapping[str, ActuatorKeys], motors: Mapping[str, MotorKeys], log: Diagnostics
 ) -> Wanted | None:
     kind: str | None = None
-    motor = ""
+    motor, motor_named = "", False
     parameters: dict[str, Any] = {}
     origin: dict[str, str] = {}
     named, matched = False, ""
@@ -73,7 +77,9 @@ def _merged(
         if "kv" in given or "dampratio" in given:
             parameters = {name: one for name, one in parameters.items() if name not in ("kv", "dampratio")}
         parameters |= given
-        motor = keys.motor or motor
+        # What is more specific wins: a motor that is named for the dof stays, whatever globs come later.
+        if keys.motor and (glob == dof.name or not motor_named):
+            motor, motor_named = keys.motor, glob == dof.name
         origin |= dict.fromkeys(given, glob)
         named = named or (glob == dof.name and kind != "none")
     if not matched:
@@ -88,8 +94,8 @@ def _merged(
         text = f"{matched!r} has no type of actuator for {dof.name}"
         log.report("E-ACTUATOR", text, WHERE, "type: motor, position, velocity, ..., or a motor")
         return None
-    wanted = Wanted(kind, parameters, named, motor)
-    _judge(wanted, dof, origin, matched, motors, log)
+    wanted = Wanted(kind, parameters, named, motor, motor_named, origin)
+    _judge(wanted, dof, matched, motors, log)
     if (control := parameters.get("ctrlrange")) is not None:
         _judge_control(wanted, dof, control, log)
         parameters["ctrlrange"] = tuple(float(end) for end in control)
@@ -114,21 +120,15 @@ def _judge_control(wanted: Wanted, dof: Dof, control: Sequence[float], log: Diag
         log.report("E-ACTUATOR", f"ctrlrange of {dof.name}: {text}, and {why}", WHERE, hint)
 
 
-def _judge(
-    wanted: Wanted,
-    dof: Dof,
-    origin: Mapping[str, str],
-    matched: str,
-    motors: Mapping[str, MotorKeys],
-    log: Diagnostics,
-) -> None:
+def _judge(wanted: Wanted, dof: Dof, matched: str, motors: Mapping[str, MotorKeys], log: Diagnostics) -> None:
     """E-ACTUATOR for parameters that the type does not have, and for those that need others."""
     from stages.export.actuator_keys import fields_of
 
     allowed = fields_of(wanted.type)
     for name in wanted.parameters:
         if name not in allowed:
-            text = f"{origin[name]!r} gives {name}, which type {wanted.type} of {dof.name} does not have"
+            entry = wanted.origin[name]
+            text = f"{entry!r} gives {name}, which type {wanted.type} of {dof.name} does not have"
             hint = f"type {wanted.type} takes {', '.join(allowed) or 'nothing else'}"
             log.report("E-ACTUATOR", text, WHERE, hint)
     given = set(wanted.parameters)

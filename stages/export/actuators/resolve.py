@@ -12,7 +12,7 @@ from stages.export.actuators import estimates
 from stages.export.actuators.alike import shared
 from stages.export.actuators.choices import Wanted, driven_order, wanted_of
 from stages.export.actuators.loads import Load, loads, postures
-from stages.export.actuators.motors import Motors, completed, supplied
+from stages.export.actuators.motors import Motors, Overruled, equipped, report_overruled, supplied
 from stages.export.actuators.ranges import control_range
 from stages.export.actuators.remarks import remark, remark_couplings
 from stages.export.actuators.terms import terms_of
@@ -62,7 +62,7 @@ def actuate(
     chosen = couplings.independent(order)
     # What is named drives, even where it fights others; those are still counted as one motion.
     driven = [dof.name for dof in robot.dofs if dof.name in {*chosen, *named}]
-    gifts = supplied([dof for dof in robot.dofs if dof.name in driven], wanted, motors, log)
+    gifts, overruled = supplied([dof for dof in robot.dofs if dof.name in driven], wanted, motors, log)
     robot = with_motors(robot, gifts)
     up = -world_from_root[:3, :3].T @ gravity
     rates = couplings.moved_by([dof for dof in driven if dof in chosen])
@@ -87,7 +87,9 @@ def actuate(
         compensated=tuple(sorted(shares.items())),
         compensating=tuple(dof for dof in driven if dof in wanted and _share(wanted[dof])),
         supplied=tuple(gifts),
+        overruled=tuple(dict.fromkeys(loss.dof for loss in overruled)),
     )
+    report_overruled([*overruled, *maker.overruled], wanted, log)
     looped = [dof for dof in driven if dof in couplings.in_loops]
     remark(robot, actuation, looped, [dof for dof in order if dof not in driven], log)
     remark_couplings(robot, actuation, rates, [one for one in driven if one in wanted], log)
@@ -141,10 +143,13 @@ class _Maker:
         self._home = home(robot)
         self._fixed = robot.base.fixed
         self.armatures: list[Armature] = []
+        self.overruled: list[Overruled] = []
 
     def made(self, dof: Dof, wanted: Wanted) -> Actuator:
         """The actuator of a dof, with what is not given estimated."""
-        given, sources = completed(wanted, self._motors)
+        equipment = equipped(dof.name, wanted, self._motors)
+        given = equipment.parameters
+        self.overruled += equipment.overruled
         gear = float(given.get("gear", 1.0))
         load = self._loads.get(dof.name)
         stiff = self._stiffness(dof, load, given.get("kp"), gear)
@@ -161,7 +166,7 @@ class _Maker:
             load=None if load is None else load.most,
             home_load=None if load is None else abs(load.home),
             motor=wanted.motor,
-            sources=sources,
+            sources=equipment.sources,
         )
         made = self._servo(made, dof, given, stiff, armature)
         made = replace(made, control=given.get("ctrlrange") or control_range(dof, made, given))

@@ -68,7 +68,11 @@ def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
     _equalities(root, robot, start, closures, given.keys.scene.option.timestep)
     write_actuation(root, actuation, given.sensing.sensors)
     _keyframes(root, world, robot, start, given.standing, actuation)
-    motors = {one.dof: one.motor for one in actuation.actuators if one.motor}
+    motors = {
+        actuator.dof: actuator.motor
+        for actuator in actuation.actuators
+        if actuator.motor and actuator.dof not in actuation.overruled
+    }
     write_classes(root, classes, {top, "main", "visual", "collision"}, motors)
     return to_bytes(root)
 

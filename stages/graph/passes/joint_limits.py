@@ -100,27 +100,32 @@ def _report_idle(glob: str, keys: JointKeys, loops: Sequence[Loop], log: Diagnos
 
 
 def _with(dof: Dof, wanted: Mapping[str, JointKeys]) -> Dof:
-    limits, dynamics, told = dof.limits, dof.dynamics, set(dof.given)
-    rotor, gear = None, 1.0
+    """`by_name`: quantity that the key gives → whether an entry with the dof's own name does."""
+    limits, dynamics = dof.limits, dof.dynamics
+    by_name = dict.fromkeys(dof.given, False)
+    rotor, gear, by_rotor = None, 1.0, False
     for glob, keys in wanted.items():
         if not fits(dof.name, glob):
             continue
         if keys.limits is not None:
             limits = Limits(*(None if end is None else float(end) for end in keys.limits))
-            told.add("limits")
+            by_name["limits"] = glob == dof.name
         every = {key: getattr(keys, key) for key in Dynamics.__slots__}
         given = {key: value for key, value in every.items() if value is not None}
         dynamics = replace(dynamics, **given)
-        told |= set(given)
+        by_name |= dict.fromkeys(given, glob == dof.name)
         gear = keys.gear or gear
+        if keys.rotor_inertia is not None or keys.gear is not None:
+            by_rotor = glob == dof.name
         # An armature and a rotor's inertia are two ways to give one value: the later one counts.
         rotor = (
             keys.rotor_inertia if keys.rotor_inertia is not None else None if "armature" in given else rotor
         )
     if rotor is not None and dof.kind in ("turn", "slide"):
         dynamics = replace(dynamics, armature=rotor * gear**2)
-        told.add("armature")
-    return replace(dof, limits=limits, dynamics=dynamics, given=tuple(sorted(told)))
+        by_name["armature"] = by_rotor
+    named = tuple(sorted(name for name, own in by_name.items() if own))
+    return replace(dof, limits=limits, dynamics=dynamics, given=tuple(sorted(by_name)), named=named)
 
 
 def unwrapped(dof: Dof) -> Dof:

@@ -17,6 +17,8 @@ from pipeline.errors import ConfigError
 from pipeline.motor_files import OURS, library
 from stages.export import Exported, export
 from stages.export.motor_keys import QUANTITIES, MotorKeys
+from stages.graph.passes.joint_limits import with_properties
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.model import Limits, Robot
 from stages.validate import validate
 from tests.fake_onshape.sample import sample_document
@@ -146,6 +148,135 @@ def test_the_configuration_wins_over_the_motor_and_the_motor_over_the_source() -
     assert servo["kp"] == 70
     # The motor's kv belongs to its kp.
     assert servo["estimated"] == ["kv"]
+
+
+OF_THE_JOINT = {"armature": 0.03, "damping": 0.6, "friction": 0.05, "effort": 8.0, "velocity": 6.0}
+"""Quantity of the joint → what the motor `FULL` makes it."""
+
+PRECEDENCE = [
+    # (joints, the motor's entry, whether the motor wins)
+    ("arm_joint", "arm_joint", False),
+    ("arm_joint", "*", False),
+    ("arm*", "arm_joint", True),
+    ("arm*", "*", False),
+    ("*", "arm_join?", False),
+]
+
+
+@pytest.mark.parametrize("quantity", OF_THE_JOINT)
+@pytest.mark.parametrize(("joints", "entry", "wins"), PRECEDENCE)
+def test_what_is_more_specific_wins_and_each_value_that_loses_is_reported(
+    joints: str, entry: str, wins: bool, quantity: str
+) -> None:
+    plan = plan_of(
+        joints={joints: {quantity: 3.25}}, motors={"own": FULL}, actuators={entry: {"motor": "own"}}
+    )
+    robot = with_properties(pendulum(), plan.joints, Diagnostics())
+    found = export(robot, NO_MESHES, plan)
+    record = dof_of(found)
+    motors = OF_THE_JOINT | ({} if wins else {quantity: 3.25})
+    assert {name: record[name] for name in OF_THE_JOINT} == pytest.approx(motors, rel=1e-12)
+    assert (record["provenance"][quantity] == "given") == (not wins)
+    (told,) = (one for one in found.diagnostics if one.code == "I-MOTOR")
+    value = f"{OF_THE_JOINT[quantity]:g}"
+    if wins:
+        assert f"says: {quantity} of arm_joint (3.25 → {value})" in told.message
+        return
+    assert told.message == (
+        f"values of motors that lose to the configuration: {quantity} of arm_joint "
+        f"({value}; `joints` gives 3.25)"
+    )
+    named = "or name the motor for the joint: actuators: {arm_joint: {motor: own}}"
+    assert (named in told.hint) == (entry != "arm_joint")
+
+
+@pytest.mark.parametrize(
+    ("entries", "gains", "lost"),
+    [
+        ({"*": {"type": "position", "kp": 70, "kv": 3}, "arm_joint": {"motor": "own"}}, (40, 0.5), []),
+        ({"arm_joint": {"motor": "own"}, "*": {"kp": 70, "dampratio": 2}}, (40, 0.5), []),
+        (
+            {"*": {"type": "position", "kv": 3}, "arm_join?": {"motor": "own"}},
+            (40, 3),
+            ["kv of arm_joint (0.5; `actuators` gives kv)"],
+        ),
+        (
+            {"*": {"motor": "own"}, "arm_joint": {"kp": 70, "kv": 2}},
+            (70, 2),
+            ["kp of arm_joint (40; `actuators` gives kp)", "kv of arm_joint (0.5; `actuators` gives kv)"],
+        ),
+        (
+            {"arm_joint": {"motor": "own", "kp": 70, "kv": 0.5}},
+            (70, 0.5),
+            ["kp of arm_joint (40; `actuators` gives kp)"],
+        ),
+        ({"arm_joint": {"motor": "own", "kp": 40, "kv": 0.5}}, (40, 0.5), []),
+    ],
+    ids=["a glob before", "a glob after", "both globs", "its own entry", "with the motor", "the same"],
+)
+def test_a_motors_own_gains_win_over_globs_and_lose_to_the_joints_entry(
+    entries: dict[str, Any], gains: tuple[float, float], lost: list[str]
+) -> None:
+    found = exported(pendulum(), motors={"own": FULL}, actuators=entries)
+    (servo,) = json.loads(found.files["robot.json"])["actuators"]
+    assert (servo["kp"], servo["kv"]) == gains
+    told = [one.message for one in found.diagnostics if one.code == "I-MOTOR"]
+    losing = "values of motors that lose to the configuration: "
+    assert told == ([losing + ", ".join(lost)] if lost else [])
+
+
+def test_of_two_motors_that_which_is_named_for_the_joint_drives_it() -> None:
+    entries = {"arm_joint": {"motor": "own"}, "*": {"motor": "other"}}
+    found = exported(pendulum(), motors={"own": FULL, "other": motor(kp=1, effort=1)}, actuators=entries)
+    (servo,) = json.loads(found.files["robot.json"])["actuators"]
+    assert (servo["motor"], servo["kp"], dof_of(found)["effort"]) == ("own", 40, 8)
+
+
+@since(3, 7)
+def test_the_constants_of_a_named_motor_win_over_a_globs_nominal() -> None:
+    entries = {"*": {"type": "dcmotor", "nominal": [24, 3, 9]}, "arm_joint": {"motor": "own"}}
+    model = model_of(exported(pendulum(), motors={"own": FULL}, actuators=entries))
+    assert list(model.actuator_gainprm[0][:2]) == [3, 1.5]
+    assert list(model.actuator_ctrlrange[0]) == [-12, 12]
+    found = exported(pendulum(), motors={"own": FULL}, actuators={"*": entries["*"] | {"motor": "own"}})
+    (told,) = (one.message for one in found.diagnostics if one.code == "I-MOTOR")
+    assert "resistance of arm_joint (3; `actuators` gives nominal)" in told
+    assert "torque_constant of arm_joint (1.5; `actuators` gives nominal)" in told
+
+
+def test_the_motor_of_one_joint_of_the_sample_has_all_its_values_and_the_class_that_has_its_name() -> None:
+    """The sample's own `joints: "*"` gives damping, friction, armature, effort and velocity to all joints."""
+    every = {"damping": 0.1, "friction": 0.02, "armature": 0.01, "effort": 20, "velocity": 3}
+    plan = plan_of(joints={"*": every}, actuators={"*": "position", "elbow": {"motor": "sts3215"}})
+    found = export(robot_of(sample_document(), plan), NO_MESHES, plan)
+    values = {name: one.value for name, one in plan.motors["sts3215"].values.items()}
+    model = model_of(found)
+    elbow, servo = model.joint("elbow"), model.actuator("elbow")
+    resistance = values["damping"] + values["back_emf"]
+    assert elbow.damping[0] == pytest.approx(resistance, rel=1e-12)
+    assert (elbow.frictionloss[0], elbow.armature[0]) == (values["friction"], values["armature"])
+    assert list(model.jnt_actfrcrange[elbow.id]) == [-values["effort"], values["effort"]]
+    assert list(servo.biasprm[1:3]) == [-values["kp"], -values["kv"]]
+    shoulder = model.joint("shoulder")
+    assert (shoulder.damping[0], shoulder.armature[0]) == (0.1, 0.01)
+    assert class_of(found, "elbow") == "sts3215"
+
+
+def class_of(found: Exported, name: str) -> str | None:
+    root = ET.fromstring(found.files["robot.xml"])
+    (own,) = root.findall(f".//worldbody//joint[@name='{name}']")
+    return own.get("class")
+
+
+@pytest.mark.parametrize(
+    ("values", "name"), [({}, "own"), ({"effort": 5.0}, "hinge"), ({"effort": 8.0}, "own")]
+)
+def test_a_class_has_the_name_of_a_motor_only_with_its_values(values: dict[str, float], name: str) -> None:
+    plan = plan_of(
+        joints={"arm_joint": values}, motors={"own": FULL}, actuators={"arm_joint": {"motor": "own"}}
+    )
+    found = export(with_properties(pendulum(), plan.joints, Diagnostics()), NO_MESHES, plan)
+    assert class_of(found, "arm_joint") == name
 
 
 @pytest.mark.parametrize("gear", [3.0, -20.0])
