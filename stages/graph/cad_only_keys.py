@@ -5,7 +5,7 @@ from typing import Literal
 from stages.graph.keys import GraphKeys
 from stages.robot.diagnostics import Diagnostics
 
-_CAD_ALONE = ("depth", "hidden", "mirror", "conventions")
+_CAD_ALONE = ("depth", "hidden", "mirror", "mirrors", "conventions")
 
 
 def report_unused(keys: GraphKeys, source: Literal["URDF", "MJCF"], log: Diagnostics) -> None:

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import AfterValidator, Field, Strict, model_validator
 
-from stages.graph.added_keys import AddedFrameKeys, AddedLinkKeys
+from stages.graph.added_keys import AddedFrameKeys, AddedLinkKeys, Direction
 from stages.graph.mass_keys import MassKeys
 from stages.robot.keys import (
     Flag,
@@ -17,7 +17,7 @@ from stages.robot.keys import (
     example,
     invalid,
 )
-from stages.robot.quantity_keys import Coordinate, Range
+from stages.robot.quantity_keys import Coordinate, Position, Range
 
 NAME_PATTERN = "[A-Za-z0-9_-]+"
 
@@ -135,6 +135,16 @@ class RelationKeys(Keys):
     """Whether the relation is left out, so that its joints move independently."""
 
 
+class MirrorKeys(Keys):
+    """The plane of the mirrors that a glob matches, in the frame of the assembly that they are in."""
+
+    normal: Annotated[Direction, example([0, 1, 0])]
+    """A vector at right angles to the plane, of any length."""
+
+    xyz: Annotated[Position, example([0, 0, 0])] = (0, 0, 0)
+    """A point of the plane [m]."""
+
+
 class FramesKeys(Keys):
     """Named frames on links."""
 
@@ -199,6 +209,11 @@ class GraphKeys(Keys):
     )
     """Glob on names of relations, in the robot or in CAD → properties; later entries win, property by
     property."""
+
+    mirrors: Annotated[dict[Text, MirrorKeys], example({"Mirror 1": {"normal": [0, 1, 0]}})] = Field(
+        default_factory=dict
+    )
+    """Glob on names of mirrors in CAD → the plane, where Linkwright cannot find it; later entries win."""
 
     mass: MassKeys = MassKeys()
     """Masses of parts and links."""

@@ -21,7 +21,7 @@ CUT_LAST: dict[JointType, int] = {"prismatic": 0, "revolute": 2, "ball": 3, "fix
 
 _JOIN = "connect it by a joint in the file, or remove it"
 
-LEFT_OUT = ("W-MATE-BROKEN", "W-FEATURE", "W-PEER-MATE")
+LEFT_OUT = ("W-MATE-BROKEN", "W-FEATURE", "W-PATTERN", "W-PEER-MATE")
 """Codes of what holds nothing: reported beside unconnected parts, as they may be the reason."""
 
 

@@ -154,14 +154,24 @@ class Assembly:
         self._pattern(name, kind, seeds, copies, transforms)
         return copies
 
-    def mirror(self, name, seeds, plane):
+    def mirror(self, name, seeds, plane, parts_at=None):
         """Mirror images of instances of this assembly; `plane` (4, 4): its z is the normal.
 
-        Returns, for each seed, the occurrence of its image.
+        `parts_at`: the images of parts are instances of new parts, made by a mirror at this plane (4, 4) of
+        the seeds' part studios. Returns, for each seed, the occurrence of its image.
         """
-        copies = tuple((self._copy(seed.last, True),) for seed in seeds)
-        self._pattern(name, "MIRROR", seeds, copies, (product(plane, MIRROR, inverse(plane)),))
+        copies = tuple((self._image(seed.last, parts_at),) for seed in seeds)
+        self._pattern(name, "MIRROR", seeds, copies, (_reflection(plane),))
         return tuple(copy for (copy,) in copies)
+
+    def _image(self, seed, parts_at):
+        if parts_at is None or not seed.is_part:
+            return self._copy(seed, True)
+        reflection = _reflection(parts_at)
+        part = seed.source.studio.image(seed.source, reflection)
+        made = self.add(part, hidden=seed.hidden, configuration=seed.configuration)
+        made.last.mirrored, made.last.image_from_seed = seed.mirrored, reflection
+        return made
 
     def _copy(self, seed, mirrored):
         made = self.add(seed.source, hidden=seed.hidden, configuration=seed.configuration)
@@ -191,3 +201,8 @@ class Assembly:
         self.features.append(feature)
         self.home.document.changed()
         return feature
+
+
+def _reflection(plane):
+    """The reflection (4, 4) at the plane at right angles to z of a frame."""
+    return product(plane, MIRROR, inverse(plane))

@@ -1,7 +1,8 @@
 """What patterns and mirrors do to mates: whatever holds a seed holds each of its copies as well.
 
 A mate of the same assembly that touches a seed, at any depth below it, acts once more for the copy: its
-side on a seed moves to that one's copy, with the same frame on it; any other side stays on its
+side on a seed moves to that one's copy, with the same frame on it (on a mirror-image part, with the frame
+that the same reflection makes of it); any other side stays on its
 occurrence, and its frame goes where the pattern's transform takes it at the saved pose. So the copy's
 saved pose is the seed's, moved, at the same values. Where nothing of that assembly holds the seeds, the
 mates of the nearest assembly around it do that. A seed that is fastened to something else takes its other
@@ -37,7 +38,7 @@ def copy_edges(tree, owner, pattern, level):
         for edge, redundant in held:
             if edge.moves and _holds(edge, seeds) and fastened.issuperset(_ends_within(edge, seeds)):
                 continue
-            ends = [_end(path, frame, onto, poses, moved) for path, frame in _sides(edge)]
+            ends = [_end(tree, path, frame, onto, poses, moved) for path, frame in _sides(edge)]
             copied = tuple("/".join(copy[len(level) :]) for _, _, copy in ends if copy)
             if copied:
                 (first, first_frame, _), (second, second_frame, _) = ends
@@ -91,7 +92,12 @@ def copied_poses(tree, owner, pattern):
     """{copy's path: (4, 4) in its assembly at the saved pose}, by the seeds' poses."""
     poses = {(): np.eye(4), **tree.poses()}
     return {
-        copy: product(inverse(poses[owner]), world_transform(poses, owner, pattern, number), poses[seed])
+        copy: product(
+            inverse(poses[owner]),
+            world_transform(poses, owner, pattern, number),
+            poses[seed],
+            inverse(tree.places[copy].instance.image_from_seed),
+        )
         for number in range(len(pattern.transforms))
         for seed, copy in _onto(owner, pattern, number).items()
     }
@@ -113,9 +119,10 @@ def _sides(edge):
     return (edge.first, edge.first_frame), (edge.second, edge.second_frame)
 
 
-def _end(path, frame, onto, poses, moved):
+def _end(tree, path, frame, onto, poses, moved):
     """(path, frame, the copied instance's path or nothing) of one side of a copied edge."""
     for seed, copy in onto.items():
         if path[: len(seed)] == seed:
-            return copy + path[len(seed) :], frame, copy
+            image = tree.places[copy].instance.image_from_seed
+            return copy + path[len(seed) :], product(image, frame), copy
     return path, product(inverse(poses[path]), moved, poses[path], frame), ()

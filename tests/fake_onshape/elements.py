@@ -119,6 +119,12 @@ class Studio:
         made.body, made.members = "composite", tuple(members)
         return made
 
+    def image(self, part, reflection):
+        """The part that is the mirror image of another, by a reflection (4, 4) of this studio."""
+        solid = part.solid.reflected(reflection)
+        name = f"{part.name} mirrored {sum(one.name.startswith(part.name) for one in self.parts)}"
+        return self.part(name, solid, part.density, part.colour, part.face_colours, part.mass)
+
     def part(self, name, solid, density=None, colour=GREY, face_colours=None, mass=None, id=None):  # noqa: A002
         """A new part; its id is made from its name unless given."""
         taken = {part.id for part in self.parts}
@@ -130,7 +136,10 @@ class Studio:
 
 
 class Instance:
-    """One use of a part or an assembly inside an assembly."""
+    """One use of a part or an assembly inside an assembly.
+
+    `image_from_seed` (4, 4): of a copy made of a mirror-image part, the reflection from the seed's part.
+    """
 
     def __init__(
         self, owner, source, name, *, fixed, hidden, suppressed, pose, configuration, mirrored=False
@@ -140,6 +149,7 @@ class Instance:
         self.fixed, self.hidden, self.suppressed = fixed, hidden, suppressed
         self.pose = np.eye(4) if pose is None else np.asarray(pose, float)
         self.configuration, self.mirrored = configuration, mirrored
+        self.image_from_seed = np.eye(4)
 
     @property
     def is_part(self):

@@ -153,10 +153,15 @@ class Everything(Author):
         node.parts = seeds
         self.parts_left -= 2 * len(seeds)
         if self.draw(st.booleans(), label="mirror"):
-            assembly.mirror("Loose mirror", seeds, self._frame())
+            self._mirror(assembly, "Loose mirror", seeds)
         else:
             assembly.pattern("Loose pattern", seeds, [self._frame()], "CIRCULAR")
         return [node]
+
+    def _mirror(self, assembly, name, seeds):
+        """A mirror, at times with new parts as the images of parts."""
+        new = self.draw(st.booleans(), label="new parts")
+        return assembly.mirror(name, seeds, self._frame(), self._frame() if new else None)
 
     def _hang(self, assembly, nodes, onto_origin):
         """Hang the last node on one of those before it, or on the assembly's origin."""
@@ -208,7 +213,7 @@ class Everything(Author):
             copied_nodes |= ids
             self.parts_left -= size
             if self.draw(st.booleans(), label="mirror"):
-                images = assembly.mirror(f"Mirror {index + 1}", [one.at for one in seeds], self._frame())
+                images = self._mirror(assembly, f"Mirror {index + 1}", [one.at for one in seeds])
                 copied = [(image,) for image in images]
             else:
                 circular = self.draw(st.booleans(), label="circular")

@@ -59,6 +59,11 @@ class Solid:
             {face.name: face.triangles for face in self.faces},
         )
 
+    def reflected(self, reflection):
+        """The mirror image by a (4, 4) reflection, off the grid, so that it is exact."""
+        vertices = self.vertices @ reflection[:3, :3].T + reflection[:3, 3]
+        return Solid(vertices, tuple(Face(face.name, face.triangles[:, ::-1]) for face in self.faces))
+
     def named(self, prefix):
         """The solid with `prefix` before the names of its faces."""
         return Solid(self.vertices, tuple(Face(f"{prefix} {f.name}", f.triangles) for f in self.faces))

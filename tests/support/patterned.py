@@ -3,31 +3,38 @@
 import numpy as np
 import orjson
 
-from stages.graph.keys import DepthKeys, GraphKeys
+from stages.graph.keys import GraphKeys
 from stages.graph.onshape.assembly import Assembly, Mate
 from stages.graph.onshape.bodies import Bodies, find_bodies
 from stages.graph.onshape.definition import read_assembly
 from stages.graph.onshape.mates import dofs_of, right_handed
+from stages.graph.onshape.part_solids import PartSolids
 from stages.graph.onshape.patterns import with_copies
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.kinematics import chain
 from stages.robot.poses import inverse
 from tests.fake_onshape.definition import definition
-from tests.fake_onshape.document import ORIGIN
+from tests.fake_onshape.document import ORIGIN, Document
 from tests.fake_onshape.frames import turn
+from tests.support.building import bundle_of
 from tests.support.kit import SIDE, TOP, Kit
 
 PLANE = turn((0, 1, 0), 1.1, (0.3, 0.1, 0))
 
 
-def drawn(kit: Kit, mirror: str = "joints", edit=None, depth=None, **options) -> tuple[Assembly, Diagnostics]:
+def drawn(kit: Kit, mirror: str = "joints", edit=None, shuffle=None, **keys) -> tuple[Assembly, Diagnostics]:
     """The assembly with its copies, and what was told."""
-    data = definition(kit.document, **options)
+    data = definition(kit.document, shuffle=shuffle)
     if edit:
         edit(data["rootAssembly"])
     log = Diagnostics()
-    assembly = with_copies(read_assembly(orjson.dumps(data)), mirror, depth or DepthKeys(), log)
-    return assembly, log
+    return copied(data, kit.document, GraphKeys(mirror=mirror, **keys), log), log
+
+
+def copied(data: dict, document: Document, keys: GraphKeys, log: Diagnostics) -> Assembly:
+    """The assembly of a definition, with the copies of its patterns; weighed as in the document."""
+    assembly = read_assembly(orjson.dumps(data))
+    return with_copies(assembly, keys, PartSolids(assembly, bundle_of(document)), log)
 
 
 def bodies_of(assembly: Assembly, log: Diagnostics, **keys) -> Bodies:

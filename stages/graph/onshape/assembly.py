@@ -90,11 +90,15 @@ class MateGroup:
 
 @dataclass(frozen=True, slots=True)
 class Pattern:
-    """A pattern or a mirror: the path of each seed → those of its copies, in order."""
+    """A pattern or a mirror: the path of each seed → those of its copies, in order.
+
+    `mirrors`: whether copies may be mirror images.
+    """
 
     owner: Path
     title: str
     copies: Mapping[Path, tuple[Path, ...]]
+    mirrors: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

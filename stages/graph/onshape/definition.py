@@ -1,5 +1,6 @@
 """Reads Onshape's assembly definition into an `Assembly`, tolerant of keys that it does not know."""
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, field, replace
 
@@ -220,13 +221,17 @@ def _read_mate(found: _Drawn, owner: Path, title: str, name: str, feature: Recor
 
 
 def _read_patterns(owner: Path, names: tuple[str, ...], record: Record) -> Iterator[Pattern]:
-    """The patterns and mirrors of one assembly, by id: the copies of each seed."""
+    """The patterns and mirrors of one assembly, by id: the copies of each seed.
+
+    Parametric instances are mirrors, unless their type, a text without a documented list, says otherwise.
+    """
     drawn = [
-        (pattern, list((pattern.get("seedToPatternInstances") or {}).items()))
+        (pattern, False, list((pattern.get("seedToPatternInstances") or {}).items()))
         for pattern in record.get("patterns") or ()
     ] + [
         (
             mirror,
+            not re.search("pattern|replicate", str(mirror.get("type")), re.IGNORECASE),
             [
                 (child["seedOccurrence"], child.get("instanceIds"))
                 for child in mirror.get("children") or ()
@@ -235,7 +240,7 @@ def _read_patterns(owner: Path, names: tuple[str, ...], record: Record) -> Itera
         )
         for mirror in record.get("parametricInstances") or ()
     ]
-    for pattern, pairs in sorted(drawn, key=lambda one: str(one[0].get("id"))):
+    for pattern, mirrors, pairs in sorted(drawn, key=lambda one: str(one[0].get("id"))):
         if pattern.get("suppressed"):
             continue
         copies: dict[Path, tuple[Path, ...]] = {}
@@ -243,7 +248,7 @@ def _read_patterns(owner: Path, names: tuple[str, ...], record: Record) -> Itera
             path = owner + path_of([seed] if isinstance(seed, str) else seed)
             copies[path] = copies.get(path, ()) + tuple((*owner, ident) for ident in path_of(ids))
         name = pattern.get("name") or pattern.get("type") or "pattern"
-        yield Pattern(owner, "/".join((*names, name)), copies)
+        yield Pattern(owner, "/".join((*names, name)), copies, mirrors)
 
 
 def _frame(cs: Record) -> Array:

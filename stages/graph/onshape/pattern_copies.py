@@ -1,27 +1,37 @@
 """The copies of each pattern: which of them get the mates of their seeds, and how those are supported."""
 
-from collections.abc import Collection, Iterable
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 
-from stages.graph.onshape.assembly import Assembly, Occurrence, Path, Pattern
+from stages.graph.onshape.assembly import Assembly, Path, Pattern
+from stages.graph.onshape.mirror_planes import Image, MirrorPlanes
 from stages.graph.onshape.pattern_supports import Support, SupportSearch
 from stages.robot.diagnostics import Diagnostics
 
 
 @dataclass(slots=True)
 class Series:
-    """One pattern and the state of its copies. `gone`: copies that are missing or differ from their seed;
-    `free`: copies that no mates or groups of their own support, which get those of their seed. Filled as
-    copies are made: `joints`, `served` (copies that got joints) and `carried` (mates of fastened seeds
-    that are not repeated)."""
+    """One pattern and the state of its copies.
+
+    `images`: how each copy comes from its seed, where that is known; `free`: copies that no mates or groups
+    of their own support, which get those of their seed; `rebuilt`: sub-assemblies of mirror-image parts
+    without features of their own, which get those inside their seeds. Filled as copies are made: `joints`,
+    `served` (copies that got joints) and `carried` (mates of fastened seeds that are not repeated).
+    """
 
     pattern: Pattern
     support: Support
+    images: Mapping[Path, Image]
     free: frozenset[Path]
-    gone: frozenset[Path]
+    rebuilt: frozenset[Path]
     joints: int = 0
     served: set[Path] = field(default_factory=set)
     carried: set[str] = field(default_factory=set)
+
+    def counterpart(self, seed: Path, copy: Path, place: Path) -> Path:
+        """The occurrence in a copy that is the image of `place`, at or below its seed; () if unknown."""
+        leaves = self.images[copy].leaves
+        return copy + place[len(seed) :] if leaves is None or place == seed else leaves.get(place, ())
 
     def repeats(self, owner: Path) -> bool:
         """Whether mates and groups of the assembly `owner` are repeated for the copies."""
@@ -29,20 +39,27 @@ class Series:
 
 
 def series_of(
-    assembly: Assembly, patterns: Iterable[Pattern], rigid: Collection[Path], log: Diagnostics
+    assembly: Assembly,
+    patterns: Iterable[Pattern],
+    rigid: Collection[Path],
+    planes: MirrorPlanes,
+    log: Diagnostics,
 ) -> dict[Path, list[Series]]:
     """Seed → its patterns; copies that cannot be made are reported in `log`.
 
-    `rigid`: the sub-assemblies without inner motion.
+    `rigid`: the sub-assemblies without inner motion; `planes`: finds the images of seeds.
     """
+    busy = {mate.ref.owner for mate in assembly.mates} | {group.owner for group in assembly.groups}
     search = SupportSearch(assembly)
     found: dict[Path, list[Series]] = {}
     for pattern in patterns:
-        seeds, alike, gone = _copies(assembly, pattern, log)
-        support = search.support(seeds, pattern.owner, rigid) if alike else Support(pattern.owner)
+        seeds = _seeds(assembly, pattern, log)
+        images = planes.images(pattern)
+        support = search.support(seeds, pattern.owner, rigid) if images else Support(pattern.owner)
         levels = dict.fromkeys((pattern.owner, support.level))
-        free = alike - _supported_by_own_mates(alike, seeds, levels, search)
-        series = Series(pattern, support, free, gone)
+        free = images.keys() - _supported_by_own_mates(images.keys(), seeds, levels, search)
+        rebuilt = [copy for copy, image in images.items() if image.leaves and copy not in busy]
+        series = Series(pattern, support, images, frozenset(free), frozenset(rebuilt))
         for seed in seeds:
             found.setdefault(seed, []).append(series)
         if free and support.above:
@@ -58,49 +75,27 @@ def series_of(
     return found
 
 
-def _copies(
-    assembly: Assembly, pattern: Pattern, log: Diagnostics
-) -> tuple[list[Path], frozenset[Path], frozenset[Path]]:
-    """The existing seeds, the copies of the same part, and the copies that differ or are missing."""
+def _seeds(assembly: Assembly, pattern: Pattern, log: Diagnostics) -> list[Path]:
+    """The seeds of a pattern that are there; W-PATTERN for copies whose seed is not."""
     occurrences = assembly.occurrences
-    seeds: list[Path] = []
-    alike: set[Path] = set()
-    gone: set[Path] = set()
     for seed, copies in pattern.copies.items():
         alive = [copy for copy in copies if copy in occurrences]
-        gone.update(set(copies) - set(alive))
-        if seed in occurrences:
-            seeds.append(seed)
-        elif alive:
+        if alive and seed not in occurrences:
             titles = ", ".join(occurrences[copy].title for copy in alive)
             message = f"the seed of {titles} is suppressed or deleted: it has no joints to copy"
             log.report("W-PATTERN", message, pattern.title, "mate the copies themselves")
-        for copy in alive if seed in occurrences else ():
-            if _source(occurrences[copy]) == _source(occurrences[seed]):
-                alike.add(copy)
-                continue
-            gone.add(copy)
-            message = (
-                f"{occurrences[copy].title} is not an instance of the same part as its seed: "
-                "the seed's mates cannot be copied to it"
-            )
-            log.report("W-PATTERN", message, pattern.title, "mate the copy itself")
-    return seeds, frozenset(alike), frozenset(gone)
+    return [seed for seed in pattern.copies if seed in occurrences]
 
 
 def _supported_by_own_mates(
-    copies: frozenset[Path], seeds: Collection[Path], levels: Iterable[Path], search: SupportSearch
+    copies: Collection[Path], seeds: Collection[Path], levels: Iterable[Path], search: SupportSearch
 ) -> set[Path]:
     """The copies that mates and groups of their own support, rather than only carry something on them."""
     owner, *_ = levels
-    others = copies.union(seeds)
+    others = {*copies, *seeds}
     return {
         copy
         for level in levels
         for copy in copies
         if (level, copy) in search.touching and search.holds(copy, owner, level, others)
     }
-
-
-def _source(occurrence: Occurrence) -> tuple[object, ...]:
-    return tuple(occurrence.record.get(key) for key in ("type", "documentId", "elementId", "partId"))

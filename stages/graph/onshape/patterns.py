@@ -2,7 +2,8 @@
 
 Onshape gives copies no mates of their own. With S the motion or reflection that takes a seed to its
 copy at the saved pose, a mate of the seed becomes a mate of the copy: on the side of the seed it joins
-the copy at the same place; its other side stays on its occurrence, with its frame moved by S.
+the copy at the same place, moved by S; its other side stays on its occurrence, with its frame moved by S.
+A copy that is a sub-assembly of mirror-image parts has no mates inside: it gets those inside its seed.
 A mate by which the seed carries something is not repeated (`carried`).
 """
 
@@ -13,53 +14,61 @@ from itertools import groupby
 
 import networkx as nx
 
-from stages.graph.keys import DepthKeys
+from stages.graph.keys import GraphKeys
 from stages.graph.onshape.assembly import Assembly, Entity, Mate, MateGroup, Path, Pattern
+from stages.graph.onshape.mirror_planes import Image, MirrorPlanes
+from stages.graph.onshape.part_solids import PartSolids
 from stages.graph.onshape.pattern_copies import Series, series_of
 from stages.graph.onshape.pattern_supports import Feature, node_of
 from stages.graph.onshape.rigid_subassemblies import rigid_subassemblies
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import listed
-from stages.robot.model import Array, frozen
+from stages.robot.model import frozen
 from stages.robot.plural import count
 from stages.robot.poses import inverse
 
 
 @dataclass(frozen=True, slots=True)
 class _Image:
-    """A feature on the `number`-th copies: its places there, the first seed and its copy. `fresh`: all
-    copies that it acts for; `inside`: whether each of its places is on a copy."""
+    """A feature on the `number`-th copies: its places there, and the copy that each is in, or (). `copy`: the
+    first copy that it acts for, `fresh`: all of these."""
 
     series: Series
     number: int
-    seed: Path
     copy: Path
     places: tuple[Path, ...]
+    copies: tuple[Path, ...]
     fresh: frozenset[Path]
-    inside: bool
+
+    @property
+    def inside(self) -> bool:
+        """Whether each of its places is on a copy."""
+        return all(self.copies)
 
 
-def with_copies(assembly: Assembly, mirror: str, depth: DepthKeys, log: Diagnostics) -> Assembly:
+def with_copies(assembly: Assembly, keys: GraphKeys, solids: PartSolids, log: Diagnostics) -> Assembly:
     """The assembly with the mates and groups of all copies; a copied feature has a `ref.copy`.
 
-    `mirror`: "joints", or "weld" for copies that are fastened where the first of their seeds' mates would
-    hold them, and rigid inside. A copy that has mates of its own gets nothing; no relation is copied.
-    `depth`: which sub-assemblies have no inner motion: their copies need no mates inside.
+    `keys.mirror`: "joints", or "weld" for copies that are fastened where the first of their seeds' mates
+    would hold them, and rigid inside. A copy that has mates of its own gets nothing; no relation is copied.
+    `keys.depth`: which sub-assemblies have no inner motion: their copies need no mates inside.
 
     The patterns of outer assemblies come first: their copied features support what is inside the copies.
     """
+    planes = MirrorPlanes(assembly, solids, keys.mirrors, log)
     patterns = sorted(assembly.patterns, key=lambda pattern: len(pattern.owner))
     for _, level in groupby(patterns, key=lambda pattern: len(pattern.owner)):
-        assembly = _with_copies_of(list(level), assembly, mirror, depth, log)
+        assembly = _with_copies_of(list(level), assembly, planes, keys, log)
     return assembly
 
 
 def _with_copies_of(
-    patterns: Sequence[Pattern], assembly: Assembly, mirror: str, depth: DepthKeys, log: Diagnostics
+    patterns: Sequence[Pattern], assembly: Assembly, planes: MirrorPlanes, keys: GraphKeys, log: Diagnostics
 ) -> Assembly:
     # What is wrong with the globs of `depth` is reported where the bodies are found.
-    rigid = rigid_subassemblies(assembly, depth, Diagnostics())
-    copier = _Copier(assembly, series_of(assembly, patterns, rigid, log), log)
+    rigid = rigid_subassemblies(assembly, keys.depth, Diagnostics())
+    mirror = keys.mirror
+    copier = _Copier(assembly, series_of(assembly, patterns, rigid, planes, log), log)
     drawn = [copy for mate in assembly.mates for copy in copier.mates(mate)]
     grouped = [copy for group in assembly.groups for copy in copier.groups(group)]
     mates, groups = [mate for mate, _ in drawn], [group for group, _ in grouped]
@@ -132,6 +141,20 @@ class _Copier:
                 image = self._image(series, number, feature, seeds)
                 if image is not None:
                     yield image
+        if fresh is None:
+            yield from self._inner_images(owner, feature)
+
+    def _inner_images(self, owner: Path, feature: Feature) -> Iterator[_Image]:
+        """The images of a feature of a seed in its rebuilt copies."""
+        for seed in (owner[:depth] for depth in range(1, len(owner) + 1)):
+            for series in self.by_seed.get(seed, ()):
+                for number, copy in enumerate(series.pattern.copies[seed]):
+                    if copy in series.rebuilt:
+                        copies = dict.fromkeys(range(len(feature.places)), (seed, copy))
+                        places = self._moved_places(series, feature, copies)
+                        if places is not None:
+                            inside = (copy,) * len(places)
+                            yield _Image(series, number, copy, places, inside, frozenset([copy]))
 
     def _image(
         self, series: Series, number: int, feature: Feature, seeds: Mapping[int, Path]
@@ -148,44 +171,53 @@ class _Copier:
         if beside & support.dependents:
             return None
         movers = [pair for pair in copies.values() if pair[1] in series.free]
-        if not movers or any(copy in series.gone for _, copy in copies.values()):
+        if not movers or any(copy not in series.images for _, copy in copies.values()):
             return None
         if beside and not feature.rigid and support.fastened.issuperset(places[index] for index in seeds):
             series.carried.add(feature.title)
             return None
-        moved = list(places)
+        moved = self._moved_places(series, feature, copies)
+        if moved is None:
+            return None
+        on_copies = tuple(copies[index][1] if index in copies else () for index in range(len(places)))
+        fresh = frozenset(copy for _, copy in movers)
+        return _Image(series, number, movers[0][1], moved, on_copies, fresh)
+
+    def _moved_places(
+        self, series: Series, feature: Feature, copies: Mapping[int, tuple[Path, Path]]
+    ) -> tuple[Path, ...] | None:
+        """The places of a feature on copies, by index → (seed, copy); None if one has no counterpart."""
+        moved = list(feature.places)
         for index, (seed, copy) in copies.items():
-            moved[index] = copy + places[index][len(seed) :]
+            moved[index] = series.counterpart(seed, copy, moved[index])
             if moved[index] not in self.assembly.occurrences:
                 message = (
                     f"{self.assembly.occurrences[copy].title} has no counterpart of what this mate holds"
                 )
                 self.log.report("W-PATTERN", message, feature.title, "mate the copy itself")
                 return None
-        fresh = frozenset(copy for _, copy in movers)
-        inside = len(copies) == len(places)
-        return _Image(series, number, *movers[0], tuple(moved), fresh, inside)
+        return tuple(moved)
 
     def _mate(self, name: str, drawn: Mate, image: _Image) -> Mate:
         assembly = self.assembly
-        copy_from_seed = assembly.world_from_path(image.copy) @ inverse(assembly.world_from_path(image.seed))
         entities = tuple(
-            replace(entity, path=place)
-            if place != entity.path
-            else Entity(place, self._moved(entity, copy_from_seed))
-            for entity, place in zip(drawn.entities, image.places, strict=True)
+            self._entity(entity, place, image.series.images[copy or image.copy], bool(copy))
+            for entity, place, copy in zip(drawn.entities, image.places, image.copies, strict=True)
         )
         owner, copied = drawn.ref.owner, assembly.occurrences[image.copy]
         found = re.search(r"<(\d+)>\s*$", copied.names[-1])
         name = f"{name} <{found[1] if found else image.number + 2}>"
         names = assembly.occurrences[owner].names if owner else ()
-        ref = replace(drawn.ref, name=name, copy="/".join(image.copy[len(owner) :]))
+        inner = owner[: len(image.series.pattern.owner) + 1] in image.series.pattern.copies
+        ref = replace(drawn.ref, name=name, copy="/".join(image.copy[0 if inner else len(owner) :]))
         return Mate(ref, "/".join((*names, name)), entities, drawn.limits)
 
-    def _moved(self, entity: Entity, motion: Array) -> Array:
-        """The entity's frame on its own occurrence once `motion` (4, 4) of the world has moved it."""
-        occurrence_from_world = inverse(self.assembly.world_from_path(entity.path))
-        return frozen(occurrence_from_world @ motion @ self.assembly.world_from(entity))
+    def _entity(self, entity: Entity, place: Path, image: Image, copied: bool) -> Entity:
+        """The entity as its image moves it, on the occurrence `place`, which lies in the copy or not."""
+        if copied and image.by_transform:
+            return replace(entity, path=place)
+        place_from_world = inverse(self.assembly.world_from_path(place))
+        return Entity(place, frozen(place_from_world @ image.motion @ self.assembly.world_from(entity)))
 
     def welded(self, mate: Mate) -> Mate:
         """A FASTENED mate in its place, at the saved pose."""

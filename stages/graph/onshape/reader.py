@@ -18,6 +18,7 @@ from stages.graph.onshape.naming import AssemblyNames, is_link_name, name_everyt
 from stages.graph.onshape.onshape_to_robot import translated
 from stages.graph.onshape.parallel_mates import Absorbed, MateKey, combined
 from stages.graph.onshape.part_mass import SHEET, Weight, part_key, weighed
+from stages.graph.onshape.part_solids import PartSolids
 from stages.graph.onshape.patterns import with_copies
 from stages.robot.bundle import OnshapeBundle
 from stages.robot.diagnostics import Diagnostics
@@ -42,7 +43,7 @@ def read_mechanism(bundle: OnshapeBundle, keys: GraphKeys, log: Diagnostics) -> 
     assembly, remarks = with_limits(assembly, bundle)
     if keys.conventions == "onshape_to_robot":
         assembly, keys = translated(assembly, keys, log)
-    assembly = with_copies(assembly, keys.mirror, keys.depth, log)
+    assembly = with_copies(assembly, keys, PartSolids(assembly, bundle), log)
     _require_mates(assembly, keys)
     weights = weighed(assembly, bundle, keys.mass, log)
     bodies, absorbed = _combined_bodies(assembly, keys, log)

@@ -4,15 +4,12 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
-import orjson
 import pytest
 from hypothesis import given, settings
 
 from stages.graph.keys import DepthKeys, GraphKeys
 from stages.graph.onshape.assembly import Mate
 from stages.graph.onshape.bodies import find_bodies
-from stages.graph.onshape.definition import read_assembly
-from stages.graph.onshape.patterns import with_copies
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.poses import inverse
 from tests.fake_onshape.definition import definition
@@ -24,6 +21,7 @@ from tests.support.patterned import (
     PLANE,
     bodies_of,
     codes,
+    copied,
     copies,
     displacement,
     draw,
@@ -356,8 +354,7 @@ def test_depth_keeps_a_mirrored_copy_moving_where_it_is_named_flexible(kit: Kit)
 @given(documents(everything=True))
 def test_any_assembly_has_the_bodies_and_the_mates_that_its_author_knows_of(document: Document) -> None:
     log = Diagnostics()
-    data = orjson.dumps(definition(document))
-    assembly = with_copies(read_assembly(data), "joints", DepthKeys(), log)
+    assembly = copied(definition(document), document, GraphKeys(), log)
     bodies = find_bodies(assembly, GraphKeys(), log)
     truth = document.truth
     assert {frozenset(paths) for paths in bodies.members if paths} == {
