@@ -1,7 +1,7 @@
 """Mesh: a `Robot` and the triangles of its parts in, a `Geometry` out.
 
 Every link gets one visual mesh a colour, or a part, and the colliders that `mesh.collider` chooses, in its
-own frame. The primitives that the user gave it stay as they are.
+own frame. The primitives that the user gave it stay as they are, but for cylinders where MJX is the target.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 33
+VERSION = 34
 """Grows with every change of what this stage makes of the same input."""
 
 

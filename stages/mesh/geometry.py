@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from stages.mesh import link_mesh, primitives, textures
+from stages.mesh import link_mesh, mesh_file, primitives, textures
 from stages.mesh.assets import written
 from stages.mesh.choices import Choice, choices
 from stages.mesh.collide import Collided, ColliderJob, collide, jobs_of
@@ -68,9 +68,9 @@ def geometry(
     used = _used(links, library, keys.mesh, rules, memo)
     jobs = [job for link in links for job in used[link.name].jobs(link.name)]
     collided = collide(jobs, library, memo, shown)
-    named, files = _named(links, used, collided)
+    named, files = _named(links, used, collided, keys.mesh)
     files |= textures.images([one.mesh for one in used.values()], bundle)
-    shapes = [shape for link in links for shape in (*named[link.name], *primitives.shapes(link))]
+    shapes = [shape for link in links for shape in named[link.name]]
     problems = diagnostics(
         links,
         {name: one.mesh for name, one in used.items()},
@@ -144,14 +144,16 @@ def _small_names(used: _LinkUses) -> list[str]:
 
 
 def _named(
-    links: Sequence[Link], used: Mapping[str, _LinkUses], collided: Sequence[Collided]
+    links: Sequence[Link], used: Mapping[str, _LinkUses], collided: Sequence[Collided], section: "MeshSection"
 ) -> tuple[dict[str, list[Shape]], dict[str, bytes]]:
-    """The shapes of each link's meshes and colliders, and their files by name."""
+    """The shapes of each link, and the files of its meshes and colliders by name."""
     solid: dict[str, list[tuple[int, Collider]]] = {link.name: [] for link in links}
     for one, number in zip(collided, _numbers(collided), strict=True):
         pieces = colliders(one.collision, one.job.link_from_subject)
-        solid[one.job.link] += ((number, piece) for piece in pieces)
-    names = file_names({name: _counts(used[name], solid[name]) for name in solid})
+        solid[one.job.link] += ((number, _for_engine(piece, section)) for piece in pieces)
+    own = {link.name: list(primitives.shapes(link)) for link in links}
+    meshed = {name: [_meshed(shape, section) for shape in shapes] for name, shapes in own.items()}
+    names = file_names({name: _counts(used[name], solid[name], meshed[name]) for name in solid})
     shapes: dict[str, list[Shape]] = {}
     files: dict[str, bytes] = {}
     for link, every in solid.items():
@@ -169,7 +171,30 @@ def _named(
         for name, file in zip(visual_names, used[link].mesh.visuals, strict=True):
             shapes[link].append(_shape(link, "visual", name, file))
             files[name] = file.data
+        for shape, mesh in zip(own[link], meshed[link], strict=True):
+            if mesh is None:
+                shapes[link].append(shape)
+            else:
+                name = next(free)
+                shapes[link].append(_shape(link, "collision", name, mesh))
+                files[name] = mesh.data
     return shapes, dict(sorted(files.items()))
+
+
+def _for_engine(collider: Collider, section: "MeshSection") -> Collider:
+    """The collider as `mesh.target` can collide it: for MJX a cylinder is a prism."""
+    if section.target != "mjx" or isinstance(collider, MeshFile) or collider.kind != "cylinder":
+        return collider
+    prism = primitives.prism(collider, section.max_vertices // 2)
+    return collider if prism is None else mesh_file.collider(prism)
+
+
+def _meshed(shape: Shape, section: "MeshSection") -> MeshFile | None:
+    """The mesh in the place of a primitive that its link has itself; None where the primitive stays."""
+    if shape.role == "visual" or shape.primitive is None:
+        return None
+    made = _for_engine(shape.primitive, section)
+    return made if isinstance(made, MeshFile) else None
 
 
 def _numbers(collided: Sequence[Collided]) -> list[int]:
@@ -182,11 +207,14 @@ def _numbers(collided: Sequence[Collided]) -> list[int]:
     return numbers
 
 
-def _counts(used: _LinkUses, solid: Sequence[tuple[int, Collider]]) -> tuple[int | list[str], int]:
+def _counts(
+    used: _LinkUses, solid: Sequence[tuple[int, Collider]], meshed: Sequence[MeshFile | None]
+) -> tuple[int | list[str], int]:
     """How many visual files a link has, or a word for each where each is of one part, and how many files
     of colliders."""
     words = part_words([used.parts[index].name for index in used.mesh.owners])
-    return words or len(used.mesh.visuals), sum(isinstance(one, MeshFile) for _, one in solid)
+    files = [one for one in (*(collider for _, collider in solid), *meshed) if isinstance(one, MeshFile)]
+    return words or len(used.mesh.visuals), len(files)
 
 
 def _shape(link: str, role: Role, name: str, file: MeshFile) -> Shape:

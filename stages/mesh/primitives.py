@@ -5,7 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stages.mesh.surface import Points
+from stages.mesh.convex_hull import convex_hull
+from stages.mesh.surface import Points, Surface
 from stages.robot.geometry import NEUTRAL, Colour, Role, Shape
 from stages.robot.inertia import primitive_volume
 from stages.robot.model import Link, Primitive
@@ -21,6 +22,21 @@ def shapes(link: Link) -> Iterator[Shape]:
             yield collider(link.name, primitive)
         if primitive.visual:
             yield _shape(link.name, "visual", primitive, primitive.colour or NEUTRAL)
+
+
+def prism(cylinder: Primitive, sides: int) -> Surface | None:
+    """A prism with a cylinder's length and volume, in the link's frame; None where it is too flat.
+
+    The area of a regular polygon of n corners at a distance R is n/2 R² sin(2π/n).
+    """
+    radius, length = cylinder.size
+    step = 2 * math.pi / sides
+    radius *= math.sqrt(step / math.sin(step))
+    ends = (-length / 2, length / 2)
+    turns = [step * corner for corner in range(sides)]
+    corners = [[radius * math.cos(turn), radius * math.sin(turn), end] for end in ends for turn in turns]
+    pose = cylinder.link_from_shape
+    return convex_hull(np.array(corners) @ pose[:3, :3].T + pose[:3, 3])
 
 
 def collider(link: str, primitive: Primitive) -> Shape:

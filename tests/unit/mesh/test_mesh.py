@@ -121,8 +121,8 @@ class Memory:
         return self.kept[name]
 
 
-def geometry(value, memo=None, bundle=BUNDLE):
-    return make_geometry(value, bundle, KEYS, memo or Memory())
+def geometry(value, memo=None, bundle=BUNDLE, keys=KEYS):
+    return make_geometry(value, bundle, keys, memo or Memory())
 
 
 def load(result, file):
@@ -232,6 +232,26 @@ def test_primitives_follow_the_meshes_of_their_link_with_their_own_figures():
         pytest.approx((2 * math.pi * 0.1 * (0.5 + 0.1), math.pi * 0.01 * 0.5)),
         pytest.approx((2 * math.pi * 0.1 * (0.5 + 0.2), math.pi * 0.01 * (0.5 + 4 / 3 * 0.1))),
     ]
+
+
+@pytest.mark.parametrize("colliders", [{}, {"*": "cylinder"}])
+def test_mjx_gets_no_cylinder_from_file_or_key(colliders):
+    value = of_links(link_of("tool", part("A"), shapes=(POST, BOX)), link_of("tip", shapes=(POST,)))
+    memo = Memory()
+    for target in ("mujoco", "mjx"):
+        section = {"collider": "hull", "colliders": colliders, "target": target}
+        keys = MeshKeys.model_validate({"mesh": section, "contact": {"self": "none"}})
+        result = geometry(value, memo, keys=keys)
+        kinds = [shape.primitive.kind for shape in result.shapes if shape.primitive]
+        assert ("cylinder" in kinds) == (target == "mujoco")
+        assert result.files == geometry(value, keys=keys).files
+    posts = [shape for shape in result.shapes if shape.role == "collision" and shape.file][-2:]
+    for shape in posts:
+        mesh = load(result, shape.file)
+        assert mesh.is_convex
+        assert mesh.volume == pytest.approx(math.pi * 0.01 * 0.5, rel=1e-5)
+        assert mesh.extents == pytest.approx([0.2, 0.2, 0.5], rel=0.005)
+        assert len(mesh.vertices) == 64
 
 
 def test_the_order_of_instances_does_not_change_a_byte():
