@@ -10,7 +10,7 @@ from stages.export.paints import Paint, paint
 from stages.formats.numbers import LENGTH, number, rounded_tensor, spaced
 from stages.formats.xml import Element, element
 from stages.robot.actuation import Actuation
-from stages.robot.geometry import Geometry, Shape
+from stages.robot.geometry import ContactProperties, Geometry, Shape
 from stages.robot.inertia import principal_axes
 from stages.robot.kinematics import chain
 from stages.robot.model import Array, Configuration, Frame, Inertial, Joint, Primitive, Robot
@@ -47,6 +47,9 @@ class BodyWriter:
         self.bits = bits
         self.elements: dict[str, tuple[Element, Array]] = {}
         """By link: its element, and element_from_link (4, 4), which only the link `world` needs."""
+        self.colliders: dict[Geom, str] = {}
+        """The names of the geoms that collide."""
+        self.contacts: dict[Geom, ContactProperties | None] = {}
 
     def write(self) -> None:
         joints = {joint.child: joint for joint in self.robot.joints}
@@ -105,10 +108,12 @@ class BodyWriter:
             for count, shape in enumerate(collisions):
                 suffix = f"_{count}" if len(collisions) > 1 else ""
                 form = {**_form(shape, pose), **_contact(shape)}
-                bits = self.bits.get((link, before + count))
+                geom = link, before + count
+                bits = self.bits.get(geom)
                 if bits is not None:
                     form |= zip(("contype", "conaffinity"), map(str, bits), strict=True)
-                element(body, "geom", name=f"{one}_collision{suffix}", class_="collision", **form)
+                self.colliders[geom], self.contacts[geom] = f"{one}_collision{suffix}", shape.contact
+                element(body, "geom", name=self.colliders[geom], class_="collision", **form)
             before += len(collisions)
 
 

@@ -1,13 +1,15 @@
-"""Which geoms collide, by MuJoCo's bits: two do if `contype` of the one and `conaffinity` of the other have a
-bit in common.
+"""Which geoms collide: bodies that do not are excluded, and those of their geoms that do are pairs.
 
-A geom that collides with everything has 1 and 1. The others form classes that want the same, each with a bit
-of its own; its `conaffinity` has the 1, and the bits of all classes that it collides with: so whatever has a
-1 in its `contype`, like the floor and what a user adds, collides with all of them. The highest bits come
-first, since those that users choose are mostly low.
+Names say which, so two copies of the robot in one scene collide with each other. Geoms of the link `world`
+lie in MuJoCo's worldbody, where the ground is too, so this body cannot be excluded. There bits decide: two
+geoms collide if `contype` of the one and `conaffinity` of the other have a bit in common. A geom that
+collides with everything has 1 and 1. The others form classes that want the same, each with a bit of its own;
+its `conaffinity` has the 1, and the bits of all classes that it collides with: so whatever has a 1 in its
+`contype`, like the floor and what a user adds, collides with all of them. The highest bits come first, since
+those that users choose are mostly low.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -34,47 +36,53 @@ _Wants = npt.NDArray[np.int8]
 
 @dataclass(frozen=True, slots=True)
 class Filters:
-    """`bits`: `contype` and `conaffinity` of the geoms that do not collide with everything. `pairs`: the
-    links of which no geoms collide; `wide`: those of them of which some should, but classes are lacking."""
+    """`pairs`: the links that are excluded; `kept`: the geoms of these that collide all the same. `bits`:
+    `contype` and `conaffinity` of geoms that do not collide with some of the link `world`; `wide`: links of
+    which some geoms should collide with those of `world`, but classes are lacking."""
 
-    bits: Mapping[Geom, tuple[int, int]]
     pairs: tuple[Pair, ...]
+    kept: tuple[tuple[Geom, Geom], ...]
+    bits: Mapping[Geom, tuple[int, int]]
     wide: tuple[Pair, ...]
 
 
 def filters(robot: Robot, geometry: Geometry) -> Filters:
     """What keeps the excludes of `geometry` from colliding, but for what MuJoCo leaves out by itself."""
     left_out = LeftOut(robot)
-    needed = [
-        exclude
-        for one in geometry.excludes
-        if not left_out.contains(one.link_a, one.link_b)
-        for exclude in ([one] if one.link_a != WORLD else _by_geoms(one, geometry))
-    ]
-    never = {(one.link_a, one.link_b) for one in needed if not one.geoms}
+    needed = [one for one in geometry.excludes if not left_out.contains(one.link_a, one.link_b)]
+    excluded = [one for one in needed if one.link_a != WORLD]
     chosen: list[Exclude] = []
     classes: list[list[Geom]] = []
     wants: _Wants = np.zeros((0, 0), np.int8)
     wide = []
     for one in needed:
-        if not one.geoms:
+        geoms = one.geoms or tuple(_geom_pairs(one, geometry))
+        if one.link_a != WORLD or not geoms:
             continue
-        tried = _classes(_geoms(robot, [*chosen, one]), [*chosen, one], never, left_out)
-        if len(tried[0]) > CLASSES:
+        tried = [*chosen, replace(one, geoms=geoms)]
+        found = _classes(_geoms(robot, tried), tried, left_out)
+        if len(found[0]) > CLASSES:
             wide.append((one.link_a, one.link_b))
-            never.add(wide[-1])
         else:
-            chosen.append(one)
-            classes, wants = tried
-    pairs = [(one.link_a, one.link_b) for one in needed if (one.link_a, one.link_b) in never]
-    return Filters(_bits(classes, wants), tuple(pairs), tuple(wide))
+            chosen, (classes, wants) = tried, found
+    pairs = [*((one.link_a, one.link_b) for one in excluded), *wide]
+    kept = [pair for one in excluded for pair in _kept(one, geometry)]
+    return Filters(tuple(pairs), tuple(kept), _bits(classes, wants), tuple(wide))
 
 
-def _by_geoms(exclude: Exclude, geometry: Geometry) -> list[Exclude]:
-    """The same by the geoms of the two links, if they have some: the body of the world has the ground too."""
+def _geom_pairs(exclude: Exclude, geometry: Geometry) -> Iterator[tuple[int, int]]:
+    """Each geom of the one link with each of the other."""
     one, other = (range(len(geometry.of(link, "collision"))) for link in (exclude.link_a, exclude.link_b))
-    geoms = exclude.geoms or tuple(product(one, other))
-    return [replace(exclude, geoms=geoms)] if geoms else []
+    return product(one, other)
+
+
+def _kept(exclude: Exclude, geometry: Geometry) -> Iterator[tuple[Geom, Geom]]:
+    """The geoms of two links that collide, where others of them do not."""
+    if exclude.geoms:
+        apart = set(exclude.geoms)
+        for a, b in _geom_pairs(exclude, geometry):
+            if (a, b) not in apart:
+                yield (exclude.link_a, a), (exclude.link_b, b)
 
 
 def _bits(classes: Sequence[Sequence[Geom]], wants: _Wants) -> dict[Geom, tuple[int, int]]:
@@ -95,15 +103,14 @@ def _geoms(robot: Robot, excludes: Sequence[Exclude]) -> list[Geom]:
 
 
 def _classes(
-    geoms: Sequence[Geom], excludes: Sequence[Exclude], never: set[Pair], left_out: LeftOut
+    geoms: Sequence[Geom], excludes: Sequence[Exclude], left_out: LeftOut
 ) -> tuple[list[list[Geom]], _Wants]:
     """The geoms in few classes, of which all want the same of those of another, and what the classes want of
     each other. Each geom goes to the first class where that holds."""
     apart = {((one.link_a, a), (one.link_b, b)) for one in excludes for a, b in one.geoms}
 
     def want(one: Geom, other: Geom) -> int:
-        links = one[0], other[0]
-        if one[0] == other[0] or not never.isdisjoint((links, links[::-1])) or left_out.contains(*links):
+        if one[0] == other[0] or left_out.contains(one[0], other[0]):
             return 0
         return 1 if apart.isdisjoint(((one, other), (other, one))) else -1
 

@@ -1,5 +1,6 @@
 """The form of a robot's MJCF, as the configuration wants it."""
 
+from collections import Counter
 from typing import TYPE_CHECKING
 
 from stages.export.mjcf.filters import Filters, filters
@@ -15,9 +16,8 @@ if TYPE_CHECKING:
 
 
 def form_of(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> MjcfForm:
-    """How the robot's MJCF differs from the robot. Links keep their bodies where MuJoCo's classes of
-    colliders do not suffice to keep their shapes, and not those of the body above, from colliding, and where
-    a sensor measures their load."""
+    """How the robot's MJCF differs from the robot. Links keep their bodies where these are excluded from
+    contact, and those that they would be part of are not; and where a sensor measures their load."""
     mjcf = keys.export.mjcf
     if mjcf is None or mjcf.fixed_joints == "keep":
         return AS_IS
@@ -25,9 +25,13 @@ def form_of(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> MjcfForm:
     form = form_with(robot, loaded)
     if not form.fused:
         return AS_IS
-    wide = {link for pair in filters_of(robot, geometry, form).wide for link in pair}
     held = holders(robot, form)
-    lost = [link for link in form.fused if held[link][0] in wide]
+    kept_apart, alone = filters_of(robot, geometry, form), filters_of(robot, geometry, AS_IS)
+    crowded = {link for pair in kept_apart.wide for link in pair}
+    needed = Counter(frozenset(held[link][0] for link, _ in pair) for pair in alone.kept)
+    written = Counter(frozenset(link for link, _ in pair) for pair in kept_apart.kept)
+    crowded |= {link for pair, number in written.items() if number > needed[pair] for link in pair}
+    lost = [link for link in form.fused if held[link][0] in crowded]
     return form_with(robot, {*loaded, *lost}) if lost else form
 
 

@@ -11,6 +11,7 @@ from stages.export.mjcf.actuators import controls, states, write_actuation
 from stages.export.mjcf.bodies import BodyWriter, stem
 from stages.export.mjcf.cameras import carried_cameras, write_camera
 from stages.export.mjcf.classes import write_classes
+from stages.export.mjcf.contacts import write_contacts
 from stages.export.mjcf.filters import Filters
 from stages.export.mjcf.joints import free_joint_name, free_qpos, qpos
 from stages.export.mjcf.loops import STIFF, Closures, held
@@ -64,7 +65,7 @@ def write_mjcf(given: "WriterInput", kept_apart: Filters) -> bytes:
     write_mounted(bodies.elements, held_by, given.sensing)
     for body in world.iterchildren("body"):
         body.set("childclass", top)
-    _excludes(root, kept_apart)
+    write_contacts(root, kept_apart, bodies.colliders, bodies.contacts)
     _equalities(root, robot, start, closures, given.keys.scene.option.timestep)
     write_actuation(root, actuation, given.sensing.sensors)
     _keyframes(root, world, robot, start, given.standing, actuation)
@@ -112,14 +113,6 @@ def _assets(root: Element, geometry: Geometry) -> dict[Paint, str]:
         # Geoms have no mass here, so the volume of a mesh does not matter; "shell" accepts open meshes.
         element(asset, "mesh", file=file, inertia="shell" if file in seen else None)
     return names
-
-
-def _excludes(root: Element, kept_apart: Filters) -> None:
-    """The pairs of bodies that do not collide at all, but for those that MuJoCo leaves out by itself."""
-    if kept_apart.pairs:
-        contact = element(root, "contact")
-        for one, other in kept_apart.pairs:
-            element(contact, "exclude", body1=one, body2=other)
 
 
 def _equalities(

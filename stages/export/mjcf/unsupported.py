@@ -47,8 +47,8 @@ def unsupported(
     if wide:
         yield Diagnostic(
             "W-WIDE-EXCLUDE",
-            f"MuJoCo tells {CLASSES} classes of colliders apart, and more are needed, so these links do not "
-            "collide at all, where only some of their colliders should not: "
+            f"MuJoCo tells {CLASSES} classes of colliders of the world apart, and more are needed, so these "
+            "links do not collide at all, where only some of their colliders should not: "
             + ", ".join(f"{one} and {other}" for one, other in wide),
             file,
             "links with fewer colliders, or others in contact.exclude, leave classes for these",

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import combinations_with_replacement
 from typing import Any
 
@@ -14,7 +14,7 @@ from stages.robot.check import Check, Finding
 from stages.robot.geometry import Geometry
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import body_index
+from stages.validate.coordinates import SAME, body_index
 from stages.validate.findings import few
 from stages.validate.shapes import named_geom
 
@@ -37,6 +37,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     colliders = _colliders(compiled, geometry)
     excluded = {(one.link_a, one.link_b): one.geoms for one in geometry.excludes}
     outside = {int(one) for one in model.exclude_signature}
+    pairs, meant = _pairs(model), set[frozenset[int]]()
     for one, other in sorted(_candidates(model, geometry, colliders)):
         (first, own), (second, others) = colliders[one], colliders[other]
         if _never_collide(model, own[0], others[0]):
@@ -46,13 +47,19 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         apart = excluded.get((first, second))
         if apart is not None:
             wanted[tuple(np.array(apart).T) if apart else ...] = False
+        kept = {frozenset((own[a], others[b])) for a, b in np.argwhere(wanted & ~may)}
+        meant |= kept
+        may |= [[frozenset((geom, target)) in pairs.keys() & kept for target in others] for geom in own]
         if (may != wanted).any():
-            more, fewer = int((may & ~wanted).sum()), int((wanted & ~may).sum())
+            extra, fewer = int((may & ~wanted).sum()), int((wanted & ~may).sum())
             words = f"{count(fewer, 'pair')} of their shapes cannot collide, but must"
-            if more:
-                words = f"{count(more, 'pair')} of their shapes may collide, but must not"
+            if extra:
+                words = f"{count(extra, 'pair')} of their shapes may collide, but must not"
             found.append(Finding(f'exclude "{first}" "{second}"', "body1, body2", words))
-    found += _pairs(model)
+    words = "they collide by it whatever else the file says; the robot has no such pair"
+    idle = sorted(pairs.keys() - meant, key=sorted)
+    found += [Finding(_title(model, geoms), "geom1, geom2", words) for geoms in idle]
+    found += _changed_pairs(model, pairs)
     detail = f"what may collide of {count(_judged(model, colliders), 'pair')} of links"
     yield compiled.within("contact filter", float(len(found)), 0.0, detail, few(found))
 
@@ -91,12 +98,45 @@ def _judged(model: Any, colliders: list[tuple[str, list[int]]]) -> int:
     return math.comb(len(colliders), 2) - never
 
 
-def _pairs(model: Any) -> Iterator[Finding]:
-    """Pairs of geoms that collide whatever their bits say: no robot has any."""
-    for geoms in zip(model.pair_geom1, model.pair_geom2, strict=True):
-        first, second = (named_geom(model, int(geom)) for geom in geoms)
-        words = "they collide by it whatever their contype and conaffinity say; the robot has no pair"
-        yield Finding(f"pair of {first} and {second}", "geom1, geom2", words)
+def _pairs(model: Any) -> dict[frozenset[int], int]:
+    """The geoms that collide as pairs, whatever their bits and excludes say → the pair."""
+    pairs = zip(model.pair_geom1, model.pair_geom2, strict=True)
+    return {frozenset(map(int, geoms)): number for number, geoms in enumerate(pairs)}
+
+
+def _changed_pairs(model: Any, pairs: Mapping[frozenset[int], int]) -> Iterator[Finding]:
+    """Pairs with other properties of contact than MuJoCo gives two such geoms without a pair: that of its
+    source, mj_contactParam."""
+    for geoms, pair in pairs.items():
+        one, other = sorted(geoms)
+        for key, wanted in _mixed(model, one, other).items():
+            value = getattr(model, f"pair_{key}")[pair]
+            if np.abs(value - wanted).max() > SAME:
+                words = f"is {value}, but {wanted} without the pair"
+                yield Finding(_title(model, geoms), key, words)
+
+
+def _mixed(model: Any, one: int, other: int) -> dict[str, npt.NDArray[np.float64]]:
+    """The properties of contact that two geoms (`one` < `other`) have together, by the names of MjModel."""
+    spread = [0, 0, 1, 2, 2]
+    geoms = [one, other]
+    priority = model.geom_priority[geoms]
+    if priority[0] != priority[1]:
+        geoms = [geoms[int(priority.argmax())]]
+    share = model.geom_solmix[geoms] / model.geom_solmix[geoms].sum()
+    solref = model.geom_solref[geoms]
+    mean = (share[:, None] * solref).sum(axis=0)
+    return {
+        "dim": model.geom_condim[geoms].max(),
+        "friction": model.geom_friction[geoms].max(axis=0)[spread],
+        "solref": mean if (solref[:, 0] > 0).all() else solref.min(axis=0),
+        "solimp": (share[:, None] * model.geom_solimp[geoms]).sum(axis=0),
+        "margin": model.geom_margin[[one, other]].sum(),
+    }
+
+
+def _title(model: Any, geoms: Iterable[int]) -> str:
+    return f"pair of {' and '.join(named_geom(model, geom) for geom in sorted(geoms))}"
 
 
 def _colliders(compiled: CompiledModel, geometry: Geometry) -> list[tuple[str, list[int]]]:

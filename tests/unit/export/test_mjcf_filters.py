@@ -1,6 +1,7 @@
 """Geoms that do not collide, in MuJoCo: whatever the excludes, it has all other contacts."""
 
 import itertools
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -8,10 +9,10 @@ import pytest
 
 from stages.export.mjcf.filters import CLASSES, filters
 from stages.export.mjcf.left_out import LeftOut
-from stages.robot.geometry import Exclude, Geometry, Shape
+from stages.robot.geometry import ContactProperties, Exclude, Geometry, Shape
 from stages.robot.start_pose import home
 from tests.support.robots import joint, robot_with
-from tests.support.touching import ball, compiled, exported, geoms_in_mujoco, model_of
+from tests.support.touching import ball, exported, geoms_in_mujoco, model_of
 
 
 def robot_of(counts, fixed=True):
@@ -63,41 +64,89 @@ def test_any_excludes_of_geoms_are_kept_exactly(seed, tmp_path):
     assert geoms_in_mujoco(model, robot, home(robot)) == every_pair(robot, geometry)
 
 
-def cliques(number):
-    """So many pairs of links, of each of which the first balls do not collide."""
-    robot, shapes = robot_of([2] * (2 * number))
-    pairs = [(f"l{2 * index}", f"l{2 * index + 1}") for index in range(number)]
-    excludes = tuple(Exclude(*pair, "Always", 0.0, ((0, 0),)) for pair in pairs)
-    return robot, Geometry(tuple(shapes), {}, (), True, excludes), pairs
+RUBBER = ContactProperties((1.5, 0.01, 0.002), 4, (0.01, 0.8), (0.8, 0.9, 0.002, 0.4, 2.0), 0.002)
+GLASS = ContactProperties(condim=1, solref=(-500.0, -20.0), margin=0.003)
+STRONG = ContactProperties(friction=(0.2, 0.0, 0.0), priority=2)
 
 
-def test_geoms_that_all_touch_each_other_share_a_bit(tmp_path):
-    robot, shapes = robot_of([2, 2, 2])
-    excludes = tuple(
-        Exclude(a, b, "Always", 0.0, ((0, 0),)) for a, b in itertools.combinations(("l0", "l1", "l2"), 2)
+@pytest.mark.parametrize(
+    ("one", "other"), list(itertools.combinations_with_replacement([None, RUBBER, GLASS, STRONG], 2))
+)
+def test_geoms_that_still_collide_do_so_as_without_an_exclude(one, other, tmp_path):
+    """MuJoCo's own mixture of the properties of two geoms is the oracle."""
+    robot, shapes = robot_of([2, 2])
+    contacts = {"base": None, "l0": one, "l1": other}
+    shapes = [replace(shape, contact=contacts[shape.link]) for shape in shapes]
+    found = []
+    for excludes in ((), (Exclude("l0", "l1", "Always", 0.0, ((0, 0),)),)):
+        model = model_of(robot, Geometry(tuple(shapes), {}, (), True, excludes), tmp_path)
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        assert model.npair == 3 * len(excludes)
+        found.append({tuple(sorted(contact.geom)): contact for contact in data.contact[: data.ncon]})
+    free, paired = found
+    first, second = (model.geom(f"l{link}_collision_0").id for link in (0, 1))
+    assert free.keys() - paired.keys() == {(first, second)}
+    for geoms, contact in paired.items():
+        for key in ("dim", "friction", "solref", "solimp", "includemargin"):
+            assert np.allclose(getattr(contact, key), getattr(free[geoms], key), rtol=1e-12, atol=0), key
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_two_copies_in_one_scene_collide_with_each_other(seed, tmp_path):
+    """Each geom of the one with each of the other, whatever each copy excludes within itself."""
+    rng = np.random.default_rng(seed)
+    counts = rng.integers(1, 4, 3).tolist()
+    robot, shapes = robot_of(counts, fixed=False)
+    geometry = Geometry(tuple(shapes), {}, (), True, tuple(random_excludes(rng, counts)))
+    alone = geoms_in_mujoco(model_of(robot, geometry, tmp_path), robot, home(robot))
+    spec = mujoco.MjSpec()
+    for prefix in ("a_", "b_"):
+        copy = mujoco.MjSpec.from_file(str(tmp_path / "robot.xml"))
+        spec.attach(copy, prefix=prefix, frame=spec.worldbody.add_frame())
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    met = [tuple(sorted(model.geom(geom).name for geom in contact.geom)) for contact in data.contact]
+    between = {pair for pair in met if pair[0][:2] != pair[1][:2]}
+    names = [model.geom(geom).name for geom in range(model.ngeom)]
+    assert between == set(
+        itertools.product(*([name for name in names if name[:2] == p] for p in ("a_", "b_")))
     )
-    geometry = Geometry(tuple(shapes), {}, (), True, excludes)
-    assert filters(robot, geometry).bits == {(f"l{index}", 0): (1 << 30, 1) for index in range(3)}
+    assert len(met) - len(between) == 2 * len(alone)
+
+
+def beside_the_world(number):
+    """So many balls of the world's own link, each excluded from a link on it that another excludes not."""
+    rows = [joint("revolute", "world", f"l{index}") for index in range(number)]
+    robot = robot_with(rows, root="world")
+    shapes = [
+        Shape(link, "collision", None, None, 0, 0, 1.0, 1.0, ball(5.0))
+        for link in ["world"] * number + [f"l{index}" for index in range(number)]
+    ]
+    excludes = tuple(Exclude("world", f"l{n}", "Always", 0.0, ((n, 0),)) for n in range(number))
+    return robot, Geometry(tuple(shapes), {}, (), True, excludes)
+
+
+def test_geoms_of_the_world_are_told_apart_by_bits(tmp_path):
+    robot, geometry = beside_the_world(4)
+    found = filters(robot, geometry)
+    assert not found.pairs
+    assert len(set(found.bits.values())) == 4
     model = model_of(robot, geometry, tmp_path)
     assert geoms_in_mujoco(model, robot, home(robot)) == every_pair(robot, geometry)
 
 
 @pytest.mark.slow
-def test_thirty_classes_are_told_apart_and_what_is_beyond_them_is_said(tmp_path):
-    robot, geometry, pairs = cliques(CLASSES + 2)
+def test_thirty_classes_are_told_apart_and_more_are_reported():
+    robot, geometry = beside_the_world(CLASSES)
+    assert filters(robot, geometry).wide == ()
+    robot, geometry = beside_the_world(CLASSES + 1)
     found = filters(robot, geometry)
-    assert found.wide == tuple(pairs[CLASSES:])
-    assert found.pairs == found.wide
-    assert len(set(found.bits.values())) == CLASSES
-    assert all(0 < number < 1 << 31 for bits in found.bits.values() for number in bits)
-    made = exported(robot, geometry)
-    losses = [one for one in made.diagnostics if one.code == "W-WIDE-EXCLUDE"]
+    assert found.wide == found.pairs == (("world", f"l{CLASSES}"),)
+    losses = [one for one in exported(robot, geometry).diagnostics if one.code == "W-WIDE-EXCLUDE"]
     assert len(losses) == 1
-    assert all(f"{one} and {other}" in losses[0].message for one, other in found.wide)
-    model = compiled(made, robot, tmp_path)
-    lost = {pair for pair in every_pair(robot, geometry) if (pair[0][0], pair[1][0]) in found.wide}
-    assert len(lost) == 3 * 2
-    assert geoms_in_mujoco(model, robot, home(robot)) == every_pair(robot, geometry) - lost
+    assert f"world and l{CLASSES}" in losses[0].message
 
 
 def test_what_does_not_touch_the_links_of_the_world_still_touches_the_ground(tmp_path):
@@ -119,14 +168,9 @@ def test_what_does_not_touch_the_links_of_the_world_still_touches_the_ground(tmp
         assert met == {frozenset(("floor", f"arm_collision_{index}")) for index in range(2)}
 
 
-def test_as_many_as_there_are_bits_need_no_wider_exclude():
-    robot, geometry, _ = cliques(CLASSES)
-    assert filters(robot, geometry).wide == ()
-
-
 def test_the_floor_and_objects_of_a_user_meet_every_class(tmp_path):
     """Whether they do or do not collide among themselves, as long as they have the lowest bit in contype."""
-    robot, geometry, _ = cliques(3)
+    robot, geometry = beside_the_world(3)
     model_of(robot, geometry, tmp_path)
     spec = mujoco.MjSpec.from_file(str(tmp_path / "scene.xml"))
     for name, conaffinity in (("thing", 1), ("pusher", 0)):
@@ -140,7 +184,7 @@ def test_the_floor_and_objects_of_a_user_meet_every_class(tmp_path):
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     solid = {model.geom(index).name for index in range(model.ngeom) if model.geom(index).name.startswith("l")}
-    assert len(solid) == 12
+    assert len(solid) == 3
     met = {frozenset(model.geom(one).name for one in contact.geom) for contact in data.contact[: data.ncon]}
     for other in ("floor", "thing", "pusher"):
         assert {frozenset((one, other)) for one in solid} <= met

@@ -91,11 +91,35 @@ def test_a_pair_that_is_excluded_and_touches_fails(tmp_path):
     assert said == "touching at home: base and hand, which are excluded from contact"
 
 
-def test_colliders_without_their_bits_fail_and_others_of_their_links_do_not(tmp_path):
+def test_colliders_of_links_without_their_exclude_fail(tmp_path):
     robot = closed_gripper()
-    edits = ('contype="1073741824" conaffinity="1"', "")
+    edits = ('<exclude body1="left" body2="right"/>', "")
     (said, *_) = found(robot, geometry_of(robot), tmp_path, edits)
     assert said == "touching at home: left and right, which are excluded from contact"
+
+
+RACKS = 'geom1="left_collision_0" geom2="right_collision_0"'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("<pair ", '<pair friction="1 1 0 0 0" ', "friction"),
+        ("<pair ", '<pair margin="0.002" ', "margin"),
+        ("<contact>", f"<contact><pair {RACKS}/>", "geom1, geom2"),
+        ('<pair geom1="left_collision_1" geom2="right_collision_1"/>', "", "body1, body2"),
+    ],
+)
+def test_pairs_are_those_of_the_robot_with_its_properties(old, new, said, tmp_path):
+    robot = closed_gripper()
+    geometry = geometry_of(robot)
+    model_of(robot, geometry, tmp_path)
+    file = tmp_path / f"{robot.name}.xml"
+    assert old in file.read_text()
+    file.write_text(file.read_text().replace(old, new, 1))
+    checks = validate(tmp_path, robot, plan_of(), NONE, geometry)
+    findings = [one for check in checks if check.code == "C-EXCLUDE" for one in check.findings]
+    assert {finding.attribute for finding in findings} == {said}
 
 
 def test_a_pair_that_touches_and_is_not_reported_fails(tmp_path):
