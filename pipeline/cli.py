@@ -188,19 +188,31 @@ def _install_completion(shell: str) -> str:
 
 
 def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
-    from pipeline.config.compose import compose_plan
-    from pipeline.preflight import plan_problems
-
-    plan = compose_plan(command.overrides, command.config_dirs, judge=plan_problems).plan
     if build is not None:
-        return build(plan).exit_status
-    from pipeline.build import build as build_robot
+        return build(_plan(command)).exit_status
+    from pipeline import observed, unchanged
     from pipeline.progress import progress_for
     from pipeline.report import show
 
-    report = build_robot(plan, progress_for(sys.stderr))
+    progress = progress_for(sys.stderr)
+    action = unchanged.action_of(command)
+    report = unchanged.again(action, command, progress)
+    if report is None:
+        from pipeline.build import build_files
+
+        with observed.recording(action.key) as seen:
+            built = build_files(_plan(command), progress)
+        unchanged.remember(action, command, seen, built)
+        report = built.report
     show(report, sys.stdout)
     return report.exit_status
+
+
+def _plan(command: Command) -> "Plan":
+    from pipeline.config.compose import compose_plan
+    from pipeline.preflight import plan_problems
+
+    return compose_plan(command.overrides, command.config_dirs, judge=plan_problems).plan
 
 
 def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:

@@ -6,13 +6,13 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pipeline.caching.actions import Cache, Files
-from pipeline.config.plan import Plan
+from pipeline.caching.actions import Action, Cache, Files
 from pipeline.element_files import element_texts
 from stages.robot import codec
 from stages.robot.errors import Diagnostic
 
 if TYPE_CHECKING:
+    from pipeline.config.plan import Plan
     from stages.export.writer import Exported
     from stages.fetch.source import Calls
     from stages.formats.mjcf_form import MjcfForm
@@ -48,7 +48,7 @@ class BuildContext:
 
     def __init__(
         self,
-        plan: Plan,
+        plan: "Plan",
         cache: Cache,
         environ: Mapping[str, str],
         detail: Callable[[str], None] = lambda _: None,
@@ -61,6 +61,8 @@ class BuildContext:
         self.detail = detail
         self.transient: Callable[[str], None] = lambda _: None
         self.files: dict[str, Files] = {}
+        self.actions: dict[str, Action] = {}
+        """The action of each stage whose result can be kept."""
         self.ledger = ledger
         self.began = began
         self.import_ahead: Callable[[], None] = lambda: None

@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from pipeline.changes.since import since
-from pipeline.config.file_text import as_yaml
-from pipeline.config.plan import Plan
 from pipeline.live.made import NOTHING, Live
 from pipeline.preview import NONE, Preview
 from pipeline.progress import Log
@@ -16,15 +14,15 @@ def documents(
     done: Report,
     files: Mapping[str, bytes],
     shown: Mapping[str, str],
-    plan: Plan,
+    config: bytes,
     log: Log,
     last: Path | None = None,
     seen: Live = NOTHING,
     pictures: Preview = NONE,
 ) -> dict[str, bytes]:
     """The documents by file name, with secrets blanked. `files`: those of the robot; `shown`: views of the
-    stages by name; `last`: the folder that they replace, None where they replace no build; `seen`: what the
-    page shows of the robot; `pictures` of it."""
+    stages by name; `config`: the composed configuration as YAML; `last`: the folder that they replace, None
+    where they replace no build; `seen`: what the page shows of the robot; `pictures` of it."""
     from pipeline.page.document import page
 
     sizes = {path: len(data) for path, data in files.items()}
@@ -36,6 +34,6 @@ def documents(
     return {
         "report.json": done.to_json(log.secrets),
         "report.html": page(done, shown, sizes, log.secrets, live=seen, pictures=pictures, changes=changes),
-        "config.yaml": as_yaml(log.secrets.within(plan.tree())),
+        "config.yaml": config,
         "build.log": log.content(),
     }

@@ -2,16 +2,20 @@
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from pipeline.config.plan import Plan
+from pipeline import observed
 from pipeline.errors import ConfigError, Diagnostic, as_problems, refusal
 from stages.robot import regular_files
+
+if TYPE_CHECKING:
+    from pipeline.config.plan import Plan
 
 LARGEST = 16 << 20
 """Largest size of such a file [bytes]."""
 
 
-def element_texts(plan: Plan) -> Mapping[str, str]:
+def element_texts(plan: "Plan") -> Mapping[str, str]:
     """By the name of the entry the text of its file; paths start from the working folder. ConfigError where
     one is not a readable file of XML elements."""
     found: dict[str, str] = {}
@@ -27,7 +31,7 @@ def element_texts(plan: Plan) -> Mapping[str, str]:
     return found
 
 
-def require_entries(plan: Plan) -> None:
+def require_entries(plan: "Plan") -> None:
     """ConfigError where `elements` has XML of no format, or names a file that cannot be read."""
     if not plan.elements:
         return
@@ -46,7 +50,9 @@ def _text(path: str, key: str) -> str:
 
     regular_files.require(path, key, "XML is in a file", "mount.xml")
     try:
-        text = regular_files.content(Path(path), LARGEST).decode("utf-8")
+        content = regular_files.content(Path(path), LARGEST)
+        observed.read(Path(path), content)
+        text = content.decode("utf-8")
         fragment(text)
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) else "it is not UTF-8"

@@ -51,6 +51,11 @@ def _note(number: int, frame: FrameType | None) -> None:
     raise KeyboardInterrupt
 
 
+def came() -> bool:
+    """Whether Ctrl-C came."""
+    return _CAME.is_set()
+
+
 def check() -> None:
     """Raises KeyboardInterrupt again if Ctrl-C came and was lost: before a step begins, and before a result
     is kept, which may lack what the lost exception cut short. Not for cleaning up."""

@@ -8,6 +8,8 @@ import re
 from collections.abc import Iterable
 from pathlib import Path
 
+from pipeline import observed
+
 FOLDER = "motors"
 
 OURS = Path(__file__).resolve().parents[1] / "conf" / "actuators" / FOLDER
@@ -20,7 +22,8 @@ def library(own: Iterable[Path] = ()) -> dict[str, Path]:
     that hold `robot/`."""
     found: dict[str, Path] = {}
     for folder in (OURS, *(one / FOLDER for one in own)):
-        found |= {file.stem: file for file in sorted(folder.glob("*.yaml")) if _NAME.fullmatch(file.stem)}
+        files = (folder / name for name in observed.yaml_files(folder))
+        found |= {file.stem: file for file in files if _NAME.fullmatch(file.stem)}
     return dict(sorted(found.items()))
 
 

@@ -115,21 +115,31 @@ def progress_for(stream: TextIO) -> Progress:
 
 
 class Log(Quiet):
-    """The lines of `build.log`, with the seconds since the build began; secrets are blanked."""
+    """The lines of `build.log`, with the seconds since the build began; secrets are blanked.
+
+    `notes`: the lines about the result, which another build of the same has too: those before the end of each
+    stage, and those after the last stage.
+    """
 
     def __init__(self, environ: Mapping[str, str]) -> None:
         self._start = time.perf_counter()
         self.secrets = Secrets(environ)
         self._lines: list[str] = []
+        self.notes: list[list[str]] = [[]]
 
     def line(self, text: str) -> None:
-        self._lines.append(f"{time.perf_counter() - self._start:9.3f}  {printable(text)}")
+        self.notes[-1].append(text)
+        self._add(text)
 
     def detail(self, stage: str, line: str) -> None:
-        self.line(f"{stage}: {line}")
+        self._add(f"{stage}: {line}")
 
     def done(self, stage: StageReport) -> None:
-        self.line(sentence(stage))
+        self.notes.append([])
+        self._add(sentence(stage))
+
+    def _add(self, text: str) -> None:
+        self._lines.append(f"{time.perf_counter() - self._start:9.3f}  {printable(text)}")
 
     def content(self) -> bytes:
         """The content of `build.log`."""

@@ -265,6 +265,7 @@ def perform(stage: Stage, context: BuildContext) -> tuple[Files, bool]:
     if config is None:
         return context.cache.keep(stage.run(context)), False
     action = Action(stage.name, stage.version, config, stage.inputs(context), libraries(stage))
+    context.actions[stage.name] = action
     return context.cache.run(
         action,
         lambda: stage.run(context),

@@ -7,7 +7,6 @@ wherever it is used: ten lines of `${a}${a}...` expand as far as ten lines of al
 
 import copy
 import io
-import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import lru_cache
@@ -23,6 +22,7 @@ from omegaconf import OmegaConf
 from omegaconf.base import Container
 from omegaconf.errors import InterpolationResolutionError
 
+from pipeline import observed
 from pipeline.config import reach, yaml_file
 
 MOST_RESOLVED = 2000
@@ -32,6 +32,14 @@ LONGEST = 1 << 20
 """Most characters that they may have together."""
 
 _RESOLVE = "_maybe_resolve_interpolation"
+_EVALUATE = "_evaluate_custom_resolver"
+
+_ENVIRONMENT = "oc.env"
+_PURE = (
+    "hydra", "oc.coerce", "oc.create", "oc.decode", "oc.deprecated", "oc.dict.keys", "oc.dict.values",
+    "oc.select",
+)  # fmt: skip
+"""Resolvers whose value follows from the configuration and from the program alone."""
 
 
 class Guarded(ConfigSource):
@@ -52,11 +60,11 @@ class Guarded(ConfigSource):
 
     def is_group(self, config_path: str) -> bool:
         place = self.at(config_path)
-        return place is not None and place.is_dir()
+        return place is not None and (place.is_dir() if self.installed(place) else observed.is_folder(place))
 
     def is_config(self, config_path: str) -> bool:
         place = self.at(self._normalize_file_name(config_path))
-        return place is not None and place.is_file()
+        return place is not None and (place.is_file() if self.installed(place) else observed.is_file(place))
 
     def load_config(self, config_path: str) -> ConfigResult:
         place = self.at(self._normalize_file_name(config_path))
@@ -65,7 +73,7 @@ class Guarded(ConfigSource):
             raise ConfigLoadError(msg)
         if self.installed(place):
             return _result(self, str(place), place.read_text(encoding="utf-8"))
-        found = _result(self, os.path.realpath(place), yaml_file.text(place))
+        found = _result(self, str(observed.real(place)), yaml_file.text(place))
         _check_order(found.config, config_path.removesuffix(".yaml"))
         return found
 
@@ -139,19 +147,27 @@ def _parsed(name: str, text: str) -> tuple[Container, dict[str, str | None]]:
     return OmegaConf.load(stream), header
 
 
+def _is_of_hydra(node: Any) -> bool:
+    """Whether a node is one of Hydra's own, of which no build uses a value: its folders have the time."""
+    return node is not None and f"{node._get_full_key(None)}.".startswith("hydra.")
+
+
 @contextmanager
 def guarded() -> Iterator[None]:
-    """Inside, Hydra reads files as said, and interpolations are counted."""
+    """Inside, Hydra reads files as said, interpolations are counted, and what they read outside of the
+    configuration is noted."""
     sources = SourcesRegistry.instance().types
     own = dict(sources)
     sources |= {kind.scheme(): kind for kind in (FileConfigSource, ImportlibResourcesConfigSource)}
     resolve: Callable[..., Any] = getattr(Container, _RESOLVE)
     depth = count = letters = 0
+    outermost: Any = None
 
     def counted(self: Container, *args: Any, **more: Any) -> Any:
-        nonlocal depth, count, letters
+        nonlocal depth, count, letters, outermost
         if not depth:
             count = letters = 0
+            outermost = more.get("value")
         depth += 1
         try:
             count += 1
@@ -165,9 +181,21 @@ def guarded() -> Iterator[None]:
         finally:
             depth -= 1
 
+    evaluate: Callable[..., Any] = getattr(Container, _EVALUATE)
+
+    def noted(self: Container, *, inter_type: str, inter_args: Sequence[Any], **more: Any) -> Any:
+        if inter_type == _ENVIRONMENT and inter_args:
+            observed.variable(str(inter_args[0]))
+        elif inter_type not in _PURE and depth and not _is_of_hydra(outermost):
+            # Without depth files are merged: what a value is is asked again where it is used.
+            observed.momentary()
+        return evaluate(self, inter_type=inter_type, inter_args=inter_args, **more)
+
     setattr(Container, _RESOLVE, counted)
+    setattr(Container, _EVALUATE, noted)
     try:
         yield
     finally:
         setattr(Container, _RESOLVE, resolve)
+        setattr(Container, _EVALUATE, evaluate)
         sources |= own

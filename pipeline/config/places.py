@@ -8,6 +8,7 @@ from typing import Any
 
 from omegaconf import DictConfig
 
+from pipeline import observed
 from pipeline.config.messages import shown
 from pipeline.config.plain import as_written
 from pipeline.config.trust import CODE, override, trusted
@@ -58,5 +59,5 @@ def _working_folders() -> Iterator[str]:
     here = os.getcwd()  # noqa: PTH109
     yield here
     by_link = os.environ.get("PWD", "")
-    if os.path.isabs(by_link) and os.path.realpath(by_link) == os.path.realpath(here):  # noqa: PTH117
+    if os.path.isabs(by_link) and observed.real(Path(by_link)) == observed.real(Path(here)):  # noqa: PTH117
         yield os.path.normpath(by_link)

@@ -3,13 +3,13 @@
 import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 import yaml
 
 import conf
-from pipeline import pasted
+from pipeline import observed, pasted
 from pipeline.config import reach, yaml_file
 from pipeline.config.choices import Choices
 from pipeline.config.messages import EXPERIMENT, nearest
@@ -37,16 +37,16 @@ class Presets:
         """ConfigError where one of `config_dirs` is not a folder. `./robot/` is included if it exists."""
         self._here, dirs = cwd or Path.cwd(), list(config_dirs)
         here = self._here
-        folders = [here] if any((here / group).is_dir() for group in ("robot", EXPERIMENT)) else []
+        folders = [here] if any(observed.is_folder(here / group) for group in ("robot", EXPERIMENT)) else []
         given = []
         self.options_typed = [text for named in dirs for text in ("--config-dir", str(named))]
         for named in dirs:
             folder = here / Path(named).expanduser()
             _check_place(folder, str(named))
-            given.append(folder.resolve())
+            given.append(observed.real(folder))
         self.given = tuple(dict.fromkeys(folder for folder in given if folder != OURS))
         """The folders of `config_dirs`, whose launchers are trusted."""
-        own = [*(folder.resolve() for folder in folders), *given]
+        own = [*map(observed.real, folders), *given]
         self.own = tuple(dict.fromkeys(folder for folder in own if folder != OURS))
 
     def named(self, value: str) -> str | None:
@@ -55,9 +55,11 @@ class Presets:
         path = Path(value).expanduser()
         file = self._here / (path if path.suffix == ".yaml" else path.with_name(f"{path.name}.yaml"))
         by_path = path.suffix == ".yaml" or "/" in value
-        if not by_path or (path.suffix != ".yaml" and self.files("robot", value)) or not file.is_file():
+        if not by_path or (path.suffix != ".yaml" and self.files("robot", value)):
             return None
-        file = file.resolve()
+        if not observed.is_file(file):
+            return None
+        file = observed.real(file)
         place = file.parent.parent if file.parent.name == "robot" else file.parent
         self.own = tuple(dict.fromkeys([*self.own, place]))
         return Path(os.path.relpath(file.with_suffix(""), OURS.resolve() / "robot")).as_posix()
@@ -66,10 +68,9 @@ class Presets:
         """The options of a group, sorted."""
         found = set()
         for folder in (OURS, *self.own):
-            for file in (folder / group).rglob("*.yaml"):
-                if is_motor(file, folder / group):
-                    continue
-                found.add(file.relative_to(folder / group).with_suffix("").as_posix())
+            for path in map(PurePath, observed.yaml_below(folder / group)):
+                if not is_motor(folder / group / path, folder / group):
+                    found.add(path.with_suffix("").as_posix())
         return sorted(found)
 
     def files(self, group: str, option: str) -> list[Path]:
@@ -80,24 +81,24 @@ class Presets:
         found = [place for base in bases if (place := reach.place(base, f"{group}/{option}.yaml", inside))]
         if group == "actuators" and option.startswith(f"{MOTORS}/"):
             return []
-        return [file for file in found if file.is_file()]
+        return [file for file in found if observed.is_file(file)]
 
     @property
     def with_motors(self) -> tuple[Path, ...]:
         """The folders that may hold motors: also where the user works, without a `robot/` there."""
-        here = self._here.resolve()
-        return tuple(dict.fromkeys([*([here] if (here / MOTORS).is_dir() else []), *self.own]))
+        here = observed.real(self._here)
+        return tuple(dict.fromkeys([*([here] if observed.is_folder(here / MOTORS) else []), *self.own]))
 
     def own_files(self, paths: Iterable[str]) -> list[Path]:
         """The files of a composed tree that are not ours, by their paths in the search path."""
         found = []
         for path in paths:
             name = f"{path.removesuffix('.yaml')}.yaml"
-            files = [folder / name for folder in self.own if (folder / name).is_file()]
-            ours = (OURS / name).resolve()
-            if ours.is_file() and not ours.is_relative_to(OURS.resolve()):
+            files = [folder / name for folder in self.own if observed.is_file(folder / name)]
+            ours = observed.real(OURS / name)
+            if observed.is_file(ours) and not ours.is_relative_to(OURS.resolve()):
                 files = [ours]
-            elif not files and not ours.is_file() and not path.startswith("hydra/"):
+            elif not files and not observed.is_file(ours) and not path.startswith("hydra/"):
                 files = [Path(path)]
             found += files
         return found
@@ -145,8 +146,8 @@ class Presets:
 
     def own_groups(self) -> list[str]:
         """The groups that exist only in the user's folders, such as `experiment`; sorted."""
-        folders = [folder for own in self.own for folder in own.iterdir() if any(folder.glob("*.yaml"))]
-        return sorted({folder.name for folder in folders} - {*GROUPS, "hydra", MOTORS})
+        folders = {name for own in self.own for name in observed.folders_with_yaml(own)}
+        return sorted(folders - {*GROUPS, "hydra", MOTORS})
 
     def choices(
         self, robot: str, formats: tuple[str, ...], overrides: Iterable[str], paths: Iterable[str] = ()
@@ -245,10 +246,10 @@ def content(file: Path) -> dict[str, Any]:
 def _check_place(folder: Path, named: str) -> None:
     """ConfigError where a folder cannot be one of `--config-dir`, which holds `robot/` or other groups."""
     wanted = "name the folder that holds robot/, that is DIR of DIR/robot/my_arm.yaml"
-    if not folder.is_dir():
+    if not observed.is_folder(folder):
         msg = f"{named} is {'a file' if folder.exists() else 'not a folder'}"
         raise ConfigError(msg, "--config-dir", wanted)
-    if any(one.is_dir() and any(one.rglob("*.yaml")) for one in folder.iterdir()):
+    if observed.holds_yaml(folder):
         return
     if any(folder.glob("*.yaml")):
         msg = f"{named} contains YAML files, but no folder robot/"

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from pipeline import pasted
+from pipeline import observed, pasted
 from pipeline.config.messages import shown
 from pipeline.key_path import Place, key_of
 from stages.robot.errors import Diagnostic
@@ -199,8 +199,8 @@ def _at(tree: Any, key: str, default: Any) -> Any:
 def trusted(files: Iterable[Path], environ: Mapping[str, str]) -> bool:
     """Whether the environment names all of these files, and there is at least one."""
     texts = [text for text in environ.get(VARIABLE, "").split(os.pathsep) if text]
-    trusted = {Path(text).expanduser().resolve() for text in texts}
-    files = {file.resolve() for file in files}
+    trusted = {observed.real(Path(text).expanduser()) for text in texts}
+    files = set(map(observed.real, files))
     return bool(files) and files <= trusted
 
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import yaml
 
+from pipeline import observed
 from stages.robot import regular_files
 
 LARGEST = 4 << 20
@@ -61,6 +62,7 @@ def text(path: Path) -> str:
     except regular_files.FileTooLarge as error:
         why = f"it has {error.size} bytes, and at most {LARGEST} are read"
         raise RefusedError(why, _mark(path, 0, 0), "choose the YAML file of the robot") from None
+    observed.read(path, content)
     found = content.decode("utf-8")
     judge(found, path)
     return found

@@ -8,12 +8,15 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from pipeline.caching.actions import Action, canonical
-from pipeline.context import FILES, ROBOT, BuildContext
+from pipeline.context import FILES, ROBOT
 from pipeline.digest import sha256
 from stages.robot.errors import Diagnostic
+
+if TYPE_CHECKING:
+    from pipeline.context import BuildContext
 
 VERSION = 8
 """Raised when the same robot gives another pack."""
@@ -31,17 +34,22 @@ _PACK, _POSED, _REFUSED = "pack", "posed.pack", "refused.txt"
 
 _WITHOUT = "no live view"
 
+Engine = Literal["whole", "shared", "none"]
+
 
 @dataclass(frozen=True, slots=True)
 class Live:
     """The view of a page: the robot's pack, None for a page without the view; the engine, in the page, in the
-    file at `engine_path`, or none; the `files` beside the page; and why something is not there."""
+    file at `engine_path`, or none; the `files` beside the page; and why something is not there.
+
+    `lasts`: whether another build of the same has the same; not after an accident."""
 
     pack: bytes | None = None
-    engine: Literal["whole", "shared", "none"] = "none"
+    engine: Engine = "none"
     engine_path: str = ""
     files: Mapping[str, bytes] = field(default_factory=dict)
     found: tuple[Diagnostic, ...] = ()
+    lasts: bool = True
 
 
 NOTHING = Live()
@@ -53,7 +61,7 @@ def is_plain(environ: Mapping[str, str]) -> bool:
 
 
 def live(
-    context: BuildContext,
+    context: "BuildContext",
     colliders: Iterable[Mapping[str, Any]],
     folder: Path,
     sweep: Path | None,
@@ -74,7 +82,8 @@ def live(
     try:
         made = _made(context, source, [_shown(row) for row in colliders], say)
     except Exception as error:  # Whatever it is, the robot is built.
-        made = {_REFUSED: f"{type(error).__name__}: {error}".encode()}
+        why = f"{_WITHOUT}: {type(error).__name__}: {error}"
+        return Live(found=(Diagnostic(CODE, why, "report.html", ""),), lasts=False)
     if _REFUSED in made:
         why = f"{_WITHOUT}: {made[_REFUSED].decode()}"
         return Live(found=(Diagnostic(CODE, why, "report.html", ""),))
@@ -89,9 +98,14 @@ def _with_engine(pack: bytes, asked: str, folder: Path, sweep: Path | None) -> L
     if sweep is not None:
         path = PurePosixPath(Path(os.path.relpath(sweep / ENGINE_FILE, folder)).as_posix())
         return Live(pack, "shared", str(path))
-    if asked == "shared":
-        return Live(pack, "shared", ENGINE_FILE, {ENGINE_FILE: engine_file()})
-    return Live(pack, "whole")
+    return view_of(pack, "shared" if asked == "shared" else "whole")
+
+
+def view_of(pack: bytes | None, engine: Engine) -> Live:
+    """The view of a page that is no page of a sweep."""
+    if engine == "shared":
+        return Live(pack, engine, ENGINE_FILE, {ENGINE_FILE: engine_file()})
+    return Live(pack, engine)
 
 
 def engine_file() -> bytes:
@@ -110,7 +124,7 @@ def source_of(files: Iterable[str], robot: str) -> str | None:
 
 
 def _made(
-    context: BuildContext, source: str, colliders: list[dict[str, Any]], say: Callable[[str], None]
+    context: "BuildContext", source: str, colliders: list[dict[str, Any]], say: Callable[[str], None]
 ) -> Mapping[str, bytes]:
     """What is kept of the view."""
     from pipeline.stage import installed

@@ -10,7 +10,7 @@ import json
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import Any, BinaryIO, Literal
 
 from pipeline.lock import FOLDER as LOCKS
@@ -156,7 +156,13 @@ def others(
 
 def parents(paths: Iterable[str]) -> set[str]:
     """All parent folders of the paths, without the top folder."""
-    return {str(parent) for path in paths for parent in PurePosixPath(path).parents} - {"."}
+    found: set[str] = set()
+    for path in paths:
+        parent = path.rpartition("/")[0]
+        while parent and parent not in found:
+            found.add(parent)
+            parent = parent.rpartition("/")[0]
+    return found
 
 
 def clear(folder: Path, own: Collection[str], within: Callable[[str], bool] = lambda _: True) -> None:
@@ -235,7 +241,6 @@ def _paths(files: Mapping[str, Any]) -> dict[str, str | None]:
     """The entries of a manifest whose paths are below the folder; a user may have changed the manifest."""
     found = {}
     for path, digest in files.items():
-        plain = PurePosixPath(path)
-        if str(plain) == path and not plain.is_absolute() and ".." not in plain.parts and plain.parts:
+        if not {"", ".", ".."}.intersection(path.split("/")):
             found[path] = digest if isinstance(digest, str) else None
     return found

@@ -38,11 +38,12 @@ _OTHERWISE = "export it as MJCF or URDF too: export=[mjcf,...]"
 @dataclass(frozen=True, slots=True)
 class Preview:
     """`files`: the pictures by file name; `small`: a PNG of at most 66 kB, b"" without a picture; `found`:
-    why there is none."""
+    why there is none. `lasts`: whether another build of the same has the same; not after an accident."""
 
     files: Mapping[str, bytes]
     small: bytes = b""
     found: tuple[Diagnostic, ...] = ()
+    lasts: bool = True
 
     @property
     def path(self) -> str:
@@ -91,7 +92,7 @@ def preview(
         say(f"the picture of the robot took {made.seconds:.1f} s")
     for why in (REFUSED, ENDED):
         if why in made:
-            return _without(json.loads(made[why])["why"], _HINT)
+            return _without(json.loads(made[why])["why"], _HINT, lasts=why == REFUSED)
     return Preview({name: made[name] for name in names(kind)}, made[SMALL])
 
 
@@ -132,5 +133,6 @@ def _drawn(model: str, files: Mapping[str, bytes], kind: Kind) -> dict[str, byte
     return drawn(model, files, kind)
 
 
-def _without(why: str, hint: str) -> Preview:
-    return Preview({}, found=(Diagnostic(CODE, f"no preview of the robot: {why}", PICTURE, hint),))
+def _without(why: str, hint: str, lasts: bool = True) -> Preview:
+    found = Diagnostic(CODE, f"no preview of the robot: {why}", PICTURE, hint)
+    return Preview({}, found=(found,), lasts=lasts)

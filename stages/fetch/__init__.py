@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -84,6 +85,20 @@ def describe(keys: FetchKeys) -> dict[str, str]:
 def summary(bundle: Bundle) -> str:
     """What a bundle holds, in words: "12 replies about 3 part studios"."""
     return source_class(bundle.kind).summary(bundle)
+
+
+def read_again(keys: Mapping[str, Any], environ: Mapping[str, str]) -> dict[str, Any] | None:
+    """What `pinned` says now of a source whose keys are plain data: those of a source on this computer, as
+    `keys_to_read_again` gave them. Runs nothing, whatever they say: a xacro file is not trusted."""
+    source = source_class(keys["kind"])(SimpleNamespace(**{**keys, "trust": False}))
+    source.preflight(environ)
+    return source.pinned(environ)
+
+
+def keys_to_read_again(keys: FetchKeys) -> dict[str, Any]:
+    """The keys of a source on this computer as plain data; {} of an address, which stands for its content."""
+    here = source_class(keys.source.kind).on_this_computer
+    return keys.source.model_dump(mode="json") if here else {}
 
 
 def pinned(keys: FetchKeys, environ: Mapping[str, str] | None = None) -> dict[str, Any] | None:

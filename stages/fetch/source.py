@@ -95,6 +95,9 @@ class Source(Protocol):
     recorded: ClassVar[bool] = False
     """Whether bundles of this kind exist: then `replay`, `largest_reply` and `summary` are defined."""
 
+    on_this_computer: ClassVar[bool] = False
+    """Whether `pinned` reads the source, whose content may have changed; else its address stands for it."""
+
     def __init__(self, keys: Any) -> None: ...
 
     def label(self) -> str:
@@ -159,6 +162,8 @@ class FileSource(Source):
 
     example: ClassVar[str]
     """A path of such a file."""
+
+    on_this_computer: ClassVar[bool] = True
 
     def __init__(self, keys: Any) -> None:
         self._keys = keys

@@ -51,7 +51,7 @@ def shown(monkeypatch):
         found.append(arguments[6])
         return {}
 
-    monkeypatch.setattr("pipeline.build.documents", pages)
+    monkeypatch.setattr("pipeline.run.documents", pages)
     return found
 
 

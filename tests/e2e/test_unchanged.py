@@ -1,0 +1,340 @@
+"""An unchanged build is recognised as a whole, and nothing that changed is taken for unchanged."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from contextlib import chdir
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+import pytest
+
+import pipeline.build
+from pipeline import program, unchanged
+from pipeline.caching.maintenance import collect, verify
+from pipeline.options import parse
+from pipeline.progress import Quiet
+from tests.e2e.test_traps import ROBOT, URDF
+from tests.support.command import called, environment, robot_files
+from tests.unit.pipeline.test_cli import HEAVY
+
+TETRAHEDRON = ("0 0 0", "1 0 0", "0 1 0", "0 0 1")
+MOTOR = "title: Strong\nvalues: {effort: {value: 3, source: own, kind: measured}}\n"
+MORE = """actuators: {"*": {motor: strong}}
+elements: {mount: {into: {tag: worldbody}, formats: [mjcf], file: mount.xml}}
+mass: {density: '${oc.env:DENSITY,1000}'}
+"""
+TIMES = re.compile(rb'(?m)(?<="seconds": )[\d.e-]+|^ +\d+\.\d{3}(?=  )|\b\d+\.\d\d(?= s\b|  | *<)')
+
+
+def stl(height: str = "1") -> str:
+    corners = [*TETRAHEDRON[:3], f"0 0 {height}"]
+    faces = ((0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3))
+    loops = ("".join(f"vertex {corners[corner]}\n" for corner in face) for face in faces)
+    facets = "".join(f"facet normal 0 0 0\nouter loop\n{loop}endloop\nendfacet\n" for loop in loops)
+    return f"solid block\n{facets}endsolid block\n"
+
+
+@pytest.fixture
+def here(tmp_path: Path) -> Path:
+    files = {
+        "arm.urdf": URDF,
+        "parts/block.stl": stl(),
+        "robot/arm.yaml": ROBOT + MORE,
+        "motors/strong.yaml": MOTOR,
+        "mount.xml": "<site name='cam'/>",
+    }
+    for path, text in files.items():
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_text(text)
+    return tmp_path
+
+
+@pytest.fixture
+def builds(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The names of the robots whose builds ran their stages."""
+    names: list[str] = []
+    build_files = pipeline.build.build_files
+
+    def counted(plan: Any, *args: Any, **more: Any) -> Any:
+        names.append(plan.name)
+        return build_files(plan, *args, **more)
+
+    monkeypatch.setattr(pipeline.build, "build_files", counted)
+    return names
+
+
+def build(here: Path, *arguments: str, **more: str) -> subprocess.CompletedProcess[str]:
+    words = arguments or ("robot=arm", "until=graph")
+    return called(here, *words, environ=environment(here, seeded=False, PWD=str(here), **more))
+
+
+def without_times(data: bytes) -> bytes:
+    return TIMES.sub(b"0.0", data)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("robot=arm", "until=graph"),
+        ("robot=arm", "validate=strict"),
+        ("source=sample", "mesh=visual", "export=[urdf,mjcf,sdf]"),
+        ("robot=arm", "page.live=shared"),
+    ],
+    ids=" ".join,
+)
+def test_a_recognised_build_leaves_what_a_cached_build_leaves(
+    here: Path, builds: list[str], monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...]
+) -> None:
+    page = {"LINKWRIGHT_PAGE": "whole"} if "page.live=shared" in arguments else {}
+    build(here, *arguments, **page)
+    with monkeypatch.context() as without:
+        without.setattr(unchanged, "again", lambda *_: None)
+        cached = build(here, *arguments, **page)
+        folder = next((here / "outputs").glob("[!.]*"))
+        left = {path.name: path.read_bytes() for path in folder.glob("[!.]*") if path.is_file()}
+    again = build(here, *arguments, **page)
+    assert len(builds) == 2
+    now = {path.name: path.read_bytes() for path in folder.glob("[!.]*") if path.is_file()}
+    assert {name: without_times(data) for name, data in now.items()} == {
+        name: without_times(data) for name, data in left.items()
+    }
+    assert again.returncode == cached.returncode == (3 if "validate=strict" in arguments else 0)
+    assert without_times(again.stdout.encode()) == without_times(cached.stdout.encode())
+    assert without_times(again.stderr.encode()) == without_times(cached.stderr.encode())
+
+
+def test_it_imports_neither_the_composer_nor_the_schema(here: Path) -> None:
+    heavy = [*HEAVY, "antlr4", "httpx"]
+    code = (
+        "import sys; from pipeline.cli import main; status = main(['robot=arm', 'until=graph']); "
+        f"print(status, sorted(set({heavy!r}) & set(sys.modules)), file=sys.stderr)"
+    )
+    environ = environment(here, seeded=False)
+    runs = [
+        subprocess.run([sys.executable, "-c", code], cwd=here, env=environ, capture_output=True, text=True)
+        for _ in range(2)
+    ]
+    assert runs[1].stderr.splitlines()[-1] == "0 []", runs[1].stderr
+
+
+def rewritten(path: str, text: str) -> Callable[[Path], object]:
+    return lambda here: ((here / path).parent.mkdir(exist_ok=True), (here / path).write_text(text))
+
+
+CHANGES: Mapping[str, Callable[[Path], object]] = {
+    "the robot's file": rewritten("robot/arm.yaml", f"{ROBOT}{MORE}# a remark\n"),
+    "the source": rewritten("arm.urdf", URDF.replace('mass value="1"', 'mass value="2"')),
+    "a mesh": rewritten("parts/block.stl", stl("2")),
+    "a motor": rewritten("motors/strong.yaml", MOTOR.replace("3", "4")),
+    "a file of elements": rewritten("mount.xml", "<site name='other'/>"),
+    "an option of the user": rewritten("mesh/hull.yaml", "collider: hull\n"),
+    "an experiment": rewritten("experiment/wide.yaml", "# @package _global_\n"),
+    "a new .env": rewritten(".env", "ONSHAPE_ACCESS_KEY=another-key-of-mine\n"),
+    "a mesh that is gone": lambda here: (here / "parts/block.stl").unlink(),
+    "the folder of the output": lambda here: shutil.rmtree(here / "outputs"),
+    "the cache": lambda here: shutil.rmtree(here / "cache"),
+    "a link in place of a file": lambda here: (
+        (here / "robot/arm.yaml").rename(here / "arm.yaml"),
+        (here / "robot/arm.yaml").symlink_to(here / "arm.yaml"),
+    ),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_change_of_any_file_is_noticed(here: Path, builds: list[str], change: str) -> None:
+    build(here, "robot=arm", "until=export")
+    assert build(here, "robot=arm", "until=export").returncode == 0
+    assert builds == ["arm"]
+    CHANGES[change](here)
+    build(here, "robot=arm", "until=export")
+    assert len(builds) == 2
+
+
+@pytest.mark.parametrize("name", ["DENSITY", "LINKWRIGHT_TRUST", "LINKWRIGHT_HOST", "ONSHAPE_SECRET_KEY"])
+def test_a_change_of_a_variable_is_noticed(here: Path, builds: list[str], name: str) -> None:
+    build(here)
+    build(here, NOBODY_READS="7")
+    assert builds == ["arm"]
+    build(here, **{name: "1200"})
+    build(here, **{name: "1200"})
+    assert builds == ["arm", "arm"]
+    build(here, **{name: "1300"})
+    assert len(builds) == 3
+
+
+def test_another_command_is_another_build(here: Path, builds: list[str]) -> None:
+    for words in (["robot=arm"], ["robot=arm", "root=fixed"], ["--config-dir", ".", "robot=arm"]):
+        build(here, *words, "until=graph")
+        build(here, *words, "until=graph")
+    assert len(builds) == 3
+    other = here / "other"
+    shutil.copytree(here, other, ignore=shutil.ignore_patterns("outputs", "cache"))
+    called(other, "robot=arm", "until=graph", environ=environment(here, seeded=False))
+    assert len(builds) == 4
+
+
+def test_a_change_of_the_program_or_of_a_library_is_noticed(
+    here: Path, builds: list[str], monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    build(here)
+    libraries = tmp_path_factory.mktemp("libraries")
+    (libraries / "numpy-99.0.dist-info").mkdir()
+    monkeypatch.setattr(sys, "path", [*sys.path, str(libraries)])
+    build(here)
+    build(here)
+    assert len(builds) == 2
+    (libraries / "numpy-99.0.dist-info").rename(libraries / "numpy-99.1.dist-info")
+    build(here)
+    assert len(builds) == 3
+    code = tmp_path_factory.mktemp("code")
+    for room in program.ROOMS:
+        (code / room).mkdir()
+        (code / room / "__init__.py").write_text("")
+    monkeypatch.setattr(program, "__file__", str(code / "pipeline" / "program.py"))
+    build(here)
+    build(here)
+    assert len(builds) == 4
+    (code / "stages" / "__init__.py").write_text("VERSION = 2\n")
+    build(here)
+    assert len(builds) == 5
+
+
+@pytest.mark.parametrize(
+    "word",
+    ["cache.mode=refresh", "cache.mode=bypass", "plugins=[json]", "name=a_${now:%Y}", "cache.dir='c d'"],
+)
+def test_a_build_that_is_not_known_by_its_answers_always_runs(
+    here: Path, builds: list[str], word: str
+) -> None:
+    for _ in range(2):
+        assert build(here, "robot=arm", "until=graph", word).returncode == 0
+    assert len(builds) == 2
+
+
+def test_another_cache_on_the_command_line_has_its_own_record(here: Path, builds: list[str]) -> None:
+    for _ in range(2):
+        build(here, "robot=arm", "until=graph", "cache.dir=other/cache")
+    assert builds == ["arm"]
+    shutil.rmtree(here / "other")
+    build(here, "robot=arm", "until=graph", "cache.dir=other/cache")
+    assert builds == ["arm", "arm"]
+
+
+def test_the_files_of_the_user_are_kept_and_stop_it_as_ever(here: Path, builds: list[str]) -> None:
+    build(here)
+    folder = here / "outputs" / "arm.graph"
+    (folder / "NOTES.md").write_text("mine")
+    kept = build(here)
+    assert "kept, since not linkwright's: NOTES.md" in kept.stderr
+    assert (folder / "NOTES.md").read_text() == "mine"
+    (folder / "report.html").unlink()
+    assert build(here).returncode == 0
+    assert (folder / "report.html").is_file()
+    assert builds == ["arm"]
+    (folder / "robot.json").write_text("{}")
+    stopped = build(here)
+    assert stopped.returncode == 2
+    assert "robot.json was changed since it was built" in stopped.stderr
+    assert (folder / "robot.json").read_text() == "{}"
+
+
+def test_what_it_needs_is_in_the_cache_and_counts_as_used(here: Path, builds: list[str]) -> None:
+    build(here, "robot=arm", "until=export")
+    cache = here / "cache"
+    assert verify(cache).records == 0
+    old = 10_000.0
+    for path in (*cache.glob("ac/*/*"), *cache.glob("cas/*/*")):
+        os.utime(path, (old, old))
+    build(here, "robot=arm", "until=export")
+    used = {
+        json.loads(path.read_bytes())["stage"] for path in cache.glob("ac/*/*") if path.stat().st_mtime > old
+    }
+    assert used == {"build", "fetch", "graph", "mesh", "export"}
+    for path in (*cache.glob("ac/*/*"), *cache.glob("cas/*/*")):
+        os.utime(path, (old, old))
+    collect(cache, 0)
+    build(here, "robot=arm", "until=export")
+    assert builds == ["arm", "arm"]
+
+
+def record_of(here: Path) -> tuple[Path, Path]:
+    """The files of the build's record: that of the action, and the blob that says what is kept."""
+    with_stage = {path: json.loads(path.read_bytes()) for path in (here / "cache").glob("ac/*/*.json")}
+    path, record = next((path, record) for path, record in with_stage.items() if record["stage"] == "build")
+    digest = record["outputs"]["record.json"]
+    return path, here / "cache" / "cas" / digest[:2] / digest
+
+
+def replace_record(here: Path, text: bytes) -> None:
+    """Makes `text` what is kept, with a digest that is right: who can write to a cache can do so."""
+    path, blob = record_of(here)
+    digest = sha256(text).hexdigest()
+    place = blob.parents[1] / digest[:2] / digest
+    place.parent.mkdir(exist_ok=True)
+    place.write_bytes(text)
+    record = json.loads(path.read_bytes())
+    record["outputs"]["record.json"], record["sizes"]["record.json"] = digest, len(text)
+    path.write_text(json.dumps(record))
+
+
+def mutations(tree: Any, values: tuple[Any, ...] = (None, 3, "x", [], {}, [["x"]])) -> list[Any]:
+    """Copies of a record, in each of which one of its values is another."""
+    found = []
+    for name in tree:
+        found += [{**tree, name: value} for value in values]
+        found.append({key: value for key, value in tree.items() if key != name})
+    return found
+
+
+def recognised(here: Path) -> bool:
+    """Whether the build is recognised, as the command asks."""
+    command = parse(["robot=arm", "until=graph"])
+    environ = environment(here, seeded=False, PWD=str(here))
+    with chdir(here), patch.dict(os.environ, environ, clear=True):
+        return unchanged.again(unchanged.action_of(command), command, Quiet()) is not None
+
+
+def test_a_damaged_or_hostile_record_never_makes_another_robot(here: Path, builds: list[str]) -> None:
+    build(here)
+    folder = here / "outputs" / "arm.graph"
+    right, files = json.loads(record_of(here)[1].read_bytes()), robot_files(folder)
+    assert recognised(here)
+    outside = {**right["report"], "outputs": {"../x": "0"}}
+    for tree in (*mutations(right), [], 3, {**right, "report": outside}):
+        replace_record(here, json.dumps(tree).encode())
+        recognised(here)
+        assert robot_files(folder) == files
+        assert sorted(path.name for path in here.iterdir() if path.is_dir()) == [
+            "cache", "motors", "outputs", "parts", "robot",
+        ]  # fmt: skip
+        assert sorted(path.name for path in (here / "outputs").iterdir()) == [".linkwright", "arm.graph"]
+    done = build(here)
+    assert done.returncode == 0, done.stderr
+    assert builds == ["arm", "arm"]
+
+
+def test_a_record_that_names_another_folder_touches_nothing_there(here: Path) -> None:
+    build(here)
+    (here / "mine").mkdir()
+    (here / "mine" / "thesis.tex").write_text("mine")
+    right = json.loads(record_of(here)[1].read_bytes())
+    for folder in ("mine", str(here), "new", "~", "/"):
+        replace_record(here, json.dumps({**right, "folder": folder, "suffix": ""}).encode())
+        assert not recognised(here)
+    assert [path.name for path in (here / "mine").iterdir()] == ["thesis.tex"]
+    assert not (here / "new").exists()
+
+
+def test_no_key_is_in_the_record(here: Path) -> None:
+    build(here, ONSHAPE_ACCESS_KEY="a-very-secret-key", DENSITY="1234.5")
+    assert unchanged.action_of(parse([])).key
+    for path in (here / "cache").rglob("*"):
+        if path.is_file():
+            assert b"a-very-secret-key" not in path.read_bytes()
