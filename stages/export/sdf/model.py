@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stages.export.paints import paint
+from stages.export.sdf.contacts import SdfContacts
 from stages.export.sdf.keys import SdfFormatKeys
 from stages.export.sdf.lowering import SdfJoint, SdfJoints
 from stages.export.sdf.sensors import SdfSensor, Sensors, write_sensor
@@ -34,7 +35,7 @@ class SdfPlan:
     names: SdfNames
     lowered: SdfJoints
     sensors: Sensors
-    collides: bool
+    contacts: SdfContacts
     world_from_root: Array
 
 
@@ -45,7 +46,7 @@ def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatKeys, plan: SdfPl
     first = names.links[robot.root.name]
     model = element(root, "model", name=robot.name, canonical_link=first)
     _pose(model, plan.world_from_root)
-    if plan.collides:
+    if plan.contacts.collides:
         element(model, "self_collide").text = "true"
     assets = "assets/" if keys.meshes == "relative" else f"model://{robot.name}/assets/"
     carriers = {joint.child: joint for joint in lowered.joints if joint.carries}
@@ -57,7 +58,7 @@ def write_sdf(robot: Robot, geometry: Geometry, keys: SdfFormatKeys, plan: SdfPl
         node = _link(model, own, body, carriers, lowered)
         taken: set[str] = set()
         _shapes(node, shapes[link.name, "visual"], "visual", assets, taken)
-        colliders = _shapes(node, shapes[link.name, "collision"], "collision", assets, taken)
+        colliders = _colliders(node, link.name, shapes[link.name, "collision"], assets, taken, plan)
         for one in plan.sensors.mounted:
             if one.link == link.name and not one.on_joint:
                 _mounted(node, one, taken, colliders)
@@ -126,22 +127,45 @@ def _mounted(
     _pose(node, one.link_from_sensor, relative_to)
 
 
-def _shapes(node: Element, shapes: Sequence[Shape], tag: str, assets: str, taken: set[str]) -> list[str]:
-    """The shapes of one role, and their names."""
+def _shapes(node: Element, shapes: Sequence[Shape], tag: str, assets: str, taken: set[str]) -> list[Element]:
+    """The elements of the shapes of one role."""
     made = []
     for count, shape in enumerate(shapes, 1):
         name = f"{tag}_{count}"
         taken.add(name)
-        made.append(name)
         holder = element(node, tag, name=name)
+        made.append(holder)
         _geometry(holder, shape, assets)
         if tag == "visual":
             _material(holder, shape)
-        elif shape.contact is not None and shape.contact.friction is not None:
-            ode = element(element(element(holder, "surface"), "friction"), "ode")
-            for key in ("mu", "mu2"):
-                element(ode, key).text = number(shape.contact.friction[0])
     return made
+
+
+def _colliders(
+    node: Element, link: str, shapes: Sequence[Shape], assets: str, taken: set[str], plan: SdfPlan
+) -> list[str]:
+    """The colliders of a link, and their names."""
+    names = []
+    for count, (holder, shape) in enumerate(
+        zip(_shapes(node, shapes, "collision", assets, taken), shapes, strict=True)
+    ):
+        _surface(holder, shape, plan.contacts.masks.get((link, count)))
+        names.append(str(holder.get("name")))
+    return names
+
+
+def _surface(holder: Element, shape: Shape, mask: int | None) -> None:
+    """The friction of a collider, and the bits of which it must share one with what it collides with."""
+    friction = None if shape.contact is None else shape.contact.friction
+    if friction is None and mask is None:
+        return
+    surface = element(holder, "surface")
+    if friction is not None:
+        ode = element(element(surface, "friction"), "ode")
+        for key in ("mu", "mu2"):
+            element(ode, key).text = number(friction[0])
+    if mask is not None:
+        element(element(surface, "contact"), "collide_bitmask").text = str(mask)
 
 
 def _geometry(holder: Element, shape: Shape, assets: str) -> None:

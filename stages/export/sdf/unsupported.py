@@ -3,11 +3,13 @@
 import math
 from collections.abc import Iterator
 
+from stages.export.sdf.contacts import BITS, LOW
 from stages.export.sdf.model import SdfPlan
 from stages.formats.numbers import number
 from stages.robot.actuation import Actuation
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Geometry
+from stages.robot.globs import listed
 from stages.robot.inertia import NEXT_TO_NOTHING
 from stages.robot.model import Joint, Loop, Robot, Value
 
@@ -110,11 +112,20 @@ def _contacts(geometry: Geometry, plan: SdfPlan, file: str) -> Iterator[Diagnost
             file,
             "use the MJCF",
         )
-    if geometry.self_contact and not plan.collides:
+    if geometry.self_contact and not plan.contacts.collides:
         yield Diagnostic(
             "I-SDF-SELF",
-            "SDF cannot keep single pairs of links from colliding, so the SDF's links do not collide with "
-            "each other at all",
+            f"{LOW} bits of a mask do not suffice for the pairs of links that must not collide, so the SDF's "
+            "links do not collide with each other at all",
+            file,
+            "use the MJCF where they must",
+        )
+    if plan.contacts.lost:
+        pairs = listed(f"{one} and {other}" for one, other in plan.contacts.lost)
+        yield Diagnostic(
+            "I-SDF-SELF",
+            f"{BITS} bits of a mask do not suffice to keep only those links from colliding that must not, so "
+            f"these do not collide either: {pairs}",
             file,
             "use the MJCF where they must",
         )

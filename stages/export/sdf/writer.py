@@ -45,22 +45,26 @@ def _record(plan: "SdfPlan") -> dict[str, Any]:
 
 
 def _plan(given: WriterInput) -> "SdfPlan":
+    from stages.export.sdf.contacts import sdf_contacts
     from stages.export.sdf.lowering import lower
     from stages.export.sdf.model import SdfPlan
     from stages.export.sdf.sensors import sensors_of
-    from stages.formats.sdf.contacts import self_collides
     from stages.formats.sdf.names import sdf_names
 
     robot, geometry = given.robot, given.geometry
     names = sdf_names(robot)
     lowered = lower(robot, given.start, names)
+    # Engines leave out by themselves what a joint of their tree joins, but not what closes a loop.
+    link = {own: name for name, own in names.links.items()}
+    tree = [joint for joint in lowered.joints if joint.carries and {joint.parent, joint.child} <= link.keys()]
+    joined = {frozenset((link[joint.parent], link[joint.child])) for joint in tree}
     held = [joint.child for joint in robot.joints if joint.type != "free"]
     solid = sorted({shape.link for shape in geometry.shapes if shape.role == "collision"})
     return SdfPlan(
         names,
         lowered,
         sensors_of(robot, given.sensing, held, solid),
-        self_collides(robot, geometry),
+        sdf_contacts(geometry, joined),
         given.standing.placed(lowered.stands),
     )
 

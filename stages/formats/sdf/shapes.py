@@ -21,8 +21,8 @@ class SdfShape:
 
     `kind`: the element in its <geometry>, "" for none; `size` [m] as in `model.Primitive`, () of what is no
     primitive; `filename`: the <uri> of a mesh, as the file has it; `link_from_shape` (4, 4). Of a collision:
-    `friction`: the coefficients `mu` and `mu2`, None where the file gives none; `collides`: whether contacts
-    push it.
+    `friction`: the coefficients `mu` and `mu2`, None where the file gives none; `mask`: the bits of which it
+    shares one with what it collides with, None where the file gives none; `pushed`: whether contacts push it.
     """
 
     name: str
@@ -32,7 +32,8 @@ class SdfShape:
     scale: tuple[float, ...]
     link_from_shape: Array
     friction: tuple[float | None, float | None]
-    collides: bool
+    mask: int | None
+    pushed: bool
 
 
 def shapes_of(link: Element, role: str, link_from: Callable[[str], Array]) -> tuple[SdfShape, ...]:
@@ -66,14 +67,14 @@ def _shape(node: Element, link_from: Callable[[str], Array]) -> SdfShape:
         tuple(scale),
         frozen(place),
         (mu, mu2),
-        _mask(node) != 0 and not truth(node, "surface/contact/collide_without_contact", unless=False),
+        _mask(node),
+        not truth(node, "surface/contact/collide_without_contact", unless=False),
     )
 
 
-def _mask(node: Element) -> int:
-    """The bits of which two shapes must share one to collide; all where the file gives none."""
-    text = (node.findtext("surface/contact/collide_bitmask") or "0xffff").strip()
+def _mask(node: Element) -> int | None:
+    text = (node.findtext("surface/contact/collide_bitmask") or "").strip()
     try:
-        return int(text, 0)
+        return int(text, 0) if text else None
     except ValueError:
         raise SdfError(f"<collide_bitmask> is no whole number: {text!r}") from None

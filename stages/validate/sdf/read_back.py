@@ -12,6 +12,7 @@ from stages.robot.model import Robot
 from stages.validate.expected import NOTHING_ELSE, Expected
 from stages.validate.findings import few
 from stages.validate.sdf.checks import CHECKS, links_and_joints
+from stages.validate.sdf.contacts import contacts
 from stages.validate.sdf.known import ReadSdf
 from stages.validate.sdf.shapes import of_model, shapes
 
@@ -51,4 +52,8 @@ def check_file(
         for check in CHECKS:
             yield from check(given)
         yield from of_model(given, expected)
-        yield from shapes(given, expected.geometry)
+        looks = list(shapes(given, expected.geometry))
+        yield from looks
+        # Masks are those of the robot's colliders only where there are as many.
+        if all(check.passed for check in looks):
+            yield from contacts(given, expected.geometry)

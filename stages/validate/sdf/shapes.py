@@ -1,10 +1,9 @@
-"""The checks of what an SDF's links look like, what they collide with, and how the model stands."""
+"""The checks of what an SDF's links look like, and how the model stands."""
 
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from stages.formats.sdf.contacts import self_collides
 from stages.formats.sdf.shapes import SdfShape
 from stages.robot.check import Check, Finding
 from stages.robot.geometry import Geometry, Shape
@@ -20,9 +19,8 @@ WORDS = ShapeWords("mesh uri", "mesh scale", ("pose", "pose"))
 
 
 def of_model(read: ReadSdf, expected: Expected) -> Iterator[Check]:
-    """Its name, that gravity and forces move its links, which of them collide with each other, and that it
-    stands where the scene has the robot. At what height a free robot touches the ground depends on its
-    joints, which need not stand as at qpos0."""
+    """Its name, that gravity and forces move its links, and that it stands where the scene has the robot. At
+    what height a free robot touches the ground depends on its joints, which need not stand as at qpos0."""
     model, element = read.model, named("model", read.model.name)
     found: list[Finding] = []
     if model.name != read.robot.name:
@@ -31,14 +29,6 @@ def of_model(read: ReadSdf, expected: Expected) -> Iterator[Check]:
         own = named("link", one.name)
         found += [] if one.falls else [differs(own, "gravity", "false", "true")]
         found += [] if one.forced else [differs(own, "kinematic", "true", "false")]
-    if expected.geometry is not None:
-        collides = self_collides(read.robot, expected.geometry)
-        word = "true" if collides else "false"
-        if model.self_collides != collides:
-            found.append(differs(element, "self_collide", "false" if collides else "true", word))
-        for one in model.links.values():
-            if one.self_collides and not collides:
-                found.append(differs(named("link", one.name), "self_collide", "true", word))
     if expected.scene is not None and read.robot.root.name != "world":
         world_from_root = expected.scene.world_from_root
         root = model.links[read.names.links[read.robot.root.name]]
@@ -46,7 +36,7 @@ def of_model(read: ReadSdf, expected: Expected) -> Iterator[Check]:
         if not read.robot.base.fixed:
             place[2, 3] = world_from_root[2, 3]
         found += place_differs(element, place, world_from_root, ("pose", "pose"), SAME)
-    detail = "name, place, gravity and self-collision of the model"
+    detail = "name, place and gravity of the model"
     yield read.within("model", float(len(found)), 0.0, detail, found)
 
 
@@ -69,18 +59,16 @@ def shapes(read: ReadSdf, geometry: Geometry | None) -> Iterator[Check]:
         found += differences(element, "visual", link.visuals, own, WORDS)
         own = wanted.get((link.name, "collision"), [])
         different = list(differences(element, "collision", link.collisions, own, WORDS))
-        found += different or _contacts(element, link.collisions, colliders.get(link.name, []))
+        found += different or _frictions(element, link.collisions, colliders.get(link.name, []))
     total = len(geometry.shapes)
     detail = f"{count(total, 'shape')} of the robot, with their files, sizes and places"
     yield read.within("shapes", float(len(found)), 0.0, detail, found)
 
 
-def _contacts(element: str, found: Sequence[SdfShape], wanted: Sequence[Shape]) -> Iterator[Finding]:
+def _frictions(element: str, found: Sequence[SdfShape], wanted: Sequence[Shape]) -> Iterator[Finding]:
     """`found` and `wanted`: a link's colliders, as many of the one as of the other."""
     for number, (shape, own) in enumerate(zip(found, wanted, strict=True), 1):
         which = f"collision {number} surface"
-        if not shape.collides:
-            yield Finding(element, f"{which} contact", "lets all pass through it")
         friction = own.contact.friction[0] if own.contact and own.contact.friction else None
         for key, value in zip(("mu", "mu2"), shape.friction, strict=True):
             if value != friction and not _alike(value, friction):

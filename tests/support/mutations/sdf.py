@@ -116,6 +116,13 @@ def _(files: Files, rng: random.Random) -> Planted:
     return Planted(named("model", model), ("self_collide",))
 
 
+@KINDS.add("collider that misses the world", "C-SDF")
+def _(files: Files, rng: random.Random) -> Planted:
+    one, planted = shape(files, rng, "collision")
+    within(one, "surface/contact/collide_bitmask", rng.choice(("0", "256", "0xff00")))
+    return planted
+
+
 @KINDS.add("model elsewhere", "C-SDF")
 def _(files: Files, rng: random.Random) -> Planted:
     model = files.sdf.find("model")

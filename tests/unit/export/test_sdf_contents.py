@@ -14,7 +14,7 @@ from stages.export import export
 from stages.formats.xml import parse
 from stages.mesh.primitives import shapes as primitive_shapes
 from stages.robot.errors import ConfigError
-from stages.robot.geometry import ContactProperties, Exclude, Geometry, Shape
+from stages.robot.geometry import ContactProperties, Geometry, Shape
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Frame, Primitive, Robot, frozen
 from stages.validate.sdf.read_back import check_file
@@ -94,25 +94,11 @@ def test_friction_is_that_of_sliding_and_the_rest_is_reported() -> None:
     assert said.endswith("arm: friction (torsional, rolling), priority")
 
 
-ADJACENT = Exclude("base", "arm", "Adjacent", 0.0)
-APART = Exclude("base", "hand", "Always", 0.001)
-
-
-@pytest.mark.parametrize(
-    ("self_contact", "excludes", "collides", "codes"),
-    [
-        (True, (ADJACENT,), "true", []),
-        (True, (ADJACENT, APART), None, ["I-SDF-SELF"]),
-        (False, (ADJACENT, APART), None, []),
-    ],
-)
-def test_links_collide_with_each_other_unless_single_pairs_must_not(
-    self_contact: bool, excludes: tuple[Exclude, ...], collides: str | None, codes: list[str]
-) -> None:
+@pytest.mark.parametrize(("self_contact", "collides"), [(True, "true"), (False, None)])
+def test_links_collide_with_each_other_as_the_robots_do(self_contact: bool, collides: str | None) -> None:
     robot = robot_with([joint("revolute", "base", "arm"), joint("revolute", "arm", "hand")])
-    made = exported(robot, replace(NO_MESHES, self_contact=self_contact, excludes=excludes))
+    made = exported(robot, replace(NO_MESHES, self_contact=self_contact))
     assert Sdf(made.files["robot.sdf"]).top.findtext("self_collide") == collides
-    assert [one.code for one in made.diagnostics if one.code == "I-SDF-SELF"] == codes
 
 
 def test_robot_json_has_the_names_of_the_sdf_and_where_its_joints_have_their_zeros() -> None:

@@ -1,0 +1,115 @@
+"""The check of which colliders of an SDF collide, as Gazebo reads their masks (gz-physics with DART)."""
+
+from collections.abc import Iterator, Sequence
+from functools import reduce
+from itertools import combinations
+from operator import or_
+
+import numpy as np
+
+from stages.formats.sdf.model import SdfLink, SdfModel
+from stages.formats.sdf.shapes import SdfShape
+from stages.robot.check import Check, Finding
+from stages.robot.geometry import Geometry
+from stages.robot.plural import count
+from stages.validate.findings import differs, named
+from stages.validate.sdf.known import ReadSdf
+
+ALL, DEFAULT = 0xFFFF, 0xFF
+"""The bits of a mask that Gazebo keeps, and the mask of a collider that has none in the file."""
+
+FEW = 8
+"""Where more links than `DEFAULT` has bits are in pairs that must not collide, these may be too few; then the
+links of the SDF do not collide with each other at all (I-SDF-SELF)."""
+
+MASK = "surface contact collide_bitmask"
+
+
+def contacts(read: ReadSdf, geometry: Geometry | None) -> Iterator[Check]:
+    """The links collide with each other as in the robot, and every collider with what has no mask."""
+    if geometry is None:
+        return
+    found = [finding for link in read.model.links.values() for finding in _outside(link)]
+    found += _together(read, geometry)
+    detail = f"what collides of {count(len(geometry.shapes), 'shape')} of the robot"
+    yield read.within("contacts", float(len(found)), 0.0, detail, found)
+
+
+def _outside(link: SdfLink) -> Iterator[Finding]:
+    """What keeps a link's colliders from colliding with the world."""
+    for number, shape in enumerate(link.collisions, 1):
+        if not shape.pushed:
+            words = "lets all pass through it"
+            yield Finding(named("link", link.name), f"collision {number} surface contact", words)
+        elif not _mask(shape) & DEFAULT:
+            words = f"shares no bit with {DEFAULT}, which a collider without a mask has"
+            yield Finding(named("link", link.name), f"collision {number} {MASK}", words)
+
+
+def _together(read: ReadSdf, geometry: Geometry) -> Iterator[Finding]:
+    """What collides of the robot's links that must not, or does not and must."""
+    model, joined = read.model, _joined(read)
+    links = {name: model.links[own] for name, own in read.names.links.items()}
+    apart = {(one.link_a, one.link_b): one.geoms for one in geometry.excludes}
+    apart = {pair: geoms for pair, geoms in apart.items() if frozenset(pair) not in joined}
+    if not geometry.self_contact:
+        wrong = [named("link", link.name) for link in links.values() if link.self_collides]
+        wrong += [named("model", model.name)] if model.self_collides else []
+        yield from (differs(element, "self_collide", "true", "false") for element in wrong)
+    elif not model.self_collides:
+        if len({name for pair in apart for name in pair}) <= FEW:
+            yield differs(named("model", model.name), "self_collide", "false", "true")
+    else:
+        masked = [
+            name for name, link in links.items() if any(shape.mask is not None for shape in link.collisions)
+        ]
+        for pair in sorted({*combinations(masked, 2), *apart}):
+            if frozenset(pair) not in joined:
+                yield from _pair([links[name] for name in pair], apart.get(pair), _full(model))
+
+
+def _pair(links: Sequence[SdfLink], apart: Sequence[tuple[int, int]] | None, full: bool) -> Iterator[Finding]:
+    """`apart`: positions of colliders that must not collide, () for all, None where there are none; `full`:
+    whether all bits are taken, so that some may not collide that should (I-SDF-SELF)."""
+    first, second = ([_mask(shape) for shape in link.collisions] for link in links)
+    collide = np.bitwise_and.outer(np.array(first, dtype=int), np.array(second, dtype=int)) != 0
+    wanted = np.ones_like(collide)
+    for a, b in apart or ():
+        wanted[a, b] = False
+    if apart == ():
+        wanted[...] = False
+    names = " and ".join(link.name for link in links)
+    if (collide & ~wanted).any():
+        yield Finding(
+            named("link", links[0].name), f"collision {MASK}", f"colliders of {names} collide, but must not"
+        )
+    elif (wanted & ~collide).any() and not full:
+        yield Finding(
+            named("link", links[0].name),
+            f"collision {MASK}",
+            f"colliders of {names} do not collide, but must",
+        )
+
+
+def _joined(read: ReadSdf) -> set[frozenset[str]]:
+    """The robot's links that a joint of the tree joins: the first joint that a link hangs on."""
+    name = {own: link for link, own in read.names.links.items()}
+    tree: dict[str, str] = {}
+    for joint in read.model.joints.values():
+        tree.setdefault(joint.child, joint.parent)
+    return {
+        frozenset((name[child], name[parent]))
+        for child, parent in tree.items()
+        if {child, parent} <= name.keys()
+    }
+
+
+def _full(model: SdfModel) -> bool:
+    masks = [
+        shape.mask for link in model.links.values() for shape in link.collisions if shape.mask is not None
+    ]
+    return reduce(or_, masks, 0) & ALL == ALL
+
+
+def _mask(shape: SdfShape) -> int:
+    return (DEFAULT if shape.mask is None else shape.mask) & ALL
