@@ -19,6 +19,15 @@ class MeshFaces:
     texcoords: npt.NDArray[np.float64] | None = None
 
 
+def mesh_corners(file: str, data: bytes) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64] | None]:
+    """The corners (m, 3, 3) of the triangles of a file of ours [m], and their texture coordinates (m, 3, 2),
+    None where there are none."""
+    if file.endswith(".stl"):
+        return mesh_points(file, data).reshape(-1, 3, 3), None
+    faces = mesh_faces(file, data)
+    return faces.points[faces.triangles], faces.texcoords
+
+
 def mesh_faces(file: str, data: bytes) -> MeshFaces:
     """The surface of a file of ours; equal points of an STL are one."""
     if file.endswith(".stl"):

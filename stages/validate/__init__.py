@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from stages.validate.keys import ValidateKeys
     from stages.validate.own import OwnCheck
 
-VERSION = 39
+VERSION = 40
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -105,7 +105,7 @@ def validate(
     forms = form or form_with(robot), mjcf_form or mjcf_written.form_with(robot)
     known = (actuation or NONE, geometry, *forms, sensing or NOTHING, amendments or UNCHANGED)
     asked = Asked(keys.validate.level == "strict", known_payload(robot, keys.validate.payload))
-    expected = Expected(known[0], geometry, forms[0], known[-1], scene)
+    expected = Expected(known[0], geometry, forms[0], known[-1], scene, known[4])
     read_back = check_read_back(folder, robot, READ_BACK, expected, quick=not checks)
     found = list(check_texts(folder, robot.name, ENGINES, known[-1], form))
     found += [

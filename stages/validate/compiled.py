@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Literal, Protocol
 
 from stages.robot.actuation import NONE, Actuation
-from stages.robot.amendments import UNCHANGED, Amendments, Surplus
+from stages.robot.amendments import UNCHANGED, Amendments, Surplus, tag_of
 from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.fusing import Holders
 from stages.robot.geometry import Geometry
@@ -15,6 +15,9 @@ from stages.robot.model import Robot
 from stages.robot.scene import Scene
 from stages.robot.sensing import NOTHING, Sensing
 from stages.validate.asked import AS_STANDARD, Asked
+
+LOOKS = frozenset(["rgba", "material", "texture", "color", "default", "class"])
+"""Elements and attributes on which colours depend."""
 
 FileKind = Literal["mjcf", "urdf", "scene", "simulated"]
 """What a file is to a check. simulated: the scene, or the MJCF where there is no scene; it is that too."""
@@ -74,6 +77,12 @@ class CompiledModel:
     def sets_of(self, target: str) -> frozenset[str]:
         """The attributes that the user's own XML sets of an element, by its tag and name: "geom floor"."""
         return frozenset(name for one in self.amendments.changes if one.target == target for name in one.sets)
+
+    @property
+    def recolours(self) -> bool:
+        """Whether the user's own XML changes what the robot looks like in this file."""
+        changes = self.amendments.of(self.path.name)
+        return any(LOOKS & {*one.sets, *one.added_tags, tag_of(one.target)} for one in changes)
 
     @property
     def urdf(self) -> bool:

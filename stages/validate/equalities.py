@@ -1,5 +1,6 @@
 """The equalities of a compiled model: their errors, and the bodies that they connect."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import mujoco
@@ -8,12 +9,32 @@ import numpy as np
 from stages.robot.check import Finding
 from stages.robot.model import Array, Loop, Robot
 from stages.robot.poses import inverse
-from stages.validate.coordinates import BY_EQUALITY, body_index, joint_index
-from stages.validate.findings import named, shown, worst_first
+from stages.validate.compiled import CompiledModel
+from stages.validate.coordinates import BY_EQUALITY, SAME, body_index, joint_index
+from stages.validate.findings import differs, named, shown, worst_first
 from stages.validate.mujoco_poses import placed
 
 CLOSED = 1e-6
 """Loops and relations [m, rad]: the error that CAD's own solver leaves is below this."""
+
+
+STIFF = (0.9999, 0.9999, 0.001)
+"""`solimp` of what closes loops and relates joints: the impedance that MuJoCo allows at most."""
+
+
+def held_differences(
+    compiled: CompiledModel, index: int, element: str, solref: tuple[float, float]
+) -> Iterator[Finding]:
+    """How an equality is held otherwise than it must be: `solref`, as far as the time step lets it, and
+    `STIFF`. What the user's own XML sets is the user's."""
+    model, (first, ratio) = compiled.model, solref
+    # Two steps are the stiffest that MuJoCo holds.
+    wanted = (max(first, 2.0 * float(model.opt.timestep)), ratio) if first > 0 else solref
+    if not np.allclose(model.eq_solref[index], wanted, rtol=SAME) and not compiled.sets("solref"):
+        yield differs(element, "solref", model.eq_solref[index], wanted)
+    found = model.eq_solimp[index][: len(STIFF)]
+    if not np.allclose(found, STIFF, rtol=SAME) and not compiled.sets("solimp"):
+        yield differs(element, "solimp", found, STIFF)
 
 
 def violation(model: Any, data: Any) -> float:

@@ -10,12 +10,15 @@ import numpy as np
 
 from stages.robot.check import Finding
 from stages.robot.fusing import Holders
-from stages.robot.geometry import Geometry, Role, Shape
+from stages.robot.geometry import Colour, Geometry, Role, Shape
 from stages.robot.model import Array
 from stages.robot.plural import count
 from stages.robot.poses import UNMOVED
 from stages.validate.coordinates import SAME
 from stages.validate.findings import differs, place_differs, shown
+
+COLOUR = 1e-4
+"""Of each channel; a screen has steps of 1/255."""
 
 ROLES: tuple[Role, Role] = ("visual", "collision")
 
@@ -23,16 +26,20 @@ ROLES: tuple[Role, Role] = ("visual", "collision")
 @dataclass(frozen=True, slots=True, eq=False)
 class WrittenShape:
     """What a file has to have. `kind`: that of a primitive, or "mesh"; `size` [m] as in `model.Primitive`, ()
-    for a mesh; `file`: the name of a mesh's file, "" for none; `link_from_shape` (4, 4)."""
+    for a mesh; `file`: the name of a mesh's file, "" for none; `link_from_shape` (4, 4). `colour`: RGBA, None
+    where nothing is known of it; `texture`: the name of its image, "" for none."""
 
     kind: str
     size: tuple[float, ...]
     file: str
     link_from_shape: Array
+    colour: Colour | None = None
+    texture: str = ""
 
 
 class ReadShape(Protocol):
-    """What a file has: `filename` is that of a mesh, as the file has it, and `scale` that of a mesh."""
+    """What a file has: `filename` is that of a mesh, as the file has it, and `scale` that of a mesh;
+    `texture` is that of an image."""
 
     @property
     def kind(self) -> str: ...
@@ -44,23 +51,28 @@ class ReadShape(Protocol):
     def scale(self) -> tuple[float, ...]: ...
     @property
     def link_from_shape(self) -> Array: ...
+    @property
+    def colour(self) -> Colour | None: ...
+    @property
+    def texture(self) -> str: ...
 
 
 @dataclass(frozen=True, slots=True)
 class ShapeWords:
-    """What a format calls the file and the scale of a mesh, and position and turn of a shape."""
+    """What a format calls the file and the scale of a mesh, position and turn of a shape, and its colour."""
 
     file: str
     scale: str
     place: tuple[str, str]
+    colour: str
 
 
 def solid_of(shape: Shape) -> WrittenShape:
     """A shape as it is."""
-    one = shape.primitive
+    one, look = shape.primitive, (shape.colour, shape.texture or "")
     if one is None:
-        return WrittenShape("mesh", (), str(shape.file), UNMOVED)
-    return WrittenShape(one.kind, tuple(one.size), "", one.link_from_shape)
+        return WrittenShape("mesh", (), str(shape.file), UNMOVED, *look)
+    return WrittenShape(one.kind, tuple(one.size), "", one.link_from_shape, *look)
 
 
 def solids_by_link(
@@ -89,6 +101,7 @@ def differences(
         return
     for number, (shape, one) in enumerate(zip(shapes, wanted, strict=True)):
         which = f"{role} {number + 1}"
+        yield from _looks(element, f"{which} {words.colour}", shape, one)
         if shape.kind != one.kind:
             yield differs(element, f"{which} geometry", shape.kind or "none", one.kind)
         elif one.file and PurePosixPath(shape.filename).name != PurePosixPath(one.file).name:
@@ -101,3 +114,18 @@ def differences(
         else:
             attributes = (f"{which} {words.place[0]}", f"{which} {words.place[1]}")
             yield from place_differs(element, shape.link_from_shape, one.link_from_shape, attributes, SAME)
+
+
+def _looks(element: str, attribute: str, shape: ReadShape, wanted: WrittenShape) -> Iterator[Finding]:
+    if wanted.colour is None:
+        return
+    image = PurePosixPath(shape.texture).name
+    if image != wanted.texture:
+        yield differs(element, attribute, image or "no image", wanted.texture or "no image")
+    elif not same_colour(shape.colour, wanted.colour):
+        yield differs(element, attribute, shape.colour, wanted.colour)
+
+
+def same_colour(found: Sequence[float] | Array | None, wanted: Colour) -> bool:
+    """Whether both are the same within what a screen shows."""
+    return found is not None and bool(np.allclose(found, wanted, rtol=0, atol=COLOUR))

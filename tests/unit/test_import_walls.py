@@ -30,11 +30,7 @@ HOMES = {
     "coacd": ("stages/mesh/decompose/coacd_guest.py",),
     "xacro": ("stages/fetch/urdf/",),
     "collada": (),
-    "pxr": (
-        "stages/export/usd/layer.py",
-        "stages/validate/usd/reader.py",
-        "stages/validate/usd/shape_reader.py",
-    ),
+    "pxr": ("stages/export/usd/layer.py", "stages/validate/usd/"),
     "networkx": ("stages/graph/", "stages/robot/loop_groups.py"),
     "lxml": ("stages/formats/xml.py",),
     "hydra": ("pipeline/config/", "pipeline/sweep/launch.py"),

@@ -66,16 +66,6 @@ class UsdJoint:
     def dynamics(self) -> Dynamics:
         return Dynamics() if self.dof is None else self.dof.dynamics
 
-    @property
-    def turns(self) -> bool:
-        """Whether its position is an angle."""
-        return self.type == "Revolute"
-
-    @property
-    def drive(self) -> str:
-        """What UsdPhysics calls its one degree of freedom."""
-        return "angular" if self.turns else "linear"
-
 
 def usd_joints(robot: Robot, names: UsdNames, zeros: Configuration) -> tuple[UsdJoint, ...]:
     """The joints of the robot and then of its loops, in their order. Free motion needs none. `zeros`: of

@@ -19,11 +19,12 @@ from pathlib import PurePosixPath
 import numpy as np
 
 from stages.export.usd.bodies import body_poses, write_mass
-from stages.export.usd.drives import Drives
-from stages.export.usd.joint_prims import write_frames, write_joint, write_mimic, write_state
+from stages.export.usd.joint_prims import write_facts, write_frames, write_joint
 from stages.export.usd.joints import UsdJoint, added_links
 from stages.export.usd.layer import Layer, Prim
 from stages.export.usd.shapes import write_colliders, write_materials, write_visuals
+from stages.formats.usd.drives import Drives
+from stages.formats.usd.joint_facts import JointFacts, driven, mimic, state
 from stages.formats.usd.names import UsdNames, identifiers
 from stages.robot.geometry import Geometry
 from stages.robot.inertia import SPECK
@@ -100,10 +101,7 @@ class _Writer:
                 self.colliders[link.name] = write_colliders(above, own, looks, self.meshes, self.meshes_layer)
         self._hold(scope, poses)
         written = {joint.name: self._joint(scope, joint) for joint in joints}
-        of = {joint.dof.name: joint for joint in joints if joint.dof is not None}
-        for relation in self.robot.relations:
-            follower, driver = of[relation.follower], of[relation.driver]
-            write_mimic(written[follower.name], follower, relation, written[driver.name], driver)
+        self._follow(written)
         self._filter()
 
     def _body(self, name: str, called: str, poses: Mapping[str, Array]) -> Prim:
@@ -166,11 +164,24 @@ class _Writer:
         prim.point_to("physics:body1", self.bodies[joint.second])
         write_frames(prim, joint.first_from_joint, joint.second_from_joint)
         write_joint(prim, joint)
-        if joint.dof is not None and not joint.closes and joint.type != "Spherical":
-            value = self.plan.home[joint.dof.name]
+        dof = joint.dof
+        if dof is not None and not joint.closes and joint.type != "Spherical":
+            value, drive = self.plan.home[dof.name], self.plan.drives.of.get(dof.name)
             assert not isinstance(value, tuple)
-            write_state(prim, joint, value, self.plan.drives.of.get(joint.dof.name))
+            facts = state(dof, value) | (driven(dof, drive) if drive is not None else JointFacts())
+            write_facts(prim, facts, {})
         return prim
+
+    def _follow(self, written: Mapping[str, Prim]) -> None:
+        """The relations, on their followers. `written`: the joints by their names."""
+        of = {joint.dof.name: joint for joint in self.plan.joints if joint.dof is not None}
+        prims = {dof: written[joint.name] for dof, joint in of.items()}
+        for relation in self.robot.relations:
+            follower, driver = of[relation.follower], of[relation.driver]
+            assert follower.dof is not None
+            assert driver.dof is not None
+            facts = mimic(relation, follower.dof, driver.dof, (follower.axis, driver.axis))
+            write_facts(prims[relation.follower], facts, prims)
 
     def _called(self, joint: UsdJoint) -> str:
         names = {own: name for name, own in self.plan.names.joints.items()}

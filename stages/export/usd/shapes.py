@@ -8,8 +8,9 @@ import numpy as np
 from stages.export.paints import Paint, materials, paint
 from stages.export.usd.layer import Layer, Prim
 from stages.formats.mesh_faces import MeshFaces, mesh_faces
+from stages.formats.usd.colours import ROUGHNESS, linear
 from stages.formats.usd.names import identifiers
-from stages.robot.geometry import Colour, Geometry, Shape
+from stages.robot.geometry import Geometry, Shape
 from stages.robot.model import Array, Primitive
 from stages.robot.names import free
 
@@ -84,14 +85,6 @@ def _frictions(geometry: Geometry) -> Iterator[Friction]:
     yield from dict.fromkeys(one for one in found if one is not None)
 
 
-def linear(colour: Colour) -> tuple[float, float, float]:
-    """The colour as renderers add it up (sRGB's transfer function, IEC 61966-2-1)."""
-    red, green, blue = (
-        value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4 for value in colour[:3]
-    )
-    return red, green, blue
-
-
 def _material(prim: Prim, own: Paint) -> str:
     colour, texture = own
     surface = prim.child("surface", "Shader")
@@ -112,7 +105,7 @@ def _material(prim: Prim, own: Paint) -> str:
     else:
         surface.floats("inputs:diffuseColor", "color3f", linear(colour))
     surface.number("inputs:opacity", colour[3])
-    surface.number("inputs:roughness", 0.5)
+    surface.number("inputs:roughness", ROUGHNESS)
     surface.set("outputs:surface", "token", None)
     prim.connect("outputs:surface", "token", f"{surface.path}.outputs:surface")
     return prim.path

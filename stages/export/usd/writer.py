@@ -45,9 +45,9 @@ def _record(plan: "UsdPlan") -> dict[str, Any]:
 
 
 def _plan(given: WriterInput) -> "UsdPlan":
-    from stages.export.usd.drives import drives_of
     from stages.export.usd.joints import usd_joints
     from stages.export.usd.model import UsdPlan
+    from stages.formats.usd.drives import drives_of
     from stages.formats.usd.names import usd_names
     from stages.formats.usd.zeros import ball_zeros
     from stages.robot.start_pose import home

@@ -7,6 +7,7 @@ import numpy as np
 
 from stages.formats.sdf.elements import SdfError, bound, needed, numbers, pose_of, truth
 from stages.formats.xml import Element, tag
+from stages.robot.geometry import Colour
 from stages.robot.model import Array, frozen
 
 SIZES = {"box": (("size", 3),), "sphere": (("radius", 1),)} | dict.fromkeys(
@@ -20,9 +21,11 @@ class SdfShape:
     """A visual or a collision.
 
     `kind`: the element in its <geometry>, "" for none; `size` [m] as in `model.Primitive`, () of what is no
-    primitive; `filename`: the <uri> of a mesh, as the file has it; `link_from_shape` (4, 4). Of a collision:
-    `friction`: the coefficients `mu` and `mu2`, None where the file gives none; `mask`: the bits of which it
-    shares one with what it collides with, None where the file gives none; `pushed`: whether contacts push it.
+    primitive; `filename`: the <uri> of a mesh, as the file has it; `link_from_shape` (4, 4). Of a visual:
+    `colour` and `ambient`: its material's RGBA in the light and in the shade, None where the file gives none,
+    and `transparency`, 0 for none; `texture`: "", since images come with meshes. Of a collision: `friction`:
+    the coefficients `mu` and `mu2`, None where the file gives none; `mask`: the bits of which it shares one
+    with what it collides with, None where the file gives none; `pushed`: whether contacts push it.
     """
 
     name: str
@@ -31,9 +34,13 @@ class SdfShape:
     filename: str
     scale: tuple[float, ...]
     link_from_shape: Array
+    colour: Colour | None
+    ambient: Colour | None
+    transparency: float
     friction: tuple[float | None, float | None]
     mask: int | None
     pushed: bool
+    texture: str = ""
 
 
 def shapes_of(link: Element, role: str, link_from: Callable[[str], Array]) -> tuple[SdfShape, ...]:
@@ -66,10 +73,22 @@ def _shape(node: Element, link_from: Callable[[str], Array]) -> SdfShape:
         filename,
         tuple(scale),
         frozen(place),
+        _colour(node, "diffuse"),
+        _colour(node, "ambient"),
+        bound(node, "transparency") or 0.0,
         (mu, mu2),
         _mask(node),
         not truth(node, "surface/contact/collide_without_contact", unless=False),
     )
+
+
+def _colour(node: Element, key: str) -> Colour | None:
+    given = node.find(f"material/{key}")
+    if given is None:
+        return None
+    # Alpha may be left out.
+    red, green, blue, *alpha = numbers(given, 4 if len((given.text or "").split()) == 4 else 3)
+    return red, green, blue, alpha[0] if alpha else 1.0
 
 
 def _mask(node: Element) -> int | None:

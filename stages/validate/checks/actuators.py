@@ -1,6 +1,6 @@
-"""Each actuator drives its dof with its gains and ranges, and `home` has its control and its state."""
+"""Each actuator drives its dof with its gains and ranges, and each keyframe has its control and its state."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import mujoco
@@ -8,9 +8,9 @@ import numpy as np
 
 from stages.robot.actuation import Actuator
 from stages.robot.check import Check, Finding
-from stages.robot.home_control import state_at, torque_per_volt
-from stages.robot.model import Value
-from stages.robot.start_pose import home
+from stages.robot.home_control import control_at, state_at, torque_per_volt
+from stages.robot.model import Configuration, Value
+from stages.robot.start_pose import HOME, keyframes
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME, joint_index
 from stages.validate.findings import differs, few, named, shown
@@ -26,8 +26,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     number = len(expected) + compiled.surplus.actuators
     if not expected and model.nu == number:
         return
-    rest = home(compiled.robot)
-    wrong = {one.name: found for one in expected if (found := [*_differences(model, one, rest[one.dof])])}
+    poses = keyframes(compiled.robot)
+    wrong = {one.name: found for one in expected if (found := [*_differences(model, one, poses)])}
     detail = f"{len(expected)} actuators with their dofs, gains and ranges"
     findings = [found for every in wrong.values() for found in every]
     if wrong:
@@ -42,8 +42,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     yield compiled.result("actuators", passed, detail, float(len(wrong)), 0.0, few(findings))
 
 
-def _differences(model: Any, one: Actuator, value: Value) -> Iterator[Finding]:
-    """`value`: of the dof at `home`."""
+def _differences(model: Any, one: Actuator, poses: Mapping[str, Configuration]) -> Iterator[Finding]:
+    """`poses`: of the keyframes, by name."""
     element = named(one.type, one.name)
     index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, one.name)
     if index < 0:
@@ -62,7 +62,8 @@ def _differences(model: Any, one: Actuator, value: Value) -> Iterator[Finding]:
     for attribute, number, wanted in {found[0]: found for found in reversed(gains)}.values():
         yield differs(element, attribute, number, wanted)
     yield from _ranges(model, index, one, element)
-    yield from _at_home(model, index, one, value)
+    for name, pose in poses.items():
+        yield from _at_rest(model, index, one, name, pose[one.dof])
 
 
 def _ranges(model: Any, index: int, one: Actuator, element: str) -> Iterator[Finding]:
@@ -77,23 +78,25 @@ def _ranges(model: Any, index: int, one: Actuator, element: str) -> Iterator[Fin
             yield differs(element, attribute, numbers, ends)
 
 
-def _at_home(model: Any, index: int, one: Actuator, value: Value) -> Iterator[Finding]:
-    """The control and the state at `home`."""
-    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
-    element = named("key", "home")
-    control = float(model.key_ctrl[key][index]) if key >= 0 else np.nan
-    if not _same(control, one.home):
-        message = f"of {one.name} is {shown(control)}, expected {shown(one.home)}"
-        yield Finding(element, "ctrl", message)
+def _at_rest(model: Any, index: int, one: Actuator, name: str, value: Value) -> Iterator[Finding]:
+    """The control and the state at a keyframe, with the dof at `value`. Only `home` must be there: that
+    others are is another check's."""
+    key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name)
     state = () if isinstance(value, tuple) else state_at(one, value)
     first, size = int(model.actuator_actadr[index]), int(model.actuator_actnum[index])
-    if size != len(state):
+    if name == HOME and size != len(state):
         yield differs(named(one.type, one.name), "dyntype", f"of {size} states", str(len(state)))
-    elif state and key >= 0:
+    if key < 0 and name != HOME:
+        return
+    element = named("key", name)
+    control = float(model.key_ctrl[key][index]) if key >= 0 else np.nan
+    wanted = one.home if name == HOME or isinstance(value, tuple) else control_at(one, value)
+    if not _same(control, wanted):
+        yield Finding(element, "ctrl", f"of {one.name} is {shown(control)}, expected {shown(wanted)}")
+    if state and size == len(state) and key >= 0:
         found = model.key_act[key][first : first + size]
         if not all(map(_same, found, state)):
-            message = f"of {one.name} is {shown(found)}, expected {shown(state)}"
-            yield Finding(element, "act", message)
+            yield Finding(element, "act", f"of {one.name} is {shown(found)}, expected {shown(state)}")
 
 
 def _gains(model: Any, index: int, one: Actuator) -> list[tuple[str, float, float]]:

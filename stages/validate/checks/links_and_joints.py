@@ -8,7 +8,14 @@ from stages.formats.xml import parse
 from stages.robot.check import Check, Finding
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import WIDTH, body_index, joints_of, missing_names, of_the_scene
+from stages.validate.coordinates import (
+    WIDTH,
+    body_index,
+    joint_index,
+    joints_of,
+    missing_names,
+    of_the_scene,
+)
 from stages.validate.findings import differs, few, link, named, named_joint
 
 CODE = "C-LINKS"
@@ -32,17 +39,25 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     passed = not missing and surplus == 0
     found = [_missing(compiled, name) for name in missing] or list(_others(compiled))
     yield compiled.result("links and joints", passed, detail, float(abs(surplus)), 0.0, few(found))
-    if passed and compiled.urdf and "name" not in compiled.sets_of(f"robot {robot.name}"):
-        yield _name(compiled)
+    if passed and compiled.path.name != SCENE:
+        yield _names(compiled)
 
 
-def _name(compiled: CompiledModel) -> Check:
-    """What a URDF calls its robot, by which others find its package and its groups."""
-    expected = compiled.robot.name
-    found = parse(compiled.path.read_bytes()).get("name", "")
-    finding = differs("robot", "name", f'"{found}"', f'"{expected}"')
-    detail = f"the robot is called {expected}" if found == expected else finding.message
-    return compiled.result("name", found == expected, detail, findings=(finding,))
+def _names(compiled: CompiledModel) -> Check:
+    """What a URDF calls its robot, by which others find its package and its groups; what an MJCF calls it,
+    and the joint by which it floats."""
+    robot, found = compiled.robot, list[Finding]()
+    tag, attribute = ("robot", "name") if compiled.urdf else ("mujoco", "model")
+    own = parse(compiled.path.read_bytes()).get(attribute, "")
+    if own != robot.name and not any(attribute in one.sets for one in compiled.amendments.changes):
+        found.append(differs(tag, attribute, f'"{own}"', f'"{robot.name}"'))
+    if robot.base.joint and not compiled.urdf:
+        joint = joint_index(compiled.model, robot.base.joint)
+        if joint < 0:
+            message = f'there is none, expected "{robot.base.joint}"'
+            found.append(Finding(link(robot.root.name, False), "freejoint name", message))
+    detail = found[0].message if found else f"the robot is called {robot.name}"
+    return compiled.within("name", float(len(found)), 0.0, detail, found)
 
 
 def _beside(compiled: CompiledModel) -> int:

@@ -29,8 +29,8 @@ from stages.validate.coordinates import (
     site_pose,
     spread,
 )
-from stages.validate.equalities import bodies, ends, equality_index, sites
-from stages.validate.findings import apart, differs, few, named, shown, worst_first
+from stages.validate.equalities import bodies, ends, equality_index, held_differences, sites
+from stages.validate.findings import apart, few, named, shown, worst_first
 
 CODE = "C-LOOP"
 
@@ -97,11 +97,7 @@ def _held_fast(compiled: CompiledModel) -> Check:
         element = named(_kind(model, index), model.equality(index).name)
         if not model.eq_active0[index] and not compiled.sets("active"):
             found.append(Finding(element, "active", f"is false: the loop {loop.name} is open"))
-        first, ratio = loop.solref
-        # Two steps are the stiffest that MuJoCo holds.
-        wanted = (max(first, 2.0 * float(model.opt.timestep)), ratio) if first > 0 else (first, ratio)
-        if not np.allclose(model.eq_solref[index], wanted, rtol=SAME) and not compiled.sets("solref"):
-            found.append(differs(element, "solref", model.eq_solref[index], wanted))
+        found += held_differences(compiled, index, element, loop.solref)
     detail = (
         f"{count(len(robot.loops), 'loop')}, held by equalities that are active and as stiff as they must be"
     )

@@ -11,8 +11,12 @@ from stages.robot.model import Array, Relation
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME, joint_index
+from stages.validate.equalities import held_differences
 from stages.validate.findings import differs, few, named
 from stages.validate.mujoco_abilities import mimics, reads_mimic
+
+SOLREF = (0.005, 1.0)
+"""Of a relation: time constant [s] and damping ratio."""
 
 Pairs = Mapping[tuple[int, int], Array]
 """(follower, driver) → the five numbers of MuJoCo's equality of two joints."""
@@ -35,6 +39,18 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     findings = few([*_findings(compiled, found), *(_unknown(compiled, found) if surplus > 0 else ())])
     passed = not wrong and surplus == 0
     yield compiled.result("relations", passed, detail, float(len(wrong)), 0.0, findings)
+    if passed and expected and not compiled.urdf:
+        yield _held(compiled)
+
+
+def _held(compiled: CompiledModel) -> Check:
+    """Followers follow as stiffly as loops are closed."""
+    model, found = compiled.model, list[Finding]()
+    for index in range(model.neq - compiled.surplus.equalities):
+        if model.eq_type[index] == mujoco.mjtEq.mjEQ_JOINT:
+            found += held_differences(compiled, index, named("joint", model.equality(index).name), SOLREF)
+    detail = f"{count(len(compiled.robot.relations), 'relation')}, held as stiffly as loops"
+    return compiled.within("relations are held", float(len(found)), 0.0, detail, few(found))
 
 
 def _findings(compiled: CompiledModel, found: Pairs) -> Iterator[Finding]:

@@ -1,8 +1,10 @@
 """Each body has the shapes of its links: as many, where they shall be, and of their size."""
 
 from collections.abc import Iterator, Sequence
+from pathlib import PurePosixPath
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from stages.robot.check import Check, Finding
@@ -12,7 +14,7 @@ from stages.robot.plural import count
 from stages.robot.poses import UNMOVED, inverse
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import body_index, distance, placed_by_site
-from stages.validate.findings import named
+from stages.validate.findings import differs, named
 from stages.validate.mujoco_poses import placed
 from stages.validate.shapes import (
     BOX,
@@ -25,6 +27,7 @@ from stages.validate.shapes import (
     seen_and_solid,
     vertices,
 )
+from stages.validate.solids import same_colour
 
 CODE = "C-SHAPE"
 
@@ -38,6 +41,12 @@ WITHIN = 2e-5
 """Bounds of meshes [m], and relatively beyond a metre: both are written in single precision."""
 
 ROLES: tuple[Role, Role] = ("visual", "collision")
+
+GROUPS: dict[Role, int] = {"visual": 2, "collision": 3}
+"""Viewers show groups 0 to 2."""
+
+UNPAINTED = (0.5, 0.5, 0.5, 1.0)
+"""MuJoCo's colour of a geom without one."""
 
 KINDS = {"box": BOX, "sphere": SPHERE, "cylinder": CYLINDER, "capsule": CAPSULE}
 
@@ -61,8 +70,9 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
             more += [_more(compiled.model, link.name, role, geom) for geom in added]
             kept = [geom for geom in geoms if geom not in added]
             wrong += _differences(compiled.model, link.name, role, own, kept, places)
+            wrong += _looks(compiled, link.name, role, own, kept)
     total = len(compiled.geometry.shapes)
-    detail = f"{count(total, 'shape')} in place, of their size"
+    detail = f"{count(total, 'shape')} in place, of their size and colour"
     if wrong or more:
         says = [f"{len(wrong)} of {count(total, 'shape')} not as the robot has them"] if wrong else []
         says += [f"{len(more)} more than the robot has: {more[0].element}"] if more else []
@@ -170,3 +180,38 @@ def _of_primitive(model: Any, shape: Shape, geom: int, places: Sequence[Array]) 
     place = placed(model.geom_quat[geom], model.geom_pos[geom])
     off = min(distance(place, expected @ primitive.link_from_shape) for expected in places)
     return ("pos", f"is {off:.3g} m or rad from its place") if off > SAME else None
+
+
+def _looks(
+    compiled: CompiledModel, link: str, role: Role, shapes: Sequence[Shape], geoms: Sequence[int]
+) -> Iterator[Finding]:
+    """The colours of what is seen, and the group by which viewers show or hide it."""
+    model = compiled.model
+    if len(geoms) < len(shapes):
+        return
+    for shape, geom in zip(shapes, geoms, strict=False):
+        element, group = named_geom(model, geom, link), int(model.geom_group[geom])
+        if group != GROUPS[role] and not compiled.sets("group"):
+            yield differs(element, "group", group, GROUPS[role])
+        if shape.colour is None or role == "collision" or compiled.recolours:
+            continue
+        colour, image = _look(model, geom)
+        if image != (shape.texture or ""):
+            yield differs(element, "material", image or "no image", shape.texture or "no image")
+        elif not same_colour(colour, shape.colour):
+            yield differs(element, "material", colour, shape.colour)
+
+
+def _look(model: Any, geom: int) -> tuple[Array, str]:
+    """The colour of a geom, and the name of its image's file, "" for none: those of its material, but for a
+    colour of its own."""
+    own, material = model.geom_rgba[geom], int(model.geom_matid[geom])
+    if material < 0:
+        return own, ""
+    colour = model.mat_rgba[material] if np.allclose(own, UNPAINTED) else own
+    texture = int(model.mat_texid[material][mujoco.mjtTextureRole.mjTEXROLE_RGB])
+    if texture < 0:
+        return colour, ""
+    first = int(model.tex_pathadr[texture])
+    path = model.paths[first : model.paths.find(b"\0", first)] if first >= 0 else b""
+    return colour, PurePosixPath(path.decode()).name

@@ -10,17 +10,18 @@ import numpy as np
 
 from stages.formats.urdf.model import UrdfShape
 from stages.formats.urdf.parse import parse
+from stages.formats.xml import parse as read_xml
 from stages.robot.check import Check, Finding
 from stages.robot.errors import SourceError
 from stages.robot.geometry import Role, Shape
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
-from stages.validate.findings import few, link
+from stages.validate.findings import differs, few, link
 from stages.validate.solids import ShapeWords, WrittenShape, differences, solid_of, solids_by_link
 
 CODE = "C-SHAPE"
 
-WORDS = ShapeWords("mesh filename", "mesh scale", ("origin xyz", "origin rpy"))
+WORDS = ShapeWords("mesh filename", "mesh scale", ("origin xyz", "origin rpy"), "material")
 """What a URDF calls what a shape is."""
 
 
@@ -34,6 +35,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     except SourceError:
         return
     expected = solids_by_link(geometry, _solids, compiled.held)
+    if compiled.recolours:
+        expected = {key: [replace(one, colour=None) for one in every] for key, every in expected.items()}
     found: list[Finding] = []
     total = 0
     for one in read.links:
@@ -45,12 +48,13 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
             # What the user's own XML adds to a link comes after what is the robot's.
             shapes = shapes[: len(wanted)] if compiled.amendments.of(compiled.path.name) else shapes
             found += differences(link(one.name, urdf=True), role, shapes, wanted, WORDS)
-    detail = f"{count(total, 'shape')} of the robot, with their files, sizes and places"
+    found += _discarded(compiled)
+    detail = f"{count(total, 'shape')} of the robot, with their files, sizes, places and colours"
     yield compiled.within("shapes", float(len(found)), 0.0, detail, few(found))
 
 
 def _solids(shape: Shape) -> Iterator[WrittenShape]:
-    one = shape.primitive
+    one, look = shape.primitive, (shape.colour, shape.texture or "")
     if one is None or one.kind != "capsule":
         yield solid_of(shape)
         return
@@ -58,4 +62,12 @@ def _solids(shape: Shape) -> Iterator[WrittenShape]:
     for end in (-one.size[1] / 2, one.size[1] / 2):
         moved = np.eye(4)
         moved[2, 3] = end
-        yield WrittenShape("sphere", one.size[:1], "", one.link_from_shape @ moved)
+        yield WrittenShape("sphere", one.size[:1], "", one.link_from_shape @ moved, *look)
+
+
+def _discarded(compiled: CompiledModel) -> Iterator[Finding]:
+    """MuJoCo drops the visuals of a URDF unless it is told not to."""
+    compiler = read_xml(compiled.path.read_bytes()).find("mujoco/compiler")
+    word = "none" if compiler is None else compiler.get("discardvisual", "true")
+    if word != "false" and "discardvisual" not in compiled.sets_of("compiler"):
+        yield differs("compiler", "discardvisual", word, "false")

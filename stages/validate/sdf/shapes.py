@@ -1,6 +1,7 @@
 """The checks of what an SDF's links look like, and how the model stands."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -12,9 +13,17 @@ from stages.validate.coordinates import SAME
 from stages.validate.expected import Expected
 from stages.validate.findings import differs, named, place_differs, shown
 from stages.validate.sdf.known import ReadSdf
-from stages.validate.solids import ShapeWords, differences, solid_of, solids_by_link
+from stages.validate.solids import (
+    COLOUR,
+    ShapeWords,
+    WrittenShape,
+    differences,
+    same_colour,
+    solid_of,
+    solids_by_link,
+)
 
-WORDS = ShapeWords("mesh uri", "mesh scale", ("pose", "pose"))
+WORDS = ShapeWords("mesh uri", "mesh scale", ("pose", "pose"), "material diffuse")
 """What an SDF calls what a shape is."""
 
 
@@ -46,7 +55,7 @@ def shapes(read: ReadSdf, geometry: Geometry | None) -> Iterator[Check]:
     if geometry is None:
         return
     held = {link.name: (read.names.links[link.name], np.eye(4)) for link in read.robot.links}
-    wanted = solids_by_link(geometry, lambda shape: (solid_of(shape),), held)
+    wanted = solids_by_link(geometry, lambda shape: (_solid(shape),), held)
     colliders = {
         read.names.links[link]: every
         for (link, role), every in geometry.by_link().items()
@@ -56,13 +65,31 @@ def shapes(read: ReadSdf, geometry: Geometry | None) -> Iterator[Check]:
     for link in read.model.links.values():
         element = named("link", link.name)
         own = wanted.get((link.name, "visual"), [])
-        found += differences(element, "visual", link.visuals, own, WORDS)
+        different = list(differences(element, "visual", link.visuals, own, WORDS))
+        found += different or _shades(element, link.visuals, own)
         own = wanted.get((link.name, "collision"), [])
         different = list(differences(element, "collision", link.collisions, own, WORDS))
         found += different or _frictions(element, link.collisions, colliders.get(link.name, []))
     total = len(geometry.shapes)
-    detail = f"{count(total, 'shape')} of the robot, with their files, sizes and places"
+    detail = f"{count(total, 'shape')} of the robot, with their files, sizes, places and colours"
     yield read.within("shapes", float(len(found)), 0.0, detail, found)
+
+
+def _solid(shape: Shape) -> WrittenShape:
+    """A mesh with an image has the colours of its own file."""
+    solid = solid_of(shape)
+    return replace(solid, colour=None, texture="") if shape.texture else solid
+
+
+def _shades(element: str, found: Sequence[SdfShape], wanted: Sequence[WrittenShape]) -> Iterator[Finding]:
+    """`found` and `wanted`: a link's visuals, as many of the one as of the other."""
+    for number, (shape, own) in enumerate(zip(found, wanted, strict=True), 1):
+        if own.colour is None:
+            continue
+        if not same_colour(shape.ambient, own.colour):
+            yield differs(element, f"visual {number} material ambient", shape.ambient, own.colour)
+        if not abs(shape.transparency - (1.0 - own.colour[3])) <= COLOUR:
+            yield differs(element, f"visual {number} transparency", shape.transparency, 1.0 - own.colour[3])
 
 
 def _frictions(element: str, found: Sequence[SdfShape], wanted: Sequence[Shape]) -> Iterator[Finding]:

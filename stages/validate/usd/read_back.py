@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from stages.formats.usd.drives import drives_of
 from stages.formats.usd.names import UsdNames, usd_names
 from stages.formats.usd.zeros import ball_zeros
 from stages.robot.check import Check, Finding
@@ -19,8 +20,10 @@ from stages.robot.start_pose import HOME, home
 from stages.validate.coordinates import SAME, distance, spread
 from stages.validate.expected import NOTHING_ELSE, Expected
 from stages.validate.findings import few, named, shown, worst_first
-from stages.validate.usd.model import moving, placed, shapes, units
-from stages.validate.usd.reader import ReadUsdJoint, UsdError, UsdRobot, read_usd
+from stages.validate.usd.driving import driving
+from stages.validate.usd.model import moving, placed, rooted, shapes, units
+from stages.validate.usd.places import places
+from stages.validate.usd.reader import FreeRanges, ReadUsdJoint, UsdError, UsdRobot, read_usd
 
 CODE = "C-USD"
 
@@ -110,11 +113,22 @@ def check_file(
             yield check(given)
         known = expected.scene is not None and robot.root.name != "world"
         place = dict(expected.scene.keyframes).get(HOME) if known and expected.scene else None
-        found = [*placed(usd, robot, names, place), *moving(usd, robot, names, expected.geometry)]
-        detail = "place, self-collision and pairs of bodies that do not collide"
+        found = [
+            *usd.flaws,
+            *rooted(usd, robot, names),
+            *placed(usd, robot, names, place),
+            *moving(usd, robot, names, expected.geometry),
+        ]
+        detail = "articulation, place, self-collision and pairs of bodies that do not collide"
         yield given.within("model", float(len(found)), 0.0, detail, found)
+        drives = drives_of(robot, expected.actuation, at_home)
+        found = list(driving(usd, robot, names, drives, at_home))
+        detail = "resistance, largest speed, state, drive and relations of each joint"
+        yield given.within("drives", float(len(found)), 0.0, detail, found)
+        found = list(places(usd, robot, names, expected.sensing))
+        yield given.within("frames", float(len(found)), 0.0, "frames and cameras on their bodies", found)
         if expected.geometry is not None:
-            found = list(shapes(usd, names, expected.geometry))
+            found = list(shapes(usd, names, expected.geometry, path.parent))
             total = count(len(expected.geometry.shapes), "shape")
             detail = f"{total} of the robot, with their sizes and places, and what collides"
             yield given.within("shapes", float(len(found)), 0.0, detail, found)
@@ -220,8 +234,7 @@ def _joints(given: _Given) -> Check:
 def _fits(joint: ReadUsdJoint, dof: Dof) -> bool:
     low, high = dof.limits.interval if dof.kind != "ball" else Limits(None, dof.limits.upper).interval
     return joint.type == TYPES[dof.kind] and all(
-        found == wanted or abs(found - wanted) <= SINGLE * max(1.0, abs(wanted))
-        for found, wanted in zip(joint.ends, (low, high), strict=True)
+        _alike(found, wanted) for found, wanted in zip(joint.ends, (low, high), strict=True)
     )
 
 
@@ -244,8 +257,8 @@ def _loops(given: _Given) -> Check:
             found = joint.first_from_joint @ moved @ inverse(joint.second_from_joint)
             wanted = loop.b_from_frame @ chain(loop.dofs, q) @ inverse(loop.a_from_frame)
             value = distance(found, wanted)
-            freed = {("rot" if dof.kind == "turn" else "trans", _letter(dof)) for dof in loop.dofs}
-            if not joint.type and set(joint.free) != freed:
+            freed = {_freed(dof): _ends(dof) for dof in loop.dofs}
+            if not joint.type and not _ranges_fit(joint.free, freed):
                 value = math.inf
         if not value <= worst:
             worst, where = value, loop.name
@@ -260,8 +273,25 @@ def _some(dof: Dof, number: int) -> Value:
     return at_rest("ball") if dof.kind == "ball" else 0.3 + 0.1 * number
 
 
-def _letter(dof: Dof) -> str:
-    return "XYZ"[int(np.abs(dof.axis).argmax())]
+def _ends(dof: Dof) -> tuple[float, float]:
+    """The range [m or rad] along the axis of the frame, to which the dof's own may be opposite."""
+    low, high = dof.limits.interval
+    return (low, high) if dof.axis.sum() > 0 else (-high, -low)
+
+
+def _ranges_fit(found: FreeRanges, wanted: FreeRanges) -> bool:
+    return found.keys() == wanted.keys() and all(
+        _alike(one, other) for key in wanted for one, other in zip(found[key], wanted[key], strict=True)
+    )
+
+
+def _alike(found: float, wanted: float) -> bool:
+    return found == wanted or abs(found - wanted) <= SINGLE * max(1.0, abs(wanted))
+
+
+def _freed(dof: Dof) -> tuple[str, str]:
+    """What a general joint leaves free for it."""
+    return "rot" if dof.kind == "turn" else "trans", "XYZ"[int(np.abs(dof.axis).argmax())]
 
 
 CHECKS: tuple[Callable[[_Given], Check], ...] = (_masses, _stance, _motion, _joints, _loops)
