@@ -98,11 +98,13 @@ def build_files(
                 for stage in stages:
                     run.stage(stage, context)
                     ahead.wait()
+                    if output and stage.name == "export":
+                        run.begin_drawing(context)
             files = products(context)
             log.secrets.check(files)
             if output:
                 run.look(context, sweep)
-                run.draw(context, files)
+                run.draw()
             done = run.finished(context, files)
             robot = context.files["graph"][ROBOT] if "graph" in context.files else None
             if output:
@@ -117,6 +119,7 @@ def build_files(
         leave_failure(output, run, error, files if isinstance(error, InTheWay) else {})
         raise
     finally:
+        run.drawing.end()
         run.progress.close()
     if output:
         output.remove(FAILED)

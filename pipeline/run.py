@@ -13,12 +13,12 @@ from pipeline.caching import bundles
 from pipeline.config.choices import name_of
 from pipeline.config.file_text import as_yaml
 from pipeline.config.plan import Plan
-from pipeline.context import NOTES, BuildContext
+from pipeline.context import FILES, NOTES, BuildContext
 from pipeline.documents import documents
 from pipeline.errors import LinkwrightError, SecretFound, exit_status
 from pipeline.live.made import NOTHING, Live, is_plain, live
 from pipeline.mesh_details import kept
-from pipeline.preview import NONE, Preview, preview
+from pipeline.preview import NONE, Drawing, Preview, begun
 from pipeline.products import digests
 from pipeline.progress import Log, Progress
 from pipeline.report import Report, StageReport, Status
@@ -52,6 +52,7 @@ class Run:
     advice: str = ""
     shown: dict[str, str] = field(default_factory=dict)
     seen: Live = NOTHING
+    drawing: Drawing = field(default_factory=Drawing)
     pictures: Preview = NONE
 
     def __post_init__(self) -> None:
@@ -107,12 +108,17 @@ class Run:
         self.seen = live(context, self.details.get("colliders", ()), Path(self.folder), sweep, say)
         self.note(self.seen.found)
 
-    def draw(self, context: BuildContext, files: Mapping[str, bytes]) -> None:
-        """Makes the robot's picture, of a build that exports."""
-        if "export" in context.files and not is_plain(context.environ):
+    def begin_drawing(self, context: BuildContext) -> None:
+        """Begins the robot's picture, beside the stages that come."""
+        if not is_plain(context.environ):
+            exported = context.files["export"].below(FILES)
             kind, say = self.plan.page.preview, functools.partial(self.progress.detail, "page")
-            self.pictures = preview(context.cache, files, digests(context, files), kind, say)
-            self.note(self.pictures.found)
+            self.drawing = begun(context.cache, exported, exported.digests, kind, say)
+
+    def draw(self) -> None:
+        """Finishes the robot's picture."""
+        self.pictures = self.drawing.result()
+        self.note(self.pictures.found)
 
     def finished(self, context: BuildContext, files: Mapping[str, bytes]) -> Report:
         """The report of a build whose stages all ran and made `files`."""

@@ -128,14 +128,12 @@ class Cache:
         the others wait.
         """
         key = action.key
-        found = None if force else self._lookup(key)
-        if found is not None:
+        if not force and (found := self.known(action)) is not None:
             return found, True
         with self.store.lock(
             key, lambda: self.on_wait(f"waiting for another build of the same {action.stage}")
         ):
-            found = None if force else self._lookup(key)
-            if found is not None:
+            if not force and (found := self.known(action)) is not None:
                 return found, True
             start = time.perf_counter()
             outputs = make()
@@ -188,10 +186,11 @@ class Cache:
     def replies(self) -> "Replies":
         return Replies(self)
 
-    def _lookup(self, key: str) -> Files | None:
-        if self.mode == "refresh" and key not in self._fresh:
+    def known(self, action: Action) -> Files | None:
+        """The outputs of an action that `run` would take from the cache."""
+        if self.mode == "refresh" and action.key not in self._fresh:
             return None
-        return self.find(key)
+        return self.find(action.key)
 
     def find(self, key: str) -> Files | None:
         """The outputs recorded under `key`, if all of them exist and are intact."""

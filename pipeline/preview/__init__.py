@@ -1,8 +1,9 @@
 """The robot's picture: `preview.png` of every build that exports, and where it is wished a turn,
 `preview.webp`.
 
-It is drawn by the processor alone, from what MuJoCo compiles of the exported files, in a process of its own:
-the same picture on every machine, without a graphics driver, and never a failed build.
+It is drawn by the processor alone, from the look that the robot has in MuJoCo's model of the exported files,
+in a process of its own beside the build: the same picture on every machine, without a graphics driver, and
+never a failed build. A change that the robot's look does not show draws nothing.
 """
 
 import importlib.util
@@ -13,10 +14,11 @@ from typing import Literal
 
 from pipeline.caching.actions import Action, Cache
 from pipeline.digest import sha256
-from stages.robot.errors import ConfigError, Diagnostic
+from stages.robot.errors import ConfigError, Diagnostic, LinkwrightError
 from stages.robot.install import install
 
 Kind = Literal["png", "turn", "none"]
+Make = Callable[[], Mapping[str, bytes]]
 
 PICTURE = "preview.png"
 TURN = "preview.webp"
@@ -27,7 +29,7 @@ REFUSED = "refused.json"
 ENDED = "ended.json"
 """Why there is no picture: by the robot's files, and by an accident that is not kept."""
 
-VERSION = 4
+VERSION = 5
 CODE = "I-PREVIEW"
 
 SCENE = "scene.xml"
@@ -66,34 +68,82 @@ def require(kind: Kind) -> None:
         raise ConfigError(msg, "page.preview", install("pillow"))
 
 
-def preview(
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """Pictures that are being drawn beside the build: `result` waits for them, and `end` gives them up."""
+
+    result: Callable[[], Preview] = lambda: NONE
+    end: Callable[[], None] = lambda: None
+
+
+def begun(
     cache: Cache,
     files: Mapping[str, bytes],
     digests: Mapping[str, str],
     kind: Kind,
     say: Callable[[str], None] = lambda _: None,
-) -> Preview:
-    """The pictures of the robot whose `files` were exported, from the cache where they were made before.
+) -> Drawing:
+    """Begins to draw the robot whose `files` were exported, where no picture of its look was made before.
     `digests`: SHA-256 of each file, as far as they are known. `say` is told how long making them took."""
     if kind == "none" or "robot.json" not in files:
-        return NONE
+        return Drawing()
     model = model_of(files)
     if model is None:
-        return _without("MuJoCo reads none of the exported files", _OTHERWISE)
+        without = _without("MuJoCo reads none of the exported files", _OTHERWISE)
+        return Drawing(lambda: without)
     needed = needed_by(model, files)
     inputs = {path: digests.get(path) or sha256(files[path]) for path in needed}
-    action = Action("preview", VERSION, {"model": model, "kind": kind}, inputs, _versions(kind))
-    made, cached = cache.run(
-        action,
-        lambda: _drawn(model, {path: files[path] for path in needed}, kind),
-        lasts=lambda found: ENDED not in found,
-    )
-    if not cached:
-        say(f"the picture of the robot took {made.seconds:.1f} s")
+    action = Action("preview", VERSION, {"model": model, "kind": kind}, inputs, _versions("mujoco", "numpy"))
+    make, end = _nothing, _no_end
+    if cache.known(action) is None:
+        make, end = _made(cache, model, {path: files[path] for path in needed}, kind, say)
+    return Drawing(lambda: _kept(cache.run(action, make, lasts=_lasts)[0], kind), end)
+
+
+def _made(
+    cache: Cache, model: str, files: Mapping[str, bytes], kind: Kind, say: Callable[[str], None]
+) -> tuple[Make, Callable[[], None]]:
+    """What waits for the pictures of a look, which are drawn beside the build unless they were made before,
+    and what gives them up."""
+    from pipeline.preview.ask import Painting
+    from pipeline.preview.compiled import look_of_files
+
+    try:
+        look = look_of_files(model, files)
+    except LinkwrightError as error:
+        refused = {REFUSED: json.dumps({"why": error.message}).encode()}
+        return lambda: refused, _no_end
+    versions = _versions("numpy", *(["pillow"] if kind == "turn" else []))
+    action = Action("preview/look", VERSION, {"kind": kind, **look.key()}, {}, versions)
+    if (known := cache.known(action)) is not None:
+        return lambda: known, _no_end
+    painting = Painting(look, kind)
+
+    def make() -> Mapping[str, bytes]:
+        made, _ = cache.run(action, painting.result, lasts=_lasts)
+        say(f"the picture of the robot took {painting.seconds:.1f} s, beside the checks")
+        return made
+
+    return make, painting.end
+
+
+def _kept(made: Mapping[str, bytes], kind: Kind) -> Preview:
     for why in (REFUSED, ENDED):
         if why in made:
             return _without(json.loads(made[why])["why"], _HINT, lasts=why == REFUSED)
     return Preview({name: made[name] for name in names(kind)}, made[SMALL])
+
+
+def _lasts(made: Mapping[str, bytes]) -> bool:
+    return ENDED not in made
+
+
+def _nothing() -> Mapping[str, bytes]:
+    return {}
+
+
+def _no_end() -> None:
+    """Nothing is being drawn."""
 
 
 def model_of(files: Mapping[str, bytes]) -> str | None:
@@ -120,17 +170,10 @@ def _is_asset(path: str) -> bool:
     return path.lower().endswith((".stl", ".obj", ".msh", ".png", ".mtl"))
 
 
-def _versions(kind: Kind) -> dict[str, str]:
+def _versions(*libraries: str) -> dict[str, str]:
     from pipeline.stage import installed
 
-    used = ["mujoco", "numpy", *(["pillow"] if kind == "turn" else [])]
-    return {name: installed(name) for name in used}
-
-
-def _drawn(model: str, files: Mapping[str, bytes], kind: Kind) -> dict[str, bytes]:
-    from pipeline.preview.ask import drawn
-
-    return drawn(model, files, kind)
+    return {name: installed(name) for name in libraries}
 
 
 def _without(why: str, hint: str, lasts: bool = True) -> Preview:

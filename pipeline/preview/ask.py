@@ -2,10 +2,13 @@
 
 import json
 import os
+import threading
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from pipeline.preview import ENDED, REFUSED, Kind
+from pipeline.preview.look import Look, packed
 from stages.robot import guest
 from stages.robot.errors import LinkwrightError
 from stages.robot.guest import Bounds
@@ -29,19 +32,45 @@ class Painter:
     bounds: Bounds | None = None
 
 
-def drawn(model: str, files: Mapping[str, bytes], kind: Kind, by: Painter = Painter()) -> dict[str, bytes]:
+class Painting:
+    """Pictures that a guest draws beside this process; `seconds`: how long that took."""
+
+    def __init__(self, look: Look, kind: Kind) -> None:
+        self.seconds = 0.0
+        self._halt = threading.Event()
+        self._made: Mapping[str, bytes] = {}
+        self._thread = threading.Thread(target=self._run, args=(look, kind), name="preview", daemon=True)
+        self._thread.start()
+
+    def result(self) -> Mapping[str, bytes]:
+        """The pictures by name, as `drawn`."""
+        self._thread.join()
+        return self._made
+
+    def end(self) -> None:
+        """Ends the guest where it draws."""
+        self._halt.set()
+        self._thread.join()
+
+    def _run(self, look: Look, kind: Kind) -> None:
+        start = time.perf_counter()
+        self._made = drawn(look, kind, halt=self._halt)
+        self.seconds = time.perf_counter() - start
+
+
+def drawn(
+    look: Look, kind: Kind, by: Painter = Painter(), halt: threading.Event | None = None
+) -> dict[str, bytes]:
     """The pictures by name; where there are none `REFUSED`, or `ENDED` where it may work another time."""
-    head = {"model": model, "kind": kind, "files": [[path, len(data)] for path, data in files.items()]}
-    request = b"".join([json.dumps(head).encode(), b"\n", *files.values()])
     bounds = by.bounds or (TURN_BOUNDS if kind == "turn" else BOUNDS)
     try:
-        return _read(guest.ask(by.module, request, bounds, {**_ENVIRON, **_temporary()}))
+        return _read(guest.ask(by.module, packed(look, kind), bounds, {**_ENVIRON, **_temporary()}, halt))
     except guest.Ended as ended:
         return {ENDED: json.dumps({"why": f"drawing it {ended}"}).encode()}
     except LinkwrightError as error:
         return {REFUSED: json.dumps({"why": error.message}).encode()}
     except (ValueError, KeyError, TypeError):
-        return {ENDED: json.dumps({"why": "drawing it gave a reply that is none"}).encode()}
+        return {ENDED: json.dumps({"why": "drawing it gave an invalid reply"}).encode()}
 
 
 def _read(reply: bytes) -> dict[str, bytes]:

@@ -29,11 +29,13 @@ class Camera:
     def projected(self, points: Numbers) -> Numbers:
         """(..., 3): pixels to the right, pixels down, and how near: 1/depth [1/m], by which straight lines
         stay straight."""
-        seen = (points - self.position) @ self.world_from_camera
+        kind = points.dtype
+        seen = (points - self.position.astype(kind)) @ self.world_from_camera.astype(kind)
         near = -1.0 / seen[..., 2]
-        right = self.width / 2 + self.focal * seen[..., 0] * near
-        down = self.height / 2 - self.focal * seen[..., 1] * near
-        return np.stack([right, down, near], axis=-1)
+        seen[..., 0] = self.width / 2 + self.focal * seen[..., 0] * near
+        seen[..., 1] = self.height / 2 - self.focal * seen[..., 1] * near
+        seen[..., 2] = near
+        return seen
 
     def rays(self, right: npt.NDArray[Any], down: npt.NDArray[Any]) -> Numbers:
         """(..., 3): directions from the camera through places in the picture, one metre deep each."""
@@ -51,7 +53,7 @@ def framing(points: Numbers, backward: Numbers, width: int, height: int) -> Came
     """
     axes = _axes(backward)
     focal = height / 2 / np.tan(np.radians(_OPENING) / 2)
-    seen = points @ axes
+    seen = points @ axes.astype(points.dtype)
     place = np.zeros(3)
     depths = []
     for axis, size in enumerate((width, height)):

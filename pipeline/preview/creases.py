@@ -1,46 +1,59 @@
-"""Normals of a mesh that is smooth where its faces meet at a small angle, and has an edge elsewhere."""
+"""Normals of a surface that is smooth where its faces meet at a small angle, and has an edge elsewhere."""
 
 import numpy as np
 
-from stages.mesh.view.raster import Corners, Indices, Numbers
+from pipeline.preview.surface import Single
+from pipeline.preview.vectors import cross, dot, unit
+from stages.mesh.view.raster import Indices
 
-_CREASE = np.cos(np.radians(32.0))
+_CREASE = np.float32(np.cos(np.radians(32.0)))
 _MOST_PAIRS = 12_000_000
 """With more pairs of faces at a corner each face is flat, which at that density is not seen."""
 
+_TABLE = 1 << 22
+_PRIMES = np.array([73856093, 19349663, 83492791], dtype=np.int64)
 
-def normals_of(vertices: Numbers, faces: Indices) -> Corners:
-    """(m, 3, 3): the unit normal at each corner of the faces (m, 3) of `vertices` (n, 3) [m]; of a face
-    without area zero."""
-    corners = vertices[faces]
-    areas = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    flat = _unit(np.asarray(areas, dtype=np.float64))
-    result = np.repeat(flat[:, None], 3, axis=1)
-    # By place: a file may have each vertex once for each face.
-    _, place = np.unique(vertices, axis=0, return_inverse=True)
-    corner_place = place.reshape(-1)[faces].reshape(-1)
-    order = np.argsort(corner_place, kind="stable")
-    count = np.bincount(corner_place)
-    if int((count.astype(np.int64) ** 2).sum()) > _MOST_PAIRS:
-        return result
+
+def normals_of(corners: Single, geom: Indices, wanted: Indices) -> Single:
+    """(n, 3, 3): the unit normal at each corner of the `wanted` (n,) of the triangles (m, 3, 3); of a
+    triangle without area zero. Faces of different geoms (m,) do not meet."""
+    near, place = _beside(corners, geom, wanted)
+    faces = corners[near]
+    areas = cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+    flat = unit(areas)
+    result = np.repeat(flat[: len(wanted), None], 3, axis=1)
+    order = np.argsort(place.reshape(-1), kind="stable")
+    count = np.bincount(place.reshape(-1))
     start = np.cumsum(count) - count
-    own = np.arange(len(corner_place))
-    number = count[corner_place]
-    one = np.repeat(own, number)
-    within = np.arange(len(one)) - np.repeat(np.cumsum(number) - number, number)
-    other = order[start[corner_place[one]] + within]
-    alike = (flat[one // 3] * flat[other // 3]).sum(axis=1) > _CREASE
-    one, other = one[alike], other[alike]
-    total: Numbers = np.stack(
-        [np.bincount(one, areas[other // 3, axis], minlength=len(own)) for axis in range(3)], axis=1
+    own = place[: len(wanted)].reshape(-1)
+    number = count[own]
+    if int(number.sum()) > _MOST_PAIRS:
+        return result
+    corner = np.repeat(np.arange(len(own)), number)
+    within = np.arange(len(corner)) - np.repeat(np.cumsum(number) - number, number)
+    other = order[start[own[corner]] + within] // 3
+    alike = dot(flat[corner // 3], flat[other]) > _CREASE
+    corner, other = corner[alike], other[alike]
+    total = np.stack(
+        [np.bincount(corner, areas[other, axis], minlength=len(own)) for axis in range(3)], axis=1
     )
-    smooth = _unit(total)
-    found = (smooth * smooth).sum(axis=1) > 0
-    flat_corners = result.reshape(-1, 3)
-    flat_corners[found] = smooth[found]
+    smooth = unit(total.astype(np.float32))
+    found = dot(smooth, smooth) > 0
+    result.reshape(-1, 3)[found] = smooth[found]
     return result
 
 
-def _unit(vectors: Numbers) -> Numbers:
-    lengths = np.sqrt((vectors * vectors).sum(axis=-1, keepdims=True))
-    return np.asarray(np.divide(vectors, lengths, out=np.zeros_like(vectors), where=lengths > 0))
+def _beside(corners: Single, geom: Indices, wanted: Indices) -> tuple[Indices, Indices]:
+    """The wanted triangles, and after them those that have a corner with one of them; and of each corner of
+    these (n, 3) its place, by number."""
+    bits = np.ascontiguousarray(corners + np.float32(0.0)).view(np.int32).reshape(-1, 3)
+    hashed = dot(bits.astype(np.int64), _PRIMES).reshape(-1, 3)
+    hashed += (geom * 2654435761)[:, None]
+    slot = (hashed ^ (hashed >> 22)) & (_TABLE - 1)
+    table = np.zeros(_TABLE, dtype=np.bool_)
+    table[slot[wanted]] = True
+    near = table[slot[:, 0]] | table[slot[:, 1]] | table[slot[:, 2]]
+    near[wanted] = False
+    both = np.concatenate([wanted, np.flatnonzero(near)])
+    _, place = np.unique(hashed[both], return_inverse=True)
+    return both, place.reshape(-1, 3)

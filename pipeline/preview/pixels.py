@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from pipeline.preview.light import Single
+from pipeline.preview.surface import Single
 from stages.mesh.view.raster import Indices, Numbers, Pixels
 
 _STEPS = 4095
@@ -35,12 +35,14 @@ def enlarged(values: Numbers, times: int) -> Numbers:
     return values
 
 
-def scattered(rows: Indices, columns: Indices) -> Single:
-    """(2, n): shifts of up to one pixel each way, which neighbours have different: a 4 x 4 pattern."""
-    place = (rows % 4) * 4 + columns % 4
-    pattern = np.array([0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5]) / 15.0
-    both = np.stack([pattern[place], pattern[(place * 7 + 3) % 16]]) * 2.0 - 1.0
-    return np.asarray(both.astype(np.float32))
+def scattered(rows: Indices, columns: Indices, turn: int = 0) -> Single:
+    """(2, n): shifts of up to half a pixel each way, which neighbours have different: a 4 x 4 pattern, one of
+    several by the `turn`."""
+    place = ((rows + turn) % 4) * 4 + (columns + 2 * turn) % 4
+    pattern = (np.array([0, 8, 2, 10, 12, 4, 14, 6, 3, 11, 1, 9, 15, 7, 13, 5]) / 15.0 - 0.5).astype(
+        np.float32
+    )
+    return np.stack([pattern[place], pattern[(place * 7 + 3 + 5 * turn) % 16]])
 
 
 def linear(srgb: Numbers) -> Numbers:
@@ -57,8 +59,9 @@ def shown(light: Numbers) -> Numbers:
     return found
 
 
-def reduced(fine: Numbers, finer: int) -> Pixels:
-    """Each pixel the mean of those that were drawn for it, `finer` each way."""
-    height, width = fine.shape[0] // finer, fine.shape[1] // finer
-    mean = fine.reshape(height, finer, width, finer, 3).mean(axis=(1, 3))
-    return np.asarray(np.rint(mean * 255.0).astype(np.uint8))
+def reduced(pixels: Pixels, times: int) -> Pixels:
+    """A picture, `times` as small each way: each pixel the mean of those that were there."""
+    height, width = pixels.shape[0] // times, pixels.shape[1] // times
+    whole = pixels[: height * times, : width * times].reshape(height, times, width, times, 3)
+    total = whole.sum(axis=(1, 3), dtype=np.uint32)
+    return np.asarray(((total + times * times // 2) // (times * times)).astype(np.uint8))

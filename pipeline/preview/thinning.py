@@ -1,4 +1,4 @@
-"""Fewer triangles for what no one sees closely: the shadows of a robot."""
+"""Fewer triangles for a robot that has more than there are pixels."""
 
 import numpy as np
 

@@ -11,6 +11,15 @@ STL_HEADER = 80
 STL_FACE = np.dtype([("normal", "<f4", (3,)), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 
 
+def is_binary_stl(data: bytes) -> bool:
+    """Whether the length of a file is that of a binary STL with as many triangles as it says."""
+    start = STL_HEADER + 4
+    return (
+        len(data) >= start
+        and len(data) == start + STL_FACE.itemsize * struct.unpack_from("<I", data, STL_HEADER)[0]
+    )
+
+
 def mesh_points(file: str, data: bytes) -> npt.NDArray[np.float64]:
     """(n, 3) [m]: the points of a file of ours; of an STL each corner of each triangle."""
     if file.endswith(".stl"):

@@ -104,7 +104,8 @@ def picture(shapes: Sequence[Shape], files: Mapping[str, bytes]) -> bytes:
 
 def _seen(shapes: Sequence[Shape], files: Mapping[str, bytes], role: Role) -> tuple[Corners, Pixels]:
     """The triangles of a role as the viewer sees them (to the right, up, towards), [m], and their colours."""
-    corners, colours = [np.zeros((0, 3, 3))], [np.zeros((0, 3), dtype=np.uint8)]
+    corners: list[Corners] = [np.zeros((0, 3, 3))]
+    colours = [np.zeros((0, 3), dtype=np.uint8)]
     some = [shape for shape in shapes if shape.role == role]
     for shape, colour in zip(some, _colours(some, role), strict=True):
         seen = _turned(_corners(shape, files))

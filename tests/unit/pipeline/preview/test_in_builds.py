@@ -2,6 +2,7 @@
 
 import base64
 import json
+import threading
 
 import pytest
 
@@ -51,7 +52,7 @@ def test_a_build_leaves_its_picture_names_it_and_a_cached_one_draws_nothing(make
     assert f'href="{PICTURE}"' in page
     inside = page.partition("data:image/png;base64,")[2].partition('"')[0]
     assert robot_in(pixels_of(base64.b64decode(inside))).mean() > 0.02
-    monkeypatch.setattr(ask, "drawn", lambda *_: pytest.fail("it is in the cache"))
+    monkeypatch.setattr(ask, "drawn", lambda *_, **__: pytest.fail("it is in the cache"))
     make()
     assert (tmp_path / "out" / PICTURE).read_bytes() == data
     listed = json.loads((tmp_path / "out" / ".linkwright.json").read_text())["files"]
@@ -72,12 +73,36 @@ def test_one_format_is_enough(make, tmp_path, formats):
 
 
 def test_an_accident_fails_no_build_and_is_told(make, tmp_path, monkeypatch):
-    monkeypatch.setattr(ask, "drawn", lambda *_: {ENDED: b'{"why": "drawing it crashed (SIGSEGV)"}'})
+    monkeypatch.setattr(ask, "drawn", lambda *_, **__: {ENDED: b'{"why": "drawing it crashed (SIGSEGV)"}'})
     report = make()
     assert (report.status, report.preview) == ("built", "")
     (found,) = (one for one in report.diagnostics if one.code == "I-PREVIEW")
     assert "SIGSEGV" in found.message
     assert not (tmp_path / "out" / PICTURE).exists()
+
+
+@pytest.mark.parametrize(
+    "end", [KeyboardInterrupt, LinkwrightError("the checks failed")], ids=["Ctrl-C", "error"]
+)
+def test_it_is_drawn_beside_the_checks_and_ends_with_the_build(make, monkeypatch, end):
+    begun, halted = threading.Event(), threading.Event()
+
+    def slowly(look, kind, halt):
+        begun.set()
+        halt.wait(60)
+        halted.set()
+        return {ENDED: b'{"why": "drawing it was interrupted"}'}
+
+    def checks(*_):
+        assert begun.wait(10)
+        assert not halted.is_set()
+        raise end
+
+    monkeypatch.setattr(ask, "drawn", slowly)
+    monkeypatch.setattr("stages.validate.validate", checks)
+    with pytest.raises(type(end) if isinstance(end, Exception) else end):
+        make(until="validate")
+    assert halted.is_set()
 
 
 def test_a_failed_build_has_none_and_that_of_before_stays(make, tmp_path):

@@ -6,8 +6,10 @@ import pytest
 import trimesh
 
 from pipeline.preview.camera import framing
-from pipeline.preview.compiled import seen_in
-from pipeline.preview.studio import picture, rendered, studio, swept, turned_by
+from pipeline.preview.compiled import look_of
+from pipeline.preview.painting import picture, rendered
+from pipeline.preview.studio import LitRobot, studio, swept, turned_by
+from pipeline.preview.surface import surface_of
 from stages.formats import png
 from stages.mesh.view.raster import seen
 from tests.support.other_robots import FILES, is_here
@@ -48,8 +50,13 @@ def arm(size=1.0, free="", home='<keyframe><key name="home" qpos="-0.4"/></keyfr
     return ARM.format(s1=0.1 * size, s2=0.2 * size, s3=0.5 * size, free=free, home=home)
 
 
+def scene_of(model: mujoco.MjModel, values: dict[str, float] | None = None) -> LitRobot:
+    look = look_of(model, values or {})
+    return studio(surface_of(look), np.array(look.backward))
+
+
 def shown(xml, size=SIZE):
-    return picture(studio(seen_in(mujoco.MjModel.from_xml_string(xml), {})), *size)
+    return picture(scene_of(mujoco.MjModel.from_xml_string(xml)), *size)
 
 
 @pytest.mark.parametrize(
@@ -86,7 +93,7 @@ def test_the_picture_is_the_same_twice():
 def test_it_is_taken_at_home_and_of_a_model_without_that_with_the_values_given():
     at_home = shown(arm())
     without = mujoco.MjModel.from_xml_string(arm(home=""))
-    placed = picture(studio(seen_in(without, {"shoulder": -0.4, "other": 1.0})), *SIZE)
+    placed = picture(scene_of(without, {"shoulder": -0.4, "other": 1.0}), *SIZE)
     assert np.array_equal(at_home, placed)
     assert not np.array_equal(at_home, shown(arm(home="")))
 
@@ -162,7 +169,7 @@ def test_a_texture_is_laid_on_the_right_way_up():
       <worldbody><camera name="overview" pos="0 -4 0.5" xyaxes="1 0 0 0 0 1"/>
       <body><geom type="mesh" mesh="t" material="t"/></body></worldbody></mujoco>"""
     model = mujoco.MjModel.from_xml_string(xml, {"t.png": png.encode(image), "t.obj": TILE.encode()})
-    pixels = picture(studio(seen_in(model, {})), *SIZE).astype(int)
+    pixels = picture(scene_of(model), *SIZE).astype(int)
     rows, columns = np.nonzero(robot_in(pixels))
     places = [np.quantile(one, [0.25, 0.75]).astype(int) for one in (rows, columns)]
     found = [pixels[row, column] > 120 for row in places[0] for column in places[1]]
@@ -174,19 +181,19 @@ def test_a_robot_of_too_many_triangles_is_thinned_and_looks_the_same(monkeypatch
     xml = """<mujoco><asset><mesh name="b" file="b.obj"/></asset><worldbody><body>
       <geom type="mesh" mesh="b" rgba="0.9 0.1 0.1 1"/></body></worldbody></mujoco>"""
     model = mujoco.MjModel.from_xml_string(xml, {"b.obj": ball.export(file_type="obj").encode()})
-    whole = seen_in(model, {})
-    monkeypatch.setattr("pipeline.preview.compiled._MANY", 100)
-    monkeypatch.setattr("pipeline.preview.compiled._CELLS", 16)
-    thin = seen_in(model, {})
+    whole = scene_of(model)
+    monkeypatch.setattr("pipeline.preview.surface._MANY", 100)
+    monkeypatch.setattr("pipeline.preview.surface._CELLS", 16)
+    thin = scene_of(model)
     assert len(thin.corners) < len(whole.corners) / 2
-    pixels = [picture(studio(one), *SIZE) for one in (whole, thin)]
+    pixels = [picture(one, *SIZE) for one in (whole, thin)]
     first, second = (robot_in(one) for one in pixels)
     assert (first & second).sum() / (first | second).sum() > 0.95
     assert np.abs(np.median(pixels[0][first], axis=0) - np.median(pixels[1][second], axis=0)).max() < 12
 
 
 def test_a_robot_that_turns_stays_in_the_picture_and_is_of_one_size():
-    scene = studio(seen_in(mujoco.MjModel.from_xml_string(arm()), {}))
+    scene = scene_of(mujoco.MjModel.from_xml_string(arm()))
     framed, heights = swept(scene), []
     for angle in np.linspace(0, 2 * np.pi, 7, endpoint=False):
         other = turned_by(scene, angle)
@@ -217,9 +224,9 @@ def test_mujocos_own_renderer_sees_the_same_silhouette(model, tmp_path):
     """By a graphics driver, and MuJoCo's own camera at our place."""
     by_path = "path" in model
     compiled = (mujoco.MjModel.from_xml_path if by_path else mujoco.MjModel.from_xml_string)(*model.values())
-    scene = studio(seen_in(compiled, {}))
-    camera = framing(scene.seen.corners.reshape(-1, 3), scene.seen.backward, *SIZE)
-    own = seen(camera.projected(scene.seen.corners), *SIZE) >= 0
+    scene = scene_of(compiled)
+    camera = framing(scene.surface.corners.reshape(-1, 3), scene.backward, *SIZE)
+    own = seen(camera.projected(scene.surface.corners), *SIZE) >= 0
     quat = np.zeros(4)
     mujoco.mju_mat2Quat(quat, camera.world_from_camera.flatten())
     fovy = 2 * np.degrees(np.arctan(SIZE[1] / 2 / camera.focal))
@@ -229,6 +236,6 @@ def test_mujocos_own_renderer_sees_the_same_silhouette(model, tmp_path):
     assert 0.03 < own.mean() < 0.7
     assert (own & theirs).sum() / (own | theirs).sum() > 0.97
     # What is drawn is where the rasteriser sees it.
-    drawn = rendered(scene, framing(scene.corners.reshape(-1, 3), scene.seen.backward, 640, 480))
+    drawn = rendered(scene, framing(scene.corners.reshape(-1, 3), scene.backward, 640, 480))
     changed = np.abs(drawn.astype(int) - drawn[0, 0].astype(int)).max(axis=2) > 60
     assert changed[own].mean() > 0.4

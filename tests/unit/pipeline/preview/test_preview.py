@@ -5,12 +5,14 @@ import subprocess
 import sys
 from dataclasses import dataclass
 
+import mujoco
+import numpy as np
 import pytest
 
 from pipeline import preview as room
 from pipeline.caching.actions import Cache
 from pipeline.caching.store import Store
-from pipeline.errors import ConfigError
+from pipeline.errors import ConfigError, SourceError
 from pipeline.preview import (
     ENDED,
     NONE,
@@ -26,7 +28,13 @@ from pipeline.preview import (
     require,
 )
 from pipeline.preview.ask import Painter, drawn
+from pipeline.preview.compiled import look_of, look_of_files
+from pipeline.preview.look import Geom, Look, packed
+from pipeline.preview.model_text import mjcf_text
+from pipeline.preview.surface import surface_of
 from stages.formats import png
+from stages.mesh import stl
+from stages.mesh.surface import Surface
 from stages.robot.guest import Bounds
 from tests.support.pictures import pixels_of, robot_in
 from tests.support.places import PROJECT
@@ -44,6 +52,10 @@ URDF = b"""<robot name="arm"><link name="base"/>
 </robot>"""
 FILES = {"scene.xml": SCENE, "arm.xml": ARM, "robot.json": ROBOT}
 
+LOOK = Look(
+    (Geom("box", (0.1, 0.1, 0.1), (0.0,) * 3, (1.0, 0, 0, 0, 1, 0, 0, 0, 1), (1.0,) * 4),), (1.0, 0, 0), ()
+)
+
 ENOUGH = Bounds(seconds=60, memory=2 << 30, reply=64 << 20, shared=4)
 
 
@@ -59,7 +71,7 @@ class Counted:
     found: dict
     asked: int = 0
 
-    def __call__(self, model, files, kind):
+    def __call__(self, look, kind, halt=None):
         self.asked += 1
         return self.found
 
@@ -69,6 +81,10 @@ def counted(monkeypatch):
     stand_in = Counted({PICTURE: b"picture", SMALL: b"small"})
     monkeypatch.setattr(ask, "drawn", stand_in)
     return stand_in
+
+
+def preview(cache, files, digests, kind):
+    return room.begun(cache, files, digests, kind).result()
 
 
 @pytest.fixture
@@ -102,8 +118,8 @@ def test_what_a_model_cannot_name_is_no_reason_to_draw_again():
 
 @pytest.mark.parametrize("files", [FILES, {"arm.urdf": URDF, "robot.json": ROBOT}], ids=["mjcf", "urdf"])
 def test_a_guest_draws_it_and_gives_the_same_bytes_whatever_the_driver(files, monkeypatch):
-    model = model_of(files)
-    found = drawn(model, files, "png")
+    look = look_of_files(model_of(files), files)
+    found = drawn(look, "png")
     assert sorted(found) == [PICTURE, SMALL]
     assert len(found[SMALL]) <= 66_000
     assert png.problem(found[PICTURE]) == png.problem(found[SMALL]) == ""
@@ -111,14 +127,12 @@ def test_a_guest_draws_it_and_gives_the_same_bytes_whatever_the_driver(files, mo
     assert pixels.shape == (guest.SIZE[1], guest.SIZE[0], 3)
     assert robot_in(pixels).mean() > 0.05
     monkeypatch.setenv("MUJOCO_GL", "nonsense")
-    assert drawn(model, files, "png") == found
+    assert drawn(look, "png") == found
 
 
 def asked(model, files, kind):
     """What the guest answers, in this process."""
-    head = {"model": model, "kind": kind, "files": [[path, len(data)] for path, data in files.items()]}
-    reply = guest.answer(json.dumps(head).encode() + b"\n" + b"".join(files.values()))
-    return ask._read(reply)
+    return ask._read(guest.answer(packed(look_of_files(model, files), kind)))
 
 
 def test_a_urdf_is_seen_at_home(monkeypatch):
@@ -156,21 +170,21 @@ def test_a_turn_has_all_its_frames_and_goes_on(frames, tmp_path, monkeypatch):
         ("import os, signal\nos.kill(os.getpid(), signal.SIGSEGV)", "drawing it crashed (SIGSEGV)"),
         ("import os\nos.abort()", "drawing it crashed (SIGABRT)"),
         ("raise RuntimeError('no driver')", "drawing it failed (RuntimeError: no driver)"),
-        ("return b'nonsense'", "drawing it gave a reply that is none"),
-        ("return b'{\"files\": []}\\n'", "drawing it gave a reply that is none"),
-        ('return b\'{"files": [["preview.png", 9]]}\\nab\'', "drawing it gave a reply that is none"),
+        ("return b'nonsense'", "drawing it gave an invalid reply"),
+        ("return b'{\"files\": []}\\n'", "drawing it gave an invalid reply"),
+        ('return b\'{"files": [["preview.png", 9]]}\\nab\'', "drawing it gave an invalid reply"),
     ],
 )
 def test_a_guest_that_fails_is_survived_and_told(visitor, lines, why):
-    found = drawn("scene.xml", FILES, "png", visitor(lines))
+    found = drawn(LOOK, "png", visitor(lines))
     assert {name: json.loads(data) for name, data in found.items()} == {ENDED: {"why": why}}
 
 
 def test_a_guest_that_hangs_or_eats_memory_is_ended(visitor):
-    hangs = drawn("scene.xml", FILES, "png", visitor("while True: pass", Bounds(0.3, 1 << 30, 1000)))
+    hangs = drawn(LOOK, "png", visitor("while True: pass", Bounds(0.3, 1 << 30, 1000)))
     assert "longer than 0.3 s" in json.loads(hangs[ENDED])["why"]
     eats = "kept = b'x' * (1 << 29)\nimport time\ntime.sleep(60)"
-    eaten = drawn("scene.xml", FILES, "png", visitor(eats, Bounds(60, 1 << 28, 1000)))
+    eaten = drawn(LOOK, "png", visitor(eats, Bounds(60, 1 << 28, 1000)))
     assert "of memory" in json.loads(eaten[ENDED])["why"]
 
 
@@ -184,26 +198,82 @@ def test_a_guest_that_hangs_or_eats_memory_is_ended(visitor):
     ],
 )
 def test_a_model_that_does_not_compile_is_told(files, words):
-    found = drawn(model_of(files), files, "png")
-    assert words in json.loads(found[REFUSED])["why"]
+    with pytest.raises(SourceError) as caught:
+        look_of_files(model_of(files), files)
+    assert words in caught.value.message
 
 
 def test_it_is_made_once_for_the_same_files(cache, counted):
-    first = room.preview(cache, FILES, {}, "png")
+    first = preview(cache, FILES, {}, "png")
     assert first.files == {PICTURE: b"picture"}
     assert (first.small, first.path, first.found) == (b"small", PICTURE, ())
-    assert room.preview(cache, {**FILES, "graph.svg": b"new"}, {}, "png") == first
+    assert preview(cache, {**FILES, "graph.svg": b"new"}, {}, "png") == first
     assert counted.asked == 1
-    room.preview(cache, {**FILES, "arm.xml": ARM + b"\n"}, {}, "png")
+    preview(cache, {**FILES, "arm.xml": ARM.replace(b"0.3", b"0.4")}, {}, "png")
     assert counted.asked == 2
 
 
+def test_an_edit_that_the_look_does_not_show_draws_nothing(cache, counted):
+    first = preview(cache, FILES, {}, "png")
+    seen = ARM.replace(b"<geom", b'<geom contype="0" conaffinity="0"')
+    hidden = seen.replace(b'axis="0 1 0"', b'axis="0 1 0" range="-1 1" damping="3"').replace(
+        b"<joint", b'<geom size="9" group="3"/><inertial pos="0 0 0" mass="7" diaginertia="1 1 1"/><joint'
+    )
+    assert preview(cache, {**FILES, "arm.xml": ARM + b"<!-- -->"}, {}, "png") == first
+    assert counted.asked == 1
+    assert preview(cache, {**FILES, "arm.xml": hidden}, {}, "png") == first
+    assert preview(cache, {**FILES, "arm.xml": seen}, {}, "png") == first
+    assert counted.asked == 1
+    for path, old, new in (
+        ("arm.xml", b"0.9 0.1 0.1", b"0.9 0.2 0.1"),
+        ("arm.xml", b"<body>", b'<body pos="1 0 0"><geom size="0.1"/>'),
+        (
+            "scene.xml",
+            b"<worldbody>",
+            b'<worldbody><camera name="overview" pos="3 0 0" xyaxes="0 1 0 0 0 1"/>',
+        ),
+    ):
+        count = counted.asked
+        preview(cache, {**FILES, path: FILES[path].replace(old, new)}, {}, "png")
+        assert counted.asked == count + 1, path
+
+
+MESHED = b"""<mujoco><compiler meshdir="assets"/>
+  <default><default class="v"><geom type="mesh" contype="0" conaffinity="0"/></default></default>
+  <asset><mesh file="wedge.stl" scale="0.5 1 -1"/><mesh name="other" file="wedge.stl"/></asset>
+  <worldbody><body pos="0 0 1" euler="20 30 40"><joint/>{mass}
+    <geom class="v" density="0.01" mesh="wedge" pos="0.1 0.2 0.3" quat="1 1 0 0" rgba="0.9 0.1 0.1 1"/>
+    <body childclass="v"><geom mesh="other" pos="1 0 0" density="0"/></body>
+    <geom type="box" mesh="other" contype="0" conaffinity="0" density="0"/>
+  </body></worldbody></mujoco>"""
+MASS = b'<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+OF_MESHES = b""
+
+
+@pytest.mark.parametrize("mass", [MASS, OF_MESHES])
+def test_an_stl_that_mujoco_does_not_read_is_where_mujoco_has_it(mass):
+    """Triangle by triangle; a body without a mass of its own needs its meshes."""
+    wedge = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3.0]])
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])
+    data = stl.write(Surface(wedge, faces))
+    files = {"scene.xml": MESHED.replace(b"{mass}", mass), "assets/wedge.stl": data}
+    found = look_of_files("scene.xml", files)
+    whole = mjcf_text("scene.xml", files, whole=True)
+    model = mujoco.MjSpec.from_string(whole.text, assets=dict(whole.files)).compile()
+    wanted = look_of(model, {})
+    assert [geom.solid for geom in found.geoms] == [geom.solid for geom in wanted.geoms]
+    assert ("stl" in [blob.packing for blob in found.blobs]) == (mass == MASS)
+    places = [np.sort(surface_of(look).corners.reshape(-1, 3), axis=0) for look in (found, wanted)]
+    assert places[0] == pytest.approx(places[1], abs=1e-6)
+
+
 def test_a_picture_from_the_cache_imports_nothing_heavy(tmp_path, cache, counted):
-    made = room.preview(cache, FILES, {}, "png")
+    made = preview(cache, FILES, {}, "png")
     code = (
         "import sys\nfrom pathlib import Path\nfrom pipeline import preview as room\n"
         "from pipeline.caching.actions import Cache\nfrom pipeline.caching.store import Store\n"
-        f"found = room.preview(Cache(Store(Path({str(tmp_path / 'cache')!r}))), {FILES!r}, {{}}, 'png')\n"
+        f"cache = Cache(Store(Path({str(tmp_path / 'cache')!r})))\n"
+        f"found = room.begun(cache, {FILES!r}, {{}}, 'png').result()\n"
         "heavy = [name for name in ('numpy', 'mujoco', 'PIL', 'lxml', 'trimesh') if name in sys.modules]\n"
         "print(found.files, heavy)"
     )
@@ -216,21 +286,21 @@ def test_a_picture_from_the_cache_imports_nothing_heavy(tmp_path, cache, counted
 def test_a_refusal_is_kept_and_an_accident_is_tried_again(cache, counted):
     counted.found = {REFUSED: b'{"why": "MuJoCo says no"}'}
     for _ in range(2):
-        told = room.preview(cache, FILES, {}, "png")
+        told = preview(cache, FILES, {}, "png")
         assert (told.files, told.path) == ({}, "")
         (found,) = told.found
         assert (found.code, found.message) == ("I-PREVIEW", "no preview of the robot: MuJoCo says no")
     assert counted.asked == 1
     counted.found = {ENDED: b'{"why": "drawing it crashed"}'}
     for _ in range(2):
-        (found,) = room.preview(cache, {**FILES, "arm.xml": b"other"}, {}, "png").found
+        (found,) = preview(cache, {**FILES, "arm.xml": ARM.replace(b"0.9", b"0.8")}, {}, "png").found
         assert "crashed" in found.message
     assert counted.asked == 3
 
 
 def test_none_is_drawn_where_none_is_wished_or_can_be(cache, counted):
-    assert room.preview(cache, FILES, {}, "none") == NONE
-    (found,) = room.preview(cache, {"arm.sdf": b"", "robot.json": b""}, {}, "png").found
+    assert preview(cache, FILES, {}, "none") == NONE
+    (found,) = preview(cache, {"arm.sdf": b"", "robot.json": b""}, {}, "png").found
     assert "none of the exported files" in found.message
     assert "export=" in found.hint
     assert counted.asked == 0
