@@ -231,9 +231,11 @@ class GraphKeys(Keys):
     """Closed kinematic loops."""
 
     keyframes: Annotated[
-        dict[Text, dict[Text, Coordinate]], example({"home": {"*knee*": 0.6}, "crouch": {"*knee*": 1.2}})
+        dict[Text, dict[Text, Coordinate] | None],
+        example({"home": {"*knee*": 0.6}, "crouch": {"*knee*": 1.2}, "stand_on_left_leg": None}),
     ] = Field(default_factory=dict)
     """Name → glob on names of dofs → value [rad or m]; later entries win. The other joints are as near to
     `home` as limits, relations and loops allow; those of `home` itself as near to the saved pose. `home` and
     `cad`, the saved pose, are always there; `cad` may lie outside the limits. Those of an MJCF source are
-    there too; a value here wins over the source's of the same name."""
+    there too, within the limits; a value here wins over the source's of the same name, and null in place of
+    values leaves the source's keyframe out."""

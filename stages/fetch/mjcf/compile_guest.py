@@ -46,6 +46,8 @@ def _compiled(path: Path) -> tuple[mujoco.MjModel, mujoco.MjSpec, list[str]]:
         try:
             spec = mujoco.MjSpec.from_file(str(path))
             spec.compiler.discardvisual = False
+            # <size nkey> reserves room: keyframes that nobody wrote, all at qpos0.
+            spec.nkey = 0
             model = spec.compile()
         except (ValueError, RuntimeError, MemoryError, mujoco.FatalError) as error:
             msg = f"MuJoCo cannot compile it: {_in_one_line(unquoted(error), path)}"

@@ -6,7 +6,7 @@ from dataclasses import replace
 from stages.graph.passes.source_keyframes import source_values
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.dof_ranges import ranges
-from stages.robot.globs import as_key, fits, there_are
+from stages.robot.globs import as_key, fits, listed, there_are
 from stages.robot.model import Dof, Keyframe, Robot
 from stages.robot.quantity_keys import as_typed, misfit
 from stages.robot.start_pose import HOME, SAVED, home, keyframes, open_loops
@@ -17,17 +17,23 @@ BEYOND = 1e-9
 
 def with_keyframes(
     robot: Robot,
-    wanted: Mapping[str, Mapping[str, float]],
+    keys: Mapping[str, Mapping[str, float] | None],
     log: Diagnostics,
     of_source: Sequence[Keyframe] = (),
 ) -> Robot:
     """The robot with the keyframes of the source and the user's: of a dof that several globs match the last
-    one counts, and the source's value counts where none does.
+    one counts, and the source's value counts where none does. None in place of values leaves the source's
+    keyframe out.
 
     E-GLOB for a glob that matches no dof; E-KEYFRAME for a value that a dof cannot have: it is no turn or
-    slide, the value is beyond its limits, or it contradicts a relation, and for values that leave a loop
-    open. W-HOME where no pose within the limits closes a loop; I-KEYFRAME as in `source_values`.
+    slide, the value is beyond its limits, or it contradicts a relation, for values that leave a loop open,
+    and for None where the source has no such keyframe. W-HOME where no pose within the limits closes a loop;
+    W-KEYFRAME and I-KEYFRAME as in `source_values`.
     """
+    wanted = {name: values for name, values in keys.items() if values is not None}
+    left_out = keys.keys() - wanted.keys()
+    _check_left_out(left_out, [keyframe.name for keyframe in of_source], log)
+    of_source = [keyframe for keyframe in of_source if keyframe.name not in left_out]
     before = source_values(robot, of_source, wanted, log)
     made = [
         _keyframe(robot, name, wanted.get(name, {}), before.get(name, {}), log)
@@ -64,13 +70,20 @@ def _keyframe(
             text = f"{glob!r}: {text}, and {dof.name} is a {dof.kind}"
             log.report("E-KEYFRAME", text, where, as_typed(dof.kind))
         given |= {dof.name: float(value) for dof in scalars}
-    _check_limits(robot, given, before, where, log)
+    _check_limits(robot, given, where, log)
     return Keyframe(name, tuple(_with_drivers(robot, given, where, log).items()))
 
 
-def _check_limits(
-    robot: Robot, given: Mapping[str, float], before: Mapping[str, float], where: str, log: Diagnostics
-) -> None:
+def _check_left_out(names: Collection[str], of_source: Collection[str], log: Diagnostics) -> None:
+    """E-KEYFRAME for names that no keyframe of the source has."""
+    for name in sorted({*names} - {*of_source}):
+        hint = f"the source's keyframes are: {listed(of_source)}" if of_source else "the source has none"
+        log.report(
+            "E-KEYFRAME", f"the source has no keyframe {name!r} to leave out", f"keyframes.{name}", hint
+        )
+
+
+def _check_limits(robot: Robot, given: Mapping[str, float], where: str, log: Diagnostics) -> None:
     limits = ranges(robot)
     for dof in robot.dofs:
         if dof.name not in given:
@@ -79,12 +92,7 @@ def _check_limits(
         if not low - BEYOND <= given[dof.name] <= high + BEYOND:
             unit = "rad" if dof.kind == "turn" else "m"
             text = f"{given[dof.name]:g} {unit} is outside the limits of {dof.name}, {low:.6g} to {high:.6g}"
-            hint = "choose a value within, or set limits in `joints`"
-            if dof.name in before:
-                text = f"the source's keyframe: {text}"
-                entry = f"{{{as_key(dof.name)}: {min(max(given[dof.name], low), high):.6g}}}"
-                hint = f"say where it is: `{where}: {entry}`, or set limits in `joints`"
-            log.report("E-KEYFRAME", text, where, hint)
+            log.report("E-KEYFRAME", text, where, "choose a value within, or set limits in `joints`")
 
 
 def _with_drivers(robot: Robot, given: Mapping[str, float], where: str, log: Diagnostics) -> dict[str, float]:
@@ -115,7 +123,8 @@ def _check_loops(robot: Robot, wanted: Collection[str], before: Collection[str],
             hint = "give fewer joints of the loop: the others follow"
             if name not in wanted:
                 text = f"the source's keyframe: {text}"
-                hint = f"give one joint of the loop in `keyframes.{name}`: the others follow"
+                hint = f"give one joint of the loop in `keyframes.{name}`, which the others follow, "
+                hint += f"or leave the keyframe out: `keyframes: {{{as_key(name)}: null}}`"
             log.report("E-KEYFRAME", text, f"keyframes.{name}", hint)
         elif still_open:
             text = f"no pose within the limits closes this loop, so it starts open at {name}"

@@ -5,11 +5,11 @@ from itertools import chain
 
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.dof_ranges import ranges
-from stages.robot.globs import fits, listed
+from stages.robot.globs import as_key, fits, listed
 from stages.robot.kinematics import link_poses
 from stages.robot.loop_groups import LoopGroups
 from stages.robot.loops import across, closing
-from stages.robot.model import Keyframe, Robot
+from stages.robot.model import Dof, Keyframe, Robot
 from stages.robot.start_pose import SAVED, nearest, nearest_closed, open_loops, saved
 
 ROUNDED = 1e-3
@@ -27,30 +27,50 @@ def source_values(
 
     A value that the user's own of the same name replaces (`wanted`: name → glob → value) is left out, and so
     are those of the joints that a loop or relation makes follow it, and those of followers whose driver has
-    one. I-KEYFRAME for a follower's value that is not what its driver makes it, and for a keyframe with the
-    name of the saved pose, which it does not equal.
+    one. A value outside the limits is the limit: W-KEYFRAME, but for what is rounding. I-KEYFRAME for a
+    follower's value that is not what its driver makes it, and for a keyframe with the name of the saved pose,
+    which it does not equal.
     """
     limits = ranges(robot)
     scalars = {dof.name: dof for dof in robot.dofs if dof.kind in ("turn", "slide")}
     groups = _coupled(robot) if keyframes and wanted else []
     found: dict[str, dict[str, float]] = {}
     for one in keyframes:
-        values = {name: scalars[name].in_mate.inverse(value) for name, value in one.given if name in scalars}
-        values = {name: _within(value, *limits[name]) for name, value in values.items()}
+        typed = {name: scalars[name].in_mate.inverse(value) for name, value in one.given if name in scalars}
+        values = {name: _within(value, *limits[name]) for name, value in typed.items()}
         if one.name == SAVED:
-            _check_saved(robot, values, log)
+            _check_saved(robot, typed, log)
             continue
         values = _closed(robot, _driving(robot, one.name, values, log))
         given = {name for name in scalars if any(fits(name, glob) for glob in wanted.get(one.name, ()))}
         coupled = set(chain.from_iterable(group for group in groups if group & given))
         found[one.name] = {name: value for name, value in values.items() if name not in given | coupled}
+        _report_moved(one.name, {name: scalars[name] for name in found[one.name]}, typed, limits, log)
     return found
 
 
 def _within(value: float, low: float, high: float) -> float:
-    """The value; the limit beyond which it is by rounding."""
-    clipped = min(max(value, low), high)
-    return clipped if abs(clipped - value) <= ROUNDED else value
+    """The value; the limit where it is beyond that."""
+    return min(max(value, low), high)
+
+
+def _report_moved(
+    keyframe: str,
+    dofs: Mapping[str, Dof],
+    typed: Mapping[str, float],
+    limits: Mapping[str, tuple[float, float]],
+    log: Diagnostics,
+) -> None:
+    """W-KEYFRAME where the source has dofs of a keyframe outside their limits."""
+    outside = [
+        f"{name} ({typed[name]:g}, now {limit:.6g} {'rad' if dof.kind == 'turn' else 'm'})"
+        for name, dof in dofs.items()
+        if abs((limit := _within(typed[name], *limits[name])) - typed[name]) > ROUNDED
+    ]
+    if outside:
+        text = f"the source's keyframe is outside the limits of {listed(outside)}: it has the limits there"
+        hint = "set limits in `joints`, or leave the keyframe out: "
+        log.report("W-KEYFRAME", text, keyframe, f"{hint}`keyframes: {{{as_key(keyframe)}: null}}`")
 
 
 def _driving(robot: Robot, keyframe: str, values: Mapping[str, float], log: Diagnostics) -> dict[str, float]:

@@ -118,7 +118,7 @@ def keyframe(built: Built) -> Iterator[str]:
     if len(key.qpos) != model.nq or len(key.ctrl) != model.nu:
         yield f"sizes {len(key.qpos)}, {len(key.ctrl)}"
     for index in range(model.njnt):
-        if model.jnt_type[index] in (mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_BALL):
+        if model.jnt_type[index] in (int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL)):
             end = model.jnt_qposadr[index] + (7 if model.jnt_type[index] == 0 else 4)
             if abs(np.linalg.norm(key.qpos[end - 4 : end]) - 1) > 1e-9:
                 yield f"{model.joint(index).name}: a quaternion that is none"

@@ -45,7 +45,7 @@ def compiled(path: Path, **keys: object) -> mujoco.MjModel:
 
 def at_keys(robot: mujoco.MjModel, names: tuple[str, ...]) -> dict[str, dict[str, float]]:
     """Keyframe → joint → value, of hinges and slides."""
-    scalar = (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)
+    scalar = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
     joints = [robot.joint(index) for index in range(robot.njnt) if robot.jnt_type[index] in scalar]
     return {name: {one.name: float(robot.key(name).qpos[one.qposadr[0]]) for one in joints} for name in names}
 
@@ -124,16 +124,52 @@ def test_the_values_follow_the_names_and_the_count_of_their_joints(tmp_path: Pat
     assert given(robot_of(path, **keys))["home"] == {"swing": 0.4, "knee": 0.7}
 
 
-def test_a_pose_outside_the_limits_is_refused_but_for_rounding(tmp_path: Path) -> None:
+def test_a_pose_outside_the_limits_has_the_limit_and_is_named(tmp_path: Path) -> None:
     path = written(tmp_path, model(BASE, KEYS))
-    with pytest.raises(AssemblyError) as error:
-        robot_of(path, joints={"knee": {"limits": [-0.5, 0]}})
-    problems = [one for one in error.value.problems if one.where == "keyframes.home"]
-    assert [one.code for one in problems] == ["E-KEYFRAME"]
-    assert "the source's keyframe" in problems[0].message
-    assert "`keyframes.home: {knee: -0.5}`" in problems[0].hint
-    near = robot_of(path, joints={"knee": {"limits": [-1.4999, 0]}})
+    limits = {"knee": {"limits": [-0.5, 0]}}
+    robot = robot_of(path, joints=limits)
+    assert given(robot)["home"] == {"hip": 0.4, "knee": -0.5}
+    warned = {one.where: one for one in robot.diagnostics if one.code == "W-KEYFRAME"}
+    assert list(warned) == ["home", "keyframe_1", "crouch"]
+    assert "knee (-0.7, now -0.5 rad)" in warned["home"].message
+    assert "hip" not in warned["home"].message
+    assert "`keyframes: {home: null}`" in warned["home"].hint
+    # What the user gives in its place is the user's.
+    mended = robot_of(path, joints=limits, keyframes={"home": {"knee": -0.3}})
+    assert given(mended)["home"] == {"hip": 0.4, "knee": -0.3}
+    assert [one.where for one in mended.diagnostics if one.code == "W-KEYFRAME"] == ["keyframe_1", "crouch"]
+
+
+def test_a_pose_outside_the_limits_by_rounding_has_the_limit_silently(tmp_path: Path) -> None:
+    near = robot_of(written(tmp_path, model(BASE, KEYS)), joints={"knee": {"limits": [-1.4999, 0]}})
     assert given(near)["crouch"]["knee"] == -1.4999
+    assert told(near, "W-KEYFRAME") == ""
+
+
+def test_a_saved_pose_outside_the_limits_is_no_keyframe_to_mend(tmp_path: Path) -> None:
+    key = '<keyframe><key name="cad" qpos="0 0 1 1 0 0 0 .3 0"/></keyframe>'
+    robot = robot_of(written(tmp_path, model(BASE, key)), joints={"hip": {"limits": [-1, 0.1]}})
+    assert told(robot, "W-KEYFRAME") + told(robot, "I-KEYFRAME") == ""
+
+
+def test_a_keyframe_of_the_source_is_left_out_by_null(tmp_path: Path) -> None:
+    path = written(tmp_path, model(BASE, KEYS))
+    robot = robot_of(path, keyframes={"home": None, "keyframe_1": None, "low": {"hip": 0.1}})
+    assert sorted(given(robot)) == ["crouch", "low"]
+    # `home` is then the pose that is nearest to where the source starts.
+    ours = at_keys(compiled(path, keyframes={"home": None}), ("home", "cad"))
+    assert ours["home"] == ours["cad"] == {"hip": pytest.approx(0.3), "knee": 0.0}
+    with pytest.raises(AssemblyError) as error:
+        robot_of(path, keyframes={"stand": None})
+    (problem,) = error.value.problems
+    assert (problem.code, problem.where) == ("E-KEYFRAME", "keyframes.stand")
+    assert problem.hint == "the source's keyframes are: crouch, home, keyframe_1"
+
+
+def test_room_for_keyframes_makes_none(tmp_path: Path) -> None:
+    assert given(robot_of(written(tmp_path, model(BASE, '<size nkey="5"/>')))) == {}
+    robot = robot_of(written(tmp_path, model(BASE, '<size nkey="5"/>' + KEYS)))
+    assert list(given(robot)) == ["home", "keyframe_1", "crouch"]
 
 
 FOLLOWING = '<equality><joint joint1="knee" joint2="hip" polycoef="-.7 -1 0 0 0"/></equality>'
