@@ -11,6 +11,7 @@ from stages.graph.passes.keyframes import with_keyframes
 from stages.graph.passes.limit_checks import with_checked_limits
 from stages.graph.passes.link_mass import check_links, with_given_masses, with_least_inertias
 from stages.graph.passes.mobility import with_mobility
+from stages.graph.passes.placeholders import without_placeholders
 from stages.graph.passes.relations import with_relations
 from stages.graph.passes.rename import renamed
 from stages.graph.passes.total_mass import with_total
@@ -32,6 +33,7 @@ def assemble(bundle: Bundle, keys: GraphKeys, read: MechanismReader) -> Robot:
     robot = place(mechanism, tree, keys, log)
     robot = with_added_links(robot, keys.links, log)
     robot = with_properties(robot, keys.joints, log)
+    robot = without_placeholders(robot, log) if mechanism.demands_limits else robot
     robot = with_relations(robot, mechanism.relations, log, keys.relations)
     robot = with_checked_limits(robot, mechanism, keys, log)
     robot = with_given_masses(robot, keys.mass.links, log)

@@ -125,7 +125,8 @@ class Mechanism:
     `root`: the body that is the root in the source itself, if any. `has_saved_pose`: whether the source has
     a saved pose; a robot file has none, so all its joints are at zero. `unstated_base`: the diagnostic
     for a root that nothing fixes, where the source cannot express whether it is fixed. `keyframes`: the named
-    poses of the source, in its own values.
+    poses of the source, in its own values. `demands_limits`: whether the source's format demands numbers for
+    limits, so that some stand for none.
     """
 
     bodies: tuple[RigidBody, ...]
@@ -141,6 +142,7 @@ class Mechanism:
     sensors: tuple[Sensor, ...] = ()
     keyframes: tuple[Keyframe, ...] = ()
     unstated_base: Diagnostic | None = None
+    demands_limits: bool = False
 
 
 class MechanismReader(Protocol):

@@ -138,7 +138,7 @@ def _write(node: etree._Element, inertial: Inertial) -> None:
 def same_bounds(text: bytes, robot: Robot, urdf: bytes) -> list[str]:
     """What the exported URDF has otherwise than `text`: ranges, effort, velocity and mimics, by joint.
 
-    A range that the file leaves out, or bounds at zero, are none, which the reader tells."""
+    A range that the file leaves out, bounds at zero and placeholders are none, which the reader tells."""
     names = {joint.name: joint.mate.name for joint in robot.joints}
     theirs, ours = _bounds(text), _bounds(urdf)
     wrong = []
@@ -173,6 +173,10 @@ def names_of(robot: Robot) -> dict[str, str]:
     return {joint.mate.name: joint.name for joint in robot.joints}
 
 
+_STAND_INS = (1e3, 1e4, 1e5, 1e6)
+"""Efforts and velocities of turns that stand for none."""
+
+
 def _bounds(text: bytes) -> dict[str, dict[str, float]]:
     found: dict[str, dict[str, float]] = {}
     for node in etree.fromstring(text).findall("joint"):
@@ -181,12 +185,17 @@ def _bounds(text: bytes) -> dict[str, dict[str, float]]:
             continue
         limit = node.find("limit")
         given = {} if limit is None else {key: float(value) for key, value in limit.attrib.items()}
-        own = {key: given[key] for key in ("effort", "velocity") if given.get(key, 0) > 0}
+        own = {
+            key: given[key]
+            for key in ("effort", "velocity")
+            if given.get(key, 0) > 0 and given[key] not in _STAND_INS
+        }
         low, high = given.get("lower", 0.0), given.get("upper", 0.0)
+        stands_in = low == -high and high in (10.0, 100.0, 1000.0, 1e16)
         if node.get("type") in ("revolute", "prismatic") and limit is not None and (low, high) != (0, 0):
             # A joint whose range is nothing keeps the play that engines need.
             play = 1e-6 if low == high else 0.0
-            own |= {"lower": low - play, "upper": high + play}
+            own |= {} if stands_in else {"lower": low - play, "upper": high + play}
         for key in ("damping", "friction"):
             dynamics = node.find("dynamics")
             if dynamics is not None and dynamics.get(key) is not None:

@@ -84,6 +84,7 @@ def read_mechanism(bundle: FileBundle, keys: GraphKeys, log: Diagnostics) -> tup
         transmissions=urdf.transmissions,
         controls=urdf.controls,
         unstated_base=UNSTATED_BASE,
+        demands_limits=True,
     )
     return mechanism, keys
 
