@@ -186,7 +186,8 @@ def placed_by_site(model: Any, link: str) -> Array:
     return UNMOVED if site < 0 else placed(model.site_quat[site], model.site_pos[site])
 
 
-def distance(found: Array, expected: Array) -> float:
-    """The larger of the offset [m] and the turn [rad, for small ones] between two poses (4, 4)."""
+def distance(found: Array, expected: Array, *, unresolved: float = 0.0) -> float:
+    """The larger of the offset [m] and the turn [rad, for small ones] between two poses (4, 4); of the turn
+    what is above `unresolved`."""
     off = found - expected
-    return max(math.hypot(*off[:3, 3]), float(np.linalg.norm(off[:3, :3])) / math.sqrt(2))
+    return max(math.hypot(*off[:3, 3]), float(np.linalg.norm(off[:3, :3])) / math.sqrt(2) - unresolved)

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from stages.export.mjcf.filters import WORLD, Geom
 from stages.export.mjcf.joints import free_joint_name, write_joints
 from stages.export.mjcf.loops import Closures
@@ -117,6 +119,11 @@ class BodyWriter:
             before += len(collisions)
 
 
+SAME_FRAME = 1e-5
+"""MuJoCo takes an inertial that is turned by less than about 1e-6 rad for one that is not turned. In another
+order the axes are far from the body's."""
+
+
 def _inertial(body: Element, inertial: Inertial) -> None:
     """Mass properties about principal axes: from `fullinertia` MuJoCo up to 3.13 finds the axes to 1e-6
     only, and ignores entries below 1e-12 kg m²."""
@@ -124,6 +131,8 @@ def _inertial(body: Element, inertial: Inertial) -> None:
         return
     # Of the rounded tensor: the digits below differ between machines.
     moments, axes = principal_axes(rounded_tensor(inertial.inertia))
+    if 0.0 < np.abs(axes - np.eye(3)).max() < SAME_FRAME:
+        moments, axes = moments[[1, 2, 0]], axes[:, [1, 2, 0]]
     element(
         body,
         "inertial",

@@ -5,6 +5,7 @@ written as any other. Numbers are as in the other formats: noise beside what is 
 sign.
 """
 
+import math
 import tempfile
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -124,6 +125,9 @@ class Prim:
         operations = ["xformOp:translate", "xformOp:orient"]
         self.floats("xformOp:translate", "double3", pose[:3, 3], LENGTH)
         w, *xyz = rounded(quat_from_rotation(pose[:3, :3]), TURN)
+        if w > 0.5:
+            # USD takes the angle from w alone, as an arc cosine: twelve digits would lose small turns.
+            w = math.sqrt(1.0 - sum(part * part for part in xyz))
         self.set("xformOp:orient", "quatd", Gf.Quatd(w, Gf.Vec3d(*xyz)))
         if scale is not None:
             self.floats("xformOp:scale", "double3", scale)

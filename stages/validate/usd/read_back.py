@@ -31,6 +31,10 @@ SINGLE = 1e-5
 """UsdPhysics has masses and the frames of joints in single precision: the largest error, relative to the
 robot's size or to the value where these are above 1."""
 
+ARC_COSINE = 3e-8
+"""Smaller turns [rad] USD may take for none: it finds the angle of a quaternion as 2 arccos w, and below 1
+the nearest w stands for 2.98e-8 rad."""
+
 TYPES = {"turn": "Revolute", "slide": "Prismatic", "ball": "Spherical"}
 
 
@@ -181,7 +185,8 @@ def _masses(given: _Given) -> Check:
 def _stance(given: _Given) -> Check:
     expected = link_poses(given.robot, given.home)
     found = {name: given.usd.bodies[own].world_from_body for name, own in given.names.links.items()}
-    return _compared(given, "home", found, expected, SAME, "bodies where they stand, against `home`")
+    detail = "bodies where they stand, against `home`"
+    return _compared(given, "home", found, expected, SAME, detail, unresolved=ARC_COSINE)
 
 
 def _motion(given: _Given) -> Check:
@@ -201,13 +206,14 @@ def _compared(
     expected: Mapping[str, Array],
     limit: float,
     detail: str,
+    unresolved: float = 0.0,
 ) -> Check:
-    """Poses relative to the root's."""
+    """Poses relative to the root's. `unresolved`: turns [rad] that cannot be told from none."""
     root = given.robot.root.name
     from_root, worst, where = inverse(found[root]), 0.0, ""
     size = max(1.0, *(float(np.abs(pose[:3, 3]).max()) for pose in expected.values()))
     for link, pose in expected.items():
-        value = distance(from_root @ found[link], pose) / size
+        value = distance(from_root @ found[link], pose, unresolved=unresolved) / size
         if not value <= worst:
             worst, where = (math.inf if math.isnan(value) else value), link
     attribute = "xformOp:transform" if name == "home" else "physics:localPos0, physics:localRot0"

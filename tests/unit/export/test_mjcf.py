@@ -209,6 +209,21 @@ def test_inertias_are_written_about_principal_axes(size: float) -> None:
     assert np.abs(found - tensor).max() < 1e-11 * size
 
 
+@pytest.mark.parametrize("angle", [1e-9, 1.1e-8, 3e-7, 2e-6, 1e-4])
+def test_an_inertia_that_is_turned_by_next_to_nothing_stays_turned(angle: float) -> None:
+    """MuJoCo moves an inertial that is turned by less than 1e-6 rad with the body's own axes."""
+    turned = rotation_from_rpy((0.0, angle, 0.0))
+    tensor = frozen(turned @ np.diag([1.0, 0.8, 0.5]) @ turned.T)
+    row = joint("ball", "base", "arm")
+    model = compiled(robot_with([row], inertials={"arm": Inertial(1.0, frozen(np.zeros(3)), tensor)}))
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    arm = model.body("arm").id
+    body, axes = data.xmat[arm].reshape(3, 3), data.ximat[arm].reshape(3, 3)
+    found = body.T @ axes @ np.diag(model.body_inertia[arm]) @ axes.T @ body
+    assert np.abs(found - tensor).max() < 2e-12
+
+
 def test_primitives_have_mujocos_half_sizes() -> None:
     place = robots.pose(np.random.default_rng(4))
     sizes = {"box": (0.2, 0.4, 0.6), "sphere": (0.1,), "cylinder": (0.1, 0.4), "capsule": (0.1, 0.4)}

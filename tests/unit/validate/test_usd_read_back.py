@@ -10,7 +10,7 @@ from stages.export import export
 from stages.robot.check import Check
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Dynamics, Limits, Robot
-from stages.robot.poses import at_rest
+from stages.robot.poses import at_rest, from_parts, turn
 from tests.support.building import NO_MESHES, plan_of
 from tests.support.robots import EVERY, LOOPS, joint, loop, pose, robot_with
 from tests.support.usd import pxr
@@ -45,6 +45,26 @@ def test_every_joint_passes_every_check(kind: str, fixed: bool, tmp_path: Path) 
     ]
     robot = robot_with(rows, root=root, fixed=fixed or kind == "free")
     assert failed(checked(robot, text_of(robot), tmp_path)) == []
+
+
+ANGLES = (3e-9, 4e-8, 1.1e-7, 3e-6, 1.3e-5, 4.7e-4, 7.7e-3, 0.3, 3.0)
+
+
+@pytest.mark.parametrize("angle", ANGLES)
+def test_a_link_that_is_turned_by_any_angle_stands_where_it_is(angle: float, tmp_path: Path) -> None:
+    turned = from_parts(turn(np.array([0.6, 0.0, 0.8]), angle), np.array([0.3, 0.2, 0.1]))
+    robot = robot_with([joint("revolute", "base", "arm", name="elbow", place=turned)], fixed=True)
+    text = text_of(robot)
+    assert failed(checked(robot, text, tmp_path)) == []
+    stage = pxr.Usd.Stage.Open(str(tmp_path / "robot.usda"))
+    prim = next(prim for prim in stage.Traverse() if prim.GetName() == "arm")
+    found = np.array(pxr.UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(0)).T
+    off = np.abs(found - turned).max()
+    # USD finds the angle as 2 arccos w, where w has steps of 1.1e-16.
+    assert off < min(3e-8, 4e-16 / angle + 1e-11)
+    more = from_parts(turn(np.array([0.6, 0.0, 0.8]), angle + 1e-7), turned[:3, 3])
+    other = robot_with([joint("revolute", "base", "arm", name="elbow", place=more)], fixed=True)
+    assert "home" in failed(checked(other, text, tmp_path))
 
 
 def test_a_link_may_have_the_name_of_its_robot(tmp_path: Path) -> None:
