@@ -3,7 +3,8 @@
 Python raises KeyboardInterrupt between any two instructions, and so also where it is lost: in a `__del__` or
 a callback, of which Python only prints it, and below a library that makes another error of it. So a command
 records that Ctrl-C came, asks at each step of a build (`check`), and takes each later error for it
-(`behind`). In a program that imports linkwright the signals are that program's.
+(`behind`). Some compiled libraries crash where their first import is interrupted (orjson, as of 3.13.0), so
+Ctrl-C waits until such an import ends. In a program that imports linkwright the signals are that program's.
 """
 
 import _thread
@@ -12,6 +13,7 @@ import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
+from importlib.machinery import ExtensionFileLoader
 from types import FrameType
 
 STATUS = 130
@@ -24,6 +26,12 @@ FINISHED = (0, 3)
 
 LOOK = 0.1
 """Interval [s] at which the watcher checks whether the sweep is over."""
+
+AGAIN = 0.01
+"""Interval [s] after which a Ctrl-C that came during the import of a compiled module is looked at again."""
+
+COMPILED_IMPORTS = (ExtensionFileLoader.create_module.__code__, ExtensionFileLoader.exec_module.__code__)
+"""What runs while Python imports a compiled module."""
 
 _CAME = threading.Event()
 
@@ -48,7 +56,20 @@ def command(run: Callable[[], int]) -> int:
 
 def _note(number: int, frame: FrameType | None) -> None:
     _CAME.set()
-    raise KeyboardInterrupt
+    if not _in_compiled_import(frame):
+        raise KeyboardInterrupt
+    again = threading.Timer(AGAIN, _thread.interrupt_main)
+    again.daemon = True
+    again.start()
+
+
+def _in_compiled_import(frame: FrameType | None) -> bool:
+    """Whether Python runs here below the first import of a compiled module."""
+    while frame is not None:
+        if frame.f_code in COMPILED_IMPORTS:
+            return True
+        frame = frame.f_back
+    return False
 
 
 def came() -> bool:

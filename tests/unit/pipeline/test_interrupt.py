@@ -106,6 +106,25 @@ def test_a_second_signal_while_the_first_is_reported_changes_nothing():
     assert (done.returncode, done.stderr) == (130, "error: interrupted\n")
 
 
+def test_it_waits_until_the_import_of_a_compiled_module_ends():
+    code = """
+def heard(event, arguments):
+    if event == "import" and arguments[0] == "orjson.orjson" and arguments[1] is not None:
+        press()
+
+def run():
+    import time
+    import orjson
+    print("imported", flush=True)
+    time.sleep(30)
+
+sys.addaudithook(heard)
+sys.exit(interrupt.command(run))
+"""
+    done = ended(code)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "imported\n", "error: interrupted\n")
+
+
 @pytest.fixture
 def watched(monkeypatch):
     """Signals are noted as in a command, of which nothing is left after the test."""
