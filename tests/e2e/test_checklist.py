@@ -1,5 +1,6 @@
 """The points that a model made by hand meets (`tests.support.checklist`), on robots of every source."""
 
+import json
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -58,6 +59,10 @@ def robot(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     return built(request.param, tmp_path_factory.mktemp(request.param))
 
 
+UNSTABLE = {"C-TRIAL", "C-TIME-STEP"}
+"""What a random mechanism may fail: it starts deep in the ground, or needs steps below 2 ms."""
+
+
 @pytest.mark.slow
 @settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 @given(st.booleans().flatmap(lambda loops: documents(everything=True, loops=loops)))
@@ -67,7 +72,10 @@ def test_random_documents_meet_the_points_of_files(document: Document) -> None:
         (folder / "random.zip").write_bytes(bundle_bytes(document))
         told = ["source=bundle", "source.path=random.zip", "mesh=hull", "contact.self=none", "output=out"]
         done = called(folder, *told)
-        assert done.returncode == 0, done.stdout + done.stderr
+        assert done.returncode in {0, 3}, done.stdout + done.stderr
+        checks = json.loads((folder / "out/report.json").read_text())["checks"]
+        failed = {it["code"] for it in checks if not it["passed"] and it["level"] == "error"}
+        assert failed <= UNSTABLE, done.stdout
         made = Built(folder / "out", document.truth.total_mass())
         assume(made.model.nq)
         assert [(point.__name__, fault) for point in STILL for fault in point(made)] == []

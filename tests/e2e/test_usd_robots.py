@@ -21,6 +21,7 @@ from tests.support.usd_parity import UsdParity
 @pytest.mark.parametrize("name", FILES)
 def test_a_real_robot_is_one_in_three_files(name: str, tmp_path: Path) -> None:
     assert pxr.Usd
+    from stages.validate.expected import Expected
     from stages.validate.usd.read_back import check_file
 
     plan = plan_of(
@@ -35,7 +36,8 @@ def test_a_real_robot_is_one_in_three_files(name: str, tmp_path: Path) -> None:
     made = export(robot, geometry, plan)
     files = made.files
     UsdParity(robot, files, tmp_path).agree(np.random.default_rng(0))
-    checks = list(check_file(tmp_path / f"{robot.name}.usda", as_driven(robot, made.actuation), quick=False))
-    assert [one for one in checks if one.fails] == []
+    driven, expected = as_driven(robot, made.actuation), Expected(actuation=made.actuation)
+    checks = list(check_file(tmp_path / f"{robot.name}.usda", driven, expected, quick=False))
+    assert [check for check in checks if check.fails] == []
     assert len(checks) > 1
     assert files == export(robot, geometry, plan).files
