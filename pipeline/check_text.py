@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pipeline.reference.codes import remedy
 from stages.robot.check import Check
 from stages.robot.plural import count
-from stages.robot.printable import printable
+from stages.robot.printable import sentence
 
 
 def check_lines(word: str, check: Check, most: int, rest: str, measured: str = "") -> list[str]:
@@ -13,10 +13,10 @@ def check_lines(word: str, check: Check, most: int, rest: str, measured: str = "
     are, and what to do."""
     code = f"{check.code} " if check.code else ""
     figures = f" ({measured})" if measured else ""
-    lines = [printable(f"{word} {code}{check.name}: {check.detail}{figures}")]
+    lines = [sentence(f"{word} {code}{check.name}: {check.detail}{figures}")]
     for found in check.findings[:most]:
         attribute = f" {found.attribute}" if found.attribute else ""
-        lines.append(printable(f"    {found.element}{attribute}: {found.message}"))
+        lines.append(sentence(f"    {found.element}{attribute}: {found.message}"))
     more = len(check.findings) - most
     lines += [f"    and {more} more{rest}"] if more > 0 else []
     hint = remedy(check.code)

@@ -8,81 +8,12 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from pipeline import streams
-from pipeline.options import Command, UsageError, parse
+from pipeline.options import HELP, Command, Detail, UsageError, parse
 from pipeline.verbs import VERBS
 
 if TYPE_CHECKING:
     from pipeline.config.plan import Plan
     from pipeline.report import Report
-
-_HELP = """\
-linkwright: a robot is a YAML file; this builds it.
-
-usage: linkwright [-m] [--config-dir DIR] [group=option ...] [key=value ...]
-
-  linkwright                                    build the sample that is shipped (no network)
-  linkwright robot=my_arm                       build ./robot/my_arm.yaml
-  linkwright source=onshape "source.url='https://cad.onshape.com/documents/...'"
-                                                build an assembly; both pairs of quotes are needed
-  linkwright source=urdf source.path=arm.urdf   build from a URDF or a xacro file, and its meshes
-  linkwright source=mjcf source.path=arm.xml    build from an MJCF (MuJoCo XML)
-  linkwright robot=my_arm until=graph           stop after a stage: fetch graph mesh export validate
-  linkwright robot=my_arm "joints.*.damping=0.2" root=free
-                                                change keys and options of a robot
-  linkwright experiment=wide                    build the robot of ./experiment/wide.yaml with its changes
-  linkwright -m robot=my_arm root=fixed,free    a sweep: every combination, a folder each
-
-other verbs (linkwright VERB --help shows more):
-  linkwright bundle NAME out.zip                pack the inputs of the build of NAME, to build it anywhere
-  linkwright view NAME                          open the robot of a build in MuJoCo's viewer
-  linkwright check DIR|FILE                     whether the files of a robot are right, as they are now
-  linkwright diff A B                           what is different between two robots
-  linkwright cache info|gc|verify               show the cache's size and API calls, clean it, check it
-  linkwright explain CODE|KEY                   explain a diagnostic's code or a key
-
-options:
-  -m, --multirun        sweep over values that are separated by commas;
-                        in parallel with hydra/launcher=workstation
-  --config-dir DIR      DIR holds robot/ with robots of your own (besides ./robot/); may be repeated
-  --cfg job|hydra|all   print the validated configuration and build nothing; --resolve replaces ${...} by
-                        values, --package KEY prints a part
-  --info [KIND]         print how the configuration is composed: all config defaults
-                        defaults-tree plugins searchpath
-  --install-completion [SHELL]
-                        install tab completion for bash, zsh or fish (in this shell only: -sc install=SHELL)
-  -h, --help            this text
-  --version             the version
-
-groups, each a set of presets (group=option):
-  robot       sample, legged, bare, and the files in ./robot/: everything below, in one file
-  source      onshape, urdf, mjcf, bundle (a zip of replies), sample
-  root        auto, central, fixed, free: the root link and its base
-  depth       flexible, rigid: which sub-assemblies may move inside
-  mesh        ladder, hull, coacd, primitives, spheres, raw, visual (none): the colliders
-  ground      plane, none
-  export      [urdf,mjcf], urdf, mjcf, sdf, usd, ros2, python: the formats; [urdf,mjcf,sdf] several
-  validate    quick, standard, strict (warnings are errors)
-  actuators   none, motor, position, velocity, intvelocity, pid (servos), damper, general: what drives joints
-  elements    none
-
-keys (key=value; linkwright explain KEY shows type, unit, default and an example):
-{keys}
-
-environment:
-{environment}
-
-exit status:
-  0  built and valid    1  failed    2  wrong configuration, nothing was built    130  interrupted
-  3  built, but a check failed, or the state is not the newest (the API quota is used up)
-"""
-
-
-def help_text() -> str:
-    """The text of `--help`; its list of keys is generated from the schema."""
-    from pipeline.reference import HELP, environment
-
-    keys = HELP.read_text(encoding="utf-8").rstrip()
-    return _HELP.replace("{keys}", keys).replace("{environment}", environment.text())
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -104,7 +35,7 @@ def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = Non
     """Runs a command line and returns the exit status; `build` replaces the real build in tests."""
     if arguments[:1] in (["-sc"], ["--shell-completion"]):
         return _complete("".join(arguments[1:2]))
-    if {"-h", "--help", "--version"}.intersection(arguments):
+    if {"-h", *HELP}.intersection(arguments):
         return _run(arguments, build)  # prints only our own text, which needs no cleaning
     from pipeline.terminal import clean_streams
 
@@ -113,12 +44,14 @@ def run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None" = Non
 
 
 def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> int:
+    detail: Detail = "usual"
     try:
         if arguments and arguments[0] in VERBS:
             return _verb(arguments[0], arguments[1:])
         command = parse(arguments)
-        if command.show in ("help", "version"):
-            print(help_text().rstrip() if command.show == "help" else f"linkwright {_version()}")
+        detail = command.detail
+        if f"--{command.show}" in HELP:
+            print(_own_text(command.show))
             return 0
         if command.show:
             for text in _shown(command):
@@ -128,10 +61,20 @@ def _run(arguments: Sequence[str], build: "Callable[[Plan], Report] | None") -> 
             return _sweep(command, build)
         return _single(command, build)
     except UsageError as error:
-        print(f"error: {error}", file=sys.stderr)
+        from pipeline.terminal import say
+
+        say(f"error: {error}", sys.stderr)
         return 2
     except (Exception, KeyboardInterrupt) as error:
-        return _report(error)
+        return _report(error, detail)
+
+
+def _own_text(option: str) -> str:
+    from pipeline import help_text
+
+    if option == "version":
+        return f"linkwright {_version()}"
+    return (help_text.SHORT if option == "help" else help_text.whole()).rstrip()
 
 
 def _version() -> str:
@@ -191,10 +134,10 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     if build is not None:
         return build(_plan(command)).exit_status
     from pipeline import observed, unchanged
-    from pipeline.progress import progress_for
-    from pipeline.report import show
+    from pipeline.closing import show
+    from pipeline.progress import Quiet, progress_for
 
-    progress = progress_for(sys.stderr)
+    progress = Quiet() if command.detail == "errors" else progress_for(sys.stderr)
     action = unchanged.action_of(command)
     report = unchanged.again(action, command, progress)
     if report is None:
@@ -204,7 +147,7 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
             built = build_files(_plan(command), progress)
         unchanged.remember(action, command, seen, built)
         report = built.report
-    show(report, sys.stdout)
+    show(report, sys.stdout, command.detail)
     return report.exit_status
 
 
@@ -227,6 +170,7 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
     from pipeline.sweep.launch import Account, launch
     from pipeline.sweep.outcome import Outcome, sweep_status, table
     from pipeline.sweep.run import Task, jobs_of, judge_folders
+    from pipeline.terminal import say
 
     began = time.time()
     with session(command.config_dirs, judge=sweep_problems) as composer:
@@ -238,21 +182,25 @@ def _sweep(command: Command, build: "Callable[[Plan], Report] | None") -> int:
         build = build or functools.partial(build_robot, began=began, sweep=sweep.root)
         ours, numbers = composer.ours(sweep.sweeping.launcher), sweep.sweeping.numbers
         with named(sweep.root):
-            outcomes: list[Outcome] = launch(ours, numbers, Task(sweep.jobs, build), sweep.root, account)
-    print(table(outcomes, sweep.root))
+            task = Task(sweep.jobs, build, is_quiet=command.detail == "errors")
+            outcomes: list[Outcome] = launch(ours, numbers, task, sweep.root, account)
+    status = sweep_status(outcomes)
+    if status or command.detail != "errors":
+        say(table(outcomes, sweep.root))
     keep(outcomes, sweep.root)
-    return sweep_status(outcomes)
+    return status
 
 
-def _report(error: BaseException) -> int:
+def _report(error: BaseException, detail: Detail) -> int:
     """Prints an error as one message; returns the exit status."""
     from pipeline.errors import exit_status, render
     from pipeline.interrupt import behind
+    from pipeline.terminal import say
 
     error = KeyboardInterrupt() if behind(error) else error
     if os.environ.get("LINKWRIGHT_TRACEBACK", "") not in ("", "0"):
         import traceback
 
         traceback.print_exception(error)
-    print(render(error), file=sys.stderr)
+    say(render(error, whole=detail == "all"), sys.stderr)
     return exit_status(error)

@@ -9,6 +9,7 @@ import errno
 from collections.abc import Sequence
 
 from pipeline import interrupt
+from pipeline.finding_lines import Style, finding_lines
 from stages.robot.errors import (
     AssemblyError,
     AuthError,
@@ -79,6 +80,9 @@ class InTheWay(OutputError):
     """The result cannot be moved into the output folder: a file that is not linkwright's is in the way."""
 
 
+WORST = Style("-v shows all", indent="  ", hint="    ")
+"""How the problems of a stage are shown, which its report lists."""
+
 FULL = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the disk quota is used up"}
 """Errors of a full disk: errno → text."""
 
@@ -111,9 +115,15 @@ def exit_status(error: BaseException) -> int:
     return 1
 
 
-def render(error: BaseException) -> str:
-    """The message of `error` with its place, hint and notes; no traceback."""
-    return "\n".join([_message(error), *(f"  {note}" for note in getattr(error, "__notes__", ()))])
+def render(error: BaseException, *, whole: bool = True) -> str:
+    """The message of `error` with its place, hint and notes; no traceback. Unless `whole`, of the problems of
+    a stage, which its report lists, only the worst of each code."""
+    notes = getattr(error, "__notes__", ())
+    message = _message(error)
+    if isinstance(error, LinkwrightError) and not whole and not isinstance(error, ConfigError):
+        hint = [f"  → {error.hint}"] if error.hint else []
+        message = "\n".join([message.partition("\n")[0], *finding_lines(error.problems, WORST), *hint])
+    return "\n".join([message, *(f"  {note}" for note in notes)])
 
 
 def _message(error: BaseException) -> str:

@@ -1,5 +1,6 @@
 """What the report tells of a robot's geometry, and what the terminal shows meanwhile."""
 
+import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
@@ -107,9 +108,24 @@ def _pair(one: "Exclude | Touch") -> dict[str, Any]:
 
 
 def shown(context: "BuildContext") -> "Shown":
-    """Shows which parts get their colliders."""
+    """Shows which parts get their colliders, and about how long the others will take."""
+    start: float | None = None
 
     def show(running: Sequence[str], done: int, total: int) -> None:
-        context.transient(f"colliders: {done} of {count(total, 'part')}, now {', '.join(running)}")
+        nonlocal start
+        start = time.monotonic() if start is None else start
+        left = time_left(time.monotonic() - start, done, total)
+        making = f": {', '.join(running)}" if running else ""
+        context.transient(f"colliders: {done} of {count(total, 'part')}{left}{making}")
 
     return show
+
+
+def time_left(seconds: float, done: int, total: int) -> str:
+    """In words, how long the rest takes if it is as slow as what was `done` in so many seconds; "" where
+    nothing was."""
+    if not 0 < done < total:
+        return ""
+    left = seconds * (total - done) / done
+    amount = f"{round(left / 60)} min" if left >= 90 else f"{max(1, round(left / 5)) * 5} s"
+    return f", about {amount} left"

@@ -1,7 +1,7 @@
 """Parses the command line into options and overrides. Imports nothing heavy."""
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 CFG = ("job", "hydra", "all")
 """What `--cfg` shows."""
@@ -20,16 +20,24 @@ ELSEWHERE = {
 SHORT = {
     "-h": "--help", "-m": "--multirun", "-cd": "--config-dir", "-c": "--cfg", "-p": "--package",
     "-i": "--info", "-r": "--run", "-sc": "--shell-completion", "-cn": "--config-name",
-    "-cp": "--config-path",
+    "-cp": "--config-path", "-v": "--verbose", "-q": "--quiet",
 }  # fmt: skip
+
+
+Detail = Literal["errors", "usual", "all"]
+"""How much a build tells: errors alone (`-q`), of each code the worst findings, or all of them (`-v`)."""
+
+HELP = ("--help", "--help-all", "--version")
+"""Options that show a text of our own."""
 
 
 # No dataclass: to import their module takes a quarter of the time of `--help`.
 class Command(NamedTuple):
     """The parsed command line.
 
-    `show`: the output in place of a build: help, version, cfg, info, shell-completion or
-    install-completion; `what`: its kind; `package` and `resolve` are the options of `--cfg`.
+    `show`: the output in place of a build: help, help-all, version, cfg, info, shell-completion or
+    install-completion; `what`: its kind; `package` and `resolve` are the options of `--cfg`. `detail`: how
+    much a build tells.
     """
 
     overrides: tuple[str, ...] = ()
@@ -39,6 +47,7 @@ class Command(NamedTuple):
     what: str = ""
     package: str = ""
     resolve: bool = False
+    detail: Detail = "usual"
 
 
 class UsageError(Exception):
@@ -55,7 +64,7 @@ def parse(arguments: Sequence[str]) -> Command:
             continue
         option, equal, value = argument.partition("=")
         name = SHORT.get(option, option)
-        if name in ("--help", "--version"):
+        if name in HELP:
             return Command(show=name[2:])
         reader = _OPTIONS.get(name)
         if reader is None:
@@ -76,12 +85,19 @@ class _Reading:
         self._folders: list[str] = []
         self._multirun = self._resolve = False
         self._show, self._what, self._package = "", "", ""
+        self._details: set[Detail] = set()
 
     def multirun(self, option: str, given: str | None) -> None:
         self._multirun = True
 
     def resolve(self, option: str, given: str | None) -> None:
         self._resolve = True
+
+    def verbose(self, option: str, given: str | None) -> None:
+        self._details.add("all")
+
+    def quiet(self, option: str, given: str | None) -> None:
+        self._details.add("errors")
 
     def run(self, option: str, given: str | None) -> None:
         """Hydra's option for a single run; it has no effect here."""
@@ -114,6 +130,8 @@ class _Reading:
             text = f"--{self._show} shows one configuration, and a sweep has many"
             msg = f"{text}\n  → leave out -m and give single values"
             raise UsageError(msg)
+        if len(self._details) > 1:
+            raise UsageError("-q and -v exclude each other\n  → -q shows only errors, -v shows all findings")
         return Command(
             tuple(self.overrides),
             tuple(self._folders),
@@ -122,6 +140,7 @@ class _Reading:
             self._what,
             self._package,
             self._resolve,
+            next(iter(self._details), "usual"),
         )
 
 
@@ -129,6 +148,8 @@ _OPTIONS: dict[str, Callable[[_Reading, str, str | None], None]] = {
     "--multirun": _Reading.multirun,
     "--resolve": _Reading.resolve,
     "--run": _Reading.run,
+    "--verbose": _Reading.verbose,
+    "--quiet": _Reading.quiet,
     "--config-dir": _Reading.config_dir,
     "--package": _Reading.package,
     "--cfg": _Reading.cfg,

@@ -6,7 +6,8 @@ from typing import Any, Protocol, TextIO
 
 from pipeline.report import StageReport
 from pipeline.secrets import Secrets
-from pipeline.terminal import clean
+from pipeline.terminal import clean, width_of
+from pipeline.wrapping import wrapped
 from stages.robot.printable import printable
 
 
@@ -26,6 +27,10 @@ class Progress(Protocol):
     def done(self, stage: StageReport) -> None: ...
 
     def close(self) -> None: ...
+
+
+_LONG = 3.0
+"""A stage that runs longer [s] shows how long."""
 
 
 def sentence(stage: StageReport) -> str:
@@ -67,46 +72,61 @@ class Lines(Quiet):
 
 
 class Terminal(Quiet):
-    """A spinner that names the running stage, below the finished stages."""
+    """A spinner that names the running stage and how long it runs, below the finished stages."""
 
     def __init__(self, stream: TextIO) -> None:
         from rich.console import Console
 
         self._clean = clean(stream).clean
-        self._console = Console(file=clean(stream).raw, highlight=False)
-        self._status: Any = None
-        self._last = ""
+        self._console = Console(file=clean(stream).raw, highlight=False, width=width_of(stream))
+        self._live: Any = None
+        self._stage, self._detail, self._transient, self._start = "", "", "", 0.0
 
     def start(self, stage: str) -> None:
+        from rich.live import Live
+        from rich.spinner import Spinner
+
         self.close()
-        self._last = stage
-        self._status = self._console.status(stage)
-        self._status.start()
+        self._stage, self._detail, self._transient, self._start = stage, "", "", time.monotonic()
+        spinner = Spinner("dots")
+        self._live = Live(console=self._console, get_renderable=lambda: self._drawn(spinner), transient=True)
+        self._live.start()
 
     def detail(self, stage: str, line: str) -> None:
-        self._last = self._clean(f"{stage}: {printable(line)}")
-        if self._status is None:
-            self._console.print(self._last, markup=False)
+        self._detail, self._transient = self._clean(printable(line)), ""
+        if self._live is None:
+            self._print(f"{stage}: {self._detail}")
         else:
-            self._update(self._last)
+            self._live.refresh()
 
     def transient(self, stage: str, line: str) -> None:
-        if self._status is not None:
-            self._update(f"{self._last} ({self._clean(printable(line))})")
+        if self._live is not None:
+            self._transient = f" ({self._clean(printable(line))})"
+            self._live.refresh()
 
-    def _update(self, text: str) -> None:
-        from rich.markup import escape
+    def _drawn(self, spinner: Any) -> Any:
+        """The line of the running stage: one, however long its texts are."""
+        from rich.text import Text
 
-        self._status.update(escape(text))
+        seconds = time.monotonic() - self._start
+        running = f" {seconds:.0f} s" if seconds >= _LONG else ""
+        said = f": {self._detail}{self._transient}" if self._detail else self._transient
+        spinner.update(text=Text(f"{self._stage}{running}{said}", no_wrap=True, overflow="ellipsis"))
+        return spinner
 
     def done(self, stage: StageReport) -> None:
         self.close()
-        self._console.print(self._clean(sentence(stage)), style="dim" if stage.cached else "", markup=False)
+        self._print(self._clean(sentence(stage)), "dim" if stage.cached else "")
+
+    def _print(self, line: str, style: str = "") -> None:
+        from rich.text import Text
+
+        self._console.print(Text(wrapped(line, self._console.width), style=style), soft_wrap=True)
 
     def close(self) -> None:
-        if self._status is not None:
-            self._status.stop()
-            self._status = None
+        if self._live is not None:
+            self._live.stop()
+            self._live = None
 
 
 def progress_for(stream: TextIO) -> Progress:

@@ -1,19 +1,17 @@
-"""The report of a build: `Report`, its JSON, and the closing table."""
+"""The report of a build: `Report`, and its JSON."""
 
 import json
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any, Literal, TextIO
+from typing import Any, Literal
 
-from pipeline.check_text import check_lines, tally
 from pipeline.output.manifest import REPORT
 from pipeline.secrets import Secrets
-from pipeline.terminal import clean
 from stages.robot.check import Check
 from stages.robot.errors import Diagnostic
-from stages.robot.printable import printable, printable_lines
+from stages.robot.printable import printable_lines
 
 Status = Literal["built", "stale", "invalid", "failed"]
 
@@ -45,7 +43,8 @@ class Report:
     `details`: tables of the stages, each a list of rows: `colliders`, `links`, `excludes` and
     `touching` (see `pipeline.mesh_details.details`), and the `order` of joints, actuators and sensors
     (see `stages.export.order_tables`), and what other `readers` drop (see `stages.export.readers`).
-    `outline`: the lines of the kinematic tree as text. `outputs`: SHA-256 of each file of the robot, by
+    `outline`: the lines of the kinematic tree as text; `narrow_outline`: the same for a terminal, which no
+    file has. `outputs`: SHA-256 of each file of the robot, by
     path below `folder` ("" for a build in memory). `error`: of a failed build, its class, message, place,
     hint and problems.
     `title`: the assembly's name, where a reply has it and the user gave the robot no name.
@@ -66,6 +65,7 @@ class Report:
     diagnostics: tuple[Diagnostic, ...] = ()
     checks: tuple[Check, ...] = ()
     outline: tuple[str, ...] = ()
+    narrow_outline: tuple[str, ...] = ()
     outputs: Mapping[str, str] = field(default_factory=dict)
     versions: Mapping[str, str] = field(default_factory=dict)
     error: Mapping[str, Any] | None = None
@@ -80,7 +80,9 @@ class Report:
 
     def tree(self) -> dict[str, Any]:
         """The report as plain data. Its own mappings are not copied: a big robot's details are large."""
-        return _shallow(self) | {
+        tree = _shallow(self)
+        del tree["narrow_outline"]
+        return tree | {
             "stages": [_shallow(stage) for stage in self.stages],
             "diagnostics": [_shallow(one) for one in self.diagnostics],
             "checks": [_check(check) for check in self.checks],
@@ -113,63 +115,6 @@ def _check(check: Check) -> dict[str, Any]:
     return _shallow(check) | {"findings": [_shallow(one) for one in check.findings], "table": table}
 
 
-MOST_FINDINGS = 3
-"""Of a check, in the terminal."""
-
-
-HEADER = ("stage", "", "seconds", "outputs")
-
-
-def rows(report: Report) -> list[tuple[str, str, str, str]]:
-    """The closing table: stage, cached or built, seconds, outputs."""
-    return [
-        (stage.name, "cached" if stage.cached else "built", f"{stage.seconds:.2f}", printable(stage.outputs))
-        for stage in report.stages
-    ]
-
-
-PLAIN = str.maketrans("─│├└…→×≤≥−", "-||`~>*<>-")
-"""ASCII replacements of the characters that a stream's encoding may lack."""
-
-
-def fitting(text: str, encoding: str | None) -> str:
-    """`text` with characters that a stream of this encoding can write."""
-    code = encoding or "utf-8"
-    try:
-        text.encode(code)
-    except UnicodeEncodeError:
-        return text.translate(PLAIN).encode(code, "replace").decode(code)
-    return text
-
-
-def found(report: Report) -> list[str]:
-    """The kinematic tree, for a build that ends at the graph stage."""
-    return [*report.outline, ""] if report.until == "graph" and report.outline else []
-
-
-def findings(report: Report) -> list[str]:
-    """Diagnostics, failed checks, API calls and the output folder: one text line each."""
-    lines = []
-    for found in report.diagnostics:
-        place = f" {found.where}:" if found.where else ""
-        lines.append(printable(f"{found.code}{place} {found.message}"))
-        if found.hint:
-            lines.append(f"    → {found.hint}")
-    for word, checks in (("WARNING", report.warned_checks), ("FAILED", report.failed_checks)):
-        for check in checks:
-            lines += check_lines(word, check, MOST_FINDINGS, " in report.json")
-    where = " (report.html has the table)" if report.folder else ""
-    lines += [
-        printable(f"{one.name}: {one.detail}{where}") for one in report.checks if one.table and one.passed
-    ]
-    lines += [tally(report.checks)] if report.checks else []
-    lines += spent(report)
-    pages = f" (report.html, {report.preview})" if report.preview else ""
-    lines.append(printable(f"{report.heading}: {report.folder or 'in memory'}{pages}"))
-    lines += [printable(report.advice)] if report.advice else []
-    return lines
-
-
 def spent(report: Report) -> list[str]:
     """A line about the API calls of a build; no line without any."""
     made, saved = report.calls.get("made", 0), report.calls.get("saved", 0)
@@ -188,48 +133,6 @@ def failure_lines(report: Report, folder: Path | None) -> list[str]:
         *([f"source: {url}"] if url else []),
         *([f"report: {Path(os.path.relpath(folder)) / 'report.html'}"] if folder else []),
     ]
-
-
-def render(report: Report) -> str:
-    """The kinematic tree where it was asked for, the closing table and the findings as plain text."""
-    table = [HEADER, *rows(report)]
-    widths = [max(len(row[column]) for row in table) for column in range(3)]
-    lines = [
-        f"{row[0]:<{widths[0]}}  {row[1]:<{widths[1]}}  {row[2]:>{widths[2]}}  {row[3]}".rstrip()
-        for row in table
-    ]
-    return "\n".join([*found(report), *lines, *findings(report)]) + "\n"
-
-
-def show(report: Report, stream: TextIO) -> None:
-    """Prints the closing table: with rich on a terminal, else as plain text."""
-    out = clean(stream)
-    if not stream.isatty():
-        out.write(fitting(render(report), stream.encoding))
-        return
-    from rich.box import SIMPLE
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
-    styles = {"E": "bold red", "W": "yellow", "I": "cyan"}
-    words = {"FAILED ": "bold red", "WARNING ": "yellow"}
-    console = Console(file=out.raw)
-    for line in found(report):
-        console.print(Text(fitting(out.clean(line), stream.encoding)), soft_wrap=True)
-    table = Table(box=SIMPLE, header_style="bold", pad_edge=False)
-    for column, title in enumerate(HEADER):
-        table.add_column(title, justify="right" if column == 2 else "left")
-    for row in rows(report):
-        table.add_row(*(Text(out.clean(cell), style="dim" if cell == "cached" else "") for cell in row))
-    console.print(table)
-    for line in findings(report):
-        style = next((style for word, style in words.items() if line.startswith(word)), "")
-        if line[1:2] == "-":
-            style = styles.get(line[0], "")
-        # As Text, since brackets in CAD names are not markup. Text to paste must not be wrapped.
-        text = Text(fitting(out.clean(line), stream.encoding), style=style)
-        console.print(text, soft_wrap=line.startswith(" "))
 
 
 def versions(libraries: Mapping[str, str]) -> dict[str, str]:

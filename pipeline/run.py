@@ -25,7 +25,7 @@ from pipeline.report import Report, StageReport, Status
 from pipeline.stage import STAGES, Stage, libraries, perform
 from pipeline.strictness import strict_checks
 from stages.fetch import describe
-from stages.graph.view.views import OUTLINE, VIEWS
+from stages.graph.view.views import NARROW_OUTLINE, OUTLINE, VIEWS
 from stages.mesh.view.views import PICTURES
 from stages.robot import codec
 from stages.robot.check import Check
@@ -104,6 +104,7 @@ class Run:
 
     def look(self, context: BuildContext, sweep: Path | None) -> None:
         """Makes what `report.html` shows of the robot."""
+        self.progress.start("page")
         say = functools.partial(self.progress.detail, "page")
         self.seen = live(context, self.details.get("colliders", ()), Path(self.folder), sweep, say)
         self.note(self.seen.found)
@@ -119,6 +120,7 @@ class Run:
         """Finishes the robot's picture."""
         self.pictures = self.drawing.result()
         self.note(self.pictures.found)
+        self.progress.close()
 
     def finished(self, context: BuildContext, files: Mapping[str, bytes]) -> Report:
         """The report of a build whose stages all ran and made `files`."""
@@ -163,6 +165,7 @@ class Run:
             diagnostics=tuple(self.diagnostics),
             advice=self.advice,
             outline=tuple(self.shown.get(OUTLINE, "").splitlines()),
+            narrow_outline=tuple(self.shown.get(NARROW_OUTLINE, "").splitlines()),
             versions=report.versions(installed),
             **more,
         )

@@ -1,4 +1,4 @@
-"""Output to a terminal or a pipe, without control characters and API keys.
+"""Output to a terminal or a pipe, without control characters and API keys, and no wider than the terminal.
 
 Text comes from servers, files and people. An escape sequence in a part's name could move the cursor,
 change the terminal's colours or title, or hide the line above. All printed text passes through here.
@@ -11,7 +11,11 @@ from collections.abc import Iterator
 from typing import Any, TextIO, cast
 
 from pipeline.secrets import Secrets
+from pipeline.wrapping import wrapped
 from stages.robot.printable import printable_lines
+
+NARROW = 80
+"""The columns of a terminal that does not say how many it has."""
 
 
 class Clean:
@@ -43,6 +47,29 @@ class Clean:
 def clean(stream: Any) -> Clean:
     """The stream wrapped in `Clean`, once."""
     return stream if isinstance(stream, Clean) else Clean(stream)
+
+
+def width_of(stream: Any) -> int | None:
+    """The columns of a terminal; None for a pipe or a file."""
+    if not stream.isatty():
+        return None
+    with contextlib.suppress(ValueError):
+        return max(20, int(os.environ["COLUMNS"])) if os.environ.get("COLUMNS") else _columns(stream)
+    return _columns(stream)
+
+
+def _columns(stream: Any) -> int:
+    try:
+        return max(20, os.get_terminal_size(stream.fileno()).columns or NARROW)
+    except (OSError, ValueError, AttributeError):
+        return NARROW
+
+
+def say(text: str, stream: Any = None) -> None:
+    """Prints a message; on a terminal its lines are wrapped."""
+    stream = sys.stdout if stream is None else stream
+    width = width_of(stream)
+    print(text if width is None else wrapped(clean(stream).clean(text), width), file=stream)
 
 
 @contextlib.contextmanager

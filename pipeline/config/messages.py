@@ -50,8 +50,17 @@ def shown(value: Any) -> str:
     """A value as an error shows it: short, and as in YAML."""
     if value is None or isinstance(value, bool):
         return str(value).lower().replace("none", "null")
-    text = repr(value)
+    text = repr(_on_a_line(value))
     return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _on_a_line(value: Any) -> Any:
+    """A value whose texts have spaces in place of their line breaks."""
+    if isinstance(value, str):
+        return " ".join(value.split()) if "\n" in value else value
+    if isinstance(value, dict):
+        return {_on_a_line(name): _on_a_line(inner) for name, inner in value.items()}
+    return [_on_a_line(inner) for inner in value] if isinstance(value, list) else value
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:

@@ -27,11 +27,21 @@ VARIABLES = (
     Variable("SSL_CERT_FILE", "FILE", "certificates to trust; SSL_CERT_DIR names a folder of them"),
     Variable("ROS_PACKAGE_PATH", "DIRS", "folders with ROS packages; so does AMENT_PREFIX_PATH"),
 )
-"""Those of Linkwright itself first, in the order in which `--help` lists them."""
+"""Those of Linkwright itself first, in the order in which `--help-all` lists them."""
 
 
 def text() -> str:
-    """One line for each variable, as `--help` shows them."""
+    """The variables as `--help-all` shows them."""
+    from textwrap import fill
+
     shown = [(f"{one.name}={one.value}" if one.value else one.name, one.meaning) for one in VARIABLES]
     width = max(len(name) for name, _ in shown)
-    return "\n".join(f"  {name:{width}}  {meaning.replace('`', '')}" for name, meaning in shown)
+    return "\n".join(
+        fill(
+            meaning.replace("`", ""),
+            80,
+            initial_indent=f"  {name:{width}}  ",
+            subsequent_indent=" " * (width + 4),
+        )
+        for name, meaning in shown
+    )

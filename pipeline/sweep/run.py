@@ -18,9 +18,10 @@ from pipeline.errors import as_problems, refusal
 from pipeline.interrupt import behind, check
 from pipeline.preflight import destination
 from pipeline.sweep.outcome import Outcome, built, failed
-from pipeline.terminal import clean
+from pipeline.terminal import clean, width_of
+from pipeline.wrapping import wrapped
 from stages.robot.errors import ConfigError, Diagnostic
-from stages.robot.printable import printable
+from stages.robot.printable import sentence
 
 if TYPE_CHECKING:
     from pipeline.config.compose import Composed, Composer, SweepRequest
@@ -56,18 +57,23 @@ class Sweep:
 class Task:
     """Runs a job in any process: builds, prints its start and its end, and never raises."""
 
-    def __init__(self, jobs: Sequence[Job], build: Build) -> None:
+    def __init__(self, jobs: Sequence[Job], build: Build, *, is_quiet: bool = False) -> None:
         self._jobs = tuple(jobs)
         self._build = build
+        self._is_quiet = is_quiet
 
     def __call__(self, number: int) -> Outcome:
         check()
         job = self._jobs[number]
-        _print(f"job {number} starts: {job.label}")
+        self._say(f"job {number} starts: {job.label}")
         start = time.perf_counter()
         outcome = self._outcome(job)
-        _print(f"job {number} ended after {time.perf_counter() - start:.1f} s: {outcome.message}")
+        self._say(f"job {number} ended after {time.perf_counter() - start:.1f} s: {outcome.message}")
         return outcome
+
+    def _say(self, line: str) -> None:
+        if not self._is_quiet:
+            _print(line)
 
     def _outcome(self, job: Job) -> Outcome:
         which = (job.number, job.label, job.overrides)
@@ -83,8 +89,9 @@ class Task:
 def _print(line: str) -> None:
     # In one write, since other processes write there too; a worker's pipe may be closed.
     with contextlib.suppress(BrokenPipeError):
-        err = clean(sys.stderr)
-        err.write(f"{printable(line)}\n")
+        err, width = clean(sys.stderr), width_of(sys.stderr)
+        text = sentence(line)
+        err.write(f"{text if width is None else wrapped(text, width)}\n")
         err.flush()
 
 

@@ -12,23 +12,30 @@ from typing import Any
 from pipeline import pasted
 from pipeline.errors import CacheError, ConfigError, OutputError
 from pipeline.output import access
+from pipeline.terminal import say
 from stages.robot.plural import count
 
 HELP = """\
-linkwright bundle: pack the inputs of a build into one file, to build the robot anywhere.
+linkwright bundle: pack the inputs of a build into one file, to build the robot
+anywhere.
 
 usage: linkwright bundle NAME OUT.zip [cache.dir=FOLDER]
 
-  linkwright bundle my_arm my_arm.zip           the inputs of the build in outputs/my_arm
-  linkwright bundle builds/arm.failed arm.zip   the folder of any build, also of a failed build
+  linkwright bundle my_arm my_arm.zip
+                                    the inputs of the build in outputs/my_arm
+  linkwright bundle builds/arm.failed arm.zip
+                                    the folder of any build, also of a failed
+                                    build
 
-NAME is the robot's name, or the output folder of its build. The replies come from the cache, so no
-API call is made. It is the cache that the build used (key cache.dir, environment LINKWRIGHT_CACHE, or
-the platform's folder), unless cache.dir= names another. OUT.zip is replaced if it is a bundle.
+NAME is the robot's name, or the output folder of its build. The replies come
+from the cache, so no API call is made. It is the cache that the build used (key
+cache.dir, environment LINKWRIGHT_CACHE, or the platform's folder), unless
+cache.dir= names another. OUT.zip is replaced if it is a bundle.
 
-The zip holds the replies of the CAD system, unchanged; for a URDF its text (after xacro) and the
-triangles of its meshes; for an MJCF the model that MuJoCo compiled. It holds no API key and nothing
-about this computer. On any computer, the same configuration builds the same robot files from it:
+The zip holds the replies of the CAD system, unchanged; for a URDF its text
+(after xacro) and the triangles of its meshes; for an MJCF the model that MuJoCo
+compiled. It holds no API key and nothing about this computer. On any computer,
+the same configuration builds the same robot files from it:
 
   linkwright robot=my_arm source=bundle source.path=my_arm.zip
 
@@ -63,10 +70,10 @@ def run(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> in
     manifest = _manifest(folder)
     data, replies = _packed(folder, manifest, asked, environ)
     _write(asked.out, data)
-    print(
+    say(
         f"{asked.out}: {count(replies, 'reply', 'replies')}, {len(data) / 1e6:.2f} MB: all inputs of {folder}"
     )
-    print(f"  → linkwright source=bundle {pasted.override('source.path', str(asked.out))}")
+    say(f"  → linkwright source=bundle {pasted.override('source.path', str(asked.out))}")
     return 0
 
 

@@ -9,27 +9,34 @@ from pipeline.caching import maintenance
 from pipeline.caching.actions import folder
 from pipeline.errors import ConfigError
 from pipeline.lock import FOLDER as LOCKS
+from pipeline.terminal import say
 from stages.fetch.onshape.api import ledger
 from stages.robot.plural import count
 
 HELP = """\
-linkwright cache: look after the cache, where builds keep what they fetched and made.
+linkwright cache: look after the cache, where builds keep what they fetched and
+made.
 
 usage: linkwright cache info|gc|verify [--max-size SIZE] [cache.dir=FOLDER]
 
-  linkwright cache info                         where it is, its size, and the API calls counted
-  linkwright cache gc --max-size 5G             free space: drop what was used longest ago
-  linkwright cache verify                       check every file; remove corrupt files
+  linkwright cache info             where it is, its size, and the API calls
+                                    counted
+  linkwright cache gc --max-size 5G
+                                    free space: drop what was used longest ago
+  linkwright cache verify           check every file; remove corrupt files
 
-The calls are those that count against the yearly quota, by key and calendar year (UTC), as far as
-builds with this cache made them. A key is shown by the start of its hash, and stored nowhere.
+The calls are those that count against the yearly quota, by key and calendar
+year (UTC), as far as builds with this cache made them. A key is shown by the
+start of its hash, and stored nowhere.
 
---max-size is a number with K, M, G or T (powers of 1000); the default is 20G. Replies that cost API
-calls are dropped last; files used within the last hour stay. Lock files that no build uses are removed
-too, also those beside the builds in ./outputs. The cache folder is cache.dir=, else the environment
+--max-size is a number with K, M, G or T (powers of 1000); the default is 20G.
+Replies that cost API calls are dropped last; files used within the last hour
+stay. Lock files that no build uses are removed too, also those beside the
+builds in ./outputs. The cache folder is cache.dir=, else the environment
 variable LINKWRIGHT_CACHE, else the platform's cache folder.
 
-exit status: 0 done; 1 verify found corrupt files, or the folder cannot be used; 2 wrong usage
+exit status: 0 done; 1 verify found corrupt files, or the folder cannot be used;
+2 wrong usage
 """
 
 _USAGE = "linkwright cache info|gc|verify; linkwright cache --help shows more"
@@ -76,18 +83,18 @@ def _max_size(rest: list[str]) -> int | None:
 
 def _info(root: Path) -> int:
     found = maintenance.summary(root)
-    print(root)
-    print(
+    say(str(root))
+    say(
         f"  {_size(found.size)}: {count(found.blobs, 'file')} and {count(found.records, 'record')}, "
         f"{found.replies} of them replies that were paid for"
     )
     years = ledger.years(root / ledger.FOLDER)
-    print("API calls counted, by key (start of its hash) and year:" if years else "no API call counted")
+    say("API calls counted, by key (start of its hash) and year:" if years else "no API call counted")
     for year in years:
         who = year.who[:_SHOWN]
         kinds = ", ".join(f"{number} {kind}" for kind, number in year.calls.items())
         end = "; the quota is used up (402)" if year.exhausted else ""
-        print(f"  {who:{_SHOWN}}  {year.year}  {year.counted:5d}  {kinds}{end}")
+        say(f"  {who:{_SHOWN}}  {year.year}  {year.counted:5d}  {kinds}{end}")
     return 0
 
 
@@ -96,26 +103,26 @@ def _gc(root: Path, most: int) -> int:
     for outputs in (Path("outputs"), *Path("outputs").glob("*.sweep")):
         maintenance.drop_locks(outputs / LOCKS)
     paid = f" ({done.paid} of them replies that were paid for)" if done.paid else ""
-    print(f"{root}: {_size(done.freed)} freed, {_size(done.size)} left")
-    print(f"  dropped {count(done.records, 'record')}{paid} and {count(done.blobs, 'file')}")
+    say(f"{root}: {_size(done.freed)} freed, {_size(done.size)} left")
+    say(f"  dropped {count(done.records, 'record')}{paid} and {count(done.blobs, 'file')}")
     if done.size > most:
-        print(f"  more than {_size(most)} is left: the rest was used within the last hour; try again later")
+        say(f"  more than {_size(most)} is left: the rest was used within the last hour; try again later")
     return 0
 
 
 def _verify(root: Path) -> int:
     found = maintenance.verify(root)
     if not found.broken and not found.records:
-        print(f"{root}: {count(found.blobs, 'file')}, all intact")
+        say(f"{root}: {count(found.blobs, 'file')}, all intact")
         return 0
-    print(f"{root}: {count(found.blobs, 'file')}, {len(found.broken)} corrupt and removed")
+    say(f"{root}: {count(found.blobs, 'file')}, {len(found.broken)} corrupt and removed")
     for digest in found.broken:
-        print(f"  {digest}")
-    print(
+        say(f"  {digest}")
+    say(
         f"  {count(found.records, 'record')} of missing files removed: the next build makes these files again"
     )
     if found.paid:
-        print(f"  {found.paid} of them were replies: fetching them again costs as many API calls")
+        say(f"  {found.paid} of them were replies: fetching them again costs as many API calls")
     return 1
 
 

@@ -5,32 +5,38 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pipeline.errors import ConfigError, OutputError, reason
+from pipeline.terminal import say
 
 HELP = """\
 linkwright check: whether the files of a robot are right, as they are now.
 
-usage: linkwright check [--level LEVEL] [--json] [--sarif FILE] [--junit FILE] [--baseline FILE] DIR|FILE
+usage: linkwright check [option ...] DIR|FILE
 
-  linkwright check outputs/arm                  all files of a build, after whatever was done to them
-  linkwright check outputs/arm/arm.urdf         one file of a build
-  linkwright check some_robot.urdf              any URDF or MJCF, whoever made it
+  linkwright check outputs/arm      all files of a build, after whatever was
+                                    done to them
+  linkwright check outputs/arm/arm.urdf
+                                    one file of a build
+  linkwright check some_robot.urdf  any URDF or MJCF, whoever made it
   linkwright check --json robots/arm > known.json
   linkwright check --baseline known.json robots/arm
-                                                fails only for what was not found then
+                                    fails only for what was not found then
   linkwright check --sarif check.sarif --junit check.xml robots/arm
-                                                for a code host, and for a CI server
+                                    for a code host, and for a CI server
 
-The files are compared with robot.json, which lies beside them and says what the robot is: masses, centers of
-mass and inertia of CAD's parts, poses, joints, limits, loops, relations, keyframes, actuators, sensors,
-shapes. It alone counts, so that it can be kept with the files in git. Without it a file is checked by itself.
-Each check that does not pass names the file, the element and the attribute, what was measured against what
-threshold, and what to do; linkwright explain CODE says more. Files that need more time or memory than their
-sizes explain, and what is no regular file, are refused.
+The files are compared with robot.json, which lies beside them and says what the
+robot is: masses, centers of mass and inertia of CAD's parts, poses, joints,
+limits, loops, relations, keyframes, actuators, sensors, shapes. It alone
+counts, so that it can be kept with the files in git. Without it a file is
+checked by itself. Each check that does not pass names the file, the element and
+the attribute, what was measured against what threshold, and what to do;
+linkwright explain CODE says more. Files that need more time or memory than
+their sizes explain, and what is no regular file, are refused.
 
 options:
   --level quick|standard|strict
-                    quick: the files compile; standard (the default): they are the robot, and a simulation is
-                    stable; strict: a warning fails, too
+                    quick: the files compile; standard (the default): they are
+                    the robot, and a simulation is stable; strict: a warning
+                    fails, too
   --json            for programs, on the standard output
   --sarif FILE      also writes SARIF 2.1.0, with the line of each element
   --junit FILE      also writes JUnit XML
@@ -69,7 +75,10 @@ def run(arguments: Sequence[str]) -> int:
         from pipeline.checking.junit import as_junit
 
         _write(asked.values["--junit"], as_junit(verdict))
-    print(as_json(verdict) if asked.json else as_text(verdict))
+    if asked.json:
+        print(as_json(verdict))
+    else:
+        say(as_text(verdict))
     return 0 if verdict.passed else 3
 
 

@@ -3,27 +3,34 @@
 from collections.abc import Sequence
 
 from pipeline.errors import ConfigError
+from pipeline.terminal import say
 
 HELP = """\
 linkwright diff: what is different between two robots.
 
 usage: linkwright diff [--json|--markdown] A B
 
-  linkwright diff outputs/arm outputs/arm_v2    two output folders
-  linkwright diff old.json outputs/arm          a robot.json that was kept, and a build
-  linkwright diff HEAD:robots/arm robots/arm    what a commit of git has there, and the folder as it is
+  linkwright diff outputs/arm outputs/arm_v2
+                                    two output folders
+  linkwright diff old.json outputs/arm
+                                    a robot.json that was kept, and a build
+  linkwright diff HEAD:robots/arm robots/arm
+                                    what a commit of git has there, and the
+                                    folder as it is
   linkwright diff --markdown main:robots/arm robots/arm
-                                                tables for the text of a pull request
+                                    tables for the text of a pull request
 
-A and B are output folders, robot.json files, or REV:path of git, where path is from the folder of the
-repository or from here. Compared are links (mass, center of mass, inertia), CAD parts, joints (where they
-are, axis, limits, dynamics), loops, relations, frames, actuators, sensors, and the order of the arrays in
-each file: all that robot.json says but where it comes from. What CAD has under another name is told as
-renamed. Numbers are alike up to 1e-9 of the largest of their vector.
+A and B are output folders, robot.json files, or REV:path of git, where path is
+from the folder of the repository or from here. Compared are links (mass, center
+of mass, inertia), CAD parts, joints (where they are, axis, limits, dynamics),
+loops, relations, frames, actuators, sensors, and the order of the arrays in
+each file: all that robot.json says but where it comes from. What CAD has under
+another name is told as renamed. Numbers are alike up to 1e-9 of the largest of
+their vector.
 
 options:
-  --json        for programs, with the values before and after
-  --markdown    for a pull request
+  --json            for programs, with the values before and after
+  --markdown        for a pull request
 
 exit status: 0 alike; 3 different; 1 one of them cannot be read; 2 wrong usage
 """
@@ -53,5 +60,8 @@ def run(arguments: Sequence[str]) -> int:
 
     before, after = map(described, places)
     changes = compare(before.robot, after.robot)
-    print(getattr(show, _FORMS[options[0]] if options else "as_text")(before, after, changes))
+    if options:
+        print(getattr(show, _FORMS[options[0]])(before, after, changes))
+    else:
+        say(show.as_text(before, after, changes))
     return 3 if changes else 0

@@ -11,23 +11,30 @@ from pipeline.reference import SCHEMA
 from pipeline.reference.codes import explanations, level, remedy
 from pipeline.reference.environment import VARIABLES
 from pipeline.reference.key_entries import KeyEntry, entries, matching, nearest
+from pipeline.terminal import say
 
 HELP = """\
-linkwright explain: the meaning of a code, a key, a motor or an environment variable.
+linkwright explain: the meaning of a code, a key, a motor or an environment
+variable.
 
 usage: linkwright explain CODE|KEY|MOTOR|VARIABLE
        linkwright explain --schema
 
-  linkwright explain W-LIMIT                    a code of a diagnostic or check: its meaning, and what to do
-  linkwright explain joints.elbow.damping       a key: its type, unit, default, allowed values, an example
-  linkwright explain mesh                       a section: its keys
-  linkwright explain sts3215                    a motor of the library: its values, and their sources
-  linkwright explain --schema                   the path of the JSON Schema of robot files, for editors
+  linkwright explain W-LIMIT        a code of a diagnostic or check: its
+                                    meaning, and what to do
+  linkwright explain joints.elbow.damping
+                                    a key: its type, unit, default, allowed
+                                    values, an example
+  linkwright explain mesh           a section: its keys
+  linkwright explain sts3215        a motor of the library: its values, and
+                                    their sources
+  linkwright explain --schema       the path of the JSON Schema of robot files,
+                                    for editors
 
 exit status: 0 explained; 2 no such code, key, motor or variable
 """
 
-_WIDTH = 100
+_WIDTH = 80
 _FACTS = ("type", "unit", "default", "allowed", "example")
 
 
@@ -37,7 +44,10 @@ def run(arguments: Sequence[str]) -> int:
         msg = f"expected one code, key or variable, got {' '.join(arguments) or 'nothing'}"
         raise ConfigError(msg, "explain", "linkwright explain W-LIMIT; linkwright explain --help")
     (asked,) = arguments
-    print(SCHEMA if asked == "--schema" else explained(asked))
+    if asked == "--schema":
+        print(SCHEMA)
+    else:
+        say(explained(asked))
     return 0
 
 

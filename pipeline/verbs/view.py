@@ -10,17 +10,20 @@ from pipeline.errors import ConfigError, OutputError
 from stages.robot.programs import program
 
 HELP = """\
-linkwright view: open the robot of a build in MuJoCo's own viewer, simulating, from its keyframe `home`.
+linkwright view: open the robot of a build in MuJoCo's own viewer, simulating,
+from its keyframe `home`.
 
 usage: linkwright view NAME
 
-  linkwright view sample                        the build in outputs/sample
-  linkwright view builds/arm                    the build in that folder
+  linkwright view sample            the build in outputs/sample
+  linkwright view builds/arm        the build in that folder
 
-NAME is the robot's name, or the output folder of its build. A double click chooses a link, Ctrl and the mouse
-pull at it, the space key pauses. A Mac runs it by MuJoCo's `mjpython`.
+NAME is the robot's name, or the output folder of its build. A double click
+chooses a link, Ctrl and the mouse pull at it, the space key pauses. A Mac runs
+it by MuJoCo's `mjpython`.
 
-exit status: 0 the viewer was closed; 1 there is no display, or no scene; 2 wrong usage
+exit status: 0 the viewer was closed; 1 there is no display, or no scene; 2
+wrong usage
 """
 
 SCENE = "scene.xml"

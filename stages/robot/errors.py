@@ -15,7 +15,7 @@ a stage is a `Diagnostic`: the first letter of its code is its level.
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from stages.robot.printable import printable
+from stages.robot.printable import sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,10 +57,10 @@ class LinkwrightError(Exception):
         return type(self), (self.message, self.where, self.hint, self.problems)
 
     def __str__(self) -> str:
-        lines = [printable(f"{self.where}: {self.message}" if self.where else self.message)]
+        lines = [sentence(f"{self.where}: {self.message}" if self.where else self.message)]
         for problem in self.problems:
             place = f" {problem.where}:" if problem.where else ""
-            lines.append(printable(f"  {problem.code}{place} {problem.message}"))
+            lines.append(sentence(f"  {problem.code}{place} {problem.message}"))
             if problem.hint:
                 lines.append(f"      {problem.hint}")
         if self.hint:

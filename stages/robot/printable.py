@@ -1,6 +1,7 @@
 """Text that a terminal, a log or an XML file can show: the one place that replaces control characters."""
 
 import re
+import unicodedata
 
 _UNPRINTABLE = re.compile(
     "["
@@ -26,6 +27,16 @@ def printable(text: str) -> str:
 def printable_lines(text: str) -> str:
     """As `printable`, but line feeds and tabs stay. JSON remains the same JSON."""
     return _UNPRINTABLE.sub(_escaped, text)
+
+
+def sentence(text: str) -> str:
+    """A message on one line: a space in place of each line break, which messages of libraries have."""
+    return printable(re.sub(r"[ \t]*\n[ \t\n]*", " ", text.rstrip(" \t\n")))
+
+
+def columns(text: str) -> int:
+    """The number of columns that `text` takes in a terminal."""
+    return sum(2 if unicodedata.east_asian_width(letter) in "WF" else 1 for letter in text)
 
 
 def _escaped(found: re.Match[str]) -> str:

@@ -211,7 +211,7 @@ def json_text() -> str:
 
 
 def help_text() -> str:
-    """The keys as `--help` lists them: those of a section together."""
+    """The keys as `--help-all` lists them: those of a section together."""
     tops: dict[str, list[str]] = {}
     for entry in entries():
         if entry.later or entry.is_section or entry.key == "source.kind" or _has_inside(entry):
@@ -224,11 +224,22 @@ def help_text() -> str:
         head, _, end = place.partition("|")
         inside = f"{{{','.join(last)}}}" if len(last) > 1 else last[0]
         found.append("  ".join(last) if not head else f"{head}.{inside}{end}".replace(" ", "\xa0"))
+    pieces = [piece for words in found for piece in _pieces(words)]
     wrap = textwrap.TextWrapper(
-        106, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False, break_long_words=False
+        80, initial_indent="  ", subsequent_indent="  ", break_on_hyphens=False, break_long_words=False
     )
-    lines = wrap.wrap("  ".join(found))
+    lines = wrap.wrap("  ".join(pieces))
     return "\n".join(line.replace("\xa0", " ") for line in lines) + "\n"
+
+
+def _pieces(words: str, most: int = 78) -> list[str]:
+    """The keys of a section, after commas, in as many pieces as a line needs."""
+    lines = [""]
+    for part in re.findall(r"[^,]*,|[^,]+", words):
+        if lines[-1] and len(lines[-1] + part) > most:
+            lines.append("")
+        lines[-1] += part
+    return lines
 
 
 def _has_inside(entry: KeyEntry) -> bool:

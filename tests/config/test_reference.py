@@ -11,9 +11,10 @@ import pytest
 import yaml
 from pydantic import TypeAdapter
 
-from pipeline.cli import help_text, run
+from pipeline.cli import run
 from pipeline.config.plan import Plan
 from pipeline.config.schema import is_section
+from pipeline.help_text import whole
 from pipeline.reference import SCHEMA
 from pipeline.reference.codes import explanations
 from pipeline.reference.environment import VARIABLES
@@ -104,7 +105,7 @@ def test_the_schema_refuses_what_the_configuration_does(text):
 
 
 def test_the_help_lists_every_key_and_variable():
-    text = help_text()
+    text = whole()
     words = set(re.findall(r"[A-Za-z_]+", text))
     assert {entry.names[-1] for entry in KEYS} - {"kind"} <= words
     assert {one.name for one in VARIABLES} <= words

@@ -2,19 +2,13 @@
 
 import math
 import re
-import unicodedata
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from stages.robot.model import Dof, Joint, Link, Relation, Robot
 from stages.robot.plural import count
-from stages.robot.printable import printable
+from stages.robot.printable import columns, printable
 
 _UNITS = {"turn": (math.degrees(1.0), "deg"), "slide": (1e3, "mm")}
-
-
-def columns(text: str) -> int:
-    """The number of columns that `text` takes in a terminal."""
-    return sum(2 if unicodedata.east_asian_width(letter) in "WF" else 1 for letter in text)
 
 
 def shortened(text: str, room: float, measure: Callable[[str], float] = columns) -> str:

@@ -6,13 +6,21 @@ if TYPE_CHECKING:
     from stages.robot.model import Robot
 
 PICTURE, OUTLINE, TABLES = "graph.svg", "outline.txt", "tables.json"
-VIEWS = (PICTURE, OUTLINE, TABLES)
+NARROW_OUTLINE = "narrow_outline.txt"
+"""The outline for a terminal that is too narrow for the other."""
+
+VIEWS = (PICTURE, OUTLINE, NARROW_OUTLINE, TABLES)
 
 
 def views(robot: "Robot") -> dict[str, bytes]:
-    """The picture, the outline and the tables, by file name."""
-    from stages.graph.view.outline import outline
+    """The picture, the outlines and the tables, by file name."""
+    from stages.graph.view.outline import NARROW, outline
     from stages.graph.view.picture import draw
     from stages.graph.view.tables import tables
 
-    return {PICTURE: draw(robot), OUTLINE: outline(robot).encode(), TABLES: tables(robot)}
+    return {
+        PICTURE: draw(robot),
+        OUTLINE: outline(robot).encode(),
+        NARROW_OUTLINE: outline(robot, NARROW).encode(),
+        TABLES: tables(robot),
+    }

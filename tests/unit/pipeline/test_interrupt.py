@@ -99,9 +99,8 @@ def test_an_error_that_a_library_makes_of_it_is_no_bug():
 
 
 def test_a_second_signal_while_the_first_is_reported_changes_nothing():
-    code = (
-        "from pipeline import cli\n\ndef build(plan):\n    cli._report = lambda error: press()\n    press()\n"
-    )
+    code = "from pipeline import cli\n\ndef build(plan):\n"
+    code += "    cli._report = lambda error, detail: press()\n    press()\n"
     done = ended(f"{code}\nsys.exit(interrupt.command(lambda: cli.run(['source=sample'], build)))\n")
     assert (done.returncode, done.stderr) == (130, "error: interrupted\n")
 

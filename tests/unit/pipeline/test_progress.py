@@ -1,7 +1,11 @@
 """What is told while a build runs."""
 
 import io
+import re
 
+import pytest
+
+from pipeline.mesh_details import time_left
 from pipeline.progress import Lines, Log, Tee, Terminal, progress_for
 from pipeline.report import StageReport
 
@@ -57,6 +61,32 @@ def test_a_terminal_is_reported_what_comes_before_the_first_stage():
     screen = Screen()
     progress_for(screen).detail("output", "waiting for another build of [arm]")
     assert "output: waiting for another build of [arm]" in screen.getvalue()
+
+
+def test_the_line_of_a_running_stage_is_one_however_long(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    screen = Screen()
+    progress = progress_for(screen)
+    progress.start("mesh")
+    progress.transient("mesh", "colliders: 1 of 9 parts: " + "Column sleeve <1>, " * 9)
+    progress.close()
+    rows = re.split(r"[\r\n]|\x1b\[2K|\x1b\[1A", screen.getvalue())
+    assert max(len(re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", row)) for row in rows) <= 60
+    assert "mesh (colliders: 1 of 9 parts: Column" in screen.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("seconds", "done", "total", "words"),
+    [
+        (10.0, 0, 9, ""),
+        (10.0, 1, 5, ", about 40 s left"),
+        (2.0, 9, 10, ", about 5 s left"),
+        (60.0, 1, 9, ", about 8 min left"),
+        (10.0, 9, 9, ""),
+    ],
+)
+def test_the_time_that_is_left_is_that_of_what_was_done(seconds, done, total, words):
+    assert time_left(seconds, done, total) == words
 
 
 def test_what_arrives_is_seen_on_a_terminal_and_kept_nowhere():

@@ -1,12 +1,18 @@
-"""The report: its JSON and the closing table."""
+"""The report: its JSON and the closing text."""
 
 import io
 import json
+import re
 from dataclasses import replace
 
-from pipeline.report import Report, StageReport, failure_lines, fitting, render, show, versions
-from stages.robot.check import Check
+import yaml
+
+from pipeline.closing import fitting, render, show
+from pipeline.report import Report, StageReport, failure_lines, versions
+from stages.robot.check import Check, Finding
 from stages.robot.errors import Diagnostic
+
+ESCAPES = re.compile(r"\x1b\[[0-9;]*m")
 
 REPORT = Report(
     status="invalid",
@@ -52,11 +58,8 @@ def test_the_json_holds_every_part_under_the_format_key():
     assert data["error"] is None
 
 
-def test_plain_text_is_aligned_and_shows_findings_and_place():
+def test_plain_text_shows_findings_checks_calls_and_place():
     assert render(REPORT).splitlines() == [
-        "stage          seconds  outputs",
-        "fetch  cached     0.00  3 replies",
-        "graph  built     12.50  2 links",
         "W-LIMIT Arm/Elbow [left]: no limits",
         "    → set joints.elbow.limits",
         "FAILED mass: 1 kg instead of 2 kg",
@@ -68,7 +71,7 @@ def test_plain_text_is_aligned_and_shows_findings_and_place():
 
 def test_without_findings_calls_or_checks_nothing_is_printed_about_them():
     bare = replace(REPORT, diagnostics=(), checks=(), calls={"made": 0, "saved": 0})
-    assert render(bare).splitlines()[3:] == ["arm: outputs/arm"]
+    assert render(bare).splitlines() == ["arm: outputs/arm"]
 
 
 def test_a_robot_that_nobody_named_is_called_as_its_assembly_is():
@@ -95,15 +98,107 @@ def test_a_pipe_gets_plain_text_and_a_terminal_the_same_facts():
     show(REPORT, pipe)
     show(REPORT, screen)
     assert pipe.getvalue() == render(REPORT)
-    for fact in ("3 replies", "cached", "12.50", "Arm/Elbow [left]", "FAILED mass", "outputs/arm"):
+    for fact in (
+        "Arm/Elbow [left]",
+        "set joints.elbow.limits",
+        "FAILED",
+        "1 kg instead of 2 kg",
+        "outputs/arm",
+    ):
         assert fact in screen.getvalue()
 
 
-def test_what_is_to_be_pasted_keeps_its_lines_on_a_narrow_terminal():
-    hint = "set them: joints: {" + ", ".join(f"joint_{number}: {{}}" for number in range(20)) + "}"
+def test_the_stages_are_not_listed_again():
     screen = Screen()
-    show(replace(REPORT, diagnostics=(Diagnostic("W-LIMIT", "no limits", "x", hint),)), screen)
-    assert f"    → {hint}\n" in screen.getvalue()
+    show(REPORT, screen)
+    assert "3 replies" not in screen.getvalue() + render(REPORT)
+
+
+LONG = (
+    "set them: joints: {" + ", ".join(f"joint_{number}: {{damping: {number}}}" for number in range(20)) + "}"
+)
+
+
+def test_yaml_to_paste_is_the_same_yaml_on_a_narrow_terminal(monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)
+    screen = Screen()
+    show(replace(REPORT, diagnostics=(Diagnostic("W-LIMIT", "no limits", "x", LONG),), checks=()), screen)
+    shown = ESCAPES.sub("", screen.getvalue())
+    assert max(map(len, shown.splitlines())) <= 80
+    pasted = shown[shown.index("joints: {") : shown.index("5 API calls")]
+    assert yaml.safe_load(pasted) == {"joints": {f"joint_{n}": {"damping": n} for n in range(20)}}
+
+
+def test_no_line_is_wider_than_the_terminal(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "60")
+    words = "a joint that turns freely and has no limits of its own " * 6
+    found = [
+        Diagnostic(code, words, f"Arm/Elbow {n}", words) for n in range(9) for code in ("W-LIMIT", "I-RAW")
+    ]
+    checks = (
+        Check("mass of all " * 9, False, words, 1.0, 2.0, findings=(Finding("joint", "range", words),) * 5),
+    )
+    screen = Screen()
+    show(replace(REPORT, diagnostics=tuple(found), checks=checks, advice=words, folder="a/" * 20), screen)
+    assert max(len(ESCAPES.sub("", line)) for line in screen.getvalue().splitlines()) <= 60
+
+
+def of_a_joint(number, hint="set limits"):
+    return Diagnostic("W-LIMIT", f"joint {number} has no limits", f"joint_{number}", hint)
+
+
+def test_twenty_findings_of_a_code_are_one_with_the_count_and_the_three_worst():
+    """100 lines of findings become one line a code, and where the rest is."""
+    of_limits = [of_a_joint(number) for number in range(20)]
+    others = [Diagnostic("W-FEATURE", f"{kind} mate", "Arm", "suppress it") for kind in ("a", "b", "c", "d")]
+    report = replace(REPORT, diagnostics=(*of_limits, *others), checks=(), calls={})
+    assert render(report).splitlines()[:-1] == [
+        "W-LIMIT ×20 joint_0: joint 0 has no limits",
+        "    also: joint_1, joint_2 and 17 more (report.html)",
+        "    → set limits",
+        # At one place, so that their messages tell them apart.
+        "W-FEATURE ×4 Arm: a mate",
+        "W-FEATURE Arm: b mate",
+        "W-FEATURE Arm: c mate",
+        "    → suppress it",
+        "    and 1 more (report.html)",
+    ]
+    assert len(render(report, "all").splitlines()) == 2 * 24 + 1
+
+
+def test_v_shows_all_and_q_only_what_failed():
+    found = tuple(
+        Diagnostic(code, "x " * 400, f"place {n}") for n in range(5) for code in ("I-RAW", "W-LIMIT")
+    )
+    warned = Check("reach", False, "hit", level="warning", findings=(Finding("joint", "", "hit"),) * 9)
+    report = replace(REPORT, diagnostics=found, checks=(*REPORT.checks, warned))
+    usual, every, quiet = (render(report, detail) for detail in ("usual", "all", "errors"))
+    assert usual.count("place") < every.count("place") == 10
+    assert "… (report.html)" in usual
+    assert every.count("x ") >= 10 * 399
+    assert (usual.count("joint: hit"), every.count("joint: hit")) == (3, 9)
+    assert quiet == "FAILED mass: 1 kg instead of 2 kg\n"
+    built = replace(report, status="built", checks=())
+    assert render(built, "errors") == ""
+    stale = replace(built, status="stale", diagnostics=(Diagnostic("W-QUOTA", "used up"), *found[:1]))
+    assert render(stale, "errors") == "W-QUOTA used up\n"
+
+
+def test_yaml_for_all_of_a_code_is_shown_where_it_is_short():
+    block = "all at once:\njoints:\n  a: 1"
+    short = [*(of_a_joint(number) for number in range(3)), of_a_joint(3, f"set limits\n{block}")]
+    assert f"    → set limits\n{block}\n" in render(replace(REPORT, diagnostics=tuple(short)))
+    long = [*short[:3], of_a_joint(3, "set limits\n" + "\n".join(f"line {n}" for n in range(30)))]
+    assert "    → 30 lines to paste, for all (report.html)\n" in render(
+        replace(REPORT, diagnostics=tuple(long))
+    )
+
+
+def test_a_message_of_several_lines_is_a_sentence():
+    found = Diagnostic("I-LIVE", "Error: mass\n  Element 'geom', line 4\n", "report.html")
+    assert "I-LIVE report.html: Error: mass Element 'geom', line 4\n" in render(
+        replace(REPORT, diagnostics=(found,))
+    )
 
 
 TREE = ("arm: 2 links", "└─ elbow  ≤ 90 deg  = -1 × drive …")
@@ -111,12 +206,25 @@ TREE = ("arm: 2 links", "└─ elbow  ≤ 90 deg  = -1 × drive …")
 
 def test_the_tree_is_shown_where_the_build_ends_at_the_graph_only():
     graph = replace(REPORT, until="graph", outline=TREE)
-    assert render(graph).splitlines()[:4] == [*TREE, "", "stage          seconds  outputs"]
+    assert render(graph).splitlines()[:3] == [*TREE, ""]
     assert TREE[1] not in render(replace(graph, until="validate"))
     assert TREE[1] not in render(replace(graph, until="fetch", outline=()))
     screen = Screen()
     show(graph, screen)
     assert TREE[1] in screen.getvalue()
+
+
+def test_a_narrow_terminal_gets_the_narrow_tree(monkeypatch):
+    monkeypatch.delenv("COLUMNS", raising=False)
+    wide = replace(REPORT, until="graph", outline=("x" * 90,), narrow_outline=("x" * 45, "x" * 45))
+    screen = Screen()
+    show(wide, screen)
+    assert screen.getvalue().splitlines()[:2] == ["x" * 45, "x" * 45]
+    assert render(wide).splitlines()[0] == "x" * 90
+    monkeypatch.setenv("COLUMNS", "100")
+    screen = Screen()
+    show(wide, screen)
+    assert screen.getvalue().splitlines()[0] == "x" * 90
 
 
 def test_a_stream_that_knows_no_boxes_gets_plain_letters():

@@ -11,10 +11,11 @@ import pytest
 import yaml
 
 from pipeline.cli import run
+from pipeline.closing import show
 from pipeline.config.file_text import as_yaml
 from pipeline.page.document import page
 from pipeline.progress import Lines, Log, Terminal
-from pipeline.report import Report, StageReport, show
+from pipeline.report import Report, StageReport
 from pipeline.secrets import Secrets
 from pipeline.sweep.run import Job, Task
 from pipeline.terminal import clean, clean_streams

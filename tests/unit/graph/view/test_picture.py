@@ -12,13 +12,13 @@ import pytest
 
 from stages.formats import xml
 from stages.graph.view.boxes import boxes_of
-from stages.graph.view.labels import columns, decimal, limits, part_names, rules, shortened
+from stages.graph.view.labels import decimal, limits, part_names, rules, shortened
 from stages.graph.view.layout import levels, tidy
-from stages.graph.view.outline import outline
+from stages.graph.view.outline import NARROW, WHOLE, outline
 from stages.graph.view.picture import _placed, draw
 from stages.graph.view.tables import tables
 from stages.robot.model import Dynamics, Frame, Limits, Mobility, Relation
-from stages.robot.printable import printable
+from stages.robot.printable import columns, printable
 from tests.support.robots import CHAINS, EVERY, joint, loop, robot_with
 from tests.unit.robot.test_home import four_bar
 
@@ -192,9 +192,9 @@ def test_the_outline_of_a_small_robot():
     [random_robot(), random_robot(60, chain=True), nasty_robot(), robot_with()],
     ids=lambda robot: robot.name,
 )
-def test_no_line_is_wider_than_100_columns_and_every_link_has_one(robot):
-    lines = outline(robot).splitlines()
-    assert max(map(columns, lines)) <= 100
+def test_no_line_is_wider_than_a_terminal_and_every_link_has_one(robot):
+    lines = outline(robot, NARROW).splitlines()
+    assert max(map(columns, lines)) <= 80
     assert all(line == printable(line) for line in lines)
     table = lines[lines.index("") + 2 :]
     table = table[: table.index("")]
@@ -214,8 +214,28 @@ def cell(lines, header, start, end):
     [random_robot(), random_robot(60, chain=True), nasty_robot()],
     ids=lambda robot: robot.name,
 )
-def test_no_name_that_people_type_is_shortened(robot):
+def test_without_a_width_each_name_is_whole_and_on_a_line(robot):
     lines = outline(robot).splitlines()
+    table = lines[lines.index("") + 2 :]
+    rows = iter(table[: table.index("")])
+    for link in in_order(robot):
+        # In their order, with the joint above it on the same line.
+        row = next(line.split() for line in rows if link.name in line.split())
+        assert not [one for one in robot.joints if one.child == link.name and one.name not in row]
+    rest = lines[len(lines) - lines[::-1].index("") :]
+    assert len(rest) == 1 + len(robot.mobility.redundant)
+    for one in robot.loops:
+        assert any(line.startswith(f"loop {one.name}: ") and one.link_b in line for line in lines)
+
+
+@pytest.mark.parametrize("room", [WHOLE, NARROW], ids=["whole", "narrow"])
+@pytest.mark.parametrize(
+    "robot",
+    [random_robot(), random_robot(60, chain=True), nasty_robot()],
+    ids=lambda robot: robot.name,
+)
+def test_no_name_that_people_type_is_shortened(robot, room):
+    lines = outline(robot, room).splitlines()
     start = lines.index("") + 1
     header, table = lines[start], lines[start + 1 : lines.index("", start)]
     # A parts column of five letters, right below its word, ends two columns before the joints.
@@ -256,8 +276,8 @@ def in_order(robot):
 def test_a_name_with_wide_letters_is_wrapped_by_columns():
     name = "中文連桿" * 30
     robot = robot_with([joint("revolute", "base", name, name=f"{name}_j")], name=name)
-    lines = outline(robot).splitlines()
-    assert max(map(columns, lines)) <= 100
+    lines = outline(robot, NARROW).splitlines()
+    assert max(map(columns, lines)) <= 80
     assert "".join(lines).count("桿") == 90
 
 

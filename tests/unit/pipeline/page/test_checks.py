@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 
+from pipeline.closing import closing_lines
 from pipeline.page.document import page
-from pipeline.report import Report, findings
+from pipeline.report import Report
 from pipeline.secrets import Secrets
 from stages.robot import codec
 from stages.robot.check import Check, Table
@@ -45,10 +46,10 @@ def test_report_json_has_the_table():
 
 
 def test_the_terminal_has_one_line_of_it():
-    lines = findings(report(SCORE))
+    lines = closing_lines(report(SCORE))
     assert lines.count("arm.xml: sim-readiness: 30 of 33 points (report.html has the table)") == 1
     bare = Check("arm.xml: compiles", True, "no warnings")
-    assert not [line for line in findings(report(bare)) if "compiles" in line]
+    assert not [line for line in closing_lines(report(bare)) if "compiles" in line]
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,11 @@ import threading
 import pytest
 
 from pipeline.build import build
+from pipeline.closing import closing_lines
 from pipeline.config.plan import Plan
 from pipeline.errors import LinkwrightError
 from pipeline.output import manifest
 from pipeline.preview import ENDED, PICTURE, ask
-from pipeline.report import findings
 from tests.support.pictures import pixels_of, robot_in
 
 URDF = """<robot name="arm"><link name="base"><visual><geometry><box size="0.2 0.2 0.05"/></geometry></visual>
@@ -47,7 +47,7 @@ def test_a_build_leaves_its_picture_names_it_and_a_cached_one_draws_nothing(make
     assert robot_in(pixels_of(data)).mean() > 0.02
     assert first.preview == PICTURE
     assert PICTURE not in first.outputs
-    assert findings(first)[-1] == f"arm: {tmp_path / 'out'} (report.html, preview.png)"
+    assert closing_lines(first)[-1] == f"arm: {tmp_path / 'out'} (report.html, preview.png)"
     page = (tmp_path / "out" / "report.html").read_text()
     assert f'href="{PICTURE}"' in page
     inside = page.partition("data:image/png;base64,")[2].partition('"')[0]
@@ -64,7 +64,7 @@ def test_without_one_none_of_before_stays(make, tmp_path):
     last = make(page={"preview": "none"})
     assert not (tmp_path / "out" / PICTURE).exists()
     assert last.preview == ""
-    assert findings(last)[-1] == f"arm: {tmp_path / 'out'}"
+    assert closing_lines(last)[-1] == f"arm: {tmp_path / 'out'}"
 
 
 @pytest.mark.parametrize("formats", [["urdf"], ["mjcf"]])
