@@ -63,12 +63,12 @@ class LiveAnswers:
             self._configure()
         elif self._workspace is not None:
             self._then = self._workspace.last()
-            self._progress("asking whether the document changed" if self._then else _ASKING)
+            self._ask("asking whether the document changed" if self._then else _ASKING)
             self._pin = f"m/{self._workspace.current(force=self._keys.refresh)}"
         url = self._url
         request = requests.definition(url.document, self._pin, url.element, url.configuration)
-        if self._client.kept(request) is None and not self._client.offline:
-            self._progress(_ASKING)
+        if self._client.kept(request) is None:
+            self._ask(_ASKING)
         self._definition = Reply(request, self._client.one(request))
         return self._definition
 
@@ -78,10 +78,15 @@ class LiveAnswers:
         if self._workspace is None:
             self._url = configured.at(self._pin)
             return
-        self._progress("asking how the assembly can be configured, and whether it changed")
+        self._ask("asking how the assembly can be configured, and whether it changed")
         self._url, self._then, microversion = configured.now(force=self._keys.refresh)
         self._pin = f"m/{microversion}"
         self._workspace = Workspace(self._url, self._client)
+
+    def _ask(self, what: str) -> None:
+        """Tells what the server is asked, where it is."""
+        if not self._client.offline:
+            self._progress(what)
 
     def title(self) -> str:
         """The name of the assembly's tab from any cached reply, else ""; makes no call."""
@@ -96,7 +101,7 @@ class LiveAnswers:
 
     def features(self, owners: Sequence[Owner], root: str) -> Sequence[LimitReplies]:
         if owners:
-            self._progress(f"{count(len(owners), 'list')} of features for limits that the definition lacks")
+            self._ask(f"{count(len(owners), 'list')} of features for limits that the definition lacks")
             self._keep_lists(owners)
         return limits_of(owners, root, self._url, self._client)
 

@@ -417,6 +417,17 @@ def test_the_plan_is_reported_before_the_first_call_beyond_the_definition(server
     assert "5 part studios: 3 calls, 8 kept" in lines
 
 
+def test_offline_nothing_is_asked_and_nothing_says_so(server, kept):
+    lines = []
+    with pytest.raises(Offline):
+        build(server, kept, lines, offline=True)
+    assert lines == []
+    build(server, kept)
+    server.edit(resized(server.document, "Steel part", "Steel"))
+    made = build(server, kept, lines, offline=True)
+    assert (made.calls, lines) == (0, ["5 part studios: 0 calls, 10 kept"])
+
+
 def test_an_element_that_does_not_tell_its_microversion_counts_as_changed(server, kept):
     build(server, kept)
     server.edit(server.document.edited("Cupboard"))
