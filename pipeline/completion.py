@@ -42,7 +42,7 @@ SHORT = {"-c": "--cfg", "-i": "--info", "-cd": "--config-dir"}
 
 OPTIONS = (
     "--multirun", "--config-dir", "--cfg", "--package", "--resolve", "--info", "--install-completion",
-    "--help", "--version",
+    "--verbose", "--quiet", "--help", "--help-all", "--version",
 )  # fmt: skip
 
 CHECK_OPTIONS = ("--level", "--json", "--sarif", "--junit", "--baseline", "--help")

@@ -4,16 +4,17 @@ import os
 import re
 import subprocess
 import sys
+from importlib import import_module
 
 import pytest
 
 from pipeline.cli import run
 from pipeline.config.presets import GROUPS, Presets
-from pipeline.help_text import whole
+from pipeline.help_text import SHORT, whole
 from pipeline.options import Command, UsageError, parse
 from pipeline.report import Report
 from pipeline.verbs import VERBS
-from stages.robot.errors import AssemblyError, ConfigError
+from stages.robot.errors import AssemblyError, ConfigError, Diagnostic
 from tests.support.places import PROJECT
 
 HEAVY = (
@@ -83,6 +84,50 @@ def test_help_names_every_group_and_option(tmp_path):
         if option not in re.findall(r"[a-z][a-z0-9]*", lines[group])
     ]
     assert missing == []
+
+
+def test_the_help_is_a_screen_and_all_of_it_within_80_columns():
+    assert len(SHORT.splitlines()) <= 24
+    for text in (SHORT, whole(), *(import_module(module).HELP for module in VERBS.values())):
+        assert [line for line in text.splitlines() if len(line) > 80] == []
+    assert set(GROUPS) | set(VERBS) <= {*re.findall(r"[a-z]+", SHORT)}
+
+
+@pytest.mark.parametrize(("option", "first"), [("--help", SHORT), ("--help-all", whole()), ("-h", SHORT)])
+def test_there_are_a_short_help_and_a_whole_one(option, first, capsys):
+    assert run([option]) == 0
+    assert capsys.readouterr().out == first.rstrip() + "\n"
+
+
+@pytest.mark.parametrize(
+    ("options", "detail"), [([], "usual"), (["-v"], "all"), (["--verbose"], "all"), (["-q"], "errors")]
+)
+def test_how_much_is_told_is_an_option(options, detail):
+    assert parse([*options, "robot=sample"]).detail == detail
+
+
+def test_quiet_and_verbose_exclude_each_other(capsys):
+    assert run(["-q", "-v"]) == 2
+    assert "-q and -v exclude each other" in capsys.readouterr().err
+
+
+def test_an_error_of_a_stage_shows_the_worst_of_each_code(empty, capsys):
+    problems = [
+        Diagnostic("E-MASS", f"part {number} has no mass", f"Part {number}", "give it") for number in range(9)
+    ]
+
+    def failing(plan):
+        raise AssemblyError("the assembly cannot be built: 9 problems", problems=problems)
+
+    assert run(["source=sample"], failing) == 1
+    assert capsys.readouterr().err.splitlines() == [
+        "error: the assembly cannot be built: 9 problems",
+        "  E-MASS ×9 Part 0: part 0 has no mass",
+        "      also: Part 1, Part 2 and 6 more (-v shows all)",
+        "      give it",
+    ]
+    assert run(["-v", "source=sample"], failing) == 1
+    assert capsys.readouterr().err.count("has no mass") == 9
 
 
 def test_help_names_every_verb():

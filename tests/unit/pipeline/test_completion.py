@@ -7,6 +7,7 @@ from contextlib import chdir
 
 import pytest
 
+from pipeline import completion, options
 from pipeline.cli import run
 from pipeline.completion import candidates, install, query, split
 from tests.support.places import PROJECT
@@ -227,3 +228,8 @@ def test_another_shell_is_reported(capsys, monkeypatch):
     assert capsys.readouterr().err.startswith(
         "error: there is no completion for tcsh\n  → linkwright --install"
     )
+
+
+def test_every_option_is_completed():
+    not_typed = {"--run", "--shell-completion"}
+    assert {*options._OPTIONS, *options.HELP} - not_typed == set(completion.OPTIONS)
