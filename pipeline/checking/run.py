@@ -77,12 +77,14 @@ def _truth(folder: Path) -> "Truth | None":
 
 def _against(truth: "Truth", folder: Path, level: str) -> tuple[Check, ...]:
     """The checks of a build, of its files as they are."""
+    from pipeline.checking.packages import check_packages
     from stages.validate import validate
     from stages.validate.keys import ValidateKeys
     from stages.validate.present import present
 
     keys = ValidateKeys.model_validate({"validate": {"level": level}})
-    return (*present(folder, truth.files), *validate(folder, truth.robot, keys, *truth.known))
+    checks = validate(folder, truth.robot, keys, *truth.known, srdf=truth.srdf)
+    return (*present(folder, truth.files), *checks, *check_packages(folder, truth))
 
 
 def _bare(path: Path, asked: str, level: str) -> Verdict:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 50
+VERSION = 51
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -56,6 +56,7 @@ def export(
     from stages.export.driven import driven
     from stages.export.mjcf.form import form_of as mjcf_form_of
     from stages.export.order_tables import order_tables
+    from stages.export.python.writer import package_record
     from stages.export.readers import dropped
     from stages.export.robot_json import describe
     from stages.export.scene_records import scene_of
@@ -85,7 +86,9 @@ def export(
     for name in [name for name in PACKAGES if name in needed]:
         written[name] = writer_of(name).write(replace(given, files=every))
     order = order_tables(robot, actuation, form, every)
-    told = {name: dict(one.record) for name, one in written.items() if one.record}
+    told = {key: table for one in written.values() for key, table in one.record.items()}
+    if "python" in needed:
+        told |= package_record(given)
     known = actuation, form, mjcf_form, sensing, order, mine.amendments, told
     paths = {*assets, *_files(written, [name for name in keys.export.chosen if name in written])}
     scene = scene_of(robot, keys, standing, start)

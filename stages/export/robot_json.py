@@ -51,12 +51,11 @@ missing as `shapes` are. `urdf` is there where the URDF names its meshes by a `p
 `amendments` lists what `elements` and `attributes` added to the files and set in them, `surplus` how many
 degrees of freedom, actuators and equalities a file has after the robot's own by that. `files` has the paths
 of the robot's other files, but for those of a Python package, which are copies.
-`ros2` is there where a ROS 2 package is written: `package` is its name, `renamed` has the names in it of
-links and joints that are not those of the URDF.
-`sdf` is there where an SDF is written: `renamed` has the names in it of links, joints (by dof, also of
-loops) and frames that are not the robot's; `zeros` the value of each dof that is not 0 where its joint of
-the SDF is (a ball's joint turns on from that pose).
-`usd` is there where names (`renamed`) or balls' zeros (`zeros`) of a USD are not the robot's, as of an SDF.
+`srdf`, `ros2`, `python`, `sdf` and `usd` are there where such files are written. Of the SRDF: `never` has for
+a link of the URDF the later ones that it never meets, and `end_effectors` their names. Of a package: its
+name, the version of its `writer`, and the `folder` of copies. `renamed` has the names in a format of links,
+joints (by dof, also of loops) and frames that are not the robot's (in ROS 2: not the URDF's), `zeros` the
+value of each dof that is not 0 where its joint of the format is (a ball's joint turns on from that pose).
 """
 
 import json
@@ -124,7 +123,7 @@ def describe(
 ) -> bytes:
     """The file. `start`: the MJCF's qpos0, by dof; `form`: of the URDF; `mjcf_form`: of the MJCF; `sensing`:
     what measures the robot (None: the sensors of the source); `order`: see `stages.export.order`;
-    `amendments`: what the user's own XML changed in the files; `formats`: what others tell, by name;
+    `amendments`: what the user's own XML changed in the files; `formats`: the tables that they tell, by name;
     `geometry`: the shapes, None where they are not made; `files`: the paths of the others;
     `scene`: where the files put the robot, None where there are none."""
     names = urdf_names(as_written(robot, form))

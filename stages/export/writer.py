@@ -26,7 +26,7 @@ class Exported:
     drives the robot in the files; `advice`: what a user may want to try; `form`: of the URDF;
     `mjcf_form`: of the MJCF; `order`: the tables of joints, actuators and sensors by format;
     `sensing`: what measures the robot in the files; `amendments`: what the user's own XML changed in them;
-    `record`: what robot.json tells of the format, under its name; `readers`: what other readers drop of
+    `record`: the tables of robot.json that tell of the format, by name; `readers`: what other readers drop of
     this robot (`stages.export.readers`); `scene`: where the files put it."""
 
     files: Mapping[str, bytes]

@@ -5,6 +5,7 @@ for what drives it (`controls`), and its own actuators and sensors apart from th
 """
 
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import PurePosixPath
 
@@ -17,6 +18,7 @@ from stages.formats.robot_json.references import require_names
 from stages.formats.robot_json.scene import scene_of
 from stages.formats.robot_json.shapes import geometry_of
 from stages.formats.urdf.form import UrdfForm
+from stages.formats.urdf.srdf_form import SrdfForm
 from stages.robot.actuation import Actuation
 from stages.robot.amendments import Amendment, Amendments, Surplus
 from stages.robot.geometry import Geometry
@@ -27,13 +29,28 @@ from stages.robot.sensing import Sensing
 
 FORMAT, VERSION = "linkwright-robot", 1
 
+PACKAGES = ("ros2", "python")
+"""The tables of packages that are written from the other files."""
+
 MOST_ROWS = 20_000
 """Of links, joints and all else that a robot has."""
 
 
 @dataclass(frozen=True, slots=True)
+class PackageRecord:
+    """A package that is written from the other files. `package`: its name; `writer`: the version of its
+    writer, 0 of an older build; `folder`: that of the robot's files in it, "" where these are no copies."""
+
+    package: str
+    writer: int
+    folder: str
+
+
+@dataclass(frozen=True, slots=True)
 class Truth:
-    """What the files of a robot must say; `files`: the paths of those that there are."""
+    """What the files of a robot must say; `files`: the paths of those that there are, but for those of a
+    Python package; `srdf`: what is known of the SRDF, None of an older build; `packages`: by format, those
+    that are written from the other files."""
 
     robot: Robot
     actuation: Actuation
@@ -44,6 +61,8 @@ class Truth:
     amendments: Amendments
     files: tuple[str, ...]
     scene: Scene | None
+    srdf: SrdfForm | None
+    packages: Mapping[str, PackageRecord]
 
     @property
     def known(
@@ -85,6 +104,22 @@ def described(data: bytes) -> Truth:
         ),
         files=files,
         scene=scene_of(record),
+        srdf=_srdf(record.inside("srdf")) if record.has("srdf") else None,
+        packages={name: _package(record.inside(name)) for name in PACKAGES if record.has(name)},
+    )
+
+
+def _srdf(record: Fields) -> SrdfForm:
+    never = record.inside("never")
+    pairs = frozenset((first, second) for first in never.table for second in never.texts(first))
+    return SrdfForm(pairs, record.texts("end_effectors"))
+
+
+def _package(record: Fields) -> PackageRecord:
+    folder = record.text("folder") if record.has("folder") else ""
+    _require_inside(*filter(None, [record.text("package"), folder]))
+    return PackageRecord(
+        record.text("package"), record.whole("writer") if record.has("writer") else 0, folder
     )
 
 

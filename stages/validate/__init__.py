@@ -8,6 +8,7 @@ if TYPE_CHECKING:
 
     from stages.formats.mjcf_form import MjcfForm
     from stages.formats.urdf.form import UrdfForm
+    from stages.formats.urdf.srdf_form import SrdfForm
     from stages.robot.actuation import Actuation
     from stages.robot.amendments import Amendments
     from stages.robot.check import Check
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from stages.validate.keys import ValidateKeys
     from stages.validate.own import OwnCheck
 
-VERSION = 41
+VERSION = 42
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -85,13 +86,15 @@ def validate(
     amendments: "Amendments | None" = None,
     scene: "Scene | None" = None,
     own: "Sequence[OwnCheck]" = (),
+    srdf: "SrdfForm | None" = None,
 ) -> "tuple[Check, ...]":
     """The checks of every model file in `folder`; with `validate=quick` only of its text, and that it
     compiles. A check that fails does not stop the others. `actuation`: what drives the robot in these files;
     `geometry`: its shapes, without their files, and which of them collide; `form`: how the URDF differs
     from the robot, by default as closed loops ask; `mjcf_form`: how the MJCF does, by default with links on
     fixed joints as part of others; `sensing`: what measures the robot; `amendments`: what
-    the user's own XML changed in the files; `scene`: where these put the robot; `own`: the user's checks."""
+    the user's own XML changed in the files; `scene`: where these put the robot; `own`: the user's checks;
+    `srdf`: what only the SRDF says."""
     from stages.formats import mjcf_written
     from stages.formats.urdf.as_written import form_with
     from stages.robot.actuation import NONE
@@ -105,7 +108,7 @@ def validate(
     forms = form or form_with(robot), mjcf_form or mjcf_written.form_with(robot)
     known = (actuation or NONE, geometry, *forms, sensing or NOTHING, amendments or UNCHANGED)
     asked = Asked(keys.validate.level == "strict", known_payload(robot, keys.validate.payload))
-    expected = Expected(known[0], geometry, forms[0], known[-1], scene, known[4])
+    expected = Expected(known[0], geometry, forms[0], known[-1], scene, known[4], srdf)
     read_back = check_read_back(folder, robot, READ_BACK, expected, quick=not checks)
     found = list(check_texts(folder, robot.name, ENGINES, known[-1], form))
     found += [

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from stages.formats.urdf.form import AS_IS, UrdfForm
+from stages.formats.urdf.srdf_form import SrdfForm
 from stages.robot.actuation import NONE, Actuation
 from stages.robot.amendments import UNCHANGED, Amendments
 from stages.robot.geometry import Geometry
@@ -15,7 +16,7 @@ class Expected:
     """`actuation`: what drives the robot; `geometry`: its shapes, without their files, None where these are
     unknown; `form`: how the URDF differs from the robot; `amendments`: what the user's own XML changed;
     `scene`: where the files put the robot, None where nothing is known of that; `sensing`: what measures
-    it."""
+    it; `srdf`: what is known of its SRDF alone, None for nothing."""
 
     actuation: Actuation = NONE
     geometry: Geometry | None = None
@@ -23,6 +24,7 @@ class Expected:
     amendments: Amendments = UNCHANGED
     scene: Scene | None = None
     sensing: Sensing = NOTHING
+    srdf: SrdfForm | None = None
 
 
 NOTHING_ELSE = Expected()

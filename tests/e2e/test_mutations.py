@@ -236,7 +236,8 @@ ADDED = {
 def test_what_is_put_beside_the_robot_raises_no_alarm(
     thing: str, name: str, builds: Builds, tmp_path: Path
 ) -> None:
-    """By all checks, with the ground moved along itself, under another name and look."""
+    """By all checks, with the ground moved along itself, under another name and look; also in the copy of the
+    scene that the Python package has."""
     build = builds(name)
     folder = shutil.copytree(build.folder, tmp_path / "edited")
     root = etree.parse(folder / "scene.xml").getroot()
@@ -247,7 +248,8 @@ def test_what_is_put_beside_the_robot_raises_no_alarm(
         {"name": "meadow", "pos": "1 2 0", "euler": "0 0 1", "rgba": "0 1 0 1", "size": "9 9 1"}
     )
     root.find("visual/headlight").set("ambient", "1 1 1")
-    (folder / "scene.xml").write_bytes(etree.tostring(root))
+    for scene in folder.rglob("scene.xml"):
+        scene.write_bytes(etree.tostring(root))
     assert odd(folder) == odd(build.folder)
 
 

@@ -20,7 +20,7 @@ from tests.support.kit import SIDE, TOP, Kit
 
 RESISTS = {"effort": 20, "velocity": 3, "damping": 0.1, "friction": 0.02, "armature": 0.01}
 
-FORMATS: dict[str, Any] = {"urdf": {}, "mjcf": {}, "sdf": {}}
+FORMATS: dict[str, Any] = {"urdf": {}, "mjcf": {}, "sdf": {}, "ros2": {}, "python": {}}
 FORMATS |= {"usd": {}} if find_spec("pxr") else {}
 
 SAMPLE = {

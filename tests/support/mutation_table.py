@@ -11,6 +11,8 @@ PLACES = {
     "srdf": "SRDF",
     "usd": "USD",
     "config": "model.config",
+    "ros2": "ROS 2",
+    "python": "Python",
 }
 
 INTRODUCTION = """\

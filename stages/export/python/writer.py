@@ -1,5 +1,7 @@
 """A Python package: the files of the other formats, as pip installs them."""
 
+from typing import Any
+
 from stages.export.writer import Exported, WriterInput
 
 FOLDER = "python"
@@ -17,17 +19,12 @@ class PythonWriter:
 
     def write(self, given: WriterInput) -> Exported:
         """Its files, with copies of all that the other formats have, and of robot.json."""
-        from stages.export.package_names import package_of
         from stages.export.python.keys import PythonFormatKeys, module_of
         from stages.export.python.package import module, pyproject, readme
 
         robot = given.robot.name
         keys = given.keys.export.python or PythonFormatKeys()
-        package = keys.package or package_of(robot)
-        urdf = given.keys.export.urdf
-        # Who looks for package:// looks for a folder of that name.
-        in_package = urdf is not None and urdf.meshes == "package"
-        folder = (urdf.package if urdf is not None and in_package else None) or robot
+        package, folder = _names(given)
         own = module_of(package)
         data = {f"{own}/{folder}/{path}": text for path, text in given.files.items()}
         files = {
@@ -38,6 +35,29 @@ class PythonWriter:
             **data,
         }
         return Exported({f"{FOLDER}/{path}": text for path, text in files.items()})
+
+
+def package_record(given: WriterInput) -> dict[str, Any]:
+    """What robot.json tells of the package, which holds it."""
+    from stages.export import VERSION
+    from stages.export.python.keys import module_of
+
+    package, folder = _names(given)
+    place = f"{FOLDER}/{module_of(package)}/{folder}"
+    return {"python": {"package": package, "writer": VERSION, "folder": place}}
+
+
+def _names(given: WriterInput) -> tuple[str, str]:
+    """The name of the package, and that of the folder of the robot's files in its module."""
+    from stages.export.package_names import package_of
+    from stages.export.python.keys import PythonFormatKeys
+
+    robot, urdf = given.robot.name, given.keys.export.urdf
+    keys = given.keys.export.python or PythonFormatKeys()
+    # Who looks for package:// looks for a folder of that name.
+    in_package = urdf is not None and urdf.meshes == "package"
+    folder = (urdf.package if urdf is not None and in_package else None) or robot
+    return keys.package or package_of(robot), folder
 
 
 WRITER = PythonWriter()

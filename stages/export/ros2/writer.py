@@ -27,6 +27,7 @@ class Ros2Writer:
 
     def write(self, given: WriterInput) -> Exported:
         """Its files, with copies of the meshes, and those of MoveIt's package beside it."""
+        from stages.export import VERSION
         from stages.export.package_names import package_of
         from stages.export.ros2.control import control_of
         from stages.export.ros2.description import described
@@ -44,8 +45,8 @@ class Ros2Writer:
         told = tuple(unsupported(description.names, control, own, place, bool(beside)))
         files = {f"{place}/{path}": data for path, data in _files(given, package, description, control)}
         files |= beside
-        record = {"package": package, "renamed": description.names.renamed}
-        return Exported(files, told, record=record)
+        record = {"package": package, "writer": VERSION, "renamed": description.names.renamed}
+        return Exported(files, told, record={"ros2": record})
 
 
 def _files(

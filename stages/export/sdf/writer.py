@@ -30,7 +30,7 @@ class SdfWriter:
             config: write_config(given.robot.name),
         }
         losses = tuple(unsupported(given.robot, given.geometry, given.actuation, plan))
-        return Exported(files, losses, record=_record(plan))
+        return Exported(files, losses, record={"sdf": _record(plan)})
 
 
 def _record(plan: "SdfPlan") -> dict[str, Any]:

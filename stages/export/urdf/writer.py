@@ -25,7 +25,8 @@ class UrdfWriter:
             srdf_path: srdf.write_srdf(given.robot, plan),
         }
         losses = unsupported(given.robot, given.geometry, given.form)
-        return Exported(files, (*losses, *not_in_srdf(given.robot, given.geometry, plan)))
+        told = (*losses, *not_in_srdf(given.robot, given.geometry, plan))
+        return Exported(files, told, record={"srdf": plan.record})
 
 
 WRITER = UrdfWriter()

@@ -40,8 +40,9 @@ def _record(plan: "UsdPlan") -> dict[str, Any]:
     renamed: dict[str, dict[str, str]] = {"links": {}, "joints": {}}
     for kind, name, own in plan.names.changed:
         renamed[f"{kind}s"][name] = own
-    told = {"renamed": renamed} if any(renamed.values()) else {}
-    return {**told, **({"zeros": dict(plan.zeros)} if plan.zeros else {})}
+    told: dict[str, Any] = {"renamed": renamed} if any(renamed.values()) else {}
+    told |= {"zeros": dict(plan.zeros)} if plan.zeros else {}
+    return {"usd": told} if told else {}
 
 
 def _plan(given: WriterInput) -> "UsdPlan":

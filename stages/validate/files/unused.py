@@ -16,7 +16,7 @@ ASSETS = "assets"
 
 def unused_assets(folder: Path, documents: Iterable[ModelDocument], others: Iterable[str]) -> Iterator[Check]:
     """That every file under `assets/` is named in a model, or in another file of the folder. None where there
-    is no such folder."""
+    is no such folder, or no file that names any: the models of a package have assets of their own."""
     assets = folder / ASSETS
     if not assets.is_dir():
         return
@@ -24,6 +24,8 @@ def unused_assets(folder: Path, documents: Iterable[ModelDocument], others: Iter
         one.path.resolve() for document in documents for one in named_files(document) if one.path is not None
     }
     texts = [text for name in others for text in _texts(folder / name)]
+    if not used and not texts:
+        return
     found = []
     for path in sorted(one for one in assets.rglob("*") if one.is_file()):
         name = path.relative_to(folder).as_posix()

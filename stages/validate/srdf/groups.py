@@ -65,7 +65,11 @@ def _framed(read: ReadSrdf) -> Iterator[str]:
 
 
 def end_effectors(read: ReadSrdf) -> Iterator[Finding]:
-    """Each is all that its parent link carries, at the end of the group that moves that link."""
+    """Each is all that its parent link carries, at the end of the group that moves it; none is missing."""
+    there = {node.get("name", "") for node in read.root.findall("end_effector")}
+    for name in read.expected.srdf.end_effectors if read.expected.srdf is not None else ():
+        if name not in there:
+            yield Finding(named("end_effector", name), "name", "there is none")
     for node in read.root.findall("end_effector"):
         element, parent = named("end_effector", node.get("name", "")), node.get("parent_link", "")
         group, arm = node.get("group", ""), node.get("parent_group", "")

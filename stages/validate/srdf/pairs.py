@@ -21,13 +21,15 @@ ALWAYS = ("Default", "Always")
 
 def pairs(read: ReadSrdf) -> Iterator[Finding]:
     """Each pair that the robot keeps from colliding is there, with its reason; of others only those that
-    never meet, as far as the robot does not say that they touch. Nothing where its shapes are unknown."""
+    never meet: as far as that is known, else as far as the robot does not say that they touch. Nothing where
+    its shapes are unknown."""
     geometry = read.expected.geometry
     if geometry is None:
         return
     given, _ = known_pairs(read.robot, geometry, read.expected.form)
     expected = {frozenset(one): reason for one, reason in given.items()}
-    touching = _touching(read, geometry)
+    touching, srdf = _touching(read, geometry), read.expected.srdf
+    never = None if srdf is None else {frozenset(links) for links in srdf.never}
     known, seen = {*read.chains.links}, set[Links]()
     for node in read.root.findall("disable_collisions"):
         links = frozenset((node.get("link1", ""), node.get("link2", "")))
@@ -36,9 +38,11 @@ def pairs(read: ReadSrdf) -> Iterator[Finding]:
         if links in seen:
             yield Finding(pair(node), "", "is there twice")
         else:
-            yield from _otherwise(node, expected.get(links), links in touching)
+            apart = never is None or links in never
+            yield from _otherwise(node, expected.get(links), links in touching, apart)
         seen.add(links)
-    for one, reason in given.items():
+    wanted = given if srdf is None else dict.fromkeys(sorted(srdf.never), NEVER) | given
+    for one, reason in wanted.items():
         if frozenset(one) not in seen:
             element = named("disable_collisions", '" "'.join(one))
             yield Finding(element, "reason", f"there is none of these links, expected {reason}")
@@ -47,9 +51,9 @@ def pairs(read: ReadSrdf) -> Iterator[Finding]:
         yield Finding(element, "link", "lets all pass through the link, which the robot does not")
 
 
-def _otherwise(node: Element, expected: Reason | None, touches: bool) -> Iterator[Finding]:
-    """What is wrong with a pair, which the robot keeps from colliding for a reason that is `expected`; None
-    where nothing but that they never meet can keep these links apart."""
+def _otherwise(node: Element, expected: Reason | None, touches: bool, never: bool) -> Iterator[Finding]:
+    """What is wrong with a pair. `expected`: the robot's reason to keep it from colliding, None where it can
+    only be that they never meet; `never`: whether it may be that."""
     reason = node.get("reason", "")
     if node.get("link1") == node.get("link2"):
         yield Finding(pair(node), "link2", "is the same link as link1")
@@ -61,6 +65,8 @@ def _otherwise(node: Element, expected: Reason | None, touches: bool) -> Iterato
         yield Finding(pair(node), "reason", words)
     elif touches:
         yield Finding(pair(node), "reason", f"is {NEVER}, but these links touch at home")
+    elif not never:
+        yield Finding(pair(node), "reason", f"is {NEVER}, but in some pose these links may meet")
 
 
 def _touching(read: ReadSrdf, geometry: Geometry) -> set[Links]:

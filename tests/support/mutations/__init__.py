@@ -6,6 +6,8 @@ from tests.support.mutations import (
     mjcf_shapes,
     mjcf_world,
     model_config,
+    python,
+    ros2,
     scene,
     sdf,
     srdf,
@@ -26,4 +28,6 @@ KINDS = [
     *srdf.KINDS,
     *usd.KINDS,
     *model_config.KINDS,
+    *ros2.KINDS,
+    *python.KINDS,
 ]

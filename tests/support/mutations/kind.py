@@ -80,8 +80,10 @@ NEEDED = {
     "srdf": ("{}.srdf",),
     "config": ("model.config", "{}.sdf"),
     "usd": ("{}.usda", "{}_meshes.usd"),
+    "ros2": ("ros2",),
+    "python": ("python", "{}.urdf", "{}.srdf", "{}.xml", "scene.xml", "{}.sdf", "{}.usda", "{}_meshes.usd"),
 }
-"""By where a fault is planted: that file, and what it is checked with; {} stands for the robot's name."""
+"""By where a fault is planted: that file or folder, and what it is checked with; {} is the robot's name."""
 
 Plant = Callable[[Files, random.Random], Planted]
 
@@ -123,7 +125,8 @@ def plant(one: Kind, source: Path, name: str, folder: Path, seed: int, *, whole:
         folder.mkdir()
         shutil.copytree(source / "assets", folder / "assets")
         for file in ("robot.json", *(file.format(name) for file in NEEDED[one.file])):
-            shutil.copy(source / file, folder / file)
+            copied = shutil.copytree if (source / file).is_dir() else shutil.copy
+            copied(source / file, folder / file)
     files = Files(folder, name)
     planted = one.plant(files, random.Random(f"{one.name} in {one.file}, {seed}"))
     files.save()

@@ -53,6 +53,13 @@ def _(files: Files, rng: random.Random) -> Planted:
     return Planted(named("joint", one), ("active",))
 
 
+@KINDS.add("relation slack", "C-RELATION")
+def _(files: Files, rng: random.Random) -> Planted:
+    one = pick(files.mjcf.xpath("//equality/joint"), rng)
+    put(one, "solref", (rng.uniform(0.1, 0.5), 1.0))
+    return Planted(named("joint", one), ("solref",))
+
+
 @KINDS.add("relation's sign", "C-RELATION")
 def _(files: Files, rng: random.Random) -> Planted:
     one = pick(files.mjcf.xpath("//equality/joint"), rng)

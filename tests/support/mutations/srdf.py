@@ -147,8 +147,7 @@ def _(files: Files, rng: random.Random) -> Planted:
     return planted
 
 
-@KINDS.add("collision of a pair switched off", "C-SRDF")
-def _(files: Files, rng: random.Random) -> Planted:
+def _switched_off(files: Files, rng: random.Random, reason: str) -> Planted:
     every = files.srdf.findall("disable_collisions")
     links = sorted({node.get(key) for node in every for key in ("link1", "link2")})
     off = {frozenset((node.get("link1"), node.get("link2"))) for node in every}
@@ -156,8 +155,26 @@ def _(files: Files, rng: random.Random) -> Planted:
     if not free:
         raise NothingToChange
     first, second = rng.choice(free)
-    made = etree.SubElement(files.srdf, "disable_collisions", link1=first, link2=second, reason="User")
-    return of_pair(made)
+    return of_pair(
+        etree.SubElement(files.srdf, "disable_collisions", link1=first, link2=second, reason=reason)
+    )
+
+
+@KINDS.add("collision of a pair switched off", "C-SRDF")
+def _(files: Files, rng: random.Random) -> Planted:
+    return _switched_off(files, rng, "User")
+
+
+@KINDS.add("reason Never for links that may meet", "C-SRDF")
+def _(files: Files, rng: random.Random) -> Planted:
+    return _switched_off(files, rng, "Never")
+
+
+@KINDS.add("pair that never meets left out", "C-SRDF")
+def _(files: Files, rng: random.Random) -> Planted:
+    one, planted = pair(files, rng, "Never")
+    files.srdf.remove(one)
+    return planted
 
 
 @KINDS.add("pair collides again", "C-SRDF")

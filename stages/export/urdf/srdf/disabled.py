@@ -1,7 +1,7 @@
 """The pairs of links that MoveIt does not check for collisions."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 from stages.export.urdf.srdf.apart import apart
 from stages.export.urdf.srdf.convex import bodies_of
@@ -24,17 +24,24 @@ class Disabled:
     partly: tuple[Pair, ...]
 
 
-def disabled_pairs(robot: Robot, geometry: Geometry, form: UrdfForm) -> Disabled:
-    """The pairs of a URDF of this form."""
+def disabled_pairs(
+    robot: Robot, geometry: Geometry, form: UrdfForm, never: Collection[Pair] | None = None
+) -> Disabled:
+    """The pairs of a URDF of this form. `never`: those that never meet, where that is known already."""
     found, partly = known_pairs(robot, geometry, form)
     if not geometry.self_contact:
         return Disabled(tuple(found.items()), partly)
+    found |= dict.fromkeys(_apart(robot, geometry, form, found) if never is None else never, "Never")
+    place = {link.name: number for number, link in enumerate(robot.links)}
+    pairs = sorted(found, key=lambda pair: (place[pair[0]], place[pair[1]]))
+    return Disabled(tuple((pair, found[pair]) for pair in pairs), partly)
+
+
+def _apart(robot: Robot, geometry: Geometry, form: UrdfForm, known: Collection[Pair]) -> tuple[Pair, ...]:
+    """The pairs that never meet, none of them `known`."""
     written = as_written(robot, form)
     bodies = bodies_of(geometry, members(robot, holders(robot, form)))
-    order = [link.name for link in robot.links if link.name in bodies]
     if {loop.name for loop in robot.loops} == set(form.closed):
         # The relations of the URDF alone close them, which is quicker worked out.
         written = replace(written, loops=())
-    found |= dict.fromkeys(apart(written, home(robot), bodies, found), "Never")
-    pairs = [(pair, found[pair]) for pair in combinations(order, 2) if pair in found]
-    return Disabled(tuple(pairs), partly)
+    return apart(written, home(robot), bodies, known)

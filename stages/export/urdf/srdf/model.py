@@ -5,6 +5,7 @@ Element rules are those of srdfdom, MoveIt's own reader; names are those of the 
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from stages.export.urdf.srdf.apart import POSES
 from stages.export.urdf.srdf.disabled import Disabled, disabled_pairs
@@ -13,6 +14,7 @@ from stages.export.urdf.srdf.states import states_of
 from stages.formats.urdf.as_written import as_written
 from stages.formats.urdf.form import UrdfForm
 from stages.formats.urdf.names import urdf_names
+from stages.formats.urdf.srdf_form import SrdfForm
 from stages.formats.xml import Element, comment, element, to_bytes
 from stages.robot.actuation import Actuation
 from stages.robot.geometry import Geometry
@@ -35,16 +37,31 @@ class SrdfPlan:
     passive: tuple[str, ...]
     loops: tuple[str, ...]
 
+    @property
+    def record(self) -> dict[str, Any]:
+        """What robot.json tells of the SRDF."""
+        never: dict[str, list[str]] = {}
+        for (one, other), reason in self.disabled.pairs:
+            if reason == "Never":
+                never.setdefault(one, []).append(other)
+        return {"never": never, "end_effectors": [one.name for one in self.groups.grippers]}
 
-def plan_of(robot: Robot, geometry: Geometry, actuation: Actuation, form: UrdfForm) -> SrdfPlan:
-    """What the SRDF beside a URDF of this form says."""
+
+def plan_of(
+    robot: Robot,
+    geometry: Geometry,
+    actuation: Actuation,
+    form: UrdfForm,
+    srdf: SrdfForm | None = None,
+) -> SrdfPlan:
+    """What the SRDF beside a URDF of this form says. `srdf`: what is known of it already."""
     written = as_written(robot, form)
     passive = passive_dofs(robot, written, actuation)
     names = urdf_names(written)
     return SrdfPlan(
         groups_of(written, passive),
         states_of(robot, names),
-        disabled_pairs(robot, geometry, form),
+        disabled_pairs(robot, geometry, form, srdf.never if srdf is not None else None),
         tuple(name for dof in passive for name in names.turns.get(dof, (dof,))),
         tuple(loop.name for loop in robot.loops if loop.name not in form.closed),
     )

@@ -1,0 +1,56 @@
+"""The checks of a build's packages, which `stages.export` writes again from what lies beside them."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from stages.formats.described import Truth
+from stages.robot.check import Check
+from stages.robot.regular_files import is_file
+
+CODES = {"ros2": "C-ROS2", "python": "C-PYTHON"}
+"""By format."""
+
+TRUTH = "robot.json"
+
+
+def check_packages(folder: Path, truth: Truth) -> Iterator[Check]:
+    """That each says what a build would write again, and that copies are those of the files as they are."""
+    from stages.validate.guarded import guarded
+
+    if truth.packages:
+        files = _beside(folder, truth)
+        for name in truth.packages:
+            found = guarded(f"{name}: package", partial(_package, folder, truth, name, files))
+            yield from (replace(one, code=CODES[name]) for one in found)
+
+
+def _package(folder: Path, truth: Truth, name: str, files: dict[str, bytes]) -> Iterator[Check]:
+    from stages.export import VERSION
+    from stages.export.again import package_again
+    from stages.validate.rewritten.check import rewritten
+
+    expected = package_again(truth, name, files)
+    place = truth.packages[name].folder
+    copies = {path: data for path, data in expected.items() if place and path.startswith(f"{place}/")}
+    own = {path: data for path, data in expected.items() if path not in copies}
+    current = truth.packages[name].writer == VERSION
+    urdf = f"{truth.robot.name}.urdf"
+    changes = () if urdf in files else truth.amendments.of(urdf)
+    yield from rewritten(folder, own, copies=False, current=current, changes=changes)
+    yield from rewritten(folder, copies, copies=True, current=current)
+
+
+def _beside(folder: Path, truth: Truth) -> dict[str, bytes]:
+    """The files that packages are made of, by path. What a build leaves in a package alone is what it is
+    there."""
+    inside = tuple(f"{name}/" for name in truth.packages)
+    paths = {path: folder / path for path in (TRUTH, *truth.files) if not path.startswith(inside)}
+    if "python" in truth.packages:
+        copies = folder / truth.packages["python"].folder
+        robot = truth.robot.name
+        for path in (f"{robot}.urdf", f"{robot}.srdf", f"{robot}.xml", "scene.xml"):
+            if path not in paths and is_file(copies / path):
+                paths[path] = copies / path
+    return {path: place.read_bytes() for path, place in paths.items() if is_file(place)}

@@ -1,0 +1,67 @@
+"""The facts of a Python module, which is read and never run: its constants, value by value, and the
+statements of its functions. Docstrings, comments, quotes, and the order of imports are not facts."""
+
+import ast
+from collections.abc import Iterator
+
+from stages.validate.findings import named
+from stages.validate.rewritten.facts import Place, Unparsable, Value
+
+
+def python_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
+    try:
+        module = ast.parse(data)
+    except (SyntaxError, ValueError) as error:
+        where = f", line {error.lineno}" if isinstance(error, SyntaxError) else ""
+        raise Unparsable(f"is not Python: {error.args[0]}{where}") from None
+    yield from _body(module.body, (), "module")
+
+
+def _body(body: list[ast.stmt], path: tuple[str, ...], element: str) -> Iterator[tuple[Place, Value]]:
+    number = 0
+    for statement in body:
+        if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
+            continue  # a docstring, of the module, of a function or of a constant
+        if isinstance(statement, ast.FunctionDef | ast.ClassDef):
+            yield from _definition(statement, path)
+        elif not path and isinstance(statement, ast.Assign):
+            (name, *_) = map(ast.unparse, statement.targets)
+            yield from _constant(statement.value, (name,), named("constant", name))
+        elif isinstance(statement, ast.Import | ast.ImportFrom):
+            text = ast.unparse(statement)
+            yield Place((*path, text), element, text), True
+        else:
+            number += 1
+            yield Place((*path, str(number)), element, f"statement {number}"), ast.unparse(statement)
+
+
+def _definition(
+    statement: ast.FunctionDef | ast.ClassDef, path: tuple[str, ...]
+) -> Iterator[tuple[Place, Value]]:
+    inner, element = (*path, statement.name), named("def", statement.name)
+    if isinstance(statement, ast.FunctionDef):
+        yield Place((*inner, "()"), element, "arguments"), ast.unparse(statement.args)
+    yield from _body(statement.body, inner, element)
+
+
+def _constant(node: ast.expr, path: tuple[str, ...], element: str) -> Iterator[tuple[Place, Value]]:
+    """A dictionary by its keys; a list of texts as a row of them, whatever the order of `__all__`."""
+    attribute = " ".join(path[1:])
+    if isinstance(node, ast.Dict):
+        yield Place((*path, "{}"), element, attribute), True
+        for key, value in zip(node.keys, node.values, strict=True):
+            text = str(key.value) if isinstance(key, ast.Constant) else ast.unparse(key) if key else "**"
+            yield from _constant(value, (*path, text), element)
+    elif isinstance(node, ast.List | ast.Tuple):
+        row = tuple(str(_number(entry)) for entry in node.elts)
+        yield Place(path, element, attribute), tuple(sorted(row)) if path == ("__all__",) else row
+    else:
+        yield Place(path, element, attribute), _number(node)
+
+
+def _number(node: ast.expr) -> Value:
+    try:
+        value = ast.literal_eval(node)
+    except ValueError:
+        value = ()
+    return value if isinstance(value, str | float | int | bool | None) else f"`{ast.unparse(node)}`"

@@ -1,0 +1,98 @@
+"""The facts of XML. What a material is called is not a fact: its place in the order of materials is."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+from stages.formats.xml import Element, Malformed, parse, tag
+from stages.validate.findings import named
+from stages.validate.rewritten.facts import Place, Turn, Unparsable, Value, words
+
+KEYS = ("link1", "link2", "filename", "file")
+"""Attributes beside `name` that tell an element from siblings of its tag."""
+
+THINGS = ('joint "', 'link "', 'sensor "')
+"""Elements whose named parts a reader finds by them."""
+
+TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+"""Attributes that are one value."""
+
+LENGTHS = ("xyz", "offset", "lower", "upper")
+"""Attributes in metres or radians: what is much smaller than 1 is no less exact."""
+
+
+def xml_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
+    try:
+        root = parse(data, large=True)
+    except Malformed as error:
+        raise Unparsable(f"is not XML: {error.place}") from None
+    materials = {name: f"material {number}" for number, name in enumerate(_materials(root), 1)}
+    yield from _facts(root, Place((tag(root),), tag(root), ""), materials)
+
+
+def _materials(root: Element) -> list[str]:
+    """The names of materials, in the order in which the file has them."""
+    names = (
+        node.get(key)
+        for node in root.iter("*")
+        for key in (("material", "name") if tag(node) == "material" else ("material",))
+    )
+    return list(dict.fromkeys(filter(None, names)))
+
+
+def _facts(node: Element, place: Place, materials: dict[str, str]) -> Iterator[tuple[Place, Value]]:
+    yield _within(place, "", "is there"), True
+    for key, value in _attributes(node, materials):
+        yield _within(place, f"@{key}", key), value
+    children = [child for child in node if isinstance(child.tag, str)]
+    text = " ".join(" ".join(node.xpath("text()")).split())
+    if text and not children:
+        yield _within(place, "text", ""), words(text)
+    seen: Counter[str] = Counter()
+    tags = Counter(map(tag, children))
+    for child in children:
+        key = _key(child, tags[tag(child)] > 1)
+        seen[key] += 1
+        yield from _facts(child, _below(place, child, key, seen[key]), materials)
+
+
+def _attributes(node: Element, materials: dict[str, str]) -> Iterator[tuple[str, Value]]:
+    tensor = tuple(words(node.get(key, "")) for key in TENSOR if key in node.attrib)
+    if tensor:
+        yield "tensor", tuple(row[0] if isinstance(row, tuple) else row for row in tensor)
+    for key, text in node.attrib.items():
+        value = words(text)
+        if text and (key == "material" or (key == "name" and tag(node) == "material")):
+            yield key, materials[text]
+        elif key == "rpy" and isinstance(value, tuple) and len(value) == 3:
+            roll, pitch, yaw = (float(str(angle)) for angle in value)
+            yield key, Turn((roll, pitch, yaw))
+        elif key not in TENSOR:
+            yield key, value
+
+
+def _key(node: Element, repeats: bool) -> str:
+    """What tells an element from its siblings, but for those that say the same."""
+    keys = ("name", *KEYS) if repeats else ("name",)
+    values = [f"{key}={node.get(key)}" for key in keys if node.get(key) and tag(node) != "material"]
+    if not values and repeats and not len(node):
+        values = [" ".join((node.text or "").split())]
+    return " ".join((tag(node), *values))
+
+
+def _below(place: Place, node: Element, key: str, number: int) -> Place:
+    """The place of a child: to a reader an element where it has a name, but for what a joint or a
+    link has; else a part of the element above."""
+    path = (*place.path, f"{key} {number}")
+    name = node.get("name") if tag(node) != "material" else None
+    if name and not place.element.startswith(THINGS):
+        return Place(path, named(tag(node), name), "")
+    links = node.get("link1"), node.get("link2")
+    if all(links):
+        return Place(path, named(tag(node), '" "'.join(map(str, links))), "")
+    inner = named(tag(node), name) if name else tag(node) if number == 1 else f"{tag(node)} {number}"
+    return Place(path, place.element, f"{place.attribute} {inner}".strip())
+
+
+def _within(place: Place, key: str, attribute: str) -> Place:
+    least = 1.0 if attribute in LENGTHS else 0.0
+    return Place((*place.path, key), place.element, f"{place.attribute} {attribute}".strip(), least)
