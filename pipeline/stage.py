@@ -149,9 +149,11 @@ class MeshStage(StageBase):
         return context.digests("graph")
 
     def run(self, context: BuildContext) -> dict[str, bytes]:
+        from pipeline.robot_names import require_names
         from stages.mesh import make_geometry
         from stages.mesh.view.views import views
 
+        require_names(context.robot, context.plan)
         # MuJoCo makes no mesh: what it decides has its version in the key.
         versions = {name: found for name, found in libraries(self).items() if name != "mujoco"}
         made: list[Remembered] = []

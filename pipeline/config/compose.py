@@ -29,6 +29,7 @@ from pipeline.config.hydra_loader import PRIMARY, aside, composed, use_loader
 from pipeline.config.hydra_node import HydraNode, hydra_text, searching
 from pipeline.config.hydra_reading import Reading
 from pipeline.config.messages import fitting
+from pipeline.config.optional import add_optional
 from pipeline.config.overrides import Override, read, refused
 from pipeline.config.partial import Draft
 from pipeline.config.places import OUTPUT, SWEEP_DIR, outside
@@ -182,7 +183,7 @@ class Composer:
         if not named and (found is None or _lacks_a_robot(found[0])):
             good, sure = [DEFAULT, *good], [DEFAULT, *sure]
             found = self._whole(good, draft)
-        config, paths = found or self._whole(sure, draft) or self._around(sure, draft)
+        config, composed_of = found or self._whole(sure, draft) or self._around(sure, draft)
         robot = config.hydra.runtime.choices.get("robot") or "bare"
         ambiguous = self._presets.problem("robot", robot)
         draft.problems += [ambiguous] if ambiguous else []
@@ -194,13 +195,14 @@ class Composer:
         draft.problems += [problem for problem in unresolved if not draft.unsure(problem)]
         draft.problems += self._leaks(config, tree)
         tree = self._secrets.within(tree)
-        formats = tuple(path.removeprefix("export/") for path in paths if path.startswith("export/"))
-        resolved = resolved_tree(tree, self._presets.choices(robot, formats, good, paths))
+        formats = tuple(path.removeprefix("export/") for path in composed_of if path.startswith("export/"))
+        resolved = resolved_tree(tree, self._presets.choices(robot, formats, good, composed_of))
         interpolated.decode(resolved, computed)
+        add_optional(resolved, self._presets.shared(composed_of))
         sweeping = self._node.sweeping(config, draft, resolved.get("name"), job)
         for problem in self._params(sweeping.params)[1]:
             draft.add(problem)
-        files, command = self._presets.own_files(paths), pasted.line(self._typed)
+        files, command = self._presets.own_files(composed_of), pasted.line(self._typed)
         draft.problems += targets(resolved, command)
         places = {problem.where for problem in draft.problems}
         draft.problems += [one for one in overridden(map(content, files)) if one.where not in places]
@@ -227,13 +229,13 @@ class Composer:
         hydra |= {"runtime": {}, "overrides": {}, "job": {**hydra["job"], "override_dirname": ""}}
         return self._secrets.problems({**tree, "hydra": hydra})
 
-    def _whole(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, Sequence[str]] | None:
-        """The composed tree and the paths of its files; None where composition fails."""
+    def _whole(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, Mapping[str, Any]] | None:
+        """The composed tree and its files by their paths; None where composition fails."""
         stand_ins: dict[str, str] = {}
         while True:
             everything = [*overrides, *stand_ins.values(), *self._node.typed, *searching(self._presets.own)]
             try:
-                config, paths = composed(everything)
+                config, files = composed(everything)
             except Exception as error:
                 draft.add(explained(error, self._presets))
                 missing = error.missing_cfg_file if isinstance(error, MissingConfigException) else None
@@ -246,9 +248,9 @@ class Composer:
                 self._everything = everything
                 if len(config.hydra.overrides.hydra) + len(config.hydra.overrides.task) != len(everything):
                     draft.add(not_allowed("overrides"))
-                return config, paths
+                return config, files
 
-    def _around(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, Sequence[str]]:
+    def _around(self, overrides: Sequence[str], draft: "Draft") -> tuple[DictConfig, Mapping[str, Any]]:
         """As `_whole`, with the keys of the robot's file, but without its invalid defaults list."""
         robots = [one.partition("=")[2] for one in overrides if one.startswith("robot=")]
         own = self._presets.content("robot", chosen(robots[-1])[0]) if robots else {}
@@ -259,12 +261,12 @@ class Composer:
             found = self._whole(["robot=bare", *others], draft) if robots else None
             if found is None:
                 raise refusal(draft.problems)
-            config, paths = found
+            config, files = found
             with open_dict(config):
                 config.merge_with(own)
         except OmegaConfBaseException:
             raise refusal(draft.problems) from None
-        return config, paths
+        return config, files
 
     def with_params(self, overrides: Sequence[Override], known: Iterable[Diagnostic]) -> SweepRequest:
         """The overrides of a sweep after the `hydra.sweeper.params` of files; the command line wins."""

@@ -4,8 +4,9 @@ Hydra tells a tree without its files; its public way to the files computes the w
 which takes more than half as long as the composition.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 from hydra import compose
 from hydra._internal.config_loader_impl import ConfigLoaderImpl
@@ -14,8 +15,8 @@ from hydra.core.config_search_path import ConfigSearchPath
 from hydra.core.default_element import ResultDefault
 from hydra.core.global_hydra import GlobalHydra
 from hydra.core.object_type import ObjectType
-from hydra.plugins.config_source import ConfigSource
-from omegaconf import DictConfig
+from hydra.plugins.config_source import ConfigResult, ConfigSource
+from omegaconf import DictConfig, OmegaConf
 
 from pipeline.config.hydra_files import Guarded
 from pipeline.config.reach import OutsideError, is_plain
@@ -50,9 +51,10 @@ class Repository(ConfigRepository):
 
 
 class Loader(ConfigLoaderImpl):
-    """Hydra's loader; `paths` are those of the files of the last composition, in the order of their merge."""
+    """Hydra's loader; `files` are those of the last composition by their paths, in the order of their merge:
+    each as the part of the tree that it sets, None for those of Hydra itself."""
 
-    paths: Sequence[str] = ()
+    files: Mapping[str, Any] = {}
 
     def __init__(self, config_search_path: ConfigSearchPath) -> None:
         super().__init__(config_search_path)
@@ -61,8 +63,16 @@ class Loader(ConfigLoaderImpl):
     def _compose_config_from_defaults_list(
         self, defaults: list[ResultDefault], repo: IConfigRepository
     ) -> DictConfig:
-        self.paths = [default.config_path or "" for default in defaults]
+        self.files = {default.config_path or "": None for default in defaults}
         return super()._compose_config_from_defaults_list(defaults=defaults, repo=repo)
+
+    def _load_single_config(self, default: ResultDefault, repo: IConfigRepository) -> ConfigResult:
+        loaded = super()._load_single_config(default, repo)
+        path = default.config_path or ""
+        if not path.startswith("hydra/"):
+            # A copy: Hydra merges later files into the nodes of earlier ones.
+            self.files = {**self.files, path: OmegaConf.to_container(loaded.config, resolve=False)}
+        return loaded
 
 
 def use_loader() -> None:
@@ -72,12 +82,13 @@ def use_loader() -> None:
     hydra.config_loader = Loader(hydra.config_loader.get_search_path())
 
 
-def composed(overrides: Sequence[str]) -> tuple[DictConfig, Sequence[str]]:
-    """The tree of `build` with its `hydra` node, and the paths of its files in the search path."""
+def composed(overrides: Sequence[str]) -> tuple[DictConfig, Mapping[str, Any]]:
+    """The tree of `build` with its `hydra` node, and its files by their paths in the search path: each as the
+    part of the tree that it sets."""
     config = compose(PRIMARY, list(overrides), return_hydra_config=True)
     loader = GlobalHydra.instance().config_loader()
     assert isinstance(loader, Loader)
-    return config, loader.paths
+    return config, loader.files
 
 
 @contextmanager

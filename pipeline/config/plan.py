@@ -9,6 +9,7 @@ from pydantic import AfterValidator, Field, ValidationError
 
 from pipeline.config.messages import diagnostics
 from pipeline.config.motor_library import with_motors
+from pipeline.config.optional import without_effect
 from pipeline.config.page_keys import PageKeys
 from pipeline.errors import Diagnostic, refusal
 from stages.export.keys import ExportKeys
@@ -109,7 +110,7 @@ class Plan(FetchKeys, GraphKeys, MeshKeys, ExportKeys, ValidateKeys):
         hold `robot/` and may hold `motors/`.
         """
         data, missing = with_motors(data, folders)
-        problems = [*known, *missing]
+        problems = [*known, *missing, *without_effect(data)]
         plan: Plan | None
         try:
             plan = cls.model_validate(dict(data))

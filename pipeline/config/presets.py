@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import Any
 
@@ -102,6 +102,14 @@ class Presets:
                 files = [Path(path)]
             found += files
         return found
+
+    def shared(self, files: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+        """What the files set that several robots share: those of groups other than the robot and the
+        experiment, and what robots of ours but the sample give to others. `files`: those of a composed tree,
+        by their paths in the search path."""
+        single = [path for path in files if path.partition("/")[0] in ("robot", EXPERIMENT)]
+        strict = {"robot/sample", *(path for path in single if self.own_files([path]))}
+        return [tree for path, tree in files.items() if isinstance(tree, Mapping) and path not in strict]
 
     def problem(self, group: str, option: str) -> Diagnostic | None:
         """The problem of a choice of an option, or None."""

@@ -71,7 +71,7 @@ def export(
     actuation, remarks = driven(robot, geometry, keys, start, standing)
     robot = as_driven(robot, actuation)
     form, mjcf_form = form_of(robot, keys, actuation), mjcf_form_of(robot, geometry, keys)
-    sensing = sensing_of(robot, geometry, actuation, keys, mjcf_form.fused)
+    sensing, of_sensors = sensing_of(robot, geometry, actuation, keys, mjcf_form.fused)
     given = WriterInput(robot, geometry, keys, start, {}, actuation, standing, form, mjcf_form, sensing)
     written: dict[str, Exported] = {}
     needed = _needed(keys.export.chosen)
@@ -98,7 +98,7 @@ def export(
     files = {**assets, "robot.json": every["robot.json"], **_files(written, keys.export.chosen)}
     files |= {path: data for path, data in mine.files.items() if path in files}
     diagnostics = tuple(diagnostic for name in needed for diagnostic in written[name].diagnostics)
-    remarks = (*diagnostics, *standing.diagnostics, *remarks, *mine.diagnostics)
+    remarks = (*diagnostics, *standing.diagnostics, *remarks, *of_sensors, *mine.diagnostics)
     tip = advice(robot, actuation, place, gravity_of(keys.scene.option))
     what = actuation, tip, form, mjcf_form, order, sensing, mine.amendments
     others = dropped(robot, geometry, needed)

@@ -36,6 +36,7 @@ def driven(
         standing.world_from_root,
         gravity_of(keys.scene.option),
         keys.motors,
+        keys.optional,
     )
     if FORMAT not in keys.export.chosen or not _worth_a_trial(robot):
         return actuation, found

@@ -17,6 +17,7 @@ from stages.robot.keys import (
     example,
     invalid,
 )
+from stages.robot.optional_keys import OptionalKeys
 
 
 class _Formats(Keys):
@@ -56,7 +57,7 @@ class ExportSection(_EveryFormat):  # type: ignore[misc]
     """Formats to write; null leaves a format out."""
 
 
-class ExportKeys(Keys):
+class ExportKeys(OptionalKeys):
     """The export stage's part of the configuration."""
 
     ground: GroundKeys = GroundKeys()

@@ -26,7 +26,7 @@ from stages.robot.model import Robot
 
 def assemble(bundle: Bundle, keys: GraphKeys, read: MechanismReader) -> Robot:
     """The robot in a bundle; AssemblyError with all problems at once."""
-    log = Diagnostics()
+    log = Diagnostics(optional=keys.optional)
     mechanism, keys = read(bundle, keys, log)
     mechanism = renamed(mechanism, keys.names, log)
     tree = _tree(mechanism, keys, log)

@@ -35,9 +35,9 @@ def entries_of(
     ]
     used = {index for indices in found for index in indices}
     for index, glob in enumerate(wanted):
-        if index not in used and glob != "*":
+        if index not in used:
             hint = there_are(glob, {f"{kind}s": [min(names, key=lambda n: (len(n), n)) for names in things]})
-            log.report("E-GLOB", f"no {kind} matches {glob!r}", where, hint)
+            log.unmatched("E-GLOB", f"no {kind} matches {glob!r}", where, hint, glob)
     return iter(found)
 
 

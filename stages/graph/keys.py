@@ -17,6 +17,7 @@ from stages.robot.keys import (
     example,
     invalid,
 )
+from stages.robot.optional_keys import OptionalKeys
 from stages.robot.quantity_keys import Coordinate, Position, Range
 
 NAME_PATTERN = "[A-Za-z0-9_-]+"
@@ -169,7 +170,7 @@ class LoopsKeys(Keys):
     unit, or [-stiffness, -damping]."""
 
 
-class GraphKeys(Keys):
+class GraphKeys(OptionalKeys):
     """The graph stage's part of the configuration."""
 
     name: Annotated[Text, AfterValidator(_file_name), example("my_arm")] = "robot"

@@ -183,9 +183,9 @@ def _frames(
 ) -> tuple[Frame, ...]:
     """The mate connectors that `frames.include` chooses, on their links; E-GLOB for what chooses none."""
     for glob in include:
-        if glob != "*" and not any(fits(marker.name, glob) for marker in mechanism.markers):
+        if not any(fits(marker.name, glob) for marker in mechanism.markers):
             hint = there_are(glob, {"frames": [marker.name for marker in mechanism.markers]})
-            log.report("E-GLOB", f"no frame matches {glob!r}", "frames.include", hint)
+            log.unmatched("E-GLOB", f"no frame matches {glob!r}", "frames.include", hint, glob)
     frames = [
         Frame(
             marker.name,

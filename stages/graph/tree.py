@@ -91,7 +91,7 @@ def _ranked(mechanism: Mechanism, cut: Collection[str], log: Diagnostics) -> lis
     for glob in cut:
         if not any(_named(connection, glob) for connection in mechanism.connections):
             hint = there_are(glob, {"mates that move": [one.name for one in mechanism.connections]})
-            log.report("E-GLOB", f"no mate matches {glob!r}", "loops.cut", hint)
+            log.unmatched("E-GLOB", f"no mate matches {glob!r}", "loops.cut", hint, glob)
 
     def rank(connection: Connection) -> tuple[object, ...]:
         return (

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from stages.mesh import COLLIDERS, GIVEN, Maker
 from stages.mesh.collider_settings import ColliderSettings
-from stages.mesh.unmatched import unmatched
-from stages.robot.errors import MeshError
+from stages.mesh.unmatched import report_unmatched
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits, unnumbered
 from stages.robot.model import Link, Part
 
@@ -38,14 +38,16 @@ class Choice:
         return GIVEN if self.maker == "given" else COLLIDERS[self.maker]
 
 
-def choices(links: Sequence[Link], section: MeshSection) -> Mapping[tuple[str, int], Choice]:
+def choices(
+    links: Sequence[Link], section: MeshSection, log: Diagnostics
+) -> Mapping[tuple[str, int], Choice]:
     """For each link's name and the index of each of its parts, the choice; later globs win.
 
-    MeshError with E-GLOB for each glob but "*" that matches no link and no part.
+    E-GLOB for each glob that matches no link and no part.
     """
     default = Choice(section.collider, ColliderSettings.of(section))
     entries = [(glob, _choice(default, keys, number)) for number, (glob, keys) in _numbered(section)]
-    unmatched = {glob for glob, _ in entries if glob != "*"}
+    unmatched = {glob for glob, _ in entries}
     found: dict[tuple[str, int], Choice] = {}
     for link in links:
         for index, part in enumerate(link.parts):
@@ -58,8 +60,9 @@ def choices(links: Sequence[Link], section: MeshSection) -> Mapping[tuple[str, i
         for glob in list(unmatched):
             if fits(link.name, glob):
                 unmatched.discard(glob)
-    if unmatched:
-        raise _unmatched([glob for glob, _ in entries if glob in unmatched], links)
+    for glob, _ in entries:
+        if glob in unmatched:
+            report_unmatched(glob, links, _WHERE, log)
     return found
 
 
@@ -86,9 +89,3 @@ def _choice(default: Choice, keys: ColliderKeys, number: int) -> Choice:
         kind, size = primitive
         return Choice("given", replace(settings, kind=kind, size=size), number)
     return Choice("visual" if keys.make in ("none", None) else str(keys.make), settings, number)
-
-
-def _unmatched(globs: Sequence[str], links: Sequence[Link]) -> MeshError:
-    problems = [unmatched(glob, links, _WHERE) for glob in globs]
-    msg = "the links or parts whose colliders are chosen cannot be found"
-    return MeshError(msg, _WHERE, problems=problems)

@@ -15,6 +15,7 @@ from stages.mesh.com_check import unbalanced
 from stages.mesh.contact_parts import reported as too_small_reported
 from stages.mesh.contact_parts import too_small, with_basis
 from stages.mesh.contacts.analysis import self_contacts
+from stages.mesh.contacts.chosen import chosen_pairs
 from stages.mesh.diagnostics import diagnostics
 from stages.mesh.geoms import GeomRules
 from stages.mesh.ignored import without_ignored
@@ -24,6 +25,8 @@ from stages.mesh.mesh_file import MeshFile
 from stages.mesh.names import file_names, part_words
 from stages.mesh.visuals.budget import Decimator
 from stages.robot.bundle import Bundle
+from stages.robot.diagnostics import Diagnostics
+from stages.robot.errors import MeshError
 from stages.robot.geometry import ColliderFigures, Geometry, Role, Shape
 from stages.robot.model import Link, Part, Robot
 
@@ -59,13 +62,18 @@ class _LinkUses:
 def geometry(
     robot: Robot, bundle: Bundle, keys: "MeshKeys", memo: "Memo", shown: "Shown | None" = None
 ) -> Geometry:
-    """The shapes of all links. ProtocolError where triangles cannot be read, MeshError where a glob of
-    `geoms`, `mesh.colliders` or `ignore` matches no link and no part."""
-    rules = GeomRules(robot.links, keys.geoms)
+    """The shapes of all links. ProtocolError where triangles cannot be read, MeshError with each glob that
+    matches nothing."""
+    log = Diagnostics(optional=keys.optional)
+    rules = GeomRules(robot.links, keys.geoms, log)
     links = [with_basis(link, bundle.kind, keys.mesh.basis) for link in robot.links]
-    links = without_ignored(links, keys.ignore)
+    links = without_ignored(links, keys.ignore, log)
+    chosen = choices(links, keys.mesh, log)
+    apart = chosen_pairs([link.name for link in links], keys.contact.exclude, log)
+    if log.problems:
+        raise MeshError("the configuration names links or parts that are not there", problems=log.problems)
     library = MeshLibrary(links, bundle)
-    used = _used(links, library, keys.mesh, rules, memo)
+    used = _used(links, library, keys.mesh, chosen, rules, memo)
     jobs = [job for link in links for job in used[link.name].jobs(link.name)]
     collided = collide(jobs, library, memo, shown)
     named, files = _named(links, used, collided, keys.mesh)
@@ -76,6 +84,7 @@ def geometry(
         {name: one.mesh for name, one in used.items()},
         {link.name: _found(link, used[link.name]) for link in links},
     )
+    problems += log.found
     problems += colliders_reported(collided)
     problems += too_small_reported({name: one for name in used if (one := _small_names(used[name]))})
     problems += unbalanced(links, library.of_parts, shapes, files)
@@ -86,7 +95,7 @@ def geometry(
         figures.append(figures_of(made, [part.name for part in its]))
     # Of those that are written: an exclude counts them.
     solid = [shape for shape in shapes if shape.file is None or keys.mesh.assets == "files"]
-    contacts = self_contacts(robot, solid, files, keys.contact, memo, figures)
+    contacts = self_contacts(robot, solid, files, keys.contact, memo, apart, figures)
     problems += contacts.diagnostics
     (written_shapes, assets), left_out = written(rules.with_properties(shapes, parts), files, keys.mesh)
     every = (*problems, *left_out)
@@ -96,14 +105,19 @@ def geometry(
 
 
 def _used(
-    links: Sequence[Link], library: MeshLibrary, section: "MeshSection", rules: GeomRules, memo: "Memo"
+    links: Sequence[Link],
+    library: MeshLibrary,
+    section: "MeshSection",
+    choice_of: Mapping[tuple[str, int], Choice],
+    rules: GeomRules,
+    memo: "Memo",
 ) -> dict[str, _LinkUses]:
     """The parts of each link that have a mesh, by the link's name, and their visual meshes."""
-    chosen, decimator = choices(links, section), Decimator()
+    decimator = Decimator()
     found = {}
     for link in links:
         triples = [
-            (Use(part.mesh, part.link_from_part, part.collides, part.seen), part, chosen[link.name, index])
+            (Use(part.mesh, part.link_from_part, part.collides, part.seen), part, choice_of[link.name, index])
             for index, part in enumerate(link.parts)
             if part.mesh
         ]

@@ -5,8 +5,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stages.mesh.choices import names_of
-from stages.mesh.unmatched import unmatched
-from stages.robot.errors import MeshError
+from stages.mesh.unmatched import report_unmatched
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.geometry import ContactProperties, Role, Shape
 from stages.robot.globs import fits
 from stages.robot.model import Link, Part
@@ -16,28 +16,18 @@ if TYPE_CHECKING:
 
 _WHERE = "geoms"
 
-PRESET = ("*", "*[Ff]oot*")
-"""Globs that may match nothing: they come from our own presets (conf/robot/legged.yaml)."""
-
 
 class GeomRules:
     """What `geoms` says. A glob means links; or CAD parts, of which the colliders alone have properties."""
 
-    def __init__(self, links: Sequence[Link], wanted: Mapping[str, "GeomKeys"]) -> None:
-        """MeshError with E-GLOB for each glob that matches no link and no part, but for those of our own
-        presets."""
+    def __init__(self, links: Sequence[Link], wanted: Mapping[str, "GeomKeys"], log: Diagnostics) -> None:
+        """E-GLOB for each glob that matches no link and no part."""
         self._wanted = wanted
         parts = [part for link in links for part in link.parts]
-        problems = [
-            unmatched(glob, links, _WHERE)
-            for glob in wanted
-            if glob not in PRESET
-            and not any(fits(link.name, glob) for link in links)
-            and not any(_means(glob, part) for part in parts)
-        ]
-        if problems:
-            msg = "the links or parts whose geoms have properties cannot be found"
-            raise MeshError(msg, _WHERE, problems=problems)
+        for glob in wanted:
+            named = any(fits(link.name, glob) for link in links)
+            if not named and not any(_means(glob, part) for part in parts):
+                report_unmatched(glob, links, _WHERE, log)
 
     def set_apart(self, link: str, part: Part) -> bool:
         """Whether a part has properties that its link has not: then it has a collider of its own."""

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stages.mesh.choices import names_of
-from stages.mesh.unmatched import unmatched
-from stages.robot.errors import MeshError
+from stages.mesh.unmatched import report_unmatched
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits
 from stages.robot.model import Link, Part
 
@@ -16,21 +16,16 @@ if TYPE_CHECKING:
     from stages.mesh.keys import IgnoreKeys
 
 
-def without_ignored(links: Sequence[Link], keys: IgnoreKeys) -> list[Link]:
+def without_ignored(links: Sequence[Link], keys: IgnoreKeys, log: Diagnostics) -> list[Link]:
     """The links, whose parts and primitives are neither drawn nor solid where `ignore` says so.
 
-    MeshError with E-GLOB for each glob but "*" that matches no link and no part.
+    E-GLOB for each glob that matches no link and no part.
     """
     wanted = {"ignore.visual": keys.visual, "ignore.collision": keys.collision}
-    problems = [
-        unmatched(glob, links, where)
-        for where, globs in wanted.items()
-        for glob in dict.fromkeys(globs)
-        if glob != "*" and not any(_means(glob, link) for link in links)
-    ]
-    if problems:
-        msg = "the links or parts to ignore cannot be found"
-        raise MeshError(msg, "ignore", problems=problems)
+    for where, globs in wanted.items():
+        for glob in dict.fromkeys(globs):
+            if not any(_means(glob, link) for link in links):
+                report_unmatched(glob, links, where, log)
     return [_without(link, keys) for link in links] if keys.visual or keys.collision else list(links)
 
 

@@ -7,6 +7,7 @@ from pydantic import Field
 from stages.mesh.collider_keys import CoacdParameters, ColliderChoice, ColliderName, VertexCount
 from stages.mesh.geom_keys import GeomKeys
 from stages.robot.keys import Count, Keys, NonNegative, Text, example
+from stages.robot.optional_keys import OptionalKeys
 from stages.robot.quantity_keys import NonNegativeLength, PositiveLength
 
 
@@ -108,7 +109,7 @@ class IgnoreKeys(Keys):
     """Globs on links or parts that have no collider, whatever mesh.colliders says, and cost none."""
 
 
-class MeshKeys(Keys):
+class MeshKeys(OptionalKeys):
     """The mesh stage's part of the configuration."""
 
     mesh: MeshSection = MeshSection()

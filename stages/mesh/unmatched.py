@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 
-from stages.robot.errors import Diagnostic
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import there_are, unnumbered
 from stages.robot.model import Link
 
 
-def unmatched(glob: str, links: Sequence[Link], where: str) -> Diagnostic:
+def report_unmatched(glob: str, links: Sequence[Link], where: str, log: Diagnostics) -> None:
     """E-GLOB at the key `where`, with the nearest name and all links and parts."""
     parts = {unnumbered(part.name.rpartition("/")[2]) for link in links for part in link.parts}
     hint = there_are(glob, {"links": [link.name for link in links], "parts": sorted(parts)})
-    return Diagnostic("E-GLOB", f"no link and no part matches {glob!r}", where, hint)
+    log.unmatched("E-GLOB", f"no link and no part matches {glob!r}", where, hint, glob)

@@ -12,6 +12,7 @@ from stages.graph.keys import GraphKeys
 from stages.mesh.keys import MeshKeys
 from stages.robot.errors import ConfigError
 from stages.robot.keys import Keys, not_yet
+from stages.robot.optional_keys import OptionalKeys
 from tests.support.users import URL
 
 SAMPLE = {"kind": "sample"}
@@ -266,7 +267,11 @@ def _sections(root):
 
 
 def test_each_key_belongs_to_one_stage():
-    owned = [name for keys in SECTIONS for name in keys.model_fields]
+    own = (
+        OptionalKeys.model_fields,
+        *(keys.model_fields.keys() - OptionalKeys.model_fields for keys in SECTIONS),
+    )
+    owned = [name for names in own for name in names]
     assert len(owned) == len(set(owned))
     assert {name for name in Plan.model_fields if name not in owned} == {
         "page",
@@ -282,7 +287,7 @@ def test_each_key_belongs_to_one_stage():
 def test_the_part_of_a_stage_holds_that_stage_alone_and_keeps_the_order_of_mappings():
     plan = Plan.parse({"source": SAMPLE, "joints": {"b": {"damping": 1}, "a": {}}})
     assert list(section(plan, GraphKeys)["joints"]) == ["b", "a"]
-    assert set(section(plan, MeshKeys)) == {"mesh", "geoms", "contact", "ignore"}
+    assert set(section(plan, MeshKeys)) == {"mesh", "geoms", "contact", "ignore", "optional"}
     assert section(plan, MeshKeys)["contact"] == {"exclude": [], "self": "auto"}
 
 

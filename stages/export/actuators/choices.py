@@ -175,8 +175,7 @@ def _check(glob: str, keys: ActuatorKeys, robot: Robot, log: Diagnostics) -> Non
     every += [(dof, one.name) for one in robot.loops for dof in one.dofs]
     matched = [(dof, loop) for dof, loop in every if fits(dof.name, glob)]
     if not matched:
-        if glob != "*":
-            _report_unmatched(glob, robot, log)
+        _report_unmatched(glob, robot, log)
         return
     exact = next(((dof, loop) for dof, loop in matched if dof.name == glob), None)
     if exact is not None and keys.type != "none":
@@ -205,7 +204,7 @@ def _report_unmatched(glob: str, robot: Robot, log: Diagnostics) -> None:
         log.report("E-GLOB", text, WHERE, f"name one of its dofs: {', '.join(of_joint)}")
         return
     hint = there_are(glob, {"joints": [dof.name for dof in robot.dofs]})
-    log.report("E-GLOB", f"no joint matches {glob!r}", WHERE, hint)
+    log.unmatched("E-GLOB", f"no joint matches {glob!r}", WHERE, hint, glob)
 
 
 def _names(robot: Robot) -> str:

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from stages.export.actuator_keys import ActuatorKeys
 
 NO_MOTORS: Motors = {}
+EVERY_GLOB_MATCHES: Mapping[Any, Sequence[str]] = {}
 
 
 def actuate(
@@ -41,26 +42,27 @@ def actuate(
     world_from_root: Array,
     gravity: Sequence[float] = GRAVITY,
     motors: Motors = NO_MOTORS,
+    optional: Mapping[Any, Sequence[str]] = EVERY_GLOB_MATCHES,
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
     """What drives the robot, and what is worth knowing about it. ExportError with all problems of the key.
 
-    `timestep` [s]: that of the simulation; `world_from_root` (4, 4): how the scene puts the robot;
-    `gravity` (3,) [m/s²]: in the world; `motors`: those that entries name.
+    `timestep` [s]: that of the simulation; `world_from_root` (4, 4): how the scene puts the robot; `gravity`
+    (3,) [m/s²]: in the world; `motors`: those that entries name; `optional`: the key of that name.
     """
-    log = Diagnostics()
+    log = Diagnostics(optional=optional)
     wanted = wanted_of(robot, entries, motors, log)
     if log.problems:
         msg = f"the actuators cannot be made: {count(len(log.problems), 'problem')}"
         raise ExportError(msg, problems=sorted(log.problems, key=lambda one: (one.message, one.where)))
     kept = [one for one in robot.actuators if one.dof not in wanted]
     if not wanted and not kept:
-        return Actuation(), ()
+        return Actuation(), tuple(log.found)
     values = postures(robot)
     couplings = Couplings(robot, values)
     order = driven_order(robot, wanted, [one.dof for one in kept])
-    named = [dof for dof in order if dof not in wanted or wanted[dof].named]
     chosen = couplings.independent(order)
     # What is named drives, even where it fights others; those are still counted as one motion.
+    named = [dof for dof in order if dof not in wanted or wanted[dof].named]
     driven = [dof.name for dof in robot.dofs if dof.name in {*chosen, *named}]
     gifts, overruled = supplied([dof for dof in robot.dofs if dof.name in driven], wanted, motors, log)
     robot = with_motors(robot, gifts)
@@ -70,16 +72,7 @@ def actuate(
     of_each = loads(robot, values, couplings, [dof for dof in driven if dof in chosen], shares, up)
     found = shared(robot, of_each)
     maker = _Maker(robot, timestep, found, {one.name for one in kept}, couplings.coupled, motors)
-    actuators = [
-        made
-        for dof in robot.dofs
-        if dof.name in driven
-        for made in (
-            (maker.made(dof, wanted[dof.name]),)
-            if dof.name in wanted
-            else (maker.kept(dof, one) for one in kept if one.dof == dof.name)
-        )
-    ]
+    actuators = [made for dof in robot.dofs if dof.name in driven for made in maker.of(dof, wanted, kept)]
     actuation = Actuation(
         # The controls of a robot whose actuators nobody changes keep their places.
         actuators=tuple(actuators if wanted else sorted(actuators, key=_place_in(robot.actuators))),
@@ -144,6 +137,12 @@ class _Maker:
         self._fixed = robot.base.fixed
         self.armatures: list[Armature] = []
         self.overruled: list[Overruled] = []
+
+    def of(self, dof: Dof, wanted: Mapping[str, Wanted], kept: Sequence[Actuator]) -> list[Actuator]:
+        """The actuators of a dof: what is wanted, else those of the source that are kept."""
+        if dof.name in wanted:
+            return [self.made(dof, wanted[dof.name])]
+        return [self.kept(dof, own) for own in kept if own.dof == dof.name]
 
     def made(self, dof: Dof, wanted: Wanted) -> Actuator:
         """The actuator of a dof, with what is not given estimated."""

@@ -31,9 +31,21 @@ def carried_cameras(robot: Robot, cameras: Mapping[str, "CameraKeys"]) -> dict[s
 
     ExportError for a frame that the robot does not have.
     """
-    frames = {frame.name: (frame.link, frame.link_from_frame) for frame in robot.frames}
-    frames |= {link.name: (link.name, UNMOVED) for link in robot.links}
-    problems = [
+    if problems := unknown_frames(robot, cameras):
+        raise ExportError("the cameras cannot be placed", problems=problems)
+    frames = _frames(robot)
+    found: dict[str, list[tuple[str, Array]]] = {}
+    for name, camera in cameras.items():
+        if camera.frame is not None:
+            link, link_from_frame = frames[camera.frame]
+            found.setdefault(link, []).append((name, link_from_frame))
+    return found
+
+
+def unknown_frames(robot: Robot, cameras: Mapping[str, "CameraKeys"]) -> list[Diagnostic]:
+    """E-FRAME for each camera on a frame that the robot does not have."""
+    frames = _frames(robot)
+    return [
         Diagnostic(
             "E-FRAME",
             f"there is no frame or link {camera.frame!r}",
@@ -43,14 +55,12 @@ def carried_cameras(robot: Robot, cameras: Mapping[str, "CameraKeys"]) -> dict[s
         for name, camera in cameras.items()
         if camera.frame is not None and camera.frame not in frames
     ]
-    if problems:
-        raise ExportError("the cameras cannot be placed", problems=problems)
-    found: dict[str, list[tuple[str, Array]]] = {}
-    for name, camera in cameras.items():
-        if camera.frame is not None:
-            link, link_from_frame = frames[camera.frame]
-            found.setdefault(link, []).append((name, link_from_frame))
-    return found
+
+
+def _frames(robot: Robot) -> dict[str, tuple[str, Array]]:
+    """By name of a frame or link: its link and link_from_frame (4, 4)."""
+    frames = {frame.name: (frame.link, frame.link_from_frame) for frame in robot.frames}
+    return frames | {link.name: (link.name, UNMOVED) for link in robot.links}
 
 
 def write_camera(above: Element, name: str, camera: "CameraKeys", above_from_frame: Array) -> None:

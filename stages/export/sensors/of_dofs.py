@@ -75,14 +75,15 @@ def _report_dof(glob: str, where: str, robot: Robot, log: Diagnostics) -> None:
         text = f"{glob!r} names a joint of several dofs (or several such joints), not one dof"
         log.report("E-GLOB", text, where, f"name one of its dofs: {', '.join(of_joint)}")
     else:
-        _report_unmatched(glob, "joint", [dof.name for dof in robot.dofs], where, log)
+        report_unmatched(glob, "joint", [dof.name for dof in robot.dofs], where, log)
 
 
-def _report_unmatched(glob: str, kind: str, names: Collection[str], where: str, log: Diagnostics) -> None:
-    """E-GLOB: nothing matches; `*` may match nothing."""
-    if glob == "*":
-        return
-    log.report("E-GLOB", f"no {kind} matches {glob!r}", where, there_are(glob, {f"{kind}s": names}))
+def report_unmatched(glob: str, kind: str, names: Collection[str], where: str, log: Diagnostics) -> None:
+    """E-GLOB where a glob matches none of the names of a kind of thing."""
+    if not any(fits(name, glob) for name in names):
+        log.unmatched(
+            "E-GLOB", f"no {kind} matches {glob!r}", where, there_are(glob, {f"{kind}s": names}), glob
+        )
 
 
 def actuator_sensors(
@@ -92,8 +93,7 @@ def actuator_sensors(
     glob = keys.actuators or "*"
     every = [one.name for one in actuation.actuators]
     names = [one for one in every if fits(one, glob)]
-    if not names:
-        _report_unmatched(glob, "actuator", every, f"sensors.{name}.actuators", log)
+    report_unmatched(glob, "actuator", every, f"sensors.{name}.actuators", log)
     exact = names == [glob]
     dofs = {dof.name: dof for dof in robot.dofs}
     driven = {one.name: dofs[one.dof] for one in actuation.actuators}

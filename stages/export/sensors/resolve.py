@@ -7,7 +7,7 @@ from stages.export.sensors.mounted import Mounted
 from stages.export.sensors.of_dofs import actuator_sensors, encoders, joint_sensors
 from stages.robot.actuation import Actuation
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.errors import ExportError
+from stages.robot.errors import Diagnostic, ExportError
 from stages.robot.geometry import Geometry
 from stages.robot.measuring import measuring
 from stages.robot.model import Robot, Sensor
@@ -24,10 +24,11 @@ OVERVIEW = "overview"
 
 def sensing_of(
     robot: Robot, geometry: Geometry, actuation: Actuation, keys: "ExportKeys", fused: Collection[str] = ()
-) -> Sensing:
+) -> tuple[Sensing, tuple[Diagnostic, ...]]:
     """What measures the robot: the sensors of the source, those of actuators, and those of the key, in this
-    order. `fused`: the links that have no bodies of their own in the MJCF. ExportError with all problems."""
-    log = Diagnostics()
+    order; and what is worth knowing about it. `fused`: the links without bodies of their own in the MJCF.
+    ExportError with all problems."""
+    log = Diagnostics(optional=keys.optional)
     made = Mounted(robot, geometry, fused, {*keys.scene.cameras, OVERVIEW}, log)
     found = [("", made.of_source(one)) for one in measuring(robot, actuation)]
     found += encoders(actuation, keys.actuators, log)
@@ -46,7 +47,8 @@ def sensing_of(
     if log.problems:
         msg = f"the sensors cannot be made: {count(len(log.problems), 'problem')}"
         raise ExportError(msg, problems=sorted(log.problems, key=lambda one: (one.where, one.message)))
-    return Sensing(tuple(one for _, one in found), tuple(made.sites), tuple(made.cameras))
+    sensing = Sensing(tuple(one for _, one in found), tuple(made.sites), tuple(made.cameras))
+    return sensing, tuple(log.found)
 
 
 def _check_names(found: list[tuple[str, Sensor]], log: Diagnostics) -> None:

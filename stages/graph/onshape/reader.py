@@ -80,7 +80,7 @@ def _combined_bodies(
     replace."""
     welds: list[tuple[Path, Path]] = []
     while True:
-        found, about_mates = Diagnostics(), Diagnostics()
+        found, about_mates = Diagnostics(optional=log.optional), Diagnostics()
         bodies = find_bodies(assembly, keys, found, welds)
         result = combined(bodies.moving, assembly, bodies.of, about_mates)
         if not result.welds:

@@ -37,9 +37,9 @@ def _named(subs: Sequence[Occurrence], globs: Sequence[str], where: str, log: Di
     found: set[Path] = set()
     for glob in globs:
         fits = {sub.path for sub in subs if any(fnmatchcase(text, glob) for text in _texts(sub, glob))}
-        if not fits and glob != "*":
+        if not fits:
             there = there_are(glob, {"sub-assemblies": [sub.title for sub in subs]})
-            log.report("E-GLOB", f"no sub-assembly matches {glob!r}", where, there)
+            log.unmatched("E-GLOB", f"no sub-assembly matches {glob!r}", where, there, glob)
         found |= fits
     return found
 

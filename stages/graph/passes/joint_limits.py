@@ -37,7 +37,7 @@ def with_properties(robot: Robot, wanted: Mapping[str, JointKeys], log: Diagnost
 
 
 def _check_glob(glob: str, keys: JointKeys, matched: Sequence[Dof], robot: Robot, log: Diagnostics) -> None:
-    if not matched and glob != "*":
+    if not matched:
         every: list[Joint | Loop] = [*robot.joints, *robot.loops]
         names = ", ".join(dof.name for one in every if fits(one.name, glob) for dof in one.dofs)
         if names:
@@ -45,7 +45,7 @@ def _check_glob(glob: str, keys: JointKeys, matched: Sequence[Dof], robot: Robot
             log.report("E-GLOB", text, "joints", f"name one of its dofs: {names}")
             return
         hint = there_are(glob, {"joints": [dof.name for one in every for dof in one.dofs]})
-        log.report("E-GLOB", f"no joint matches {glob!r}", "joints", hint)
+        log.unmatched("E-GLOB", f"no joint matches {glob!r}", "joints", hint, glob)
     _check_units(glob, keys, matched, log)
     if keys.limits in (None, (None, None)):  # no limits suit dofs of every kind
         return

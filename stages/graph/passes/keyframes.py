@@ -57,10 +57,10 @@ def _keyframe(
     for glob, value in wanted.items():
         matched = [dof for dof in robot.dofs if fits(dof.name, glob)]
         scalars = [dof for dof in matched if dof.kind in ("turn", "slide")]
-        if not matched and glob != "*":
+        if not matched:
             hint = there_are(glob, {"joints": [dof.name for dof in robot.dofs]})
-            log.report("E-GLOB", f"no joint matches {glob!r}", where, hint)
-        elif matched and not scalars:
+            log.unmatched("E-GLOB", f"no joint matches {glob!r}", where, hint, glob)
+        elif not scalars:
             text = (
                 f"{glob!r} matches only balls or free joints, which have no single value: {matched[0].name}"
             )

@@ -82,10 +82,12 @@ def _new_names(
     every = [{name, *more} for name, more in zip(names, titles, strict=True)]
     for glob, new in wanted.items():
         hits = [names.index(glob)] if glob in names else matching(glob, every)
-        if len(hits) != 1:
-            fits = f"{len(hits)} {kind}s match" if hits else f"no {kind} matches"
-            hint = f"name one of: {listed(names[i] for i in hits or range(len(names)))}"
-            log.report("E-RENAME", f"{fits} {glob!r}", where, hint)
+        if not hits:
+            hint = f"name one of: {listed(names)}"
+            log.unmatched("E-RENAME", f"no {kind} matches {glob!r}", where, hint, glob)
+        elif len(hits) > 1:
+            hint = f"name one of: {listed(names[i] for i in hits)}"
+            log.report("E-RENAME", f"{len(hits)} {kind}s match {glob!r}", where, hint)
         elif names[hits[0]] == WORLD_LINK:
             text = f"the assembly's origin is always called {WORLD_LINK!r}"
             log.report("E-RENAME", text, where, f"remove {glob!r}")

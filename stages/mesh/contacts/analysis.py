@@ -3,7 +3,7 @@ touch in every pose, of which only what does so is left out; and which others to
 
 import hashlib
 import importlib.metadata
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import orjson
 
-from stages.mesh.contacts.chosen import chosen_pairs
 from stages.mesh.contacts.findings import findings
 from stages.mesh.contacts.narrow import Mask, narrowed
 from stages.robot import codec
@@ -47,15 +46,14 @@ def self_contacts(
     files: Mapping[str, bytes],
     keys: "ContactKeys",
     memo: "Memo",
+    chosen: Collection[Pair] = (),
     figures: Sequence[ColliderFigures] = (),
 ) -> Contacts:
     """The contact of the robot with itself, by its colliders among `shapes`, whose parts `figures` name.
-    MeshError where a glob of `contact.exclude` matches no link. Diagnostics: I-ALWAYS-CONTACT,
-    W-SELF-CONTACT.
+    `chosen`: the pairs that the configuration excludes. Diagnostics: I-ALWAYS-CONTACT, W-SELF-CONTACT.
 
     The work is done through `memo`, by the content of the colliders and by how the links move.
     """
-    chosen = chosen_pairs([link.name for link in robot.links], keys.exclude)
     if keys.self_ == "none":
         return Contacts(False)
     colliders = [shape for shape in shapes if shape.role == "collision"]

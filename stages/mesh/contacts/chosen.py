@@ -3,33 +3,32 @@
 from collections.abc import Sequence
 
 from stages.robot.adjacency import Pair
-from stages.robot.errors import Diagnostic, MeshError
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import fits, there_are
 
 _WHERE = "contact.exclude"
 
 
-def chosen_pairs(links: Sequence[str], wanted: Sequence[tuple[str, str]]) -> frozenset[Pair]:
+def chosen_pairs(
+    links: Sequence[str], wanted: Sequence[tuple[str, str]], log: Diagnostics
+) -> frozenset[Pair]:
     """The pairs of `links` that some pair of globs matches, either way round; each in the order of `links`.
 
-    MeshError with E-GLOB for each glob that matches no link, and for each pair of globs that matches no two
-    different links.
+    E-GLOB for each glob that matches no link, and for each pair of globs that matches no two different links.
     """
     place = {link: index for index, link in enumerate(links)}
     found: set[Pair] = set()
-    problems: list[Diagnostic] = []
+    missing: set[str] = set()
     for globs in wanted:
         sides = [[link for link in links if fits(link, glob)] for glob in globs]
-        for glob, side in zip(globs, sides, strict=True):
-            if not side:
+        for glob in (glob for glob, side in zip(globs, sides, strict=True) if not side):
+            if glob not in missing:
                 hint = there_are(glob, {"links": links})
-                problems.append(Diagnostic("E-GLOB", f"no link matches {glob!r}", _WHERE, hint))
+                log.unmatched("E-GLOB", f"no link matches {glob!r}", _WHERE, hint, glob)
+            missing.add(glob)
         pairs = {(a, b) if place[a] < place[b] else (b, a) for a in sides[0] for b in sides[1] if a != b}
         if all(sides) and not pairs:
             text = f"{globs[0]!r} and {globs[1]!r} match the same link, which cannot touch itself"
-            problems.append(Diagnostic("E-GLOB", text, _WHERE, there_are("", {"links": links})))
+            log.report("E-GLOB", text, _WHERE, there_are("", {"links": links}))
         found |= pairs
-    if problems:
-        msg = "the pairs of links that do not collide cannot be found"
-        raise MeshError(msg, _WHERE, problems=dict.fromkeys(problems))
     return frozenset(found)

@@ -163,6 +163,7 @@ def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_
             NO_MESHES,
             SimpleNamespace(
                 export=SimpleNamespace(chosen=chosen, urdf=plan.export.urdf, mjcf=None),
+                optional={},
                 actuators={},
                 sensors={},
                 motors={},

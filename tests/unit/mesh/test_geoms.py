@@ -17,6 +17,7 @@ from stages.mesh.collision import Collision
 from stages.mesh.geoms import GeomRules
 from stages.mesh.surface import Surface
 from stages.robot import codec
+from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import ConfigError, MeshError
 from stages.robot.geometry import ContactProperties, Geometry, Shape
 from stages.robot.model import Primitive, Robot, frozen
@@ -127,11 +128,15 @@ def test_a_base_for_legged_robots_needs_no_feet_and_gives_them_contact_of_their_
     links = robot_with([joint("revolute", "body", "left_foot")], root="body").links
     places = (("body", "collision"), ("left_foot", "collision"), ("left_foot", "visual"))
     shapes = tuple(Shape(link, role, None, None, 0, 0, 0.0, 0.0) for link, role in places)
-    found = [one.contact for one in GeomRules(links, plan.geoms).with_properties(shapes, {})]
+    log = Diagnostics(optional=plan.optional)
+    found = [one.contact for one in GeomRules(links, plan.geoms, log).with_properties(shapes, {})]
     assert [one and one.priority for one in found] == [None, 1, None]
-    assert GeomRules(links[:1], plan.geoms).with_properties(shapes[:1], {}) == shapes[:1]
-    with pytest.raises(MeshError):
-        GeomRules(links, {"*hoof*": plan.geoms[glob]})
+    assert GeomRules(links[:1], plan.geoms, log).with_properties(shapes[:1], {}) == shapes[:1]
+    GeomRules(links, {"*hoof*": plan.geoms[glob]}, log)
+    assert [(one.code, one.where) for one in (*log.found, *log.problems)] == [
+        ("I-GLOB", "geoms"),
+        ("E-GLOB", "geoms"),
+    ]
 
 
 def test_a_part_that_is_named_has_a_collider_with_properties_of_its_own(kit: Kit, tmp_path: Path) -> None:

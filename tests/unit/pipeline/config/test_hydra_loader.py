@@ -71,7 +71,7 @@ def test_tree_and_paths_are_those_of_hydra_alone(here, overrides):
             config, paths = composed(everything)
             assert OmegaConf.to_container(config) == OmegaConf.to_container(expected)
             assert list(config) == list(expected)
-            assert paths == files
+            assert list(paths) == files
 
 
 def test_a_file_that_changes_is_read_again(here):

@@ -1,0 +1,75 @@
+"""Globs that may match nothing: those of a preset, which several robots share."""
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from stages.robot.keys import Keys, Text, example
+
+GLOB_KEYS = (
+    "actuators",
+    "contact.exclude",
+    "depth.flexible",
+    "depth.rigid",
+    "frames.include",
+    "geoms",
+    "ignore.collision",
+    "ignore.visual",
+    "joints",
+    "keyframes",
+    "loops.cut",
+    "mass.links",
+    "mass.parts",
+    "mesh.colliders",
+    "mirrors",
+    "names.joints",
+    "names.links",
+    "relations",
+    "sensors",
+)
+"""The keys that hold globs."""
+
+
+class OptionalKeys(Keys):
+    """What each stage that matches globs has of the configuration."""
+
+    optional: Annotated[
+        dict[Text, tuple[Text, ...]], example({"joints": ["*wheel*"], "sensors": ["*foot*"]})
+    ] = Field(default_factory=dict)
+    """Key that holds globs → those of its globs that may match nothing: that is reported, and an error for
+    others. The globs of presets (files of groups other than the robot and the experiment, such as
+    actuators/lab.yaml) are put here when the configuration is made."""
+
+
+def globs_of(tree: Mapping[str, Any], key: str) -> Iterator[str]:
+    """The globs that a key of a configuration, or of a part of it, holds."""
+    value: Any = tree
+    for name in key.split("."):
+        value = value.get(name) if isinstance(value, Mapping) else None
+    if key == "sensors":
+        value = [sensor.get(name) for sensor in _mappings(value) for name in ("joints", "actuators")]
+    if key == "keyframes":
+        value = [glob for keyframe in _mappings(value) for glob in keyframe]
+    yield from _texts(value)
+
+
+def all_globs(tree: Mapping[str, Any]) -> dict[str, list[str]]:
+    """The globs that each key of a configuration, or of a part of it, holds; none where there are none."""
+    every = {key: list(dict.fromkeys(globs_of(tree, key))) for key in GLOB_KEYS}
+    return {key: globs for key, globs in every.items() if globs}
+
+
+def _mappings(value: Any) -> Iterator[Mapping[str, Any]]:
+    """The values of a mapping that are mappings."""
+    values = value.values() if isinstance(value, Mapping) else ()
+    yield from (inner for inner in values if isinstance(inner, Mapping))
+
+
+def _texts(value: Any) -> Iterator[str]:
+    """The keys of a mapping, or the texts of a list and of the lists in it."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Mapping | list | tuple):
+        for inner in value:
+            yield from _texts(inner)

@@ -1,0 +1,64 @@
+"""Names that the robot does not have are told all at once, before a mesh is made."""
+
+import pytest
+
+import stages.mesh
+from pipeline.build import build
+from stages.robot.errors import LinkwrightError, MeshError
+from tests.support.building import plan_of
+
+ASKED = {
+    "actuators": {"elbw": "position", "zz*": "motor"},
+    "sensors": {
+        "angles": {"type": "joint", "joints": "nope*"},
+        "forces": {"type": "actuator", "actuators": "nope*"},
+        "imu": "imu",
+        "gap": {"type": "frame", "frame": "palm", "relative_to": "plam"},
+        "eye": {"type": "camera", "frame": "palm", "sees": ["palm", "nobody"]},
+    },
+    "scene": {"cameras": {"top": {"frame": "roof"}}},
+    "validate": {"payload": {"tol": 1.0}},
+}
+UNKNOWN = [
+    ("E-GLOB", "actuators"),
+    ("E-GLOB", "actuators"),
+    ("E-FRAME", "scene.cameras.top.frame"),
+    ("E-GLOB", "sensors.angles.joints"),
+    ("E-FRAME", "sensors.eye.sees"),
+    ("E-GLOB", "sensors.forces.actuators"),
+    ("E-FRAME", "sensors.gap.relative_to"),
+    ("E-FRAME", "sensors.imu.frame"),
+    ("E-VALUE", "validate.payload.tol"),
+]
+AFTER_THE_MESHES = {"validate": 9, "export": 8, "mesh": 0}
+"""Last stage → how many of them it would meet."""
+
+
+@pytest.mark.parametrize("until", AFTER_THE_MESHES)
+def test_unknown_names_are_told_together_before_the_meshes(tmp_path, monkeypatch, until):
+    def made(*_):
+        raise MeshError("the meshes are made")
+
+    monkeypatch.setattr(stages.mesh, "make_geometry", made)
+    plan = plan_of(**ASKED, until=until, output=str(tmp_path / "arm"), cache={"dir": str(tmp_path / "cache")})
+    with pytest.raises(LinkwrightError) as caught:
+        build(plan, environ={})
+    found = [(one.code, one.where) for one in caught.value.problems]
+    assert found == UNKNOWN[: AFTER_THE_MESHES[until]]
+    assert (caught.value.message == "the meshes are made") == (until == "mesh")
+
+
+def test_names_that_the_robot_has_reach_the_meshes(tmp_path, monkeypatch):
+    def made(*_):
+        raise MeshError("the meshes are made")
+
+    monkeypatch.setattr(stages.mesh, "make_geometry", made)
+    keys = {
+        "actuators": {"elbow": "position"},
+        "sensors": {"angles": {"type": "joint", "joints": "el*"}, "tool": "imu", "a": {"type": "actuator"}},
+        "scene": {"cameras": {"top": {"frame": "tool"}}},
+        "validate": {"payload": {"tool": 1.0}},
+    }
+    plan = plan_of(**keys, output=str(tmp_path / "arm"), cache={"dir": str(tmp_path / "cache")})
+    with pytest.raises(MeshError, match="the meshes are made"):
+        build(plan, environ={})
