@@ -14,6 +14,7 @@ from stages.graph.passes.mobility import with_mobility
 from stages.graph.passes.placeholders import without_placeholders
 from stages.graph.passes.relations import with_relations
 from stages.graph.passes.rename import renamed
+from stages.graph.passes.semantics import with_semantics
 from stages.graph.passes.total_mass import with_total
 from stages.graph.passes.zero_pose import with_zero
 from stages.graph.robot_from_tree import place
@@ -47,6 +48,7 @@ def assemble(bundle: Bundle, keys: GraphKeys, read: MechanismReader) -> Robot:
     robot = with_keyframes(robot, keys.keyframes, log, mechanism.keyframes)
     log.raise_errors()
     robot = with_actuation(robot, mechanism, log)
+    robot = with_semantics(robot, mechanism.semantics)
     return replace(robot, diagnostics=tuple(log.found))
 
 

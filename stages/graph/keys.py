@@ -237,6 +237,6 @@ class GraphKeys(OptionalKeys):
     ] = Field(default_factory=dict)
     """Name → glob on names of dofs → value [rad or m]; later entries win. The other joints are as near to
     `home` as limits, relations and loops allow; those of `home` itself as near to the saved pose. `home` and
-    `cad`, the saved pose, are always there; `cad` may lie outside the limits. Those of an MJCF source are
-    there too, within the limits; a value here wins over the source's of the same name, and null in place of
-    values leaves the source's keyframe out."""
+    `cad`, the saved pose, are always there; `cad` may lie outside the limits. Those of an MJCF source, and
+    the states of a URDF's SRDF, are there too, within the limits; a value here wins over the source's of the
+    same name, and null in place of values leaves the source's keyframe out."""

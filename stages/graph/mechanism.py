@@ -25,6 +25,7 @@ from stages.robot.model import (
     Sensor,
     Transmission,
 )
+from stages.robot.semantics import NOTHING_MORE, RobotSemantics
 
 WORLD_LINK = "world"
 """The link of the assembly's origin, where something moves relative to it."""
@@ -126,7 +127,7 @@ class Mechanism:
     a saved pose; a robot file has none, so all its joints are at zero. `unstated_base`: the diagnostic
     for a root that nothing fixes, where the source cannot express whether it is fixed. `keyframes`: the named
     poses of the source, in its own values. `demands_limits`: whether the source's format demands numbers for
-    limits, so that some stand for none.
+    limits, so that some stand for none. `semantics`: what its SRDF says, by the names in the source.
     """
 
     bodies: tuple[RigidBody, ...]
@@ -143,6 +144,7 @@ class Mechanism:
     keyframes: tuple[Keyframe, ...] = ()
     unstated_base: Diagnostic | None = None
     demands_limits: bool = False
+    semantics: RobotSemantics = NOTHING_MORE
 
 
 class MechanismReader(Protocol):

@@ -23,6 +23,7 @@ from stages.robot.dofs import Limits as Limits
 from stages.robot.dofs import MateValue as MateValue
 from stages.robot.dofs import Value as Value
 from stages.robot.errors import Diagnostic
+from stages.robot.semantics import NOTHING_MORE, RobotSemantics
 from stages.robot.sensing import Sensor as Sensor
 
 JointType = Literal[
@@ -267,7 +268,8 @@ class Robot:
     dofs (those of loops too), among frames, and among loops and relations. `controls`: how the joints are
     driven, in the words of the source's URDF: the text of its <transmission>s and <ros2_control>s.
     `actuators` and `sensors`: those that the source has itself.
-    `keyframes`: the poses that the user gives; `home` may be one of them.
+    `keyframes`: the poses that the user gives; `home` may be one of them. `semantics`: what the source's
+    SRDF says.
     """
 
     name: str
@@ -286,6 +288,7 @@ class Robot:
     actuators: tuple[Actuator, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     keyframes: tuple[Keyframe, ...] = ()
+    semantics: RobotSemantics = NOTHING_MORE
 
     @property
     def root(self) -> Link:

@@ -25,9 +25,13 @@ from tests.support.engines import Mujoco, Pinocchio
 SCALAR = ("revolute", "continuous", "prismatic")
 
 
-def urdf_bundle(text: bytes, policy: str = "refuse", meshes: Mapping[str, bytes] | None = None) -> Bundle:
-    """The bundle of a URDF's text; `meshes`: triangles in the compact form by mesh key."""
+def urdf_bundle(
+    text: bytes, policy: str = "refuse", meshes: Mapping[str, bytes] | None = None, srdf: bytes = b""
+) -> Bundle:
+    """The bundle of a URDF's text; `meshes`: triangles in the compact form by mesh key; `srdf`: the text of
+    an SRDF beside it, empty without one."""
     bodies = {"robot.urdf": text, **{f"mesh/{key}": data for key, data in (meshes or {}).items()}}
+    bodies |= {"robot.srdf": srdf} if srdf else {}
     requests = {request: sha256(data).hexdigest() for request, data in bodies.items()}
     return FileBundle(
         kind="urdf",
@@ -39,10 +43,11 @@ def urdf_bundle(text: bytes, policy: str = "refuse", meshes: Mapping[str, bytes]
     )
 
 
-def urdf_robot(text: bytes | str, plan: Plan | None = None, policy: str = "refuse") -> Robot:
-    """The robot that the graph stage makes of a URDF, once through the codec."""
+def urdf_robot(text: bytes | str, plan: Plan | None = None, policy: str = "refuse", srdf: str = "") -> Robot:
+    """The robot that the graph stage makes of a URDF and the SRDF beside it, once through the codec."""
     data = text.encode() if isinstance(text, str) else text
-    return decode_robot(encode_robot(build_robot(urdf_bundle(data, policy), plan or plan_of())))
+    bundle = urdf_bundle(data, policy, srdf=srdf.encode())
+    return decode_robot(encode_robot(build_robot(bundle, plan or plan_of())))
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,11 +13,14 @@ from stages.fetch.urdf.companions import companions
 from stages.fetch.urdf.loose_mesh import LooseMesh, body
 from stages.fetch.urdf.mesh_file import Unreadable, read
 from stages.fetch.urdf.resolve import MeshPlace
+from stages.fetch.urdf.srdf_file import NAME, SRDF, SrdfFile, is_asked
 from stages.fetch.urdf.survey import LARGEST_MESH, Survey, survey
 from stages.fetch.urdf.textures import NO_COORDINATES, Texture, texture
 from stages.formats import png, triangles
+from stages.formats.srdf.parse import parse_srdf
 from stages.formats.urdf.model import Urdf, UrdfShape, mesh_key
 from stages.formats.urdf.parse import parse
+from stages.formats.xml import Malformed
 from stages.robot import regular_files
 from stages.robot.bundle import FileBundle
 from stages.robot.errors import Diagnostic, SourceError
@@ -40,6 +43,7 @@ def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[FileBund
     SourceError names all errors of the text and all meshes that are missing or damaged.
     """
     seen = survey(source, environ)
+    srdf, unread = _srdf(source, seen.srdf)
     robot = parse(seen.text, seen.document)
     files = _Files(seen, skip=source.missing_meshes == "skip")
     blobs = files.blobs(robot)
@@ -48,7 +52,9 @@ def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[FileBund
         hint = _SKIP if any(one.code in ("E-MESH-MISSING", "E-MESH-READ") for one in errors) else ""
         count = f"{len(errors)} problems" if len(errors) > 1 else "a problem"
         raise SourceError(f"it has {count}", seen.document, hint, errors)
-    bodies = {sha256(blob).hexdigest(): blob for blob in (seen.text, *blobs.values())} | files.images
+    beside = {SRDF: srdf} if srdf else {}
+    texts = (seen.text, *beside.values(), *blobs.values())
+    bodies = {sha256(blob).hexdigest(): blob for blob in texts} | files.images
     definition = sha256(seen.text).hexdigest()
     bundle = FileBundle(
         kind="urdf",
@@ -61,13 +67,32 @@ def gather(source: UrdfSourceKeys, environ: Mapping[str, str]) -> tuple[FileBund
         definition=definition,
         requests={
             ROBOT: definition,
+            **{request: sha256(blob).hexdigest() for request, blob in beside.items()},
             **{f"mesh/{key}": sha256(blobs[key]).hexdigest() for key in sorted(blobs)},
             **{f"{IMAGE}{digest}": digest for digest in sorted(files.images)},
         },
         blobs=bodies,
-        options={"bad_inertia": source.bad_inertia},
+        options={"bad_inertia": source.bad_inertia, **({NAME: seen.srdf.name} if srdf and seen.srdf else {})},
     )
-    return bundle, (*files.found_elsewhere(), *files.missing, *files.lost_images(robot))
+    return bundle, (*unread, *files.found_elsewhere(), *files.missing, *files.lost_images(robot))
+
+
+def _srdf(source: UrdfSourceKeys, file: SrdfFile | None) -> tuple[bytes, tuple[Diagnostic, ...]]:
+    """The text of the robot's SRDF, empty without one; W-SRDF for one that was found and is not readable.
+
+    SourceError where the configuration names it and it is not readable.
+    """
+    if file is None:
+        return b"", ()
+    why = file.why
+    if not why:
+        try:
+            parse_srdf(file.text)
+        except Malformed as error:
+            why = f"it is not readable as an SRDF: {error.place}"
+            if is_asked(source):
+                raise SourceError(why, file.name, "give an SRDF, or source.srdf=none") from None
+    return (b"", (file.unread(why),)) if why else (file.text, ())
 
 
 class _Files:

@@ -24,6 +24,12 @@ class UrdfSourceKeys(SourceKeys):
     """Folders of ROS packages (`package://name/...`): name → folder, relative to the working directory.
     Other packages are found by ROS_PACKAGE_PATH and AMENT_PREFIX_PATH, and in folders around the file."""
 
+    srdf: Annotated[Text, example("arm.srdf")] = "auto"
+    """The SRDF of the robot, relative to the working directory: groups of joints, poses, pairs of links that
+    do not collide, end effectors, passive joints, and whether the base is fixed. auto: the file that ends in
+    .srdf and has the URDF's name, else that with the name of its robot, beside the URDF or in ../srdf, where
+    there is one; none: no SRDF is read."""
+
     args: Annotated[dict[Text, Setting], example({"prefix": "left_"})] = Field(default_factory=dict)
     """Arguments of the xacro file: name → value."""
 

@@ -23,7 +23,7 @@ class UrdfSource(RobotFileSource):
     _keys: UrdfSourceKeys
 
     def preflight(self, environ: Mapping[str, str]) -> None:
-        from stages.fetch.urdf import expand
+        from stages.fetch.urdf import expand, srdf_file
 
         super().preflight(environ)
         for name, folder in self._keys.packages.items():
@@ -31,6 +31,7 @@ class UrdfSource(RobotFileSource):
                 hint = "name the folder of the package, which contains folders such as meshes/"
                 raise ConfigError(f"{folder} is not a folder", f"source.packages.{name}", hint)
         expand.require(self._keys)
+        srdf_file.require(self._keys)
 
     def pinned(self, environ: Mapping[str, str]) -> dict[str, Any]:
         from stages.fetch.urdf.survey import identity

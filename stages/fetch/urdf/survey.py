@@ -14,17 +14,18 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stages.fetch.urdf import expand, plain, text
+from stages.fetch.urdf import expand, plain, srdf_file, text
 from stages.fetch.urdf.companions import NAMING_FILES, companions
 from stages.fetch.urdf.resolve import MeshPlace, MeshPlaces
 from stages.fetch.urdf.ros_packages import Packages
+from stages.fetch.urdf.srdf_file import SrdfFile
 from stages.robot import regular_files
 from stages.robot.errors import SourceError
 
 if TYPE_CHECKING:
     from stages.fetch.urdf.keys import UrdfSourceKeys
 
-READER = 2
+READER = 3
 """Raised with every change of the result for the same files."""
 
 LARGEST_MESH = 1 << 29
@@ -36,11 +37,12 @@ LARGEST_ROBOT = 1 << 32
 
 @dataclass(frozen=True, slots=True)
 class Survey:
-    """A robot's text after xacro, as UTF-8, and the places of the mesh files and of the images of its
-    materials, by the names that the text has for them."""
+    """A robot's text after xacro, as UTF-8, its SRDF, and the places of the mesh files and of the images of
+    its materials, by the names that the text has for them."""
 
     document: str
     text: bytes
+    srdf: SrdfFile | None
     places: Mapping[str, MeshPlace]
     files: MeshPlaces
 
@@ -59,7 +61,8 @@ class Survey:
 
     def microversion(self) -> str:
         """The identity of the robot: the SHA-256 of all files read."""
-        content = json.dumps([sha256(self.text).hexdigest(), self.digests()])
+        beside = [] if self.srdf is None else [sha256(self.srdf.text).hexdigest()]
+        content = json.dumps([sha256(self.text).hexdigest(), *beside, self.digests()])
         return sha256(content.encode()).hexdigest()
 
     def _digest(self, place: MeshPlace) -> tuple[str, str]:
@@ -82,9 +85,12 @@ def survey(source: UrdfSourceKeys, environ: Mapping[str, str]) -> Survey:
     places = MeshPlaces(path.parent, packages, text.meshdir(content))
     found = {name: places.find(name) for name in [*text.meshes(content), *text.images(content)]}
     public = _public(found, places)
-    content = text.without(text.renamed(content, public), _folders(path.parent, packages))
+    folders = _folders(path.parent, packages)
+    content = text.without(text.renamed(content, public), folders)
     named = {public.get(name, name): place for name, place in found.items()}
-    return Survey(path.name, content.encode(), named, places)
+    return Survey(
+        path.name, content.encode(), srdf_file.read(source, text.robot_name(content), folders), named, places
+    )
 
 
 def identity(source: UrdfSourceKeys, environ: Mapping[str, str]) -> dict[str, Any]:
@@ -94,6 +100,7 @@ def identity(source: UrdfSourceKeys, environ: Mapping[str, str]) -> dict[str, An
         "kind": "urdf",
         "document": seen.document,
         "text": sha256(seen.text).hexdigest(),
+        "srdf": seen.srdf and [seen.srdf.name, sha256(seen.srdf.text).hexdigest(), seen.srdf.why],
         "meshes": seen.digests(),
         "bad_inertia": source.bad_inertia,
         "missing_meshes": source.missing_meshes,

@@ -6,6 +6,7 @@ import codecs
 import html
 import re
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from stages.robot import regular_files
@@ -21,6 +22,8 @@ _COMPILER = re.compile(r"<compiler\b[^<]*")
 _VALUE = r"""\b%s\s*=\s*(?:"([^"<]*)"|'([^'<]*)')"""
 _FILENAME = re.compile(_VALUE % "filename")
 _MESHDIR = re.compile(_VALUE % "meshdir")
+_ROBOT = re.compile(r"<robot\b[^<>]*")
+_NAME = re.compile(_VALUE % "name")
 _DECLARED = re.compile(rb"""\A<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
 _DECLARATION = re.compile(r"\A<\?xml[^>]*\?>")
 _BOMS = (
@@ -30,7 +33,19 @@ _BOMS = (
 )
 
 
-def read(path: Path, where: str) -> str:
+@dataclass(frozen=True, slots=True)
+class TextKind:
+    """What a text must be. `key`: the key that names its file; `hint`: what to give."""
+
+    name: str
+    key: str
+    hint: str
+
+
+URDF = TextKind("a URDF", "source.path", "give a URDF, or a xacro file that ends in .xacro")
+
+
+def read(path: Path, where: str, kind: TextKind = URDF) -> str:
     """The text of a file, without its comments but with all its lines; `where` names it in messages.
 
     SourceError where it cannot be read, or is not text.
@@ -39,14 +54,14 @@ def read(path: Path, where: str) -> str:
         data = regular_files.content(path, LARGEST)
     except OSError as error:
         msg = f"it cannot be read: {error.strerror or type(error).__name__}"
-        raise SourceError(msg, where, "check source.path and its permissions") from error
+        raise SourceError(msg, where, f"check {kind.key} and its permissions") from error
     except regular_files.FileTooLarge as error:
-        msg = f"it is not readable as a URDF: it has {error.size} bytes; at most {LARGEST} are read"
-        raise SourceError(msg, where, "check that source.path names the right file") from None
-    return uncommented(_decoded(data, where))
+        msg = f"it is not readable as {kind.name}: it has {error.size} bytes; at most {LARGEST} are read"
+        raise SourceError(msg, where, f"check that {kind.key} names the right file") from None
+    return uncommented(_decoded(data, where, kind))
 
 
-def _decoded(data: bytes, where: str) -> str:
+def _decoded(data: bytes, where: str, kind: TextKind) -> str:
     bom = next((bom for bom in _BOMS if data.startswith(bom[0])), None)
     declared = _DECLARED.match(data)
     encoding = bom[1] if bom else declared.group(1).decode() if declared else "utf-8"
@@ -56,8 +71,7 @@ def _decoded(data: bytes, where: str) -> str:
         text = ""
     if not text or "\0" in text:
         why = "it is not text" if data else "it is empty"
-        msg = f"it is not readable as a URDF: {why}"
-        raise SourceError(msg, where, "give a URDF, or a xacro file that ends in .xacro")
+        raise SourceError(f"it is not readable as {kind.name}: {why}", where, kind.hint)
     return _DECLARATION.sub('<?xml version="1.0"?>', text)
 
 
@@ -76,6 +90,13 @@ def uncommented(text: str) -> str:
 def meshes(text: str) -> list[str]:
     """The names of mesh files, in their order and once each. Needs no XML library."""
     return _filenames(_MESH, text)
+
+
+def robot_name(text: str) -> str:
+    """The name of the robot, "" where the text has none."""
+    element = _ROBOT.search(text)
+    found = _NAME.search(element.group()) if element else None
+    return _value(found) if found else ""
 
 
 def images(text: str) -> list[str]:

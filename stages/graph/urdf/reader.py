@@ -15,6 +15,7 @@ from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, Re
 from stages.graph.urdf.dummy_links import UrdfFrame, weighs_nothing, with_carriers, without_dummies
 from stages.graph.urdf.inertias import Policy, repaired
 from stages.graph.urdf.naming import UrdfFileNames, names_of
+from stages.graph.urdf.srdf import with_srdf
 from stages.graph.urdf.structure import SCALAR, check_structure, tops
 from stages.robot.bundle import Bundle, FileBundle
 from stages.robot.diagnostics import Diagnostics
@@ -64,6 +65,7 @@ def read_mechanism(bundle: FileBundle, keys: GraphKeys, log: Diagnostics) -> tup
     check_structure(urdf, keys.root.disconnected != "error", log)
     report_unused(keys, "URDF", log)
     log.raise_errors()
+    whole = urdf
     urdf, frames = without_dummies(urdf, log)
     policy = cast(Policy, bundle.options.get("bad_inertia", "refuse"))
     urdf = repaired(urdf, policy, bundle, log)
@@ -86,7 +88,7 @@ def read_mechanism(bundle: FileBundle, keys: GraphKeys, log: Diagnostics) -> tup
         unstated_base=UNSTATED_BASE,
         demands_limits=True,
     )
-    return mechanism, keys
+    return with_srdf(mechanism, bundle, (whole, frames, names), log), keys
 
 
 def _root(urdf: Urdf) -> str:

@@ -1,0 +1,1 @@
+"""SRDF: what a text says of a robot beside its URDF."""

@@ -1,0 +1,58 @@
+"""What the source's SRDF says, by the robot's own names."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+
+from stages.robot.model import Robot
+from stages.robot.semantics import NOTHING_MORE, DisabledPair, EndEffector, JointGroup, RobotSemantics
+
+
+def with_semantics(robot: Robot, semantics: RobotSemantics) -> Robot:
+    """`semantics`: by the names in the source. What the robot does not have any more is left out."""
+    if semantics == NOTHING_MORE:
+        return robot
+    links = {link.path[0]: link.name for link in robot.links if len(link.path) == 1}
+    places = links | {frame.source: frame.name for frame in robot.frames if frame.source}
+    dofs = {
+        joint.mate.name: [dof.name for dof in joint.dofs if dof.kind != "free"]
+        for joint in robot.joints
+        if joint.mate is not None
+    }
+    groups = tuple(_groups(semantics, dofs, places))
+    made = RobotSemantics(
+        groups,
+        tuple(_end_effectors(semantics, {group.name for group in groups}, places)),
+        tuple(dof for joint in semantics.passive for dof in dofs.get(joint, ())),
+        tuple(_pairs(robot, semantics, links)),
+        semantics.virtual_joint,
+    )
+    return replace(robot, semantics=made)
+
+
+def _groups(
+    semantics: RobotSemantics, dofs: Mapping[str, list[str]], places: Mapping[str, str]
+) -> Iterator[JointGroup]:
+    for group in semantics.groups:
+        joints = tuple(dof for joint in group.joints for dof in dofs.get(joint, ()))
+        whole = group.base in places and group.tip in places
+        base, tip = (places[group.base], places[group.tip]) if whole else ("", "")
+        if joints:
+            yield JointGroup(group.name, joints, base, tip)
+
+
+def _end_effectors(
+    semantics: RobotSemantics, groups: set[str], places: Mapping[str, str]
+) -> Iterator[EndEffector]:
+    for effector in semantics.end_effectors:
+        if effector.group in groups and effector.parent_link in places:
+            arm = effector.parent_group if effector.parent_group in groups else ""
+            yield replace(effector, parent_link=places[effector.parent_link], parent_group=arm)
+
+
+def _pairs(robot: Robot, semantics: RobotSemantics, links: Mapping[str, str]) -> Iterator[DisabledPair]:
+    """The pairs, each in the order of the robot's links."""
+    order = {link.name: number for number, link in enumerate(robot.links)}
+    for pair in semantics.disabled:
+        if pair.link_a in links and pair.link_b in links:
+            a, b = sorted((links[pair.link_a], links[pair.link_b]), key=order.__getitem__)
+            yield DisabledPair(a, b, pair.reason)

@@ -1,0 +1,288 @@
+"""What an SRDF says of the robot in a URDF, by the names in the files, and what of it is left out."""
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
+from itertools import product
+from typing import TypeVar
+
+from stages.formats.srdf.parse import (
+    Srdf,
+    SrdfEndEffector,
+    SrdfGroup,
+    SrdfState,
+    SrdfVirtualJoint,
+    parse_srdf,
+)
+from stages.formats.urdf.model import Urdf
+from stages.graph.mechanism import WORLD_LINK, Mechanism
+from stages.graph.urdf.dummy_links import UrdfFrame
+from stages.graph.urdf.naming import UrdfFileNames
+from stages.robot.bundle import FileBundle
+from stages.robot.diagnostics import Diagnostics
+from stages.robot.globs import listed
+from stages.robot.model import Keyframe
+from stages.robot.plural import count
+from stages.robot.semantics import DisabledPair, EndEffector, JointGroup, RobotSemantics, VirtualJoint
+
+REQUEST, NAME = "robot.srdf", "srdf"
+"""The request of a bundle that stands for an SRDF's text, and the option that has its name."""
+
+ONE_VALUE = ("revolute", "continuous", "prismatic")
+"""The types of joints that have one value."""
+
+MOST_LEVELS, MOST_STEPS, MOST_PAIRS = 64, 10_000_000, 1_000_000
+"""How deep groups are in groups, how many joints all chains have together, and how many pairs of links have
+their collisions disabled by the default of a link, at most."""
+
+Item = TypeVar("Item", SrdfGroup, SrdfEndEffector, SrdfVirtualJoint)
+
+DEFAULT = "User"
+"""The reason of collisions that the default of a link disables."""
+
+BASES = ("fixed", "floating")
+"""The types of a virtual joint that a robot's base can have."""
+
+
+def with_srdf(
+    mechanism: Mechanism,
+    bundle: FileBundle,
+    file: tuple[Urdf, Sequence[UrdfFrame], UrdfFileNames],
+    log: Diagnostics,
+) -> Mechanism:
+    """The mechanism of a URDF with what the SRDF in its bundle says, if there is one. `file`: the URDF as its
+    file has it, the links of it that are frames of others, and the robot's names.
+
+    I-SRDF: that it was read, and what it gave; W-SRDF: what of it is left out.
+    """
+    digest = bundle.requests.get(REQUEST)
+    if digest is None:
+        return mechanism
+    urdf, frames, names = file
+    assert mechanism.root is not None
+    root = mechanism.bodies[mechanism.root]
+    reader = SrdfReader(parse_srdf(bundle.body(digest)), urdf, frames, root.path[0])
+    semantics, base = reader.semantics()
+    keyframes = reader.keyframes(names)
+    reader.report(bundle.options.get(NAME, "the SRDF"), semantics, keyframes, base, log)
+    if base == "fixed" and not root.fixed_reason:
+        root = replace(root, fixed_reason="the SRDF's virtual joint fixes it to the world")
+    bodies = tuple(root if number == mechanism.root else body for number, body in enumerate(mechanism.bodies))
+    unstated = None if base else mechanism.unstated_base
+    return replace(mechanism, bodies=bodies, unstated_base=unstated, keyframes=keyframes, semantics=semantics)
+
+
+class SrdfReader:
+    """Reads what an SRDF says of a robot. `urdf`: as its file has it; `frames`: the links of it that are
+    frames of others; `root`: its root link."""
+
+    def __init__(self, srdf: Srdf, urdf: Urdf, frames: Sequence[UrdfFrame], root: str) -> None:
+        self.srdf, self.root = srdf, root
+        self.links = {link.name: link for link in urdf.links}
+        self.joints = {joint.name: joint for joint in urdf.joints}
+        self.above = {joint.child: joint for joint in urdf.joints}
+        self.carrier = {name: name for name in self.links} | {frame.name: frame.link for frame in frames}
+        self.virtual = {joint.name for joint in srdf.virtual_joints}
+        self.steps = 0
+        self.unknown: dict[str, str] = {}
+        self.left_out = list(srdf.left_out)
+        self.groups: dict[str, SrdfGroup] = self._first_of_name(srdf.groups, "group")
+
+    def semantics(self) -> tuple[RobotSemantics, str]:
+        """All but the poses: joints, links and frames by their names in the URDF; and the type of the base,
+        "" where the SRDF does not say it."""
+        base, kind = self._base()
+        groups = tuple(self._groups())
+        passive = dict.fromkeys(self._known(self.joints, "joint", self.srdf.passive, "a passive joint"))
+        made = RobotSemantics(
+            groups,
+            tuple(self._end_effectors({group.name for group in groups})),
+            tuple(passive),
+            tuple(self._disabled()),
+            base,
+        )
+        return made, kind
+
+    def keyframes(self, names: UrdfFileNames) -> tuple[Keyframe, ...]:
+        """The poses, by the robot's dofs; those of one name for several groups are one."""
+        poses: dict[str, dict[str, float]] = {}
+        for state in self.srdf.states:
+            pose = poses.setdefault(state.name, {})
+            for joint, value in self._values(state):
+                for dof in names.dofs.get(joint, ()):
+                    if pose.setdefault(dof, value) != value:
+                        self.left_out.append(f"a second value of {joint} in the state {state.name}")
+        self.left_out += [
+            f"the state {name or 'without a name'}" for name in poses if not (name and poses[name])
+        ]
+        return tuple(Keyframe(name, tuple(pose.items())) for name, pose in poses.items() if name and pose)
+
+    def report(
+        self, name: str, made: RobotSemantics, keyframes: Sequence[Keyframe], base: str, log: Diagnostics
+    ) -> None:
+        """I-SRDF: that the file `name` was read, and what it gave; W-SRDF: what of it is left out."""
+        apart = sum(pair.touches for pair in made.disabled)
+        never = len(made.disabled) - apart
+        poses = f" ({listed(keyframe.name for keyframe in keyframes)})" if keyframes else ""
+        numbers = {
+            count(len(made.groups), "group"): len(made.groups),
+            count(len(keyframes), "pose") + poses: len(keyframes),
+            f"{count(apart, 'pair')} of links that do not collide": apart,
+            f"{count(never, 'pair')} that never touch, whose contacts stay": never,
+            count(len(made.end_effectors), "end effector"): len(made.end_effectors),
+            count(len(made.passive), "passive joint"): len(made.passive),
+            f"a {base} base": len(base),
+        }
+        said = ", ".join(text for text, number in numbers.items() if number) or "nothing"
+        log.report("I-SRDF", f"the robot's SRDF is read: {said}", name, "source.srdf=none leaves it out")
+        if self.unknown:
+            names = (f"{name} ({where})" for name, where in self.unknown.items())
+            text = f"it names what the URDF does not have: {listed(names)}"
+            log.report("W-SRDF", text, name, "correct the names, or build without it: source.srdf=none")
+        if self.left_out:
+            text = f"parts of the SRDF are left out: {listed(self.left_out)}"
+            hint = "what the robot needs of it may be said by contact.exclude, keyframes, actuators or root"
+            log.report("W-SRDF", text, name, hint)
+
+    def _first_of_name(self, items: Iterable[Item], kind: str) -> dict[str, Item]:
+        """The items by name; of two with the same name the first."""
+        first: dict[str, Item] = {}
+        for item in items:
+            if not item.name:
+                self.left_out.append(f"the {kind} without a name")
+            elif item.name in first:
+                self.left_out.append(f"the second {kind} {item.name}")
+            else:
+                first[item.name] = item
+        return first
+
+    def _base(self) -> tuple[VirtualJoint | None, str]:
+        base: tuple[VirtualJoint | None, str] = (None, "")
+        for name, joint in self._first_of_name(self.srdf.virtual_joints, "virtual joint").items():
+            if joint.child_link != self.root:
+                self.left_out.append(f"the virtual joint {name}, which does not hold the root {self.root}")
+            elif joint.type not in BASES:
+                self.left_out.append(
+                    f"the virtual joint {name}: the base cannot be {joint.type or 'without a type'}"
+                )
+            elif base[0] is not None:
+                self.left_out.append(f"the virtual joint {name}: the base has another")
+            else:
+                frame = joint.parent_frame
+                world = frame if frame and frame not in self.links else WORLD_LINK
+                base = VirtualJoint(name, world), joint.type
+        return base
+
+    def _groups(self) -> Iterator[JointGroup]:
+        resolved: dict[str, list[str]] = {}
+        for name, group in self.groups.items():
+            joints = self._joints_of(name, resolved, set())
+            if not joints:
+                self.left_out.append(f"the group {name}, which moves nothing")
+                continue
+            is_chain = len(group.chains) == 1 and joints == self._chain(*group.chains[0])
+            base, tip = group.chains[0] if is_chain else ("", "")
+            yield JointGroup(name, tuple(joints), base, tip)
+
+    def _joints_of(self, name: str, resolved: dict[str, list[str]], within: set[str]) -> list[str]:
+        """The joints of a group that move: its own, those above its links, of its chains and its groups."""
+        if name in resolved:
+            return resolved[name]
+        if name in within or len(within) > MOST_LEVELS:
+            deep = "within itself" if name in within else f"within more than {MOST_LEVELS} others"
+            self.left_out.append(f"the group {name} {deep}")
+            return []
+        group, where = self.groups[name], f"the group {name}"
+        self.left_out += [f"{joint} in {where}" for joint in group.joints if joint in self.virtual]
+        named = [joint for joint in group.joints if joint not in self.virtual]
+        joints = list(self._known(self.joints, "joint", named, where))
+        for link in self._known(self.links, "link", group.links, where):
+            joints += [self.above[link].name] if link in self.above else []
+        for base, tip in group.chains:
+            if len(list(self._known(self.links, "link", (base, tip), where))) == 2:
+                joints += self._chain(base, tip)
+        for inner in self._known(self.groups, "group", group.groups, where):
+            joints += self._joints_of(inner, resolved, {*within, name})
+        resolved[name] = [joint for joint in dict.fromkeys(joints) if self.joints[joint].type != "fixed"]
+        return resolved[name]
+
+    def _chain(self, base: str, tip: str) -> list[str]:
+        """The joints that move from a link to one that hangs on it; none where it does not."""
+        names: list[str] = []
+        while tip != base:
+            joint = self.above.get(tip)
+            self.steps += 1
+            if joint is None or self.steps > MOST_STEPS:
+                return []
+            names += [joint.name] if joint.type != "fixed" else []
+            tip = joint.parent
+        return names[::-1]
+
+    def _end_effectors(self, groups: Collection[str]) -> Iterator[EndEffector]:
+        for name, effector in self._first_of_name(self.srdf.end_effectors, "end effector").items():
+            where, arm = f"the end effector {name}", effector.parent_group
+            if not list(self._known(self.links, "link", [effector.parent_link], where)):
+                continue
+            if effector.group not in groups:
+                self.left_out.append(f"{where}: nothing moves in its group {effector.group}")
+                continue
+            if arm and arm not in groups:
+                self.left_out.append(f"the parent group {arm} of {where}")
+            yield EndEffector(name, effector.group, effector.parent_link, arm if arm in groups else "")
+
+    def _values(self, state: SrdfState) -> Iterator[tuple[str, float]]:
+        values, where = dict(state.values), f"the state {state.name}"
+        # Pinocchio's files have the place of a free base as a joint that no URDF has.
+        of_base = {name for name in values if name in self.virtual or len(values[name]) > 1}
+        of_base -= self.joints.keys()
+        self.left_out += [f"the place of the base ({name}) in {where}" for name in values if name in of_base]
+        names = [name for name in values if name not in of_base]
+        for name in self._known(self.joints, "joint", names, where):
+            numbers, type_ = values[name], self.joints[name].type
+            if type_ in ONE_VALUE and len(numbers) == 1:
+                yield name, numbers[0]
+            elif type_ != "fixed":
+                self.left_out.append(f"{count(len(numbers), 'value')} of {name} in {where}")
+
+    def _disabled(self) -> Iterator[DisabledPair]:
+        """The pairs of links that have bodies. A body has the shapes of the links that are frames of it, so
+        collisions with each of these must be disabled."""
+        solid: dict[str, list[str]] = {}
+        for name, link in self.links.items():
+            if link.collisions or link.visuals:
+                solid.setdefault(self.carrier[name], []).append(name)
+        reasons = self._reasons([name for names in solid.values() for name in names])
+        bodies = dict.fromkeys(tuple(sorted({self.carrier[name] for name in pair})) for pair in reasons)
+        for a, b in (pair for pair in bodies if len(pair) == 2):
+            shapes = solid.get(a, []), solid.get(b, [])
+            few = len(shapes[0]) * len(shapes[1]) <= len(reasons)
+            pairs = [frozenset(pair) for pair in product(*shapes)] if few else []
+            disabled = [DisabledPair(a, b, reasons[pair]) for pair in pairs if pair in reasons]
+            touching = [pair for pair in disabled if pair.touches]
+            if disabled and len(disabled) == len(pairs):
+                yield (touching or disabled)[0]
+            elif touching or not few:
+                self.left_out.append(f"disabled collisions of only a part of {a} with {b}")
+
+    def _reasons(self, solid: Sequence[str]) -> dict[frozenset[str], str]:
+        """The reasons of disabled collisions by pair of links. `solid`: the links that have bodies, with
+        which the default of a link disables its collisions, unless they are enabled."""
+        reasons: dict[frozenset[str], str] = {}
+        for first, second, reason in self.srdf.disabled:
+            if len(list(self._known(self.links, "link", (first, second), "disabled collisions"))) == 2:
+                reasons.setdefault(frozenset((first, second)), reason)
+        named = dict.fromkeys(self.srdf.disabled_links)
+        links = list(self._known(self.links, "link", named, "disabled default collisions"))
+        if len(links) * len(solid) > MOST_PAIRS:
+            self.left_out.append(f"disabled default collisions, which are more than {MOST_PAIRS} pairs")
+            return reasons
+        pairs = dict.fromkeys(frozenset((link, partner)) for link in links for partner in solid)
+        enabled = {frozenset(pair) for pair in self.srdf.enabled}
+        return dict.fromkeys((pair for pair in pairs if pair not in enabled), DEFAULT) | reasons
+
+    def _known(self, known: Collection[str], kind: str, names: Iterable[str], where: str) -> Iterator[str]:
+        """The names that are known; others are reported."""
+        for name in names:
+            if name in known:
+                yield name
+            else:
+                self.unknown.setdefault(f"the {kind} {name or 'without a name'}", where)
