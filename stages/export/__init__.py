@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 51
+VERSION = 52
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (

@@ -28,7 +28,8 @@ of the library, `load` the largest force at the dof by the robot's weight, `home
 `estimated` lists what Linkwright chose, of a dof too; of dofs `armatures` has the values and the reasons.
 `compensated`: the links whose weight actuators carry, and the share; `compensating`: the dofs that do so.
 `keyframes` are the named poses besides `cad`, which is `saved` of each dof: `values` of all dofs, also of
-loops, and which of them are `given` by the user. `sensors` where the robot has any, in the order of
+loops, and which of them are `given` by the user or the source. `semantics` is there where the source has an
+SRDF: what that says besides, by the robot's names. `sensors` where the robot has any, in the order of
 `sensordata`; `sensor_sites` are the places on links that are there for sensors alone (`size` [m] of the
 `shape` in which contact is felt), `cameras` the cameras that it carries (`fovy` [deg], `resolution`
 [pixels]): these look along z, x to the right, y down.
@@ -68,9 +69,9 @@ from stages.export.driving_records import actuation_records, sensing_records
 from stages.export.form_records import form_records
 from stages.export.geometry_records import geometry_records
 from stages.export.json_values import as_float, as_floats, as_pose, as_value
-from stages.export.keyframe_records import keyframe_records
 from stages.export.link_records import link_record
 from stages.export.mjcf.joints import free_joint_name
+from stages.export.pose_records import pose_records
 from stages.export.provenance import provenance
 from stages.export.scene_records import scene_record
 from stages.export.urdf.lowering import Lowered, lower, unset
@@ -152,7 +153,7 @@ def describe(
     if robot.transmissions:
         table["transmissions"] = [plain(transmission) for transmission in robot.transmissions]
     table |= actuation_records(actuation)
-    table["keyframes"] = keyframe_records(robot)
+    table |= pose_records(robot)
     table |= sensing_records(sensing or Sensing(measuring(robot, actuation)))
     if order:
         table["order"] = order

@@ -16,6 +16,7 @@ from stages.formats.robot_json.joints import frame_of, joint_of, keyframe_of, lo
 from stages.formats.robot_json.links import link_of
 from stages.formats.robot_json.references import require_names
 from stages.formats.robot_json.scene import scene_of
+from stages.formats.robot_json.semantics import semantics_of
 from stages.formats.robot_json.shapes import geometry_of
 from stages.formats.urdf.form import UrdfForm
 from stages.formats.urdf.srdf_form import SrdfForm
@@ -167,6 +168,7 @@ def _robot(record: Fields) -> Robot:
         ),
         transmissions=tuple(transmission_of(one) for one in record.records("transmissions")),
         keyframes=tuple(one for one in keyframes if one is not None),
+        semantics=semantics_of(record),
     )
 
 

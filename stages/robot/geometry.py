@@ -64,9 +64,9 @@ class Shape:
     bounds: tuple[float, ...] = ()
 
 
-ExcludeReason = Literal["Adjacent", "Always", "User"]
+ExcludeReason = Literal["Adjacent", "Always", "Source", "User"]
 """Why two links do not collide: a joint or a rigid connection between them; they touch in whatever pose; the
-configuration says so."""
+source's SRDF says so; the configuration does."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,12 +17,16 @@ ROBOT = f"""<robot name="arm"><link name="base">{LINK}</link><link name="tip">{L
 <joint name="elbow" type="revolute"><parent link="base"/><child link="tip"/><origin xyz="0 0 1"/>
 <axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="5" velocity="2"/></joint></robot>"""
 
+SRDF = """<robot name="arm"><group name="whole"><joint name="elbow"/></group>
+<group_state name="bent" group="whole"><joint name="elbow" value="0.5"/></group_state></robot>"""
+
 
 @pytest.fixture
 def here(tmp_path: Path) -> Path:
     (tmp_path / "far" / "meshes").mkdir(parents=True)
     trimesh.creation.box((0.1, 0.2, 0.4)).export(tmp_path / "far" / "meshes" / "a.stl")
     (tmp_path / "arm.urdf").write_text(ROBOT)
+    (tmp_path / "arm.srdf").write_text(SRDF)
     return tmp_path
 
 
@@ -44,11 +48,12 @@ def test_a_robot_is_built_and_its_bundle_builds_the_same_elsewhere(here: Path) -
     assert again.returncode == 0, again.stderr
     files = robot_files(here / "outputs" / "arm")
     assert robot_files(there / "outputs" / "arm") == files
+    assert b'<group_state name="bent" group="whole">' in files["arm.srdf"]
     written = [*files.values(), *(path.read_bytes() for path in (here / "outputs").rglob("report.*"))]
     assert not [data for data in written if str(here).encode() in data]
 
 
-def test_an_unchanged_file_is_cached_without_a_heavy_import_and_a_changed_mesh_is_not(
+def test_an_unchanged_file_is_cached_without_a_heavy_import_and_changed_files_are_not(
     here: Path,
 ) -> None:
     assert called(here, *source()).returncode == 0
@@ -64,4 +69,6 @@ def test_an_unchanged_file_is_cached_without_a_heavy_import_and_a_changed_mesh_i
     assert "heavy: []" in done.stdout
     assert done.stderr.count("(cached)") == 5
     trimesh.creation.box((0.2, 0.2, 0.4)).export(here / "far" / "meshes" / "a.stl")
+    assert called(here, *source()).stderr.count("(cached)") < 5
+    (here / "arm.srdf").write_text(SRDF.replace("0.5", "0.75"))
     assert called(here, *source()).stderr.count("(cached)") < 5

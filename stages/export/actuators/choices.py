@@ -216,9 +216,10 @@ def driven_order(robot: Robot, wanted: Mapping[str, Wanted], own: Sequence[str])
     those that are named, drivers of relations, and then those nearest to the root; of several, that which
     moves the most mass.
 
-    `own`: the dofs that keep the actuators of the source. Followers are left out unless they are named.
+    `own`: the dofs that keep the actuators of the source. Followers, and the passive joints of the source's
+    SRDF, are left out unless they are named.
     """
-    followers = {one.follower for one in robot.relations}
+    followers = {one.follower for one in robot.relations} | {*robot.semantics.passive}
     drivers = {one.driver for one in robot.relations}
     nearest = nearest_first(robot)
     asked = [name for name in nearest if name in wanted and wanted[name].type != "none"]

@@ -5,6 +5,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from stages.export.actuators.choices import Wanted
 from stages.robot.actuation import Actuation, Actuator
 from stages.robot.couplings import Rates
 from stages.robot.diagnostics import Diagnostics
@@ -21,12 +22,13 @@ STILL = 1e-9
 
 
 def remark(
-    robot: Robot, actuation: Actuation, looped: Sequence[str], left: Sequence[str], log: Diagnostics
+    robot: Robot, actuation: Actuation, in_loops: Collection[str], left: Sequence[str], log: Diagnostics
 ) -> None:
-    """I-ACTUATOR for dofs that are not driven (`left`), since others of their closed loops are (`looped`);
+    """I-ACTUATOR for dofs that are not driven (`left`), since others of the dofs `in_loops` are;
     I-ARMATURE for armatures that were added; W-ACTUATOR-SAG for servos that sag; W-ACTUATOR-EFFORT where the
     weight is more than an actuator may hold."""
     if left:
+        looped = [actuator.dof for actuator in actuation.actuators if actuator.dof in in_loops]
         text = f"closed loops: driven are {listed(looped)}; these follow: {listed(left)}"
         out = looped[0] if looped else left[0]
         hint = f"to drive others, take one out: actuators: {{{out}: none}}"
@@ -73,6 +75,18 @@ def remark_couplings(
             )
             text += f"moves with: {listed(bounding)}"
             log.report("I-ACTUATOR", text, WHERE, f"joints: {{{as_key(one.dof)}: {{limits: [..., ...]}}}}")
+
+
+def remark_passive(
+    robot: Robot, wanted: Mapping[str, Wanted], order: Sequence[str], log: Diagnostics
+) -> None:
+    """I-ACTUATOR for dofs that entries match and that are not driven, since the source's SRDF calls them
+    passive. `order`: the dofs that may be driven."""
+    matched = [dof for dof in robot.semantics.passive if dof in wanted and dof not in order]
+    dofs = [dof for dof in matched if wanted[dof].type != "none"]
+    if dofs:
+        text = f"passive joints of the source's SRDF have no actuator: {listed(dofs)}"
+        log.report("I-ACTUATOR", text, WHERE, f"to drive one, name it: actuators: {{{as_key(dofs[0])}: ...}}")
 
 
 def _moves(moved: Rates, name: str) -> bool:

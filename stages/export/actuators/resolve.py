@@ -14,7 +14,7 @@ from stages.export.actuators.choices import Wanted, driven_order, wanted_of
 from stages.export.actuators.loads import Load, loads, postures
 from stages.export.actuators.motors import Motors, Overruled, equipped, report_overruled, supplied
 from stages.export.actuators.ranges import control_range
-from stages.export.actuators.remarks import remark, remark_couplings
+from stages.export.actuators.remarks import remark, remark_couplings, remark_passive
 from stages.export.actuators.terms import terms_of
 from stages.robot.actuation import SERVOS, Actuation, Actuator, ActuatorType, Armature
 from stages.robot.couplings import Couplings, Rates
@@ -67,10 +67,10 @@ def actuate(
     gifts, overruled = supplied([dof for dof in robot.dofs if dof.name in driven], wanted, motors, log)
     robot = with_motors(robot, gifts)
     up = -world_from_root[:3, :3].T @ gravity
-    rates = couplings.moved_by([dof for dof in driven if dof in chosen])
+    drivers = [dof for dof in driven if dof in chosen]
+    rates = couplings.moved_by(drivers)
     shares = compensated_links(robot, wanted, rates)
-    of_each = loads(robot, values, couplings, [dof for dof in driven if dof in chosen], shares, up)
-    found = shared(robot, of_each)
+    found = shared(robot, loads(robot, values, couplings, drivers, shares, up))
     maker = _Maker(robot, timestep, found, {one.name for one in kept}, couplings.coupled, motors)
     actuators = [made for dof in robot.dofs if dof.name in driven for made in maker.of(dof, wanted, kept)]
     actuation = Actuation(
@@ -83,8 +83,8 @@ def actuate(
         overruled=tuple(dict.fromkeys(loss.dof for loss in overruled)),
     )
     report_overruled([*overruled, *maker.overruled], wanted, log)
-    looped = [dof for dof in driven if dof in couplings.in_loops]
-    remark(robot, actuation, looped, [dof for dof in order if dof not in driven], log)
+    remark(robot, actuation, couplings.in_loops, [dof for dof in order if dof not in driven], log)
+    remark_passive(robot, wanted, order, log)
     remark_couplings(robot, actuation, rates, [one for one in driven if one in wanted], log)
     return actuation, tuple(log.found)
 

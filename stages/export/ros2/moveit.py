@@ -42,7 +42,10 @@ def semantics_of(srdf: bytes, description: Description) -> Semantics:
     """The SRDF of a robot for its package."""
     root = parse(srdf, large=True)
     names = description.names
-    groups = legal_names([str(one.get("name")) for one in root.iterchildren("group")], "group")
+    groups, effectors = (
+        legal_names([str(node.get("name")) for node in root.iterchildren(kind)], kind)
+        for kind in ("group", "end_effector")
+    )
     for node in root.iter(tag="*"):
         for key in _LINKS:
             if node.get(key):
@@ -50,8 +53,10 @@ def semantics_of(srdf: bytes, description: Description) -> Semantics:
         for key in _GROUPS:
             if node.get(key):
                 node.set(key, groups[node.get(key)])
-        if node.tag in ("group", "end_effector"):
+        if node.tag == "group":
             node.set("name", groups[node.get("name")])
+        elif node.tag == "end_effector":
+            node.set("name", effectors[node.get("name")])
         elif node.tag in ("joint", "passive_joint"):
             node.set("name", names.joints.get(node.get("name"), node.get("name")))
     passive = {str(one.get("name")) for one in root.iterchildren("passive_joint")}

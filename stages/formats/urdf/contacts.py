@@ -1,7 +1,6 @@
 """Which links of a URDF do not collide, as far as the robot says: for who writes or checks an SRDF."""
 
-from collections.abc import Set
-from typing import Literal
+from collections.abc import Iterable, Mapping, Sequence, Set
 
 from stages.formats.urdf.as_written import as_written, holders
 from stages.formats.urdf.form import UrdfForm
@@ -9,40 +8,35 @@ from stages.robot.adjacency import Pair, adjacent_pairs
 from stages.robot.fusing import members
 from stages.robot.geometry import Geometry
 from stages.robot.model import Robot
+from stages.robot.semantics import NEVER
 
-Reason = Literal["Adjacent", "Default", "User", "Never"]
-"""In the words of MoveIt's assistant: next to each other; touching in every pose; the configuration says so;
-never touching."""
+Reason = str
+"""In the words of MoveIt's assistant, Adjacent: next to each other; Default: touching in every pose; User:
+the configuration says so; Never: never touching. Of pairs of the source's SRDF, its own words."""
 
 
 def known_pairs(
     robot: Robot, geometry: Geometry, form: UrdfForm
 ) -> tuple[dict[Pair, Reason], tuple[Pair, ...]]:
-    """The pairs of links of a URDF of this form that do not collide, in their order, with the reasons,
-    without those that never meet; and those of them of which only some colliders do not collide."""
+    """The pairs of links of a URDF of this form that do not collide, in their order, with the reasons; of
+    those that never meet only the ones that the source's SRDF has. And the pairs of which only some colliders
+    do not collide."""
     groups = members(robot, holders(robot, form))
     solid = {shape.link for shape in geometry.shapes if shape.role == "collision"}
-    order = [link for link, parts in groups.items() if any(one in solid for one, _ in parts)]
+    parts = {link: [one for one, _ in held if one in solid] for link, held in groups.items()}
+    order = [link for link, own in parts.items() if own]
+    at = {link: number for number, link in enumerate(order)}
     if not geometry.self_contact:
         joined = _joined(as_written(robot, form), {*order})
-        return dict.fromkeys(joined, "Adjacent"), ()
-    parts = {link: [one for one, _ in groups[link] if one in solid] for link in order}
-    place = {link.name: number for number, link in enumerate(robot.links)}
+        return dict.fromkeys(joined, "Adjacent") | _of_source(robot, parts, at), ()
     adjacent = frozenset(adjacent_pairs(robot, solid))
     given = {(one.link_a, one.link_b): one for one in geometry.excludes}
+    place = _places(robot)
     found: dict[Pair, Reason] = {}
     partly: list[Pair] = []
-    holder = {one: link for link in order for one in parts[link]}
-    at = {link: number for number, link in enumerate(order)}
     # Of any other pair of links nothing is known: a large robot has too many to look at each.
-    near = {
-        tuple(sorted((holder[a], holder[b]), key=at.__getitem__))
-        for a, b in (*adjacent, *given)
-        if a in holder and b in holder and holder[a] != holder[b]
-    }
-    for one, other in sorted(near, key=lambda both: (at[both[0]], at[both[1]])):
-        pair = (one, other)
-        own = [(a, b) if place[a] < place[b] else (b, a) for a in parts[pair[0]] for b in parts[pair[1]]]
+    for pair in _near((*adjacent, *given), parts, at):
+        own = _pairs_of(place, parts, pair)
         known = [given.get(one) for one in own]
         if not adjacent.isdisjoint(own):
             found[pair] = "Adjacent"
@@ -52,12 +46,47 @@ def known_pairs(
                 partly.append(pair)
         elif all(known):
             found[pair] = "User"
-    return found, tuple(partly)
+    found |= _of_source(robot, parts, at)
+    return {pair: found[pair] for pair in sorted(found, key=lambda both: (at[both[0]], at[both[1]]))}, tuple(
+        partly
+    )
+
+
+def _of_source(robot: Robot, parts: Mapping[str, Sequence[str]], at: Mapping[str, int]) -> dict[Pair, Reason]:
+    """The pairs that the source's SRDF has: of links that are several of its links, each of these."""
+    source = {(pair.link_a, pair.link_b): pair.reason for pair in robot.semantics.disabled}
+    place = _places(robot)
+    found = {}
+    for pair in _near(source, parts, at):
+        reasons = [source.get(one) for one in _pairs_of(place, parts, pair)]
+        if None not in reasons:
+            found[pair] = next((reason for reason in reasons if reason != NEVER), NEVER) or ""
+    return found
+
+
+def _near(pairs: Iterable[Pair], parts: Mapping[str, Sequence[str]], at: Mapping[str, int]) -> list[Pair]:
+    """The pairs of links of the URDF that hold pairs of the robot's, in their order. `at`: their places."""
+    holder = {one: link for link in at for one in parts[link]}
+    near = {
+        tuple(sorted((holder[a], holder[b]), key=at.__getitem__))
+        for a, b in pairs
+        if a in holder and b in holder and holder[a] != holder[b]
+    }
+    return sorted(((a, b) for a, b in near), key=lambda pair: (at[pair[0]], at[pair[1]]))
+
+
+def _pairs_of(place: Mapping[str, int], parts: Mapping[str, Sequence[str]], pair: Pair) -> list[Pair]:
+    """The pairs of the robot's links in two links of the URDF, each in the robot's order, their `place`."""
+    return [(a, b) if place[a] < place[b] else (b, a) for a in parts[pair[0]] for b in parts[pair[1]]]
+
+
+def _places(robot: Robot) -> dict[str, int]:
+    return {link.name: number for number, link in enumerate(robot.links)}
 
 
 def _joined(robot: Robot, solid: Set[str]) -> list[Pair]:
     """The pairs of links that a joint or a loop joins, in the order of the links."""
-    place = {link.name: number for number, link in enumerate(robot.links)}
+    place = _places(robot)
     joined = [(one.parent, one.child) for one in robot.joints if one.type != "free"]
     joined += [(one.link_a, one.link_b) for one in robot.loops if one.type != "free"]
     pairs = {tuple(sorted(pair, key=place.__getitem__)) for pair in joined if solid >= set(pair)}

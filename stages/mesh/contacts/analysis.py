@@ -58,13 +58,16 @@ def self_contacts(
         return Contacts(False)
     colliders = [shape for shape in shapes if shape.role == "collision"]
     adjacent: tuple[Pair, ...] = ()
-    if keys.self_ == "auto":
-        adjacent = adjacent_pairs(robot, {shape.link for shape in colliders})
+    search = keys.self_ == "auto"
+    solid = {shape.link for shape in colliders}
+    disabled = [(one.link_a, one.link_b) for one in robot.semantics.disabled if one.touches and search]
+    if search:
+        adjacent = adjacent_pairs(robot, solid)
     given: dict[Pair, ExcludeReason] = {
+        **dict.fromkeys((pair for pair in disabled if solid.issuperset(pair)), "Source"),
         **dict.fromkeys(chosen, "User"),
         **dict.fromkeys(adjacent, "Adjacent"),
     }
-    search = keys.self_ == "auto"
 
     def make() -> bytes:
         return orjson.dumps(_found(robot, colliders, files, given, search))

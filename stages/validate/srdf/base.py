@@ -13,12 +13,14 @@ WORLD = "world"
 
 
 def base(read: ReadSrdf) -> Iterator[Finding]:
-    """The robot's name, and the joint by which its root is in the world; none where the root is the world."""
+    """The robot's name, and the joint by which its root is in the world; none where the root is the world.
+    What the source's SRDF calls the world is the world."""
     if read.root.get("name") != read.robot.name:
         yield differs(
             named("robot", read.root.get("name", "")), "name", read.root.get("name"), read.robot.name
         )
     found, root = read.root.findall("virtual_joint"), read.robot.root.name
+    own = read.robot.semantics.virtual_joint
     if root == WORLD:
         for node in found:
             element = named("virtual_joint", node.get("name", ""))
@@ -29,7 +31,7 @@ def base(read: ReadSrdf) -> Iterator[Finding]:
     expected = {
         "type": "fixed" if read.robot.base.fixed else "floating",
         "child_link": root,
-        "parent_frame": WORLD,
+        "parent_frame": own.parent_frame if own else WORLD,
     }
     for node in found:
         element = named("virtual_joint", node.get("name", ""))

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from stages.formats.urdf.as_written import as_written
 from stages.formats.urdf.chains import UrdfChains, UrdfStep, chains_of
+from stages.formats.urdf.names import urdf_names
 from stages.formats.xml import Element
 from stages.robot.model import Robot
 from stages.validate.expected import Expected
@@ -17,7 +18,8 @@ class ReadSrdf:
     as its URDF has it, and its `chains`. `links` and `joints`: every name that the URDF has, also of what the
     user's own XML adds, of which nothing else is known. `groups`: by name, of two with the same name the
     first; `moving`: the joints that groups have, which are all that move, but for free ones; `own`: the names
-    of the groups that every SRDF of the robot has: to a frame or link, of a gripper, of all joints."""
+    of the groups that every SRDF of the robot has: to a frame or link, of a gripper, of all joints, and those
+    of its source; `source_groups`: the latter with their joints."""
 
     root: Element
     robot: Robot
@@ -29,6 +31,7 @@ class ReadSrdf:
     groups: dict[str, Element] = field(init=False)
     moving: frozenset[str] = field(init=False)
     own: frozenset[str] = field(init=False)
+    source_groups: dict[str, frozenset[str]] = field(init=False)
 
     def __post_init__(self) -> None:
         written = as_written(self.robot, self.expected.form)
@@ -38,6 +41,11 @@ class ReadSrdf:
         for node in self.root.findall("group"):
             groups.setdefault(node.get("name", ""), node)
         of_hands = (one.get("group", "") for one in self.root.findall("end_effector"))
+        turns = urdf_names(written).turns
+        source = {
+            group.name: frozenset(name for dof in group.joints for name in turns.get(dof, (dof,)))
+            for group in self.robot.semantics.groups
+        }
         added = [one.partition(" ") for change in changes for one in change.adds]
         for key, value in (
             ("written", written),
@@ -46,7 +54,8 @@ class ReadSrdf:
             ("joints", frozenset({*chains.joints, *(name for tag, _, name in added if tag == "joint")})),
             ("groups", groups),
             ("moving", frozenset(name for name, one in chains.joints.items() if one.moves)),
-            ("own", frozenset({*chains.links, *of_hands, ALL})),
+            ("own", frozenset({*chains.links, *of_hands, ALL, *source})),
+            ("source_groups", source),
         ):
             object.__setattr__(self, key, value)
 

@@ -10,6 +10,7 @@ from typing import Any
 from stages.export.urdf.srdf.apart import POSES
 from stages.export.urdf.srdf.disabled import Disabled, disabled_pairs
 from stages.export.urdf.srdf.groups import Groups, groups_of
+from stages.export.urdf.srdf.source_groups import source_groups
 from stages.export.urdf.srdf.states import states_of
 from stages.formats.urdf.as_written import as_written
 from stages.formats.urdf.form import UrdfForm
@@ -58,8 +59,9 @@ def plan_of(
     written = as_written(robot, form)
     passive = passive_dofs(robot, written, actuation)
     names = urdf_names(written)
+    own = source_groups(robot, written, form) if robot.semantics.groups else groups_of(written, passive)
     return SrdfPlan(
-        groups_of(written, passive),
+        own,
         states_of(robot, names),
         disabled_pairs(robot, geometry, form, srdf.never if srdf is not None else None),
         tuple(name for dof in passive for name in names.turns.get(dof, (dof,))),
@@ -91,15 +93,16 @@ def write_srdf(robot: Robot, plan: SrdfPlan) -> bytes:
             name=gripper.name,
             parent_link=gripper.parent_link,
             group=gripper.group,
-            parent_group=gripper.arm,
+            parent_group=gripper.arm or None,
         )
     for joint in plan.passive:
         element(root, "passive_joint", name=joint)
     if any(reason == "Never" for _, reason in plan.disabled.pairs):
-        told = f"Never: apart in each of {POSES} seeded poses, with room for what lies between them"
+        where = ", where the source does not say so" if robot.semantics.disabled else ""
+        told = f"Never{where}: apart in each of {POSES} seeded poses, with room for what lies between them"
         comment(root, told)
     for (one, other), reason in plan.disabled.pairs:
-        element(root, "disable_collisions", link1=one, link2=other, reason=reason)
+        element(root, "disable_collisions", link1=one, link2=other, reason=reason or None)
     return to_bytes(root)
 
 
@@ -109,11 +112,12 @@ def _base(root: Element, robot: Robot) -> None:
         return
     taken = {joint.name for joint in robot.joints} | {dof.name for dof in robot.dofs}
     taken |= set(urdf_names(robot).holders.values())
+    own = robot.semantics.virtual_joint
     element(
         root,
         "virtual_joint",
-        name=free("world_joint", taken),
+        name=free(own.name if own else "world_joint", taken),
         type="fixed" if robot.base.fixed else "floating",
-        parent_frame=WORLD,
+        parent_frame=own.parent_frame if own else WORLD,
         child_link=robot.root.name,
     )
