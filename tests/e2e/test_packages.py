@@ -103,9 +103,13 @@ def test_the_ros_package_of_the_sample(built: Path, monkeypatch: pytest.MonkeyPa
     }
     # What closes the sample's loop follows its shoulder.
     assert "I-ROS2-PASSIVE" not in told
-    trajectory = package.controllers()["joint_trajectory_controller"]["ros__parameters"]["joints"]
+    arm, gripper = (
+        package.controllers()[name]["ros__parameters"]["joints"]
+        for name in ("joint_trajectory_controller", "gripper_controller")
+    )
     driven = [one["dof"] for one in json.loads((built / "robot.json").read_text())["actuators"]]
-    assert trajectory == driven
+    assert arm + gripper == driven
+    assert gripper == ["left_finger"]
 
 
 @pytest.mark.slow

@@ -5,7 +5,7 @@ quotes is a text in YAML, whatever it is.
 """
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from stages.export.ros2.control import Control
@@ -26,9 +26,6 @@ CLASSES = {
 }
 """Package → its controller."""
 
-TRAJECTORY = "joint_trajectory_controller"
-"""The name of the controller that follows trajectories."""
-
 
 @dataclass(frozen=True, slots=True)
 class Controller:
@@ -39,28 +36,29 @@ class Controller:
     parameters: tuple[tuple[str, str], ...] = ()
 
 
-def controllers_of(control: Control) -> tuple[Controller, ...]:
-    """What there is to start, in that order."""
+def controllers_of(control: Control, trajectories: Mapping[str, Sequence[str]]) -> tuple[Controller, ...]:
+    """What there is to start, in that order. `trajectories`: the joints of each controller that follows
+    trajectories, by its name."""
     if not control.joints and not control.sensors:
         return ()
-    return tuple(_controllers(control))
+    return tuple(_controllers(control, trajectories))
 
 
-def _controllers(control: Control) -> Iterator[Controller]:
-    taken = {TRAJECTORY, "velocity_controller", "effort_controller"}
+def _controllers(control: Control, trajectories: Mapping[str, Sequence[str]]) -> Iterator[Controller]:
+    taken = {*trajectories, "velocity_controller", "effort_controller"}
     if control.joints:
         taken.add("joint_state_broadcaster")
         yield Controller("joint_state_broadcaster", "joint_state_broadcaster")
-    by_position = control.commanded("position")
-    if by_position:
+    for name, joints in trajectories.items():
         following = (
-            ("joints", _listed(by_position)),
+            ("joints", _listed(joints)),
             ("command_interfaces", _listed(["position"])),
             ("state_interfaces", _listed(["position", "velocity"])),
-            # So that a planner can move one arm of several.
+            # So that a planner can move a part of them.
             ("allow_partial_joints_goal", "true"),
         )
-        yield Controller(TRAJECTORY, "joint_trajectory_controller", following)
+        yield Controller(name, "joint_trajectory_controller", following)
+    by_position = control.commanded("position")
     for interface in ("velocity", "effort"):
         joints = [name for name in control.commanded(interface) if name not in by_position]
         if joints:
@@ -85,5 +83,5 @@ def controllers_yaml(controllers: tuple[Controller, ...]) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-def _listed(names: list[str]) -> str:
-    return json.dumps(names)
+def _listed(names: Sequence[str]) -> str:
+    return json.dumps(list(names))

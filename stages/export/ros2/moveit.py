@@ -7,9 +7,8 @@ MoveItConfigsBuilder of moveit_configs_utils finds its files by their names.
 import json
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain as following
 
-from stages.export.ros2.control import Control
-from stages.export.ros2.controllers import TRAJECTORY
 from stages.export.ros2.description import Description
 from stages.export.ros2.names import legal_names
 from stages.formats.xml import Element, parse, to_bytes
@@ -30,12 +29,19 @@ _GROUPS = ("group", "parent_group")
 @dataclass(frozen=True, slots=True, eq=False)
 class Semantics:
     """`root`: the SRDF in the names of the package. `chains`: by group, the joints that move of themselves,
-    and None where nothing drives one of them."""
+    and None where nothing drives one of them. `joints`: by group, its joints. `grippers`: the groups that are
+    end effectors, `arms`: those that carry one."""
 
     root: Element
     chains: Mapping[str, int | None]
-    groups: tuple[str, ...]
+    joints: Mapping[str, tuple[str, ...]]
+    grippers: tuple[str, ...]
+    arms: frozenset[str]
     world: str
+
+    @property
+    def groups(self) -> tuple[str, ...]:
+        return tuple(self.joints)
 
 
 def semantics_of(srdf: bytes, description: Description) -> Semantics:
@@ -66,20 +72,33 @@ def semantics_of(srdf: bytes, description: Description) -> Semantics:
         for chain in group.iterchildren("chain")
     }
     held = root.find("virtual_joint")
-    return Semantics(root, chains, tuple(groups.values()), "" if held is None else held.get("parent_frame"))
+    joints = {
+        str(group.get("name")): _joints(description.root, group) for group in root.iterchildren("group")
+    }
+    hands = list(root.iterchildren("end_effector"))
+    # Some files have the arm itself as the group of its end effector.
+    arms = {node.get("group") for node in hands if _moves(description.root, node, joints)}
+    return Semantics(
+        root,
+        chains,
+        joints,
+        tuple(dict.fromkeys(node.get("group") for node in hands if node.get("group") not in arms)),
+        frozenset(arms | {node.get("parent_group") for node in hands if node.get("parent_group")}),
+        "" if held is None else held.get("parent_frame"),
+    )
 
 
 def semantic_files(
-    name: str, semantics: Semantics, description: Description, control: Control
+    name: str, semantics: Semantics, description: Description, trajectories: Mapping[str, Sequence[str]]
 ) -> Iterator[tuple[str, bytes]]:
-    """(path in the package, bytes) of what MoveIt knows of a robot of this name."""
+    """(path in the package, bytes) of what MoveIt knows of a robot of this name. `trajectories`: the joints
+    of each controller that follows trajectories."""
     yield f"config/{name}.srdf", to_bytes(semantics.root)
     yield "config/kinematics.yaml", _kinematics(semantics)
     yield "config/joint_limits.yaml", _joint_limits(semantics, description)
     yield "config/pilz_cartesian_limits.yaml", _CARTESIAN.encode()
-    joints = control.commanded("position")
-    if joints:
-        yield "config/moveit_controllers.yaml", _controllers(joints)
+    if trajectories:
+        yield "config/moveit_controllers.yaml", _controllers(trajectories)
 
 
 def setup_assistant(name: str, package: str, maintainer: str, email: str) -> bytes:
@@ -101,12 +120,30 @@ def setup_assistant(name: str, package: str, maintainer: str, email: str) -> byt
 
 def _chain(urdf: Element, chain: Element) -> list[Element]:
     """The joints of the URDF from the tip of a chain up to its base."""
+    return _above(urdf, chain.get("tip_link"), chain.get("base_link"))
+
+
+def _above(urdf: Element, link: str, base: str = "") -> list[Element]:
+    """The joints of the URDF above a link, up to the root or to another link."""
     above = {one.find("child").get("link"): one for one in urdf.iterchildren("joint")}
-    found, link = [], chain.get("tip_link")
-    while link != chain.get("base_link"):
-        found.append(above[link])
+    joints: list[Element] = []
+    while link != base and link in above:
+        joints.append(above[link])
         link = above[link].find("parent").get("link")
-    return found
+    return joints
+
+
+def _moves(urdf: Element, effector: Element, joints: Mapping[str, Sequence[str]]) -> bool:
+    """Whether the group of an end effector moves the link that carries it."""
+    group = joints[effector.get("group")]
+    return any(joint.get("name") in group for joint in _above(urdf, effector.get("parent_link")))
+
+
+def _joints(urdf: Element, group: Element) -> tuple[str, ...]:
+    """The joints of a group, those of a chain from its base on."""
+    chains = [_chain(urdf, chain)[::-1] for chain in group.iterchildren("chain")]
+    joints = (*group.iterchildren("joint"), *following.from_iterable(chains))
+    return tuple(dict.fromkeys(str(joint.get("name")) for joint in joints))
 
 
 def _own(joints: Sequence[Element], passive: set[str]) -> int | None:
@@ -172,18 +209,21 @@ cartesian_limits:
 """
 
 
-def _controllers(joints: Sequence[str]) -> bytes:
+def _controllers(trajectories: Mapping[str, Sequence[str]]) -> bytes:
     lines = [
-        "# The controller of that name in controllers.yaml, which also takes a part of its joints.",
+        "# The controllers of these names in controllers.yaml; each also takes a part of its joints.",
         "moveit_controller_manager: moveit_simple_controller_manager/MoveItSimpleControllerManager",
         "moveit_simple_controller_manager:",
-        f"  controller_names: [{TRAJECTORY}]",
-        f"  {TRAJECTORY}:",
-        "    type: FollowJointTrajectory",
-        "    action_ns: follow_joint_trajectory",
-        "    default: true",
-        f"    joints: {json.dumps(list(joints))}",
+        f"  controller_names: [{', '.join(trajectories)}]",
     ]
+    for name, joints in trajectories.items():
+        lines += [
+            f"  {name}:",
+            "    type: FollowJointTrajectory",
+            "    action_ns: follow_joint_trajectory",
+            "    default: true",
+            f"    joints: {json.dumps(list(joints))}",
+        ]
     return _text(lines)
 
 

@@ -1,15 +1,28 @@
 """A ROS 2 package: the folder that `colcon build` takes."""
 
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from stages.export.writer import Exported, WriterInput
 
 if TYPE_CHECKING:
     from stages.export.ros2.control import Control
+    from stages.export.ros2.controllers import Controller
     from stages.export.ros2.description import Description
+    from stages.export.ros2.moveit import Semantics
 
 FOLDER = "ros2"
 """Where the package lies in the output: a folder that can be a workspace's `src`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Driven:
+    """How the robot is driven. `trajectories`: the joints of each controller that follows trajectories."""
+
+    control: "Control"
+    controllers: "tuple[Controller, ...]"
+    trajectories: Mapping[str, Sequence[str]]
 
 
 class Ros2Writer:
@@ -30,8 +43,11 @@ class Ros2Writer:
         from stages.export import VERSION
         from stages.export.package_names import package_of
         from stages.export.ros2.control import control_of
+        from stages.export.ros2.controllers import controllers_of
         from stages.export.ros2.description import described
         from stages.export.ros2.keys import Ros2FormatKeys
+        from stages.export.ros2.moveit import semantics_of
+        from stages.export.ros2.trajectories import trajectories_of
         from stages.export.ros2.unsupported import unsupported
 
         robot = given.robot
@@ -39,21 +55,25 @@ class Ros2Writer:
         package = keys.package or package_of(robot.name)
         description = described(given.files[f"{robot.name}.urdf"], package)
         control = control_of(robot, given.form, given.actuation, given.sensing, description)
+        semantics = semantics_of(given.files[f"{robot.name}.srdf"], description)
+        trajectories = trajectories_of(control.commanded("position"), semantics)
+        controllers = controllers_of(control, trajectories)
+        driven = Driven(control, controllers, trajectories)
         own = description.root.find("ros2_control") is not None
         place = f"{FOLDER}/{package}"
-        beside = _beside(given, package, description, control)
+        beside = _beside(given, package, description, semantics, driven)
         told = tuple(unsupported(description.names, control, own, place, bool(beside)))
-        files = {f"{place}/{path}": data for path, data in _files(given, package, description, control)}
+        files = {f"{place}/{path}": data for path, data in _files(given, package, description, driven)}
         files |= beside
         record = {"package": package, "writer": VERSION, "renamed": description.names.renamed}
         return Exported(files, told, record={"ros2": record})
 
 
 def _files(
-    given: WriterInput, package: str, description: "Description", control: "Control"
+    given: WriterInput, package: str, description: "Description", driven: Driven
 ) -> list[tuple[str, bytes]]:
     """(path in the package, bytes)."""
-    from stages.export.ros2.controllers import controllers_of, controllers_yaml
+    from stages.export.ros2.controllers import controllers_yaml
     from stages.export.ros2.keys import Ros2FormatKeys
     from stages.export.ros2.launch_files import control_launch, display_launch, rviz
     from stages.export.ros2.names import macro_of
@@ -67,7 +87,7 @@ def _files(
     own = macro_of(name)
     parts = f"{name}_macro.xacro", f"{name}.ros2_control.xacro"
     joints = {str(one.get("name")) for one in description.root.iterchildren("joint")}
-    controllers = controllers_of(control)
+    control, controllers = driven.control, driven.controllers
     texts = {
         "PACKAGE": package,
         "ROBOT": name,
@@ -101,18 +121,16 @@ def _files(
 
 
 def _beside(
-    given: WriterInput, package: str, description: "Description", control: "Control"
+    given: WriterInput, package: str, description: "Description", semantics: "Semantics", driven: Driven
 ) -> dict[str, bytes]:
     """The files of MoveIt's package by path: none where the configuration wants none, or nothing moves."""
-    from stages.export.ros2.controllers import controllers_of
     from stages.export.ros2.keys import Ros2FormatKeys
-    from stages.export.ros2.moveit import semantic_files, semantics_of, setup_assistant
+    from stages.export.ros2.moveit import semantic_files, setup_assistant
     from stages.export.ros2.moveit_launch import moveit_launch, moveit_rviz
     from stages.export.ros2.names import moveit_package_of
     from stages.export.ros2.package import MOVEIT, cmake_lists, package_xml
 
     name, keys = given.robot.name, given.keys.export.ros2 or Ros2FormatKeys()
-    semantics = semantics_of(given.files[f"{name}.srdf"], description)
     if not keys.moveit or not semantics.groups:
         return {}
     own = moveit_package_of(package)
@@ -122,12 +140,12 @@ def _beside(
         "ROBOT": name,
         "ROOT": description.base,
         "WORLD": semantics.world,
-        "CONTROLLED": repr(bool(controllers_of(control))),
-        "EXECUTES": repr(bool(control.commanded("position"))),
-        "PLUGIN": control.plugin,
+        "CONTROLLED": repr(bool(driven.controllers)),
+        "EXECUTES": repr(bool(driven.trajectories)),
+        "PLUGIN": driven.control.plugin,
     }
     files = [
-        *semantic_files(name, semantics, description, control),
+        *semantic_files(name, semantics, description, driven.trajectories),
         ("config/moveit.rviz", moveit_rviz(semantics.world or description.base, semantics.groups[0])),
         ("launch/moveit.launch.py", moveit_launch(texts)),
         (".setup_assistant", setup_assistant(name, package, keys.maintainer, keys.email)),
