@@ -3,7 +3,8 @@
 A pair has none of the properties of its geoms, but MuJoCo's defaults; so it is given those with which MuJoCo
 would let the two collide (its documentation, "Computation", on contact parameters): those of the geom with
 the higher priority; of equal priority the larger `condim` and `friction`, the mean of `solref` and `solimp`,
-or the smaller `solref` where one is direct (not above 0). Margins add up.
+or the smaller `solref` where one is direct (not above 0). Margins add up, as in MuJoCo since 3.5; before, the
+larger counts where there is no pair.
 """
 
 from collections.abc import Mapping

@@ -117,7 +117,8 @@ def _changed_pairs(model: Any, pairs: Mapping[frozenset[int], int]) -> Iterator[
 
 
 def _mixed(model: Any, one: int, other: int) -> dict[str, npt.NDArray[np.float64]]:
-    """The properties of contact that two geoms (`one` < `other`) have together, by the names of MjModel."""
+    """The properties of contact that two geoms (`one` < `other`) have together, by the names of MjModel; the
+    margin is the sum, as in MuJoCo since 3.5, whichever version is installed."""
     spread = [0, 0, 1, 2, 2]
     geoms = [one, other]
     priority = model.geom_priority[geoms]

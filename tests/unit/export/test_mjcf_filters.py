@@ -68,28 +68,45 @@ RUBBER = ContactProperties((1.5, 0.01, 0.002), 4, (0.01, 0.8), (0.8, 0.9, 0.002,
 GLASS = ContactProperties(condim=1, solref=(-500.0, -20.0), margin=0.003)
 STRONG = ContactProperties(friction=(0.2, 0.0, 0.0), priority=2)
 
+MARGIN_OF_TWO = np.sum if tuple(map(int, mujoco.__version__.split(".")[:2])) >= (3, 5) else np.max
+"""The margin that MuJoCo gives two geoms without a pair: the larger of theirs before 3.5."""
+
+
+def contact_properties(model):
+    """The properties of each contact, by its two geoms. They are copies: in MuJoCo 3.3.3 a contact is a view
+    into its MjData, and does not keep it alive."""
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    keys = ("dim", "friction", "solref", "solimp", "includemargin")  # no geom has a gap: the margin itself
+    return {
+        tuple(sorted(contact.geom)): {key: np.array(getattr(contact, key)) for key in keys}
+        for contact in data.contact[: data.ncon]
+    }
+
 
 @pytest.mark.parametrize(
     ("one", "other"), list(itertools.combinations_with_replacement([None, RUBBER, GLASS, STRONG], 2))
 )
 def test_geoms_that_still_collide_do_so_as_without_an_exclude(one, other, tmp_path):
-    """MuJoCo's own mixture of the properties of two geoms is the oracle."""
+    """MuJoCo's own mixture of the properties of two geoms is the oracle, and of their margins the sum."""
     robot, shapes = robot_of([2, 2])
     contacts = {"base": None, "l0": one, "l1": other}
     shapes = [replace(shape, contact=contacts[shape.link]) for shape in shapes]
     found = []
     for excludes in ((), (Exclude("l0", "l1", "Always", 0.0, ((0, 0),)),)):
         model = model_of(robot, Geometry(tuple(shapes), {}, (), True, excludes), tmp_path)
-        data = mujoco.MjData(model)
-        mujoco.mj_forward(model, data)
         assert model.npair == 3 * len(excludes)
-        found.append({tuple(sorted(contact.geom)): contact for contact in data.contact[: data.ncon]})
+        found.append(contact_properties(model))
     free, paired = found
     first, second = (model.geom(f"l{link}_collision_0").id for link in (0, 1))
     assert free.keys() - paired.keys() == {(first, second)}
-    for geoms, contact in paired.items():
-        for key in ("dim", "friction", "solref", "solimp", "includemargin"):
-            assert np.allclose(getattr(contact, key), getattr(free[geoms], key), rtol=1e-12, atol=0), key
+    for geoms, properties in paired.items():
+        margins = model.geom_margin[list(geoms)]
+        free_margin = free[geoms].pop("includemargin")
+        assert free_margin == pytest.approx(MARGIN_OF_TWO(margins), rel=1e-12, abs=0)
+        assert properties.pop("includemargin") == pytest.approx(margins.sum(), rel=1e-12, abs=0)
+        for key, value in properties.items():
+            assert np.allclose(value, free[geoms][key], rtol=1e-12, atol=0), key
 
 
 @pytest.mark.parametrize("seed", range(5))
