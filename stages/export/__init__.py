@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 52
+VERSION = 53
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (
@@ -55,19 +55,21 @@ def export(
     from stages.export.actuators.gravity import gravity_of
     from stages.export.driven import driven
     from stages.export.mjcf.form import form_of as mjcf_form_of
+    from stages.export.mjcf_only import mjcf_only
     from stages.export.order_tables import order_tables
     from stages.export.python.writer import package_record
     from stages.export.readers import dropped
     from stages.export.robot_json import describe
     from stages.export.scene_records import scene_of
     from stages.export.sensors.resolve import sensing_of
+    from stages.export.settled import settled
     from stages.export.standing import stand
     from stages.export.urdf.form import form_of
     from stages.robot.driven import as_driven
     from stages.robot.start_pose import starting_point
 
+    keys = settled(keys, robot)
     start, standing = starting_point(robot), stand(robot, geometry, keys)
-    place = standing.world_from_root
     actuation, remarks = driven(robot, geometry, keys, start, standing)
     robot = as_driven(robot, actuation)
     form, mjcf_form = form_of(robot, keys, actuation), mjcf_form_of(robot, geometry, keys)
@@ -97,9 +99,10 @@ def export(
         written[name] = writer_of(name).write(replace(given, files=every))
     files = {**assets, "robot.json": every["robot.json"], **_files(written, keys.export.chosen)}
     files |= {path: data for path, data in mine.files.items() if path in files}
-    diagnostics = tuple(diagnostic for name in needed for diagnostic in written[name].diagnostics)
+    diagnostics = [diagnostic for name in needed for diagnostic in written[name].diagnostics]
+    diagnostics += mjcf_only(robot, geometry, mjcf_form.extras, needed)
     remarks = (*diagnostics, *standing.diagnostics, *remarks, *of_sensors, *mine.diagnostics)
-    tip = advice(robot, actuation, place, gravity_of(keys.scene.option))
+    tip = advice(robot, actuation, standing.world_from_root, gravity_of(keys.scene.option))
     what = actuation, tip, form, mjcf_form, order, sensing, mine.amendments
     others = dropped(robot, geometry, needed)
     return Exported(dict(sorted(files.items())), remarks, *what, readers=others, scene=scene)

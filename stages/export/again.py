@@ -21,7 +21,7 @@ from stages.robot.start_pose import starting_point
 
 ASSETS = "assets/"
 
-NOWHERE = Stance(UNMOVED, np.full(3, -np.inf), np.full(3, np.inf), lambda _: UNMOVED)
+NOWHERE = Stance(UNMOVED, np.full(3, -np.inf), np.full(3, np.inf), lambda values, keyframe="": UNMOVED)
 """Where the robot stands, of which a package only has how far RViz looks from."""
 
 

@@ -27,7 +27,8 @@ FORMAT = "mjcf"
 def driven(
     robot: Robot, geometry: Geometry, keys: "ExportKeys", start: Configuration, standing: "Stance"
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
-    """The actuation of the robot, by the configuration and, where an MJCF is written, by its trial run."""
+    """The actuation of the robot, by the configuration and, where an MJCF is written, by its trial run; an
+    MJCF source whose actuators nobody changes stays as it is."""
     timestep = keys.scene.option.timestep
     actuation, found = actuate(
         robot,
@@ -38,7 +39,8 @@ def driven(
         keys.motors,
         keys.optional,
     )
-    if FORMAT not in keys.export.chosen or not _worth_a_trial(robot):
+    as_it_is = robot.mjcf is not None and not keys.actuators
+    if FORMAT not in keys.export.chosen or as_it_is or not _worth_a_trial(robot):
         return actuation, found
     from stages.export.mjcf.form import form_of
     from stages.export.stability.compiled_trial import compiled_trial

@@ -6,7 +6,8 @@ from typing import Any
 from stages.export.json_values import as_float, short
 from stages.export.link_records import colour_record, primitive_record
 from stages.robot.codec import plain
-from stages.robot.geometry import ContactProperties, Geometry, Shape
+from stages.robot.geom_form import ContactProperties
+from stages.robot.geometry import Geometry, Shape
 
 
 def geometry_records(geometry: Geometry) -> dict[str, Any]:
@@ -40,7 +41,18 @@ def _shape(shape: Shape, number: int) -> dict[str, Any]:
         "contact": None if shape.contact is None else _contact(shape.contact),
         "collider": shape.collider,
         "bounds": [short(one) for one in shape.bounds] or None,
+        **_of_source(shape),
     }
+
+
+def _of_source(shape: Shape) -> dict[str, Any]:
+    """What an MJCF source says of the shape."""
+    form, table = shape.form, dict[str, Any]()
+    if form.name or form.attributes:
+        table["geom"] = {"name": form.name, "attributes": dict(form.attributes)}
+    if shape.ellipsoid is not None:
+        table["ellipsoid"] = primitive_record(shape.ellipsoid)
+    return table
 
 
 def _contact(contact: ContactProperties) -> dict[str, Any]:

@@ -79,6 +79,9 @@ class _Compiler(_Sparse):
         return value
 
 
+DEFAULTS = {"timestep": 0.002, "integrator": "implicitfast"}
+"""Options that are always given."""
+
 FlagsSection = _section(
     "FlagsSection",
     "MuJoCo's `<flag>`: parts of the simulation that are switched on or off.",
@@ -92,13 +95,19 @@ FlagsSection = _section(
 
 OptionSection = _section(
     "OptionSection",
-    "MuJoCo's `<option>`. The first four are in the robot's own file, since its stability depends on them.",
+    "MuJoCo's `<option>`; what is not given is an MJCF source's, else MuJoCo's own. The first four are in "
+    "the robot's own file, since its stability depends on them, and so is what an MJCF source says.",
     {
-        "timestep": (Positive, 0.002, "Time step of the simulation [s]."),
+        "timestep": (
+            Positive,
+            None,
+            f"Time step of the simulation [s]; null: that of an MJCF source, else {DEFAULTS['timestep']:g}.",
+        ),
         "integrator": (
             Literal["Euler", "RK4", "implicit", "implicitfast", "discrete"],
-            "implicitfast",
-            "How MuJoCo goes from one step to the next; `discrete` needs MuJoCo 4.",
+            None,
+            "How MuJoCo goes from one step to the next; `discrete` needs MuJoCo 4. null: as an MJCF source "
+            f"says, else {DEFAULTS['integrator']}.",
         ),
         "cone": (Literal["pyramidal", "elliptic"], None, "Shape of the friction cones; null: MuJoCo's own."),
         "impratio": (

@@ -19,8 +19,10 @@ backwards. A ball's q = 0 is its mate's zero in the URDF, but its pose at qpos0 
 that are part of others there, at this pose in them, and `fused` likewise those that are sites in the MJCF.
 `urdf` is the URDF link of a frame; of a loop, the links of its first and second frame; `mimic`: whether
 <mimic> joints alone close it there; `lever` [m] is a length on the loop's own scale, `solref` MuJoCo's of
-its constraints. `couplings` has what closed loops make follow what: follower = multiplier · driver +
-offset, off by at most `error` where the driver is in `range`; `mimic`: whether that is exact, and so in the
+its constraints. `spring` is there where an MJCF source has one of a dof: its stiffness [N m/rad or N/m],
+and the value at which it is slack. `couplings` has what closed loops make follow what: follower =
+multiplier · driver + offset, off by at most `error` where the driver is in `range`; `mimic`: whether that is
+exact, and so in the
 URDF. `transmissions` is there where the source names what drives the joints; `actuators` where the robot
 has any: `control` and `force` are ranges, `home` is the control at the keyframe of that name, `motor` one
 of the library, `load` the largest force at the dof by the robot's weight, `home_load` that at home, and
@@ -43,8 +45,10 @@ as Pinocchio has them.
 `shapes` of a link, which are the user's own), `area` [m²], `volume` [m³, 0 where a mesh is not closed] and
 `bounds` [m, of a mesh: the least x, y and z, and the largest] to six digits, `contact` what is given of
 MuJoCo's properties, `collider` which one of its link it is a
-piece of. With `self_contact` the links collide with each other but for the `excludes` (of `geoms`, only
-those pairs of colliders, by their numbers); `touching` are others that touch at `home`, `depth` [m] deep.
+piece of, `geom` the name that an MJCF source has for it and the attributes that no other format has,
+`ellipsoid` what it is in the MJCF, where all other formats have a mesh. With `self_contact` the links collide
+with each other but for the `excludes` (of `geoms`, only those pairs of colliders, by their numbers);
+`touching` are others that touch at `home`, `depth` [m] deep.
 These are missing where a build ends before its shapes are made.
 `scene` says where the files put the robot (`pose` of its root at qpos0, and in the `keyframes`), which plane
 is its `ground` (null: none), and what MuJoCo's `option` and `flag` say: all else is MuJoCo's default. It is
@@ -57,50 +61,49 @@ a link of the URDF the later ones that it never meets, and `end_effectors` their
 name, the version of its `writer`, and the `folder` of copies. `renamed` has the names in a format of links,
 joints (by dof, also of loops) and frames that are not the robot's (in ROS 2: not the URDF's), `zeros` the
 value of each dof that is not 0 where its joint of the format is (a ball's joint turns on from that pose).
+`mjcf` is there where the source was an MJCF. It has what no other format has: where the source's `bodies`
+are on the links, and the axes of their inertia; `attributes` of joints, sites and other things; what is
+`mounted` on bodies; the elements of `sections` of the robot and of its `scene`, each with its `attributes`,
+what it `names` (attribute: kind and name) and its `children`; the `order` of actuators and sensors; the
+numbers in `qpos` of what moves in the scene, and of keyframes; `has_ground`: whether the scene has something
+to stand on; and what its `option` and `flag` say.
 """
 
 import json
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from typing import Any
-
-import numpy as np
 
 from stages.export.driving_records import actuation_records, sensing_records
 from stages.export.form_records import form_records
 from stages.export.geometry_records import geometry_records
-from stages.export.json_values import as_float, as_floats, as_pose, as_value
+from stages.export.joint_records import joint_record, loop_record
+from stages.export.json_values import as_float, as_pose
 from stages.export.link_records import link_record
 from stages.export.mjcf.joints import free_joint_name
+from stages.export.mjcf_records import mjcf_records
 from stages.export.pose_records import pose_records
-from stages.export.provenance import provenance
 from stages.export.scene_records import scene_record
-from stages.export.urdf.lowering import Lowered, lower, unset
+from stages.export.urdf.lowering import Lowered, lower
 from stages.formats.mjcf_form import AS_IS as EVERY_BODY
 from stages.formats.mjcf_form import MjcfForm
 from stages.formats.mjcf_written import holders as bodies
-from stages.formats.numbers import TURN, least_of
+from stages.formats.numbers import TURN
 from stages.formats.urdf.as_written import as_written, holders
 from stages.formats.urdf.form import AS_IS, UrdfForm
 from stages.formats.urdf.names import urdf_names
-from stages.robot.actuation import NONE, Actuation, Supplied
+from stages.robot.actuation import NONE, Actuation
 from stages.robot.amendments import UNCHANGED, Amendments
 from stages.robot.codec import plain
 from stages.robot.geometry import Geometry
 from stages.robot.measuring import measuring
 from stages.robot.model import (
     Configuration,
-    Dof,
     Frame,
-    Joint,
-    Loop,
-    MateRef,
     Mobility,
     Provenance,
     Relation,
     Robot,
-    Value,
 )
-from stages.robot.poses import at_rest
 from stages.robot.printable import printable_lines
 from stages.robot.scene import Scene
 from stages.robot.sensing import Sensing
@@ -140,16 +143,16 @@ def describe(
         "mass": as_float(sum(link.inertial.mass for link in robot.links)),
         "mobility": _mobility(robot.mobility),
         "links": [link_record(link) for link in robot.links],
-        "joints": [_joint(joint, start, estimated, actuation.supplied) for joint in robot.joints],
+        "joints": [joint_record(joint, start, estimated, actuation.supplied) for joint in robot.joints],
         "relations": [_relation(relation) for relation in robot.relations],
         "loops": [
-            _loop(loop, names.ends[loop.name], loop.name in form.closed, estimated) for loop in robot.loops
+            loop_record(loop, names.ends[loop.name], loop.name in form.closed, estimated)
+            for loop in robot.loops
         ],
         "frames": [_frame(frame, names.frames[frame.name]) for frame in robot.frames],
         "lowered": [_lowered(item) for item in lower(robot) if item.between],
     }
-    table |= form_records(form)
-    table |= _held(robot, form, mjcf_form)
+    table |= form_records(form) | _held(robot, form, mjcf_form) | mjcf_records(mjcf_form.extras)
     if robot.transmissions:
         table["transmissions"] = [plain(transmission) for transmission in robot.transmissions]
     table |= actuation_records(actuation)
@@ -204,83 +207,6 @@ def _mobility(mobility: Mobility) -> dict[str, Any]:
         "gruebler": mobility.gruebler,
         "dof": mobility.dof,
         "redundant": [{"loop": loop, "conditions": count} for loop, count in mobility.redundant],
-    }
-
-
-def _joint(
-    joint: Joint, start: Configuration, estimated: Collection[str], motors: Sequence[Supplied]
-) -> dict[str, Any]:
-    return {
-        "name": joint.name,
-        "type": joint.type,
-        "parent": joint.parent,
-        "child": joint.child,
-        "origin": as_pose(joint.parent_from_joint),
-        "backwards": joint.backwards,
-        "dofs": [
-            {
-                **_dof(dof, joint.backwards),
-                "unset": unset(dof),
-                "provenance": provenance(dof, dof.name in estimated, motors),
-                **({"estimated": ["armature"]} if dof.name in estimated else {}),
-                "qpos0": as_value(start[dof.name]),
-                **({"zero": _zero(start[dof.name])} if dof.kind == "ball" else {}),
-            }
-            for dof in joint.dofs
-        ],
-        "cad": _mate(joint.mate),
-    }
-
-
-def _dof(dof: Dof, backwards: bool = False) -> dict[str, Any]:
-    scalar = dof.kind in ("turn", "slide")
-    table = {
-        "name": dof.name,
-        "kind": dof.kind,
-        "axis": as_floats(dof.axis) if scalar else None,
-        "origin": None if np.array_equal(dof.origin, np.eye(4)) else as_pose(dof.origin),
-        "limits": [as_float(end, least_of(dof.kind)) for end in (dof.limits.lower, dof.limits.upper)],
-        "damping": as_float(dof.dynamics.damping),
-        "friction": as_float(dof.dynamics.friction),
-        "armature": as_float(dof.dynamics.armature),
-        "effort": as_float(dof.dynamics.effort),
-        "velocity": as_float(dof.dynamics.velocity),
-        "saved": as_value(dof.saved),
-        "mate": {"sign": dof.in_mate.sign, "zero": as_value(dof.in_mate.zero)},
-    }
-    if dof.kind == "ball" and isinstance(dof.saved, tuple):
-        w, x, y, z = dof.saved
-        table["mate_quat"] = as_value((w, -x, -y, -z) if backwards else dof.saved)
-    return table
-
-
-def _zero(start: Value) -> dict[str, Any]:
-    """Where a ball's q = 0 is, by format, as its chain's quaternion."""
-    return {"urdf": as_value(at_rest("ball")), "mjcf": as_value(start)}
-
-
-def _mate(mate: MateRef | None) -> dict[str, Any] | None:
-    if mate is None:
-        return None
-    copy = {"copy": mate.copy} if mate.copy else {}
-    return {"owner": list(mate.owner), "feature": mate.feature, "name": mate.name, "type": mate.type, **copy}
-
-
-def _loop(loop: Loop, ends: tuple[str, str], mimic: bool, estimated: Collection[str]) -> dict[str, Any]:
-    return {
-        "name": loop.name,
-        "type": loop.type,
-        "link_a": loop.link_a,
-        "link_b": loop.link_b,
-        "frame_a": as_pose(loop.a_from_frame),
-        "frame_b": as_pose(loop.b_from_frame),
-        "urdf": list(ends),
-        "mimic": mimic,
-        "dofs": [{**_dof(dof), "provenance": provenance(dof, dof.name in estimated)} for dof in loop.dofs],
-        "residual": as_float(loop.residual, TURN),
-        "lever": as_float(loop.lever),
-        "solref": as_floats(loop.solref),
-        "cad": _mate(loop.mate),
     }
 
 

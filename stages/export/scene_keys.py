@@ -46,7 +46,8 @@ class PoseKeys(Keys):
     kind: Literal["touch", "given"] = "given"
     """touch: upright at the origin, with its lowest collider on the ground, at `home` and in each other
     keyframe (of a fixed base, the lowest of what is fixed, and it stays where CAD has it where that is within
-    2 mm of the ground), and without a ground at the origin; given: as the other keys say."""
+    2 mm of the ground), and without a ground at the origin; where an MJCF source has a ground of its own, as
+    it has the robot there; given: as the other keys say."""
 
     xyz: Annotated[Position, example([0, 0, 0.2])] = (0, 0, 0)
     """Position [m]."""
@@ -175,6 +176,10 @@ class SceneKeys(Keys):
 
     skybox: SkyChoice = SkyKeys()
     """The sky."""
+
+    surroundings: Literal["keep", "drop"] = "keep"
+    """What an MJCF source has beside the robot: its ground, in place of ours, the things that lie around, the
+    lights and cameras of its world. keep: in `scene.xml`; drop: left out."""
 
     compiler: CompilerSection = CompilerSection()
     """MuJoCo's `<compiler>`."""

@@ -21,7 +21,7 @@ def scene_of(robot: Robot, keys: "ExportKeys", standing: "Stance", start: Config
     option = keys.scene.option
     return Scene(
         frozen(standing.placed(start)),
-        tuple((name, frozen(standing.placed(values))) for name, values in keyframes(robot).items()),
+        tuple((name, frozen(standing.placed(values, name))) for name, values in keyframes(robot).items()),
         None if keys.ground.kind == "none" else Ground(ground_pose(keys.ground), keys.ground.friction),
         {name: _plain(value) for name, value in option.given().items()},
         dict(option.flag.given()),

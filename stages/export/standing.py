@@ -1,8 +1,8 @@
 """Where the scene puts the robot: on the ground, or where the configuration says."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from stages.robot.errors import Diagnostic, ExportError
 from stages.robot.geometry import Geometry
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Array, Configuration, Robot
-from stages.robot.poses import from_parts, rotation_from_rpy
+from stages.robot.poses import from_parts, rotation_from_quat, rotation_from_rpy
 from stages.robot.start_pose import home
 
 if TYPE_CHECKING:
@@ -30,27 +30,37 @@ SLACK = 2e-3
 has it: a collider may be that much larger or smaller than the part."""
 
 
+class Placed(Protocol):
+    """Gives the root link's pose (4, 4) with the dofs at these values, in the keyframe of this name."""
+
+    def __call__(self, values: Configuration, keyframe: str = "") -> Array: ...
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Stance:
     """`world_from_root` (4, 4): the root link's pose at `home`. `low`, `high` (3,) [m]: the corners of the
     box around the robot there, infinite where it has no shapes. `placed`: the root link's pose with the dofs
-    at other values, since a free robot with bent legs touches the ground with its root lower down."""
+    at other values, since a free robot with bent legs touches the ground with its root lower down, in the
+    keyframe of this name, "" for none."""
 
     world_from_root: Array
     low: Array
     high: Array
-    placed: Callable[[Configuration], Array]
+    placed: "Placed"
     diagnostics: tuple[Diagnostic, ...] = ()
 
 
 def stand(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> Stance:
-    """Where the scene puts the robot, by the keys `scene.pose` and `ground`.
+    """Where the scene puts the robot, by the keys `scene.pose` and `ground`, or where an MJCF source has it
+    on a ground of its own.
 
     ExportError where it is to touch a ground that is too steep; W-GROUND for each link that reaches into
     the ground at `home`.
     """
     pose, ground = keys.scene.pose, keys.ground
     given = from_parts(rotation_from_rpy(pose.rpy), np.array(pose.xyz))
+    in_keyframes = _in_keyframes(robot) if pose.kind == "touch" and stands_in_source(robot, keys) else {}
+    given = in_keyframes.get("", given)
     touches = pose.kind == "touch" and ground.kind != "none"
 
     def height(extents: Extents) -> float:
@@ -62,7 +72,9 @@ def stand(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> Stance:
     rise = height(extents)
     world_from_root = _risen(given, rise)
 
-    def placed(values: Configuration) -> Array:
+    def placed(values: Configuration, keyframe: str = "") -> Array:
+        if in_keyframes:
+            return in_keyframes.get(keyframe, world_from_root)
         same = all(values[dof.name] == at_home[dof.name] for dof in robot.dofs)
         if same or not touches or robot.base.fixed:
             return world_from_root
@@ -71,6 +83,22 @@ def stand(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> Stance:
     low, high = (corner + np.array([0.0, 0.0, rise]) for corner in extents.box())
     found = () if ground.kind == "none" else tuple(_below(robot, extents, ground, rise))
     return Stance(world_from_root, low, high, placed, found)
+
+
+def stands_in_source(robot: Robot, keys: "ExportKeys") -> bool:
+    """Whether the robot's MJCF source has a ground of its own, which the scene has too."""
+    return robot.mjcf is not None and robot.mjcf.has_ground and keys.scene.surroundings == "keep"
+
+
+def _in_keyframes(robot: Robot) -> dict[str, Array]:
+    """The root's pose in the source, by keyframe, and elsewhere under ""."""
+    poses = {"": robot.world_from_root}
+    if robot.mjcf is not None and not robot.base.fixed:
+        for one in robot.mjcf.keyframes:
+            if one.world_from_root:
+                x, y, z, *quat = one.world_from_root
+                poses[one.name] = from_parts(rotation_from_quat(np.array(quat)), np.array([x, y, z]))
+    return poses
 
 
 def _extents(robot: Robot, geometry: Geometry, world_from_root: Array, values: Configuration) -> Extents:

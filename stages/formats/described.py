@@ -14,6 +14,7 @@ from stages.formats.robot_json.driving import actuation_of, sensing_of, transmis
 from stages.formats.robot_json.fields import Fields, RobotJsonError
 from stages.formats.robot_json.joints import frame_of, joint_of, keyframe_of, loop_of, relation_of
 from stages.formats.robot_json.links import link_of
+from stages.formats.robot_json.mjcf import extras_of
 from stages.formats.robot_json.references import require_names
 from stages.formats.robot_json.scene import scene_of
 from stages.formats.robot_json.semantics import semantics_of
@@ -97,7 +98,7 @@ def described(data: bytes) -> Truth:
             closed=tuple(one.text("name") for one in loops if one.truth("mimic")),
             package=record.inside("urdf").text("package") if record.has("urdf") else "",
         ),
-        mjcf_form=MjcfForm(tuple(one.text("link") for one in record.records("fused"))),
+        mjcf_form=MjcfForm(tuple(one.text("link") for one in record.records("fused")), robot.mjcf),
         sensing=sensing_of(record),
         amendments=Amendments(
             tuple(_amendment(one) for one in record.records("amendments")),
@@ -169,6 +170,7 @@ def _robot(record: Fields) -> Robot:
         transmissions=tuple(transmission_of(one) for one in record.records("transmissions")),
         keyframes=tuple(one for one in keyframes if one is not None),
         semantics=semantics_of(record),
+        mjcf=extras_of(record),
     )
 
 

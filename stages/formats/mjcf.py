@@ -9,8 +9,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 from stages.robot.errors import Diagnostic
+from stages.robot.geom_form import GeomForm
 from stages.robot.geometry import Colour
-from stages.robot.model import Array, Dynamics, Inertial, Limits, MeshRef
+from stages.robot.mjcf_extras import NO_EXTRAS, Attributes, MjcfElement, MjcfExtras
+from stages.robot.model import Array, Dynamics, Inertial, Limits, MeshRef, Spring
 
 MjcfJointType = Literal["hinge", "slide", "ball", "free"]
 MjcfGeomKind = Literal["box", "sphere", "cylinder", "capsule", "mesh"]
@@ -19,7 +21,8 @@ MjcfGeomKind = Literal["box", "sphere", "cylinder", "capsule", "mesh"]
 @dataclass(frozen=True, slots=True, eq=False)
 class MjcfJoint:
     """A joint of a body: with its `anchor` (3,) p, its `axis` (3,) and `ref` q₀ it takes the body's frame
-    by T(p) M(axis, q − q₀) T(−p). `axis` is a unit vector, zero for a ball or free motion."""
+    by T(p) M(axis, q − q₀) T(−p). `axis` is a unit vector, zero for a ball or free motion. `attributes`: what
+    the file says of it beside that."""
 
     name: str
     type: MjcfJointType
@@ -28,16 +31,19 @@ class MjcfJoint:
     ref: float
     limits: Limits
     dynamics: Dynamics
+    spring: Spring | None = None
+    attributes: Attributes = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MjcfGeom:
     """A shape of a body. `size` [m] as in `model.Primitive`, () for a mesh, whose triangles are `mesh`.
 
-    `collides`: whether any other geom may touch it; `seen`: whether it is looked at.
+    `collides`: whether any other geom may touch it; `seen`: whether it is looked at. `form`: its name, and
+    what the file says of it beside its shape; an ellipsoid is a mesh here.
     """
 
-    name: str
+    form: GeomForm
     kind: MjcfGeomKind
     size: tuple[float, ...]
     mesh: MeshRef | None
@@ -53,11 +59,21 @@ class MjcfSite:
 
     name: str
     body_from_site: Array
+    attributes: Attributes = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MjcfPlaced:
+    """An element on a body, which no other format has."""
+
+    body_from_element: Array
+    element: MjcfElement
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MjcfBody:
-    """A body: its `joints` act one after the other. `inertial` in the body's frame, None without mass."""
+    """A body: its `joints` act one after the other. `inertial` in the body's frame, None without mass;
+    `axes` (3, 3): those of its inertia there, in the file's order."""
 
     name: str
     parent: int
@@ -66,6 +82,9 @@ class MjcfBody:
     joints: tuple[MjcfJoint, ...]
     geoms: tuple[MjcfGeom, ...]
     sites: tuple[MjcfSite, ...]
+    axes: Array | None = None
+    attributes: Attributes = ()
+    mounted: tuple[MjcfPlaced, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -80,6 +99,7 @@ class MjcfClosure:
     sites: tuple[str, str]
     a_from_frame: Array
     b_from_frame: Array
+    attributes: Attributes = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +111,7 @@ class MjcfRelation:
     driver: int
     multiplier: float
     offset: float
+    attributes: Attributes = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +127,7 @@ class MjcfActuator:
     control: tuple[float, float] | None
     force: tuple[float, float] | None
     terms: tuple[tuple[str, str], ...]
+    attributes: Attributes = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,22 +150,28 @@ class MjcfSensor:
     cutoff: float
     shape: str = ""
     size: tuple[float, ...] = ()
+    attributes: Attributes = ()
 
 
 @dataclass(frozen=True, slots=True)
-class MjcfKeyframe:
-    """A named pose: (joint, value) [rad or m] of every hinge and slide, and the balls and free joints that
-    are elsewhere than at qpos0, all by their numbers."""
+class MjcfNamedPose:
+    """A keyframe: (joint, value) [rad or m] of every hinge and slide, and the balls and free joints that are
+    elsewhere than at qpos0, all by their numbers. `floating`: (joint, numbers in `qpos`) of free joints;
+    `scene`: the numbers in `qpos` of what is in the scene beside the robot."""
 
     name: str
     values: tuple[tuple[int, float], ...]
     moved: tuple[int, ...] = ()
+    floating: tuple[tuple[int, tuple[float, ...]], ...] = ()
+    scene: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mjcf:
-    """A model. `bodies[0]` is the world; a body's parent comes before it, and the joints are counted from
-    0 through the bodies, as are the sites. `diagnostics`: what is left out."""
+    """A model's robot. `bodies[0]` is the world; a body's parent comes before it, and the joints are counted
+    from 0 through the bodies, as are the sites. `diagnostics`: what is left out. `extras`: what only an MJCF
+    says, but for what is at the bodies, joints and other things here; in the order of actuators and sensors
+    there, "" stands for the next of those here that has no name."""
 
     name: str
     bodies: tuple[MjcfBody, ...]
@@ -152,4 +180,5 @@ class Mjcf:
     diagnostics: tuple[Diagnostic, ...]
     actuators: tuple[MjcfActuator, ...] = ()
     sensors: tuple[MjcfSensor, ...] = ()
-    keyframes: tuple[MjcfKeyframe, ...] = ()
+    keyframes: tuple[MjcfNamedPose, ...] = ()
+    extras: MjcfExtras = NO_EXTRAS

@@ -2,14 +2,18 @@
 
 from dataclasses import dataclass
 
+from stages.robot.mjcf_extras import MjcfExtras
+
 
 @dataclass(frozen=True, slots=True)
 class MjcfForm:
     """`fused`: the links that have no body of their own. Each is a site of its name on the body above it,
-    which has its mass, its shapes and all that was on it."""
+    which has its mass, its shapes and all that was on it. `extras`: what it has that no other format has, of
+    an MJCF source."""
 
     fused: tuple[str, ...] = ()
+    extras: MjcfExtras | None = None
 
 
 AS_IS = MjcfForm()
-"""Every link has a body."""
+"""Every link has a body, and there is nothing that other formats lack."""

@@ -8,6 +8,7 @@ import numpy as np
 from stages.formats.mjcf_form import MjcfForm
 from stages.robot.fusing import Holders, fused, on_fixed_joints
 from stages.robot.fusing import holders as holders_of
+from stages.robot.mjcf_extras import MjcfExtras
 from stages.robot.model import Frame, Robot, frozen
 from stages.robot.sensing import SensorTarget
 
@@ -17,10 +18,14 @@ def holders(robot: Robot, form: MjcfForm) -> Holders:
     return holders_of(robot, form.fused)
 
 
-def form_with(robot: Robot, kept: Collection[str] = ()) -> MjcfForm:
+def form_with(robot: Robot, kept: Collection[str] = (), merges: bool = False) -> MjcfForm:
     """The form in which links on fixed joints have no bodies, but for those that are `kept` or need one: a
-    sensor is on it, another place has its name, or both ends of a loop would be on one body."""
+    sensor is on it, another place has its name, or both ends of a loop would be on one body. The bodies of an
+    MJCF source stay bodies, unless the form `merges` those that nothing names."""
     bodies = {*kept, *_measured(robot, "body", "xbody"), *_loaded(robot), *_named_twice(robot)}
+    if robot.mjcf is not None:
+        bodies |= _named_bodies(robot.mjcf)
+        bodies |= set() if merges else {one.link for one in robot.mjcf.bodies}
     candidates = set(on_fixed_joints(robot)) - bodies
     # Their sensors are at the centre of mass, which what is fused would move.
     weighed = set(_measured(robot, "body"))
@@ -35,12 +40,14 @@ def form_with(robot: Robot, kept: Collection[str] = ()) -> MjcfForm:
         if holder[loop.link_a] == holder[loop.link_b]
         for end in (loop.link_a, loop.link_b)
     }
-    return MjcfForm(tuple(link for link, above in holder.items() if link != above and link not in ends))
+    fused = (link for link, above in holder.items() if link != above and link not in ends)
+    return MjcfForm(tuple(fused), robot.mjcf)
 
 
 def as_written(robot: Robot, form: MjcfForm) -> Robot:
     """The robot that the MJCF of this form describes: all that was on fused links is on their holders, and
     each is a frame there."""
+    robot = replace(robot, mjcf=form.extras)
     if not form.fused:
         return robot
     held = holders(robot, form)
@@ -50,6 +57,13 @@ def as_written(robot: Robot, form: MjcfForm) -> Robot:
     )
     whole = fused(robot, held)
     return replace(whole, frames=(*places, *whole.frames))
+
+
+def _named_bodies(extras: MjcfExtras) -> set[str]:
+    """The links that an element names, or whose body has attributes of its own."""
+    sections = (*extras.sections, *extras.scene)
+    named = {name for section in sections for kind, name in section.named() if kind == "body"}
+    return named | {one.name for one in extras.attributes if one.kind == "body"}
 
 
 def _measured(robot: Robot, *kinds: SensorTarget) -> Iterator[str]:

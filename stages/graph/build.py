@@ -10,6 +10,7 @@ from stages.graph.passes.joint_limits import with_properties
 from stages.graph.passes.keyframes import with_keyframes
 from stages.graph.passes.limit_checks import with_checked_limits
 from stages.graph.passes.link_mass import check_links, with_given_masses, with_least_inertias
+from stages.graph.passes.mjcf_extras import with_bodies, with_mjcf
 from stages.graph.passes.mobility import with_mobility
 from stages.graph.passes.placeholders import without_placeholders
 from stages.graph.passes.relations import with_relations
@@ -31,7 +32,7 @@ def assemble(bundle: Bundle, keys: GraphKeys, read: MechanismReader) -> Robot:
     mechanism, keys = read(bundle, keys, log)
     mechanism = renamed(mechanism, keys.names, log)
     tree = _tree(mechanism, keys, log)
-    robot = place(mechanism, tree, keys, log)
+    robot = with_bodies(place(mechanism, tree, keys, log), mechanism)
     robot = with_added_links(robot, keys.links, log)
     robot = with_properties(robot, keys.joints, log)
     robot = without_placeholders(robot, log) if mechanism.demands_limits else robot
@@ -49,6 +50,7 @@ def assemble(bundle: Bundle, keys: GraphKeys, read: MechanismReader) -> Robot:
     log.raise_errors()
     robot = with_actuation(robot, mechanism, log)
     robot = with_semantics(robot, mechanism.semantics)
+    robot = with_mjcf(robot, mechanism, keys, log)
     return replace(robot, diagnostics=tuple(log.found))
 
 

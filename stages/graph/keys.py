@@ -165,9 +165,9 @@ class LoopsKeys(Keys):
     """Names or globs of mates that close a loop instead of becoming a joint of the tree; for other loops
     Linkwright chooses the mate."""
 
-    solref: Solref = (0.005, 1)
+    solref: Annotated[Solref | None, example([0.005, 1])] = None
     """MuJoCo's solref of the constraints that close loops: [time constant, damping ratio] in s and without
-    unit, or [-stiffness, -damping]."""
+    unit, or [-stiffness, -damping]; null: that of an MJCF source, else [0.005, 1]."""
 
 
 class GraphKeys(OptionalKeys):

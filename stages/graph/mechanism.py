@@ -11,6 +11,7 @@ from stages.graph.keys import GraphKeys
 from stages.robot.bundle import Bundle
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import Diagnostic
+from stages.robot.mjcf_extras import MjcfExtras
 from stages.robot.model import (
     Actuator,
     Array,
@@ -61,7 +62,8 @@ class Connection:
     chain `dofs` leads from the second to the first, and `residual` [m or rad] is its error at
     the saved pose. `title` is its place in CAD. `unknown`: why the limits in CAD are
     unknown; `doubts`: limits that contradict themselves; `half_open`: limits open on one side only.
-    `closes`: it closes a loop in the source itself, so it is cut first.
+    `closes`: it closes a loop in the source itself, so it is cut first. `solref`: MuJoCo's, of an MJCF
+    source.
     """
 
     name: str
@@ -76,6 +78,7 @@ class Connection:
     doubts: tuple[str, ...] = ()
     half_open: tuple[str, ...] = ()
     closes: bool = False
+    solref: tuple[float, float] | None = None
 
     @property
     def limited(self) -> bool:
@@ -126,8 +129,9 @@ class Mechanism:
     `root`: the body that is the root in the source itself, if any. `has_saved_pose`: whether the source has
     a saved pose; a robot file has none, so all its joints are at zero. `unstated_base`: the diagnostic
     for a root that nothing fixes, where the source cannot express whether it is fixed. `keyframes`: the named
-    poses of the source, in its own values. `demands_limits`: whether the source's format demands numbers for
-    limits, so that some stand for none. `semantics`: what its SRDF says, by the names in the source.
+    poses of the source, in its own values. `mjcf`: what only an MJCF has; then the bodies are in its order.
+    `demands_limits`: whether the source's format demands numbers for limits, so that some stand for none.
+    `semantics`: what its SRDF says, by the names in the source.
     """
 
     bodies: tuple[RigidBody, ...]
@@ -142,6 +146,7 @@ class Mechanism:
     actuators: tuple[Actuator, ...] = ()
     sensors: tuple[Sensor, ...] = ()
     keyframes: tuple[Keyframe, ...] = ()
+    mjcf: MjcfExtras | None = None
     unstated_base: Diagnostic | None = None
     demands_limits: bool = False
     semantics: RobotSemantics = NOTHING_MORE

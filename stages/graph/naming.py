@@ -43,6 +43,10 @@ class Namer:
         self._every = {WORLD_LINK}
         self._changed: list[tuple[str, str, str]] = []
 
+    def reserve(self, names: Iterable[str]) -> None:
+        """Keeps names that other things have from being made."""
+        self._every.update(names)
+
     def keep(self, kind: str, given: Iterable[tuple[Key, str]]) -> dict[Key, str]:
         """The robot's names by key, of things with these names in the source, each unique there. What has
         no name ("") gets none.

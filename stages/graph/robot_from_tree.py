@@ -35,6 +35,9 @@ from stages.robot.names import free
 from stages.robot.poses import at_rest, inverse
 from stages.robot.ways import ways_up
 
+SOLREF = (0.005, 1.0)
+"""MuJoCo's solref of a loop that says none: time constant [s] and damping ratio."""
+
 POSE_TOLERANCE = 1e-6
 """How far [m, rad] the saved pose may be from what a mate allows before it is reported."""
 
@@ -64,7 +67,13 @@ def place(mechanism: Mechanism, tree: Tree, keys: GraphKeys, log: Diagnostics) -
         links=tuple(_link(mechanism.bodies[body], world_from_link[body]) for body in tree.order),
         joints=tuple(joints),
         loops=tuple(
-            _loop(one, mechanism, ways_up(*one.bodies, parents, order), world_from_link, keys.loops.solref)
+            _loop(
+                one,
+                mechanism,
+                ways_up(*one.bodies, parents, order),
+                world_from_link,
+                keys.loops.solref or one.solref or SOLREF,
+            )
             for one in tree.cut
         ),
         relations=(),

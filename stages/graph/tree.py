@@ -55,7 +55,8 @@ def spanning_tree(mechanism: Mechanism, keys: GraphKeys, log: Diagnostics) -> Tr
     root, world_from_root = choose_root(mechanism, keys.root)
     kept, cut = _forest(mechanism, keys.loops.cut, log)
     _report_uncut(mechanism, keys.loops.cut, cut, log)
-    order, edges = _walk(kept, root)
+    in_order = mechanism.mjcf is not None
+    order, edges = _walk(kept, root, in_order)
     islands = _islands(mechanism, kept, set(order))
     if islands and keys.root.disconnected == "error":
         raise _disconnected(mechanism, root, islands, log)
@@ -122,12 +123,13 @@ def _report_uncut(
             log.report("W-LOOP-CUT", what, "loops.cut", "remove it from loops.cut")
 
 
-def _walk(kept: nx.MultiGraph, root: int) -> tuple[list[int], list[Edge]]:
-    """Depth first, children by the names of their joints: the order of every exported file."""
+def _walk(kept: nx.MultiGraph, root: int, in_order: bool = False) -> tuple[list[int], list[Edge]]:
+    """Depth first, children by the names of their joints, or `in_order` by their numbers: the order of every
+    exported file."""
     order: list[int] = [root]
     edges: list[Edge] = []
     seen = {root}
-    stack = [_branches(kept, root)]
+    stack = [_branches(kept, root, in_order)]
     while stack:
         edge = next(stack[-1], None)
         if edge is None:
@@ -136,12 +138,14 @@ def _walk(kept: nx.MultiGraph, root: int) -> tuple[list[int], list[Edge]]:
             seen.add(edge.child)
             order.append(edge.child)
             edges.append(edge)
-            stack.append(_branches(kept, edge.child))
+            stack.append(_branches(kept, edge.child, in_order))
     return order, edges
 
 
-def _branches(kept: nx.MultiGraph, body: int) -> Iterator[Edge]:
+def _branches(kept: nx.MultiGraph, body: int, in_order: bool) -> Iterator[Edge]:
     edges = [Edge(body, other, data["connection"]) for _, other, data in kept.edges(body, data=True)]
+    if in_order:
+        return iter(sorted(edges, key=lambda edge: edge.child))
     return iter(sorted(edges, key=lambda edge: natural(edge.connection.name if edge.connection else "")))
 
 

@@ -19,12 +19,13 @@ FILES = ("urdf", "mjcf")
 _SHOWN = 20
 
 
-def with_basis(link: Link, kind: str, basis: Literal["declared", "visual"]) -> Link:
+def with_basis(link: Link, kind: str, basis: Literal["declared", "visual"], as_is: bool = False) -> Link:
     """A link whose colliding parts and primitives are those that its colliders are made of.
 
-    `kind`: of the bundle. A file's own collision shapes, or its visual ones where it has none of the others.
+    `kind`: of the bundle. A file's own collision shapes, or its visual ones where it has none of the others;
+    `as_is`: only its own, since it says itself what collides.
     """
-    if kind not in FILES:
+    if kind not in FILES or (as_is and basis == "declared"):
         return link
     declared = any(part.collides for part in link.parts) or any(one.collision for one in link.shapes)
     if basis == "declared" and declared:

@@ -27,12 +27,20 @@ from stages.mesh.visuals.budget import Decimator
 from stages.robot.bundle import Bundle
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import MeshError
+from stages.robot.geom_form import PLAIN
 from stages.robot.geometry import ColliderFigures, Geometry, Role, Shape
-from stages.robot.model import Link, Part, Robot
+from stages.robot.model import Link, Part, Primitive, Robot
 
 if TYPE_CHECKING:
     from stages.mesh import Memo, Shown
     from stages.mesh.keys import MeshKeys, MeshSection
+
+
+_Piece = tuple[int, Collider, list[Part]]
+"""Which of its link's colliders it is of, the piece, and the parts of that collider."""
+
+MOST_CORNERS = 10_000
+"""Of the hull of an ellipsoid: as many as it has."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,14 +74,15 @@ def geometry(
     matches nothing."""
     log = Diagnostics(optional=keys.optional)
     rules = GeomRules(robot.links, keys.geoms, log)
-    links = [with_basis(link, bundle.kind, keys.mesh.basis) for link in robot.links]
+    as_is = robot.mjcf is not None
+    links = [with_basis(link, bundle.kind, keys.mesh.basis, as_is) for link in robot.links]
     links = without_ignored(links, keys.ignore, log)
     chosen = choices(links, keys.mesh, log)
     apart = chosen_pairs([link.name for link in links], keys.contact.exclude, log)
     if log.problems:
         raise MeshError("the configuration names links or parts that are not there", problems=log.problems)
     library = MeshLibrary(links, bundle)
-    used = _used(links, library, keys.mesh, chosen, rules, memo)
+    used = _used(links, library, keys.mesh, chosen, rules, memo, as_is)
     jobs = [job for link in links for job in used[link.name].jobs(link.name)]
     collided = collide(jobs, library, memo, shown)
     named, files = _named(links, used, collided, keys.mesh)
@@ -97,11 +106,12 @@ def geometry(
     solid = [shape for shape in shapes if shape.file is None or keys.mesh.assets == "files"]
     contacts = self_contacts(robot, solid, files, keys.contact, memo, apart, figures)
     problems += contacts.diagnostics
-    (written_shapes, assets), left_out = written(rules.with_properties(shapes, parts), files, keys.mesh)
-    every = (*problems, *left_out)
-    return Geometry(
-        written_shapes, assets, every, contacts.on, contacts.excludes, contacts.touching, tuple(figures)
+    (written_shapes, assets), left_out = written(
+        rules.with_properties(shapes, parts, contacts.by_source), files, keys.mesh
     )
+    every = (*problems, *left_out)
+    found = contacts.on, contacts.excludes, contacts.touching, tuple(figures), contacts.by_source
+    return Geometry(written_shapes, assets, every, *found)
 
 
 def _used(
@@ -111,8 +121,10 @@ def _used(
     choice_of: Mapping[tuple[str, int], Choice],
     rules: GeomRules,
     memo: "Memo",
+    as_is: bool,
 ) -> dict[str, _LinkUses]:
-    """The parts of each link that have a mesh, by the link's name, and their visual meshes."""
+    """The parts of each link that have a mesh, by the link's name, and their visual meshes. `as_is`: whether
+    the source says itself what collides."""
     decimator = Decimator()
     found = {}
     for link in links:
@@ -124,14 +136,29 @@ def _used(
         triples.sort(key=lambda triple: triple[0].key())
         uses = [use for use, _, _ in triples]
         parts = [part for _, part, _ in triples]
-        makers = [
-            replace(maker, apart=True) if rules.set_apart(link.name, part) else maker
-            for _, part, maker in triples
-        ]
+        makers = [_maker(maker, part, rules.set_apart(link.name, part)) for _, part, maker in triples]
         mesh = _link_mesh(uses, library, decimator, section, memo)
-        small = too_small(parts, mesh, makers, section.min_size)
+        small = frozenset[int]() if as_is else too_small(parts, mesh, makers, section.min_size)
         found[link.name] = _LinkUses(tuple(parts), tuple(uses), tuple(makers), mesh, small)
     return found
+
+
+def _maker(choice: Choice, part: Part, apart: bool) -> Choice:
+    """Who makes the collider of a part: of an ellipsoid its hull, with all of its corners."""
+    if part.form.ellipsoid:
+        settings = replace(choice.settings, max_vertices=MOST_CORNERS)
+        return replace(choice, maker="hull", settings=settings, apart=True)
+    return replace(choice, apart=True) if apart or part.form != PLAIN else choice
+
+
+def _with_form(shape: Shape, parts: Sequence[Part], section: "MeshSection") -> Shape:
+    """A collider of these parts, as an MJCF source has the one of them. MJX collides no ellipsoid with a
+    mesh."""
+    form = parts[0].form if len(parts) == 1 else PLAIN
+    if not form.ellipsoid or section.target == "mjx":
+        return replace(shape, form=form)
+    ellipsoid = Primitive("ellipsoid", form.ellipsoid, parts[0].link_from_part)
+    return replace(shape, form=form, ellipsoid=ellipsoid)
 
 
 def _link_mesh(
@@ -161,10 +188,11 @@ def _named(
     links: Sequence[Link], used: Mapping[str, _LinkUses], collided: Sequence[Collided], section: "MeshSection"
 ) -> tuple[dict[str, list[Shape]], dict[str, bytes]]:
     """The shapes of each link, and the files of its meshes and colliders by name."""
-    solid: dict[str, list[tuple[int, Collider]]] = {link.name: [] for link in links}
+    solid: dict[str, list[_Piece]] = {link.name: [] for link in links}
     for one, number in zip(collided, _numbers(collided), strict=True):
         pieces = colliders(one.collision, one.job.link_from_subject)
-        solid[one.job.link] += ((number, _for_engine(piece, section)) for piece in pieces)
+        parts = [used[one.job.link].parts[index] for index in one.job.parts]
+        solid[one.job.link] += ((number, _for_engine(piece, section), parts) for piece in pieces)
     own = {link.name: list(primitives.shapes(link)) for link in links}
     meshed = {name: [_meshed(shape, section) for shape in shapes] for name, shapes in own.items()}
     names = file_names({name: _counts(used[name], solid[name], meshed[name]) for name in solid})
@@ -174,14 +202,14 @@ def _named(
         visual_names, collider_names = names[link]
         shapes[link] = []
         free = iter(collider_names)
-        for number, collider in every:
+        for number, collider, parts in every:
             if isinstance(collider, MeshFile):
                 name = next(free)
                 shape = _shape(link, "collision", name, collider)
                 files[name] = collider.data
             else:
                 shape = primitives.collider(link, collider)
-            shapes[link].append(replace(shape, collider=number))
+            shapes[link].append(_with_form(replace(shape, collider=number), parts, section))
         for name, file in zip(visual_names, used[link].mesh.visuals, strict=True):
             shapes[link].append(_shape(link, "visual", name, file))
             files[name] = file.data
@@ -190,7 +218,7 @@ def _named(
                 shapes[link].append(shape)
             else:
                 name = next(free)
-                shapes[link].append(_shape(link, "collision", name, mesh))
+                shapes[link].append(replace(_shape(link, "collision", name, mesh), form=shape.form))
                 files[name] = mesh.data
     return shapes, dict(sorted(files.items()))
 
@@ -222,12 +250,12 @@ def _numbers(collided: Sequence[Collided]) -> list[int]:
 
 
 def _counts(
-    used: _LinkUses, solid: Sequence[tuple[int, Collider]], meshed: Sequence[MeshFile | None]
+    used: _LinkUses, solid: Sequence[_Piece], meshed: Sequence[MeshFile | None]
 ) -> tuple[int | list[str], int]:
     """How many visual files a link has, or a word for each where each is of one part, and how many files
     of colliders."""
     words = part_words([used.parts[index].name for index in used.mesh.owners])
-    files = [one for one in (*(collider for _, collider in solid), *meshed) if isinstance(one, MeshFile)]
+    files = [one for one in (*(piece for _, piece, _ in solid), *meshed) if isinstance(one, MeshFile)]
     return words or len(used.mesh.visuals), len(files)
 
 

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 from stages.mesh.choices import names_of
 from stages.mesh.unmatched import report_unmatched
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.geometry import ContactProperties, Role, Shape
+from stages.robot.geom_form import ContactProperties
+from stages.robot.geometry import Shape
 from stages.robot.globs import fits
 from stages.robot.model import Link, Part
 
@@ -37,25 +38,41 @@ class GeomRules:
         )
 
     def with_properties(
-        self, shapes: Sequence[Shape], parts: Mapping[tuple[str, int], Sequence[Part]]
+        self,
+        shapes: Sequence[Shape],
+        parts: Mapping[tuple[str, int], Sequence[Part]],
+        by_source: bool = False,
     ) -> tuple[Shape, ...]:
-        """The shapes, each with the properties of its link and role, and of its parts. `parts`: by link and
-        number the parts of each collider."""
+        """The shapes, each with the properties of its link and role, and of its parts, after those of an MJCF
+        source. `parts`: by link and number the parts of each collider; `by_source`: whether the source says
+        what collides."""
         return tuple(
-            replace(shape, contact=self._of(shape.link, shape.role, parts.get((shape.link, shape.collider))))
-            if shape.collider is not None
-            else replace(shape, contact=self._of(shape.link, shape.role))
-            for shape in shapes
+            replace(shape, contact=self._of(shape, parts, _of_source(shape, by_source))) for shape in shapes
         )
 
-    def _of(self, link: str, role: Role, parts: Sequence[Part] | None = None) -> ContactProperties | None:
+    def _of(
+        self,
+        shape: Shape,
+        parts: Mapping[tuple[str, int], Sequence[Part]],
+        found: ContactProperties | None,
+    ) -> ContactProperties | None:
         """Later entries win, property by property."""
-        found: ContactProperties | None = None
+        link, role = shape.link, shape.role
+        own = None if shape.collider is None else parts.get((link, shape.collider))
         for glob, keys in self._wanted.items():
             given = getattr(keys, role).model_dump(exclude_none=True)
-            if given and (fits(link, glob) or (parts and all(_means(glob, part) for part in parts))):
+            if given and (fits(link, glob) or (own and all(_means(glob, part) for part in own))):
                 found = replace(found or ContactProperties(), **given)
         return found
+
+
+def _of_source(shape: Shape, by_source: bool) -> ContactProperties | None:
+    """What an MJCF source says of a shape's contacts: its bits only where they decide what collides."""
+    contact = shape.form.contact
+    if contact is None or by_source:
+        return contact
+    without = replace(contact, contype=None, conaffinity=None)
+    return without if without.given() else None
 
 
 def _means(glob: str, part: Part) -> bool:

@@ -62,8 +62,9 @@ class MeshSection(Keys):
     reckoned by what is known before, and the parts that are farthest off come first."""
 
     target: Literal["mujoco", "mjx"] = "mujoco"
-    """The engine that the colliders are made for. mjx: without cylinders, which MJX collides with no mesh;
-    those of the source, and those that are named, become prisms of the same volume."""
+    """The engine that the colliders are made for. mjx: without cylinders and ellipsoids, which MJX collides
+    with no mesh; cylinders of the source, and those that are named, become prisms of the same volume, and
+    ellipsoids their hulls."""
 
     basis: Literal["declared", "visual"] = "declared"
     """What colliders are made of where the source is a URDF or MJCF. declared: its own collision shapes, of

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,12 +17,14 @@ _UPWARDS = 24
 
 
 def shapes(link: Link) -> Iterator[Shape]:
-    """The shapes of a link's primitives: for each the collider first, then the visual."""
+    """The shapes of a link's primitives: for each the collider first, then the visual. What an MJCF source
+    says of a geom is the collider's, if it has one."""
     for primitive in link.shapes:
         if primitive.collision:
-            yield collider(link.name, primitive)
+            yield replace(collider(link.name, primitive), form=primitive.form)
         if primitive.visual:
-            yield _shape(link.name, "visual", primitive, primitive.colour or NEUTRAL)
+            shape = _shape(link.name, "visual", primitive, primitive.colour or NEUTRAL)
+            yield shape if primitive.collision else replace(shape, form=primitive.form)
 
 
 def prism(cylinder: Primitive, sides: int) -> Surface | None:

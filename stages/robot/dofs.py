@@ -69,6 +69,15 @@ class Dynamics:
 
 
 @dataclass(frozen=True, slots=True)
+class Spring:
+    """A spring of a dof: its stiffness [N m/rad or N/m], and the value [rad or m] at which it is slack: 0
+    of a ball, whose spring is slack at the pose of qpos0."""
+
+    stiffness: float
+    reference: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class MateValue:
     """The way from a dof's value back to the mate's own: `zero` + `sign` · value, for a turn or a slide.
 
@@ -101,7 +110,7 @@ class Dof:
     the identity. The only dof of a joint has the joint's name. `saved`: the value in the pose that
     CAD was left in. `given`: those of `limits` and of the dynamics, by name, that the configuration gives;
     the others are the source's. `named`: those of `given` that an entry with the dof's own name gives.
-    `in_mate`: how its value is counted in the mate's own.
+    `in_mate`: how its value is counted in the mate's own. `spring`: that of an MJCF source.
     """
 
     name: str
@@ -114,3 +123,4 @@ class Dof:
     given: tuple[str, ...] = ()
     named: tuple[str, ...] = ()
     in_mate: MateValue = AS_THE_MATE
+    spring: Spring | None = None

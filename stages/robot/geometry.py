@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 from stages.robot.errors import Diagnostic
+from stages.robot.geom_form import PLAIN, ContactProperties, GeomForm
 
 if TYPE_CHECKING:  # numpy comes with the model
     from stages.robot.model import Primitive
@@ -20,23 +21,6 @@ NEUTRAL: Colour = (0.7, 0.7, 0.7, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
-class ContactProperties:
-    """MuJoCo's properties of a geom in contact, in its own words and units; None for its default."""
-
-    friction: tuple[float, float, float] | None = None
-    condim: int | None = None
-    solref: tuple[float, float] | None = None
-    solimp: tuple[float, float, float, float, float] | None = None
-    margin: float | None = None
-    priority: int | None = None
-
-    def given(self) -> dict[str, float | tuple[float, ...]]:
-        """Those that are not left at their default, by name."""
-        values = {one.name: getattr(self, one.name) for one in fields(self)}
-        return {name: value for name, value in values.items() if value is not None}
-
-
-@dataclass(frozen=True, slots=True)
 class Shape:
     """One shape of a link: a mesh in the link's frame, or a primitive; the other one is None.
 
@@ -46,7 +30,8 @@ class Shape:
     `contact`: what the configuration says of its contacts. `texture`: the entry of `Geometry.files` that is
     the image of a mesh with texture coordinates, times `colour`. `collider`: which of its link's colliders it
     is, or is a piece of, counted as in `Geometry.colliders`; None of what the user gave. `bounds` [m]: of a
-    mesh, in the link's frame, the least x, y and z and the largest.
+    mesh, in the link's frame, the least x, y and z and the largest. `form`: how an MJCF source has it;
+    `ellipsoid`: what it is in an MJCF, of a mesh that stands for it elsewhere.
     """
 
     link: str
@@ -62,11 +47,13 @@ class Shape:
     texture: str | None = None
     collider: int | None = None
     bounds: tuple[float, ...] = ()
+    form: GeomForm = PLAIN
+    ellipsoid: Primitive | None = None
 
 
 ExcludeReason = Literal["Adjacent", "Always", "Source", "User"]
 """Why two links do not collide: a joint or a rigid connection between them; they touch in whatever pose; the
-source's SRDF says so; the configuration does."""
+source says so, an MJCF or an SRDF; the configuration does."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -155,7 +142,8 @@ class Geometry:
     always OBJ, each with its library of materials (MTL), and the images (PNG). `self_contact`:
     whether the robot's links collide with each other; then `excludes` are the pairs that do not, in the
     order of the links: also those that an engine leaves out by itself; and `touching` those of the others
-    that touch at `home`. `colliders`: of each link in its own order, how its parts collide."""
+    that touch at `home`. `colliders`: of each link in its own order, how its parts collide. `by_source`:
+    whether what collides is what an MJCF source says, by the bits of its geoms, its pairs and excludes."""
 
     shapes: tuple[Shape, ...]
     files: Mapping[str, bytes]
@@ -164,6 +152,7 @@ class Geometry:
     excludes: tuple[Exclude, ...] = ()
     touching: tuple[Touch, ...] = ()
     colliders: tuple[ColliderFigures, ...] = ()
+    by_source: bool = False
 
     @property
     def lasts(self) -> bool:

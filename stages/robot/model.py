@@ -21,8 +21,11 @@ from stages.robot.dofs import DofKind as DofKind
 from stages.robot.dofs import Dynamics as Dynamics
 from stages.robot.dofs import Limits as Limits
 from stages.robot.dofs import MateValue as MateValue
+from stages.robot.dofs import Spring as Spring
 from stages.robot.dofs import Value as Value
 from stages.robot.errors import Diagnostic
+from stages.robot.geom_form import PLAIN, GeomForm
+from stages.robot.mjcf_extras import MjcfExtras
 from stages.robot.semantics import NOTHING_MORE, RobotSemantics
 from stages.robot.sensing import Sensor as Sensor
 
@@ -69,6 +72,7 @@ class Part:
     are CAD's, in the part's own frame. `collides`: whether its shape takes part in contact; a sheet without
     mass is only visual. `seen`: whether it is visual; a mesh made only for contact is not. `standard`:
     whether it is standard content, such as a screw. `estimated`: whether its mass is, from its volume.
+    `form`: how an MJCF source has it.
     """
 
     path: tuple[str, ...]
@@ -83,16 +87,18 @@ class Part:
     seen: bool = True
     standard: bool = False
     estimated: bool = False
+    form: GeomForm = PLAIN
 
 
-PrimitiveKind = Literal["box", "sphere", "cylinder", "capsule"]
+PrimitiveKind = Literal["box", "sphere", "cylinder", "capsule", "ellipsoid"]
+"""An ellipsoid is one in an MJCF alone: no link has it as a shape."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Primitive:
     """A shape that is no mesh. `size` [m]: a box's lengths along x, y, z; a sphere's (radius,); a
     cylinder's or capsule's (radius, length), along z, the caps of a capsule beyond its length.
-    `colour`: RGBA in 0..1, None for neutral grey."""
+    `colour`: RGBA in 0..1, None for neutral grey. `form`: how an MJCF source has it."""
 
     kind: PrimitiveKind
     size: tuple[float, ...]
@@ -100,6 +106,7 @@ class Primitive:
     colour: tuple[float, float, float, float] | None = None
     visual: bool = True
     collision: bool = True
+    form: GeomForm = PLAIN
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -269,7 +276,7 @@ class Robot:
     driven, in the words of the source's URDF: the text of its <transmission>s and <ros2_control>s.
     `actuators` and `sensors`: those that the source has itself.
     `keyframes`: the poses that the user gives; `home` may be one of them. `semantics`: what the source's
-    SRDF says.
+    SRDF says. `mjcf`: what only an MJCF has, of a source that is one.
     """
 
     name: str
@@ -289,6 +296,7 @@ class Robot:
     sensors: tuple[Sensor, ...] = ()
     keyframes: tuple[Keyframe, ...] = ()
     semantics: RobotSemantics = NOTHING_MORE
+    mjcf: MjcfExtras | None = None
 
     @property
     def root(self) -> Link:

@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:  # numpy comes with the model
-    from stages.robot.model import Array
+if TYPE_CHECKING:  # numpy comes with it
+    from stages.robot.arrays import Array
 
 FLOOR = "floor"
 """The geom of a scene that is its ground."""

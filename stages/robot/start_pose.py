@@ -21,8 +21,10 @@ def starting_point(robot: Robot) -> Configuration:
     pose is outside the limits and `home` closes the loops.
 
     Values of the tree's dofs and of the loops' own. A free joint has no mate, and so no zero: it starts at
-    its saved pose.
+    its saved pose. The saved pose of an MJCF source is its qpos0: it stays that.
     """
+    if robot.mjcf is not None:
+        return saved(robot)
     start = _closed_at_zero(robot) or saved(robot)
     if is_within(robot, start):
         return start

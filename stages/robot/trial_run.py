@@ -15,6 +15,9 @@ SECONDS = 2.0
 OPEN = 1e-3
 """How far [m, rad] the equalities that close loops may open."""
 
+RIGID = 0.999
+"""The impedance from which on an equality is to hold: ours do, and one of an MJCF source may be soft."""
+
 EFFORT = 1e7
 """Bound of steps times the square of the speeds' number: a robot of more than 100 runs for a shorter time."""
 
@@ -74,12 +77,13 @@ def failure(model: Any, data: Any) -> tuple[str, tuple[str, ...]] | None:
 
 
 def _opening(model: Any, data: Any) -> tuple[float, int]:
-    """The largest error of a connect or weld [m, rad], and its number; -1 without any."""
+    """The largest error of a connect or weld that is to hold [m, rad], and its number; -1 without any."""
     if not data.ne:
         return 0.0, -1
     # The rows of equalities come first.
     equalities = data.efc_id[: data.ne]
-    closing = model.eq_type[equalities] != mujoco.mjtEq.mjEQ_JOINT
+    closes = np.isin(model.eq_type, (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD))
+    closing = (closes & (model.eq_solimp[:, 1] >= RIGID))[equalities]
     if not closing.any():
         return 0.0, -1
     squares = np.bincount(equalities[closing], data.efc_pos[: data.ne][closing] ** 2)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stages.validate.keys import ValidateKeys
     from stages.validate.own import OwnCheck
 
-VERSION = 43
+VERSION = 44
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -38,10 +38,11 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
     "relations": ("mjcf", "urdf"),
     "loops": ("mjcf", "urdf"),
     "loop_ends": ("urdf",),
-    "keyframes": ("mjcf",),
-    "actuators": ("mjcf",),
+    "keyframes": ("mjcf", "scene"),
+    "actuators": ("mjcf", "scene"),
     "gravity_compensation": ("mjcf",),
     "sensors": ("mjcf",),
+    "source_elements": ("mjcf", "scene"),
     "self_contact": ("mjcf",),
     "contact_filter": ("mjcf",),
     "contact_properties": ("mjcf",),

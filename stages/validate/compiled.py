@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, Protocol
 
@@ -18,6 +18,9 @@ from stages.validate.asked import AS_STANDARD, Asked
 
 LOOKS = frozenset(["rgba", "material", "texture", "color", "default", "class"])
 """Elements and attributes on which colours depend."""
+
+SCENE = "scene.xml"
+"""The file that puts the robot into a world."""
 
 FileKind = Literal["mjcf", "urdf", "scene", "simulated"]
 """What a file is to a check. simulated: the scene, or the MJCF where there is no scene; it is that too."""
@@ -66,9 +69,23 @@ class CompiledModel:
     scene: Scene | None = None
 
     @property
+    def has_keyframes(self) -> bool:
+        """Whether the robot's keyframes are in this file: in the scene where something beside the robot moves
+        or is driven there, else in the MJCF."""
+        extras = self.robot.mjcf
+        return (self.path.name == SCENE) == (extras is not None and extras.moves_in_scene)
+
+    @property
     def surplus(self) -> Surplus:
-        """What the file has more than the robot, after what is the robot's own."""
-        return self.amendments.surplus_of(self.path.name)
+        """What the file has more than the robot, after what is the robot's own: by the user's own XML, and
+        equalities that only an MJCF source has."""
+        added = self.amendments.surplus_of(self.path.name)
+        extras = self.robot.mjcf
+        if extras is None or self.urdf:
+            return added
+        sections = (*extras.sections, *(extras.scene if self.path.name == SCENE else ()))
+        ties = sum(len(section.children) for section in sections if section.tag == "equality")
+        return replace(added, equalities=added.equalities + ties)
 
     def sets(self, attribute: str) -> bool:
         """Whether the user's own XML sets an attribute of this name: its value is then the user's."""

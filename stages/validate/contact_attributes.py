@@ -10,7 +10,7 @@ import numpy as np
 
 from stages.robot.amendments import tag_of
 from stages.robot.check import Finding
-from stages.robot.geometry import ContactProperties
+from stages.robot.geom_form import ContactProperties
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME
 from stages.validate.findings import differs

@@ -4,8 +4,9 @@ An MJCF has a ball as a quaternion relative to qpos0, a URDF as three turns abou
 has its pose in the world in both.
 """
 
+import functools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import mujoco
@@ -142,6 +143,17 @@ def spread(robot: Robot, turn: int) -> dict[str, Value]:
     return values
 
 
+def body_from_link(robot: Robot, link: str) -> Array:
+    """(4, 4): where a link's frame is on its body: there, unless an MJCF source has the body elsewhere."""
+    return _bodies_from_links(robot).get(link, UNMOVED)
+
+
+@functools.lru_cache(maxsize=4)  # asked for each link of one and the same robot
+def _bodies_from_links(robot: Robot) -> Mapping[str, Array]:
+    bodies = () if robot.mjcf is None else robot.mjcf.bodies
+    return {one.link: inverse(one.link_from_body) for one in bodies}
+
+
 def root_pose(model: Any, data: Any, robot: Robot) -> Array:
     """world_from_root (4, 4): a root called `world` is the world itself, or the site of that name."""
     site = site_index(model, robot.root.name)
@@ -155,7 +167,9 @@ def link_pose(model: Any, data: Any, robot: Robot, link: str) -> Array:
     if link == robot.root.name:
         return root_pose(model, data, robot)
     body = body_index(model, link)
-    return pose_of(data, body) if body >= 0 else site_pose(model, data, site_index(model, link))
+    if body < 0:
+        return site_pose(model, data, site_index(model, link))
+    return pose_of(data, body) @ body_from_link(robot, link)
 
 
 def frame_pose(model: Any, data: Any, name: str, urdf: bool) -> Array:

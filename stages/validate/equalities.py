@@ -1,6 +1,6 @@
 """The equalities of a compiled model: their errors, and the bodies that they connect."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 import mujoco
@@ -23,18 +23,30 @@ STIFF = (0.9999, 0.9999, 0.001)
 
 
 def held_differences(
-    compiled: CompiledModel, index: int, element: str, solref: tuple[float, float]
+    compiled: CompiledModel,
+    index: int,
+    element: str,
+    solref: tuple[float, float],
+    by_source: Mapping[str, str] | None = None,
 ) -> Iterator[Finding]:
-    """How an equality is held otherwise than it must be: `solref`, as far as the time step lets it, and
-    `STIFF`. What the user's own XML sets is the user's."""
+    """How an equality is held otherwise than it must be: as an MJCF source says (`by_source`), else with
+    `solref`, as far as the time step lets it, and `STIFF`. What the user's own XML sets is the user's."""
     model, (first, ratio) = compiled.model, solref
     # Two steps are the stiffest that MuJoCo holds.
-    wanted = (max(first, 2.0 * float(model.opt.timestep)), ratio) if first > 0 else solref
+    wanted: tuple[float, ...] = (max(first, 2.0 * float(model.opt.timestep)), ratio) if first > 0 else solref
+    impedance: tuple[float, ...] = STIFF
+    if by_source is not None:
+        wanted, impedance = (tuple(map(float, by_source[key].split())) for key in ("solref", "solimp"))
     if not np.allclose(model.eq_solref[index], wanted, rtol=SAME) and not compiled.sets("solref"):
         yield differs(element, "solref", model.eq_solref[index], wanted)
-    found = model.eq_solimp[index][: len(STIFF)]
-    if not np.allclose(found, STIFF, rtol=SAME) and not compiled.sets("solimp"):
-        yield differs(element, "solimp", found, STIFF)
+    found = model.eq_solimp[index][: len(impedance)]
+    if not np.allclose(found, impedance, rtol=SAME) and not compiled.sets("solimp"):
+        yield differs(element, "solimp", found, impedance)
+    scale = float((by_source or {}).get("torquescale", 1.0))
+    weld = model.eq_type[index] == mujoco.mjtEq.mjEQ_WELD
+    own = float(model.eq_data[index][10])
+    if weld and not np.isclose(own, scale, rtol=SAME) and not compiled.sets("torquescale"):
+        yield differs(element, "torquescale", own, scale)
 
 
 def violation(model: Any, data: Any) -> float:

@@ -9,7 +9,14 @@ import numpy as np
 from stages.robot.model import Array, Robot, Value
 from stages.robot.pose_batch import Values
 from stages.robot.statics import GRAVITY
-from stages.validate.coordinates import body_index, joint_index, link_pose, root_pose, set_values
+from stages.validate.coordinates import (
+    body_from_link,
+    body_index,
+    joint_index,
+    link_pose,
+    root_pose,
+    set_values,
+)
 from stages.validate.tree_dynamics import Moving, scalar_dofs
 
 
@@ -96,11 +103,13 @@ def _links(model: Any, robot: Robot) -> Callable[[Any], Array]:
     plain = bodies >= 0
     others = [at for at, link in enumerate(robot.links) if not plain[at] or link.name == robot.root.name]
     bodies = np.where(plain, bodies, 0)
+    places = np.array([body_from_link(robot, link.name) for link in robot.links])
 
     def read(data: Any) -> Array:
         found = np.zeros((len(bodies), 4, 4))
         found[:, :3, :3] = data.xmat[bodies].reshape(-1, 3, 3)
         found[:, :3, 3], found[:, 3, 3] = data.xpos[bodies], 1.0
+        found = np.asarray(found @ places)
         for at in others:
             found[at] = link_pose(model, data, robot, robot.links[at].name)
         return found

@@ -23,7 +23,7 @@ from stages.robot.model import Robot
 from stages.robot.scene import Scene
 from stages.robot.sensing import NOTHING, Sensing
 from stages.validate.asked import AS_STANDARD, Asked
-from stages.validate.compiled import CheckFunction, CompiledModel, Engine, FileKind, without_warnings
+from stages.validate.compiled import SCENE, CheckFunction, CompiledModel, Engine, FileKind, without_warnings
 from stages.validate.coordinates import missing_names
 from stages.validate.expected import Expected
 from stages.validate.files.model_config import model_config
@@ -32,9 +32,6 @@ from stages.validate.guarded import guarded
 from stages.validate.own import OwnCheck
 from stages.validate.readiness.finished import Finished
 from stages.validate.readiness.score import score
-
-SCENE = "scene.xml"
-"""The file that puts the robot into a world."""
 
 OTHERS = (".sdf", ".srdf", ".usda")
 """Endings of files of a build that no engine reads, and that may name assets."""

@@ -24,12 +24,15 @@ MEASURED = (SPHERE, CAPSULE, CYLINDER, BOX, ELLIPSOID, MESH)
 
 
 def seen_and_solid(model: Any) -> dict[int, tuple[list[int], list[int]]]:
-    """By body: the geoms that are only seen, and those that collide, in their order."""
+    """By body: the geoms that are only seen, and those that collide, in their order. What is neither is no
+    shape of a robot: it has no material, and a colour that is not seen."""
     found: dict[int, tuple[list[int], list[int]]] = {}
     for geom in range(model.ngeom):
+        hidden = model.geom_rgba[geom][3] == 0 and model.geom_matid[geom] < 0
         if model.geom_type[geom] in MEASURED:
             collides = bool(model.geom_contype[geom] or model.geom_conaffinity[geom])
-            found.setdefault(int(model.geom_bodyid[geom]), ([], []))[collides].append(geom)
+            if collides or not hidden:
+                found.setdefault(int(model.geom_bodyid[geom]), ([], []))[collides].append(geom)
     return found
 
 

@@ -6,10 +6,10 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from stages.export.mjcf.left_out import LeftOut
 from stages.mesh.contacts.analysis import POSES
 from stages.mesh.contacts.colliders import measures_overlaps
 from stages.robot.geometry import Geometry, Shape
+from stages.robot.left_out import LeftOut
 from stages.robot.model import Limits
 from stages.robot.pose_samples import sampled_poses
 from stages.robot.start_pose import home

@@ -2,15 +2,20 @@
 
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import mujoco
 import numpy as np
 
+from stages.export import export
 from stages.fetch.mjcf.gather import gather
 from stages.fetch.mjcf.keys import MjcfSourceKeys
 from stages.graph import build_robot
+from stages.mesh import make_geometry
 from stages.robot.bundle import Bundle
+from stages.robot.errors import Diagnostic
 from stages.robot.model import Robot
+from stages.validate import validate
 from tests.support.building import plan_of
 from tests.support.engines import Mujoco
 
@@ -41,8 +46,34 @@ def robot_of(path: Path, **keys) -> Robot:
     return build_robot(bundle_of(path), plan_of(**keys))
 
 
+def built(path: Path, folder: Path, **keys: Any) -> tuple[list[Diagnostic], tuple[str, ...]]:
+    """Writes the files of all stages but the cache; what they report, and the checks that fail. Colliders
+    are the file's own meshes."""
+    plan = plan_of(
+        source={"kind": "mjcf", "path": str(path)},
+        **{
+            "contact": {"self": "auto"},
+            "ground": {"kind": "none"},
+            "export": {"mjcf": {}},
+            "mesh": {"collider": "raw"},
+            **keys,
+        },
+    )
+    bundle, warnings = gather(plan.source)
+    robot = build_robot(bundle, plan)
+    geometry = make_geometry(robot, bundle, plan, lambda kind, key, make: make())
+    exported = export(robot, geometry, plan)
+    for name, data in exported.files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(data)
+    known = exported.actuation, geometry, exported.form, exported.mjcf_form, exported.sensing
+    checks = validate(folder, robot, plan, *known, exported.amendments, exported.scene)
+    failed = tuple(f"{check.name}: {check.detail[:120]}" for check in checks if check.fails)
+    return [*warnings, *robot.diagnostics, *geometry.diagnostics, *exported.diagnostics], failed
+
+
 class Original(Mujoco):
-    """An MJCF as MuJoCo alone sees it, with our frames in it: those of each body's last joint."""
+    """An MJCF as MuJoCo alone sees it, with the frames of a URDF in it: those of each body's last joint."""
 
     def poses(self, values):
         found = super().poses(values)

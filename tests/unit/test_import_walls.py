@@ -17,6 +17,7 @@ HOMES = {
     "mujoco": (
         "stages/validate/",
         "stages/fetch/mjcf/",
+        "stages/formats/compiled_mjcf/",
         "stages/mesh/contacts/",
         "stages/robot/mujoco_warnings.py",
         "stages/robot/trial_run.py",

@@ -74,8 +74,8 @@ def actuate(
     maker = _Maker(robot, timestep, found, {one.name for one in kept}, couplings.coupled, motors)
     actuators = [made for dof in robot.dofs if dof.name in driven for made in maker.of(dof, wanted, kept)]
     actuation = Actuation(
-        # The controls of a robot whose actuators nobody changes keep their places.
-        actuators=tuple(actuators if wanted else sorted(actuators, key=_place_in(robot.actuators))),
+        # The controls of the source keep their order.
+        actuators=tuple(sorted(actuators, key=_place_in(robot.actuators))),
         armatures=tuple(maker.armatures),
         compensated=tuple(sorted(shares.items())),
         compensating=tuple(dof for dof in driven if dof in wanted and _share(wanted[dof])),
@@ -91,7 +91,7 @@ def actuate(
 
 def _place_in(own: Sequence[Actuator]) -> Callable[[Actuator], int]:
     places = {one.name: number for number, one in enumerate(own)}
-    return lambda one: places[one.name]
+    return lambda one: places.get(one.name, len(places))
 
 
 def _share(wanted: Wanted) -> float:

@@ -1,18 +1,27 @@
 """MJCF's actuators, by the shortcuts of MuJoCo's XML reference where they have one, and its sensors."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 from stages.formats.numbers import TURN, number, spaced
 from stages.formats.xml import Element, element
 from stages.robot.actuation import Actuation
 from stages.robot.home_control import control_at, state_at
+from stages.robot.mjcf_extras import MjcfExtras
 from stages.robot.model import Configuration, Sensor
 
 
-def write_actuation(root: Element, actuation: Actuation, sensors: Sequence[Sensor]) -> None:
-    """An element for each actuator, in the order of the dofs, and for each sensor."""
+def write_actuation(
+    root: Element,
+    actuation: Actuation,
+    sensors: Sequence[Sensor],
+    extras: MjcfExtras,
+) -> None:
+    """An element for each actuator, in the order of the dofs, and for each sensor, with the attributes of an
+    MJCF source."""
     if actuation.actuators:
-        _write_actuators(root, actuation)
+        _write_actuators(root, actuation, extras.attributes_of("actuator"))
+    more = extras.attributes_of("sensor")
     if sensors:
         above = element(root, "sensor")
         for one in sensors:
@@ -23,6 +32,7 @@ def write_actuation(root: Element, actuation: Actuation, sensors: Sequence[Senso
                 **_ends(one),
                 noise=number(one.noise) if one.noise else None,
                 cutoff=number(one.cutoff) if one.cutoff else None,
+                **more.get(one.name, {}),
             )
 
 
@@ -42,7 +52,7 @@ def _ends(sensor: Sensor) -> dict[str, str | None]:
     }
 
 
-def _write_actuators(root: Element, actuation: Actuation) -> None:
+def _write_actuators(root: Element, actuation: Actuation, extras: Mapping[str, Mapping[str, str]]) -> None:
     above = element(root, "actuator")
     for one in actuation.actuators:
         element(
@@ -55,28 +65,36 @@ def _write_actuators(root: Element, actuation: Actuation) -> None:
             kv=_number(one.kv),
             ctrlrange=_range(one.control),
             forcerange=_range(one.force),
-            **dict(one.terms),
+            **{**dict(one.terms), **extras.get(one.name, {})},
         )
 
 
-def controls(actuation: Actuation, at: Configuration | None = None) -> str | None:
-    """The `ctrl` of the keyframe `home`, or of another with these values; None without actuators."""
-    return " ".join(number(one, least=TURN) for one in _controls(actuation, at)) or None
+@dataclass(frozen=True, slots=True)
+class KeyedActuator:
+    """An actuator in a keyframe: its control and its states."""
+
+    name: str
+    control: float
+    states: tuple[float, ...]
 
 
-def _controls(actuation: Actuation, at: Configuration | None) -> Iterator[float]:
-    for one in actuation.actuators:
-        value = None if at is None else at[one.dof]
-        yield one.home if value is None or isinstance(value, tuple) else control_at(one, value)
+def drives(actuation: Actuation, at: Configuration, at_home: bool) -> Iterator[KeyedActuator]:
+    """The actuators in a keyframe with these values; `at_home`: whether it is that keyframe."""
+    for actuator in actuation.actuators:
+        value = at[actuator.dof]
+        if isinstance(value, tuple):
+            yield KeyedActuator(actuator.name, actuator.home, ())
+            continue
+        control = actuator.home if at_home else control_at(actuator, value)
+        yield KeyedActuator(actuator.name, control, tuple(state_at(actuator, value)))
 
 
-def states(actuation: Actuation, at: Configuration) -> str | None:
-    """The `act` of a keyframe with these values; None where all are 0."""
-    every: list[float] = []
-    for one in actuation.actuators:
-        value = at[one.dof]
-        every += () if isinstance(value, tuple) else state_at(one, value)
-    return " ".join(number(one, least=TURN) for one in every) if any(every) else None
+def key_attributes(every: Sequence[KeyedActuator]) -> dict[str, str | None]:
+    """`act` and `ctrl` of a keyframe: no `act` where all states are 0, and no `ctrl` without actuators."""
+    states = [state for drive in every for state in drive.states]
+    ctrl = " ".join(number(drive.control, least=TURN) for drive in every)
+    act = " ".join(number(state, least=TURN) for state in states) if any(states) else None
+    return {"act": act, "ctrl": ctrl or None}
 
 
 def _number(value: float | None) -> str | None:

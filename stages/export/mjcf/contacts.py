@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from stages.export.mjcf.filters import Filters, Geom
 from stages.formats.numbers import spaced
 from stages.formats.xml import Element, element
-from stages.robot.geometry import ContactProperties
+from stages.robot.geom_form import ContactProperties
 
 Vector = tuple[float, ...]
 

@@ -16,9 +16,9 @@ from itertools import product
 import numpy as np
 import numpy.typing as npt
 
-from stages.export.mjcf.left_out import LeftOut
 from stages.robot.adjacency import Pair
 from stages.robot.geometry import Exclude, Geometry
+from stages.robot.left_out import LeftOut
 from stages.robot.model import Robot
 
 Geom = tuple[str, int]
@@ -47,9 +47,15 @@ class Filters:
 
 
 def filters(robot: Robot, geometry: Geometry) -> Filters:
-    """What keeps the excludes of `geometry` from colliding, but for what MuJoCo leaves out by itself."""
+    """What keeps the excludes of `geometry` from colliding, but for what MuJoCo leaves out by itself, and
+    what an MJCF source keeps apart."""
     left_out = LeftOut(robot)
-    needed = [one for one in geometry.excludes if not left_out.contains(one.link_a, one.link_b)]
+    needed = [
+        one
+        for one in geometry.excludes
+        if not (geometry.by_source and one.reason == "Source")
+        and not left_out.contains(one.link_a, one.link_b)
+    ]
     excluded = [one for one in needed if one.link_a != WORLD]
     chosen: list[Exclude] = []
     classes: list[list[Geom]] = []

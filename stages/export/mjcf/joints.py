@@ -5,7 +5,7 @@ each given in the body's own frame at qpos0; `ref` makes a joint's value in `qpo
 ball's value is relative to the pose at qpos0; a free joint's value is the pose in the world.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from stages.formats.numbers import LENGTH, least_of, number, spaced
 from stages.formats.xml import Element, element
@@ -20,22 +20,33 @@ OPEN = "1e6"
 TYPES = {"turn": "hinge", "slide": "slide", "ball": "ball"}
 
 
+NO_EXTRAS: Mapping[str, Mapping[str, str]] = {}
+
+
 def write_joints(
-    body: Element, dofs: Sequence[Dof], start: Configuration, compensating: Collection[str] = ()
+    body: Element,
+    dofs: Sequence[Dof],
+    start: Configuration,
+    compensating: Collection[str] = (),
+    body_from_link: Array = UNMOVED,
+    extras: Mapping[str, Mapping[str, str]] = NO_EXTRAS,
 ) -> None:
-    """The `<joint>`s of a body whose pose in its parent is the chain of `dofs` at `start`. `compensating`:
-    the dofs whose actuators hold the weight that bodies compensate."""
+    """The `<joint>`s of a body whose link's pose in the parent is the chain of `dofs` at `start`.
+    `compensating`: the dofs whose actuators hold the weight that bodies compensate. `body_from_link` (4, 4);
+    `extras`: by dof, attributes of an MJCF source, which come before ours."""
     for index, dof in enumerate(dofs):
         after = dofs[index + 1 :]
-        body_from_dof = inverse(chain(after, start)) if after else UNMOVED
+        body_from_dof = body_from_link @ inverse(chain(after, start)) if after else body_from_link
         if dof.kind == "free":
             element(body, "freejoint", name=dof.name)
         else:
-            _joint(body, dof, body_from_dof, start[dof.name], dof.name in compensating)
+            own = _joint(dof, body_from_dof, start[dof.name], dof.name in compensating)
+            element(body, "joint", **{**own, **extras.get(dof.name, {})})
 
 
-def _joint(body: Element, dof: Dof, body_from_dof: Array, start: Value, compensating: bool) -> None:
-    dynamics = dof.dynamics
+def _joint(dof: Dof, body_from_dof: Array, start: Value, compensating: bool) -> dict[str, str | None]:
+    """The attributes of a joint."""
+    dynamics, spring = dof.dynamics, dof.spring
     position = spaced(body_from_dof[:3, 3], least=LENGTH)
     more: dict[str, str | None] = {}
     if not isinstance(start, tuple):
@@ -46,21 +57,21 @@ def _joint(body: Element, dof: Dof, body_from_dof: Array, start: Value, compensa
             "ref": None if ref == "0" else ref,
             "actuatorfrcrange": None if effort is None else f"{number(-effort)} {number(effort)}",
         }
-    element(
-        body,
-        "joint",
-        name=dof.name,
-        type=TYPES[dof.kind],
-        pos=None if position == "0 0 0" else position,
-        axis=more.get("axis"),
-        range=more.get("range"),
-        ref=more.get("ref"),
-        damping=_number(dynamics.damping),
-        frictionloss=_number(dynamics.friction),
-        armature=_number(dynamics.armature),
-        actuatorfrcrange=more.get("actuatorfrcrange"),
-        actuatorgravcomp="true" if compensating else None,
-    )
+    return {
+        "name": dof.name,
+        "type": TYPES[dof.kind],
+        "pos": None if position == "0 0 0" else position,
+        "axis": more.get("axis"),
+        "range": more.get("range"),
+        "ref": more.get("ref"),
+        "stiffness": None if spring is None else number(spring.stiffness),
+        "springref": number(spring.reference) if spring is not None and spring.reference else None,
+        "damping": _number(dynamics.damping),
+        "frictionloss": _number(dynamics.friction),
+        "armature": _number(dynamics.armature),
+        "actuatorfrcrange": more.get("actuatorfrcrange"),
+        "actuatorgravcomp": "true" if compensating else None,
+    }
 
 
 def _number(value: float | None) -> str | None:

@@ -8,11 +8,12 @@ from stages.robot.keys import Keys
 class MjcfFormatKeys(Keys):
     """The MJCF and its scene."""
 
-    fixed_joints: Literal["merge", "keep"] = "merge"
+    fixed_joints: Literal["auto", "merge", "keep"] = "auto"
     """Links on fixed joints. merge: each is part of the body above it, with its mass, inertia and shapes, and
-    a site has its name and frame; keep: each has a body of its own. MuJoCo's own `fusestatic` would drop the
-    names and frames. What is fixed to a link `world` has a body always, and so has a link that needs one: for
-    a sensor of an MJCF source, a loop, or contacts that MuJoCo could not tell apart."""
+    a site has its name and frame; keep: each has a body of its own; auto: the bodies of an MJCF source stay
+    bodies, and other links are merged. MuJoCo's own `fusestatic` would drop the names and frames. What is
+    fixed to a link `world` has a body always, and so has a link that needs one: for a sensor or exclude of an
+    MJCF source, a loop, or contacts that MuJoCo could not tell apart."""
 
 
 KEYS = MjcfFormatKeys

@@ -11,7 +11,7 @@ MuJoCo's default impedance an equality yields to a tenth of the load, so all get
 """
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -106,8 +106,11 @@ class Closures:
         whole = self._inertials[carrier.carried]
         return moved(self.share(carrier.carried, whole), inverse(carrier.carried_from_carrier))
 
-    def write_equalities(self, equality: Element, timestep: float) -> None:
-        """Two points meet in a `connect`, two frames in a `weld`."""
+    def write_equalities(
+        self, equality: Element, timestep: float, extras: Mapping[str, Mapping[str, str]]
+    ) -> None:
+        """Two points meet in a `connect`, two frames in a `weld`. `extras`: by loop, what an MJCF source says
+        of its stiffness."""
         taken = {loop.name for loop in self._robot.loops}
         taken |= {relation.name for relation in self._robot.relations}
         for loop in self._robot.loops:
@@ -117,8 +120,9 @@ class Closures:
                 name = free(loop.name + suffix, taken) if suffix else loop.name
                 taken.add(name)
                 one, other = names[2 * index : 2 * index + 2]
-                solref = spaced(held(loop.solref, timestep))
-                element(equality, kind, name=name, site1=one, site2=other, solref=solref, solimp=STIFF)
+                stiff = {"solref": spaced(held(loop.solref, timestep)), "solimp": STIFF}
+                stiff = {**extras.get(loop.name, stiff)}
+                element(equality, kind, name=name, site1=one, site2=other, **stiff)
 
 
 def held(solref: tuple[float, float], timestep: float) -> tuple[float, float]:

@@ -1,6 +1,8 @@
-"""Poses as MJCF attributes."""
+"""Poses as MJCF attributes, and elements that have one."""
 
 from stages.formats.numbers import LENGTH, spaced
+from stages.formats.xml import Element, element
+from stages.robot.mjcf_extras import MjcfElement
 from stages.robot.model import Array
 from stages.robot.poses import quat_from_rotation
 
@@ -18,3 +20,32 @@ def orientation(rotation: Array) -> dict[str, str]:
     """`quat` of a (3, 3) rotation; identity is left out."""
     quat = spaced(quat_from_rotation(rotation))
     return {} if quat == "1 0 0 0" else {"quat": quat}
+
+
+def write_element(above: Element, own: MjcfElement) -> Element:
+    """An element of an MJCF source with all that is in it, under another."""
+    names = {attribute: name for attribute, _, name in own.names}
+    attributes = dict(own.attributes)
+    title = {"name": attributes.pop("name")} if "name" in attributes else {}
+    made = element(above, own.tag, **title, **names, **attributes)
+    for child in own.children:
+        write_element(made, child)
+    return made
+
+
+def write_placed(above: Element, own: MjcfElement, pose: Array) -> Element:
+    """An element of an MJCF source at a pose (4, 4) of what it is under; a light shines along its z axis."""
+    made = write_element(above, own)
+    place = placement(pose)
+    if own.tag == "light":
+        place = {"pos": place.get("pos", "0 0 0"), "dir": spaced(pose[:3, 2], least=1.0)}
+    for name, text in place.items():
+        made.set(name, text)
+    return made
+
+
+def above_bodies(body: Element, made: Element) -> None:
+    """Moves what was made last to before the bodies below, so that a body's own things stay together."""
+    first = body.find("body")
+    if first is not None:
+        first.addprevious(made)

@@ -1,22 +1,25 @@
 """scene.xml: the robot in a small world, with a floor, light and sky, ready for a viewer."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stages.export.mjcf.cameras import overview, write_camera
+from stages.export.mjcf.keyframes import write_keyframes
 from stages.export.mjcf.placement import placement
+from stages.export.mjcf.sections import write_sections
+from stages.export.mjcf.settings import text
 from stages.export.mujoco_keys import IN_THE_ROBOT
 from stages.export.scene_records import ground_pose
-from stages.export.standing import Stance
 from stages.formats.numbers import number, spaced
 from stages.formats.xml import Element, element, parse, to_bytes
+from stages.robot.mjcf_extras import NO_EXTRAS
 
 if TYPE_CHECKING:
-    from stages.export.keys import ExportKeys
     from stages.export.scene_keys import GroundKeys, LightKeys, SkyKeys
+    from stages.export.writer import WriterInput
 
 TEMPLATE = Path(__file__).with_name("scene.xml")
 
@@ -26,27 +29,34 @@ FLOOR = ("asset/texture[@name='checker']", "asset/material[@name='checker']", "w
 PLAIN = "0.5 0.5 0.5 1"
 
 
-def write_scene(robot: str, keys: "ExportKeys", standing: Stance) -> bytes:
-    """The scene around `<robot>.xml`, which it includes."""
+def write_scene(given: "WriterInput", model: bytes) -> bytes:
+    """The scene around `<robot>.xml`, which it includes and whose text is `model`."""
+    robot, keys, standing = given.robot.name, given.keys, given.standing
+    extras = given.mjcf_form.extras or NO_EXTRAS
     root = parse(TEMPLATE.read_bytes())
     root.set("model", f"{robot}_scene")
     root.find("include").set("file", f"{robot}.xml")
     _settings(root, "compiler", keys.scene.compiler)
-    _settings(root, "option", keys.scene.option, IN_THE_ROBOT)
+    in_the_robot = {*IN_THE_ROBOT, *dict(extras.option), *dict(extras.flag)}
+    _settings(root, "option", keys.scene.option, in_the_robot)
     world = root.find("worldbody")
     _sky(root.find("asset"), keys.scene.skybox)
     _ground(root, keys.ground)
-    _lights(world, keys.scene.lights)
+    beside = {(node.tag, node.name) for section in extras.scene for node in section.inside()}
+    _lights(world, keys.scene.lights, any(tag == "light" for tag, _ in beside))
+    write_sections(root, extras.scene)
     if np.isfinite(standing.low).all():
         middle, size = (standing.low + standing.high) / 2, standing.high - standing.low
         extent = max(float(np.max(size)), 1e-3)
         statistic = element(None, "statistic", center=spaced(_short(middle)), extent=number(_short(extent)))
         root.find("include").addnext(statistic)
-        if "overview" not in keys.scene.cameras:
+        if "overview" not in keys.scene.cameras and ("camera", "overview") not in beside:
             overview(world, middle, float(np.linalg.norm(size)) / 2)
     for name, camera in keys.scene.cameras.items():
         if camera.frame is None:
             write_camera(world, name, camera, np.eye(4))
+    if extras.moves_in_scene:
+        write_keyframes(root, given, parse(model))
     return to_bytes(root)
 
 
@@ -55,27 +65,20 @@ def _short(value: Any) -> Any:
     return np.round(value, 3) + 0.0
 
 
-def _settings(root: Element, name: str, keys: Any, without: tuple[str, ...] = ()) -> None:
+def _settings(root: Element, name: str, keys: Any, without: Collection[str] = ()) -> None:
     """An element of MuJoCo's own attributes, and one for each section of them, where something is given."""
-    given = {key: _text(value) for key, value in keys.given().items() if key not in without}
-    below = {key: section.given() for key, section in keys.sections().items()}
+    given = {key: text(value) for key, value in keys.given().items() if key not in without}
+    below = {
+        key: {attribute: value for attribute, value in section.given().items() if attribute not in without}
+        for key, section in keys.sections().items()
+    }
     if not given and not any(below.values()):
         return
     made = element(None, name, **given)
     for key, values in below.items():
         if values:
-            element(made, key, **{attribute: _text(value) for attribute, value in values.items()})
+            element(made, key, **{attribute: text(value) for attribute, value in values.items()})
     root.find("include").addnext(made)
-
-
-def _text(value: Any) -> str:
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, str):
-        return value
-    if isinstance(value, int):
-        return str(value)
-    return number(value) if isinstance(value, float) else " ".join(_text(one) for one in value)
 
 
 def _sky(asset: Element, sky: "SkyKeys") -> None:
@@ -105,9 +108,9 @@ def _ground(root: Element, ground: "GroundKeys") -> None:
         floor.set(name, value)
 
 
-def _lights(world: Element, lights: Mapping[str, "LightKeys"]) -> None:
-    """The template's sun, unless it is given, and the user's lights."""
-    if "sun" in lights:
+def _lights(world: Element, lights: Mapping[str, "LightKeys"], lit: bool) -> None:
+    """The template's sun, unless it is given or the scene is `lit` without it, and the user's lights."""
+    if "sun" in lights or lit:
         world.remove(world.find("light[@name='sun']"))
     for name, light in lights.items():
         if light.kind == "none":
@@ -122,6 +125,6 @@ def _lights(world: Element, lights: Mapping[str, "LightKeys"]) -> None:
             diffuse=spaced(light.diffuse),
             ambient=spaced(light.ambient),
             specular=spaced(light.specular),
-            castshadow=_text(light.shadow),
+            castshadow=text(light.shadow),
             cutoff=number(light.cutoff) if light.kind == "spot" else None,
         )

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from stages.export.mjcf.cameras import write_sensor_camera
-from stages.export.mjcf.placement import placement
+from stages.export.mjcf.placement import above_bodies, placement
 from stages.formats.numbers import spaced
 from stages.formats.xml import Element, element
 from stages.robot.fusing import Holders
@@ -25,17 +25,10 @@ def write_mounted(elements: Mapping[str, tuple[Element, Array]], holders: Holder
 
     for site in sensing.sites:
         body, pose = at(site.link, site.link_from_site)
-        _above_bodies(body, element(body, "site", name=site.name, **placement(pose), **_form(site)))
+        above_bodies(body, element(body, "site", name=site.name, **placement(pose), **_form(site)))
     for camera in sensing.cameras:
         body, pose = at(camera.link, camera.link_from_camera)
-        _above_bodies(body, write_sensor_camera(body, pose, camera))
-
-
-def _above_bodies(body: Element, made: Element) -> None:
-    """Moves what was made last to before the bodies below, so that a body's own things stay together."""
-    first = body.find("body")
-    if first is not None:
-        first.addprevious(made)
+        above_bodies(body, write_sensor_camera(body, pose, camera))
 
 
 def _form(site: SensorSite) -> dict[str, str]:

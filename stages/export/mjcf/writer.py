@@ -13,6 +13,7 @@ class MjcfWriter:
         return (f"{robot}.xml", "scene.xml")
 
     def write(self, given: WriterInput) -> Exported:
+        from stages.export.mjcf.extras import lost
         from stages.export.mjcf.form import filters_of
         from stages.export.mjcf.model import write_mjcf
         from stages.export.mjcf.scene import write_scene
@@ -20,12 +21,10 @@ class MjcfWriter:
 
         model, scene = self.paths(given.robot.name)
         kept_apart = filters_of(given.robot, given.geometry, given.mjcf_form)
-        files = {
-            model: write_mjcf(given, kept_apart),
-            scene: write_scene(given.robot.name, given.keys, given.standing),
-        }
-        lost = unsupported(given.robot, given.start, kept_apart.wide, given.mjcf_form)
-        return Exported(files, tuple(lost))
+        written = write_mjcf(given, kept_apart)
+        files = {model: written, scene: write_scene(given, written)}
+        found = unsupported(given.robot, given.start, kept_apart.wide, given.mjcf_form)
+        return Exported(files, (*found, *lost(given.robot, given.geometry, given.mjcf_form.extras)))
 
 
 WRITER = MjcfWriter()

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from stages.export.json_values import as_float
-from stages.export.order.mjcf_joints import joints_in_order
+from stages.formats.mjcf_joints import joints_in_order
 from stages.formats.xml import Element
 from stages.robot.actuation import Actuation, Actuator
 from stages.robot.model import Dof, Robot

@@ -48,6 +48,7 @@ class Mounted:
         self.sites: list[SensorSite] = []
         self.cameras: list[SensorCamera] = []
         self._geometry = geometry
+        self._has_shapes = robot.mjcf is not None
         self._mounts = mounts_of(robot)
         self._are_sites = {WORLD, *fused}
         self._seen = set(seen)
@@ -79,9 +80,10 @@ class Mounted:
             )
 
     def of_source(self, sensor: Sensor) -> Sensor:
-        """A sensor of the source, on a site of its own where that needs a shape."""
+        """A sensor of the source, on a site of its own where that needs a shape: the sites of an MJCF source
+        have theirs."""
         mount = self._mounts.get(sensor.name_of_target)
-        if not sensor.shape or mount is None:
+        if not sensor.shape or mount is None or self._has_shapes:
             return sensor
         pose = mount.link_from_mount
         _, site = self._site(f"{sensor.name_of_target}_zone", mount, pose, sensor.shape, sensor.size)

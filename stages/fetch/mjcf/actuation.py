@@ -5,6 +5,8 @@ from typing import Any
 
 import mujoco
 
+from stages.formats.compiled_mjcf.elements import actuator_attributes
+from stages.formats.compiled_mjcf.sensors import sensor_attributes
 from stages.formats.mjcf import MjcfActuator, MjcfSensor, MjcfSensorEnd
 from stages.formats.numbers import exact
 
@@ -63,6 +65,7 @@ def actuator(model: Any, one: int, order: Mapping[int, int]) -> MjcfActuator:
         control=_range(model, one, "ctrl"),
         force=_range(model, one, "force"),
         terms=terms,
+        attributes=actuator_attributes(model, one),
     )
 
 
@@ -141,7 +144,9 @@ def sensor(model: Any, one: int, numbers: Numbers) -> MjcfSensor | None:
     kind = _WORDS.get(raw, raw)
     on = _end(int(model.sensor_objtype[one]), int(model.sensor_objid[one]), numbers)
     of = _end(int(model.sensor_reftype[one]), int(model.sensor_refid[one]), numbers)
-    if kind not in _PLAIN_SENSORS or on is None or of is None:
+    # A rangefinder may give more than a distance.
+    more = kind == "rangefinder" and int(model.sensor_intprm[one][0]) not in (0, 1)
+    if kind not in _PLAIN_SENSORS or on is None or of is None or more:
         return None
     return MjcfSensor(
         name=mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_SENSOR, one) or "",
@@ -150,6 +155,7 @@ def sensor(model: Any, one: int, numbers: Numbers) -> MjcfSensor | None:
         relative_to=of,
         noise=float(model.sensor_noise[one]),
         cutoff=float(model.sensor_cutoff[one]),
+        attributes=sensor_attributes(model, one),
         **(_zone(model, int(model.sensor_objid[one])) if kind == "touch" else {}),
     )
 

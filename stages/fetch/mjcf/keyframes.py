@@ -7,22 +7,27 @@ from collections.abc import Collection, Iterator, Mapping
 import mujoco
 import numpy as np
 
+from stages.fetch.mjcf.extras import qpos_of
 from stages.fetch.mjcf.unsupported_fields import Omission
-from stages.formats.mjcf import MjcfKeyframe
+from stages.formats.mjcf import MjcfNamedPose
 
 _SCALAR = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
 _SIZES = {int(mujoco.mjtJoint.mjJNT_FREE): 7, int(mujoco.mjtJoint.mjJNT_BALL): 4}
 
 
-def keyframes(model: mujoco.MjModel, joints: Mapping[int, int]) -> tuple[MjcfKeyframe, ...]:
+def keyframes(model: mujoco.MjModel, joints: Mapping[int, int]) -> tuple[MjcfNamedPose, ...]:
     """The keyframes. `joints`: MuJoCo's numbers of those that are kept → ours."""
     found = []
+    beside = [joint for joint in range(model.njnt) if joint not in joints]
+    afloat = [joint for joint in joints if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_FREE]
     for key in range(model.nkey):
         qpos = model.key_qpos[key]
         values = {own: float(qpos[model.jnt_qposadr[joint]]) for joint, own in joints.items()}
         scalar = tuple((own, values[own]) for joint, own in joints.items() if _is_scalar(model, joint))
         moved = tuple(own for joint, own in joints.items() if _is_moved(model, joint, qpos))
-        found.append(MjcfKeyframe(model.key(key).name, scalar, moved))
+        floating = tuple((joints[joint], qpos_of(model, [joint], qpos)) for joint in afloat)
+        scene = qpos_of(model, beside, qpos)
+        found.append(MjcfNamedPose(model.key(key).name, scalar, moved, floating, scene))
     return tuple(found)
 
 
@@ -44,10 +49,11 @@ def left_of_keyframes(model: mujoco.MjModel, driven: Collection[int]) -> Iterato
     activations of actuators but for those `driven`, whose state follows from the pose."""
     states = [
         number
-        for one in range(len(model.actuator_trntype))
-        if one not in driven and model.actuator_actadr[one] >= 0
+        for index in range(len(model.actuator_trntype))
+        if index not in driven and model.actuator_actadr[index] >= 0
         for number in range(
-            int(model.actuator_actadr[one]), int(model.actuator_actadr[one]) + _count(model, one)
+            int(model.actuator_actadr[index]),
+            int(model.actuator_actadr[index] + model.actuator_actnum[index]),
         )
     ]
     mocap = [body for body in range(model.nbody) if model.body_mocapid[body] >= 0]
@@ -67,7 +73,3 @@ def left_of_keyframes(model: mujoco.MjModel, driven: Collection[int]) -> Iterato
                 set_by.setdefault(word, []).append(model.key(key).name)
     for word, names in set_by.items():
         yield Omission(f"key {word}", False, tuple(names))
-
-
-def _count(model: mujoco.MjModel, actuator: int) -> int:
-    return int(model.actuator_actnum[actuator])

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from hashlib import sha256
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from stages.formats import triangles
+from stages.formats.compiled_mjcf.bodies import pose_of
 from stages.robot.geometry import NEUTRAL, Colour
-from stages.robot.model import Array, MeshRef, frozen
-from stages.robot.poses import from_parts, rotation_from_quat
+from stages.robot.model import Array, MeshRef
 
 
 class Meshes:
@@ -38,9 +40,25 @@ class Meshes:
             self.blobs[self.keys[key]] = body
         return MeshRef(self.keys[key], key)
 
+    def ellipsoid(self, size: Sequence[float], colour: Colour | None) -> MeshRef:
+        """The reference to the triangles of an ellipsoid, as long along x, y and z [m] as `size`, which is
+        within them."""
+        identity = ("ellipsoid", *map(float, size), colour)
+        key = f"ellipsoid-{sha256(repr(identity).encode()).hexdigest()[:12]}"
+        if key not in self.keys:
+            points, faces = _ball()
+            ranks = np.zeros(len(faces), dtype=np.uint16)
+            body = triangles.Body(
+                key, points * np.array(size) / 2, faces, (colour or NEUTRAL,), ranks, (), None
+            )
+            data = triangles.encode([body])
+            self.keys[key] = sha256(data).hexdigest()
+            self.blobs[self.keys[key]] = data
+        return MeshRef(self.keys[key], key)
+
     def asset_from_mesh(self, mesh: int) -> Array:
         """(4, 4): MuJoCo turns a mesh to its principal axes about its centre, and each geom with it."""
-        return placed(self._model.mesh_pos[mesh], self._model.mesh_quat[mesh])
+        return pose_of(self._model.mesh_pos[mesh], self._model.mesh_quat[mesh])
 
     def _body(self, key: str, mesh: int, colour: Colour, image: str) -> triangles.Body:
         model = self._model
@@ -59,6 +77,30 @@ class Meshes:
         return triangles.Body(key, points, faces, (colour,), ranks, (image,) if image else (), texcoords)
 
 
-def placed(position: Array, quat: Array) -> Array:
-    """The pose (4, 4) of MuJoCo's position and quaternion (w, x, y, z)."""
-    return frozen(from_parts(rotation_from_quat(quat), np.asarray(position, dtype=np.float64)))
+_AROUND, _UPWARDS = 32, 16
+"""Points of a ball around its axis, and steps from pole to pole."""
+
+
+def _ball() -> tuple[Array, npt.NDArray[np.int32]]:
+    """The corners (n, 3) and triangles (m, 3) of a polyhedron around the ball of radius 1."""
+    turns = np.arange(_AROUND) * (2 * np.pi / _AROUND)
+    tilts = np.arange(1, _UPWARDS) * (np.pi / _UPWARDS)
+    rings = [[np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)] for a in tilts for b in turns]
+    points = np.array([[0.0, 0.0, 1.0], *rings, [0.0, 0.0, -1.0]])
+    last = len(points) - 1
+    faces: list[tuple[int, int, int]] = []
+    for one in range(_AROUND):
+        other = (one + 1) % _AROUND
+        faces.append((0, 1 + one, 1 + other))
+        for ring in range(_UPWARDS - 2):
+            above = 1 + ring * _AROUND
+            a, b, c, d = above + one, above + other, above + _AROUND + one, above + _AROUND + other
+            faces += [(a, c, b), (b, c, d)]
+        low = 1 + (_UPWARDS - 2) * _AROUND
+        faces.append((low + one, last, low + other))
+    corners = np.array(faces, dtype=np.int32)
+    normals = np.cross(
+        points[corners[:, 1]] - points[corners[:, 0]], points[corners[:, 2]] - points[corners[:, 0]]
+    )
+    reach = np.abs((normals * points[corners[:, 0]]).sum(axis=1)) / np.linalg.norm(normals, axis=1)
+    return points / reach.min(), corners

@@ -1,30 +1,18 @@
 """Reports by name every element or attribute of an MJCF that our robot model cannot represent."""
 
-from collections.abc import Collection, Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
 import mujoco
-import numpy as np
 
+from stages.fetch.mjcf.geoms import GEOMS, is_extra, shows, touches
 from stages.fetch.mjcf.keyframes import left_of_keyframes
 from stages.fetch.mjcf.textures import Textures
-from stages.fetch.mjcf.unsupported_fields import (
-    Omission,
-    of_elements,
-    of_options,
-    of_the_file,
-    of_the_viewer,
-    touches,
-)
+from stages.fetch.mjcf.unsupported_fields import Omission, of_elements, of_the_file, of_the_viewer
+from stages.formats.compiled_mjcf.bodies import WRITTEN
 from stages.robot.errors import Diagnostic
-
-_SOLID = (
-    mujoco.mjtGeom.mjGEOM_BOX,
-    mujoco.mjtGeom.mjGEOM_SPHERE,
-    mujoco.mjtGeom.mjGEOM_CYLINDER,
-    mujoco.mjtGeom.mjGEOM_CAPSULE,
-    mujoco.mjtGeom.mjGEOM_MESH,
-)
+from stages.robot.globs import listed
+from stages.robot.plural import count
 
 _SHOWN = 5
 """The most names of each kind that are reported."""
@@ -36,23 +24,19 @@ def left_out(
     kept: Collection[int],
     textures: Textures,
     where: str,
+    lost: Collection[tuple[str, int]],
     driven: Collection[int] = (),
-    measured: Collection[int] = (),
 ) -> Iterator[Diagnostic]:
     """W-MJCF-LEFT for omissions that affect motion or contact, I-MJCF-LEFT for the rest.
 
     `spec`: the spec from which `model` was compiled. `kept`: the bodies that become links. `textures`: those
-    that are carried over; `driven` and `measured`: the actuators and sensors that are.
+    that are carried over; `lost`: (tag, number) of the elements that are not; `driven`: the actuators that
+    the robot has itself.
     """
-    equalities = [eq for eq in range(model.neq) if carried(model, eq, kept)]
     found = [
-        *_bodies(model, kept),
-        *_joints(model, kept),
-        *_ties(model, kept, equalities),
         *_geoms(model, kept),
-        *of_elements(model, kept, equalities, textures.materials, driven, measured),
-        *of_options(model),
-        *_elements(model, {"texture": textures.carried, "actuator": driven, "sensor": measured}),
+        *of_elements(model, textures.materials),
+        *_elements(model, lost, textures.carried),
         *left_of_keyframes(model, driven),
         *of_the_viewer(model),
         *of_the_file(spec),
@@ -67,6 +51,22 @@ def left_out(
         yield Diagnostic("I-MJCF-LEFT", text, where)
 
 
+def in_the_scene(model: Any, kept: Collection[int], where: str) -> Iterator[Diagnostic]:
+    """I-MJCF-SCENE: the bodies that are not part of the robot, and what is fixed to the world."""
+    tops = [body for body in range(1, model.nbody) if not model.body_parentid[body] and body not in kept]
+    fixed = int((model.geom_bodyid == 0).sum())
+    words = (
+        [f"{count(len(tops), 'body', 'bodies')} ({listed(model.body(body).name for body in tops)})"]
+        if tops
+        else []
+    )
+    words += [count(fixed, "geom of the world", "geoms of the world")] if fixed else []
+    if words:
+        text = f"not part of the robot, so in the scene: {', '.join(words)}"
+        hint = "scene.surroundings=drop leaves it out; the robot is what has actuators"
+        yield Diagnostic("I-MJCF-SCENE", text, where, hint)
+
+
 def _text(left: Omission) -> str:
     """The omitted attribute, its number, and the names of the first elements."""
     if not left.names:
@@ -76,22 +76,6 @@ def _text(left: Omission) -> str:
     return f"{len(left.names)} × {left.words}" + (f" ({', '.join(shown)}{more})" if shown else "")
 
 
-def carried(model: Any, eq: int, kept: Collection[int]) -> bool:
-    """Whether our robot model can represent an equality: a connect, a weld, or a joint that follows another
-    in proportion, between bodies that are kept."""
-    kind, first, second = (int(model.eq_type[eq]), int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq]))
-    if not model.eq_active0[eq]:
-        return False
-    if kind == mujoco.mjtEq.mjEQ_JOINT:
-        straight = second >= 0 and model.eq_data[eq][1] != 0 and not model.eq_data[eq][2:5].any()
-        return straight and all(int(model.jnt_bodyid[joint]) in kept for joint in (first, second))
-    if kind not in (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD):
-        return False
-    if model.eq_objtype[eq] == mujoco.mjtObj.mjOBJ_SITE:
-        first, second = int(model.site_bodyid[first]), int(model.site_bodyid[second])
-    return first in kept and second in kept
-
-
 def _some(words: str, affects_motion: bool, names: Iterable[str]) -> Iterator[Omission]:
     """The omissions that occur."""
     every = tuple(names)
@@ -99,103 +83,62 @@ def _some(words: str, affects_motion: bool, names: Iterable[str]) -> Iterator[Om
         yield Omission(words, affects_motion, every)
 
 
-def _bodies(model: Any, kept: Collection[int]) -> Iterator[Omission]:
-    """Mocap bodies, and how bodies sleep."""
-    yield from _some("body mocap", True, (model.body(b).name for b in range(model.nbody) if b not in kept))
-    policies = getattr(model, "tree_sleep_policy", ())  # of MuJoCo 3.4 and later
-    trees = (tree for tree, policy in enumerate(policies) if "AUTO" not in mujoco.mjtSleepPolicy(policy).name)
-    yield from _some("body sleep", False, (model.body(int(model.tree_bodyadr[tree])).name for tree in trees))
-
-
-def _joints(model: Any, kept: Collection[int]) -> Iterator[Omission]:
-    """Springs with another rest value, ranges that are not limits, and attributes of a free joint."""
-    joints = [joint for joint in range(model.njnt) if int(model.jnt_bodyid[joint]) in kept]
-    of = {kind: [joint for joint in joints if model.jnt_type[joint] == kind] for kind in range(4)}
-    scalar = [*of[mujoco.mjtJoint.mjJNT_HINGE], *of[mujoco.mjtJoint.mjJNT_SLIDE]]
-    balls, afloat = of[mujoco.mjtJoint.mjJNT_BALL], of[mujoco.mjtJoint.mjJNT_FREE]
-
-    def named(words: str, found: Iterable[int]) -> Iterator[Omission]:
-        return _some(words, True, (model.joint(joint).name for joint in sorted(found)))
-
-    rest = model.qpos_spring[model.jnt_qposadr]
-    yield from named("joint springref", (joint for joint in scalar if rest[joint]))
-    yield from named("joint range of a ball", (joint for joint in balls if model.jnt_limited[joint]))
-    uneven = ~np.isclose(-model.jnt_actfrcrange[:, 0], model.jnt_actfrcrange[:, 1])
-    bounded = (joint for joint in joints if model.jnt_actfrclimited[joint])
-    uneven_bounds = (joint for joint in bounded if uneven[joint] or joint not in scalar)
-    yield from named("joint actuatorfrcrange that is not symmetric", uneven_bounds)
-    for word in ("damping", "armature", "frictionloss"):
-        values = getattr(model, f"dof_{word}")
-        acting = (joint for joint in afloat if values[model.jnt_dofadr[joint] :][:6].any())
-        yield from named(f"joint {word} of a free joint", acting)
-
-
-def _ties(model: Any, kept: Collection[int], carried_over: Collection[int]) -> Iterator[Omission]:
-    """Equalities, tendons and deformable bodies."""
-    lost = (model.equality(eq).name for eq in range(model.neq) if eq not in carried_over)
-    yield from _some("equality", True, lost)
-    welds = (eq for eq in carried_over if model.eq_type[eq] == mujoco.mjtEq.mjEQ_WELD)
-    torques = (model.equality(eq).name for eq in welds if model.eq_data[eq][10] != 1)
-    yield from _some("weld torquescale", True, torques)
-    yield from _some("tendon", True, (model.tendon(tendon).name for tendon in range(model.ntendon)))
-    yield from _some("flex", True, _names(model, mujoco.mjtObj.mjOBJ_FLEX, model.nflex))
-
-
 def _geoms(model: Any, kept: Collection[int]) -> Iterator[Omission]:
-    """Geoms that are left out, and combined attributes of the other geoms."""
+    """Geoms that are left out, and the names of meshes that are only seen, which are joined."""
     every = range(model.ngeom)
     own = [geom for geom in every if model.geom_bodyid[geom] and int(model.geom_bodyid[geom]) in kept]
-    solid = [geom for geom in own if int(model.geom_type[geom]) in _SOLID]
+    beside = [geom for geom in every if geom not in own]
 
     def named(geoms: Iterable[int]) -> Iterator[str]:
         return (model.geom(geom).name for geom in geoms)
 
-    yield from _some("geom type (ellipsoid, field, plane, ...)", True, named(set(own) - set(solid)))
-    bits = (
-        g for g in solid if touches(model, g) and (model.geom_contype[g], model.geom_conaffinity[g]) != (1, 1)
-    )
-    yield from _some("geom contype, conaffinity", False, named(bits))
-    unseen = (geom for geom in solid if not touches(model, geom) and not _alpha(model, geom))
-    yield from _some("geom that is neither visible nor collides", False, named(unseen))
-    yield from _some("geom name", False, (name for name in named(solid) if name))
-    yield from _some("site without a name", False, ("" for s in range(model.nsite) if not model.site(s).name))
-    yield from _some("geom of the world", False, named(geom for geom in every if not model.geom_bodyid[geom]))
+    def kind(geom: int) -> int:
+        return int(model.geom_type[geom])
 
-
-def _alpha(model: Any, geom: int) -> float:
-    material = int(model.geom_matid[geom])
-    own = model.geom_rgba[geom]
-    plain = np.array_equal(own, np.array((0.5, 0.5, 0.5, 1), dtype=own.dtype))
-    return float(model.mat_rgba[material][3] if plain and material >= 0 else own[3])
+    strange = [geom for geom in own if kind(geom) not in GEOMS and not is_extra(model, geom)]
+    strange += [geom for geom in beside if kind(geom) not in WRITTEN]
+    yield from _some("geom type (field, sdf, ...)", True, named(strange))
+    meshes = [geom for geom in own if kind(geom) == mujoco.mjtGeom.mjGEOM_MESH and not touches(model, geom)]
+    unseen = [geom for geom in meshes if not shows(model, geom)]
+    yield from _some("mesh that is neither visible nor collides", False, named(unseen))
+    yield from _some("name of a mesh that is only visible", False, (name for name in named(meshes) if name))
 
 
 _KINDS = {
-    "sensor": ("mjOBJ_SENSOR", "nsensor"),
-    "camera": ("mjOBJ_CAMERA", "ncam"),
-    "light": ("mjOBJ_LIGHT", "nlight"),
-    "contact pair": ("mjOBJ_PAIR", "npair"),
-    "contact exclude": ("mjOBJ_EXCLUDE", "nexclude"),
-    "texture": ("mjOBJ_TEXTURE", "ntex"),
-    "height field": ("mjOBJ_HFIELD", "nhfield"),
-    "skin": ("mjOBJ_SKIN", "nskin"),
-    "custom numeric": ("mjOBJ_NUMERIC", "nnumeric"),
-    "custom text": ("mjOBJ_TEXT", "ntext"),
-    "custom tuple": ("mjOBJ_TUPLE", "ntuple"),
-    "plugin": ("mjOBJ_PLUGIN", "nplugin"),
+    "pair": ("mjOBJ_PAIR", True),
+    "exclude": ("mjOBJ_EXCLUDE", True),
+    "tendon": ("mjOBJ_TENDON", True),
+    "equality": ("mjOBJ_EQUALITY", True),
+    "actuator": ("mjOBJ_ACTUATOR", True),
+    "sensor": ("mjOBJ_SENSOR", False),
 }
-"""Elements that are left out as a whole: MuJoCo's name of each, and the field with its number."""
+"""Elements that may be lost: MuJoCo's name of each, and whether a robot moves otherwise without."""
+
+_WHOLE = {
+    "flex": ("mjOBJ_FLEX", "nflex", True),
+    "skin": ("mjOBJ_SKIN", "nskin", False),
+    "custom numeric": ("mjOBJ_NUMERIC", "nnumeric", False),
+    "custom text": ("mjOBJ_TEXT", "ntext", False),
+    "custom tuple": ("mjOBJ_TUPLE", "ntuple", False),
+    "plugin": ("mjOBJ_PLUGIN", "nplugin", True),
+}
+"""Elements that are left out as a whole: MuJoCo's name of each, the field with its number, and whether a
+robot moves otherwise without."""
 
 
-def _elements(model: Any, carried_over: Mapping[str, Collection[int]]) -> Iterator[Omission]:
-    """Elements of each kind but for those that are carried over, by their numbers."""
-    every = {
-        words: _names(model, getattr(mujoco.mjtObj, kind), getattr(model, count))
-        for words, (kind, count) in _KINDS.items()
-    }
-    every["actuator"] = _names(model, mujoco.mjtObj.mjOBJ_ACTUATOR, len(model.actuator_trntype))
-    for words, names in every.items():
-        lost = (name for number, name in enumerate(names) if number not in carried_over.get(words, ()))
-        yield from _some(words, False, lost)
+def _elements(model: Any, lost: Collection[tuple[str, int]], textures: Collection[int]) -> Iterator[Omission]:
+    """Elements of each kind that are not carried over."""
+    for tag, (kind, moves) in _KINDS.items():
+        numbers = sorted(number for word, number in lost if word == tag)
+        names = (mujoco.mj_id2name(model, getattr(mujoco.mjtObj, kind), number) or "" for number in numbers)
+        yield from _some(tag, moves, names)
+    for words, (kind, field, moves) in _WHOLE.items():
+        yield from _some(words, moves, _names(model, getattr(mujoco.mjtObj, kind), getattr(model, field)))
+    images = enumerate(_names(model, mujoco.mjtObj.mjOBJ_TEXTURE, model.ntex))
+    yield from _some("texture", False, (name for number, name in images if number not in textures))
+    policies = getattr(model, "tree_sleep_policy", ())  # of MuJoCo 3.4 and later
+    trees = (tree for tree, policy in enumerate(policies) if "AUTO" not in mujoco.mjtSleepPolicy(policy).name)
+    yield from _some("body sleep", False, (model.body(int(model.tree_bodyadr[tree])).name for tree in trees))
 
 
 def _names(model: Any, kind: Any, count: int) -> list[str]:

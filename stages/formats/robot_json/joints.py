@@ -20,6 +20,7 @@ from stages.robot.model import (
     MateRef,
     MateValue,
     Relation,
+    Spring,
     frozen,
 )
 
@@ -91,7 +92,12 @@ def _dof(record: Fields) -> Dof:
         saved=record.value("saved"),
         given=tuple(given),
         in_mate=MateValue(mate.whole("sign"), mate.value("zero")),
+        spring=_spring(record.inside("spring")) if record.has("spring") else None,
     )
+
+
+def _spring(record: Fields) -> Spring:
+    return Spring(record.number("stiffness"), record.number("reference"))
 
 
 def _axis(record: Fields) -> Array:

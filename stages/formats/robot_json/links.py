@@ -8,7 +8,7 @@ from stages.robot.model import Array, Inertial, Link, Part, Primitive, frozen
 MIRROR = np.diag([1.0, 1.0, -1.0, 1.0])
 """What takes the right-handed pose that is written of a mirrored part to its own (4, 4)."""
 
-KINDS = ("box", "sphere", "cylinder", "capsule")
+KINDS = ("box", "sphere", "cylinder", "capsule", "ellipsoid")
 
 
 def link_of(record: Fields) -> Link:

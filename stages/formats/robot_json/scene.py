@@ -16,7 +16,7 @@ def scene_of(record: Fields) -> Scene | None:
         table.pose("pose"),
         tuple((name, poses.pose(name)) for name in poses.table),
         _ground(table.inside("ground")) if table.has("ground") else None,
-        {name: _setting(options, name) for name in options.table},
+        {name: setting_of(options, name) for name in options.table},
         {name: flags.text(name) for name in flags.table},
     )
 
@@ -26,7 +26,8 @@ def _ground(record: Fields) -> Ground:
     return Ground(record.pose("pose"), (first, second, third))
 
 
-def _setting(record: Fields, key: str) -> Setting:
+def setting_of(record: Fields, key: str) -> Setting:
+    """A word, a number or several numbers."""
     found = record.table[key]
     if isinstance(found, str):
         return record.text(key)

@@ -4,7 +4,9 @@ from typing import Any, get_args
 
 from stages.formats.robot_json.fields import Fields
 from stages.formats.robot_json.links import colour_of, primitive_of
-from stages.robot.geometry import ContactProperties, Exclude, ExcludeReason, Geometry, Role, Shape, Touch
+from stages.formats.robot_json.mjcf import texts_of
+from stages.robot.geom_form import PLAIN, ContactProperties, GeomForm
+from stages.robot.geometry import Exclude, ExcludeReason, Geometry, Role, Shape, Touch
 
 ROLES, REASONS = get_args(Role), get_args(ExcludeReason)
 
@@ -41,6 +43,8 @@ def _shape(record: Fields) -> Shape:
         texture=record.text("texture") if record.has("texture") else None,
         collider=record.whole("collider") if record.has("collider") else None,
         bounds=record.numbers("bounds", 6) if record.has("bounds") else (),
+        form=_form(record.inside("geom")) if record.has("geom") else PLAIN,
+        ellipsoid=primitive_of(record.inside("ellipsoid")) if record.has("ellipsoid") else None,
     )
 
 
@@ -49,8 +53,14 @@ def _contact(record: Fields) -> ContactProperties:
     found: dict[str, Any] = {
         key: record.numbers(key, count) for key, count in lengths.items() if record.has(key)
     }
-    found |= {key: record.whole(key) for key in ("condim", "priority") if record.has(key)}
-    return ContactProperties(**found, margin=record.number_or_none("margin"))
+    wholes = ("condim", "priority", "contype", "conaffinity")
+    found |= {key: record.whole(key) for key in wholes if record.has(key)}
+    found |= {key: record.number(key) for key in ("margin", "solmix", "gap") if record.has(key)}
+    return ContactProperties(**found)
+
+
+def _form(record: Fields) -> GeomForm:
+    return GeomForm(record.text("name"), attributes=texts_of(record, "attributes"))
 
 
 def _exclude(record: Fields) -> Exclude:

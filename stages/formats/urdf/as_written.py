@@ -30,7 +30,7 @@ def holders(robot: Robot, form: UrdfForm) -> Holders:
 def as_written(robot: Robot, form: UrdfForm) -> Robot:
     """The robot that the URDF of this form describes: with all that was on merged links on their holders, and
     with a relation for each <mimic>."""
-    robot = replace(robot, relations=_relations(robot, form))
+    robot = replace(robot, relations=_relations(robot, form), mjcf=None)
     held = holders(robot, form)
     if all(holder == link for link, (holder, _) in held.items()):
         return robot

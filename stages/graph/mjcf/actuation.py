@@ -1,6 +1,6 @@
 """Actuators and sensors of an MJCF, by the names that its joints, sites and bodies have now."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import cast
 
 from stages.formats.mjcf import Mjcf, MjcfSensorEnd
@@ -13,62 +13,73 @@ from stages.robot.sensing import Sensor, SensorTarget, ZoneShape
 def actuators_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Actuator, ...]:
     """The actuators; one without a name gets that of its dof."""
     dofs = _dofs(mjcf, names)
-    called = _actuator_names(mjcf, names)
+    called = actuator_names(mjcf, names)
     return tuple(
         Actuator(
             name=name,
-            dof=dofs[one.joint],
-            type=cast(ActuatorType, one.type),
-            gear=one.gear,
-            kp=one.kp,
-            kv=one.kv,
-            control=one.control,
-            force=one.force,
-            terms=one.terms,
+            dof=dofs[actuator.joint],
+            type=cast(ActuatorType, actuator.type),
+            gear=actuator.gear,
+            kp=actuator.kp,
+            kv=actuator.kv,
+            control=actuator.control,
+            force=actuator.force,
+            terms=actuator.terms,
         )
-        for one, name in zip(mjcf.actuators, called, strict=True)
+        for actuator, name in zip(mjcf.actuators, called, strict=True)
     )
 
 
 def sensors_of(mjcf: Mjcf, names: MjcfFileNames) -> tuple[Sensor, ...]:
     """The sensors whose objects have names now; one without a name gets one."""
-    known: dict[str, Sequence[str | None]] = {
+    found = []
+    name_of = _namer(mjcf, names)
+    for sensor, name in zip(mjcf.sensors, sensor_names(mjcf, names), strict=True):
+        on, of = name_of(sensor.on), name_of(sensor.relative_to)
+        if on is None or of is None:
+            continue
+        ends = (cast(SensorTarget, sensor.on.kind), on), (cast(SensorTarget, sensor.relative_to.kind), of)
+        zone = cast(ZoneShape, sensor.shape), sensor.size
+        found.append(Sensor(name, sensor.type, *ends[0], *ends[1], sensor.noise, sensor.cutoff, *zone))
+    return tuple(found)
+
+
+def sensor_names(mjcf: Mjcf, names: MjcfFileNames) -> list[str]:
+    """The names of all sensors: one without a name is called after what it is on."""
+    taken, name_of = {sensor.name for sensor in mjcf.sensors}, _namer(mjcf, names)
+    found = []
+    for sensor in mjcf.sensors:
+        on = name_of(sensor.on) or ""
+        found.append(sensor.name or free(f"{on}_{sensor.type}".lstrip("_"), taken))
+        taken.add(found[-1])
+    return found
+
+
+def actuator_names(mjcf: Mjcf, names: MjcfFileNames) -> list[str]:
+    """The names of all actuators."""
+    dofs = _dofs(mjcf, names)
+    taken = {actuator.name for actuator in mjcf.actuators}
+    found = []
+    for actuator in mjcf.actuators:
+        found.append(actuator.name or free(dofs[actuator.joint], taken))
+        taken.add(found[-1])
+    return found
+
+
+def _namer(mjcf: Mjcf, names: MjcfFileNames) -> Callable[[MjcfSensorEnd], str | None]:
+    """What gives the name of a sensor's end, "" for nothing; None for a site that is no frame."""
+    named: dict[str, Sequence[str | None]] = {
         "joint": _dofs(mjcf, names),
-        "actuator": _actuator_names(mjcf, names),
+        "actuator": actuator_names(mjcf, names),
         "site": list(_sites(mjcf, names)),
         "body": [names.links.get(number, "") for number in range(len(mjcf.bodies))],
     }
-    known["xbody"] = known["body"]
-
-    def name_of(end: MjcfSensorEnd) -> str | None:
-        return known[end.kind][end.number] if end.kind else ""
-
-    taken = {one.name for one in mjcf.sensors}
-    found = []
-    for one in mjcf.sensors:
-        on, of = name_of(one.on), name_of(one.relative_to)
-        if on is None or of is None:
-            continue
-        name = one.name or free(f"{on}_{one.type}".lstrip("_"), taken)
-        taken.add(name)
-        ends = (cast(SensorTarget, one.on.kind), on), (cast(SensorTarget, one.relative_to.kind), of)
-        zone = cast(ZoneShape, one.shape), one.size
-        found.append(Sensor(name, one.type, *ends[0], *ends[1], one.noise, one.cutoff, *zone))
-    return tuple(found)
+    named["xbody"] = named["body"]
+    return lambda end: named[end.kind][end.number] if end.kind else ""
 
 
 def _dofs(mjcf: Mjcf, names: MjcfFileNames) -> list[str]:
     return [name for number in range(len(mjcf.bodies)) for name in names.dofs[number]]
-
-
-def _actuator_names(mjcf: Mjcf, names: MjcfFileNames) -> list[str]:
-    dofs = _dofs(mjcf, names)
-    taken = {one.name for one in mjcf.actuators}
-    found = []
-    for one in mjcf.actuators:
-        found.append(one.name or free(dofs[one.joint], taken))
-        taken.add(found[-1])
-    return found
 
 
 def _sites(mjcf: Mjcf, names: MjcfFileNames) -> Iterator[str | None]:

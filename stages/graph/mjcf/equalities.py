@@ -32,7 +32,8 @@ def closings(closures: Sequence[MjcfClosure]) -> tuple[Closing, ...]:
     for one in closures:
         other = by_sites.get((one.sites[0] + SECOND_POINT, one.sites[1] + SECOND_POINT))
         named = other is not None and other.name == one.name + SECOND_POINT
-        axis = _axis(one, other) if other is not None and named and one.type == "connect" else None
+        alike = other is not None and one.attributes == other.attributes and one.type == "connect"
+        axis = _axis(one, other) if other is not None and named and alike else None
         if axis is not None:
             spent.add(id(other))
         found.append(Closing(one, axis))
@@ -88,7 +89,13 @@ def connections(
             ref=MateRef((), name, one.closure.name or name, one.closure.type),
             title=name,
             closes=True,
+            solref=_solref(one.closure),
         )
+
+
+def _solref(closure: MjcfClosure) -> tuple[float, float] | None:
+    numbers = [float(number) for number in dict(closure.attributes).get("solref", "").split()]
+    return (numbers[0], numbers[1]) if len(numbers) == 2 else None
 
 
 def _joint(one: Closing, name: str, relative: Array) -> tuple[JointType, tuple[Dof, ...]]:

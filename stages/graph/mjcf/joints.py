@@ -68,7 +68,8 @@ def chain_of(body: MjcfBody, names: Sequence[str]) -> Chain:
         origin = inverse(before) @ place @ motion(kind, joint.axis, rest)
         saved: Value = joint.ref if scalar else rest
         axis = frozen(joint.axis + 0.0)
-        dofs.append(Dof(name, kind, axis, origin, joint.limits, joint.dynamics, saved))
+        own = joint.limits, joint.dynamics
+        dofs.append(Dof(name, kind, axis, origin, *own, saved, spring=joint.spring))
         before = place
     start = body.parent_from_body @ _gathered(dofs)
     return Chain(frozen(start), tuple(dofs), frozen(before))

@@ -7,6 +7,7 @@ from stages.graph.mechanism import WORLD_LINK
 from stages.graph.mjcf.equalities import Closing
 from stages.graph.naming import FileNames, Namer
 from stages.robot.diagnostics import Diagnostics
+from stages.robot.mjcf_extras import MjcfElement
 
 WORLD_NUMBER = 0
 """The body that is the world."""
@@ -27,6 +28,7 @@ def names_of(
     `joining`: those of the closings `found` that become joints. `hidden`: sites that are no frames.
     """
     namer = Namer()
+    namer.reserve(name for section in mjcf.extras.scene for name in _names_in(section))
     bodies = list(enumerate(mjcf.bodies))[1:]
     links = namer.keep("link", ((number, body.name) for number, body in bodies))
     dofs = namer.keep("joint", _dofs(mjcf))
@@ -51,6 +53,14 @@ def names_of(
         relations={index: name for (_, index), name in relations.items()},
         loops=loops,
     )
+
+
+def _names_in(element: MjcfElement) -> Iterator[str]:
+    """The names of an element and of all in it."""
+    if element.name:
+        yield element.name
+    for child in element.children:
+        yield from _names_in(child)
 
 
 def _dofs(mjcf: Mjcf) -> Iterator[tuple[tuple[int, int], str]]:

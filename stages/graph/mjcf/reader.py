@@ -13,6 +13,7 @@ from stages.graph.mechanism import WORLD_LINK, Connection, Marker, Mechanism, Re
 from stages.graph.mjcf.actuation import actuators_of, sensors_of
 from stages.graph.mjcf.base import base_of, bodies_of, floats, joining, root_of
 from stages.graph.mjcf.equalities import closings, connections, own_sites
+from stages.graph.mjcf.extras import extras_of
 from stages.graph.mjcf.joints import SINGLE, Chain, body_joint, chain_of
 from stages.graph.mjcf.keyframes import keyframes_of
 from stages.graph.mjcf.naming import MjcfFileNames, names_of
@@ -73,6 +74,10 @@ def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[M
     )
     closing = connections(apart, numbers, pose.world_from_body)
     root = root_of(mjcf, there)
+    keyframes = keyframes_of(mjcf, names, root, log)
+    link_from_body = {
+        body: frozen(inverse(pose.world_from_link[body]) @ pose.world_from_body[body]) for body in there
+    }
     mechanism = Mechanism(
         bodies=tuple(_body(mjcf, number, names, pose, numbers) for number in there),
         connections=(*_tree(mjcf, names, chains, pose, numbers), *closing),
@@ -83,7 +88,8 @@ def read_mechanism(bundle: Bundle, keys: GraphKeys, log: Diagnostics) -> tuple[M
         has_saved_pose=False,
         actuators=actuators_of(mjcf, names),
         sensors=sensors_of(mjcf, names),
-        keyframes=keyframes_of(mjcf, names, root, log),
+        keyframes=keyframes,
+        mjcf=extras_of(mjcf, names, found, keyframes, link_from_body),
     )
     return mechanism, keys
 
@@ -179,7 +185,7 @@ def _parts(body: MjcfBody, name: str, world_from_body: Array) -> Iterator[Part]:
         world_from_part = frozen(world_from_body @ geom.body_from_geom)
         yield Part(
             path=(body.name or name, "geom", f"{count:0{width}d}"),
-            name=f"{name}/{geom.name or f'geom {count}'}",
+            name=f"{name}/{geom.form.name or f'geom {count}'}",
             part_id=geom.mesh.part,
             mesh=geom.mesh,
             link_from_part=world_from_part,
@@ -188,13 +194,15 @@ def _parts(body: MjcfBody, name: str, world_from_body: Array) -> Iterator[Part]:
             volume=0.0,
             collides=geom.collides,
             seen=geom.seen,
+            form=geom.form,
         )
 
 
 def _primitive(geom: MjcfGeom, world_from_body: Array) -> Primitive:
     assert geom.kind != "mesh"
     pose = frozen(world_from_body @ geom.body_from_geom)
-    return Primitive(geom.kind, geom.size, pose, geom.colour, visual=geom.seen, collision=geom.collides)
+    look = geom.colour, geom.seen, geom.collides, geom.form
+    return Primitive(geom.kind, geom.size, pose, *look)
 
 
 def _tree(

@@ -9,6 +9,7 @@ from stages.graph.keys import NamesKeys
 from stages.graph.mechanism import WORLD_LINK, Connection, Mechanism
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import listed, matching, with_plain
+from stages.robot.mjcf_extras import NewName
 from stages.robot.sensing import Sensor
 
 
@@ -51,9 +52,16 @@ def renamed(mechanism: Mechanism, wanted: NamesKeys, log: Diagnostics) -> Mechan
             replace(one, given=tuple((called.get(name, name), value) for name, value in one.given))
             for one in mechanism.keyframes
         ),
+        mjcf=mechanism.mjcf and mechanism.mjcf.renamed(_new_name(called, of_links)),
     )
     _check_free(made, {*links.values(), *joints.values()}, log)
     return made
+
+
+def _new_name(dofs: Mapping[str, str], links: Mapping[str, str]) -> NewName:
+    """By kind: those of links are bodies, and an equality may be a connection that closes a loop."""
+    tables = {"body": links, "joint": dofs, "equality": dofs}
+    return lambda kind, name: tables.get(kind, {}).get(name, name)
 
 
 def _measuring(sensor: Sensor, dofs: Mapping[str, str], links: Mapping[str, str]) -> Sensor:

@@ -117,7 +117,8 @@ def _counted(dof: Dof, own: MateValue) -> Dof:
     ends = [None if end is None else own.inverse(end) for end in (dof.limits.lower, dof.limits.upper)]
     limits = Limits(*(ends if own.sign > 0 else reversed(ends)))
     axis = frozen(own.sign * dof.axis + 0.0)
-    return replace(moved, axis=axis, limits=limits, saved=own.inverse(dof.saved))
+    spring = dof.spring and replace(dof.spring, reference=own.inverse(dof.spring.reference))
+    return replace(moved, axis=axis, limits=limits, saved=own.inverse(dof.saved), spring=spring)
 
 
 def _carried(relation: Relation, counts: Mapping[str, MateValue], measured: Collection[str]) -> Relation:

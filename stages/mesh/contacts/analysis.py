@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import orjson
 
+from stages.mesh.contacts.by_source import source_excludes
 from stages.mesh.contacts.findings import findings
 from stages.mesh.contacts.narrow import Mask, narrowed
 from stages.robot import codec
@@ -32,12 +33,13 @@ POSES = 128
 @dataclass(frozen=True, slots=True)
 class Contacts:
     """Whether the links collide with each other, the pairs that do not, and those of the others that touch
-    at `home`."""
+    at `home`. `by_source`: whether an MJCF source says so."""
 
     on: bool
     excludes: tuple[Exclude, ...] = ()
     touching: tuple[Touch, ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
+    by_source: bool = False
 
 
 def self_contacts(
@@ -57,16 +59,24 @@ def self_contacts(
     if keys.self_ == "none":
         return Contacts(False)
     colliders = [shape for shape in shapes if shape.role == "collision"]
+    by_source = keys.self_ == "auto" and robot.mjcf is not None
+    search = keys.self_ == "auto" and not by_source
+    apart = source_excludes(robot, colliders) if by_source else []
+    if apart is None:
+        return Contacts(False, by_source=True)
     adjacent: tuple[Pair, ...] = ()
-    search = keys.self_ == "auto"
     solid = {shape.link for shape in colliders}
     disabled = [(one.link_a, one.link_b) for one in robot.semantics.disabled if one.touches and search]
     if search:
         adjacent = adjacent_pairs(robot, solid)
     given: dict[Pair, ExcludeReason] = {
+        **{(one.link_a, one.link_b): "Source" for one in apart if not one.geoms},
         **dict.fromkeys((pair for pair in disabled if solid.issuperset(pair)), "Source"),
         **dict.fromkeys(chosen, "User"),
         **dict.fromkeys(adjacent, "Adjacent"),
+    }
+    some = {
+        (one.link_a, one.link_b): one for one in apart if one.geoms and (one.link_a, one.link_b) not in given
     }
 
     def make() -> bytes:
@@ -85,11 +95,12 @@ def self_contacts(
     always = [codec.typed(Exclude, one) for one in found["always"]]
     touching = tuple(codec.typed(Touch, one) for one in found["free"])
     place = {link.name: index for index, link in enumerate(robot.links)}
-    excludes = [*always, *(Exclude(*pair, reason, held.get(pair, 0.0)) for pair, reason in given.items())]
+    excludes = [*always, *some.values()]
+    excludes += [Exclude(*pair, reason, held.get(pair, 0.0)) for pair, reason in given.items()]
     excludes.sort(key=lambda one: (place[one.link_a], place[one.link_b]))
     named = [(one, excluded_colliders(one, shapes, figures)) for one in always]
     problems = findings(named, touching if search else (), POSES)
-    return Contacts(True, tuple(excludes), touching, tuple(problems))
+    return Contacts(True, tuple(excludes), touching, tuple(problems), by_source)
 
 
 def _found(

@@ -160,12 +160,12 @@ def _compiled(shapes: Sequence[Shape], files: Mapping[str, bytes]) -> Any:
 
 
 def _geom(world: Element, shape: Shape, names: Mapping[str, str]) -> None:
-    if shape.file is not None:
+    primitive = shape.ellipsoid or shape.primitive
+    if primitive is None:
+        assert shape.file is not None
         element(world, "geom", type="mesh", mesh=names[shape.file])
         return
-    primitive = shape.primitive
-    assert primitive is not None
-    radii = 0 if primitive.kind == "box" else 1
+    radii = 0 if primitive.kind in ("box", "ellipsoid") else 1
     sizes = [*primitive.size[:radii], *(length / 2 for length in primitive.size[radii:])]
     pose = primitive.link_from_shape
     element(

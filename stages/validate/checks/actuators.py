@@ -9,9 +9,10 @@ import numpy as np
 from stages.robot.actuation import Actuator
 from stages.robot.check import Check, Finding
 from stages.robot.home_control import control_at, state_at, torque_per_volt
+from stages.robot.mjcf_extras import NO_EXTRAS
 from stages.robot.model import Configuration, Value
 from stages.robot.start_pose import HOME, keyframes
-from stages.validate.compiled import CompiledModel
+from stages.validate.compiled import SCENE, CompiledModel
 from stages.validate.coordinates import SAME, joint_index
 from stages.validate.findings import differs, few, named, shown
 
@@ -19,14 +20,18 @@ CODE = "C-ACTUATOR"
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """A URDF has no actuators."""
-    if compiled.urdf:
+    """A URDF has no actuators. Of a scene only where the robot's keyframes are in it."""
+    scene = compiled.path.name == SCENE
+    if compiled.urdf or (scene and not compiled.has_keyframes):
         return
     model, expected = compiled.model, compiled.actuation.actuators
-    number = len(expected) + compiled.surplus.actuators
+    extras = compiled.robot.mjcf or NO_EXTRAS
+    sections = (*extras.sections, *(extras.scene if scene else ()))
+    more = [one.name for section in sections if section.tag == "actuator" for one in section.children]
+    number = len(expected) + len(more) + compiled.surplus.actuators
     if not expected and model.nu == number:
         return
-    poses = keyframes(compiled.robot)
+    poses = keyframes(compiled.robot) if compiled.has_keyframes else {}
     wrong = {one.name: found for one in expected if (found := [*_differences(model, one, poses)])}
     detail = f"{len(expected)} actuators with their dofs, gains and ranges"
     findings = [found for every in wrong.values() for found in every]
@@ -34,7 +39,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         detail = f"differ: {', '.join(wrong)}"
     elif model.nu != number:
         detail = f"expected {number} actuators, found {model.nu}"
-        known = {one.name for one in expected}
+        known = {*more, *(one.name for one in expected)}
         names = [model.actuator(index).name for index in range(model.nu)]
         message = "is not one of the robot's"
         findings = [Finding(named("actuator", name), "name", message) for name in names if name not in known]
@@ -43,7 +48,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
 
 
 def _differences(model: Any, one: Actuator, poses: Mapping[str, Configuration]) -> Iterator[Finding]:
-    """`poses`: of the keyframes, by name."""
+    """`poses`: of the keyframes that the file has, by name."""
     element = named(one.type, one.name)
     index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, one.name)
     if index < 0:

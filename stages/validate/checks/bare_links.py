@@ -15,7 +15,9 @@ ASKED = ("none", "visual")
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of a robot of which something collides."""
+    """Of a robot of which something collides; an MJCF source says itself what does."""
+    if compiled.robot.mjcf is not None:
+        return
     every = seen_and_solid(compiled.model)
     if not any(solid for _, solid in every.values()):
         return

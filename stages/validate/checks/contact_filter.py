@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from itertools import combinations_with_replacement
 from typing import Any
 
@@ -23,6 +23,8 @@ CODE = "C-EXCLUDE"
 TAGS = frozenset({"contact", "exclude", "pair", "geom", "contype", "conaffinity", "flag"})
 """Of the user's own XML: what changes which shapes collide."""
 
+GEOM = mujoco.mjtObj.mjOBJ_GEOM
+
 Grid = npt.NDArray[np.bool_]
 
 
@@ -37,19 +39,19 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     colliders = _colliders(compiled, geometry)
     excluded = {(one.link_a, one.link_b): one.geoms for one in geometry.excludes}
     outside = {int(one) for one in model.exclude_signature}
-    pairs, meant = _pairs(model), set[frozenset[int]]()
+    pairs, by_source, meant = _pairs(model), _of_source(compiled), set[frozenset[int]]()
     for one, other in sorted(_candidates(model, geometry, colliders)):
         (first, own), (second, others) = colliders[one], colliders[other]
         if _never_collide(model, own[0], others[0]):
             continue
-        may = _may_collide(model, own, others, outside)
+        may = _may_collide(model, own, others, outside) | _among(own, others, by_source & pairs.keys())
         wanted = np.full(may.shape, geometry.self_contact)
         apart = excluded.get((first, second))
         if apart is not None:
             wanted[tuple(np.array(apart).T) if apart else ...] = False
         kept = {frozenset((own[a], others[b])) for a, b in np.argwhere(wanted & ~may)}
         meant |= kept
-        may |= [[frozenset((geom, target)) in pairs.keys() & kept for target in others] for geom in own]
+        may |= _among(own, others, pairs.keys() & kept)
         if (may != wanted).any():
             extra, fewer = int((may & ~wanted).sum()), int((wanted & ~may).sum())
             words = f"{count(fewer, 'pair')} of their shapes cannot collide, but must"
@@ -57,9 +59,9 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
                 words = f"{count(extra, 'pair')} of their shapes may collide, but must not"
             found.append(Finding(f'exclude "{first}" "{second}"', "body1, body2", words))
     words = "they collide by it whatever else the file says; the robot has no such pair"
-    idle = sorted(pairs.keys() - meant, key=sorted)
+    idle = sorted(pairs.keys() - meant - by_source, key=sorted)
     found += [Finding(_title(model, geoms), "geom1, geom2", words) for geoms in idle]
-    found += _changed_pairs(model, pairs)
+    found += _changed_pairs(model, {geoms: pairs[geoms] for geoms in pairs if geoms not in by_source})
     detail = f"what may collide of {count(_judged(model, colliders), 'pair')} of links"
     yield compiled.within("contact filter", float(len(found)), 0.0, detail, few(found))
 
@@ -102,6 +104,21 @@ def _pairs(model: Any) -> dict[frozenset[int], int]:
     """The geoms that collide as pairs, whatever their bits and excludes say → the pair."""
     pairs = zip(model.pair_geom1, model.pair_geom2, strict=True)
     return {frozenset(map(int, geoms)): number for number, geoms in enumerate(pairs)}
+
+
+def _of_source(compiled: CompiledModel) -> set[frozenset[int]]:
+    """The geoms that the robot's MJCF source has as pairs."""
+    sections = () if compiled.robot.mjcf is None else compiled.robot.mjcf.sections
+    pairs = (one for section in sections for one in section.children if one.tag == "pair")
+    return {
+        frozenset(int(mujoco.mj_name2id(compiled.model, GEOM, name)) for _, name in pair.named())
+        for pair in pairs
+    }
+
+
+def _among(own: Sequence[int], others: Sequence[int], pairs: Set[frozenset[int]]) -> Grid:
+    """Which of these geoms are such pairs."""
+    return np.array([[frozenset((geom, other)) in pairs for other in others] for geom in own])
 
 
 def _changed_pairs(model: Any, pairs: Mapping[frozenset[int], int]) -> Iterator[Finding]:

@@ -34,7 +34,7 @@ MEANINGS = {
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    if compiled.urdf or not compiled.model.nq:
+    if compiled.urdf or not compiled.model.nq or not compiled.has_keyframes:
         return
     yield from (_keyframe(compiled, name, pose) for name, pose in keyframes(compiled.robot).items())
     yield _at_rest(compiled)

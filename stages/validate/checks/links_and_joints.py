@@ -7,7 +7,7 @@ import mujoco
 from stages.formats.xml import parse
 from stages.robot.check import Check, Finding
 from stages.robot.plural import count
-from stages.validate.compiled import CompiledModel
+from stages.validate.compiled import SCENE, CompiledModel
 from stages.validate.coordinates import (
     WIDTH,
     body_index,
@@ -19,9 +19,6 @@ from stages.validate.coordinates import (
 from stages.validate.findings import differs, few, link, named, named_joint
 
 CODE = "C-LINKS"
-
-SCENE = "scene.xml"
-"""The file that has other things beside the robot."""
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:

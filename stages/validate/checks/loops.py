@@ -13,6 +13,7 @@ from stages.robot.check import Check, Finding
 from stages.robot.dof_ranges import ranges
 from stages.robot.kinematics import chain, link_poses
 from stages.robot.loops import CLOSED, gap
+from stages.robot.mjcf_extras import NO_EXTRAS
 from stages.robot.model import Array, Loop, Value
 from stages.robot.plural import count
 from stages.robot.poses import inverse
@@ -93,11 +94,12 @@ def _equalities(compiled: CompiledModel) -> Iterator[Finding]:
 def _held_fast(compiled: CompiledModel) -> Check:
     """What closes the loops is active, and as stiff as the robot has it."""
     robot, model, found = compiled.robot, compiled.model, []
+    own = (robot.mjcf or NO_EXTRAS).attributes_of("equality")
     for index, loop in _closing(compiled):
         element = named(_kind(model, index), model.equality(index).name)
         if not model.eq_active0[index] and not compiled.sets("active"):
             found.append(Finding(element, "active", f"is false: the loop {loop.name} is open"))
-        found += held_differences(compiled, index, element, loop.solref)
+        found += held_differences(compiled, index, element, loop.solref, own.get(loop.name))
     detail = (
         f"{count(len(robot.loops), 'loop')}, held by equalities that are active and as stiff as they must be"
     )

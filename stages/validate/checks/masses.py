@@ -13,8 +13,9 @@ import numpy as np
 from stages.formats.xml import parse
 from stages.robot.check import Check, Finding
 from stages.robot.model import Array
+from stages.robot.poses import inverse
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import body_index
+from stages.validate.coordinates import body_from_link, body_index
 from stages.validate.equalities import carriers
 from stages.validate.findings import differs, link, worst_first
 from stages.validate.lumps import EXACT, UNITS, Lump, differences, expected_lump, merged, moved_lump
@@ -32,7 +33,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     findings: dict[str, list[tuple[float, Finding]]] = {key: [] for key in UNITS}
     for one in compiled.robot.links:
         expected = expected_lump(one)
-        lumps = [_lump(compiled.model, body_index(compiled.model, one.name), np.eye(4))]
+        place = inverse(body_from_link(compiled.robot, one.name))
+        lumps = [_lump(compiled.model, body_index(compiled.model, one.name), place)]
         lumps += [_lump(compiled.model, body, pose) for body, pose in shares.get(one.name, [])]
         total = merged(lumps)
         largest = float(np.abs(expected[2]).max())

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import mujoco
 
 from stages.robot.check import Check, Finding
+from stages.robot.mjcf_extras import NO_EXTRAS
 from stages.validate.compiled import CompiledModel
 from stages.validate.findings import few, shown
 
@@ -27,8 +28,9 @@ FLAGS = {
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
-    """Of the file that is simulated."""
-    options = compiled.model.opt
+    """Of the file that is simulated, but for what an MJCF source says."""
+    options, extras = compiled.model.opt, compiled.robot.mjcf or NO_EXTRAS
+    of_source = {*dict(extras.option), *dict(extras.flag)}
     found = []
     if not options.gravity[2] < 0:
         message = f"is {shown(options.gravity)} m/s², expected to point downwards, along -z"
@@ -38,5 +40,6 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     for name, bit in FLAGS.items():
         if int(options.disableflags) & int(bit):
             found.append(Finding("flag", name, "is disabled"))
+    found = [one for one in found if one.attribute not in of_source]
     detail = f"gravity {shown(options.gravity)} m/s², time step {shown(options.timestep)} s"
     yield compiled.within("options", float(len(found)), 0.0, detail, few(found), "warning")

@@ -21,7 +21,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         return
     expected, root = compiled.scene.world_from_root, compiled.robot.root.name
     yield _at_start(compiled, root, expected)
-    if not compiled.robot.base.fixed and not compiled.sets("qpos"):
+    if not compiled.robot.base.fixed and not compiled.sets("qpos") and compiled.has_keyframes:
         yield from _in_keyframes(compiled, root, compiled.scene.keyframes)
 
 

@@ -7,6 +7,7 @@ import mujoco
 import numpy as np
 
 from stages.robot.check import Check, Finding
+from stages.robot.mjcf_extras import NO_EXTRAS
 from stages.robot.model import Array, Relation
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
@@ -46,9 +47,11 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
 def _held(compiled: CompiledModel) -> Check:
     """Followers follow as stiffly as loops are closed."""
     model, found = compiled.model, list[Finding]()
+    by_source = (compiled.robot.mjcf or NO_EXTRAS).attributes_of("equality")
     for index in range(model.neq - compiled.surplus.equalities):
         if model.eq_type[index] == mujoco.mjtEq.mjEQ_JOINT:
-            found += held_differences(compiled, index, named("joint", model.equality(index).name), SOLREF)
+            name = model.equality(index).name
+            found += held_differences(compiled, index, named("joint", name), SOLREF, by_source.get(name))
     detail = f"{count(len(compiled.robot.relations), 'relation')}, held as stiffly as loops"
     return compiled.within("relations are held", float(len(found)), 0.0, detail, few(found))
 

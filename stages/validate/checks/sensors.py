@@ -10,7 +10,7 @@ from stages.robot.check import Check, Finding
 from stages.robot.model import Sensor
 from stages.robot.sensing import SensorCamera
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import SAME, body_index, placed_by_site
+from stages.validate.coordinates import SAME, body_from_link, body_index, placed_by_site
 from stages.validate.findings import differs, few, named, worst_first
 from stages.validate.mujoco_poses import placed
 
@@ -140,7 +140,7 @@ def _off(compiled: CompiledModel, kind: str, name: str, link: str, link_from_it:
     if holder == "world":
         # The link is where the scene puts it, and the body is the world.
         holder_from_link = placed_by_site(model, holder) @ holder_from_link
-    pose = holder_from_link @ link_from_it
+    pose = body_from_link(compiled.robot, holder) @ holder_from_link @ link_from_it
     if kind == "camera":
         pose = pose @ np.diag([1.0, -1.0, -1.0, 1.0])
     quat, position, on = (

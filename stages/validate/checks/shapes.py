@@ -9,17 +9,18 @@ import numpy as np
 
 from stages.robot.check import Check, Finding
 from stages.robot.geometry import Role, Shape
-from stages.robot.model import Array
+from stages.robot.model import Array, Primitive
 from stages.robot.plural import count
 from stages.robot.poses import UNMOVED, inverse
 from stages.validate.compiled import CompiledModel
-from stages.validate.coordinates import body_index, distance, placed_by_site
+from stages.validate.coordinates import body_from_link, body_index, distance, placed_by_site
 from stages.validate.findings import differs, named
 from stages.validate.mujoco_poses import placed
 from stages.validate.shapes import (
     BOX,
     CAPSULE,
     CYLINDER,
+    ELLIPSOID,
     MESH,
     SPHERE,
     area,
@@ -48,7 +49,13 @@ GROUPS: dict[Role, int] = {"visual": 2, "collision": 3}
 UNPAINTED = (0.5, 0.5, 0.5, 1.0)
 """MuJoCo's colour of a geom without one."""
 
-KINDS = {"box": BOX, "sphere": SPHERE, "cylinder": CYLINDER, "capsule": CAPSULE}
+KINDS = {
+    "box": BOX,
+    "sphere": SPHERE,
+    "cylinder": CYLINDER,
+    "capsule": CAPSULE,
+    "ellipsoid": ELLIPSOID,
+}
 
 
 def check(compiled: CompiledModel) -> Iterator[Check]:
@@ -62,6 +69,8 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     for link in compiled.robot.links:
         body = body_index(compiled.model, link.name)
         places = [pose for holder, pose in compiled.held.values() if holder == link.name] or [UNMOVED]
+        own_place = body_from_link(compiled.robot, link.name)
+        places = [own_place @ pose for pose in places]
         if body == 0:
             places = [placed_by_site(compiled.model, link.name) @ pose for pose in places]
         for role, geoms in zip(ROLES, every.get(body, ((), ())), strict=True):
@@ -121,7 +130,10 @@ def _fits_later(
 
 
 def _wrong(model: Any, shape: Shape, geom: int, places: Sequence[Array]) -> tuple[str, str] | None:
-    return _of_mesh(model, shape, geom, places) if shape.file else _of_primitive(model, shape, geom, places)
+    primitive = shape.ellipsoid or shape.primitive
+    if primitive is None:
+        return _of_mesh(model, shape, geom, places)
+    return _of_primitive(model, primitive, geom, places)
 
 
 def _differences(
@@ -162,16 +174,15 @@ def _of_mesh(model: Any, shape: Shape, geom: int, places: Sequence[Array]) -> tu
     return None
 
 
-def _of_primitive(model: Any, shape: Shape, geom: int, places: Sequence[Array]) -> tuple[str, str] | None:
-    primitive = shape.primitive
-    if primitive is None:
-        return None
+def _of_primitive(
+    model: Any, primitive: Primitive, geom: int, places: Sequence[Array]
+) -> tuple[str, str] | None:
     if model.geom_type[geom] != KINDS[primitive.kind]:
         return "type", f"is no {primitive.kind}"
     sizes = primitive.size
     wanted = (
         [length / 2 for length in sizes]
-        if primitive.kind == "box"
+        if primitive.kind in ("box", "ellipsoid")
         else [sizes[0], *(x / 2 for x in sizes[1:])]
     )
     off = float(np.abs(model.geom_size[geom][: len(wanted)] - wanted).max())

@@ -12,7 +12,7 @@ import numpy as np
 from stages.formats.numbers import number, spaced
 from stages.formats.xml import element, to_bytes
 from stages.robot.check import Check, Finding
-from stages.robot.geometry import ContactProperties
+from stages.robot.geom_form import ContactProperties
 from stages.robot.scene import FLOOR, Ground, Scene, Setting
 from stages.validate.compiled import CompiledModel
 from stages.validate.contact_attributes import contact_differences, sets_defaults

@@ -161,16 +161,8 @@ def test_a_writer_is_given_the_files_that_it_reads_also_of_formats_that_are_not_
         exported = export(
             robot,
             NO_MESHES,
-            SimpleNamespace(
-                export=SimpleNamespace(chosen=chosen, urdf=plan.export.urdf, mjcf=None),
-                optional={},
-                actuators={},
-                sensors={},
-                motors={},
-                elements={},
-                attributes={},
-                scene=plan.scene,
-                ground=plan.ground,
+            plan.model_copy(
+                update={"export": SimpleNamespace(chosen=chosen, urdf=plan.export.urdf, mjcf=None)}
             ),
         )
         assert exported.files["seen.txt"] == b"robot.urdf robot.srdf"

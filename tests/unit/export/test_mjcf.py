@@ -10,6 +10,7 @@ import pytest
 
 from stages.export import writer_of
 from stages.export.mjcf.unsupported import unsupported
+from stages.export.settled import settled
 from stages.export.standing import stand
 from stages.export.writer import WriterInput
 from stages.robot.actuation import NONE
@@ -41,7 +42,7 @@ NUMBERS = 1e-10
 
 
 def compiled(robot: Robot, geometry: Geometry = NO_MESHES, **keys: object) -> mujoco.MjModel:
-    plan = plan_of(**keys)
+    plan = settled(plan_of(**keys), robot)
     place = stand(robot, geometry, plan)
     given = WriterInput(robot, geometry, plan, starting_point(robot), {}, NONE, place)
     files = writer_of("mjcf").write(given).files

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from stages.export.mjcf.filters import CLASSES, filters
-from stages.export.mjcf.left_out import LeftOut
-from stages.robot.geometry import ContactProperties, Exclude, Geometry, Shape
+from stages.robot.geom_form import ContactProperties
+from stages.robot.geometry import Exclude, Geometry, Shape
+from stages.robot.left_out import LeftOut
 from stages.robot.start_pose import home
 from tests.support.robots import joint, robot_with
 from tests.support.touching import ball, exported, geoms_in_mujoco, model_of

@@ -10,11 +10,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from stages.export import Exported, export
-from stages.export.order.mjcf_joints import joints_in_order
 from stages.export.order.of_mjcf import MjcfOrder
 from stages.export.order.of_urdf import urdf_rows
 from stages.export.sensor_keys import MEASURES
 from stages.fetch.mjcf.actuation import _PLAIN_SENSORS
+from stages.formats.mjcf_joints import joints_in_order
 from stages.formats.xml import parse
 from stages.robot.actuation import NONE, Actuation, Actuator
 from stages.robot.model import Joint, Loop, Robot

@@ -14,7 +14,8 @@ from stages.export import export
 from stages.formats.xml import parse
 from stages.mesh.primitives import shapes as primitive_shapes
 from stages.robot.errors import ConfigError
-from stages.robot.geometry import ContactProperties, Geometry, Shape
+from stages.robot.geom_form import ContactProperties
+from stages.robot.geometry import Geometry, Shape
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Frame, Primitive, Robot, frozen
 from stages.validate.sdf.read_back import check_file

@@ -16,7 +16,8 @@ from stages.mesh.primitives import shapes as primitive_shapes
 from stages.mesh.stl import write as write_stl
 from stages.mesh.surface import Surface
 from stages.robot.dynamics import mass_matrix
-from stages.robot.geometry import ContactProperties, Exclude, Geometry, Shape
+from stages.robot.geom_form import ContactProperties
+from stages.robot.geometry import Exclude, Geometry, Shape
 from stages.robot.kinematics import link_poses
 from stages.robot.model import (
     Actuator,

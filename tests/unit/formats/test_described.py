@@ -14,7 +14,8 @@ from stages.formats.robot_json.fields import RobotJsonError
 from stages.formats.urdf.form import UrdfForm
 from stages.robot.actuation import Actuation, Actuator, Armature
 from stages.robot.amendments import Amendment, Amendments, Surplus
-from stages.robot.geometry import ContactProperties, Exclude, Geometry, Shape, Touch
+from stages.robot.geom_form import ContactProperties
+from stages.robot.geometry import Exclude, Geometry, Shape, Touch
 from stages.robot.kinematics import saved_configuration
 from stages.robot.linear_coupling import LinearCoupling
 from stages.robot.model import (

@@ -26,15 +26,32 @@ from tests.support.building import plan_of
 from tests.support.mujoco_schema import Where, schema
 
 LEFT_WHOLE: tuple[Where, ...] = (
-    *((name,) for name in ("actuator", "sensor", "tendon", "custom", "contact", "deformable")),
-    *(("asset", name) for name in ("texture", "skin", "hfield")),
-    *(("body", name) for name in ("camera", "light", "flexcomp")),
-    *(("equality", name) for name in ("tendon", "flex", "flexstrain", "flexvert")),
+    *((name,) for name in ("custom", "deformable")),
+    *(("asset", name) for name in ("texture", "skin")),
+    ("body", "flexcomp"),
+    *(("equality", name) for name in ("flex", "flexstrain", "flexvert")),
     *(("extension",), ("asset", "material", "layer"), ("body", "plugin"), ("body", "geom", "plugin")),
+    *(("actuator", name) for name in ("plugin", "pid", "dcmotor", "orientation")),
+    *(("sensor", name) for name in ("plugin", "tactile")),
 )
 """Elements that are named as a whole, with all that is said in them."""
 
+SHORTCUTS = ("motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle", "adhesion")
+"""Actuators that MuJoCo compiles to a `general`: `unit/fetch/test_mjcf_actuation.py` has them."""
+
+ALIKE = (
+    *("touch", "accelerometer", "velocimeter", "gyro", "force", "torque", "magnetometer", "camprojection"),
+    *("jointpos", "jointvel", "tendonvel", "actuatorpos", "actuatorvel", "actuatorfrc", "jointactuatorfrc"),
+    *("tendonactuatorfrc", "ballquat", "ballangvel", "jointlimitpos", "jointlimitvel", "jointlimitfrc"),
+    *("tendonlimitpos", "tendonlimitvel", "tendonlimitfrc", "framequat", "framexaxis", "frameyaxis"),
+    *("framezaxis", "framelinvel", "frameangvel", "framelinacc", "frameangacc", "subtreelinvel"),
+    *("subtreeangmom", "normal", "fromto", "e_potential", "e_kinetic"),
+)
+"""Sensors whose attributes are those of others that are looked at."""
+
 COMPILED = (
+    *(("actuator", name) for name in SHORTCUTS),
+    *(("sensor", name) for name in ALIKE),
     ("compiler",),
     ("default",),
     ("include",),
@@ -52,6 +69,9 @@ WITHOUT_MEANING = {
     "fuse",  # how MuJoCo compiles
     "simple",  # whether MuJoCo looks for a quick way
     "alignfree",
+    "inheritrange",  # comes to a range
+    *("directional", "focalpixel", "principalpixel"),  # come to a type, and to lengths
+    "content_type",  # how a file is read
     "align",  # of a free joint: where its frame is, which the body's pose has
     "shellinertia",  # comes to an inertia
     "fitscale",  # comes to a size
@@ -59,6 +79,10 @@ WITHOUT_MEANING = {
     "material name",  # is only referred to in the file
     # Of things that the model below does not have: `unit/fetch/test_mjcf_keyframes.py` has them.
     *("key act", "key ctrl", "key mpos", "key mquat", "key plastic"),
+    # Of actuators with several controls, which are named as a whole.
+    "spatial armature",  # as of a fixed tendon; with a geom on its path it takes none
+    *("general ffrange", "general velrange", "general input"),
+    "hfield file",  # comes to its elevation
     *("bv", "bvactive"),  # colours of MuJoCo's own debugging, which its Python does not show
 }
 """Attributes that are settled when MuJoCo compiles."""
@@ -69,17 +93,28 @@ BASE = f"""<mujoco model="base"><compiler angle="radian"/><option><flag/></optio
 <asset><material name="m" rgba="1 0 0 1"/><mesh name="tet" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/>
 <texture name="t" type="2d" builtin="flat" width="4" height="4"/>
 <hfield name="hills" nrow="2" ncol="2" size="1 1 1 1"/></asset>
-<worldbody>
+<worldbody><geom name="land" type="hfield" hfield="hills" pos="0 0 -9"/>
 <body name="stand">{SOLID}</body>
 <body name="root">{SOLID}<freejoint name="free"/><site name="eye"/>
-  <body name="arm" pos="0 0 1">{SOLID}<joint name="j" range="-1 1"/><geom size=".1 .1 .1"/>
-    <site name="tip" pos="0 0 1"/></body>
+  <geom name="nail" size=".01"/><body name="arm" pos="0 0 1">{SOLID}<joint name="j" range="-1 1"/>
+    <geom name="ball" size=".1 .1 .1"/>
+    <site name="tip" pos="0 0 1"/><camera name="view"/><light name="lamp"/></body>
   <body name="hand" pos="0 1 0">{SOLID}<joint name="k"/><joint name="l" type="slide"/>
     <geom type="mesh" mesh="tet" material="m" contype="0" conaffinity="0" mass="0"/>
     <site name="pin" pos="0 0 1"/></body>
-  <body name="foot" pos="0 2 0">{SOLID}<joint name="n"/><site name="toe"/></body></body></worldbody>
+  <body name="foot" pos="0 2 0">{SOLID}<joint name="n"/><site name="toe"/>
+    <geom name="heel" type="cylinder" size=".1 .1"/></body></body></worldbody>
+<contact><pair name="p" geom1="ball" geom2="heel"/><exclude name="x" body1="arm" body2="hand"/></contact>
+<tendon><spatial name="s"><site site="tip"/><geom geom="heel"/><site site="toe"/><pulley divisor="2"/>
+  <site site="toe"/><site site="eye"/></spatial><fixed name="f"><joint joint="j" coef="1"/></fixed></tendon>
+<actuator><general name="lift" tendon="s"/></actuator>
+<sensor><tendonpos name="a" tendon="s"/><rangefinder name="b" site="tip"/><subtreecom name="d" body="arm"/>
+  <framepos name="q" objtype="body" objname="arm"/><insidesite name="i" site="tip" objtype="body"
+  objname="hand"/><distance name="e" geom1="nail" geom2="heel" cutoff="1"/><contact name="h" geom1="nail"/>
+  <clock name="t"/><user name="u" dim="1"/></sensor>
 <equality><connect name="c" body1="foot" body2="hand" anchor="0 0 1"/>
-  <weld name="w" body1="foot" body2="hand"/><joint name="e" joint1="n" joint2="k"/></equality>
+  <weld name="w" body1="foot" body2="hand"/><joint name="e" joint1="n" joint2="k"/>
+  <tendon name="y" tendon1="f" tendon2="s"/></equality>
 <keyframe><key name="ready"/></keyframe></mujoco>"""
 
 Values = Mapping[str, str | None]
@@ -93,7 +128,6 @@ axisangle = 1 0 0 1
 euler = 1 0 0
 zaxis = 1 0 0
 xyaxes = 0 1 0 -1 0 0
-name = another
 user = 1 2
 group = 3
 rgba = 0 1 0 1
@@ -131,6 +165,34 @@ joint1 = l
 joint2 = l
 body1 = root
 body2 = root
+geom1 = heel
+geom2 = ball
+target = foot
+resolution = 3 4
+sensorsize = .1 .2
+ambient = .1 .2 .3
+attenuation = 2 0 0
+springlength = .5
+tendon = f
+site = pin
+joint = l
+geom = ball
+sidesite = eye
+objname = root
+objtype = xbody
+coef = 3
+divisor = 4
+datatype = quaternion
+needstage = vel
+data = dist dir
+ctrlrange = -2 3
+forcerange = -2 3
+actrange = -2 3
+gear = 2
+dyntype = filter
+gaintype = affine
+biastype = affine
+elevation = 0 1 2 3
 texture = t
 memory = 10M
 cone = elliptic
@@ -153,6 +215,10 @@ o_friction = 2 2 .1 .1 .1""".splitlines()
 }
 """What says something, by attribute: a value, or attributes that belong together (None: without that)."""
 
+YIELDS = {"springyield": ".5", "stiffness": "1"}
+LATE = {"nsample": "3", "delay": ".01", "interp": "linear"}
+LENS = {"sensorsize": ".1 .1", "resolution": "3 4", "focal": "1 1"}
+
 ELSEWHERE: Mapping[tuple[str, str], str | Values] = {
     ("flag", "gravity"): "disable",
     ("headlight", "active"): "0",
@@ -160,6 +226,69 @@ ELSEWHERE: Mapping[tuple[str, str], str | Values] = {
     ("flag", "ipc"): {"ipc": "enable", "../integrator": "discrete"},
     ("geom", "type"): "box",
     ("site", "type"): "box",
+    ("light", "type"): "point",
+    ("light", "mode"): "trackcom",
+    ("camera", "mode"): "trackcom",
+    ("camera", "target"): {"target": "foot", "mode": "targetbody"},
+    ("light", "target"): {"target": "foot", "mode": "targetbody"},
+    ("camera", "focal"): {"focal": ".1 .2", "sensorsize": ".1 .1", "resolution": "3 4"},
+    ("camera", "principal"): {"principal": ".1 .2", **LENS},
+    ("camera", "sensorsize"): LENS,
+    ("camera", "projection"): "orthographic",
+    ("contact", "data"): "found force",
+    ("contact", "body1"): {"body1": "root", "geom1": None},
+    ("contact", "site"): {"site": "tip", "geom1": None},
+    ("contact", "subtree1"): {"subtree1": "root", "geom1": None},
+    ("contact", "body2"): "hand",
+    ("contact", "subtree2"): "hand",
+    ("contact", "reduce"): "maxforce",
+    ("rangefinder", "camera"): {"camera": "view", "site": None},
+    ("distance", "body1"): {"body1": "root", "geom1": None},
+    ("distance", "body2"): {"body2": "root", "geom2": None},
+    ("framepos", "refname"): {"refname": "hand", "reftype": "xbody"},
+    ("framepos", "reftype"): {"refname": "hand", "reftype": "xbody"},
+    ("user", "objname"): {"objname": "hand", "objtype": "xbody"},
+    ("user", "objtype"): {"objname": "hand", "objtype": "xbody"},
+    ("hfield", "size"): "1 2 3 4",
+    ("hfield", "nrow"): "3",
+    ("hfield", "ncol"): "3",
+    **{
+        ("general", name): {name: value, "tendon": None}
+        for name, value in {"body": "arm", "joint": "j", "jointinparent": "j", "site": "tip"}.items()
+    },
+    ("general", "cranksite"): {"cranksite": "tip", "slidersite": "toe", "cranklength": "1", "tendon": None},
+    ("general", "slidersite"): {"cranksite": "tip", "slidersite": "toe", "cranklength": "1", "tendon": None},
+    ("general", "cranklength"): {"cranksite": "tip", "slidersite": "toe", "cranklength": "1", "tendon": None},
+    ("general", "refsite"): {"site": "tip", "refsite": "toe", "tendon": None},
+    ("general", "actdim"): {"actdim": "2", "dyntype": "user"},
+    ("general", "actrange"): {"actrange": "0 1", "dyntype": "filter", "actlimited": "true"},
+    ("general", "actlimited"): {"actrange": "0 1", "dyntype": "filter", "actlimited": "true"},
+    ("general", "actearly"): {"actearly": "true", "dyntype": "filter"},
+    ("general", "ctrllimited"): {"ctrlrange": "0 1", "ctrllimited": "true"},
+    ("general", "forcelimited"): {"forcerange": "0 1", "forcelimited": "true"},
+    ("general", "lengthrange"): "0 1",
+    ("spatial", "limited"): {"range": "0 1", "limited": "true"},
+    ("fixed", "limited"): {"range": "0 1", "limited": "true"},
+    ("joint", "springref"): {"springref": ".3", "stiffness": "1"},
+    **dict.fromkeys((("spatial", "springyield"), ("fixed", "springyield")), YIELDS),
+    ("general", "armature"): {"armature": "1", "joint": "j", "tendon": None},
+    **{("general", name): LATE for name in ("delay", "interp", "nsample")},
+    **{
+        (sensor, name): LATE
+        for sensor in ("rangefinder", "tendonpos", "framepos", "subtreecom", "insidesite", "distance")
+        for name in ("delay", "interp", "nsample")
+    },
+    **{(sensor, name): LATE for sensor in ("contact", "clock") for name in ("delay", "interp", "nsample")},
+    ("subtreecom", "body"): "hand",
+    ("distance", "geom1"): "ball",
+    ("distance", "geom2"): "ball",
+    ("tendon", "tendon1"): {"tendon1": "s", "tendon2": None},
+    ("tendon", "tendon2"): {"tendon2": None},
+    ("user", "datatype"): {"datatype": "quaternion", "dim": "4"},
+    ("light", "range"): "7",
+    ("camera", "output"): "depth",
+    ("global", "elevation"): "7",
+    ("rgba", "joint"): "0 1 0 1",
     ("key", "qpos"): "0 0 0 1 0 0 0 .5 0 0 0",
     ("key", "qvel"): "0 0 0 0 0 0 .5 0 0 0",
     ("geom", "mass"): {"mass": "2", "BODY": None},
@@ -216,6 +345,11 @@ def changed(where: Where, values: Values) -> etree._Element:
             node.getparent().set(name[3:], value)
         elif value is None:
             node.attrib.pop(name, None)
+        elif name == "name" and "name" in node.attrib:
+            old, node.attrib["name"] = node.attrib["name"], value
+            for other in tree.iter():
+                named = [key for key, text in other.attrib.items() if text == old and key != "name"]
+                other.attrib.update(dict.fromkeys(named, value))
         else:
             node.set(name, value)
     return tree
@@ -229,7 +363,8 @@ def is_named(robot: Robot, where: Where, attribute: str) -> bool:
     """Whether a diagnostic has the names of the element and of the attribute beside each other."""
     told = [one.message for one in robot.diagnostics if one.code.endswith("MJCF-LEFT")]
     phrases = [re.findall(r"\w+", phrase) for message in told for phrase in re.split("[;:]", message)]
-    elements = {where[-1].removeprefix("free"), *(["equality"] if "equality" in where else [])}
+    section = {where[0]} & {"actuator", "contact", "equality", "sensor", "tendon"}
+    elements = {where[-1].removeprefix("free"), *section}
     return any(attribute in words and elements & set(words) for words in phrases)
 
 
@@ -274,39 +409,26 @@ def test_each_attribute_is_carried_over_or_named(where: Where, attributes: list[
 
 
 WHOLE = {
-    "actuator": '<actuator><adhesion name="x" body="arm" gain="1" ctrlrange="0 1"/></actuator>',
-    "sensor": '<sensor><user name="x" objtype="body" objname="arm" dim="1" needstage="pos"/></sensor>',
-    "tendon": '<tendon><fixed name="x"><joint joint="j" coef="1"/></fixed></tendon>',
     "custom numeric": '<custom><numeric name="x" data="1"/></custom>',
     "custom text": '<custom><text name="x" data="1"/></custom>',
     "custom tuple": '<custom><tuple name="x"><element objtype="body" objname="arm"/></tuple></custom>',
-    "contact pair": '<contact><pair name="x" geom1="ball" geom2="floor"/></contact>',
-    "contact exclude": '<contact><exclude name="x" body1="arm" body2="foot"/></contact>',
     "texture": '<asset><texture name="x" type="2d" builtin="flat" width="4" height="4"/></asset>',
-    "height field": '<asset><hfield name="x" nrow="2" ncol="2" size="1 1 1 1"/></asset>',
-    "camera": '<worldbody><camera name="x"/></worldbody>',
-    "light": '<worldbody><light name="x"/></worldbody>',
-    "geom of the world": '<worldbody><geom name="x" type="plane" size="1 1 1"/></worldbody>',
     "flex": """<worldbody><flexcomp name="x" type="grid" dim="2" count="3 3 1" spacing="1 1 1" mass="1"
         radius=".01"/></worldbody>""",
-    "equality": """<tendon><fixed name="t1"><joint joint="j" coef="1"/></fixed></tendon>
-        <equality><tendon name="x" tendon1="t1"/></equality>""",
 }
 """What is left out as a whole, called x, by the words of the diagnostic."""
 
 
 @pytest.mark.parametrize("words", WHOLE)
 def test_elements_that_are_left_out_as_a_whole_are_named(words: str) -> None:
-    floor = '<worldbody><geom name="floor" type="plane" size="1 1 1"/></worldbody>'
-    text = BASE.replace('<geom size=".1 .1 .1"/>', '<geom name="ball" size=".1 .1 .1"/>')
-    robot = robot_of(etree.fromstring(text.replace("</mujoco>", f"{floor}{WHOLE[words]}</mujoco>")))
+    robot = robot_of(etree.fromstring(BASE.replace("</mujoco>", f"{WHOLE[words]}</mujoco>")))
     told = " ".join(one.message for one in robot.diagnostics if one.code.endswith("MJCF-LEFT"))
     assert re.search(rf"\d × {words} \([^)]*\bx\b", told)
 
 
 def test_what_is_silent_is_found(base: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(unsupported, "of_elements", lambda *_: ())
-    assert lost(("body", "joint"), ["margin", "damping"], base) == ["margin is silent"]
+    assert lost(("asset", "material"), ["shininess", "rgba"], base) == ["shininess is silent"]
 
 
 def test_the_walk_sees_the_schema() -> None:
@@ -322,6 +444,6 @@ def test_defaults_are_nobodys_loss(base: Robot) -> None:
     """Values that say what MuJoCo says anyway, typed or nearly so."""
     text = BASE.replace("<option>", '<option timestep="0.002" gravity="0 0 -9.80665" density="0">')
     text = text.replace('name="j"', 'name="j" margin="0" solreflimit="0.02 1" stiffness="0"')
-    text = text.replace('name="g"', 'name="g" friction="1 0.005 0.0001" condim="3" solmix="1.0000001"')
+    text = text.replace('name="ball"', 'name="ball" friction="1 0.005 0.0001" condim="3" solmix="1.0000001"')
     told, usual = ([d.message for d in one.diagnostics] for one in (robot_of(etree.fromstring(text)), base))
     assert told == usual

@@ -19,7 +19,8 @@ from stages.mesh.surface import Surface
 from stages.robot import codec
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.errors import ConfigError, MeshError
-from stages.robot.geometry import ContactProperties, Geometry, Shape
+from stages.robot.geom_form import ContactProperties
+from stages.robot.geometry import Geometry, Shape
 from stages.robot.model import Primitive, Robot, frozen
 from tests.support.building import bundle_of, plan_of, robot_of, write
 from tests.support.kit import SIDE, TOP, Kit

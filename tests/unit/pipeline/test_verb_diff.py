@@ -13,7 +13,8 @@ import pytest
 
 from pipeline.changes.compare import compare
 from pipeline.cli import run
-from stages.robot.geometry import ContactProperties, Exclude, Geometry, Shape, Touch
+from stages.robot.geom_form import ContactProperties
+from stages.robot.geometry import Exclude, Geometry, Shape, Touch
 from stages.robot.model import Primitive
 from tests.fake_onshape.sample import sample_document
 from tests.support.building import plan_of, robot_of, write

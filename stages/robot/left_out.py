@@ -13,7 +13,9 @@ class LeftOut:
     A loop's carrier has no geoms, and no link hangs on it.
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, parents: bool = True) -> None:
+        """`parents`: whether it leaves out a body and the one that it hangs on (flag `filterparent`)."""
+        self._parents = parents
         root = robot.root.name
         self._body = {root: _WORLD if robot.base.fixed else root}
         self._above = {root: _WORLD, _WORLD: _WORLD}
@@ -26,4 +28,6 @@ class LeftOut:
     def contains(self, one: str, other: str) -> bool:
         """Whether MuJoCo leaves out this pair by itself."""
         a, b = self._body[one], self._body[other]
+        if not self._parents:
+            return a == b
         return a == b or (_WORLD not in (a, b) and (self._above[a] == b or self._above[b] == a))

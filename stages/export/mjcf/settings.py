@@ -1,0 +1,16 @@
+"""Values of MuJoCo's settings as attributes."""
+
+from typing import Any
+
+from stages.formats.numbers import number
+
+
+def text(value: Any) -> str:
+    """A word, a switch, a number, or several."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        return value
+    if isinstance(value, int):
+        return str(value)
+    return number(value) if isinstance(value, float) else " ".join(text(one) for one in value)

@@ -1,0 +1,25 @@
+"""The configuration with what an MJCF source says where the configuration says nothing."""
+
+from typing import TYPE_CHECKING
+
+from stages.export.mujoco_keys import DEFAULTS
+from stages.export.standing import stands_in_source
+from stages.robot.mjcf_extras import NO_EXTRAS
+from stages.robot.model import Robot
+
+if TYPE_CHECKING:
+    from stages.export.keys import ExportKeys
+
+
+def settled(keys: "ExportKeys", robot: Robot) -> "ExportKeys":
+    """The keys with MuJoCo's options, those of the source before our defaults, and without a ground of ours
+    where the source has one."""
+    extras = robot.mjcf or NO_EXTRAS
+    scene, option = keys.scene, keys.scene.option
+    flags = option.flag.model_copy(update={**dict(extras.flag), **option.flag.given()})
+    options = {**DEFAULTS, **dict(extras.option), **option.given()}
+    given = option.model_copy(update={**options, "flag": flags})
+    ground = keys.ground
+    if stands_in_source(robot, keys):
+        ground = ground.model_copy(update={"kind": "none"})
+    return keys.model_copy(update={"scene": scene.model_copy(update={"option": given}), "ground": ground})

@@ -1,0 +1,113 @@
+"""Which bodies of a model are the robot; all others lie in the scene around it."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import mujoco
+
+from stages.formats.compiled_mjcf.elements import OBJ
+
+_TIES = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
+
+
+def robot_bodies(model: Any) -> list[int]:
+    """The bodies of the robot, in their order, after the world, which is the first.
+
+    A tree below the world is one thing with all trees that equalities or tendons tie to it. The robot is
+    what stands on the world and has actuators, or what floats, whichever has most actuators; of equals that
+    with the most joints. Without any actuator all that stands on the world is one robot. Mocap bodies, and
+    what is below them, are none of it.
+    """
+    tops = _tops(model)
+    if not tops:
+        return [0]
+    groups = _groups(model, tops)
+    driven = [groups[tops[body]] for body in _driven(model) if body in tops]
+    joints = [groups[tops[int(body)]] for body in model.jnt_bodyid if int(body) in tops]
+    standing = {groups[top] for top in tops.values() if _stands(model, top)} | ({0} & {*groups.values()})
+    together = standing & {*driven} or standing
+    choices = [together, *({group} for group in sorted({*groups.values()} - standing))]
+
+    def weight(choice: set[int]) -> tuple[int, int]:
+        return sum(group in choice for group in driven), sum(group in choice for group in joints)
+
+    chosen = max((choice for choice in choices if choice), key=weight)
+    return [0, *(body for body, top in tops.items() if groups[top] in chosen)]
+
+
+def _tops(model: Any) -> dict[int, int]:
+    """By body: the one below the world that it hangs on; not of mocap bodies."""
+    tops: dict[int, int] = {}
+    for body in range(1, model.nbody):
+        above = int(model.body_parentid[body])
+        if model.body_mocapid[body] < 0 and (not above or above in tops):
+            tops[body] = tops[above] if above else body
+    return tops
+
+
+def _groups(model: Any, tops: dict[int, int]) -> dict[int, int]:
+    """By body below the world: the first of those that are tied to it; 0 where that is the world."""
+    nearer = {top: top for top in {0, *tops.values()}}
+
+    def first(top: int) -> int:
+        while nearer[top] != top:
+            nearer[top] = nearer[nearer[top]]  # so that no way grows long
+            top = nearer[top]
+        return top
+
+    for bodies in (*_equalities(model), *_tendons(model)):
+        if all(not body or body in tops for body in bodies):
+            ends = {first(tops.get(body, 0)) for body in bodies}
+            nearer |= dict.fromkeys(ends, min(ends, default=0))
+    return {top: first(top) for top in nearer if top}
+
+
+def _stands(model: Any, top: int) -> bool:
+    """Whether a body below the world does not float."""
+    first = int(model.body_jntadr[top])
+    return not (model.body_jntnum[top] and model.jnt_type[first] == mujoco.mjtJoint.mjJNT_FREE)
+
+
+def _equalities(model: Any) -> Iterator[Sequence[int]]:
+    """The bodies that each equality holds together."""
+    for eq in range(model.neq):
+        kind, ends = int(model.eq_type[eq]), (int(model.eq_obj1id[eq]), int(model.eq_obj2id[eq]))
+        if not model.eq_active0[eq]:
+            continue
+        if kind in _TIES:
+            by_sites = model.eq_objtype[eq] == OBJ.mjOBJ_SITE
+            yield [int(model.site_bodyid[end]) for end in ends] if by_sites else ends
+        elif kind == mujoco.mjtEq.mjEQ_JOINT:
+            yield [int(model.jnt_bodyid[end]) for end in ends if end >= 0]
+
+
+def _tendons(model: Any) -> Iterator[Sequence[int]]:
+    """The bodies that each tendon acts on, but for the world."""
+    for tendon in range(model.ntendon):
+        bodies = {*_on_path(model, tendon)} - {0}
+        if bodies:
+            yield sorted(bodies)
+
+
+def _on_path(model: Any, tendon: int) -> Iterator[int]:
+    first = int(model.tendon_adr[tendon])
+    for wrap in range(first, first + int(model.tendon_num[tendon])):
+        kind, on = int(model.wrap_type[wrap]), int(model.wrap_objid[wrap])
+        if kind == mujoco.mjtWrap.mjWRAP_JOINT:
+            yield int(model.jnt_bodyid[on])
+        elif kind == mujoco.mjtWrap.mjWRAP_SITE:
+            yield int(model.site_bodyid[on])
+
+
+def _driven(model: Any) -> Iterator[int]:
+    """The body that each actuator acts on: of a tendon the first on its path."""
+    for index in range(len(model.actuator_trntype)):
+        kind, on = int(model.actuator_trntype[index]), int(model.actuator_trnid[index][0])
+        if kind == mujoco.mjtTrn.mjTRN_TENDON:
+            yield next(body for body in _on_path(model, on) if body)
+        elif kind in (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT):
+            yield int(model.jnt_bodyid[on])
+        elif kind == mujoco.mjtTrn.mjTRN_BODY:
+            yield on
+        elif kind in (mujoco.mjtTrn.mjTRN_SITE, mujoco.mjtTrn.mjTRN_SLIDERCRANK):
+            yield int(model.site_bodyid[on])

@@ -1,0 +1,115 @@
+"""What only an MJCF has, by the names that its bodies, joints and sites have now."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from stages.formats.mjcf import Mjcf, MjcfNamedPose
+from stages.graph.mjcf.actuation import actuator_names, sensor_names
+from stages.graph.mjcf.equalities import Closing
+from stages.graph.mjcf.naming import MjcfFileNames
+from stages.robot.mjcf_extras import (
+    MjcfAttributes,
+    MjcfBodyFrame,
+    MjcfElement,
+    MjcfExtras,
+    MjcfKeyframe,
+    MjcfMounted,
+)
+from stages.robot.model import Array, Keyframe
+
+
+def extras_of(
+    mjcf: Mjcf,
+    names: MjcfFileNames,
+    closings: Sequence[Closing],
+    keyframes: Sequence[Keyframe],
+    link_from_body: Mapping[int, Array],
+) -> MjcfExtras:
+    """The extras; `link_from_body` (4, 4): of each body that became a link, by its number."""
+    changed = _changed(mjcf, names)
+
+    def now(element: MjcfElement) -> MjcfElement:
+        return element.renamed(lambda kind, name: changed.get((kind, name), name))
+
+    every = [(number, mjcf.bodies[number]) for number in link_from_body if number]
+    return replace(
+        mjcf.extras,
+        bodies=tuple(
+            MjcfBodyFrame(
+                names.links[number],
+                link_from_body[number],
+                body.axes if body.inertial is not None else None,
+            )
+            for number, body in every
+        ),
+        attributes=tuple(_attributes(mjcf, names, closings)),
+        mounted=tuple(
+            MjcfMounted(names.links[number], one.body_from_element, now(one.element))
+            for number, body in every
+            for one in body.mounted
+        ),
+        sections=tuple(now(section) for section in mjcf.extras.sections),
+        scene=tuple(now(section) for section in mjcf.extras.scene),
+        order=tuple(_order(mjcf, names)),
+        keyframes=tuple(
+            _keyframe(pose, one.name) for pose, one in zip(mjcf.keyframes, keyframes, strict=True)
+        ),
+    )
+
+
+def _changed(mjcf: Mjcf, names: MjcfFileNames) -> dict[tuple[str, str], str]:
+    changed = {}
+    for number, body in enumerate(mjcf.bodies):
+        changed["body", body.name] = names.links[number]
+        changed |= {
+            ("joint", joint.name): name for joint, name in zip(body.joints, names.dofs[number], strict=True)
+        }
+        for index, site in enumerate(body.sites):
+            changed["site", site.name] = names.frames.get((number, index), site.name)
+    return changed
+
+
+def _attributes(mjcf: Mjcf, names: MjcfFileNames, closings: Sequence[Closing]) -> Iterator[MjcfAttributes]:
+    for number, body in enumerate(mjcf.bodies):
+        rows = [("body", names.links[number], body.attributes)] if number else []
+        rows += [
+            ("freejoint", names.links[number], joint.attributes)
+            if joint.type == "free"
+            else ("joint", name, joint.attributes)
+            for joint, name in zip(body.joints, names.dofs[number], strict=True)
+        ]
+        rows += [
+            ("site", names.frames[number, index], site.attributes)
+            for index, site in enumerate(body.sites)
+            if (number, index) in names.frames
+        ]
+        yield from (MjcfAttributes(*row) for row in rows if row[2])
+    for index, closing in enumerate(closings):
+        yield MjcfAttributes("equality", names.loops[index][0], closing.closure.attributes)
+    for index, relation in enumerate(mjcf.relations):
+        yield MjcfAttributes("equality", names.relations[index], relation.attributes)
+    for actuator, name in zip(mjcf.actuators, actuator_names(mjcf, names), strict=True):
+        if actuator.attributes:
+            yield MjcfAttributes("actuator", name, actuator.attributes)
+    for sensor, name in zip(mjcf.sensors, sensor_names(mjcf, names), strict=True):
+        if sensor.attributes:
+            yield MjcfAttributes("sensor", name, sensor.attributes)
+
+
+def _order(mjcf: Mjcf, names: MjcfFileNames) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """The orders with the names of what has none in the file."""
+    made = {"actuator": actuator_names(mjcf, names), "sensor": sensor_names(mjcf, names)}
+    given = {
+        "actuator": [one.name for one in mjcf.actuators],
+        "sensor": [one.name for one in mjcf.sensors],
+    }
+    for section, order in mjcf.extras.order:
+        pairs = zip(given[section], made[section], strict=True)
+        unnamed = iter([name for old, name in pairs if not old])
+        yield section, tuple(name or next(unnamed) for name in order)
+
+
+def _keyframe(pose: MjcfNamedPose, name: str) -> MjcfKeyframe:
+    """Where a root floats in a keyframe, and what else lies in the scene."""
+    floating = [numbers for _, numbers in pose.floating]
+    return MjcfKeyframe(name, floating[0] if len(floating) == 1 else (), pose.scene)

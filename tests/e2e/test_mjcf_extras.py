@@ -1,0 +1,158 @@
+"""What only an MJCF has: the configuration's word on it, its record in robot.json, and its check."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import pytest
+
+from stages.formats.described import described
+from stages.formats.robot_json.fields import RobotJsonError
+from stages.robot import codec
+from stages.validate import validate
+from tests.e2e.test_mjcf_motion import BITS, CASES, LOOSE
+from tests.support.building import plan_of
+from tests.support.mjcfs import built, model, written
+
+
+def scene(folder: Path, world: str, more: str = "", **keys: Any) -> Any:
+    """The compiled scene of what is made of a file, all of whose checks pass and of which nothing is lost."""
+    reported, failed = built(written(folder, model(world, more)), folder / "out", **keys)
+    assert not failed
+    assert not [one.message for one in reported if one.code == "W-MJCF-LEFT"]
+    return mujoco.MjModel.from_xml_path(str(folder / "out/scene.xml"))
+
+
+def test_cameras_and_lights_of_the_configuration_replace_those_of_the_file(tmp_path: Path) -> None:
+    made = scene(
+        tmp_path,
+        LOOSE,
+        scene={
+            "cameras": {"front": {"xyz": [1, 2, 3]}, "wrist": {"frame": "palm", "fovy": 50}},
+            "lights": {"sun": {"kind": "spot", "xyz": [0, 0, 9]}, "lamp": {"kind": "none"}},
+        },
+    )
+    assert made.camera("front").pos == pytest.approx([1, 2, 3])
+    assert made.camera("wrist").fovy == pytest.approx([50])
+    assert made.light("sun").pos == pytest.approx([0, 0, 9])
+    assert made.nlight == 1
+
+
+def test_the_surroundings_of_the_file_are_left_out_where_that_is_asked(tmp_path: Path) -> None:
+    keys = {"scene": {"surroundings": "drop"}, "ground": {"kind": "plane"}}
+    made = scene(tmp_path, *CASES["loose"], **keys)
+    assert [made.body(body).name for body in range(made.nbody)] == ["world", "arm"]
+    assert made.geom("floor").friction == pytest.approx([1, 0.005, 0.0001])
+
+
+def test_for_mjx_an_ellipsoid_is_its_hull(tmp_path: Path) -> None:
+    """MJX collides no ellipsoid with a mesh or a box."""
+    kinds = {}
+    for target in ("mujoco", "mjx"):
+        folder = tmp_path / target
+        folder.mkdir()
+        made = scene(folder, *CASES["ellipsoids"], mesh={"collider": "raw", "target": target})
+        kinds[target] = {int(made.geom(name).type[0]) for name in ("egg", "foot")}
+    assert kinds == {
+        "mujoco": {int(mujoco.mjtGeom.mjGEOM_ELLIPSOID)},
+        "mjx": {int(mujoco.mjtGeom.mjGEOM_MESH)},
+    }
+
+
+def test_a_pair_of_links_that_the_user_excludes_does_not_collide(tmp_path: Path) -> None:
+    """A pair of an MJCF collides whatever its bodies say."""
+    more = '<contact><pair geom1="a" geom2="d"/></contact>'
+    assert scene(tmp_path, BITS, more).npair == 1
+    made = scene(tmp_path, BITS, more, contact={"self": "auto", "exclude": [["base", "d"]]})
+    assert made.npair == 0
+    assert made.nexclude == 1
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_robot_json_has_all_by_which_the_files_are_checked(case: str, tmp_path: Path) -> None:
+    path = written(tmp_path, model(*CASES[case]))
+    built(path, tmp_path / "out")
+    truth = described((tmp_path / "out/robot.json").read_bytes())
+    assert truth.robot.mjcf is not None
+    checks = validate(tmp_path / "out", truth.robot, plan_of(), *truth.known)
+    assert not [(check.name, check.detail) for check in checks if check.fails]
+
+
+def test_the_record_of_an_mjcf_names_what_is_wrong_with_it(tmp_path: Path) -> None:
+    """Each text, number and list of the table in turn is of another kind."""
+    built(written(tmp_path, model(*CASES["tendons"])), tmp_path / "out")
+    data = json.loads((tmp_path / "out/robot.json").read_bytes())
+    places = [
+        *(("bodies", 0, key) for key in ("link", "pose")),
+        *(("mounted", 0, key) for key in ("link", "pose", "element") if data["mjcf"]["mounted"]),
+        *(("sections", 0, key) for key in ("tag", "attributes", "names", "children")),
+        *(("sections", 0, "children", 0, key) for key in ("tag", "names")),
+        ("order", "sensor"),
+        ("scene_qpos",),
+        ("has_ground",),
+        ("flag",),
+    ]
+    for place in places:
+        changed = json.loads(json.dumps(data))
+        table = changed["mjcf"]
+        for key in place[:-1]:
+            table = table[key]
+        table[place[-1]] = 1.5
+        with pytest.raises(RobotJsonError, match=str(place[-1])):
+            described(json.dumps(changed).encode())
+
+
+FAULTS = {
+    "a stiffer tendon": ("tendons", 'stiffness="60"', 'stiffness="61"'),
+    "another gear": ("tendons", 'gear="3', 'gear="4'),
+    "another path": ("tendons", 'sidesite="over"', 'sidesite="end"'),
+    "a sensor of another body": ("tendons", 'objtype="xbody"', 'objtype="body"'),
+    "a stiffer spring": ("springs", 'stiffness="3"', 'stiffness="4"'),
+    "a softer limit": ("springs", 'solimplimit="0.8', 'solimplimit="0.7'),
+    "another geom": ("loose", 'name="beam"', 'name="boom"'),
+    "a camera that is elsewhere": ("loose", '<camera name="wrist"', '<camera name="wrist" mode="track"'),
+    "a pair that is rougher": ("bits", 'friction="0.5', 'friction="0.6'),
+    "a curve": ("ties", 'polycoef="0 0.5 0.3', 'polycoef="0 0.5 0.4'),
+    "a loop that is softer": ("ties", 'solref="0.04 0.9"', 'solref="0.05 0.9"'),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_change_of_what_only_an_mjcf_has_is_found(fault: str, tmp_path: Path) -> None:
+    case, text, changed = FAULTS[fault]
+    folder = tmp_path / "out"
+    built(written(tmp_path, model(*CASES[case])), folder)
+    truth = described((folder / "robot.json").read_bytes())
+    file = folder / f"{truth.robot.name}.xml"
+    assert text in file.read_text()
+    file.write_text(file.read_text().replace(text, changed, 1))
+    checks = validate(folder, truth.robot, plan_of(), *truth.known)
+    assert [check.name for check in checks if check.fails]
+
+
+def test_what_only_an_mjcf_has_survives_the_cache(tmp_path: Path) -> None:
+    built(written(tmp_path, model(*CASES["loose"])), tmp_path / "out")
+    robot = described((tmp_path / "out/robot.json").read_bytes()).robot
+    data = codec.encode_robot(robot)
+    assert codec.encode_robot(codec.decode_robot(data)) == data
+
+
+@pytest.mark.parametrize(
+    ("case", "words"),
+    [
+        ("springs", ("springs: ball, slide, swing",)),
+        ("ellipsoids", ("ellipsoids, of which the others have the hulls: leg, trunk",)),
+        ("tendons", ("tendons: both, cord", "actuators that are on no single joint: pull, twist")),
+        ("loose", ("cameras and lights: lamp, wrist", "bodies beside the robot: ball, door, target")),
+        ("ties", ("equalities: curve",)),
+    ],
+)
+def test_what_other_formats_cannot_have_is_named(case: str, words: tuple[str, ...], tmp_path: Path) -> None:
+    path = written(tmp_path, model(*CASES[case]))
+    alone, _ = built(path, tmp_path / "alone")
+    assert "I-MJCF-ONLY" not in {one.code for one in alone}
+    reported, _ = built(path, tmp_path / "out", export={"mjcf": {}, "urdf": {}})
+    (text,) = (one.message for one in reported if one.code == "I-MJCF-ONLY")
+    assert text.startswith("URDF cannot have")
+    assert all(one in text for one in words), text
