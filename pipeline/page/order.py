@@ -11,6 +11,13 @@ _TYPES = {"turn": "hinge"}
 """Kind of dof → MuJoCo's type of joint, where they have other names."""
 
 
+RESET = (
+    "<p>MuJoCo's <code>mj_resetData</code> sets each control to 0, which sends servos to 0: begin with "
+    '<code>mj_resetDataKeyframe(model, data, model.key("home").id)</code>, whose controls hold the pose.</p>'
+)
+"""Why a simulation begins at a keyframe."""
+
+
 def order(tables: Mapping[str, Any]) -> str:
     """The section; nothing without tables. `tables`: `order` of the report's details."""
     mjcf, urdf = tables.get("mjcf", {}), tables.get("urdf", {})
@@ -54,7 +61,7 @@ def _actuators(rows: Sequence[Row]) -> str:
         ]
         for row in rows
     ]
-    return plain_table(header, cells)
+    return plain_table(header, cells) + (RESET if cells else "")
 
 
 def _sensors(rows: Sequence[Row]) -> str:

@@ -76,7 +76,9 @@ class ActuatorKeys(Keys):
 
     kp: Annotated[Positive | None, example(80)] = None
     """Of position, intvelocity and pid: stiffness [N m/rad or N/m]. null: estimated for each dof, so that the
-    robot's weight moves it by less than 0.01 rad or 1 mm anywhere in its range."""
+    robot's weight moves it by less than 0.01 rad or 1 mm anywhere in its range (0.1 rad or 10 mm where it
+    carries a robot that stands), as far as the time step allows that, and never so that it reaches its effort
+    within 0.1 rad or 10 mm. Poses near a singular pose of a loop do not count."""
 
     kv: Annotated[NonNegative | None, example(2)] = None
     """Of position, velocity, intvelocity, damper and pid: damping [N m s/rad or N s/m]; null: estimated."""

@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 from stages.export import writer_of
 from stages.export.actuators.gravity import gravity_of
 from stages.export.actuators.resolve import actuate
+from stages.export.footing import supports
 from stages.export.writer import WriterInput
 from stages.robot.actuation import Actuation
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Geometry
 from stages.robot.model import Configuration, Robot
+from stages.robot.statics import GroundSupport
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
@@ -29,15 +31,15 @@ def driven(
 ) -> tuple[Actuation, tuple[Diagnostic, ...]]:
     """The actuation of the robot, by the configuration and, where an MJCF is written, by its trial run; an
     MJCF source whose actuators nobody changes stays as it is."""
+    place, gravity = standing.world_from_root, gravity_of(keys.scene.option)
+    up = -place[:3, :3].T @ gravity
+
+    def carried(q: Configuration) -> tuple[GroundSupport, ...]:
+        return supports(robot, geometry, standing.placed(q), keys.ground, q, up)
+
     timestep = keys.scene.option.timestep
     actuation, found = actuate(
-        robot,
-        keys.actuators,
-        timestep,
-        standing.world_from_root,
-        gravity_of(keys.scene.option),
-        keys.motors,
-        keys.optional,
+        robot, keys.actuators, timestep, place, gravity, keys.motors, carried, keys.optional
     )
     as_it_is = robot.mjcf is not None and not keys.actuators
     if FORMAT not in keys.export.chosen or as_it_is or not _worth_a_trial(robot):

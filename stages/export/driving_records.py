@@ -3,7 +3,7 @@
 from typing import Any
 
 from stages.export.json_values import as_float, as_floats, as_pose, short
-from stages.formats.numbers import TURN
+from stages.formats.numbers import FORCE, TURN
 from stages.robot.actuation import Actuation, Actuator
 from stages.robot.model import Sensor
 from stages.robot.sensing import Sensing, SensorCamera, SensorSite
@@ -23,11 +23,16 @@ def _actuator(actuator: Actuator) -> dict[str, Any]:
         "home": as_float(actuator.home, TURN),
         "load": short(actuator.load),
         "home_load": short(actuator.home_load),
+        **({"holds": _holds(actuator)} if actuator.holds else {}),
         "sag": short(actuator.sag),
         "estimated": list(actuator.estimated),
         **({"motor": actuator.motor} if actuator.motor else {}),
         **({"provenance": dict(actuator.sources)} if actuator.sources else {}),
     }
+
+
+def _holds(actuator: Actuator) -> dict[str, float | None]:
+    return {keyframe: as_float(force, FORCE) for keyframe, force in actuator.holds}
 
 
 def actuation_records(actuation: Actuation) -> dict[str, Any]:

@@ -28,6 +28,19 @@ class Extents:
             default=np.inf,
         )
 
+    def below(self, link: str, role: Role, direction: Array, limit: float) -> Array:
+        """The corners (n, 3) [m] of a link's shapes, in the world, with direction · x up to `limit`. Of what
+        is round the points are those that lie the furthest against the direction; of a disc that lies flat,
+        some of its rim."""
+        parts = [np.zeros((0, 3))]
+        for shape in self._shapes.get((link, role), ()):
+            pose = self._poses[link]
+            along = pose[:3, :3].T @ direction
+            corners = self._mesh(shape.file) if shape.file else _corners(shape.primitive, along)
+            points = corners @ pose[:3, :3].T + pose[:3, 3]
+            parts.append(points[points @ direction <= limit])
+        return np.concatenate(parts)
+
     def box(self) -> tuple[Array, Array]:
         """The lower and upper corner (3,) [m] of the box around everything; infinite without a shape."""
         low, high = np.full(3, np.inf), np.full(3, -np.inf)
@@ -72,3 +85,29 @@ def _least_of_primitive(shape: Primitive, direction: Array) -> float:
     half = shape.size[1] / 2
     wide = radius if shape.kind == "capsule" else radius * float(np.hypot(along[0], along[1]))
     return middle - abs(float(along[2])) * half - wide
+
+
+RIM = 16
+"""The points of the rim of a cylinder."""
+
+
+def _corners(shape: Primitive | None, direction: Array) -> Array:
+    """The points (n, 3) of a primitive, in the frame of its link, on which it can lie."""
+    assert shape is not None
+    along = shape.link_from_shape[:3, :3].T @ direction
+    if shape.kind == "box":
+        points = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * shape.size / 2
+    elif shape.kind == "cylinder":
+        points = _rims(shape.size[0], shape.size[1], along)
+    else:
+        half = shape.size[1] / 2 if shape.kind == "capsule" else 0.0
+        points = np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]) - shape.size[0] * along
+    moved: Array = points @ shape.link_from_shape[:3, :3].T + shape.link_from_shape[:3, 3]
+    return moved
+
+
+def _rims(radius: float, length: float, along: Array) -> Array:
+    """The points of both rims of a cylinder, beginning with those that lie the furthest against `along`."""
+    angles = np.arctan2(-along[1], -along[0]) + 2 * np.pi * np.arange(RIM) / RIM
+    rim = radius * np.stack([np.cos(angles), np.sin(angles), np.zeros(RIM)], axis=1)
+    return np.concatenate([rim + np.array([0.0, 0.0, end]) for end in (-length / 2, length / 2)])

@@ -26,7 +26,9 @@ exact, and so in the
 URDF. `transmissions` is there where the source names what drives the joints; `actuators` where the robot
 has any: `control` and `force` are ranges, `home` is the control at the keyframe of that name, `motor` one
 of the library, `load` the largest force at the dof by the robot's weight, `home_load` that at home, and
-`sag` how far it moves the servo's dof there. `provenance` says where a dof's limits and dynamics come from.
+`sag` how far it moves the servo's dof from a target there; `holds` is the force at the dof, with its sign,
+that holds the robot in each keyframe, where one is needed. `provenance` says where a dof's limits and
+dynamics come from.
 `estimated` lists what Linkwright chose, of a dof too; of dofs `armatures` has the values and the reasons.
 `compensated`: the links whose weight actuators carry, and the share; `compensating`: the dofs that do so.
 `keyframes` are the named poses besides `cad`, which is `saved` of each dof: `values` of all dofs, also of

@@ -23,6 +23,9 @@ TURN = 1.0
 """rad: likewise of angles, and of the entries of what has unit length."""
 
 
+FORCE = 1.0
+"""N or N m: likewise of forces that balance."""
+
 WHOLE = 1e15
 """Below this whole numbers are exact, and written out."""
 

@@ -19,14 +19,15 @@ SERVOS = ("position", "intvelocity", "pid")
 class Actuator:
     """An actuator of one dof.
 
-    `gear`: length of the actuator per value of the dof. `kp` [N m/rad or N/m] and `kv` [N m s/rad or
-    N s/m] of servos. `control` and `force`: (lowest, highest), None without limits; control in the unit of
-    the type, force at the actuator. `terms`: MJCF's other attributes, those of `general` and of single types.
-    `home`: the control at the keyframe `home`. `motor`: of the library, "" for none; `sources`: (parameter,
-    where its value comes from) of those that it gives.
+    `gear`: length of the actuator per value of the dof. `kp` [N m/rad or N/m] and `kv` [N m s/rad or N s/m]
+    of servos. `control` and `force`: (lowest, highest), None without limits; control in the unit of the type,
+    force at the actuator. `terms`: MJCF's other attributes, those of `general` and of single types. `home`:
+    the control at the keyframe `home`; `holds`: (keyframe, the force [N m or N] at the dof, with its sign,
+    that holds the robot there), where one is needed. `motor`: of the library, "" for none; `sources`:
+    (parameter, where its value comes from) of those that it gives.
 
     `load` [N m or N]: the largest force at the dof that holds the robot's weight, over its range, None where
-    the weight is unknown; `home_load`: at `home`. `estimated`: the values that Linkwright has chosen.
+    the weight is unknown. `estimated`: the values that Linkwright has chosen.
     """
 
     name: str
@@ -40,7 +41,7 @@ class Actuator:
     terms: tuple[tuple[str, str], ...] = ()
     home: float = 0.0
     load: float | None = None
-    home_load: float | None = None
+    holds: tuple[tuple[str, float], ...] = ()
     estimated: tuple[str, ...] = ()
     motor: str = ""
     sources: tuple[tuple[str, str], ...] = ()
@@ -50,9 +51,19 @@ class Actuator:
         of the library turns, also where the dof slides."""
         return "turn" if self.motor else dof
 
+    def force_at(self, keyframe: str) -> float:
+        """The force [N m or N] at the dof that holds the robot in this keyframe; 0 where none is known."""
+        return dict(self.holds).get(keyframe, 0.0)
+
+    @property
+    def home_load(self) -> float | None:
+        """The size [N m or N] of the force at `home`; None where it is unknown."""
+        force = dict(self.holds).get("home")
+        return None if force is None else abs(force)
+
     @property
     def sag(self) -> float | None:
-        """How far [rad or m] the weight moves a servo's dof from its target at `home`; None without kp."""
+        """How far [rad or m] a servo's dof is from its target at `home`, by the weight; None without kp."""
         if self.type not in SERVOS or not self.kp or self.home_load is None:
             return None
         if any(name == "ki" for name, _ in self.terms):

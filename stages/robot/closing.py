@@ -78,6 +78,11 @@ class Closer:
         """The columns of `jacobian` by the dofs that are moved: one, of a ball three."""
         return self._columns
 
+    @property
+    def scales(self) -> Array:
+        """The range (size,) [rad or m] of each column, or a whole turn or a metre where a side is open."""
+        return self._scales
+
     def jacobian(self, values: Values) -> Array:
         """The derivative (n, 6 L, size) of how far the loops' frames are apart: the speeds of the dofs that
         keep the loops closed are those that it maps to zero. Followers count with their drivers."""

@@ -8,6 +8,7 @@ independent speeds). A dof that neither drives nor follows rests.
 from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from stages.robot.closing import Closer
 from stages.robot.model import Array, Robot
@@ -15,6 +16,9 @@ from stages.robot.pose_batch import Values, count_of
 
 RANK = 1e-6
 """A singular value below this share of the largest counts as zero: poses close to about 1e-8."""
+
+SINGULAR = 10.0
+"""A pose is near a singular pose where the least singular value is this many times smaller than elsewhere."""
 
 Rates = Mapping[str, Array]
 """By dof: its speeds (n, 1), of a ball (n, 3), for a unit speed of one dof."""
@@ -31,10 +35,11 @@ class Couplings:
         for follower, (driver, multiplier) in shares.items():
             self._followers.setdefault(driver, []).append((follower, multiplier))
         self._columns: Mapping[str, slice] = {}
+        self._scales = np.zeros(0)
         self._jacobian = np.zeros((self._count, 0, 0))
         if robot.loops:
             closer = Closer(robot)
-            self._columns = closer.columns
+            self._columns, self._scales = closer.columns, closer.scales
             self._jacobian = closer.jacobian(values)
 
     @property
@@ -76,6 +81,40 @@ class Couplings:
             if not count or len(across) - rank < best.shape[1]:
                 best = across[rank:].T
         return best
+
+    def near_singular(self, driven: Sequence[str]) -> dict[str, npt.NDArray[np.bool_]]:
+        """By driven dof of a loop: at which configurations (n,) its mechanism is near a singular pose, where
+        what follows can move although what drives rests, and so a dof that drives has a leverage without end
+        (Gosselin and Angeles, "Singularity analysis of closed-loop kinematic chains", 1990: the second kind).
+        Measured by the least singular value of the Jacobian of what follows, in shares of the ranges."""
+        drivers = {dof: self._shares.get(dof, (dof, 1.0))[0] for dof in driven}
+        held = {self._columns[driver].start for driver in drivers.values() if driver in self._columns}
+        near: dict[int, npt.NDArray[np.bool_]] = {}
+        for rows, columns in self._mechanisms():
+            rest = [column for column in columns if column not in held]
+            block = self._jacobian[:, rows][:, :, rest] * self._scales[rest]
+            sizes = np.linalg.svd(block, compute_uv=False)
+            ranks = (sizes > RANK * sizes.max(initial=0.0)).sum(axis=1)
+            if not ranks.max(initial=0):
+                continue
+            least = sizes[:, ranks.max() - 1]
+            near |= dict.fromkeys(columns, least * SINGULAR < least.max())
+        starts = {
+            dof: self._columns[driver].start for dof, driver in drivers.items() if driver in self._columns
+        }
+        return {dof: near[start] for dof, start in starts.items() if start in near}
+
+    def _mechanisms(self) -> list[tuple[list[int], list[int]]]:
+        """The rows and the columns of the Jacobian of each group of loops that share a dof."""
+        groups: list[tuple[list[int], set[int]]] = []
+        for first in range(0, self._jacobian.shape[1], 6):
+            rows = list(range(first, first + 6))
+            columns = set(np.flatnonzero(np.any(self._jacobian[:, rows], axis=(0, 1))).tolist())
+            joined = [group for group in groups if group[1] & columns]
+            groups = [group for group in groups if not group[1] & columns]
+            rows = sorted([*rows, *(row for group in joined for row in group[0])])
+            groups.append((rows, columns.union(*(group[1] for group in joined))))
+        return [(rows, sorted(columns)) for rows, columns in groups]
 
     def moved_by(self, driven: Sequence[str]) -> dict[str, Rates]:
         """By driven dof: the speeds of all dofs that move with it, itself included, while the other driven

@@ -1,5 +1,7 @@
 """The robot's own dynamics: its mass matrix at any configuration."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from stages.robot.inertia import moved
@@ -24,9 +26,7 @@ def mass_matrix(robot: Robot, q: Configuration | None = None) -> Array:
     origin: M between a joint and one above it is Sₐᵀ I Sᵦ, I the inertia of all that the lower joint moves.
     """
     poses = link_poses(robot, q)
-    carried = {link.name: _spatial(moved(link.inertial, poses[link.name])) for link in robot.links}
-    for joint in reversed(robot.joints):
-        carried[joint.parent] = carried[joint.parent] + carried[joint.child]
+    carried = _carried(robot, poses)
     ways = Ways(robot)
     made: dict[str, tuple[Array, slice]] = {}
     size = sum(SPEEDS[dof.kind] for dof in robot.dofs)
@@ -43,6 +43,29 @@ def mass_matrix(robot: Robot, q: Configuration | None = None) -> Array:
             matrix[its_rows, rows] = block
             matrix[rows, its_rows] = block.T
     return matrix
+
+
+def held_inertias(robot: Robot, q: Configuration | None = None) -> dict[str, Array]:
+    """By dof of the tree: the inertia (n,) [kg m² or kg] about or along each of its axes of all that it does
+    not move, which is what moves where its child is held."""
+    poses = link_poses(robot, q)
+    carried = _carried(robot, poses)
+    inertias: dict[str, Array] = {}
+    for joint in robot.joints:
+        motions = _motions(joint, poses[joint.parent], q or {})
+        rest = carried[robot.root.name] - carried[joint.child]
+        sizes = np.einsum("in,ij,jn->n", motions, rest, motions)
+        ends = np.cumsum([SPEEDS[dof.kind] for dof in joint.dofs])
+        inertias |= {dof.name: part for dof, part in zip(joint.dofs, np.split(sizes, ends), strict=False)}
+    return inertias
+
+
+def _carried(robot: Robot, poses: Mapping[str, Array]) -> dict[str, Array]:
+    """By link: the inertia (6, 6) about the root link's origin of it and all below it."""
+    carried = {link.name: _spatial(moved(link.inertial, poses[link.name])) for link in robot.links}
+    for joint in reversed(robot.joints):
+        carried[joint.parent] = carried[joint.parent] + carried[joint.child]
+    return carried
 
 
 def _spatial(body: Inertial) -> Array:

@@ -1,5 +1,8 @@
 """The forces that hold a robot's weight, at many configurations at once."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
 from stages.robot.model import Array, Dof, Robot
@@ -9,13 +12,26 @@ GRAVITY = (0.0, 0.0, -9.81)
 """m/s², MuJoCo's own."""
 
 
-def holding_forces(robot: Robot, values: Values, up: Array, support: float = 0.0) -> dict[str, Array]:
+@dataclass(frozen=True, slots=True, eq=False)
+class GroundSupport:
+    """A point of a link that the ground carries: `point` (3,) [m] in the root link's axes, and the `mass`
+    [kg] whose weight it bears."""
+
+    link: str
+    point: Array
+    mass: float
+
+
+def holding_forces(
+    robot: Robot, values: Values, up: Array, support: float = 0.0, ground: Sequence[GroundSupport] = ()
+) -> dict[str, Array]:
     """By dof of the tree, but for free motion: the force (n, 1) [N m or N], of a ball the torque (n, 3) in
     its child's axes, that holds the weight of all that it moves, where every dof is on its own and the root
     is held.
 
     `up` (3,) [m/s²]: against gravity, in the root link's axes. With `support` above 0 the dof's own child is
-    held instead, and that share of the rest of the robot's weight is on it: as of a leg on the ground.
+    held instead, and that share of the rest of the robot's weight is on it: as of a leg on the ground. What
+    the `ground` carries is weight that no dof holds: its force is along `up`, as that of a mass taken away.
     """
     poses, frames = placed(robot.root.name, robot.joints, values)
     count = count_of(values)
@@ -24,18 +40,21 @@ def holding_forces(robot: Robot, values: Values, up: Array, support: float = 0.0
         link.name: link.inertial.mass * (poses[link.name] @ np.append(link.inertial.com, 1.0))[:, :3]
         for link in robot.links
     }
+    for carried in ground:
+        weights[carried.link] = weights[carried.link] - carried.mass
+        moments[carried.link] = moments[carried.link] - carried.mass * carried.point
     for joint in reversed(robot.joints):
         weights[joint.parent] = weights[joint.parent] + weights[joint.child]
         moments[joint.parent] = moments[joint.parent] + moments[joint.child]
     whole = weights[robot.root.name], moments[robot.root.name]
     found: dict[str, Array] = {}
     for joint in robot.joints:
-        carried = weights[joint.child], moments[joint.child]
+        load = weights[joint.child], moments[joint.child]
         if support:
-            carried = support * (carried[0] - whole[0]), support * (carried[1] - whole[1])
+            load = support * (load[0] - whole[0]), support * (load[1] - whole[1])
         for dof in joint.dofs:
             if dof.kind != "free":
-                found[dof.name] = _against(dof, *frames[dof.name], *carried, up)
+                found[dof.name] = _against(dof, *frames[dof.name], *load, up)
     return found
 
 

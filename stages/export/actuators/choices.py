@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from stages.robot.couplings import nearest_first
 from stages.robot.diagnostics import Diagnostics
-from stages.robot.globs import did_you_mean, fits, listed, there_are
+from stages.robot.globs import as_key, did_you_mean, fits, listed, there_are
 from stages.robot.model import Dof, Robot
 from stages.robot.quantity_keys import TypedNumber, as_typed, misfit
 
@@ -56,6 +56,8 @@ def wanted_of(
         wanted = _merged(dof, entries, motors, log)
         if wanted is not None:
             found[dof.name] = wanted
+    for glob in entries:
+        _check_kinds(glob, found, robot, log)
     return found
 
 
@@ -187,14 +189,30 @@ def _check(glob: str, keys: ActuatorKeys, robot: Robot, log: Diagnostics) -> Non
             kind = "ball" if dof.kind == "ball" else "free joint"
             text = f"{glob!r} is a {kind}: an actuator drives one turn or slide"
             log.report("E-ACTUATOR", text, WHERE, f"name one of: {_names(robot)}")
-    given = [name for name in OF_ONE_KIND if getattr(keys, name) is not None]
-    kinds: dict[str, str] = {dof.kind: dof.name for dof, loop in matched if not loop}
-    if given and {"turn", "slide"} <= set(kinds):
+
+
+def _check_kinds(glob: str, wanted: Mapping[str, Wanted], robot: Robot, log: Diagnostics) -> None:
+    """E-ACTUATOR for parameters that turns and slides both have of this entry."""
+    driven = [dof for dof in robot.dofs if dof.name in wanted]
+    shared, example = [], {}
+    for name in OF_ONE_KIND:
+        kinds = {dof.kind: dof.name for dof in driven if _is_from(glob, name, wanted[dof.name])}
+        if {"turn", "slide"} <= set(kinds):
+            shared.append(name)
+            example = kinds
+    if shared:
         text = (
-            f"{glob!r} gives one {' and one '.join(given)} to turns ({kinds['turn']}, ...) and slides "
-            f"({kinds['slide']}, ...), whose units differ"
+            f"{glob!r} gives one {' and one '.join(shared)} to turns ({example['turn']}, ...) and slides "
+            f"({example['slide']}, ...), whose units differ"
         )
-        log.report("E-ACTUATOR", text, WHERE, "give them to each kind under its own glob")
+        numbers = ", ".join(f"{name}: ..." for name in shared)
+        entry = f"actuators: {{{as_key(example['slide'])}: {{{numbers}}}}}"
+        log.report("E-ACTUATOR", text, WHERE, f"give them to each kind under its own glob: {entry}")
+
+
+def _is_from(glob: str, name: str, wanted: Wanted) -> bool:
+    """Whether a parameter is what this entry gives."""
+    return name in wanted.parameters and wanted.origin[name] == glob
 
 
 def _report_unmatched(glob: str, robot: Robot, log: Diagnostics) -> None:

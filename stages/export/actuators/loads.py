@@ -4,12 +4,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from stages.robot.couplings import Couplings, Rates
-from stages.robot.dynamics import SPEEDS, mass_matrix
+from stages.robot.dynamics import SPEEDS, held_inertias, mass_matrix
 from stages.robot.kinematics import link_poses
-from stages.robot.model import Array, Configuration, Robot
-from stages.robot.pose_batch import Values, chosen, count_of, repeated
+from stages.robot.model import Array, Configuration, DofKind, Robot
+from stages.robot.pose_batch import Values, chosen, count_of, many_link_poses, repeated
 from stages.robot.pose_samples import sampled_poses
 from stages.robot.start_pose import home
 from stages.robot.statics import holding_forces
@@ -27,16 +28,45 @@ LOW = 0.15
 REACH = 0.5
 """How far [m] slides without limits go."""
 
+LEVERAGE = 10.0
+"""The largest leverage of a loop that counts in a load."""
+
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """What a driven dof has on it: `home` (with its sign: the force that holds), the largest `most`, and the
-    inertias [kg m² or kg] there, `inertia` at home and `most_inertia`, which count the armatures given."""
+    """What a driven dof has on it over the robot's range: the largest force `most` that holds the weight, and
+    the inertias [kg m² or kg] that it moves, `inertia` at home and `most_inertia`, which count the armatures
+    that are given. `standing`: of a dof between a foot and the root, the inertia of the robot that turns
+    about it where the foot stands, else 0. `left_out`: the values of the dof at the poses that did not count,
+    since they are near a singular pose of a loop."""
 
-    home: float
     most: float
     inertia: float
     most_inertia: float
+    standing: float = 0.0
+    left_out: tuple[float, ...] = ()
+
+    @property
+    def carried(self) -> float:
+        """The largest inertia that the dof moves, in the air or where a foot stands."""
+        return max(self.most_inertia, self.standing)
+
+
+@dataclass(frozen=True, slots=True)
+class LoadBounds:
+    """The largest force and inertia of a dof of a loop that count, since its leverage has no end near a
+    singular pose: a slide carries at most `LEVERAGE` times the weight of all that moves, and moves at most
+    its mass; a turn carries that times the reach, and moves that times its square."""
+
+    weight: float
+    mass: float
+    reach: float
+
+    def force(self, kind: DofKind) -> float:
+        return LEVERAGE * self.weight * (1.0 if kind == "slide" else self.reach)
+
+    def inertia(self, kind: DofKind) -> float:
+        return self.mass * (1.0 if kind == "slide" else self.reach**2)
 
 
 def postures(robot: Robot) -> Values:
@@ -49,45 +79,77 @@ def postures(robot: Robot) -> Values:
     return {name: np.concatenate([first[name], found[name]]) for name in first}
 
 
+def bounds_of(robot: Robot, values: Values, up: Array) -> LoadBounds:
+    """`up` (3,) [m/s²]: against gravity. The reach is the diagonal of the box around the centres of mass of
+    all links in all poses."""
+    poses = many_link_poses(robot, values)
+    centers = [(poses[link.name] @ np.append(link.inertial.com, 1.0))[:, :3] for link in robot.links]
+    every = np.concatenate(centers)
+    held = _rigid_with_root(robot) if robot.base.fixed else set()
+    mass = sum(link.inertial.mass for link in robot.links if link.name not in held)
+    reach = float(np.linalg.norm(every.max(axis=0) - every.min(axis=0)))
+    return LoadBounds(mass * float(np.linalg.norm(up)), mass, reach)
+
+
+def _rigid_with_root(robot: Robot) -> set[str]:
+    rigid = {robot.root.name}
+    for joint in robot.joints:
+        if joint.parent in rigid and not joint.dofs:
+            rigid.add(joint.child)
+    return rigid
+
+
 def loads(
     robot: Robot,
     values: Values,
     couplings: Couplings,
     driven: Sequence[str],
-    compensated: Mapping[str, float],
     up: Array,
+    bounds: LoadBounds,
 ) -> dict[str, Load]:
-    """By driven dof. `up` (3,) [m/s²]: against gravity, in the root link's axes. `compensated`: share of the
-    weight of links that something else holds.
+    """By driven dof, over the poses `values`, of which the first is `home`. `up` (3,) [m/s²]: against
+    gravity, in the root link's axes; `bounds`: of the dofs of loops.
 
     On a free base half of the feet carry the whole robot: the dofs between a foot and the root also get
     that.
     """
-    light = _lighter(robot, compensated)
-    forces = holding_forces(light, values, up)
+    forces = holding_forces(robot, values, up)
     rates = couplings.moved_by(driven)
-    standing = {} if robot.base.fixed else _standing(light, up)
-    pressed = holding_forces(light, values, up, 2.0 / max(2, len(standing))) if standing else {}
-    on_feet = {name for way in standing.values() for name in way}
-    inertias = _inertias(robot, values, rates)
-    found = {}
+    singular = couplings.near_singular(driven)
+    feet = {} if robot.base.fixed else _feet(robot, up)
+    share = 2.0 / max(2, len(feet))
+    pressed = holding_forces(robot, values, up, share) if feet else {}
+    on_feet = {name for way in feet.values() for name in way}
+    held = held_inertias(robot, home(robot)) if feet else {}
+    rows = _weighed(values)
+    inertias = _inertias(robot, values, rates, rows)
+    kinds = {dof.name: dof.kind for dof in robot.dofs}
+    loads_of = {}
     for dof in driven:
-        held = _along(forces, rates[dof])
-        most = float(np.abs(held).max())
+        sizes, moved, standing = np.abs(along(forces, rates[dof])), inertias[dof], 0.0
         if dof in on_feet:
-            most = max(most, float(np.abs(_along(pressed, rates[dof])).max()))
-        found[dof] = Load(float(held[0]), most, float(inertias[dof][0]), float(inertias[dof].max()))
-    return found
+            sizes = np.maximum(sizes, np.abs(along(pressed, rates[dof])))
+            standing = share * float(held[dof].max())
+        out = np.zeros(count_of(values), dtype=bool)
+        if dof in singular:
+            out = singular[dof] if not singular[dof].all() else out
+            sizes = np.minimum(sizes, bounds.force(kinds[dof]))
+            moved = np.minimum(moved, bounds.inertia(kinds[dof]))
+        most_moved = float(moved[~out[rows]].max(initial=0.0)) or float(moved[0])
+        left_out = tuple(values[dof][out].tolist())
+        loads_of[dof] = Load(float(sizes[~out].max()), float(moved[0]), most_moved, standing, left_out)
+    return loads_of
 
 
-def _along(forces: Mapping[str, Array], rates: Rates) -> Array:
+def along(forces: Mapping[str, Array], rates: Rates) -> Array:
     """The force (n,) at a dof that does the work of all forces at the dofs that move with it."""
     parts = [(forces[name] * speeds).sum(axis=1) for name, speeds in rates.items() if name in forces]
     whole: Array = np.sum(parts, axis=0)
     return whole
 
 
-def _lighter(robot: Robot, compensated: Mapping[str, float]) -> Robot:
+def lighter(robot: Robot, compensated: Mapping[str, float]) -> Robot:
+    """The robot without the weight that something else holds. `compensated`: its share, by link."""
     if not compensated:
         return robot
     links = tuple(
@@ -102,7 +164,7 @@ def _lighter(robot: Robot, compensated: Mapping[str, float]) -> Robot:
     return replace(robot, links=links)
 
 
-def _standing(robot: Robot, up: Array) -> dict[str, tuple[str, ...]]:
+def _feet(robot: Robot, up: Array) -> dict[str, tuple[str, ...]]:
     """By foot, a lowest leaf of the tree at `home`: the dofs between it and the root."""
     poses = link_poses(robot, home(robot))
     heights = {
@@ -122,10 +184,16 @@ def _standing(robot: Robot, up: Array) -> dict[str, tuple[str, ...]]:
     return found
 
 
-def _inertias(robot: Robot, values: Values, rates: Mapping[str, Rates]) -> dict[str, Array]:
-    """By driven dof: the inertia (m,) that it moves, at home and at some other poses."""
+def _weighed(values: Values) -> npt.NDArray[np.intp]:
+    """The poses (m,) at which inertias are computed, `home` first."""
     step = max(1, (count_of(values) - 1) // (WEIGHED - 1))
-    rows = np.arange(0, count_of(values), step)[:WEIGHED]
+    return np.arange(0, count_of(values), step)[:WEIGHED]
+
+
+def _inertias(
+    robot: Robot, values: Values, rates: Mapping[str, Rates], rows: npt.NDArray[np.intp]
+) -> dict[str, Array]:
+    """By driven dof: the inertia (m,) that it moves at these poses (m,)."""
     some = chosen(values, rows)
     armature = np.concatenate(
         [np.full(SPEEDS[dof.kind], dof.dynamics.armature or 0.0) for dof in robot.dofs] or [np.zeros(0)]

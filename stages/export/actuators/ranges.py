@@ -5,7 +5,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from stages.robot.actuation import Actuator
-from stages.robot.model import Dof
+from stages.robot.holding_control import control_at
+from stages.robot.model import Dof, Value
 
 
 def control_range(dof: Dof, made: Actuator, given: Mapping[str, Any]) -> tuple[float, float] | None:
@@ -22,6 +23,21 @@ def control_range(dof: Dof, made: Actuator, given: Mapping[str, Any]) -> tuple[f
         return None
     most *= {"motor": 1.0 / abs(gear), "dcmotor": 1.0}.get(made.type, abs(gear))
     return -most, most
+
+
+def widened(
+    limits: tuple[float, float] | None, dof: Dof, made: Actuator, values: Mapping[str, Value]
+) -> tuple[float, float] | None:
+    """The range of a target with the targets that hold the dof at its values in keyframes, which at the end
+    of its limits lie beyond these."""
+    if limits is None or made.type not in ("position", "pid"):
+        return limits
+    low, high = limits
+    for keyframe, value in values.items():
+        if not isinstance(value, tuple) and dof.limits.contains(value):
+            target = control_at(made, value, made.force_at(keyframe))
+            low, high = min(low, target), max(high, target)
+    return low, high
 
 
 def _most(dof: Dof, kind: str, given: Mapping[str, Any]) -> float | None:

@@ -6,11 +6,12 @@ from collections.abc import Collection, Mapping, Sequence
 import numpy as np
 
 from stages.export.actuators.choices import Wanted
-from stages.robot.actuation import Actuation, Actuator
+from stages.export.actuators.make import ActuatorMaker, strongest
+from stages.robot.actuation import Actuation
 from stages.robot.couplings import Rates
 from stages.robot.diagnostics import Diagnostics
 from stages.robot.globs import as_key, listed
-from stages.robot.model import Robot
+from stages.robot.model import Dof, Robot
 
 WHERE = "actuators"
 
@@ -25,24 +26,20 @@ def remark(
     robot: Robot, actuation: Actuation, in_loops: Collection[str], left: Sequence[str], log: Diagnostics
 ) -> None:
     """I-ACTUATOR for dofs that are not driven (`left`), since others of the dofs `in_loops` are;
-    I-ARMATURE for armatures that were added; W-ACTUATOR-SAG for servos that sag; W-ACTUATOR-EFFORT where the
-    weight is more than an actuator may hold."""
+    W-ACTUATOR-SAG for servos that sag; W-ACTUATOR-EFFORT where the weight is more than an actuator may
+    hold."""
     if left:
         looped = [actuator.dof for actuator in actuation.actuators if actuator.dof in in_loops]
         text = f"closed loops: driven are {listed(looped)}; these follow: {listed(left)}"
         out = looped[0] if looped else left[0]
         hint = f"to drive others, take one out: actuators: {{{out}: none}}"
         log.report("I-ACTUATOR", text, WHERE, hint)
-    if actuation.armatures:
-        added = listed(f"{one.dof} ({one.value:g})" for one in actuation.armatures)
-        text = f"driven without an armature, which was estimated [kg m² or kg]: {added}"
-        log.report("I-ARMATURE", text, WHERE, "joints: {" + actuation.armatures[0].dof + ": {armature: ...}}")
-    _report_sag(actuation, robot, log)
-    effort = {dof.name: dof.dynamics.effort for dof in robot.dofs}
+    dofs = {dof.name: dof for dof in robot.dofs}
+    _report_sag(actuation, dofs, log)
     weak = [
         f"{one.name} ({one.load:.3g} of {most:.3g})"
         for one in actuation.actuators
-        if one.load is not None and (most := _most(one, effort[one.dof])) is not None and one.load > most
+        if one.load is not None and one.load > (most := strongest(dofs[one.dof], one.force, one.gear))
     ]
     if weak:
         text = f"somewhere in its range the robot weighs more [N m or N] than these may hold: {listed(weak)}"
@@ -103,21 +100,21 @@ def _bounding(name: str, rates: Mapping[str, Rates], limits: Mapping[str, tuple[
     ]
 
 
-def _report_sag(actuation: Actuation, robot: Robot, log: Diagnostics) -> None:
-    """W-ACTUATOR-SAG for servos that the weight moves far from `home`."""
-    dofs = {dof.name: dof for dof in robot.dofs}
+def _report_sag(actuation: Actuation, dofs: Mapping[str, Dof], log: Diagnostics) -> None:
+    """W-ACTUATOR-SAG for servos whose gain is given, and that the weight moves far from a target at
+    `home`."""
     far, by_motor = [], set()
     for one in actuation.actuators:
-        kind, effort = dofs[one.dof].kind, dofs[one.dof].dynamics.effort
-        if one.sag is None or kind not in FAR or one.sag <= FAR[kind]:
+        dof = dofs[one.dof]
+        if one.sag is None or dof.kind not in FAR or one.sag <= FAR[dof.kind] or "kp" in one.estimated:
             continue
-        unit = "rad" if kind == "turn" else "m"
-        most = _most(one, effort)
-        limit = "no force limit" if most is None else f"force limit {most:.3g}"
+        unit = "rad" if dof.kind == "turn" else "m"
+        most = strongest(dof, one.force, one.gear)
+        limit = "no force limit" if math.isinf(most) else f"force limit {most:.3g}"
         far.append(f"{one.name} by {one.sag:.2g} {unit} (load {one.home_load:.3g}, {limit}, kp {one.kp:.3g})")
         by_motor.add("kp" in dict(one.sources))
     if far:
-        text = f"the robot's weight moves servos from home [load in N m or N]: {listed(far)}"
+        text = f"at home the robot's weight moves servos from their targets [load in N m or N]: {listed(far)}"
         hint = "raise kp, or leave it out: it is estimated then"
         if by_motor == {True}:
             hint = "so do these motors with their own kp; give another one, or gravcomp"
@@ -126,10 +123,65 @@ def _report_sag(actuation: Actuation, robot: Robot, log: Diagnostics) -> None:
         log.report("W-ACTUATOR-SAG", text, WHERE, hint)
 
 
-def _most(actuator: Actuator, effort: float | None) -> float | None:
-    """The largest force at the dof."""
-    own = None
-    if actuator.force is not None:
-        own = max(map(abs, actuator.force)) * abs(actuator.gear)
-    bounds = [one for one in (own, effort) if one is not None]
-    return min(bounds, default=None)
+def remark_servos(maker: ActuatorMaker, timestep: float, poses: int, log: Diagnostics) -> None:
+    """I-SINGULAR, W-ARMATURE, I-ARMATURE and W-ACTUATOR-STEP: what bounded the estimates. `poses`: how many
+    poses stand for the robot's range."""
+    _report_singular(maker, poses, log)
+    _report_armatures(maker, log)
+    _report_steps(maker, timestep, log)
+
+
+def _report_singular(maker: ActuatorMaker, poses: int, log: Diagnostics) -> None:
+    """I-SINGULAR for poses that did not count for a load."""
+    values_left = {dof: load.left_out for dof, load in maker.loads.items() if load.left_out}
+    if not values_left:
+        return
+    near = listed(
+        f"{dof} from {min(values):.4g} to {max(values):.4g} ({len(values)} of {poses} poses)"
+        for dof, values in values_left.items()
+    )
+    text = f"near a singular pose of its loop a dof has a leverage without end; left out of its load: {near}"
+    dof = as_key(next(iter(values_left)))
+    log.report("I-SINGULAR", text, WHERE, f"limits that avoid it: joints: {{{dof}: {{limits: [..., ...]}}}}")
+
+
+def _report_armatures(maker: ActuatorMaker, log: Diagnostics) -> None:
+    """W-ARMATURE for estimated armatures that are larger than what the dof moves at home, I-ARMATURE for the
+    rest."""
+    large = [armature for armature in maker.armatures if armature.value > _moved(maker, armature.dof)]
+    small = [armature for armature in maker.armatures if armature not in large]
+    if large:
+        each = listed(
+            f"{armature.dof} ({armature.value:g}; moves {_moved(maker, armature.dof):.3g})"
+            for armature in large
+        )
+        text = "estimated armatures exceed the inertia that their joints move at home [kg m² or kg]"
+        log.report("W-ARMATURE", f"{text}: {each}", WHERE, _armature_of(large[0].dof))
+    if small:
+        added = listed(f"{armature.dof} ({armature.value:g})" for armature in small)
+        text = f"driven without an armature, which was estimated [kg m² or kg]: {added}"
+        log.report("I-ARMATURE", text, WHERE, _armature_of(small[0].dof))
+
+
+def _report_steps(maker: ActuatorMaker, timestep: float, log: Diagnostics) -> None:
+    """W-ACTUATOR-STEP for servos for which the time step is too long."""
+    if not maker.too_stiff:
+        return
+    each = listed(
+        f"{servo.dof} (kp {servo.kp:.3g}; {servo.step:g} s is short enough for {servo.asked:.3g})"
+        for servo in maker.too_stiff
+    )
+    text = (
+        f"at a time step of {timestep:g} s these servos need an armature larger than what they move: {each}"
+    )
+    hint = f"scene: {{option: {{timestep: {min(servo.step for servo in maker.too_stiff):g}}}}}"
+    log.report("W-ACTUATOR-STEP", text, WHERE, f"{hint}, or {_armature_of(maker.too_stiff[0].dof)}")
+
+
+def _moved(maker: ActuatorMaker, dof: str) -> float:
+    """The inertia that a dof moves at home; infinite where it is unknown."""
+    return maker.loads[dof].inertia if dof in maker.loads else math.inf
+
+
+def _armature_of(dof: str) -> str:
+    return f"joints: {{{as_key(dof)}: {{armature: ...}}}}"

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from stages.formats.numbers import TURN, number, spaced
 from stages.formats.xml import Element, element
 from stages.robot.actuation import Actuation
-from stages.robot.home_control import control_at, state_at
+from stages.robot.holding_control import control_at, state_at
 from stages.robot.mjcf_extras import MjcfExtras
 from stages.robot.model import Configuration, Sensor
 
@@ -78,15 +78,13 @@ class KeyedActuator:
     states: tuple[float, ...]
 
 
-def drives(actuation: Actuation, at: Configuration, at_home: bool) -> Iterator[KeyedActuator]:
-    """The actuators in a keyframe with these values; `at_home`: whether it is that keyframe."""
+def drives(actuation: Actuation, keyframe: str, at: Configuration) -> Iterator[KeyedActuator]:
+    """The actuators in a keyframe with these values, as they hold the robot there."""
     for actuator in actuation.actuators:
-        value = at[actuator.dof]
-        if isinstance(value, tuple):
-            yield KeyedActuator(actuator.name, actuator.home, ())
-            continue
-        control = actuator.home if at_home else control_at(actuator, value)
-        yield KeyedActuator(actuator.name, control, tuple(state_at(actuator, value)))
+        value, force = at[actuator.dof], actuator.force_at(keyframe)
+        assert not isinstance(value, tuple), "an actuator drives one turn or slide"
+        control = control_at(actuator, value, force)
+        yield KeyedActuator(actuator.name, control, state_at(actuator, value, force))
 
 
 def key_attributes(every: Sequence[KeyedActuator]) -> dict[str, str | None]:

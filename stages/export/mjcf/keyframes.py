@@ -13,7 +13,7 @@ from stages.formats.xml import Element, element
 from stages.robot.mjcf_extras import NO_EXTRAS
 from stages.robot.model import Array, Configuration, Robot
 from stages.robot.poses import UNMOVED
-from stages.robot.start_pose import HOME, keyframes
+from stages.robot.start_pose import keyframes
 
 if TYPE_CHECKING:
     from stages.export.writer import WriterInput
@@ -33,14 +33,14 @@ def write_keyframes(root: Element, given: "WriterInput", model: Element | None =
         numbers = [texts[joint] for joint in joints]
         if model is not None:
             numbers += [number(one, least=TURN) for one in beside.get(name, extras.scene_qpos)]
-        every = [*_driven(given, q, name == HOME), *(drives_of(extras.scene) if model is not None else ())]
+        every = [*_driven(given, name, q), *(drives_of(extras.scene) if model is not None else ())]
         element(keyframe, "key", name=name, qpos=" ".join(numbers), **key_attributes(every))
 
 
-def _driven(given: "WriterInput", q: Configuration, at_home: bool) -> list[KeyedActuator]:
+def _driven(given: "WriterInput", keyframe: str, q: Configuration) -> list[KeyedActuator]:
     """The robot's actuators in the order of the file."""
     extras = given.mjcf_form.extras or NO_EXTRAS
-    every = {one.name: one for one in drives(given.actuation, q, at_home)}
+    every = {one.name: one for one in drives(given.actuation, keyframe, q)}
     every |= {one.name: one for one in drives_of(extras.sections)}
     return [every[name] for name in extras.in_order("actuator", every)]
 

@@ -16,6 +16,7 @@ class MjcfWriter:
         from stages.export.mjcf.extras import lost
         from stages.export.mjcf.form import filters_of
         from stages.export.mjcf.model import write_mjcf
+        from stages.export.mjcf.reset import reset
         from stages.export.mjcf.scene import write_scene
         from stages.export.mjcf.unsupported import unsupported
 
@@ -24,7 +25,8 @@ class MjcfWriter:
         written = write_mjcf(given, kept_apart)
         files = {model: written, scene: write_scene(given, written)}
         found = unsupported(given.robot, given.start, kept_apart.wide, given.mjcf_form)
-        return Exported(files, (*found, *lost(given.robot, given.geometry, given.mjcf_form.extras)))
+        found = (*found, *lost(given.robot, given.geometry, given.mjcf_form.extras))
+        return Exported(files, (*found, *reset(given.robot, given.start, given.actuation)))
 
 
 WRITER = MjcfWriter()

@@ -37,6 +37,7 @@ def transmission_of(record: Fields) -> Transmission:
 
 
 def _actuator(record: Fields) -> Actuator:
+    forces = Fields(dict(record.items("holds")), f"{record.place}.holds")
     return Actuator(
         name=record.text("name"),
         dof=record.text("dof"),
@@ -49,7 +50,7 @@ def _actuator(record: Fields) -> Actuator:
         terms=tuple((key, str(value)) for key, value in record.items("terms")),
         home=record.number("home"),
         load=record.number_or_none("load"),
-        home_load=record.number_or_none("home_load"),
+        holds=tuple((name, forces.number(name)) for name in forces.table),
         estimated=record.texts("estimated"),
         motor=record.text("motor") if record.has("motor") else "",
         sources=tuple((key, str(value)) for key, value in record.items("provenance")),

@@ -6,7 +6,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from stages.robot.actuation import SERVOS, Actuation, Actuator
+from stages.robot.holding_control import state_at
 from stages.robot.model import Configuration, Dof, Robot, Value
+from stages.robot.start_pose import HOME
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +60,9 @@ def _drive(one: Actuator, dof: Dof, value: Value) -> Drive | None:
     if one.type in SERVOS:
         kp, kv = one.kp or 0.0, one.kv or 0.0
         assert not isinstance(value, tuple)
-        # The control of an intvelocity is a speed: its target is a state, which is where it is.
-        target = value if one.type == "intvelocity" else one.home / one.gear
-        return Drive(kp * one.gear**2, kv * one.gear**2, force, target)
+        # The control of an intvelocity is a speed: its target is a state.
+        target = state_at(one, value, one.force_at(HOME))[0] if one.type == "intvelocity" else one.home
+        return Drive(kp * one.gear**2, kv * one.gear**2, force, target / one.gear)
     if one.type == "velocity":
         return Drive(0.0, (one.kv or 0.0) * one.gear**2, force)
     return Drive(0.0, 0.0, force) if one.type == "motor" else None

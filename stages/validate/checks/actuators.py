@@ -8,7 +8,7 @@ import numpy as np
 
 from stages.robot.actuation import Actuator
 from stages.robot.check import Check, Finding
-from stages.robot.home_control import control_at, state_at, torque_per_volt
+from stages.robot.holding_control import control_at, state_at, torque_per_volt
 from stages.robot.mjcf_extras import NO_EXTRAS
 from stages.robot.model import Configuration, Value
 from stages.robot.start_pose import HOME, keyframes
@@ -87,7 +87,9 @@ def _at_rest(model: Any, index: int, one: Actuator, name: str, value: Value) -> 
     """The control and the state at a keyframe, with the dof at `value`. Only `home` must be there: that
     others are is another check's."""
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, name)
-    state = () if isinstance(value, tuple) else state_at(one, value)
+    assert not isinstance(value, tuple), "an actuator drives one turn or slide"
+    force = one.force_at(name)
+    state = state_at(one, value, force)
     first, size = int(model.actuator_actadr[index]), int(model.actuator_actnum[index])
     if name == HOME and size != len(state):
         yield differs(named(one.type, one.name), "dyntype", f"of {size} states", str(len(state)))
@@ -95,7 +97,7 @@ def _at_rest(model: Any, index: int, one: Actuator, name: str, value: Value) -> 
         return
     element = named("key", name)
     control = float(model.key_ctrl[key][index]) if key >= 0 else np.nan
-    wanted = one.home if name == HOME or isinstance(value, tuple) else control_at(one, value)
+    wanted = one.home if name == HOME else control_at(one, value, force)
     if not _same(control, wanted):
         yield Finding(element, "ctrl", f"of {one.name} is {shown(control)}, expected {shown(wanted)}")
     if state and size == len(state) and key >= 0:

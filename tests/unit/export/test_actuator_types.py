@@ -28,6 +28,7 @@ from tests.unit.export.test_actuators import (
     lump,
     pendulum,
     problem,
+    targeted,
 )
 
 INSTALLED = tuple(map(int, re.findall(r"\d+", mujoco.__version__)[:2]))
@@ -95,12 +96,13 @@ def test_the_target_of_an_intvelocity_moves_at_the_speed_of_its_control_within_t
     assert list(model.actuator_ctrlrange[0]) == [-2, 2]
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
-    assert data.act[0] == pytest.approx(0.4, rel=1e-12)
+    target = float(data.act[0])
+    assert 0.4 < target < 0.41
     run(model, data, 1.0)
-    assert data.qpos[0] == pytest.approx(0.4, abs=0.01)
+    assert data.qpos[0] == pytest.approx(0.4, abs=1e-9)
     data.ctrl[0] = -0.5
     run(model, data, 1.0)
-    assert data.act[0] == pytest.approx(0.4 - 0.5, abs=1e-9)
+    assert data.act[0] == pytest.approx(target - 0.5, abs=1e-9)
     assert data.qpos[0] == pytest.approx(0.4 - 0.5, abs=0.03)
     run(model, data, 3.0)
     assert data.act[0] == -1.0
@@ -112,7 +114,10 @@ def test_an_intvelocity_without_limits_has_a_wide_range_and_every_keyframe_its_t
     model = compiled(robot, actuators={"*": {"type": "intvelocity", "gear": 3}})
     assert list(model.actuator_actrange[0]) == [-3e6, 3e6]
     for key in range(model.nkey):
-        assert model.key_act[key][0] == pytest.approx(3 * model.key_qpos[key][0], rel=1e-12)
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, key)
+        mujoco.mj_forward(model, data)
+        assert data.qfrc_actuator[0] == pytest.approx(data.qfrc_bias[0], rel=1e-9)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
@@ -130,11 +135,15 @@ def test_a_damper_slows_a_sledge_as_the_closed_form_says(share: float) -> None:
 def test_the_integral_part_of_a_pid_takes_the_sag_away_up_to_its_limit() -> None:
     def sunk(**more: float) -> float:
         entry = {"type": "pid", "kp": 200, "kv": 20, **more}
-        return -float(at_home(compiled(pendulum(), actuators={"*": entry}), 12.0).qpos[0])
+        return -float(targeted(compiled(pendulum(), actuators={"*": entry}), 12.0).qpos[0])
 
     assert sunk() == pytest.approx(HEAVY / 200, rel=0.01)
     assert abs(sunk(ki=200)) < 1e-3
     assert sunk(ki=200, imax=HEAVY / 2 / 200) == pytest.approx(HEAVY / 2 / 200, rel=0.02)
+    for more in ({}, {"ki": 200}, {"ki": 200, "imax": HEAVY / 2 / 200}):
+        entry = {"type": "pid", "kp": 200, "kv": 20, **more}
+        held = at_home(compiled(pendulum(), actuators={"*": entry}), 12.0)
+        assert held.qpos[0] == pytest.approx(0.0, abs=1e-9)
 
 
 @since(3, 12)
@@ -142,8 +151,8 @@ def test_the_target_of_a_pid_follows_at_most_at_its_slew_rate_and_rests_at_home(
     entry = {"type": "pid", "slewmax": 0.5}
     model = compiled(pendulum(saved=0.4), actuators={"*": entry})
     data = at_home(model, 0.5)
-    assert data.act[0] == pytest.approx(0.4, rel=1e-9)
-    assert data.qpos[0] == pytest.approx(0.4, abs=0.01)
+    assert data.act[0] == pytest.approx(data.ctrl[0], rel=1e-9)
+    assert data.qpos[0] == pytest.approx(0.4, abs=1e-9)
     data.ctrl[0] = -0.6
     run(model, data, 1.0)
     assert data.qpos[0] == pytest.approx(0.4 - 0.5, abs=0.03)
@@ -153,7 +162,9 @@ def test_the_target_of_a_pid_follows_at_most_at_its_slew_rate_and_rests_at_home(
 def test_a_pid_may_have_both_and_its_states_are_in_order() -> None:
     entry = {"type": "pid", "ki": 5, "slewmax": 0.5}
     model = compiled(pendulum(saved=0.4), actuators={"*": entry})
-    assert list(model.key_act[model.key("home").id]) == pytest.approx([0.4, 0.0])
+    weight = HEAVY * math.cos(0.4)
+    assert list(model.key_act[model.key("home").id]) == pytest.approx([0.4, weight / 5])
+    assert at_home(model, 1.0).qpos[0] == pytest.approx(0.4, abs=1e-9)
 
 
 @since(3, 7)
@@ -290,8 +301,9 @@ def test_the_target_of_an_integrator_in_mujocos_own_words_is_in_the_keyframe_too
         "gear": gear,
     }
     model = compiled(pendulum(saved=0.4), actuators={"*": entry})
-    assert model.key_act[model.key("home").id][0] == pytest.approx(0.4 * gear, rel=1e-12)
-    assert at_home(model, 2.0).qpos[0] == pytest.approx(0.4, abs=0.01)
+    sag = HEAVY * math.cos(0.4) / (900 * gear)
+    assert model.key_act[model.key("home").id][0] == pytest.approx(0.4 * gear + sag, rel=1e-9)
+    assert at_home(model, 2.0).qpos[0] == pytest.approx(0.4, abs=1e-9)
 
 
 ORDER = [

@@ -3,6 +3,7 @@
 import json
 import math
 from dataclasses import replace
+from typing import Any
 
 import mujoco
 import numpy as np
@@ -77,6 +78,17 @@ def at_home(model: mujoco.MjModel, seconds: float) -> mujoco.MjData:
     return data
 
 
+def targeted(model: mujoco.MjModel, seconds: float) -> mujoco.MjData:
+    """The state after some time from `home`, where the target of each servo is the pose itself."""
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    mujoco.mj_forward(model, data)
+    data.ctrl[:], data.act[:] = data.actuator_length, 0.0
+    for _ in range(round(seconds / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+    return data
+
+
 def problem(robot: Robot, **actuators: object) -> tuple[str, str, str]:
     with pytest.raises(ExportError) as error:
         exported(robot, actuators=actuators)
@@ -139,18 +151,38 @@ def test_copies_of_a_joint_share_what_is_estimated_and_others_do_not() -> None:
     assert kp["left_elbow"] < kp["right_elbow"]
 
 
-def test_a_servo_is_no_stiffer_than_its_effort_can_use() -> None:
-    (servo,) = actuation(pendulum(effort=2.0), **{"*": "position"}).actuators
-    assert MASS * GRAVITY * ARM > 2.0
-    assert servo.kp == pytest.approx(max(2 * 2.0 / 0.01, MASS * ARM**2 * (20 * math.pi) ** 2), rel=0.01)
+@pytest.mark.parametrize(
+    ("entry", "effort", "force"),
+    [
+        ("position", 2.0, 2.0),
+        ("position", 40.0, 40.0),
+        ({"type": "position", "gear": -5}, 40.0, 40.0),
+        ({"type": "position", "gear": 5, "forcerange": [-3, 1]}, 40.0, 15.0),
+        ({"type": "intvelocity", "forcerange": [-6, 6]}, None, 6.0),
+    ],
+)
+def test_a_servo_reaches_its_effort_at_no_less_than_a_tenth_of_a_radian(
+    entry: Any, effort: float | None, force: float
+) -> None:
+    """The force of the compiled servo, as it is limited, for errors up to 0.1 rad: never the whole before."""
+    robot = pendulum() if effort is None else pendulum(effort=effort)
+    (servo,) = actuation(robot, **{"*": entry}).actuators
+    assert servo.kp is not None
+    assert servo.kp * servo.gear**2 * 0.1 == pytest.approx(force, rel=0.005)
     (plain,) = actuation(pendulum(), **{"*": "position"}).actuators
-    assert plain.kp > servo.kp
+    assert plain.kp is not None
+    assert plain.kp > servo.kp * servo.gear**2
+
+
+def test_a_slide_reaches_its_effort_at_no_less_than_ten_millimetres() -> None:
+    lift, _ = actuation(both(effort=30.0), **{"*": "position"}).actuators
+    assert lift.kp == pytest.approx(30.0 / 0.01)
 
 
 def test_turns_and_slides_sag_less_than_their_bounds_in_a_simulation() -> None:
     robot = both()
     model = compiled(robot, actuators={"*": "position"})
-    data = at_home(model, 5.0)
+    data = targeted(model, 5.0)
     slide, turn = (data.joint(name).qpos[0] for name in ("lift", "arm_joint"))
     assert 1e-5 < 0.1 - slide < 1e-3
     assert 1e-3 < -turn < 1e-2
@@ -296,14 +328,14 @@ def test_a_gear_changes_no_stiffness_at_the_dof_and_home_is_held_through_it(gear
     ],
 )
 def test_the_control_at_home_holds_it(entry: dict) -> None:
-    """Of a motor it is the weight: the pose is in balance, if not stable. Of a servo it is the target."""
+    """Of a motor it is the weight: the pose is in balance, if not stable. Of a servo it is a target beyond
+    the pose, by what it sags."""
     model = compiled(pendulum(saved=0.4), actuators={"*": entry})
     data = mujoco.MjData(model)
     mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
     mujoco.mj_forward(model, data)
-    weight = MASS * GRAVITY * ARM * math.cos(0.4)
-    left = weight if "biastype" in entry else 0.0
-    assert data.qfrc_bias[0] - data.qfrc_actuator[0] == pytest.approx(left, abs=1e-9)
+    assert data.qfrc_bias[0] == pytest.approx(MASS * GRAVITY * ARM * math.cos(0.4), rel=1e-12)
+    assert data.qfrc_bias[0] - data.qfrc_actuator[0] == pytest.approx(0.0, abs=1e-9)
 
 
 def test_a_velocity_servo_drifts_slowly_and_follows_its_speed() -> None:
@@ -324,7 +356,8 @@ def test_compensated_weight_makes_no_sag_and_counts_as_force_of_the_actuator() -
     alone = compiled(pendulum(), actuators={"*": {"type": "position", "gravcomp": 1, "kp": 50}})
     assert abs(at_home(alone, 2.0).qpos[0]) < 1e-9
     half = compiled(pendulum(), actuators={"*": {"type": "position", "gravcomp": 0.5, "kp": 500}})
-    sag = -at_home(half, 3.0).qpos[0]
+    assert abs(at_home(half, 3.0).qpos[0]) < 1e-9
+    sag = -targeted(half, 3.0).qpos[0]
     assert sag == pytest.approx(0.5 * MASS * GRAVITY * ARM / 500, rel=0.01)
 
 
@@ -409,7 +442,7 @@ def test_a_follower_puts_its_weight_on_its_driver() -> None:
     robot = weighing()
     (servo,) = actuation(robot, **{"*": "position"}).actuators
     assert servo.home_load == pytest.approx(3.0 * MASS * GRAVITY * ARM, rel=1e-9)
-    data = at_home(compiled(robot, actuators={"*": "position"}), 3.0)
+    data = targeted(compiled(robot, actuators={"*": "position"}), 3.0)
     assert abs(data.joint("a_joint").qpos[0]) == pytest.approx(servo.sag, rel=0.05)
 
 
@@ -464,8 +497,9 @@ def test_a_servo_that_sags_is_reported_with_its_load_its_limit_and_its_sag() -> 
     found = exported(pendulum(effort=12.0), actuators={"*": entry})
     (far,) = (one for one in found.diagnostics if one.code == "W-ACTUATOR-SAG")
     assert "arm_joint by 0.059 rad (load 5.89, force limit 12, kp 100)" in far.message
-    data = at_home(compiled(pendulum(effort=12.0), actuators={"*": entry}), 5.0)
-    assert -data.qpos[0] == pytest.approx(0.0589, rel=0.01)
+    model = compiled(pendulum(effort=12.0), actuators={"*": entry})
+    assert -targeted(model, 5.0).qpos[0] == pytest.approx(0.0589, rel=0.01)
+    assert abs(at_home(model, 5.0).qpos[0]) < 1e-9
     stiff = exported(pendulum(), actuators={"*": {"type": "position", "kp": 300}})
     assert "W-ACTUATOR-SAG" not in [one.code for one in stiff.diagnostics]
 
@@ -576,8 +610,10 @@ def test_the_weight_is_that_of_the_gravity_that_is_asked_for(gravity: list[float
     assert servo.home_load == pytest.approx(MASS * ARM * -gravity[2], abs=1e-9)
     model = compiled(pendulum(), actuators={"*": "position"}, scene__option=option)
     model.opt.gravity[:] = gravity
-    data = at_home(model, 2.0)
-    assert data.qpos[0] == pytest.approx(-servo.sag, rel=0.02, abs=1e-9)
+    load = MASS * ARM * -gravity[2]
+    sag = math.copysign(servo.sag or 0.0, load)
+    assert targeted(model, 2.0).qpos[0] == pytest.approx(-sag, rel=0.02, abs=1e-9)
+    assert at_home(model, 2.0).qpos[0] == pytest.approx(0.0, abs=1e-9)
     flag = exported(pendulum(), actuators={"*": "position"}, scene__option={"flag": {"gravity": "disable"}})
     assert flag.actuation is not None
     assert flag.actuation.actuators[0].load == 0.0

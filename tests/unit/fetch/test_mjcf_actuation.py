@@ -166,17 +166,27 @@ def test_a_new_actuator_gets_a_name_that_no_other_has(tmp_path: Path) -> None:
     assert [model.actuator(i).name for i in range(model.nu)] == ["a", "a_2"]
 
 
-def test_at_home_servos_have_their_targets_and_motors_hold_the_weight(path: Path) -> None:
+def test_at_home_each_joint_is_held_as_far_as_its_actuators_can(path: Path) -> None:
+    """The forces of the compiled actuators against the weight: of two on one joint the first one holds it."""
     robot = robot_of(path)
     assert [one.dof for one in robot.actuators] == ["c", "a", "b", "d", "e", "f", "a"]
     found = exported(path)
     assert found.actuation is not None
     homes = {one.name: one.home for one in found.actuation.actuators}
-    assert homes["b"] == 0
-    assert homes["spin"] == 0
-    assert homes["lag"] == pytest.approx(-0.5 / 3)
-    assert homes["push"] != 0
+    assert homes["spin"] == homes["bent"] == homes["creep"] == homes["again"] == 0
     assert found.advice == ""
+    model = compiled(found)
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    mujoco.mj_forward(model, data)
+    weight = {name: data.qfrc_bias[model.joint(name).dofadr[0]] for name in "abcdef"}
+    force = {name: data.qfrc_actuator[model.joint(name).dofadr[0]] for name in "abcdef"}
+    assert {name: force[name] for name in "df"} == pytest.approx(
+        {name: weight[name] for name in "df"}, rel=1e-9
+    )
+    # At the ends of their ranges: 10 times a control of -2, and a force of -3.
+    assert (force["a"], force["b"]) == pytest.approx((max(weight["a"], -20), max(weight["b"], -3)), rel=1e-9)
+    assert weight["b"] < -3
 
 
 @pytest.mark.skipif(not hasattr(mujoco.mjtDyn, "mjDYN_PID"), reason="needs a MuJoCo with such actuators")

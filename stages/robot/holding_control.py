@@ -1,4 +1,4 @@
-"""The control and the state that an actuator has at a keyframe."""
+"""The control and the state with which an actuator holds a pose."""
 
 import math
 from collections.abc import Mapping
@@ -9,50 +9,68 @@ _FILTERS = ("filter", "filterexact")
 """Dynamics whose state follows the control: at rest it is the control."""
 
 
-def home_control(actuator: Actuator, value: float, force: float) -> float:
-    """A servo's is its target: where its force is 0 at rest with the dof at `value`. Any other's makes the
-    `force` at the dof that holds the robot's weight.
+def control_at(actuator: Actuator, value: float, force: float) -> float:
+    """The control for which the actuator makes the `force` [N m or N] at its dof, at rest with the dof at
+    `value`: of a servo a target beyond the value, by what it sags under that force.
 
     The force is gain · control + b₀ + b₁ · length + b₂ · speed; at rest a filter's state is its control. An
-    actuator whose control moves its state in another way, a damper, or one of a kind that has no such form,
-    rests at 0. Within the control range.
+    actuator whose control moves its state in another way, a servo of speed, a damper, or an actuator of a
+    kind that has no such form, rests at 0. Within the control range.
     """
     gain, b0, b1 = _affine(actuator)
     control = 0.0
     if gain:
-        wanted = 0.0 if b1 or actuator.type == "velocity" else force / actuator.gear
+        wanted = 0.0 if actuator.type == "velocity" else force / actuator.gear
+        wanted -= _gain_of_integral(actuator) * _integral(actuator, force)
         control = (wanted - b0 - b1 * actuator.gear * value) / gain
     if actuator.control is not None:
         control = min(max(control, actuator.control[0]), actuator.control[1])
     return control + 0.0
 
 
-def control_at(actuator: Actuator, value: float) -> float:
-    """A servo's target for its dof to rest at `value`; any other's control is that of `home`."""
-    return home_control(actuator, value, 0.0) if _affine(actuator)[2] else actuator.home
+def can_hold(actuator: Actuator) -> bool:
+    """Whether a control or a state of the actuator makes it hold a force at rest."""
+    if actuator.type == "velocity":
+        return False
+    _, _, stiffness = _of_terms(dict(actuator.terms))
+    return actuator.type == "intvelocity" or _affine(actuator)[0] != 0.0 or stiffness != 0.0
 
 
-def state_at(actuator: Actuator, value: float) -> tuple[float, ...]:
-    """The activations for the dof to rest at `value`, as many as MuJoCo has for it: the target where it is a
-    state, else 0."""
+def state_at(actuator: Actuator, value: float, force: float) -> tuple[float, ...]:
+    """The activations with which the actuator makes the `force` at its dof, at rest with the dof at `value`,
+    as many as MuJoCo has for it: the target where it is a state, the integral of a pid, else 0."""
     terms = dict(actuator.terms)
     if actuator.type == "intvelocity":
-        return (actuator.gear * value,)
+        sag = force / (actuator.gear * actuator.kp) if actuator.kp else 0.0
+        return (actuator.gear * value + sag,)
     if actuator.type == "pid":
-        target = (control_at(actuator, value),) if "slewmax" in terms else ()
-        return (*target, *((0.0,) if "ki" in terms else ()))
+        target = (control_at(actuator, value, force),) if "slewmax" in terms else ()
+        return (*target, *((_integral(actuator, force),) if "ki" in terms else ()))
     if actuator.type == "dcmotor":
         return (0.0,) * sum(name in terms for name in ("inductance", "thermal", "lugre"))
     dynamics = terms.get("dyntype", "none")
     if dynamics == "none":
         return ()
     if dynamics in _FILTERS:
-        return (control_at(actuator, value),)
+        return (control_at(actuator, value, force),)
     if dynamics == "integrator":
         # As that of an intvelocity, which a file may have in these words.
         gain, b0, b1 = _of_terms(terms)
-        return ((-b0 - b1 * actuator.gear * value) / gain if gain and b1 else 0.0,)
+        wanted = force / actuator.gear - b0 - b1 * actuator.gear * value
+        return (wanted / gain if gain and b1 else 0.0,)
     return (0.0,) * int(terms.get("actdim", "1"))
+
+
+def _gain_of_integral(actuator: Actuator) -> float:
+    """The force [N m or N] of a pid for each unit of its integral."""
+    return float(dict(actuator.terms).get("ki", 0.0)) if actuator.type == "pid" else 0.0
+
+
+def _integral(actuator: Actuator, force: float) -> float:
+    """The integral of the error [rad s or m s] with which a pid makes a force at its dof, up to its limit."""
+    gain = _gain_of_integral(actuator)
+    most = float(dict(actuator.terms).get("imax", math.inf))
+    return min(max(force / (actuator.gear * gain), -most), most) if gain else 0.0
 
 
 def _affine(actuator: Actuator) -> tuple[float, float, float]:

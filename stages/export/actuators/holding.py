@@ -1,0 +1,44 @@
+"""The forces with which driven dofs hold a robot in each of its keyframes."""
+
+from collections.abc import Callable, Mapping, Sequence
+
+import numpy as np
+
+from stages.export.actuators.loads import LoadBounds, along
+from stages.robot.couplings import Couplings
+from stages.robot.model import Array, Configuration, Robot
+from stages.robot.pose_batch import repeated
+from stages.robot.start_pose import keyframes
+from stages.robot.statics import GroundSupport, holding_forces
+
+GroundSupports = Callable[[Configuration], Sequence[GroundSupport]]
+"""What the ground carries of a free robot at a pose; nothing where the robot does not stand."""
+
+Holds = Mapping[str, Mapping[str, float]]
+"""By dof, by keyframe: the force [N m or N], with its sign."""
+
+
+def holding(
+    robot: Robot, driven: Sequence[str], bounds: LoadBounds, up: Array, supports: GroundSupports
+) -> dict[str, dict[str, float]]:
+    """By driven dof and keyframe: the force that holds the weight there. A free robot that does not stand has
+    none. `up` (3,) [m/s²]: against gravity, in the root link's axes; `bounds`: of the dofs of loops."""
+    kinds = {dof.name: dof.kind for dof in robot.dofs}
+    holds: dict[str, dict[str, float]] = {dof: {} for dof in driven}
+    for name, pose in keyframes(robot).items():
+        ground = () if robot.base.fixed else supports(pose)
+        if not robot.base.fixed and not ground:
+            continue
+        values = repeated(pose, 1)
+        forces = holding_forces(robot, values, up, ground=ground)
+        couplings = Couplings(robot, values)
+        for dof, rates in couplings.moved_by(driven).items():
+            force = float(along(forces, rates)[0])
+            most = bounds.force(kinds[dof]) if dof in couplings.in_loops else np.inf
+            holds[dof][name] = min(max(force, -most), most)
+    return holds
+
+
+def standing_nowhere(_: Configuration) -> tuple[GroundSupport, ...]:
+    """The supports of a robot in free fall."""
+    return ()

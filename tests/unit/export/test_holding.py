@@ -1,0 +1,194 @@
+"""The controls of keyframes hold the poses, also of legs that stand on the ground: by MuJoCo, which knows
+nothing of how they were found, and by closed forms."""
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import linprog
+
+from stages.export.footing import balanced, supports
+from stages.export.standing import stand
+from stages.robot.model import Dynamics, Keyframe, Limits, Primitive, Robot, frozen
+from stages.robot.poses import from_parts, rotation_from_rpy
+from stages.robot.start_pose import keyframes
+from stages.validate import validate
+from tests.support.building import plan_of, write
+from tests.support.robots import at, joint, robot_with
+from tests.unit.export.test_actuators import ARM, GRAVITY, MASS, at_home, compiled, lump, pendulum
+from tests.unit.export.test_standing import free, geometry_of, shaped
+
+UP = np.array([0.0, 0.0, GRAVITY])
+
+THIGH, SHANK, BEND = 0.2, 0.2, 0.6
+
+LEGS = {"fl": (1, 1), "fr": (1, -1), "rl": (-1, 1), "rr": (-1, -1)}
+
+
+def dog(ahead: float = 0.0, effort: float | None = None) -> Robot:
+    """A body of 8 kg, its mass this far `ahead`, on four legs of two turns with balls for feet."""
+    dynamics = Dynamics(effort=effort)
+    joints, shapes, masses = [], {}, {"base": lump(8.0, ahead, 0.01, 0.02)}
+    for leg, (x, y) in LEGS.items():
+        limits = {f"{leg}_hip": Limits(-1.2, 1.2), f"{leg}_knee": Limits(-2.4, -0.1)}
+        hip = at(0.2 * x, 0.1 * y, 0) @ from_parts(rotation_from_rpy((-math.pi / 2, 0, 0)), np.zeros(3))
+        more = {"limits": limits, "dynamics": dynamics}
+        joints.append(joint("revolute", "base", f"{leg}_thigh", [BEND], name=f"{leg}_hip", place=hip, **more))
+        knee = at(0, THIGH, 0)
+        shank = f"{leg}_shank"
+        joints.append(
+            joint("revolute", f"{leg}_thigh", shank, [-2 * BEND], name=f"{leg}_knee", place=knee, **more)
+        )
+        shapes[shank] = [Primitive("sphere", (0.02,), frozen(at(0, SHANK, 0)))]
+        masses |= {f"{leg}_thigh": lump(0.6, 0, 0.1, 0), shank: lump(0.2, 0, 0.1, 0)}
+    robot = free(robot_with(joints, inertials=masses))
+    return shaped(robot, base=[Primitive("box", (0.4, 0.2, 0.1), frozen(np.eye(4)))], **shapes)
+
+
+def scene_of(robot: Robot, folder: Path, **keys: object) -> mujoco.MjModel:
+    write(robot, folder, plan_of(**keys), geometry_of(robot))
+    return mujoco.MjModel.from_xml_path(str(folder / "scene.xml"))
+
+
+@pytest.mark.parametrize("ahead", [0.0, 0.1])
+@pytest.mark.parametrize("effort", [None, 30.0])
+def test_a_robot_on_four_legs_stands_as_it_is_at_home(
+    tmp_path: Path, ahead: float, effort: float | None
+) -> None:
+    model = scene_of(dog(ahead, effort), tmp_path, actuators={"*": "position"})
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, model.key("home").id)
+    home = data.qpos.copy()
+    mujoco.mj_step(model, data, round(10.0 / model.opt.timestep))
+    assert np.abs(data.qpos[7:] - home[7:]).max() < 2e-3
+    assert np.linalg.norm(data.qpos[:3] - home[:3]) < 2e-3
+    assert np.abs(data.qvel).max() < 1e-3
+
+
+@pytest.mark.parametrize("ahead", [0.0, 0.1])
+def test_joints_and_ground_balance_the_whole_robot(tmp_path: Path, ahead: float) -> None:
+    """M·0 + bias = actuators + Jᵀ · the forces of the ground, for the floating base too."""
+    robot = dog(ahead)
+    plan = plan_of(actuators={"*": "position"})
+    model = scene_of(robot, tmp_path, actuators={"*": "position"})
+    geometry = geometry_of(robot)
+    standing = stand(robot, geometry, plan)
+    for name, pose in keyframes(robot).items():
+        data = mujoco.MjData(model)
+        mujoco.mj_resetDataKeyframe(model, data, model.key(name).id)
+        place = standing.placed(pose)
+        found = supports(robot, geometry, place, plan.ground, pose, UP)
+        assert len(found) == 4
+        model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+        mujoco.mj_forward(model, data)
+        left = data.qfrc_bias - data.qfrc_actuator
+        for support in found:
+            point = (place @ np.append(support.point, 1.0))[:3]
+            force = np.array([0, 0, support.mass * GRAVITY])
+            mujoco.mj_applyFT(
+                model, data, force, np.zeros(3), point, model.body(support.link).id, data.qfrc_applied
+            )
+        assert np.abs(left - data.qfrc_applied).max() < 1e-9
+        assert np.abs(left[:6]).max() > 1.0
+
+
+def test_a_robot_that_stands_nowhere_has_its_targets_at_the_pose(tmp_path: Path) -> None:
+    for keys in ({"ground": {"kind": "none"}}, {"scene": {"pose": {"xyz": [0, 0, 2.0]}}}):
+        model = scene_of(dog(), tmp_path, actuators={"*": "position"}, **keys)
+        key = model.key("home")
+        assert key.ctrl == pytest.approx(key.qpos[7:], abs=1e-12)
+    beyond = dog(ahead=0.6)
+    model = scene_of(beyond, tmp_path, actuators={"*": "position"})
+    assert model.key("home").ctrl == pytest.approx(model.key("home").qpos[7:], abs=1e-12)
+
+
+def test_each_keyframe_is_held_with_soft_servos(tmp_path: Path) -> None:
+    robot = replace(pendulum(saved=0.4), keyframes=(Keyframe("up", (("arm_joint", -0.7),)),))
+    for kind in ("position", "intvelocity", "motor"):
+        entry = {"type": kind} if kind == "motor" else {"type": kind, "kp": 60, "kv": 8}
+        model = compiled(robot, actuators={"*": entry})
+        for key in range(model.nkey):
+            data = mujoco.MjData(model)
+            mujoco.mj_resetDataKeyframe(model, data, key)
+            before = float(data.qpos[0])
+            mujoco.mj_step(model, data, 1 if kind == "motor" else 2000)
+            assert data.qpos[0] == pytest.approx(before, abs=1e-9)
+    write(robot, tmp_path, plan := plan_of(actuators={"*": {"type": "position", "kp": 60}}))
+    checks = validate(tmp_path, robot, plan, write(robot, tmp_path, plan).actuation)
+    assert [check.name for check in checks if check.fails] == []
+
+
+def test_a_control_range_includes_the_target_that_holds_home_at_the_end_of_the_limits() -> None:
+    """The weight pulls the arm down, from the upper end of its range."""
+    model = compiled(pendulum(saved=1.0, effort=12.0), actuators={"*": "position"})
+    sag = MASS * GRAVITY * ARM * math.cos(1.0) / 120.0
+    assert model.actuator("arm_joint").ctrlrange == pytest.approx([-1.0, 1.0 + sag], rel=1e-6)
+    assert at_home(model, 3.0).qpos[0] == pytest.approx(1.0, abs=1e-6)
+    entry = {"type": "position", "ctrlrange": [-1, 1]}
+    given_range = compiled(pendulum(saved=1.0, effort=12.0), actuators={"*": entry})
+    assert given_range.actuator("arm_joint").ctrlrange == pytest.approx([-1.0, 1.0])
+
+
+SQUARE = np.array([[1.0, 1, 0], [1, -1, 0], [-1, 1, 0], [-1, -1, 0]])
+
+
+@pytest.mark.parametrize(
+    ("center", "shares"),
+    [
+        ((0, 0), [0.25, 0.25, 0.25, 0.25]),
+        ((1, 1), [1, 0, 0, 0]),
+        ((0.5, 0), [0.375, 0.375, 0.125, 0.125]),
+        ((0, 1), [0.5, 0, 0.5, 0]),
+        ((1.01, 0), [0, 0, 0, 0]),
+    ],
+)
+def test_four_points_share_a_weight(center: tuple[float, float], shares: list[float]) -> None:
+    assert balanced(SQUARE, np.array([*center, 0.7]), UP) == pytest.approx(shares, abs=1e-6)
+
+
+NUMBERS = st.floats(-1.0, 1.0).map(lambda value: round(value, 2))
+
+
+@settings(max_examples=150)
+@given(
+    points=st.lists(st.tuples(NUMBERS, NUMBERS), min_size=1, max_size=8),
+    center=st.tuples(NUMBERS, NUMBERS),
+    up=st.tuples(NUMBERS, NUMBERS),
+)
+def test_a_weight_is_balanced_where_forces_that_push_can_do_it(points, center, up) -> None:
+    """Against a linear program; and of all shares that balance, none has a smaller sum of squares."""
+    direction = np.array([*up, 2.0])
+    places = np.array([[*point, 0.1 * index] for index, point in enumerate(points)])
+    middle = np.array([*center, 0.5])
+    shares = balanced(places, middle, direction)
+    unit = direction / np.linalg.norm(direction)
+    flat = (np.eye(3) - np.outer(unit, unit)) @ (places - middle).T
+    rows = np.vstack([np.ones(len(points)), flat])
+    wanted = np.array([1.0, 0, 0, 0])
+    slack = np.eye(4)
+    nearest = linprog(
+        np.concatenate([np.zeros(len(points)), np.ones(8)]),
+        A_eq=np.hstack([rows, slack, -slack]),
+        b_eq=wanted,
+    )
+    if nearest.fun > 1e-4:
+        assert not shares.any()
+    elif shares.any():
+        assert rows @ shares == pytest.approx(wanted, abs=1e-4)
+        assert shares.min() >= 0
+        assert shares @ shares <= nearest.x[: len(points)] @ nearest.x[: len(points)] + 1e-4
+    else:
+        assert nearest.fun > 1e-9 or _on_the_edge(flat.T)
+
+
+def _on_the_edge(flat: np.ndarray) -> bool:
+    """Whether a weight is so near the edge of its points that rounding decides."""
+    angles = np.linspace(0, 2 * np.pi, 3600)
+    basis = np.linalg.svd(flat, full_matrices=True)[2][:2]
+    along = np.stack([np.cos(angles), np.sin(angles)], axis=1) @ basis
+    return bool((flat @ along.T).max(axis=0).min() < 1e-3)
