@@ -70,7 +70,7 @@ def main() -> int:
     parser.add_argument("folder", nargs="?", type=Path, help="where example-robot-data lies")
     parser.add_argument("--only", default="", help="files whose path has this in it")
     asked = parser.parse_args()
-    share = asked.folder or _installed()
+    share = asked.folder or installed()
     files = [path for path in sorted(share.rglob("*.urdf")) if asked.only in str(path)]
     print(f"{'file':48} {'MuJoCo':6} {'checks':7} {'apart':>8} {'lost':>4} {'time':>8}  notes")
     rows = []
@@ -88,7 +88,7 @@ def main() -> int:
     return 0 if len(good) >= min(GOAL, len(rows)) and len(good) == len(made) else 1
 
 
-def _installed() -> Path:
+def installed() -> Path:
     import example_robot_data
 
     return Path(example_robot_data.robots_loader.getModelPath("."))

@@ -24,9 +24,12 @@ class MjcfWriter:
         kept_apart = filters_of(given.robot, given.geometry, given.mjcf_form)
         written = write_mjcf(given, kept_apart)
         files = {model: written, scene: write_scene(given, written)}
-        found = unsupported(given.robot, given.start, kept_apart.wide, given.mjcf_form)
-        found = (*found, *lost(given.robot, given.geometry, given.mjcf_form.extras))
-        return Exported(files, (*found, *reset(given.robot, given.start, given.actuation)))
+        found = (
+            *unsupported(given.robot, given.start, kept_apart.wide, given.mjcf_form),
+            *lost(given.robot, given.geometry, given.mjcf_form.extras),
+            *reset(given.robot, given.start, given.actuation),
+        )
+        return Exported(files, found)
 
 
 WRITER = MjcfWriter()
