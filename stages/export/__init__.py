@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from stages.robot.geometry import Geometry
     from stages.robot.model import Robot
 
-VERSION = 54
+VERSION = 55
 """Grows with every change of what this stage makes of the same input."""
 
 WRITERS = (

@@ -41,6 +41,7 @@ def driven(
     actuation, found = actuate(
         robot, keys.actuators, timestep, place, gravity, keys.motors, carried, keys.optional
     )
+    found = (*found, *_idle_motors(keys))
     as_it_is = robot.mjcf is not None and not keys.actuators
     if FORMAT not in keys.export.chosen or as_it_is or not _worth_a_trial(robot):
         return actuation, found
@@ -58,6 +59,17 @@ def driven(
 
     steady, more = steadied(robot, actuation, run)
     return steady, (*found, *more)
+
+
+def _idle_motors(keys: "ExportKeys") -> list[Diagnostic]:
+    """I-IDLE-KEY for each motor that no entry of `actuators` names."""
+    named = {entry.motor for entry in keys.actuators.values()}
+    hint = "name it: actuators: {elbow: {motor: ...}}"
+    return [
+        Diagnostic("I-IDLE-KEY", "no entry of `actuators` names this motor", f"motors.{name}", hint)
+        for name in keys.motors
+        if name not in named
+    ]
 
 
 def _worth_a_trial(robot: Robot) -> bool:

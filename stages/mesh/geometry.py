@@ -18,6 +18,7 @@ from stages.mesh.contacts.analysis import self_contacts
 from stages.mesh.contacts.chosen import chosen_pairs
 from stages.mesh.diagnostics import diagnostics
 from stages.mesh.geoms import GeomRules
+from stages.mesh.idle_keys import idle_keys
 from stages.mesh.ignored import without_ignored
 from stages.mesh.library import MeshLibrary
 from stages.mesh.link_mesh import LinkMesh, PartFinding, Use
@@ -94,6 +95,8 @@ def geometry(
         {link.name: _found(link, used[link.name]) for link in links},
     )
     problems += log.found
+    makers = {choice.maker for choice in chosen.values()}
+    problems += idle_keys(keys, makers, bundle.kind)
     problems += colliders_reported(collided)
     problems += too_small_reported({name: one for name in used if (one := _small_names(used[name]))})
     problems += unbalanced(links, library.of_parts, shapes, files)

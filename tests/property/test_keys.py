@@ -1,0 +1,157 @@
+"""Nothing that a user writes is without effect and without a word: keys at random, on a small robot."""
+
+import functools
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pipeline.config.plan import Plan, section
+from pipeline.reference.key_entries import KeyEntry, entries
+from stages.export import export
+from stages.export.keys import ExportKeys
+from stages.graph import build_robot
+from stages.graph.keys import GraphKeys
+from stages.mesh import make_geometry
+from stages.mesh.keys import MeshKeys
+from stages.robot.bundle import Bundle
+from stages.robot.errors import LinkwrightError
+from tests.fake_onshape.frames import frame, turn
+from tests.support.building import bundle_of
+from tests.support.drawn import SLOWLY
+from tests.support.kit import SIDE, TOP, Kit
+
+STAGES = (GraphKeys, MeshKeys, ExportKeys)
+"""The stages that make the robot's files."""
+
+BASE = {
+    "name": "robot",
+    "source": {"kind": "sample"},
+    "mesh": {"collider": "hull"},
+    "contact": {"self": "none"},
+    "actuators": {"*": "position"},
+}
+PARTS = ("Upper arm", "Palm", "Left finger", "Right finger", "Foot", "Cover")
+
+AS_IT_IS = {
+    "root.select": "the base is the root",
+    "root.disconnected": "all parts are connected",
+    "depth.max": "there are no sub-assemblies",
+    "hidden": "nothing is hidden",
+    "zero": "it was saved at zero",
+    "mirror": "nothing is mirrored",
+    "names.links": "the link has the name",
+    "mass.missing": "all parts have masses",
+    "frames.include": "tool is the only frame",
+    "joints.<glob>.invert": "false is as it is",
+    "relations.<glob>.invert": "false is as it is",
+    "relations.<glob>.drop": "false is as it is",
+    "mesh.colliders.<glob>.make": "hull is as it is",
+    "mesh.min_size": "no part is so small",
+    "mesh.target": "there are no cylinders",
+    "mesh.visual.max_faces": "boxes have twelve faces",
+}
+"""Keys whose value may leave this robot as it is, since it asks for what is so already."""
+
+
+@functools.cache
+def bundle() -> Bundle:
+    """An arm with a gripper of two geared fingers, a foot, a cover and a frame."""
+    kit = Kit()
+    base = kit.place("Base plate", fixed=True)
+    arm, palm, left, right, foot, cover = (kit.place(name) for name in PARTS)
+    kit.root.revolute("Elbow", (arm, turn((1, 0, 0), 0.4)), (base, TOP), limits=(-1, 1))
+    kit.root.slider("Wrist", (palm, np.eye(4)), (arm, frame((0.2, 0, 0.1))), limits=(-0.1, 0.2))
+    first = kit.root.revolute("Left", (left, TOP), (palm, SIDE), limits=(-3, 3))
+    second = kit.root.revolute("Right", (right, TOP), (palm, turn((1, 0, 0), 1, (0, 0.3, 0))), limits=(-3, 3))
+    kit.root.gear("Gears", first, second, 1.5)
+    kit.root.fasten("Sole", (foot, np.eye(4)), (base, np.eye(4)))
+    kit.root.fasten("Lid", (cover, np.eye(4)), (palm, TOP))
+    kit.root.connector("tool", palm, SIDE)
+    return bundle_of(kit.document)
+
+
+def merged(tree: Mapping[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
+    """A configuration with further keys, mapping by mapping."""
+    found = dict(tree)
+    for name, value in keys.items():
+        below = found.get(name)
+        both = isinstance(value, dict) and isinstance(below, dict)
+        found[name] = merged(below, value) if both else value
+    return found
+
+
+def outcome(keys: Mapping[str, Any]) -> tuple[Any, ...]:
+    """The parts of the stages, the files, and what is reported; or the error."""
+    try:
+        plan = Plan.parse(merged(BASE, keys))
+        parts = [section(plan, stage) for stage in STAGES]
+        robot = build_robot(bundle(), plan)
+        geometry = make_geometry(robot, bundle(), plan, lambda kind, key, make: make())
+        exported = export(robot, geometry, plan)
+    except LinkwrightError as error:
+        return None, str(error)
+    said = (*robot.diagnostics, *geometry.diagnostics, *exported.diagnostics)
+    return parts, exported.files, sorted(map(str, said))
+
+
+AS_BEFORE = functools.cache(lambda: outcome({}))
+
+
+def values_of(entry: KeyEntry) -> list[dict[str, Any]]:
+    """What the reference gives for a key as an example, once for each word of a choice; a glob is "*"."""
+    example = yaml.safe_load(entry.example)
+    words = [yaml.safe_load(word) if word.isdigit() else word for word in entry.words] or [None]
+    if entry.words == ("false", "true"):
+        words = [False, True]
+    found = []
+    for word in words:
+        path: list[str] = []
+        value = example
+        for name in entry.names:
+            (own,) = [own for own in value if own == name or name.startswith("<")][:1]
+            path.append(
+                "*" if name == "<glob>" and entry.names[0] in ("joints", "actuators", "geoms") else own
+            )
+            value = value[own]
+        value = value if word is None else word
+        for name in reversed(path):
+            value = {name: value}
+        found.append(value)
+    return found
+
+
+HEADS = {field.alias or name for stage in STAGES for name, field in stage.model_fields.items()}
+CASES = [
+    (entry.key, value)
+    for entry in entries()
+    if entry.names[0] in HEADS - {"name"} and entry.example and not (entry.is_section or entry.later)
+    for value in values_of(entry)
+]
+
+
+def is_without_effect(key: str, value: Mapping[str, Any]) -> bool:
+    """Whether a key that differs from what the robot has changes no file, and no word is said of it."""
+    parts, *rest = outcome(value)
+    before, *as_before = AS_BEFORE()
+    return parts != before and rest == as_before and key not in AS_IT_IS
+
+
+def test_there_are_many_keys_and_the_exceptions_are_keys() -> None:
+    assert len(CASES) > 300
+    assert {key for key, _ in CASES} >= AS_IT_IS.keys()
+
+
+@settings(max_examples=12, deadline=None, **SLOWLY)
+@given(st.sampled_from(CASES))
+def test_a_key_at_random_changes_a_file_or_is_reported(case: tuple[str, dict[str, Any]]) -> None:
+    assert not is_without_effect(*case)
+
+
+@pytest.mark.slow
+def test_each_key_changes_a_file_or_is_reported() -> None:
+    assert [(key, value) for key, value in CASES if is_without_effect(key, value)] == []

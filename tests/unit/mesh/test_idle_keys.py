@@ -1,0 +1,32 @@
+"""Keys of the mesh stage that change nothing are named."""
+
+import pytest
+
+from stages.mesh.idle_keys import idle_keys
+from tests.support.building import plan_of
+
+
+@pytest.mark.parametrize(
+    ("keys", "makers", "source", "named"),
+    [
+        ({}, (), "onshape", []),
+        ({"mesh__tolerance": 0.002}, (), "onshape", ["mesh.tolerance"]),
+        ({"mesh__tolerance": 0.002}, ("spheres",), "onshape", []),
+        ({"mesh": {"collider": "ladder", "tolerance": 0.002, "effort": "low"}}, (), "onshape", []),
+        ({"mesh": {"collider": "spheres", "effort": "low"}}, (), "onshape", ["mesh.effort"]),
+        (
+            {"mesh": {"coacd": {"mcts_iterations": 9}, "extra_volume": 1}},
+            ("coacd",),
+            "urdf",
+            ["mesh.extra_volume"],
+        ),
+        ({"mesh__basis": "visual"}, (), "onshape", ["mesh.basis"]),
+        ({"mesh__basis": "visual"}, (), "mjcf", []),
+        ({"contact__exclude": [["a", "b"]]}, (), "onshape", ["contact.exclude"]),
+        ({"contact": {"exclude": [["a", "b"]], "self": "auto"}}, (), "onshape", []),
+    ],
+)
+def test_a_key_that_nothing_reads_is_named(keys, makers, source, named) -> None:
+    found = list(idle_keys(plan_of(**keys), makers, source))
+    assert [one.where for one in found] == named
+    assert {one.code for one in found} <= {"I-IDLE-KEY"}
