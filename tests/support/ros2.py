@@ -315,9 +315,16 @@ def launched(package: Package, file: str, monkeypatch: pytest.MonkeyPatch, **giv
     return nodes
 
 
-def check_control(package: Package, urdf: bytes, controllers: Mapping[str, Any], prefix: str = "") -> None:
+def check_control(
+    package: Package,
+    urdf: bytes,
+    controllers: Mapping[str, Any],
+    prefix: str = "",
+    parameters: Mapping[str, Mapping[str, str]] | None = None,
+) -> None:
     """Every joint of the <ros2_control> moves in the URDF, those that follow another are not commanded, and
-    every controller finds the interfaces that it claims."""
+    every controller finds the interfaces that it claims. `parameters`: of joints, as their source has them.
+    """
     root = etree.fromstring(urdf)
     joints = {one.get("name"): one for one in root.findall("joint")}
     links = {one.get("name") for one in root.findall("link")}
@@ -343,7 +350,7 @@ def check_control(package: Package, urdf: bytes, controllers: Mapping[str, Any],
             assert float(given["multiplier"]) == float(mimic.get("multiplier"))
             assert mimic.get("joint") in names
         else:
-            assert given == {}
+            assert given == (parameters or {}).get(name, {})
         commands |= {(name, one.get("name")) for one in node.findall("command_interface")}
         states |= {(name, one.get("name")) for one in node.findall("state_interface")}
     for node in control.findall("sensor"):

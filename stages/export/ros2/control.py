@@ -2,7 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -53,16 +53,28 @@ INTERFACES: Mapping[str, tuple[str, ...]] = {
 """Kind of a sensor → its state interfaces, those that its broadcaster asks for."""
 
 
+Parameters = tuple[tuple[str, str], ...]
+"""(name, text) of each <param>."""
+
+JOINT = ""
+"""The place of a joint's own parameters among those of its interfaces."""
+
+_FOLLOWING = ("mimic", "multiplier")
+"""Parameters that the package makes of the URDF's <mimic>."""
+
+
 @dataclass(frozen=True, slots=True)
 class ControlJoint:
     """A joint: the interfaces that command it and that are measured, its value [rad or m] at `home`, and
-    (driver, multiplier as the URDF has it) where it follows another."""
+    (driver, multiplier as the URDF has it) where it follows another. `parameters`: of the source's
+    <ros2_control>, by command interface; those of the joint itself are under ""."""
 
     name: str
     commands: tuple[str, ...]
     states: tuple[str, ...]
     home: float
     follows: tuple[str, str] | None
+    parameters: Mapping[str, Parameters] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +95,7 @@ class Control:
     joints: tuple[ControlJoint, ...]
     sensors: tuple[ControlSensor, ...]
     plugin: str = ""
-    parameters: tuple[tuple[str, str], ...] = ()
+    parameters: Parameters = ()
     by_effort: tuple[tuple[str, str], ...] = ()
     held_back: tuple[str, ...] = ()
     left_out: tuple[str, ...] = ()
@@ -110,7 +122,8 @@ def control_of(
         name = str(node.get("name"))
         before = former[name]
         types = driven[before]
-        wanted = {COMMANDS.get(one, OTHERS) for one in types} or given.get(name, set())
+        source = given.get(name, {})
+        wanted = {COMMANDS.get(one, OTHERS) for one in types} or {*source} - {JOINT}
         follows = _follows(node)
         if wanted and follows:
             held_back.append(name)
@@ -118,7 +131,7 @@ def control_of(
         commands = () if follows else tuple(one for one in ORDER if one in wanted)
         effort = "effort" in commands or before in measured
         states = ("position", "velocity", "effort") if effort else ("position", "velocity")
-        joints.append(ControlJoint(name, commands, states, values.get(before, 0.0), follows))
+        joints.append(ControlJoint(name, commands, states, values.get(before, 0.0), follows, source))
     sensors, left_out = _sensors(robot, form, sensing, description, [one.name for one in joints])
     plugin, parameters = _hardware(own)
     return Control(
@@ -140,13 +153,18 @@ def _values(robot: Robot, names: UrdfNames) -> dict[str, float]:
     return found
 
 
-def _given(controls: Sequence[Element]) -> dict[str, set[str]]:
-    """Joint → its command interfaces, in the URDF's own <ros2_control>s."""
-    found: dict[str, set[str]] = {}
+def _given(controls: Sequence[Element]) -> dict[str, dict[str, Parameters]]:
+    """Joint → its command interfaces with their parameters, and its own, in the URDF's <ros2_control>s."""
+    found: dict[str, dict[str, Parameters]] = {}
     for joint in (one for control in controls for one in control.iterchildren("joint")):
-        commands = {str(one.get("name")) for one in joint.iterchildren("command_interface")}
-        found.setdefault(str(joint.get("name")), set()).update(commands)
+        own = found.setdefault(str(joint.get("name")), {})
+        own[JOINT] = tuple(pair for pair in _parameters(joint) if pair[0] not in _FOLLOWING)
+        own |= {str(one.get("name")): _parameters(one) for one in joint.iterchildren("command_interface")}
     return found
+
+
+def _parameters(node: Element) -> Parameters:
+    return tuple((str(one.get("name")), (one.text or "").strip()) for one in node.iterchildren("param"))
 
 
 def _follows(joint: Element) -> tuple[str, str] | None:
@@ -164,13 +182,12 @@ def _measured(actuation: Actuation, sensing: Sensing) -> set[str]:
     }
 
 
-def _hardware(controls: Sequence[Element]) -> tuple[str, tuple[tuple[str, str], ...]]:
+def _hardware(controls: Sequence[Element]) -> tuple[str, Parameters]:
     """The plugin and the parameters of the first hardware that the URDF itself names."""
     for hardware in (one for control in controls for one in control.iterchildren("hardware")):
         plugin = (hardware.findtext("plugin") or "").strip()
         if plugin:
-            parameters = [(str(one.get("name")), (one.text or "").strip()) for one in hardware.iter("param")]
-            return plugin, tuple(parameters)
+            return plugin, _parameters(hardware)
     return "", ()
 
 

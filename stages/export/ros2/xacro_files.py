@@ -7,7 +7,7 @@ the robot several times.
 
 from collections.abc import Sequence
 
-from stages.export.ros2.control import INTERFACES, Control
+from stages.export.ros2.control import INTERFACES, JOINT, Control, Parameters
 from stages.export.ros2.description import Description, references, without_control
 from stages.formats.numbers import TURN, number
 from stages.formats.xml import Element, element, rooted, to_bytes
@@ -62,8 +62,10 @@ def control_macro(control: Control, name: str) -> bytes:
             driver, multiplier = joint.follows
             element(node, "param", name="mimic").text = f"${{prefix}}{driver}"
             element(node, "param", name="multiplier").text = multiplier
+        _add(node, joint.parameters.get(JOINT, ()))
         for interface in joint.commands:
-            element(node, "command_interface", name=interface)
+            command = element(node, "command_interface", name=interface)
+            _add(command, joint.parameters.get(interface, ()))
         for interface in joint.states:
             state = element(node, "state_interface", name=interface)
             if interface == "position":
@@ -113,8 +115,12 @@ def _hardware(top: Element, control: Control) -> None:
     text = "hardware_plugin:=... has to name a plugin where use_mock_hardware is false"
     plugin = f"${{hardware_plugin if hardware_plugin else xacro.fatal('{text}')}}"
     element(own, "plugin").text = plugin
-    for name, value in control.parameters:
-        element(own, "param", name=_dollars(name)).text = _dollars(value)
+    _add(own, control.parameters)
+
+
+def _add(node: Element, parameters: Parameters) -> None:
+    for name, value in parameters:
+        element(node, "param", name=_dollars(name)).text = _dollars(value)
 
 
 def _document(**attributes: str) -> Element:

@@ -352,15 +352,20 @@ def test_the_hardware_of_the_source_is_that_without_mock_hardware(tmp_path) -> N
     text = (
         '<ros2_control name="x" type="system"><hardware><plugin>mine/Arm</plugin>'
         '<param name="port">${a}</param></hardware>'
-        '<joint name="arm_joint"><command_interface name="effort"/></joint></ros2_control>'
+        '<joint name="arm_joint"><param name="can_id">7</param><param name="mimic">x</param>'
+        '<command_interface name="effort"><param name="min">-2.5</param><param name="max">3</param>'
+        "</command_interface></joint></ros2_control>"
     )
     robot = replace(robot_with([joint("revolute", "base", "arm")]), controls=(text,))
     made = package(robot, tmp_path)
     expanded = made.expanded(use_mock_hardware="false")
-    check_control(made, expanded, made.controllers())
+    check_control(made, expanded, made.controllers(), parameters={"arm_joint": {"can_id": "7"}})
     (control,) = etree.fromstring(expanded).findall("ros2_control")
     assert control.findtext("hardware/plugin") == "mine/Arm"
     assert control.findtext("hardware/param[@name='port']") == "${a}"
+    assert [(one.get("name"), one.text) for one in control.findall("joint/param")] == [("can_id", "7")]
+    limits = control.findall("joint/command_interface[@name='effort']/param")
+    assert [(one.get("name"), one.text) for one in limits] == [("min", "-2.5"), ("max", "3")]
     assert made.controllers()["effort_controller"]["ros__parameters"]["joints"] == ["arm_joint"]
     assert "I-ROS2-CONTROL" in losses(robot)
     other = made.expanded(use_mock_hardware="false", hardware_plugin="his/Arm")
