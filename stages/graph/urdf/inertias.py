@@ -22,22 +22,25 @@ Solid = Callable[[Iterable[UrdfShape]], Inertial | None]
 def repaired(urdf: Urdf, policy: Policy, bundle: Bundle, log: Diagnostics) -> Urdf:
     """The file with inertias that a solid can have, where `policy` allows it; W-INERTIA for
     each change. Refused inertias stay, to be reported by the check of all links, except a mass below zero
-    and an inertia without mass (E-INERTIA).
+    and an inertia without mass (E-INERTIA). A link that does not move needs no mass: its inertia is left out.
     """
+    moved = {joint.child for joint in urdf.joints if joint.type != "fixed"}
 
     def solid(shapes: Iterable[UrdfShape]) -> Inertial | None:
         return solid_of(shapes, bundle)
 
-    links = (replace(link, inertial=_repaired(link, policy, solid, log)) for link in urdf.links)
+    links = (
+        replace(link, inertial=_repaired(link, policy, solid, link.name in moved, log)) for link in urdf.links
+    )
     return replace(urdf, links=tuple(links))
 
 
-def _repaired(link: UrdfLink, policy: Policy, solid: Solid, log: Diagnostics) -> Inertial | None:
+def _repaired(link: UrdfLink, policy: Policy, solid: Solid, moves: bool, log: Diagnostics) -> Inertial | None:
     own = link.inertial
     if own is None or (own.mass == 0 and not own.inertia.any()):
         return None
     if own.mass <= 0:
-        _report_without_mass(link, own, policy, log)
+        _report_without_mass(link, own, policy == "refuse" and (moves or own.mass < 0), log)
         return None
     if is_physical(own):
         return _off_the_edge(own)
@@ -56,11 +59,11 @@ def _repaired(link: UrdfLink, policy: Policy, solid: Solid, log: Diagnostics) ->
     return found
 
 
-def _report_without_mass(link: UrdfLink, own: Inertial, policy: Policy, log: Diagnostics) -> None:
+def _report_without_mass(link: UrdfLink, own: Inertial, refused: bool, log: Diagnostics) -> None:
     what = f"its mass is {own.mass:g} kg"
     if own.mass == 0:
         what = f"it has an inertia ({_moments(own.inertia)} kg m²), but no mass"
-    if policy == "refuse":
+    if refused:
         hint = "correct it in the file, or set its mass to 0: source.bad_inertia=project"
         log.report("E-INERTIA", what, link.name, hint)
     else:

@@ -254,9 +254,14 @@ def test_a_mass_below_zero_and_an_inertia_without_mass() -> None:
         joint("j", "a", "minus", "fixed", ""),
         joint("k", "a", "light", "fixed", ""),
     )
-    assert refused(text) == [("E-INERTIA", "light"), ("E-INERTIA", "minus")]
+    moving = text.replace('name="k" type="fixed"', 'name="k" type="continuous"')
+    assert refused(moving) == [("E-INERTIA", "light"), ("E-INERTIA", "minus"), ("E-MASS", "light")]
+    # What does not move needs no mass.
+    assert refused(text) == [("E-INERTIA", "minus")]
     robot = urdf_robot(text, policy="recompute")
     assert sum(one.inertial.mass for one in robot.links) == 2.0
+    robot = urdf_robot(text.replace('value="-1"', 'value="1"'))
+    assert [one.where for one in robot.diagnostics if one.code == "W-INERTIA"] == ["light"]
 
 
 @pytest.mark.parametrize("turn", ["0 0 0", "0.3 0.4 0.5", "1 2 3", "0.1 0 0.7"])
