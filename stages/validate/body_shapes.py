@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,27 +25,41 @@ WAYS = 64
 @dataclass(frozen=True, slots=True, eq=False)
 class BodyExtents:
     """How far a body's shapes reach. `points` (n, 3) [m], in the body's axes: the outermost ones in many
-    directions. `size` [m]: the diagonal of their box. `volume` [m³] of a box that holds them all."""
+    directions. `size` [m]: the diagonal of their box. `volume` [m³] of a box that holds them all. `meshes`:
+    whether a mesh is among them."""
 
     points: Array
     size: float
     volume: float
+    meshes: bool
 
 
 def extents(model: Any, body: int) -> BodyExtents | None:
     """Of all geoms of a body, seen or colliding; None where it has none that ends somewhere, as a plane does
     not."""
     first = int(model.body_geomadr[body])
-    found = [_points(model, geom) for geom in range(first, first + int(model.body_geomnum[body]))]
-    points = np.concatenate([np.zeros((0, 3)), *found])
-    if not len(points):
+    geoms = range(first, first + int(model.body_geomnum[body]))
+    meshes = bool((model.geom_type[first : geoms.stop] == mujoco.mjtGeom.mjGEOM_MESH).any())
+    return extents_of([geom_points(model, geom) for geom in geoms], meshes)
+
+
+def extents_of(points: Sequence[Array], meshes: bool) -> BodyExtents | None:
+    """Of points (n, 3) of several shapes; None without points. `meshes`: whether a mesh is among these."""
+    if not sum(map(len, points)):
         return None
-    along = points @ _directions().T
-    outermost = points[np.unique(np.concatenate([along.argmax(axis=0), along.argmin(axis=0)]))]
-    return BodyExtents(outermost, math.hypot(*np.ptp(outermost, axis=0)), _volume(outermost))
+    outermost = outermost_of(np.concatenate(points))
+    return BodyExtents(outermost, math.hypot(*np.ptp(outermost, axis=0)), _volume(outermost), meshes)
 
 
-def _points(model: Any, geom: int) -> Array:
+def outermost_of(points: Array) -> Array:
+    """Those (m, 3) of points (n, 3) that are the outermost ones in some direction."""
+    along = points @ directions().T
+    found: Array = points[np.unique(np.concatenate([along.argmax(axis=0), along.argmin(axis=0)]))]
+    return found
+
+
+def geom_points(model: Any, geom: int) -> Array:
+    """Points (n, 3) [m] in the body's frame whose hull contains a geom; none of what has no end."""
     kind = mujoco.mjtGeom(model.geom_type[geom])
     if kind in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD):
         return np.zeros((0, 3))
@@ -59,7 +74,7 @@ def _points(model: Any, geom: int) -> Array:
     return points
 
 
-def _directions() -> Array:
+def directions() -> Array:
     """Unit vectors (n, 3) spread evenly over a half of the sphere (Fibonacci's lattice), and the axes."""
     turn = math.pi * (3.0 - math.sqrt(5.0))
     up = (np.arange(WAYS) + 0.5) / WAYS
@@ -79,7 +94,7 @@ def _volume(points: Array) -> float:
 
 def outside(shape: BodyExtents, point: Array) -> float:
     """How far [m] a point (3,) is outside the hull, at least; 0 within it."""
-    ways = _directions()
+    ways = directions()
     along, own = shape.points @ ways.T, ways @ point
     beyond = np.maximum(own - along.max(axis=0), along.min(axis=0) - own)
     return max(0.0, float(beyond.max()))

@@ -32,7 +32,8 @@ MOST_INCLUDES = 100
 class ModelDocument:
     """`root`: the model with what it includes; `included`: the elements of other files, and these files.
     `language` is None where the root is of no model. `broken`: what of the text cannot be read.
-    `packages`: those that the file's own folder is to it, None where nothing is known of that."""
+    `packages`: those that the file's own folder is to it, None where nothing is known of that. `foreign`:
+    whether another program wrote it."""
 
     path: Path
     root: Element
@@ -40,6 +41,7 @@ class ModelDocument:
     included: dict[Element, Path]
     broken: tuple[Finding, ...] = ()
     packages: tuple[str, ...] | None = None
+    foreign: bool = False
 
     def elements(self) -> Iterator[Element]:
         """The elements of this file itself, in its order."""

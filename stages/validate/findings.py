@@ -11,9 +11,6 @@ from stages.robot.model import Array
 MOST = 5
 """Findings of one check: the rest would say no more."""
 
-MARK = 0.02
-"""Shapes below this size [m] that are no meshes may mark a link, and not be its form."""
-
 ROUNDING = 1e-12
 """An entry of an array is shown as 0 where it is no larger than this share of the largest."""
 

@@ -1,12 +1,14 @@
 """Checks of a URDF or MJCF alone: of what is wrong with a file whatever robot it is of."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterable, Iterator, Sequence
 
     from stages.robot.check import Check
+    from stages.validate.bare.figures import Lump, WeighedBody
     from stages.validate.bare.findings import Coded
     from stages.validate.bare.together import Compiled
     from stages.validate.documents import ModelDocument
@@ -36,6 +38,7 @@ def check_bare(path: Path) -> "tuple[Check, ...]":
 
 def _check_file(path: Path, compiled: "list[Compiled]") -> "Iterator[Check]":
     """The checks of one file, whose model is added to those that were `compiled`."""
+    from stages.validate.bare.figures import lumps
     from stages.validate.bare.start import start
     from stages.validate.bare.together import Compiled
     from stages.validate.files.run import check_document, opened
@@ -44,21 +47,50 @@ def _check_file(path: Path, compiled: "list[Compiled]") -> "Iterator[Check]":
     yield check
     if document is None or document.language is None:
         return
-    yield from check_document(document, strange=True)
+    document = replace(document, foreign=True)
+    yield from check_document(document)
     started = start(document)
     if started.model is not None:
         compiled.append(Compiled(document, started.model))
-    yield from _coded(document, started.model)
+    bodies = _bodies(document, started.model)
+    together = lumps(bodies)
+    yield from _coded(document, bodies, together)
+    yield from _weighed(document.path, together)
     yield from started.checks
 
 
-def _coded(document: "ModelDocument", model: object) -> "Iterator[Check]":
+def _bodies(document: "ModelDocument", model: object) -> "list[WeighedBody]":
+    """The bodies; none of an MJCF that does not compile."""
+    from stages.validate.bare import mjcf_figures, urdf_figures
+
+    if document.language == "urdf":
+        return urdf_figures.figures(document)
+    return [] if model is None else mjcf_figures.figures(model)
+
+
+def _weighed(path: Path, together: "Sequence[Lump]") -> "Iterator[Check]":
+    """The checks of bodies, each with what is fixed to it, by the codes that a build has for them."""
+    from stages.validate import inertials
+    from stages.validate.bare import bodies
+    from stages.validate.files.run import result
+
+    yield from inertials.checks(path.name, bodies.inertials(together))
+    level, findings = bodies.colliders(together)
+    passed = "the colliders are where the visual shapes are"
+    yield result(path, "colliders", "C-COLLIDER", level, findings, passed)
+    passed = f"neighbours' masses differ by less than {bodies.RATIO:g} to 1"
+    yield result(path, "mass ratio", "C-MASS-RATIO", "warning", bodies.neighbours(together), passed)
+
+
+def _coded(
+    document: "ModelDocument", bodies: "Sequence[WeighedBody]", together: "Sequence[Lump]"
+) -> "Iterator[Check]":
     """The checks of what the text and the figures say, each of which may have several findings."""
     from stages.validate.bare.findings import CHECKS
     from stages.validate.files.run import result
 
     found: dict[str, list] = {code: [] for code in CHECKS}  # type: ignore[type-arg]
-    for code, finding in _looks(document, model):
+    for code, finding in _looks(document, bodies, together):
         found[code].append(finding)
     for code, findings in found.items():
         if _applies(code, document.language == "urdf"):
@@ -70,23 +102,17 @@ def _applies(code: str, urdf: bool) -> bool:
     return code not in (("C-KEYS",) if urdf else ("C-TREE", "C-MIMIC"))
 
 
-def _looks(document: "ModelDocument", model: object) -> "Iterable[Coded]":
-    from stages.validate.bare import (
-        mjcf_figures,
-        mjcf_keys,
-        mjcf_values,
-        plausible,
-        urdf_figures,
-        urdf_tree,
-        urdf_values,
-    )
+def _looks(
+    document: "ModelDocument", bodies: "Sequence[WeighedBody]", together: "Sequence[Lump]"
+) -> "Iterable[Coded]":
+    from stages.validate.bare import mesh_units, mjcf_keys, mjcf_values, urdf_tree, urdf_values
+    from stages.validate.bare.bodies import weightless
 
     if document.language == "urdf":
         yield from urdf_tree.look(document)
         yield from urdf_values.look(document)
-        yield from plausible.look(urdf_figures.figures(document))
+        yield from weightless(together)
     else:
         yield from mjcf_values.look(document)
         yield from mjcf_keys.look(document)
-        if model is not None:
-            yield from plausible.look(mjcf_figures.figures(model))
+    yield from mesh_units.look(bodies)

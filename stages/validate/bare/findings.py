@@ -22,7 +22,7 @@ CHECKS = {
     "C-DIRECTION": BareCheck("directions", "error", "every axis and quaternion has a direction"),
     "C-LIMIT": BareCheck("limits", "error", "every range rises, and nothing resists with a negative number"),
     "C-SOLID": BareCheck("inertials", "error", "every mass is positive, every inertia that of a solid"),
-    "C-UNITS": BareCheck("units", "error", "masses, inertias and meshes are of one size with the robot"),
+    "C-UNITS": BareCheck("units", "error", "the meshes have the size of the robot"),
     "C-KEYS": BareCheck("keyframes", "error", "each keyframe has a number for each coordinate"),
     "C-PLAUSIBLE": BareCheck("plausible", "warning", "nothing looks like a slip"),
 }

@@ -14,10 +14,6 @@ TRIANGLE = 1e-3
 _NAMES = ("ixx", "iyy", "izz")
 
 
-STAND_IN = 1e-6
-"""A link of at most this mass [kg] is a stand-in for a frame: its inertia is of no account."""
-
-
 def wrong_mass(mass: float, moves: bool) -> Iterator[str]:
     """Why a mass [kg] cannot be that of a link. `moves`: whether the link is on a joint that moves; another
     link needs no mass."""

@@ -5,15 +5,19 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from stages.validate.bare.figures import ShapeFigures, WeighedBody, box_corners
+from stages.robot.model import Inertial
+from stages.robot.poses import from_parts
+from stages.validate.bare.figures import ShapeFigures, WeighedBody
+from stages.validate.body_shapes import geom_points, outermost_of
 from stages.validate.findings import named
-from stages.validate.mujoco_poses import placed, rotation
+from stages.validate.mujoco_poses import rotation
 
-_ENDLESS = (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_HFIELD)
+_HIDDEN = 3
+"""Geoms of this group or above are not drawn by MuJoCo's viewer by default."""
 
 
 def figures(model: Any) -> list[WeighedBody]:
-    """Every body but the world, in the order of the model."""
+    """Every body but the world, in the order of the model. The shape of a body with a skin is not known."""
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
     return [_body(model, data, body) for body in range(1, model.nbody)]
@@ -30,33 +34,37 @@ def _body(model: Any, data: Any, body: int) -> WeighedBody:
     inertia = turn @ np.diag(model.body_inertia[body]) @ turn.T
     first = int(model.body_geomadr[body])
     geoms = range(first, first + int(model.body_geomnum[body]))
-    shapes = tuple(_shape(model, geom, name) for geom in geoms if model.geom_type[geom] not in _ENDLESS)
+    shapes = (_shape(model, geom, name) for geom in geoms)
     parent = int(model.body_parentid[body])
     at = f'inertial of body "{name}"'
     return WeighedBody(
         name,
         body_name(model, parent) if parent else "",
         not model.body_jntnum[body],
-        data.xpos[body].copy(),
-        float(model.body_mass[body]),
-        model.body_ipos[body].copy(),
-        inertia,
-        shapes,
-        True,
-        (at, "mass"),
-        (at, "diaginertia"),
-        (at, "pos"),
+        from_parts(data.xmat[body].reshape(3, 3), data.xpos[body]),
+        Inertial(float(model.body_mass[body]), model.body_ipos[body].copy(), inertia),
+        tuple(shape for shape in shapes if shape is not None),
+        body not in model.skin_bonebodyid,
+        {
+            "inertia": (at, "diaginertia"),
+            "center": (at, "pos"),
+            "mass": (at, "mass"),
+            "shape": (f'geom of body "{name}"', "size"),
+        },
     )
 
 
-def _shape(model: Any, geom: int, body: str) -> ShapeFigures:
-    pose = placed(model.geom_quat[geom], model.geom_pos[geom])
-    corners = box_corners(model.geom_aabb[geom][:3], model.geom_aabb[geom][3:], pose)
+def _shape(model: Any, geom: int, body: str) -> ShapeFigures | None:
+    """None for a plane or a height field, which have no end."""
+    points = geom_points(model, geom)
+    if not len(points):
+        return None
     collides = bool(model.geom_contype[geom] or model.geom_conaffinity[geom])
-    mesh = model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH
+    seen = bool(model.geom_group[geom] < _HIDDEN and model.geom_rgba[geom][3] > 0.0)
+    mesh = bool(model.geom_type[geom] == mujoco.mjtGeom.mjGEOM_MESH)
     own = model.geom(geom).name
     called = named("geom", own) if own else named("geom of body", body)
     element, attribute = called, "size"
     if mesh:
         element, attribute = named("mesh", model.mesh(int(model.geom_dataid[geom])).name), "scale"
-    return ShapeFigures(corners, collides, bool(mesh), element, attribute, (called, "pos"))
+    return ShapeFigures(outermost_of(points), collides, seen, mesh, element, attribute, (called, "pos"))

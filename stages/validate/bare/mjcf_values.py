@@ -7,9 +7,10 @@ import numpy as np
 
 from stages.formats.xml import Element
 from stages.validate.bare.findings import Coded, number, numbers
-from stages.validate.bare.judged import STAND_IN, in_degrees, wrong_inertia, wrong_mass
+from stages.validate.bare.judged import in_degrees, wrong_inertia, wrong_mass
 from stages.validate.bare.mjcf_defaults import Defaults
 from stages.validate.documents import ModelDocument
+from stages.validate.inertials import STAND_IN
 
 _RESISTS = ("damping", "frictionloss", "armature", "stiffness")
 

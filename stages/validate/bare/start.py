@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 
+from stages.formats.mesh_points import STL_FACE, STL_HEADER
 from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.mujoco_warnings import deprecations, listening, unquoted
@@ -19,6 +21,12 @@ from stages.validate.documents import ModelDocument
 from stages.validate.findings import named, unstable
 from stages.validate.running import DEEP, Touching, at_keyframe, touching
 
+ROOM = 128 << 20
+"""Memory [bytes] for contacts in the trial, where a file reserves more, or counts rows as old files do."""
+
+MOST_ROWS, MOST_ROOM = 100_000, 64 << 30
+"""Rows of contacts, and memory [bytes], that a file of a robot may reserve."""
+
 OPEN = 1e-3
 """A loop that is open by more [m, rad] at the start jumps when it is simulated: files have few digits."""
 
@@ -26,6 +34,9 @@ SECONDS = 1.0
 """The length of the trial."""
 
 _READ_BY_MUJOCO = (".stl", ".obj", ".msh")
+
+MOST_TRIANGLES = 200_000
+"""Of an STL that MuJoCo reads."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,27 +76,47 @@ def start(document: ModelDocument) -> Started:
 
 
 def _of_mjcf(document: ModelDocument) -> Any:
-    return mujoco.MjSpec.from_file(str(document.path.resolve()))
+    """The MJCF with less room for contacts where it reserves gigabytes; what no computer has stays."""
+    spec = mujoco.MjSpec.from_file(str(document.path.resolve()))
+    if max(spec.njmax, spec.nconmax) > MOST_ROWS or spec.memory > MOST_ROOM:
+        return spec
+    if spec.memory > ROOM or max(spec.njmax, spec.nconmax) >= 0:
+        spec.njmax = spec.nconmax = spec.nstack = -1
+        spec.memory = ROOM
+    return spec
 
 
 def _of_urdf(document: ModelDocument) -> Any:
-    """The URDF with each mesh by its own path, without those that MuJoCo cannot read, and with every link; a
-    joint that floats is fixed."""
+    """The URDF as MuJoCo reads URDFs, without what is only seen: each mesh by its own path, without meshes
+    that MuJoCo cannot read, with every link, and with joints that float fixed."""
     root = parse(document.path.read_bytes())
     places = [one.path for one in named_files(document) if one.element.tag == "mesh"]
     meshes = [mesh for mesh in root.iter("mesh") if mesh.get("filename", "").strip()]
     for mesh, place in zip(meshes, places, strict=False):
-        if place is not None and is_file(place) and place.suffix.lower() in _READ_BY_MUJOCO:
+        if place is not None and is_file(place) and _is_read(place):
             mesh.set("filename", str(place.resolve()))
         else:
             _drop(mesh)
+    for seen in list(root.iterfind("link/visual")):
+        seen.getparent().remove(seen)
     for settings in root.findall("mujoco"):
         root.remove(settings)
     own = element(root, "mujoco")
-    element(own, "compiler", strippath="false", fusestatic="false", discardvisual="false")
+    element(own, "compiler", strippath="false", fusestatic="false")
     for joint in root.iterfind("joint[@type='floating']"):
         joint.set("type", "fixed")
     return mujoco.MjSpec.from_string(to_bytes(root).decode())
+
+
+def _is_read(mesh: Path) -> bool:
+    """Whether MuJoCo reads a mesh: a binary STL of at most 200,000 triangles, an OBJ or an MSH."""
+    if mesh.suffix.lower() != ".stl":
+        return mesh.suffix.lower() in _READ_BY_MUJOCO
+    with mesh.open("rb") as file:
+        head = file.read(STL_HEADER + 4)
+    size = mesh.stat().st_size - len(head)
+    count = int.from_bytes(head[STL_HEADER:], "little")
+    return count <= MOST_TRIANGLES and size >= count * STL_FACE.itemsize
 
 
 def _drop(mesh: Element) -> None:
@@ -133,6 +164,9 @@ def _deep(model: Any, data: Any) -> Iterator[Finding]:
     for one in touching(model, data):
         if one.depth > DEEP:
             message = f"it is {1000 * one.depth:.2g} mm inside {_inside(model, one)} at the start"
+            if one.other and int(model.body_parentid[one.body]) == one.other:
+                # Else MuJoCo leaves the pair out.
+                message += ", its parent, which does not move: they collide unless <exclude> says otherwise"
             yield Finding(named("body", body_name(model, one.body)), "pos", message)
 
 

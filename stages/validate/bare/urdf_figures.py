@@ -1,18 +1,17 @@
 """The bodies of a URDF by mass and size, from its text and its meshes."""
 
-import struct
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from stages.formats.mesh_points import mesh_points
 from stages.formats.xml import Element
-from stages.robot.model import Array
+from stages.robot.model import Array, Inertial
 from stages.robot.poses import from_parts, rotation_from_rpy
 from stages.validate.asset_files import named_files
 from stages.validate.bare.figures import ShapeFigures, WeighedBody, box_corners
 from stages.validate.bare.findings import number, numbers
+from stages.validate.bare.mesh_files import outermost_points
 from stages.validate.documents import ModelDocument, called
 
 _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
@@ -21,15 +20,15 @@ _MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 def figures(document: ModelDocument) -> list[WeighedBody]:
     """Every link, in the order of the file; a mesh that cannot be read is left out."""
     joints = {_end(joint, "child"): joint for joint in document.root.iterfind("joint")}
-    boxes: dict[Path, tuple[Array, Array] | None] = {}
+    meshes: dict[Path, Array | None] = {}
     places = {one.element: one.path for one in named_files(document)}
     found = []
     for link in document.root.iterfind("link"):
         name = link.get("name", "")
-        shapes = [_shape(visual, places, boxes) for visual in link.iterchildren("visual", "collision")]
+        shapes = [_shape(visual, places, meshes) for visual in link.iterchildren("visual", "collision")]
         above = joints.get(name)
         parent = "" if above is None else _end(above, "parent")
-        fixed = above is not None and above.get("type") == "fixed"
+        fixed = name == "world" if above is None else above.get("type") == "fixed"
         found.append(_body(link, parent, fixed, _world(name, joints), shapes))
     return found
 
@@ -40,12 +39,13 @@ def _end(joint: Element, role: str) -> str:
 
 
 def _world(name: str, joints: dict[str, Element]) -> Array:
+    """The pose (4, 4) of a link in the root's frame, all joints at zero."""
     pose, seen = np.eye(4), set()
     while name in joints and name not in seen:
         seen.add(name)
         pose = _pose(joints[name]) @ pose
         name = _end(joints[name], "parent")
-    return np.asarray(pose[:3, 3])
+    return pose
 
 
 def _pose(element: Element) -> Array:
@@ -61,9 +61,28 @@ def _pose(element: Element) -> Array:
 def _body(
     link: Element, parent: str, fixed: bool, world: Array, shapes: Sequence[ShapeFigures | None]
 ) -> WeighedBody:
-    inertial = link.find("inertial")
-    mass, com, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
     own = called(link)
+    read = tuple(shape for shape in shapes if shape is not None)
+    return WeighedBody(
+        link.get("name", ""),
+        parent,
+        fixed,
+        world,
+        _inertial(link.find("inertial")),
+        read,
+        len(read) == len(shapes),
+        {
+            "inertia": (f"inertia of {own}", "ixx"),
+            "center": (f"origin of {own}", "xyz"),
+            "mass": (f"mass of {own}", "value"),
+            "shape": (own, "visual"),
+        },
+    )
+
+
+def _inertial(inertial: Element | None) -> Inertial:
+    """Zero where it is not there or not finite (other checks say so)."""
+    mass, com, inertia = 0.0, np.zeros(3), np.zeros((3, 3))
     if inertial is not None:
         pose = _pose(inertial)
         weight, tensor = inertial.find("mass"), inertial.find("inertia")
@@ -73,14 +92,11 @@ def _body(
         if np.isfinite(values).all():
             xx, xy, xz, yy, yz, zz = values
             inertia = pose[:3, :3] @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ pose[:3, :3].T
-    places = (f"mass of {own}", "value"), (f"inertia of {own}", "ixx"), (f"origin of {own}", "xyz")
-    read = tuple(shape for shape in shapes if shape is not None)
-    whole = len(read) == len(shapes)
-    return WeighedBody(link.get("name", ""), parent, fixed, world, mass, com, inertia, read, whole, *places)
+    return Inertial(mass if np.isfinite(mass) else 0.0, com, inertia)
 
 
 def _shape(
-    visual: Element, places: dict[Element, Path | None], boxes: dict[Path, tuple[Array, Array] | None]
+    visual: Element, places: dict[Element, Path | None], meshes: dict[Path, Array | None]
 ) -> ShapeFigures | None:
     shape = next(visual.iterfind("geometry/*"), None)
     if shape is None:
@@ -93,18 +109,17 @@ def _shape(
         if half is None:
             return None
         corners = box_corners(np.zeros(3), half, pose)
-        return ShapeFigures(corners, collides, False, called(shape), attribute, place)
+        return ShapeFigures(corners, collides, not collides, False, called(shape), attribute, place)
     path = places.get(shape)
     if path is None:
         return None
-    if path not in boxes:
-        boxes[path] = _box(path)
-    box, scale = boxes[path], numbers(shape.get("scale", "1 1 1")) or []
-    if box is None or len(scale) != 3:
+    if path not in meshes:
+        meshes[path] = outermost_points(path)
+    points, scale = meshes[path], numbers(shape.get("scale", "1 1 1")) or []
+    if points is None or len(scale) != 3 or not np.isfinite(scale).all():
         return None
-    low, high = box[0] * scale, box[1] * scale
-    corners = box_corners((low + high) / 2, np.abs(high - low) / 2, pose)
-    return ShapeFigures(corners, collides, True, called(shape), attribute, place)
+    placed = (points * scale) @ pose[:3, :3].T + pose[:3, 3]
+    return ShapeFigures(placed, collides, not collides, True, called(shape), attribute, place)
 
 
 def _half(shape: Element) -> Array | None:
@@ -117,15 +132,3 @@ def _half(shape: Element) -> Array | None:
     if shape.tag not in ("cylinder", "capsule"):
         return None
     return np.array([radius, radius, length / 2 + (radius if shape.tag == "capsule" else 0.0)])
-
-
-def _box(path: Path) -> tuple[Array, Array] | None:
-    """The box around a mesh, in its own unit; None where it is of another format, or not whole."""
-    if path.suffix.lower() not in (".stl", ".obj") or not path.is_file():
-        return None
-    try:
-        points = mesh_points(f"a{path.suffix.lower()}", path.read_bytes())
-    except (ValueError, IndexError, struct.error):
-        return None
-    finite = points[np.isfinite(points).all(axis=1)]
-    return (finite.min(axis=0), finite.max(axis=0)) if len(finite) else None

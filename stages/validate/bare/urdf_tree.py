@@ -15,6 +15,8 @@ def look(document: ModelDocument) -> Iterator[Coded]:
 
 def _tree(document: ModelDocument) -> Iterator[Coded]:
     links = [link for link in document.root.iterfind("link") if link.get("name")]
+    if not links:
+        yield "C-TREE", document.finding(document.root, "", "the robot has no link")
     names = {link.get("name") for link in links}
     above: dict[str, tuple[str, Element]] = {}
     for joint in document.root.iterfind("joint"):
@@ -69,8 +71,8 @@ def _mimics(document: ModelDocument) -> Iterator[Coded]:
         driver = mimic.get("joint", "")
         follows[name] = driver
         if joint.get("type") in ("fixed", "floating", "planar"):
-            message = f"a {joint.get('type')} joint follows no other"
-            yield "C-MIMIC", document.finding(mimic, "joint", message)
+            message = f"a {joint.get('type')} joint follows no other: readers leave the <mimic> out"
+            yield "C-PLAUSIBLE", document.finding(mimic, "joint", message)
         elif driver in joints and joints[driver].get("type") in ("fixed", "floating", "planar"):
             message = f'it follows "{driver}", a {joints[driver].get("type")} joint, which has no value'
             yield "C-MIMIC", document.finding(mimic, "joint", message)

@@ -7,8 +7,9 @@ import numpy as np
 
 from stages.formats.xml import Element
 from stages.validate.bare.findings import Coded, number, numbers
-from stages.validate.bare.judged import STAND_IN, in_degrees, wrong_inertia, wrong_mass
+from stages.validate.bare.judged import in_degrees, wrong_inertia, wrong_mass
 from stages.validate.documents import ModelDocument
+from stages.validate.inertials import STAND_IN
 
 MOVING = ("revolute", "continuous", "prismatic", "planar")
 
@@ -111,7 +112,7 @@ def _inertial(document: ModelDocument, inertial: Element, moves: bool) -> Iterat
     if weight is not None and not nothing:
         for message in wrong_mass(weight, moves):
             yield "C-SOLID", document.finding(mass, "value", message)
-    if len(moments) == 6 and not nothing:
+    if len(moments) == 6 and not nothing and weight != 0:
         xx, xy, xz, yy, yz, zz = moments
         for name, message in wrong_inertia(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])):
             yield "C-SOLID", document.finding(inertia, name, message)

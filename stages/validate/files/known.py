@@ -13,7 +13,7 @@ NAME = "elements"
 PASSED = "every element and attribute is known"
 
 
-def level(document: ModelDocument, *, strange: bool) -> CheckLevel:
+def level(document: ModelDocument) -> CheckLevel:
     """MuJoCo refuses an MJCF with an unknown element; readers of URDF leave it out."""
     return "error" if document.language == "mjcf" else "warning"
 

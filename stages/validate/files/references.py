@@ -5,7 +5,7 @@ from difflib import get_close_matches
 
 from stages.formats.own_xml import names, section_of
 from stages.formats.xml import Element, tag
-from stages.robot.check import Finding
+from stages.robot.check import CheckLevel, Finding
 from stages.validate.documents import MAKERS, ModelDocument, stem
 from stages.validate.files.names import ASSETS
 
@@ -43,33 +43,48 @@ SECTIONS = frozenset(
 _OBJECTS = {"xbody": "body"}
 
 
+def level(document: ModelDocument) -> CheckLevel:
+    """Readers of a URDF bear it where only a colour is missing, or the joint of a transmission."""
+    bears = document.foreign and document.language == "urdf"
+    return "warning" if bears and not any(_of_joints(document)) else "error"
+
+
 def findings(document: ModelDocument) -> Iterator[Finding]:
     """References to what is not there, with the nearest name of the kind."""
-    return _of_urdf(document) if document.language == "urdf" else _of_mjcf(document)
+    if document.language == "urdf":
+        yield from _of_joints(document)
+        yield from _of_colours_and_transmissions(document)
+    else:
+        yield from _of_mjcf(document)
 
 
-def _of_urdf(document: ModelDocument) -> Iterator[Finding]:
-    known: dict[str, set[str]] = {"link": set(), "joint": set(), "material": set()}
-    for kind, name, _ in names(document.root, True):
-        known[kind].add(name)
+def _urdf_names(document: ModelDocument, kind: str) -> set[str]:
+    return {name for other, name, _ in names(document.root, True) if other == kind}
+
+
+def _of_joints(document: ModelDocument) -> Iterator[Finding]:
+    known = {kind: _urdf_names(document, kind) for kind in ("link", "joint")}
     for joint in document.root.iterfind("joint"):
         for role in ("parent", "child"):
             ends = joint.findall(role)
             if not ends or not ends[0].get("link", "").strip():
                 yield document.finding(joint, role, f'it needs <{role} link="..."/>')
-    known["material"] = {
-        one.get("name", "") for one in document.root.iter("material") if len(one) and one.get("name")
-    }
     for element in document.root.iterfind("joint/*"):
         for (own, attribute), kind in URDF.items():
             if tag(element) == own and element.get(attribute, "").strip():
                 yield from _missing(document, element, attribute, kind, element.get(attribute), known[kind])
+
+
+def _of_colours_and_transmissions(document: ModelDocument) -> Iterator[Finding]:
+    joints = _urdf_names(document, "joint")
     for element in document.root.iterfind("transmission/joint"):
-        yield from _missing(document, element, "name", "joint", element.get("name", ""), known["joint"])
+        yield from _missing(document, element, "name", "joint", element.get("name", ""), joints)
+    materials = {
+        one.get("name", "") for one in document.root.iter("material") if len(one) and one.get("name")
+    }
     for element in document.root.iterfind("link/visual/material"):
         if not len(element) and element.get("name"):
-            name = element.get("name")
-            yield from _missing(document, element, "name", "material", name, known["material"])
+            yield from _missing(document, element, "name", "material", element.get("name"), materials)
 
 
 def _of_mjcf(document: ModelDocument) -> Iterator[Finding]:

@@ -62,16 +62,15 @@ def _well_formed(path: Path, found: Iterable[Finding]) -> Check:
     return result(path, "XML", XML, "error", found, "well formed, and all that it includes too")
 
 
-def check_document(document: ModelDocument, *, strange: bool = False) -> Iterator[Check]:
-    """The checks of one document, of a language that is known. `strange`: another program wrote it; its paths
-    may lead where they like, and its packages may lie elsewhere."""
+def check_document(document: ModelDocument) -> Iterator[Check]:
+    """The checks of one document, of a language that is known."""
     if document.language is None:
         return
     for name in CHECKS:
         module = import_module(f"stages.validate.files.{name}")
         level: CheckLevel = "error"
         if hasattr(module, "level"):
-            level = module.level(document, strange=strange)
+            level = module.level(document)
         yield result(document.path, module.NAME, module.CODE, level, module.findings(document), module.PASSED)
 
 

@@ -183,28 +183,28 @@ OF_URDF = {
     "nan": ('axis xyz="0 1 0"', 'axis xyz="0 nan 0"', "C-NUMBER", 'axis of joint "elbow"', "xyz"),
     "no mass": ('mass value="1"', 'mass value="0"', "C-SOLID", 'mass of link "lower"', "value"),
     "negative mass": ('mass value="1"', 'mass value="-1"', "C-SOLID", 'mass of link "lower"', "value"),
-    "grams": ('mass value="1"', 'mass value="1000"', "C-UNITS", 'mass of link "lower"', "value"),
+    "grams": ('mass value="1"', 'mass value="1000"', "C-INERTIAL", 'mass of link "lower"', "value"),
     "negative moment": ('ixx="0.004"', 'ixx="-0.004"', "C-SOLID", 'inertia of link "lower"', "ixx"),
     "not definite": ('ixy="0"', 'ixy="0.005"', "C-SOLID", 'inertia of link "lower"', "ixy"),
     "triangle": ('izz="0.0009"', 'izz="0.009"', "C-SOLID", 'inertia of link "lower"', "izz"),
     "kg mm²": (
         'ixx="0.004" ixy="0" ixz="0" iyy="0.004" iyz="0" izz="0.0009"',
         'ixx="4000" ixy="0" ixz="0" iyy="4000" iyz="0" izz="900"',
-        "C-UNITS",
+        "C-INERTIAL",
         'inertia of link "lower"',
         "ixx",
     ),
     "center in mm": (
         '<inertial><origin xyz="0 0 0.1"/>',
         '<inertial><origin xyz="0 0 100"/>',
-        "C-UNITS",
+        "C-INERTIAL",
         'origin of link "lower"',
         "xyz",
     ),
     "center outside": (
         '<inertial><origin xyz="0 0 0.1"/>',
         '<inertial><origin xyz="0 0 0.5"/>',
-        "C-PLAUSIBLE",
+        "C-INERTIAL",
         'origin of link "lower"',
         "xyz",
     ),
@@ -218,14 +218,14 @@ OF_URDF = {
     "collider moved": (
         '<collision><origin xyz="0 0 0.1"/>',
         '<collision><origin xyz="0 0 0.6"/>',
-        "C-PLAUSIBLE",
+        "C-COLLIDER",
         'origin of collision of link "lower"',
         "xyz",
     ),
     "light beside heavy": (
         'mass value="1"',
         'mass value="0.0005"',
-        "C-PLAUSIBLE",
+        "C-MASS-RATIO",
         'mass of link "lower"',
         "value",
     ),
@@ -291,15 +291,15 @@ OF_MJCF = {
     "kg mm²": (
         'diaginertia="0.004 0.004 0.0009"',
         'diaginertia="4000 4000 900"',
-        "C-UNITS",
+        "C-INERTIAL",
         'inertial of body "lower"',
         "diaginertia",
     ),
-    "grams": ('mass="1"', 'mass="1000"', "C-UNITS", 'inertial of body "lower"', "mass"),
+    "grams": ('mass="1"', 'mass="1000"', "C-INERTIAL", 'inertial of body "lower"', "mass"),
     "center in mm": (
         'pos="0 0 0.1" mass',
         'pos="0 0 100" mass',
-        "C-UNITS",
+        "C-INERTIAL",
         'inertial of body "lower"',
         "pos",
     ),
@@ -313,7 +313,7 @@ OF_MJCF = {
     "collider moved": (
         '<geom name="upper" class="collision" pos="0 0 0.1"/>',
         '<geom name="upper" class="collision" pos="0 2 0.1"/>',
-        "C-PLAUSIBLE",
+        "C-COLLIDER",
         'geom "upper"',
         "pos",
     ),
@@ -472,8 +472,8 @@ def test_a_mesh_that_cannot_be_read_may_explain_what_is_odd(folder):
     wide = text.replace('ixx="0.004"', 'ixx="0.04"').replace('iyy="0.004"', 'iyy="0.04"')
     assert wide != text
     (folder / "arm.urdf").write_text(wide)
-    assert "C-PLAUSIBLE" in {one.code for one in check_bare(folder / "arm.urdf") if not one.passed}
+    assert "C-INERTIAL" in {one.code for one in check_bare(folder / "arm.urdf") if not one.passed}
     (folder / "other.dae").write_text("<COLLADA/>")
     seen = '<visual><geometry><mesh filename="other.dae"/></geometry></visual></link>'
     (folder / "arm.urdf").write_text(wide.replace("</link>", seen))
-    assert "C-PLAUSIBLE" not in {one.code for one in check_bare(folder / "arm.urdf") if not one.passed}
+    assert "C-INERTIAL" not in {one.code for one in check_bare(folder / "arm.urdf") if not one.passed}

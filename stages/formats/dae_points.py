@@ -1,0 +1,143 @@
+"""The points of the shapes that a COLLADA file (DAE) shows.
+
+Lengths are in metres by the file's unit; the axis that it calls "up" is not turned, as RViz and Pinocchio do.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+import numpy.typing as npt
+
+from stages.formats import xml
+from stages.formats.damaged import Damaged
+from stages.formats.xml import Element, tag
+
+Points = npt.NDArray[np.float64]
+
+_DEEPEST = 64
+_MOST_USES = 1 << 14
+"""Uses of shapes and nodes: nodes may name each other."""
+
+_MOST_OFFSET = 1000
+
+_FACES = frozenset(("triangles", "polylist", "polygons", "tristrips", "trifans"))
+
+_UNSUPPORTED = frozenset(("instance_controller", "lookat", "skew"))
+
+
+def dae_points(data: bytes) -> Points:
+    """(n, 3) [m]: the points of all shapes of the scene. xml.Malformed where it is no XML, Damaged where it
+    is not whole, or has what is not supported (skins, skewed nodes)."""
+    root = xml.parse(data, large=True)
+    by_id = {element.get("id"): element for element in root.iter() if element.get("id")}
+    unit = root.find("{*}asset/{*}unit")
+    scale = 1.0 if unit is None else _numbers(unit.get("meter", "1"), 1)[0]
+    scene = _named(root.find("{*}scene/{*}instance_visual_scene"), by_id)
+    uses = list(_uses(scene, np.eye(4), by_id, 0, [_MOST_USES]))
+    shapes = {id(shape): shape for shape, _ in uses}
+    own = {key: _mesh_points(shape, by_id) for key, shape in shapes.items()}
+    placed = [own[id(shape)] @ pose[:3, :3].T + pose[:3, 3] for shape, pose in uses]
+    found: Points = scale * np.concatenate([np.zeros((0, 3)), *placed])
+    return found
+
+
+def _uses(
+    node: Element, above: Points, by_id: Mapping[str, Element], depth: int, left: list[int]
+) -> Iterator[tuple[Element, Points]]:
+    """The geometries below a node, each with scene_from_geometry (4, 4). `left`: how many uses may follow."""
+    left[0] -= 1
+    if depth > _DEEPEST or left[0] < 0:
+        msg = "its nodes are too many, or contain themselves"
+        raise Damaged(msg)
+    pose = above
+    for child in node:
+        kind = _local(child)
+        if kind in _UNSUPPORTED:
+            msg = f"<{kind}> is not supported"
+            raise Damaged(msg)
+        if kind in _MOVES:
+            pose = pose @ _move(kind, child)
+        elif kind == "instance_geometry":
+            yield _named(child, by_id), pose
+        elif kind == "node":
+            yield from _uses(child, pose, by_id, depth + 1, left)
+        elif kind == "instance_node":
+            yield from _uses(_named(child, by_id), pose, by_id, depth + 1, left)
+
+
+_MOVES: Mapping[str, int] = {"matrix": 16, "translate": 3, "rotate": 4, "scale": 3}
+"""Elements that move what is in a node, and how many numbers each has."""
+
+
+def _move(kind: str, element: Element) -> Points:
+    values = np.array(_numbers(element.text or "", _MOVES[kind]))
+    pose = np.eye(4)
+    if kind == "matrix":
+        return values.reshape(4, 4)
+    if kind == "translate":
+        pose[:3, 3] = values
+    elif kind == "scale":
+        pose[:3, :3] = np.diag(values)
+    else:
+        x, y, z = values[:3] / (np.linalg.norm(values[:3]) or 1.0)
+        cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+        angle = math.radians(values[3])
+        pose[:3, :3] += math.sin(angle) * cross + (1.0 - math.cos(angle)) * cross @ cross
+    return pose
+
+
+def _mesh_points(geometry: Element, by_id: Mapping[str, Element]) -> Points:
+    """(n, 3): the points that its faces use, in its own frame and unit."""
+    found = [np.zeros((0, 3))]
+    for faces in (child for child in geometry.iterfind("{*}mesh/*") if _local(child) in _FACES):
+        inputs = {one.get("semantic"): one for one in faces.iterfind("{*}input")}
+        stride = 1 + max((_whole(one.get("offset", "0")) for one in inputs.values()), default=0)
+        vertices = _named(inputs.get("VERTEX"), by_id, "source")
+        position = vertices.find("{*}input[@semantic='POSITION']")
+        array = _named(position, by_id, "source").find("{*}float_array")
+        values = np.array(_numbers("" if array is None else array.text or ""))
+        points = values[: len(values) // 3 * 3].reshape(-1, 3)
+        first = _whole(inputs["VERTEX"].get("offset", "0"))
+        for text in faces.iterfind("{*}p"):
+            numbers = np.unique(np.array(_numbers(text.text or ""))[first::stride])
+            if not ((numbers >= 0) & (numbers < len(points))).all():
+                msg = "a face has a point that does not exist"
+                raise Damaged(msg)
+            found.append(points[numbers.astype(np.int64)])
+    return np.concatenate(found)
+
+
+def _local(element: Element) -> str:
+    """An element's tag without its namespace."""
+    return tag(element).rpartition("}")[2]
+
+
+def _whole(text: str) -> int:
+    """An offset, which is small."""
+    (value,) = _numbers(text, 1)
+    if not 0 <= value <= _MOST_OFFSET:
+        msg = "an offset is out of range"
+        raise Damaged(msg)
+    return int(value)
+
+
+def _named(element: Element | None, by_id: Mapping[str, Element], attribute: str = "url") -> Element:
+    """What an element names by its id."""
+    name = "" if element is None else element.get(attribute, "").removeprefix("#")
+    if name not in by_id:
+        msg = "it names what is not there"
+        raise Damaged(msg)
+    return by_id[name]
+
+
+def _numbers(text: str, count: int | None = None) -> list[float]:
+    try:
+        values = [float(word) for word in text.split()]
+    except ValueError:
+        msg = "a number is expected"
+        raise Damaged(msg) from None
+    if count not in (None, len(values)):
+        msg = f"expected {count} numbers"
+        raise Damaged(msg)
+    return values

@@ -1,0 +1,53 @@
+"""The points of a mesh file of any format that a build reads, but for PLY."""
+
+import re
+import struct
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import numpy as np
+
+from stages.formats import gltf
+from stages.formats.dae_points import dae_points
+from stages.formats.mesh_points import mesh_points
+from stages.robot.errors import LinkwrightError
+from stages.robot.model import Array
+from stages.validate.body_shapes import MOST, outermost_of
+
+_VERTEX = re.compile(rb"^\s*vertex\s+(\S+)\s+(\S+)\s+(\S+)", re.MULTILINE)
+
+
+def outermost_points(path: Path) -> Array | None:
+    """The outermost points (n, 3) of a mesh, in the unit of its file; None where it cannot be read."""
+    read = _READERS.get(path.suffix.lower())
+    if read is None or not path.is_file():
+        return None
+    try:
+        points = read(path.read_bytes())
+    except (ValueError, IndexError, struct.error, LinkwrightError):
+        return None
+    finite = points[np.isfinite(points).all(axis=1)]
+    return outermost_of(finite[:: 1 + len(finite) // MOST]) if len(finite) else None
+
+
+def _stl(data: bytes) -> Array:
+    if data.lstrip().startswith(b"solid") and b"facet" in data[:2000]:
+        return np.array(_VERTEX.findall(data), dtype=np.float64).reshape(-1, 3)
+    return mesh_points("a.stl", data)
+
+
+def _obj(data: bytes) -> Array:
+    return mesh_points("a.obj", data)
+
+
+def _gltf(data: bytes) -> Array:
+    return np.concatenate([np.zeros((0, 3)), *(node.points for node in gltf.read(data))])
+
+
+_READERS: Mapping[str, Callable[[bytes], Array]] = {
+    ".stl": _stl,
+    ".obj": _obj,
+    ".dae": dae_points,
+    ".glb": _gltf,
+    ".gltf": _gltf,
+}
