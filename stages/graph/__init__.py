@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from stages.robot.bundle import Bundle
     from stages.robot.model import Robot
 
-VERSION = 24
+VERSION = 25
 
 READERS: Mapping[str, str] = {
     "onshape": "stages.graph.onshape.reader",
