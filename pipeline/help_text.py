@@ -93,7 +93,7 @@ groups, each a set of presets (group=option):
               [urdf,mjcf,sdf] several
   validate    quick, standard, strict (warnings are errors)
   actuators   none, motor, position, velocity, intvelocity, pid (servos),
-              damper, general: what drives joints
+              legged, damper, general: what drives joints
   elements    none
 
 keys (key=value; linkwright explain KEY shows type, unit, default, an example):

@@ -168,7 +168,7 @@ class MeshStage(StageBase):
 
 class ExportStage(StageBase):
     name = "export"
-    libraries = ("numpy", "lxml", "mujoco")
+    libraries = ("numpy", "scipy", "lxml", "mujoco")
 
     @property
     def modules(self) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ import numpy as np
 from stages.formats.mjcf_form import MjcfForm
 from stages.robot.fusing import Holders, fused, on_fixed_joints
 from stages.robot.fusing import holders as holders_of
-from stages.robot.mjcf_extras import MjcfExtras
+from stages.robot.mjcf_extras import NO_EXTRAS, MjcfExtras
 from stages.robot.model import Frame, Robot, frozen
 from stages.robot.sensing import SensorTarget
 
@@ -27,12 +27,13 @@ def form_with(robot: Robot, kept: Collection[str] = (), merges: bool = False) ->
         bodies |= _named_bodies(robot.mjcf)
         bodies |= set() if merges else {one.link for one in robot.mjcf.bodies}
     candidates = set(on_fixed_joints(robot)) - bodies
-    # Their sensors are at the centre of mass, which what is fused would move.
-    weighed = set(_measured(robot, "body"))
+    # Their sensors are at the centre of mass, which what is fused would move; their excludes are of their own
+    # shapes.
+    alone = {*_measured(robot, "body"), *_excluded(robot.mjcf or NO_EXTRAS)}
     holder = {robot.root.name: robot.root.name}
     for joint in robot.joints:
         above = holder[joint.parent]
-        fuses = joint.child in candidates and above not in weighed
+        fuses = joint.child in candidates and above not in alone
         holder[joint.child] = above if fuses else joint.child
     ends = {
         end
@@ -57,6 +58,14 @@ def as_written(robot: Robot, form: MjcfForm) -> Robot:
     )
     whole = fused(robot, held)
     return replace(whole, frames=(*places, *whole.frames))
+
+
+def _excluded(extras: MjcfExtras) -> Iterator[str]:
+    """The bodies that excludes name."""
+    for section in extras.sections:
+        for element in section.children if section.tag == "contact" else ():
+            if element.tag == "exclude":
+                yield from (name for _, name in element.named())
 
 
 def _named_bodies(extras: MjcfExtras) -> set[str]:

@@ -13,6 +13,7 @@ from stages.robot import codec
 from stages.validate import validate
 from tests.e2e.test_mjcf_motion import BITS, CASES, LOOSE
 from tests.support.building import plan_of
+from tests.support.command import called
 from tests.support.mjcfs import built, model, written
 
 
@@ -67,6 +68,39 @@ def test_a_pair_of_links_that_the_user_excludes_does_not_collide(tmp_path: Path)
     made = scene(tmp_path, BITS, more, contact={"self": "auto", "exclude": [["base", "d"]]})
     assert made.npair == 0
     assert made.nexclude == 1
+
+
+def test_a_floor_of_the_file_that_is_only_seen_keeps_its_name(tmp_path: Path) -> None:
+    """The ground has another then, and is found in its place."""
+    world = LOOSE.replace('friction=".7 .01 .001" solref=".01 1"', 'contype="0" conaffinity="0"')
+    made = scene(tmp_path, world, ground={"kind": "plane"})
+    assert (made.geom("floor").contype[0], made.geom("floor_2").contype[0]) == (0, 1)
+
+
+FIXED = """<body name="torso"><geom name="trunk" size="0.2"/>
+  <body name="plate" pos="0 0 0.3"><geom name="top" size="0.1"/>
+    <body name="arm" pos="0 0 0.05"><joint name="turn" axis="1 0 0"/><geom name="upper" size="0.1"/></body>
+  </body></body>"""
+
+
+@pytest.mark.parametrize("joints", ["auto", "merge"])
+def test_an_exclude_is_of_the_shapes_of_its_own_body(joints: str, tmp_path: Path) -> None:
+    """What is fixed to that body does not become part of it: it may collide."""
+    more = '<contact><exclude body1="torso" body2="arm"/></contact>'
+    made = scene(tmp_path, FIXED, more, export={"urdf": {}, "mjcf": {"fixed_joints": joints}})
+    assert made.body(made.geom("top").bodyid[0]).name == "plate"
+    data = mujoco.MjData(made)
+    mujoco.mj_forward(made, data)
+    touching = {frozenset(made.geom(geom).name for geom in pair) for pair in data.contact.geom}
+    assert frozenset(("top", "upper")) in touching
+
+
+def test_the_presets_keep_the_bodies_of_an_mjcf(tmp_path: Path) -> None:
+    path = written(tmp_path, model(FIXED))
+    done = called(tmp_path, "source=mjcf", f"source.path={path}", "mesh=raw", "validate=quick", "output=out")
+    assert done.returncode == 0, done.stdout + done.stderr
+    made = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / f"{path.stem}.xml"))
+    assert [made.body(body).name for body in range(made.nbody)] == ["world", "torso", "plate", "arm"]
 
 
 @pytest.mark.parametrize("case", CASES)

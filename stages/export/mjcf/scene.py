@@ -16,6 +16,8 @@ from stages.export.scene_records import ground_pose
 from stages.formats.numbers import number, spaced
 from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.mjcf_extras import NO_EXTRAS
+from stages.robot.names import free
+from stages.robot.scene import FLOOR as GROUND
 
 if TYPE_CHECKING:
     from stages.export.scene_keys import GroundKeys, LightKeys, SkyKeys
@@ -44,6 +46,9 @@ def write_scene(given: "WriterInput", model: bytes) -> bytes:
     _ground(root, keys.ground)
     beside = {(node.tag, node.name) for section in extras.scene for node in section.inside()}
     _lights(world, keys.scene.lights, any(tag == "light" for tag, _ in beside))
+    floor, geoms = world.find(f"geom[@name='{GROUND}']"), {name for tag, name in beside if tag == "geom"}
+    if floor is not None:
+        floor.set("name", free(GROUND, geoms))
     write_sections(root, extras.scene)
     if np.isfinite(standing.low).all():
         middle, size = (standing.low + standing.high) / 2, standing.high - standing.low

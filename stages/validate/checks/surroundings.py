@@ -84,12 +84,13 @@ def _ground(compiled: CompiledModel, ground: Ground) -> Iterator[Finding]:
 
 
 def _floor(model: Any, ground: Ground) -> int | None:
-    """The geom of the world that is the ground: by its name, else a plane in its place."""
+    """The geom of the world that is the ground: a plane in its place that is touched, else by its name."""
     geoms = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom] == 0]
     named_so = [geom for geom in geoms if model.geom(geom).name == FLOOR]
     planes = (geom for geom in geoms if model.geom_type[geom] == PLANE)
     there = [geom for geom in planes if max(map(abs, _off(model, geom, ground))) <= CAD_ERROR]
-    return next(iter((*named_so, *there)), None)
+    touched = [geom for geom in there if model.geom_contype[geom] or model.geom_conaffinity[geom]]
+    return next(iter((*touched, *named_so, *there)), None)
 
 
 def _off(model: Any, geom: int, ground: Ground) -> tuple[float, float]:

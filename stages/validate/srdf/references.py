@@ -31,6 +31,9 @@ WHERE = (
 """The elements below the root that name something: by what attribute, and what that is: of the URDF, or a
 group of the SRDF."""
 
+OPTIONAL = ("parent_group",)
+"""Attributes that may be missing."""
+
 
 def references(read: ReadSrdf) -> Iterator[Finding]:
     """What is named and is not there, with the nearest name that is."""
@@ -38,7 +41,7 @@ def references(read: ReadSrdf) -> Iterator[Finding]:
     for path, attribute, kind in WHERE:
         for node in read.root.iterfind(path):
             name = node.get(attribute, "")
-            if name not in known[kind]:
+            if name not in known[kind] and (name or attribute not in OPTIONAL):
                 near = did_you_mean(name, sorted(known[kind]))
                 hint = f"; {near}" if near else ""
                 inner = f"{tag(node)} " if "/" in path else ""

@@ -70,6 +70,14 @@ OWN = """
 </robot>"""
 
 
+def test_an_end_effector_needs_no_parent_group(tmp_path: Path) -> None:
+    """It is optional in the format, and the SRDFs of legged robots have none."""
+    own = '<end_effector name="foot" group="all" parent_link="base"/></robot>'
+    assert ('end_effector "foot"', "parent_group") not in findings(tmp_path, "</robot>", own)
+    known = own.replace("/></robot>", ' parent_group="alll"/></robot>')
+    assert ('end_effector "foot"', "parent_group") in findings(tmp_path, "</robot>", known)
+
+
 def test_groups_and_poses_of_the_users_own_are_no_fault(tmp_path: Path) -> None:
     assert findings(tmp_path, "</robot>", OWN) == []
 
