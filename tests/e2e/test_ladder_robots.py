@@ -178,11 +178,15 @@ def test_what_touches_itself_is_excluded_with_a_reason_or_free_to(build, name: s
             always[pair] += 1
     for pair, times in always.items():
         assert times >= 0.98 * len(poses), pair
-    assert set(reasons.values()) <= {"Adjacent", "Always", "User"}
+    assert set(reasons.values()) <= ({"Source"} if name == "reachy2" else {"Adjacent", "Always", "User"})
     messages = " ".join(one["message"] for one in report["diagnostics"] if one["code"] == "W-SELF-CONTACT")
     home = model.key("home").qpos if model.nkey else model.qpos0
+    # What an MJCF lets collide is its own affair: robot.json and C-START have what touches at home.
+    own = json.loads((built.folder / "robot.json").read_text())["touching"] if name == "reachy2" else []
+    known = {frozenset((row["link_a"], row["link_b"])) for row in own}
     for first, second in touches(model, home):
-        assert f"{first} and {second} (" in messages or f"{second} and {first} (" in messages
+        named = f"{first} and {second} (" in messages or f"{second} and {first} (" in messages
+        assert named or frozenset((first, second)) in known
 
 
 def without_excludes(path: Path) -> mujoco.MjModel:

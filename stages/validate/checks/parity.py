@@ -142,8 +142,8 @@ def _forces_off(
     """By quantity: the largest difference of each dof. Of the mass matrix relative to the two dofs' own
     entries, but at least a millionth of the largest; of forces to the largest of them, but at least to what
     the mass matrix alone makes: its entry, by a speed of 1, and the root of its entry times `weight`, which
-    is the root of the mass times gravity. Left out are `speck` of the mass matrix, and of the bias what
-    `turned` makes of it."""
+    is the root of the mass times gravity. Left out are `speck` of the mass matrix, and what
+    it makes of the gravity, at 9.81 m/s², and of the bias, at speeds of 1."""
     own, vectors = own_sizes(inertias.own), inertias.vectors
     largest = float(own.max(initial=0.0))
     if vectors is None:
@@ -155,14 +155,12 @@ def _forces_off(
         least = SURELY * speck * np.linalg.norm(vectors, axis=0)
     off = np.maximum(np.abs(found.mass - expected.mass) - least, 0.0)
     rows = {"mass matrix": (off / scale).max(axis=(0, 2))}
-    bias = inertias.turned * len(own[0]) ** 2
-    for name, one, other, least in (
-        ("gravity", found.gravity, expected.gravity, largest * weight),
-        ("bias", found.bias, expected.bias, largest**2),
+    for name, one, other, least, left in (
+        ("gravity", found.gravity, expected.gravity, largest * weight, 9.81 * (speck - inertias.turned)),
+        ("bias", found.bias, expected.bias, largest**2, speck * own.shape[1] ** 2),
     ):
         size = max(float(np.abs(other).max(initial=0.0)), least) or 1.0
-        off = np.abs(one - other) - (bias if name == "bias" else 0.0)
-        rows[name] = np.maximum(off, 0.0).max(axis=0) / size
+        rows[name] = np.maximum(np.abs(one - other) - left, 0.0).max(axis=0) / size
     return rows
 
 

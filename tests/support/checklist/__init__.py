@@ -35,6 +35,11 @@ class Built:
         return json.loads((self.folder / "robot.json").read_text())
 
     @property
+    def as_its_file(self) -> bool:
+        """Whether the source is an MJCF, whose order, bodies, colliders and options stay."""
+        return "mjcf" in self.robot
+
+    @property
     def path(self) -> Path:
         return self.folder / f"{self.robot['name']}.xml"
 

@@ -39,7 +39,9 @@ def roles_of_geoms(built: Built) -> Iterator[str]:
 
 
 def colliders(built: Built) -> Iterator[str]:
-    """6: each body that is seen collides, or the build says that it does not."""
+    """6: each body that is seen collides, or the build says that it does not; an MJCF's as it has them."""
+    if built.as_its_file:
+        return
     model = built.model
     seen, solid = roles(model)
     bare = set(model.geom_bodyid[seen].tolist()) - set(model.geom_bodyid[solid].tolist())
@@ -139,9 +141,9 @@ def pieces(built: Built) -> Iterator[str]:
 
 
 def option(built: Built) -> Iterator[str]:
-    """27: the file says how it is to be simulated."""
+    """27: the file says how it is to be simulated; an MJCF as before."""
     said = built.xml.find("option").attrib
-    if said.get("integrator") != "implicitfast" or "timestep" not in said:
+    if (said.get("integrator") != "implicitfast" and not built.as_its_file) or "timestep" not in said:
         yield str(dict(said))
 
 

@@ -30,7 +30,8 @@ def driven(built: Built) -> Iterator[str]:
 
 
 def independent(built: Built) -> Iterator[str]:
-    """16: as many actuators as the robot has independent joints, each with gains, within its range."""
+    """16: as many actuators as the robot has independent joints, each with gains, within its range and as far
+    beyond it as a keyframe needs to hold the weight."""
     model = built.model
     data = mujoco.MjData(model)
     data.qpos[:] = model.key("home").qpos
@@ -54,7 +55,8 @@ def independent(built: Built) -> Iterator[str]:
         low, high = model.actuator_ctrlrange[index]
         if model.jnt_limited[joint]:
             least, most = model.jnt_range[joint]
-            if low < least - 1e-9 or high > most + 1e-9:
+            beyond = np.abs(model.key_ctrl[:, index] - model.key_qpos[:, model.jnt_qposadr[joint]]).max()
+            if low < least - beyond - 1e-9 or high > most + beyond + 1e-9:
                 yield f"{name}: controls {low} to {high}, range {least} to {most}"
 
 

@@ -1,5 +1,6 @@
 """The parity of files with the robot: what the check says, and the dynamics that it compares with."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 
 from stages.robot.check import Check
 from stages.robot.dynamics import mass_matrix
-from stages.robot.model import Limits
+from stages.robot.model import Limits, frozen
 from stages.robot.statics import holding_forces
 from stages.validate import validate
 from stages.validate.random_poses import POSES, samples
@@ -43,6 +44,26 @@ def test_each_file_is_compared_in_each_engine(tmp_path: Path) -> None:
         "robot.urdf: parity in Pinocchio",
     ]
     assert all(check.passed and check.value < 1e-10 for check in checks)
+
+
+def test_what_only_a_urdf_has_between_the_dofs_of_a_joint_counts_nowhere(tmp_path: Path) -> None:
+    """A robot of milligrams, whose forces are as small as those of the links of 1e-12 kg that lower it."""
+    joints = [
+        joint("cylindrical", f"link_{number}", f"link_{number + 1}", [0.0, 0.0], place=PLACES[number % 3])
+        for number in range(12)
+    ]
+    heavy = robot_with(joints, root="link_0")
+    light = {
+        link.name: replace(
+            link.inertial, mass=1e-6 * link.inertial.mass, inertia=frozen(1e-6 * link.inertial.inertia)
+        )
+        for link in heavy.links
+    }
+    robot = robot_with(joints, root="link_0", inertials=light)
+    write(robot, tmp_path)
+    checks = [check for check in validate(tmp_path, robot, plan_of()) if check.code == "C-PARITY"]
+    assert len(checks) >= 2
+    assert [check.detail for check in checks if not check.passed] == []
 
 
 def test_without_pinocchio_the_check_says_so(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
