@@ -56,7 +56,8 @@ def _constant(node: ast.expr, path: tuple[str, ...], element: str) -> Iterator[t
         row = tuple(str(_number(entry)) for entry in node.elts)
         yield Place(path, element, attribute), tuple(sorted(row)) if path == ("__all__",) else row
     else:
-        yield Place(path, element, attribute), _number(node)
+        # Positions, in metres and radians.
+        yield Place(path, element, attribute, 1.0), _number(node)
 
 
 def _number(node: ast.expr) -> Value:

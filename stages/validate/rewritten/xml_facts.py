@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 
 from stages.formats.xml import Element, Malformed, parse, tag
 from stages.validate.findings import named
@@ -18,6 +19,9 @@ TENSOR = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 LENGTHS = ("xyz", "offset", "lower", "upper")
 """Attributes in metres or radians: what is much smaller than 1 is no less exact."""
+
+POSITIONS = ("param",)
+"""Elements whose text is a length or an angle: of ros2_control."""
 
 
 def xml_facts(data: bytes) -> Iterator[tuple[Place, Value]]:
@@ -46,7 +50,8 @@ def _facts(node: Element, place: Place, materials: dict[str, str]) -> Iterator[t
     children = [child for child in node if isinstance(child.tag, str)]
     text = " ".join(" ".join(node.xpath("text()")).split())
     if text and not children:
-        yield _within(place, "text", ""), words(text)
+        least = 1.0 if tag(node) in POSITIONS else 0.0
+        yield replace(_within(place, "text", ""), least=least), words(text)
     seen: Counter[str] = Counter()
     tags = Counter(map(tag, children))
     for child in children:

@@ -22,6 +22,11 @@ SAME = {
         '<robot><joint name="j"><origin rpy="0.3 1.5707963267948966 0.1"/></joint></robot>',
         '<robot><joint name="j"><origin rpy="0.2 1.5707963267948966 0"/></joint></robot>',
     ),
+    "rounded.launch.py": ('HOME = {"a": -0.000700734229}\n', 'HOME = {"a": -0.00070073423}\n'),
+    "rounded.xacro": (
+        '<robot><joint name="j"><param name="initial_value">0.000700734229</param></joint></robot>',
+        '<robot><joint name="j"><param name="initial_value">0.00070073423</param></joint></robot>',
+    ),
     "a.yaml": ('a: {joints: ["x", "y"], rate: 100}\n', "a:\n  rate: 100  # Hz\n  joints:\n  - x\n  - 'y'\n"),
     "a.toml": ('[project]\nname = "x"\n', "# ours\n[project]\nname='x'\n"),
     "a.json": ('{"mass": 1.0, "names": ["a"]}', '{\n"names": ["a"], "mass": 1}'),
