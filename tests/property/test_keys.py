@@ -54,6 +54,9 @@ AS_IT_IS = {
     "mesh.min_size": "no part is so small",
     "mesh.target": "there are no cylinders",
     "mesh.visual.max_faces": "boxes have twelve faces",
+    "loops.solref": "the example is the default of all but an MJCF",
+    "scene.option.integrator": "the example is the default of all but an MJCF",
+    "scene.surroundings": "only an MJCF has any",
 }
 """Keys whose value may leave this robot as it is, since it asks for what is so already."""
 
