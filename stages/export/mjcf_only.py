@@ -5,7 +5,7 @@ from collections.abc import Collection, Iterator
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Geometry
 from stages.robot.globs import listed
-from stages.robot.mjcf_extras import MjcfExtras
+from stages.robot.mjcf_extras import MjcfExtras, children_of
 from stages.robot.model import Robot
 
 OTHERS = ("urdf", "sdf", "usd")
@@ -43,10 +43,6 @@ def _lacking(robot: Robot, geometry: Geometry, extras: MjcfExtras) -> Iterator[t
     mounted = [one.element for one in extras.mounted if one.element.tag in ("camera", "light")]
     rows["cameras and lights"] = [element.name or element.tag for element in mounted]
     rows["bodies beside the robot"] = [
-        element.name or "body"
-        for section in extras.scene
-        if section.tag == "worldbody"
-        for element in section.children
-        if element.tag == "body"
+        element.name or "body" for element in children_of(extras.scene, "worldbody") if element.tag == "body"
     ]
     yield from ((what, names) for what, names in rows.items() if names)

@@ -8,7 +8,7 @@ import numpy as np
 from stages.formats.mjcf_form import MjcfForm
 from stages.robot.fusing import Holders, fused, on_fixed_joints
 from stages.robot.fusing import holders as holders_of
-from stages.robot.mjcf_extras import NO_EXTRAS, MjcfExtras
+from stages.robot.mjcf_extras import NO_EXTRAS, MjcfExtras, children_of
 from stages.robot.model import Frame, Robot, frozen
 from stages.robot.sensing import SensorTarget
 
@@ -62,10 +62,9 @@ def as_written(robot: Robot, form: MjcfForm) -> Robot:
 
 def _excluded(extras: MjcfExtras) -> Iterator[str]:
     """The bodies that excludes name."""
-    for section in extras.sections:
-        for element in section.children if section.tag == "contact" else ():
-            if element.tag == "exclude":
-                yield from (name for _, name in element.named())
+    for element in children_of(extras.sections, "contact"):
+        if element.tag == "exclude":
+            yield from (name for _, name in element.named())
 
 
 def _named_bodies(extras: MjcfExtras) -> set[str]:

@@ -149,5 +149,12 @@ class MjcfExtras:
         return sorted(names, key=lambda name: place.get(name, len(place)))
 
 
+def children_of(sections: Iterable[MjcfElement], tag: str) -> Iterator[MjcfElement]:
+    """The elements in the sections of this tag."""
+    for section in sections:
+        if section.tag == tag:
+            yield from section.children
+
+
 NO_EXTRAS = MjcfExtras()
 """Those of a robot of another source."""

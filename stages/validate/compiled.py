@@ -11,6 +11,7 @@ from stages.robot.amendments import UNCHANGED, Amendments, Surplus, tag_of
 from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.fusing import Holders
 from stages.robot.geometry import Geometry
+from stages.robot.mjcf_extras import children_of
 from stages.robot.model import Robot
 from stages.robot.scene import Scene
 from stages.robot.sensing import NOTHING, Sensing
@@ -84,7 +85,7 @@ class CompiledModel:
         if extras is None or self.urdf:
             return added
         sections = (*extras.sections, *(extras.scene if self.path.name == SCENE else ()))
-        ties = sum(len(section.children) for section in sections if section.tag == "equality")
+        ties = sum(1 for _ in children_of(sections, "equality"))
         return replace(added, equalities=added.equalities + ties)
 
     def sets(self, attribute: str) -> bool:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from stages.export.mjcf.actuators import KeyedActuator
 from stages.export.mjcf.placement import write_element
 from stages.formats.xml import Element, element
-from stages.robot.mjcf_extras import MjcfElement, MjcfExtras
+from stages.robot.mjcf_extras import MjcfElement, MjcfExtras, children_of
 
 STATES = {"none": 0, "integrator": 1, "filter": 1, "filterexact": 1, "muscle": 1}
 """Numbers of states of an actuator by its dynamics; those of a user say how many."""
@@ -33,8 +33,7 @@ def ordered(root: Element, extras: MjcfExtras) -> None:
 
 def drives_of(sections: Iterable[MjcfElement]) -> Iterator[KeyedActuator]:
     """The controls of the actuators in these sections, which are 0 in every keyframe, as their states are."""
-    for section in sections:
-        for one in section.children if section.tag == "actuator" else ():
-            own = dict(one.attributes)
-            states = int(own.get("actdim", STATES.get(own.get("dyntype", "none"), 0)))
-            yield KeyedActuator(one.name, 0.0, (0.0,) * states)
+    for actuator in children_of(sections, "actuator"):
+        own = dict(actuator.attributes)
+        states = int(own.get("actdim", STATES.get(own.get("dyntype", "none"), 0)))
+        yield KeyedActuator(actuator.name, 0.0, (0.0,) * states)

@@ -10,7 +10,7 @@ import numpy.typing as npt
 from stages.robot.adjacency import Pair
 from stages.robot.geometry import Exclude, Shape
 from stages.robot.left_out import LeftOut
-from stages.robot.mjcf_extras import MjcfElement
+from stages.robot.mjcf_extras import MjcfElement, children_of
 from stages.robot.model import Robot
 
 Grid = npt.NDArray[np.bool_]
@@ -62,9 +62,7 @@ def _meet(one: Bits, other: Bits) -> Grid:
 
 def _contacts(robot: Robot, tag: str) -> Iterator[MjcfElement]:
     sections = robot.mjcf.sections if robot.mjcf is not None else ()
-    for section in sections:
-        if section.tag == "contact":
-            yield from (element for element in section.children if element.tag == tag)
+    return (element for element in children_of(sections, "contact") if element.tag == tag)
 
 
 def _excluded(robot: Robot) -> set[frozenset[str]]:

@@ -9,7 +9,7 @@ import numpy as np
 from stages.robot.actuation import Actuator
 from stages.robot.check import Check, Finding
 from stages.robot.holding_control import control_at, state_at, torque_per_volt
-from stages.robot.mjcf_extras import NO_EXTRAS
+from stages.robot.mjcf_extras import NO_EXTRAS, children_of
 from stages.robot.model import Configuration, Value
 from stages.robot.start_pose import HOME, keyframes
 from stages.validate.compiled import SCENE, CompiledModel
@@ -27,7 +27,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     model, expected = compiled.model, compiled.actuation.actuators
     extras = compiled.robot.mjcf or NO_EXTRAS
     sections = (*extras.sections, *(extras.scene if scene else ()))
-    more = [one.name for section in sections if section.tag == "actuator" for one in section.children]
+    more = [element.name for element in children_of(sections, "actuator")]
     number = len(expected) + len(more) + compiled.surplus.actuators
     if not expected and model.nu == number:
         return

@@ -12,6 +12,7 @@ import numpy.typing as npt
 
 from stages.robot.check import Check, Finding
 from stages.robot.geometry import Geometry
+from stages.robot.mjcf_extras import children_of
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import SAME, body_index
@@ -109,7 +110,7 @@ def _pairs(model: Any) -> dict[frozenset[int], int]:
 def _of_source(compiled: CompiledModel) -> set[frozenset[int]]:
     """The geoms that the robot's MJCF source has as pairs."""
     sections = () if compiled.robot.mjcf is None else compiled.robot.mjcf.sections
-    pairs = (one for section in sections for one in section.children if one.tag == "pair")
+    pairs = (element for element in children_of(sections, "contact") if element.tag == "pair")
     return {
         frozenset(int(mujoco.mj_name2id(compiled.model, GEOM, name)) for _, name in pair.named())
         for pair in pairs
