@@ -11,7 +11,7 @@ from tests.support.places import PROJECT
 
 FLOORS = runpy.run_path(str(PROJECT / ".ci" / "floors.py"))
 REQUIREMENTS = sorted(set(FLOORS["requirements"]()))
-BOUNDED = re.compile(r"[\w.-]+>=(\d+)\.([\d.]+),<(\d+)(?:\.(\d+))?")
+BOUNDED = re.compile(r"[\w.-]+>=(\d+)\.([\d.]+),<(\d+)(?:\.(\d+))?(?:; sys_platform [!=]= 'win32')?")
 PAIRED = ("hydra-core", "omegaconf")
 """Two of their minor versions belong together, so that each next one is a step of its own."""
 

@@ -28,6 +28,8 @@ HOMES = {
         "stages/export/amend/compiled.py",
     ),
     "trimesh": ("stages/mesh/", "stages/fetch/urdf/"),
+    "coal": ("stages/robot/clearance.py",),
+    "fcl": ("stages/robot/clearance.py",),
     "coacd": ("stages/mesh/decompose/coacd_guest.py",),
     "xacro": ("stages/fetch/urdf/",),
     "collada": (),
