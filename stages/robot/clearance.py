@@ -43,6 +43,9 @@ class DistanceEngine(Protocol):
     def near(self, one: Mesh, other: Mesh, pose: Any, margin: float) -> bool:
         """Whether two surfaces are within `margin` [m] of each other."""
 
+    def apart(self, one: Mesh, other: Mesh, pose: Any) -> float:
+        """How far apart [m] two surfaces are, at most 0 where they cut. It takes five times as long."""
+
     def depth(self, one: Convex, other: Convex, pose: Any) -> float:
         """How far [m] the other has to move until both only touch; less than 0: how far they are apart."""
 
@@ -93,6 +96,10 @@ class _Coal:
         self._nearer.clear()
         return bool(self._coal.collide(one, self._here, other, pose, self._near, self._nearer))
 
+    def apart(self, one: Mesh, other: Mesh, pose: Any) -> float:
+        asked, found = self._coal.DistanceRequest(), self._coal.DistanceResult()
+        return float(self._coal.distance(one, self._here, other, pose, asked, found))
+
     def depth(self, one: Convex, other: Convex, pose: Any) -> float:
         self._found.clear()
         return -float(self._coal.distance(one, self._here, other, pose, self._asked, self._found))
@@ -120,9 +127,11 @@ class _Fcl:
         return [self._fcl.Transform(pose[:3, :3], pose[:3, 3]) for pose in one_from_other]
 
     def near(self, one: Mesh, other: Mesh, pose: Any, margin: float) -> bool:
-        asked, found = self._fcl.DistanceRequest(), self._fcl.DistanceResult()
+        return self.apart(one, other, pose) <= margin
+
+    def apart(self, one: Mesh, other: Mesh, pose: Any) -> float:
         ends = self._fcl.CollisionObject(one, self._here), self._fcl.CollisionObject(other, pose)
-        return float(self._fcl.distance(*ends, asked, found)) <= margin
+        return float(self._fcl.distance(*ends, self._fcl.DistanceRequest(), self._fcl.DistanceResult()))
 
     def depth(self, one: Convex, other: Convex, pose: Any) -> float:
         ends = self._fcl.CollisionObject(one, self._here), self._fcl.CollisionObject(other, pose)

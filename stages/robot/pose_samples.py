@@ -18,8 +18,11 @@ _STEPS = 24
 """Steps from `home` to a drawn pose, where loops must stay closed on the way."""
 
 
-def sampled_poses(robot: Robot, count: int, reach: float, start: Configuration) -> dict[str, Array]:
-    """`count` configurations of all dofs, the same ones every time: arrays as `pose_batch.Values`.
+def sampled_poses(
+    robot: Robot, count: int, reach: float, start: Configuration, salt: str = ""
+) -> dict[str, Array]:
+    """`count` configurations of all dofs, the same ones every time: arrays as `pose_batch.Values`. Another
+    `salt` draws others, of which none tells anything of these.
 
     Every scalar is drawn evenly from its range, seeded by its dof's name (PCG64), so that the order of
     joints does not matter. A turn without limits makes the whole turn about its value in `start`; a slide, or
@@ -32,7 +35,7 @@ def sampled_poses(robot: Robot, count: int, reach: float, start: Configuration) 
     """
     dofs = [*robot.dofs, *(dof for loop in robot.loops for dof in loop.dofs)]
     limits = ranges(robot)
-    whole = {dof.name: _drawn(dof, limits.get(dof.name), start[dof.name], reach, count) for dof in dofs}
+    whole = {dof.name: _drawn(dof, limits.get(dof.name), start[dof.name], reach, count, salt) for dof in dofs}
     for one in robot.relations:
         whole[one.follower] = one.multiplier * whole[one.driver] + one.offset
     if not robot.loops:
@@ -55,9 +58,11 @@ def _moved(robot: Robot, closer: Closer) -> set[str]:
     return moved | {one.follower for one in robot.relations if one.driver in moved}
 
 
-def _drawn(dof: Dof, limits: tuple[float, float] | None, middle: Value, reach: float, count: int) -> Array:
+def _drawn(
+    dof: Dof, limits: tuple[float, float] | None, middle: Value, reach: float, count: int, salt: str
+) -> Array:
     """`_ROUNDS` times `count` values of a dof."""
-    seed = int.from_bytes(hashlib.sha256(dof.name.encode()).digest()[:16], "big")
+    seed = int.from_bytes(hashlib.sha256(f"{salt}{dof.name}".encode()).digest()[:16], "big")
     random = np.random.Generator(np.random.PCG64(seed)).random((_ROUNDS * count, 6))
     if limits is not None and not isinstance(middle, tuple):
         low, high = ends_of(limits, middle, math.pi if dof.kind == "turn" else reach)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stages.validate.keys import ValidateKeys
     from stages.validate.own import OwnCheck
 
-VERSION = 49
+VERSION = 50
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)
@@ -44,6 +44,7 @@ CHECKS: "dict[str, tuple[FileKind, ...]]" = {
     "sensors": ("mjcf",),
     "source_elements": ("mjcf", "scene"),
     "self_contact": ("mjcf",),
+    "false_contact": ("mjcf",),
     "contact_filter": ("mjcf",),
     "contact_properties": ("mjcf",),
     "scene": ("scene",),

@@ -22,7 +22,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     if not any(solid for _, solid in every.values()):
         return
     bodies = {compiled.model.body(body).name: solid for body, (seen, solid) in every.items() if seen}
-    bare = [name for name, solid in bodies.items() if not solid and not _asked(compiled, name)]
+    bare = [name for name, solid in bodies.items() if not solid and not asked_bare(compiled, name)]
     findings = [Finding(named("body", name), "geom", f"{name} is seen and has no collider") for name in bare]
     detail = f"{count(len(bodies), 'link')} with a visual shape, each with a collider, or without as asked"
     if bare:
@@ -31,7 +31,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     yield compiled.result("links that collide", not bare, detail, value, 0.0, findings, "warning")
 
 
-def _asked(compiled: CompiledModel, body: str) -> bool:
+def asked_bare(compiled: CompiledModel, body: str) -> bool:
     """Whether the configuration gives the links of a body no collider; where that is known."""
     names = {name for name, (holder, _) in compiled.held.items() if holder == body} or {body}
     figures = compiled.geometry.colliders if compiled.geometry else ()

@@ -15,6 +15,7 @@ from stages.robot.geometry import Geometry
 from stages.robot.mjcf_extras import children_of
 from stages.robot.plural import count
 from stages.validate.compiled import CompiledModel
+from stages.validate.contact_errors import never_collide
 from stages.validate.coordinates import SAME, body_index
 from stages.validate.findings import few
 from stages.validate.shapes import named_geom
@@ -43,7 +44,7 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
     pairs, by_source, meant = _pairs(model), _of_source(compiled), set[frozenset[int]]()
     for one, other in sorted(_candidates(model, geometry, colliders)):
         (first, own), (second, others) = colliders[one], colliders[other]
-        if _never_collide(model, own[0], others[0]):
+        if never_collide(model, *(int(model.geom_bodyid[geoms[0]]) for geoms in (own, others))):
             continue
         may = _may_collide(model, own, others, outside) | _among(own, others, by_source & pairs.keys())
         wanted = np.full(may.shape, geometry.self_contact)
@@ -91,7 +92,7 @@ def _candidates(
 
 
 def _judged(model: Any, colliders: list[tuple[str, list[int]]]) -> int:
-    """How many pairs of links there are but for those of `_never_collide`."""
+    """How many pairs of links there are but for those of `never_collide`."""
     welds = Counter(int(model.body_weldid[model.geom_bodyid[geoms[0]]]) for _, geoms in colliders)
     never = sum(math.comb(number, 2) for number in welds.values())
     if not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_FILTERPARENT:
@@ -171,16 +172,6 @@ def _colliders(compiled: CompiledModel, geometry: Geometry) -> list[tuple[str, l
         if number and len(solid) >= number:
             found.append((link.name, solid[:number]))
     return found
-
-
-def _never_collide(model: Any, own: int, other: int) -> bool:
-    """Whether MuJoCo leaves two geoms out by itself, whatever the file says of contact: those of one rigid
-    body, and those of parent and child where neither is fixed to the world."""
-    welds = [int(model.body_weldid[model.geom_bodyid[geom]]) for geom in (own, other)]
-    if welds[0] == welds[1] or model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_FILTERPARENT:
-        return welds[0] == welds[1]
-    above = [int(model.body_weldid[model.body_parentid[weld]]) for weld in welds]
-    return all(welds) and (welds[0] == above[1] or welds[1] == above[0])
 
 
 def _may_collide(model: Any, own: list[int], others: list[int], excluded: set[int]) -> Grid:

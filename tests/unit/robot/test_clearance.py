@@ -43,6 +43,15 @@ def test_a_mesh_inside_of_a_hollow_is_not_near(engine):
     assert engine.near(outer, inner, across, 0.002)
 
 
+@pytest.mark.parametrize("gap", [0.0005, 0.3])
+def test_how_far_surfaces_are_apart(engine, gap):
+    cube = engine.mesh(CUBE, FACES)
+    along, corner, cuts = engine.poses(poses([1 + gap, 0.1, 0.2], [1 + gap] * 3, [0.9, 0.1, 0.2]))
+    assert engine.apart(cube, cube, along) == pytest.approx(gap, abs=1e-9)
+    assert engine.apart(cube, cube, corner) == pytest.approx(gap * np.sqrt(3), abs=1e-9)
+    assert engine.apart(cube, cube, cuts) <= 0
+
+
 @pytest.mark.parametrize("shift", [0.4, 0.999, 1.0015, 1.5])
 def test_the_depth_of_two_cubes_along_an_axis(engine, shift):
     cube = engine.convex(CUBE, FACES)

@@ -52,6 +52,15 @@ def test_scalars_are_spread_evenly_over_their_ranges():
     assert abs(np.corrcoef(values["limited"], values["slide"])[0, 1]) < 0.1
 
 
+def test_another_salt_draws_poses_that_are_not_these():
+    robot = robot_with([joint("revolute", "base", "arm", limits={"arm_joint": Limits(-1.0, 1.0)})])
+    start = home(robot)
+    drawn = [sampled_poses(robot, 2000, 0.5, start, salt)["arm_joint"] for salt in ("", "", "other")]
+    assert (drawn[0] == drawn[1]).all()
+    assert not np.isin(drawn[2], drawn[0]).any()
+    assert abs(np.corrcoef(drawn[0], drawn[2])[0, 1]) < 0.1
+
+
 @pytest.mark.parametrize("cone", [None, 0.6])
 def test_a_ball_fills_its_cone(cone):
     robot = robot_with([joint("ball", "base", "one", limits={"one_joint": Limits(None, cone)})])
