@@ -11,8 +11,8 @@ from stages.robot.errors import Diagnostic, ExportError
 from stages.robot.geometry import Geometry
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Array, Configuration, Robot
-from stages.robot.poses import from_parts, rotation_from_quat, rotation_from_rpy
-from stages.robot.start_pose import home
+from stages.robot.poses import from_parts, rotation_from_rpy
+from stages.robot.start_pose import home, roots_in_source
 
 if TYPE_CHECKING:
     from stages.export.keys import ExportKeys
@@ -59,7 +59,7 @@ def stand(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> Stance:
     """
     pose, ground = keys.scene.pose, keys.ground
     given = from_parts(rotation_from_rpy(pose.rpy), np.array(pose.xyz))
-    in_keyframes = _in_keyframes(robot) if pose.kind == "touch" and stands_in_source(robot, keys) else {}
+    in_keyframes = roots_in_source(robot) if pose.kind == "touch" and stands_in_source(robot, keys) else {}
     given = in_keyframes.get("", given)
     touches = pose.kind == "touch" and ground.kind != "none"
 
@@ -88,17 +88,6 @@ def stand(robot: Robot, geometry: Geometry, keys: "ExportKeys") -> Stance:
 def stands_in_source(robot: Robot, keys: "ExportKeys") -> bool:
     """Whether the robot's MJCF source has a ground of its own, which the scene has too."""
     return robot.mjcf is not None and robot.mjcf.has_ground and keys.scene.surroundings == "keep"
-
-
-def _in_keyframes(robot: Robot) -> dict[str, Array]:
-    """The root's pose in the source, by keyframe, and elsewhere under ""."""
-    poses = {"": robot.world_from_root}
-    if robot.mjcf is not None and not robot.base.fixed:
-        for one in robot.mjcf.keyframes:
-            if one.world_from_root:
-                x, y, z, *quat = one.world_from_root
-                poses[one.name] = from_parts(rotation_from_quat(np.array(quat)), np.array([x, y, z]))
-    return poses
 
 
 def _extents(robot: Robot, geometry: Geometry, world_from_root: Array, values: Configuration) -> Extents:

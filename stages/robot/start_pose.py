@@ -3,11 +3,13 @@
 import functools
 from collections.abc import Mapping
 
+import numpy as np
+
 from stages.robot.dof_ranges import ranges
 from stages.robot.kinematics import link_poses, saved_configuration
 from stages.robot.loops import CLOSED, across, closing, gap
-from stages.robot.model import Configuration, Robot, Value
-from stages.robot.poses import at_rest
+from stages.robot.model import Array, Configuration, Robot, Value
+from stages.robot.poses import at_rest, from_parts, rotation_from_quat
 
 _ROUNDING = 1e-12
 """A value that is outside its limits by less, or by that share of it, is within them."""
@@ -69,6 +71,17 @@ def keyframes(robot: Robot) -> dict[str, dict[str, Value]]:
     own = {name: given for name, given in _given(robot).items() if name != HOME}
     found = {name: nearest(robot, at_home, given) for name, given in own.items()}
     return {HOME: at_home, SAVED: saved(robot), **found}
+
+
+def roots_in_source(robot: Robot) -> dict[str, Array]:
+    """World from root (4, 4) in the robot's source: by keyframe of an MJCF, and elsewhere under ""."""
+    poses = {"": robot.world_from_root}
+    if robot.mjcf is not None and not robot.base.fixed:
+        for one in robot.mjcf.keyframes:
+            if one.world_from_root:
+                x, y, z, *quat = one.world_from_root
+                poses[one.name] = from_parts(rotation_from_quat(np.array(quat)), np.array([x, y, z]))
+    return poses
 
 
 def _given(robot: Robot) -> dict[str, dict[str, float]]:

@@ -1,8 +1,9 @@
 """A simulation starts with nothing inside something else: at `home`, and at qpos0, where a reset leads to.
 
 What earlier stages have reported is known and a warning: colliders that overlap at `home`, since they are
-larger than their parts, and links of a fixed robot that reach into the ground, which is a plane. All else is
-an error: what else the scene has is in the way.
+larger than their parts, and links of a fixed robot that reach into the ground, which is a plane. So is all
+of a robot that stands where its source, an MJCF, has it: the source starts so. All else is an error: what
+else the scene has is in the way.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -10,11 +11,12 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import mujoco
+import numpy as np
 
 from stages.robot.check import Check, CheckLevel, Finding
 from stages.robot.geometry import Touch
 from stages.robot.scene import FLOOR
-from stages.robot.start_pose import HOME
+from stages.robot.start_pose import HOME, roots_in_source
 from stages.validate.compiled import CompiledModel
 from stages.validate.coordinates import of_the_scene
 from stages.validate.findings import named
@@ -22,6 +24,9 @@ from stages.validate.running import DEEP, Touching, at_keyframe, touching
 from stages.validate.shapes import seen_and_solid
 
 CODE = "C-START"
+
+SAME = 1e-6
+"""Poses that differ by less [m, and of rotation matrices] are the same: files have few digits."""
 
 Other = Literal["ground", "obstacle", "link"]
 """What a link may be in: a plane of the world; something else of the scene; another link, or what a robot
@@ -62,9 +67,20 @@ def check(compiled: CompiledModel) -> Iterator[Check]:
         deeper = [one for one in found if one.depth > _known(one, reported) + DEEP]
         if compiled.robot.base.fixed:
             deeper = [one for one in deeper if one.other != "ground"]
-        yield _result(compiled, HOME, found, "error" if deeper else "warning")
+        wrong = bool(deeper) and not _as_in_source(compiled)
+        yield _result(compiled, HOME, found, "error" if wrong else "warning")
     found = overlaps(compiled, mujoco.MjData(model))
     yield _result(compiled, "qpos0", found, "warning" if has_home else "error")
+
+
+def _as_in_source(compiled: CompiledModel) -> bool:
+    """Whether the robot stands at `home` where its source, an MJCF, has it, on no ground but the source's."""
+    robot, scene = compiled.robot, compiled.scene
+    if robot.mjcf is None or scene is None or scene.ground is not None:
+        return False
+    roots = roots_in_source(robot)
+    there = dict(scene.keyframes).get(HOME, scene.world_from_root)
+    return bool(np.abs(there - roots.get(HOME, roots[""])).max() < SAME)
 
 
 def _touching(compiled: CompiledModel) -> tuple[Touch, ...]:

@@ -1,10 +1,15 @@
 """The checks that simulate: closed forms of what they measure, and a planted fault for each."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from stages.robot.geometry import Geometry, Touch
+from stages.robot.mjcf_extras import MjcfExtras
+from stages.robot.poses import from_parts
+from stages.robot.scene import Ground, Scene
 from stages.validate import measured
 from stages.validate.checks import control_noise, energy, rest, start, time_step
 from stages.validate.energy import SECONDS, drift_of_energy
@@ -166,6 +171,26 @@ def test_what_was_reported_is_a_warning_and_what_is_deeper_an_error():
         geometry = Geometry((), {}, touching=(Touch("low", "high", depth),))
         found = only(start.check(compiled_of(text, more=more, geometry=geometry)), "start at home")
         assert (found.fails, found.warns) == (fails, not fails)
+
+
+STANDING = {
+    "as its source has it": (MjcfExtras(), (0.0, 0.0, 0.0), None),
+    "elsewhere": (MjcfExtras(), (0.0, 0.0, -0.01), None),
+    "on a ground that is not the source's": (MjcfExtras(), (0.0, 0.0, 0.0), Ground(np.eye(4), (1, 0, 0))),
+    "as a robot whose source is no MJCF": (None, (0.0, 0.0, 0.0), None),
+}
+
+
+@pytest.mark.parametrize("how", STANDING)
+def test_what_its_source_has_so_is_a_warning(how):
+    """The sphere is 50 mm in a plane of the world: a robot that stands so in its MJCF, stands so."""
+    extras, place, ground = STANDING[how]
+    robot = replace(robot_with([], fixed=False), mjcf=extras)
+    root = from_parts(np.eye(3), np.array(place))
+    scene = Scene(root, (("home", root),), ground)
+    compiled = compiled_of(BALLS.format(low=0.1, high=0.4), robot, more=HOME.format(0.05), scene=scene)
+    found = only(start.check(compiled), "start at home")
+    assert (found.warns, found.fails) == ((how == "as its source has it"), (how != "as its source has it"))
 
 
 # --- rest ---------------------------------------------------------------------------------------------------
