@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from stages.robot.bundle import Bundle
     from stages.robot.errors import Diagnostic
 
-VERSION = 12
+VERSION = 13
 """Grows with every change of what this stage makes of the same input."""
 
 ROOMS: Mapping[str, str] = {

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from stages.validate.keys import ValidateKeys
     from stages.validate.own import OwnCheck
 
-VERSION = 50
+VERSION = 51
 """Grows with every change of what this stage makes of the same input."""
 
 ENGINES = ("mujoco_engine",)

@@ -77,13 +77,13 @@ class Geoms:
         self._shown = any(shows(model, number) for number in range(model.ngeom))
 
     def of(self, body: int) -> Iterator[MjcfGeom]:
-        """A body's shapes. A collision geom is visual too where the body has no other visual geom, unless it
-        is in a hidden group of a model that has visual geoms."""
+        """A body's shapes. A collision geom is visual too where the body has no visual geom of another group,
+        unless it is in a hidden group of a model that has visual geoms: viewers draw group by group."""
         model = self._model
-        dressed = any(shows(model, number) for number in self._numbers(body))
+        dress = {int(model.geom_group[number]) for number in self._numbers(body) if shows(model, number)}
         for number in self._numbers(body):
-            collides = touches(model, number)
-            hidden = dressed or (self._shown and model.geom_group[number] >= _SHOWN)
+            collides, group = touches(model, number), int(model.geom_group[number])
+            hidden = bool(dress - {group}) or (self._shown and group >= _SHOWN)
             seen = rgba_of(model, number)[3] > 0 and not (collides and hidden)
             if int(model.geom_type[number]) in GEOMS and (collides or seen):
                 yield self._geom(number, collides, seen)

@@ -47,7 +47,8 @@ def weightless(lumps: Sequence[Lump]) -> Iterator[Coded]:
         while name not in heavy:
             heavy.add(name)
             name = above[name]
-    for name in sorted(above.keys() - heavy):
+    moving = {lump.body.name for lump in lumps if lump.moves}
+    for name in sorted(moving - heavy):
         if above[name]:
             message = "it moves, and neither it nor what it carries has a mass"
             yield "C-SOLID", Finding(named("link", name), "inertial", message)
@@ -56,22 +57,29 @@ def weightless(lumps: Sequence[Lump]) -> Iterator[Coded]:
 def _apart(lump: Lump) -> Iterator[tuple[bool, Finding]]:
     """Colliders that are beside what is seen, or many times its size; and whether each is certainly wrong."""
     shapes = list(lump.shapes)
-    seen = _form(shapes)
+    drawn = {shape.group for shape, _ in shapes if shape.seen and not shape.collides}
+    # What collides and is drawn with what does not is a part of the picture, and no second form of it.
+    dress = [(shape, points) for shape, points in shapes if shape.seen and shape.group in drawn]
+    seen = _form(dress)
     if seen is None or not all(body.whole for body, _ in lump.members):
         return
     low, high = seen.min(axis=0), seen.max(axis=0)
     name, size = lump.body.name, float(np.linalg.norm(high - low))
-    solid = [(shape, points) for shape, points in shapes if shape.collides]
+    solid = [
+        (shape, points)
+        for shape, points in shapes
+        if shape.collides and not (shape.seen and shape.group in drawn)
+    ]
     elsewhere = _off([points for _, points in solid], seen) > (AWAY + BESIDE) * size
     for shape, points in solid:
         gap = np.maximum(0.0, np.maximum(low - points.max(axis=0), points.min(axis=0) - high))
         off = float(np.linalg.norm(gap))
         if off > BESIDE * size:
             message = f'a collider of "{name}" is {off:.3g} m beside what is seen, {size:.2g} m wide'
-            yield elsewhere and not shape.seen, Finding(*shape.placed_by, message)
+            yield elsewhere, Finding(*shape.placed_by, message)
         elif shape.extent > WIDE * size > 0.0:
             message = f'a collider of "{name}" is {shape.extent:.3g} m wide, what is seen {size:.2g} m'
-            yield elsewhere and not shape.seen, Finding(shape.element, shape.attribute, message)
+            yield elsewhere, Finding(shape.element, shape.attribute, message)
 
 
 def _off(solid: Sequence[Array], seen: Array) -> float:
@@ -89,13 +97,12 @@ def _off(solid: Sequence[Array], seen: Array) -> float:
     return float(max(beyond, bare))
 
 
-def _form(shapes: Sequence[tuple[ShapeFigures, Array]]) -> Array | None:
-    """Points (n, 3) of what is seen and does not collide; None without, or where a mark stands for it: many
-    files have a box or a ball of a few millimetres where a link has no mesh."""
-    seen = [(shape, points) for shape, points in shapes if shape.seen and not shape.collides]
-    if all(not shape.mesh and shape.extent < MARK for shape, _ in seen):
+def _form(dress: Sequence[tuple[ShapeFigures, Array]]) -> Array | None:
+    """Points (n, 3) of what is drawn; None without, or where a mark stands for it: many files have a box or a
+    ball of a few millimetres where a link has no mesh."""
+    if all(not shape.mesh and shape.extent < MARK for shape, _ in dress):
         return None
-    return np.concatenate([points for _, points in seen])
+    return np.concatenate([points for _, points in dress])
 
 
 def neighbours(lumps: Sequence[Lump]) -> Iterator[Finding]:

@@ -18,8 +18,8 @@ CORNERS = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
 @dataclass(frozen=True, slots=True, eq=False)
 class ShapeFigures:
     """A shape of a body. `points` (n, 3) [m]: its outermost points, in the body's frame; `collides`, `seen`:
-    whether others touch it, and whether it is drawn; `mesh`: whether it is a mesh. `element` and `attribute`
-    give its size in the file, `placed_by` its place."""
+    whether others touch it, and whether it is drawn, with those of its `group`; `mesh`: whether it is a mesh.
+    `element` and `attribute` give its size in the file, `placed_by` its place."""
 
     points: Array
     collides: bool
@@ -28,6 +28,7 @@ class ShapeFigures:
     element: str
     attribute: str
     placed_by: tuple[str, str]
+    group: int = 0
 
     @property
     def extent(self) -> float:

@@ -67,4 +67,7 @@ def _shape(model: Any, geom: int, body: str) -> ShapeFigures | None:
     element, attribute = called, "size"
     if mesh:
         element, attribute = named("mesh", model.mesh(int(model.geom_dataid[geom])).name), "scale"
-    return ShapeFigures(outermost_of(points), collides, seen, mesh, element, attribute, (called, "pos"))
+    group = int(model.geom_group[geom])
+    return ShapeFigures(
+        outermost_of(points), collides, seen, mesh, element, attribute, (called, "pos"), group
+    )

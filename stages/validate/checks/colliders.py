@@ -161,11 +161,12 @@ def allowed(compiled: CompiledModel, body: str, size: float) -> Allowed:
     figures = compiled.geometry.colliders if compiled.geometry else ()
     own = [one for one in figures if one.link in names]
     made = [one for one in own if one.rung != "none"]
-    # What is seen and does not collide is bare; what collides and is not seen is beyond. A file that has both
-    # for the same thing is expected to have them in one place.
+    # What is seen and does not collide is bare; what collides and is not seen is beyond, and so is a geom
+    # that does both. A file that has what is only seen and what only collides is to have them in one place.
     seen = any(not one.collides for one in parts) or any(not one.collision for one in shapes)
     solid = any(not one.seen for one in parts) or any(not one.visual for one in shapes)
-    apart = seen and solid
+    both = any(one.visual and one.collision for one in shapes)
+    apart = seen and solid and not both
     covered = sum(len(one.parts) for one in made) >= len(parts)
     measures = [one.measures for one in made if one.measures is not None]
     spare = max([LEAST, SPARE * size, *(one.tolerance for one in made if one.tolerance is not None)])
@@ -176,5 +177,8 @@ def allowed(compiled: CompiledModel, body: str, size: float) -> Allowed:
     off = max(LEAST, OFF * size)
     uncovered = seen or (bool(own) and not covered)
     return Allowed(
-        None if solid and not apart else off, None if uncovered and not apart else off, False, spare
+        None if (solid or both) and not apart else off,
+        None if uncovered and not apart else off,
+        False,
+        spare,
     )

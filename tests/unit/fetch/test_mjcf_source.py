@@ -336,6 +336,15 @@ def test_geoms_are_seen_or_touched_as_the_file_has_them(tmp_path):
     assert (ellipsoid.form.ellipsoid, ellipsoid.collides) == ((0.2, 0.4, 0.6), True)
 
 
+@pytest.mark.parametrize(("group", "seen"), [(0, True), (1, False)])
+def test_what_collides_is_seen_with_what_is_only_seen_of_its_group(group, seen, tmp_path):
+    """A ring around an arm that collides is drawn with it; a mesh in another group is drawn instead of it."""
+    ring = f'<geom type="cylinder" size=".05 .01" contype="0" conaffinity="0" group="{group}"/>'
+    robot = robot_of(written(tmp_path, model(body("base", ring + '<geom type="capsule" size=".03 .2"/>'))))
+    told = [(one.kind, one.visual, one.collision) for one in robot.root.shapes]
+    assert told == [("cylinder", True, False), ("capsule", seen, True)]
+
+
 CORNERS = np.array([[0, 0, 0], [0.3, 0, 0], [0, 0.2, 0], [0, 0, 0.1]], dtype="<f4") + np.float32(0.125)
 FACES = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
 

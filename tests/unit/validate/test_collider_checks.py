@@ -4,9 +4,11 @@ closed form."""
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from stages.robot.geometry import ColliderFigures, Geometry, Measures
+from stages.robot.model import Primitive
 from stages.validate.checks import bare_links, colliders
 from tests.support.written import ONE_HINGE, compiled_of
 
@@ -73,6 +75,18 @@ def test_a_moved_collider_of_which_nothing_is_known(x, expected):
     said, elements = results(moved(x))
     assert said == expected
     assert all("arm" in one for one in elements)
+
+
+@pytest.mark.parametrize(("visual", "wrong"), [(True, False), (False, True)])
+def test_what_collides_and_is_seen_is_beside_nothing(visual, wrong):
+    """A geom that is both, and a ring that is only seen: the first is no collider of the second."""
+    compiled = compiled_of(moved(3 * SIZE))
+    link = next(one for one in compiled.robot.links if one.name == "arm")
+    box = Primitive("box", SIDES, np.eye(4))
+    shapes = (replace(box, collision=False), replace(box, visual=visual))
+    links = tuple(replace(one, shapes=shapes) if one is link else one for one in compiled.robot.links)
+    found, _ = colliders.check(replace(compiled, robot=replace(compiled.robot, links=links)))
+    assert found.fails is wrong
 
 
 @pytest.mark.parametrize(
