@@ -7,6 +7,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from stages.robot.model import Array
 from stages.robot.mujoco_warnings import listening
 
 SECONDS = 2.0
@@ -40,13 +41,18 @@ class Trial:
         return self.joints[0] if self.joints else ""
 
 
-def trial_run(model: Any, seconds: float = SECONDS, opening: float = OPEN) -> Trial:
-    """Simulates a model from its keyframe `home`, with the controls there, at its own time step. It fails
-    where MuJoCo warns, and where a loop opens by more than `opening` [m, rad], or twice what it is then."""
+def trial_run(
+    model: Any, seconds: float = SECONDS, opening: float = OPEN, start: Array | None = None
+) -> Trial:
+    """Simulates a model from its keyframe `home`, with the controls there, or from the positions `start`, at
+    its own time step. It fails where MuJoCo warns, and where a loop opens by more than `opening` [m, rad], or
+    twice what it is then."""
     data = mujoco.MjData(model)
     key = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_KEY, "home")
     if key >= 0:
         mujoco.mj_resetDataKeyframe(model, data, key)
+    if start is not None:
+        data.qpos[:] = start
     mujoco.mj_forward(model, data)
     allowed = max(opening, 2.0 * _opening(model, data)[0])
     steps = round(seconds / model.opt.timestep)

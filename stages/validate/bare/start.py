@@ -11,6 +11,7 @@ import numpy as np
 from stages.formats.mesh_points import STL_FACE, STL_HEADER
 from stages.formats.xml import Element, element, parse, to_bytes
 from stages.robot.check import Check, CheckLevel, Finding
+from stages.robot.model import Array
 from stages.robot.mujoco_warnings import deprecations, listening, unquoted
 from stages.robot.plural import count
 from stages.robot.regular_files import is_file
@@ -133,13 +134,25 @@ def _simulated(document: ModelDocument, model: Any) -> Iterator[Check]:
         mujoco.mj_forward(model, data)
     # A URDF says neither which links may touch nor where it starts.
     yield from () if urdf else _first_moment(name, model, data)
-    trial = trial_run(model, SECONDS, opening=np.inf)
+    trial = trial_run(model, SECONDS, np.inf, _within_limits(model) if urdf else None)
     detail = f"simulated for {trial.time:.3g} s without a warning"
     tried: tuple[Finding, ...] = ()
     if trial.failed:
         detail = f"after {trial.time:.3g} s {trial.failed}"
         tried = (unstable(trial.joint, detail),)
     yield Check(f"{name}: trial run", not trial.failed, detail, None, None, "C-TRIAL", level, tried)
+
+
+def _within_limits(model: Any) -> Array:
+    """The positions next to zero of the joints of a URDF within their limits, with what follows another."""
+    qpos: Array = model.qpos0.copy()
+    for joint in np.flatnonzero(model.jnt_limited):
+        at = model.jnt_qposadr[joint]
+        qpos[at] = np.clip(qpos[at], *model.jnt_range[joint])
+    for equality in np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_JOINT):
+        follower, driver = model.jnt_qposadr[[model.eq_obj1id[equality], model.eq_obj2id[equality]]]
+        qpos[follower] = np.polynomial.polynomial.polyval(qpos[driver], model.eq_data[equality][:5])
+    return qpos
 
 
 def _first_moment(name: str, model: Any, data: Any) -> Iterator[Check]:
@@ -164,10 +177,18 @@ def _deep(model: Any, data: Any) -> Iterator[Finding]:
     for one in touching(model, data):
         if one.depth > DEEP:
             message = f"it is {1000 * one.depth:.2g} mm inside {_inside(model, one)} at the start"
-            if one.other and int(model.body_parentid[one.body]) == one.other:
+            if one.other and one.other in _carriers(model, one.body):
                 # Else MuJoCo leaves the pair out.
-                message += ", its parent, which does not move: they collide unless <exclude> says otherwise"
+                message += ", on which it moves: that is fixed, so they collide without an <exclude>"
             yield Finding(named("body", body_name(model, one.body)), "pos", message)
+
+
+def _carriers(model: Any, body: int) -> Iterator[int]:
+    """The body that another moves on, and what that is fixed to."""
+    above = int(model.body_parentid[body])
+    while above:
+        yield above
+        above = 0 if model.body_jntnum[above] else int(model.body_parentid[above])
 
 
 def _inside(model: Any, one: Touching) -> str:

@@ -7,8 +7,9 @@ import pytest
 
 from stages.mesh import make_geometry
 from stages.robot.check import Check
+from stages.robot.trial_run import Trial
 from stages.validate import validate
-from stages.validate.bare import check_bare
+from stages.validate.bare import check_bare, start
 from stages.validate.bare.mjcf_figures import figures
 from tests.support.building import plan_of, write
 from tests.support.urdfs import urdf_bundle, urdf_robot
@@ -83,6 +84,17 @@ def test_what_is_only_seen_of_a_urdf_may_be_flat(folder):
     assert failing(folder / "arm.urdf") == []
 
 
+def test_a_urdf_is_tried_from_within_its_limits(folder, monkeypatch):
+    """It does not say where it starts, and far outside of them the limits throw it away."""
+    starts = []
+    monkeypatch.setattr(start, "trial_run", lambda *given: starts.append(given[-1]) or Trial("", 1.0))
+    urdf = folder / "arm.urdf"
+    urdf.write_text(urdf.read_text().replace('lower="-1.5"', 'lower="0.3"'))
+    planted(urdf, 'multiplier="1"', 'multiplier="-2" offset="0.1"')
+    check_bare(urdf)
+    assert [list(one) for one in starts] == [[0.3, pytest.approx(-0.5)]]
+
+
 # --- names that readers leave out ---------------------------------------------------------------------------
 
 
@@ -125,6 +137,17 @@ def test_a_body_is_judged_with_what_is_fixed_to_it(folder):
     assert ("C-INERTIAL", 'inertia of link "imu"', "ixx") in found(check_bare(folder / "arm.urdf"))
 
 
+WORLD = """<link name="world"/><link name="tool"/>
+<joint name="world" type="fixed"><parent link="world"/><child link="base"/></joint>
+<joint name="tool" type="{kind}"><parent link="base"/><child link="tool"/></joint></robot>"""
+
+
+@pytest.mark.parametrize(("kind", "expected"), [("fixed", set()), ("continuous", {("C-SOLID", "error")})])
+def test_a_frame_on_a_base_that_the_file_fixes_needs_no_mass(folder, kind, expected):
+    planted(folder / "arm.urdf", "</robot>", WORLD.format(kind=kind))
+    assert {one for one in levels(check_bare(folder / "arm.urdf")) if one[0] == "C-SOLID"} == expected
+
+
 def test_what_cannot_move_may_have_any_inertial(folder):
     """Impossible inertias of the world's own bodies have no effect; those that move fail."""
     shelf = '<body name="shelf"><inertial pos="0 0 0" mass="1" diaginertia="{i} {i} {i}"/>'
@@ -158,6 +181,14 @@ def test_what_a_viewer_hides_is_not_the_form_of_a_body(folder, group, passes):
     assert ("C-COLLIDER" not in {code for code, _, _ in failing(folder / "arm.xml")}) is passes
 
 
+@pytest.mark.parametrize(("group", "expected"), [(2, set()), (0, {("C-COLLIDER", "error")})])
+def test_what_is_drawn_with_what_is_only_seen_is_no_second_form_of_it(folder, group, expected):
+    """A collider 0.5 m beside the mesh of its body: of another group it stands for that, and is misplaced."""
+    moved = f'<geom name="upper" class="collision" group="{group}" pos="0 .5 0.1"/>'
+    planted(folder / "arm.xml", '<geom name="upper" class="collision" pos="0 0 0.1"/>', moved)
+    assert levels(check_bare(folder / "arm.xml")) == expected
+
+
 def test_a_plane_is_no_shape_of_a_body():
     plane = '<geom type="plane" size="1 1 1"/>'
     model = mujoco.MjModel.from_xml_string(
@@ -167,12 +198,17 @@ def test_a_plane_is_no_shape_of_a_body():
     assert [shape.extent for shape in body.shapes] == [pytest.approx(0.2 * 3**0.5)]
 
 
-def test_a_parent_that_does_not_move_is_named_as_such(folder):
-    """MuJoCo lets a body collide with its parent where that is fixed to the world."""
-    planted(folder / "arm.xml", '<body name="upper" pos="0 0 0.25"', '<body name="upper" pos="0 0 0.15"')
-    (start,) = [check for check in check_bare(folder / "arm.xml") if check.code == "C-START"]
-    assert start.findings[0].element == 'body "upper"'
-    assert 'inside "base" at the start, its parent, which does not move' in start.findings[0].message
+@pytest.mark.parametrize("between", ["", '<body name="mount" pos="0 0 0.1">'])
+def test_what_a_body_moves_on_is_named_as_such_where_it_is_fixed(folder, between):
+    """MuJoCo lets a body collide with its parent, and what that is fixed to, where that is the world."""
+    height = 0.05 if between else 0.15
+    upper = f'{between}<body name="upper" pos="0 0 {height}"'
+    planted(folder / "arm.xml", '<body name="upper" pos="0 0 0.25"', upper)
+    if between:
+        planted(folder / "arm.xml", '    <body name="ball"', '    </body><body name="ball"')
+    (deep,) = [check for check in check_bare(folder / "arm.xml") if check.code == "C-START"]
+    assert deep.findings[0].element == 'body "upper"'
+    assert 'inside "base" at the start, on which it moves' in deep.findings[0].message
 
 
 def test_room_for_contacts_is_not_reserved(folder):
