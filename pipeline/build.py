@@ -91,13 +91,13 @@ def build_files(
             # Beside the permanent cache, even if this build does not use that cache.
             ledger = actions.folder(plan.cache.dir, environ) / LEDGER
             context = BuildContext(plan, store, environ, ledger=ledger, began=began)
-            ahead = Ahead(module for stage in stages for module in stage.modules)
+            ahead = Ahead({stage.name: stage.modules for stage in stages})
             context.import_ahead = ahead.start
             context.require_room = functools.partial(require_room, store.store, output, suffix)
             with ahead:
                 for stage in stages:
+                    ahead.wait(stage.name)
                     run.stage(stage, context)
-                    ahead.wait()
                     if output and stage.name == "export":
                         run.begin_drawing(context)
             files = products(context)

@@ -144,7 +144,11 @@ def _single(command: Command, build: "Callable[[Plan], Report] | None") -> int:
         from pipeline.build import build_files
 
         with observed.recording(action.key) as seen:
-            built = build_files(_plan(command), progress)
+            plan = _plan(command)
+            if not (plan.plugins or plan.validate.external):
+                # Nothing here draws with MuJoCo, which else starts a process to look for a window library.
+                os.environ.setdefault("MUJOCO_GL", "disable")
+            built = build_files(plan, progress)
         unchanged.remember(action, command, seen, built)
         report = built.report
     show(report, sys.stdout, command.detail)

@@ -1,16 +1,17 @@
 """Imports the modules of later stages in a thread while the fetch stage waits for the network."""
 
 import contextlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from importlib import import_module
 from threading import Event, Lock, Thread
 
 
 class Ahead:
-    """Imports `modules` in a thread, which the first `start` starts."""
+    """Imports the modules of each stage in a thread, which the first `start` starts, stage after stage."""
 
-    def __init__(self, modules: Iterable[str]) -> None:
-        self._modules = tuple(modules)
+    def __init__(self, modules: Mapping[str, Iterable[str]]) -> None:
+        self._modules = {stage: tuple(names) for stage, names in modules.items()}
+        self._imported = {stage: Event() for stage in modules}
         self._thread: Thread | None = None
         self._lock = Lock()
         self.ending = Event()
@@ -22,10 +23,11 @@ class Ahead:
                 self._thread = Thread(target=self._run, name="imports", daemon=True)
                 self._thread.start()
 
-    def wait(self) -> None:
-        """Waits until the imports end, so that none runs during a stage."""
+    def wait(self, stage: str) -> None:
+        """Waits until the modules of a stage are imported, so that two threads never import the same. Those
+        of later stages are imported while it runs."""
         if self._thread is not None:
-            self._thread.join()
+            self._imported[stage].wait()
 
     def __enter__(self) -> "Ahead":
         return self
@@ -36,12 +38,15 @@ class Ahead:
         For a build that fails: a process that ends while a library is being loaded may crash.
         """
         self.ending.set()
-        self.wait()
+        if self._thread is not None:
+            self._thread.join()
 
     def _run(self) -> None:
-        for module in self._modules:
-            if self.ending.is_set():
-                return
-            # The stage that needs the module reports the error.
-            with contextlib.suppress(Exception):
-                import_module(module)
+        for stage, modules in self._modules.items():
+            for module in modules:
+                if self.ending.is_set():
+                    break
+                # The stage that needs the module reports the error.
+                with contextlib.suppress(Exception):
+                    import_module(module)
+            self._imported[stage].set()

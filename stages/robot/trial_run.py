@@ -6,6 +6,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 
 from stages.robot.model import Array
 from stages.robot.mujoco_warnings import listening
@@ -54,7 +55,8 @@ def trial_run(
     if start is not None:
         data.qpos[:] = start
     mujoco.mj_forward(model, data)
-    allowed = max(opening, 2.0 * _opening(model, data)[0])
+    closing = _closing(model)
+    allowed = max(opening, 2.0 * _opening(data, closing)[0])
     steps = round(seconds / model.opt.timestep)
     steps = max(1, min(steps, int(EFFORT / max(1, model.nv) ** 2)))
     most, loop = 0.0, -1
@@ -64,7 +66,7 @@ def trial_run(
             time = (done + 1) * model.opt.timestep
             if found := failure(model, data):
                 return Trial(found[0], time, found[1], most, _name(model, loop))
-            now, which = _opening(model, data)
+            now, which = _opening(data, closing)
             if now > most:
                 most, loop = now, which
             if most > allowed:
@@ -82,14 +84,20 @@ def failure(model: Any, data: Any) -> tuple[str, tuple[str, ...]] | None:
     return None
 
 
-def _opening(model: Any, data: Any) -> tuple[float, int]:
-    """The largest error of a connect or weld that is to hold [m, rad], and its number; -1 without any."""
-    if not data.ne:
+def _closing(model: Any) -> npt.NDArray[np.bool_]:
+    """By equality: whether it is a connect or weld that is to hold; none at all where no equality is."""
+    closes = np.isin(model.eq_type, (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD))
+    closing: npt.NDArray[np.bool_] = closes & (model.eq_solimp[:, 1] >= RIGID)
+    return closing if closing.any() else closing[:0]
+
+
+def _opening(data: Any, closes: npt.NDArray[np.bool_]) -> tuple[float, int]:
+    """The largest error of the equalities that `closes` says [m, rad], and its number; -1 without any."""
+    if not len(closes) or not data.ne:
         return 0.0, -1
     # The rows of equalities come first.
     equalities = data.efc_id[: data.ne]
-    closes = np.isin(model.eq_type, (mujoco.mjtEq.mjEQ_CONNECT, mujoco.mjtEq.mjEQ_WELD))
-    closing = (closes & (model.eq_solimp[:, 1] >= RIGID))[equalities]
+    closing = closes[equalities]
     if not closing.any():
         return 0.0, -1
     squares = np.bincount(equalities[closing], data.efc_pos[: data.ne][closing] ** 2)

@@ -18,17 +18,36 @@ def test_modules_are_imported_once_and_what_is_wrong_with_one_stops_no_other(tmp
     for name, text in {"ahead_one": "raise ValueError", "ahead_two": "runs = 0"}.items():
         (tmp_path / f"{name}.py").write_text(text)
     monkeypatch.syspath_prepend(tmp_path)
-    ahead = Ahead(["ahead_one", "ahead_missing", "ahead_two"])
+    ahead = Ahead({"stage": ["ahead_one", "ahead_missing", "ahead_two"]})
     assert "ahead_two" not in sys.modules
-    ahead.wait()
+    ahead.wait("stage")
     for _ in range(2):
         ahead.start()
-        ahead.wait()
+        ahead.wait("stage")
     assert sys.modules.pop("ahead_two").runs == 0
 
 
+def test_a_stage_waits_for_its_own_modules_alone(tmp_path, monkeypatch) -> None:
+    gate, ahead = Event(), Ahead({"soon": ["ahead_soon"], "later": ["ahead_gated"]})
+    monkeypatch.setitem(sys.modules, "ahead_gate", SimpleNamespace(over=lambda: gate.wait(60)))
+    for name, text in {
+        "ahead_soon": "",
+        "ahead_gated": "import ahead_gate\nended = ahead_gate.over()\n",
+    }.items():
+        (tmp_path / f"{name}.py").write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    with ahead:
+        ahead.start()
+        ahead.wait("soon")
+        assert sys.modules.pop("ahead_soon")
+        assert not hasattr(sys.modules.get("ahead_gated"), "ended")
+        gate.set()
+        ahead.wait("later")
+    assert sys.modules.pop("ahead_gated").ended
+
+
 def test_a_build_that_ends_waits_for_the_import_that_runs_and_begins_no_other(tmp_path, monkeypatch) -> None:
-    reached, ahead = Event(), Ahead(["ahead_slow", "ahead_late"])
+    reached, ahead = Event(), Ahead({"stage": ["ahead_slow", "ahead_late"]})
     gate = SimpleNamespace(reached=reached.set, over=lambda: ahead.ending.wait(60))
     monkeypatch.setitem(sys.modules, "ahead_gate", gate)
     slow = "import ahead_gate\nahead_gate.reached()\nended = ahead_gate.over()\n"
