@@ -1,0 +1,169 @@
+"""`python -m tests.benchmarks.contacts [--cache FOLDER] [ROBOT ...]`: do the colliders touch where the robot
+touches, how long does their making take, and how light are they to simulate?
+
+Each robot is built in the default configuration, from nothing, others' robots from their visuals. Prints a
+table of the goals, and ends with exit status 1 where one of them is missed. Times are of the processor, but
+for the clock's; ratios are of one run. `--cache`: colliders that were made before count, and times do not.
+"""
+
+import argparse
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import mujoco
+
+from stages.formats import mjcf_written
+from stages.formats.described import described
+from stages.robot.driven import as_driven
+from stages.robot.fused_geometry import fused_geometry
+from stages.validate.checks.false_contact import GIVEN
+from stages.validate.compiled import CompiledModel
+from stages.validate.contact_errors import PairErrors, contact_errors
+from stages.validate.shapes import seen_and_solid
+from tests.benchmarks.dropped import DROPS, STEPS, forward, models, stepped
+from tests.benchmarks.walker import write_walker
+from tests.support.command import COMMAND, environment
+from tests.support.measured import Done, measured
+from tests.support.other_robots import FILES, ROBOTS, is_here, source_of
+
+POSES, SALT = 1000, "poses of the benchmark"
+
+NAMED, MOST = 0.01, 0.05
+"""A pair is bad that is false or missed in a larger share of the poses; none may be in a larger one than
+`MOST`."""
+
+SHOWN = 5
+"""So many pairs are named."""
+
+HARD = ("duck", "reachy2")
+"""Robots that may have three bad pairs."""
+
+
+@dataclass(frozen=True)
+class Figure:
+    """What was found, and what it must be: at most, or at least, so much; None where there is no goal."""
+
+    what: str
+    found: float
+    goal: float | None = None
+    least: bool = False
+    note: str = ""
+
+    @property
+    def met(self) -> bool:
+        return self.goal is None or (self.found >= self.goal if self.least else self.found <= self.goal)
+
+    def __str__(self) -> str:
+        goal = "" if self.goal is None else f"{'≥' if self.least else '≤'} {self.goal:g}"
+        missed = "" if self.met else "MISSED"
+        return f"{self.what:44} {self.found:9.4g} {goal:>8} {missed:6} {self.note}".rstrip()
+
+
+CLOCK = {"sample": 9.0, "walker": 10.0}
+SECONDS = {"so101": 12.0, "walker": 15.0, "duck": 45.0, "reachy2": 45.0}
+FORWARD = {"sample": 0.9, "reachy2": 0.9, "walker": 1.8}
+STEPPED = {"walker": 1.35}
+
+
+def built(here: Path, cache: Path, name: str, *more: str) -> tuple[Path, float, Done]:
+    """The folder of a build, and its seconds by the clock."""
+    source = source_of(name)
+    others = ["mesh.basis=visual", "contact.self=auto"] if name in FILES else []
+    folder = here / "_".join((name, *(one.rpartition("=")[2] for one in more)))
+    command = [str(COMMAND), *source, *others, *more, f"output={folder.name}"]
+    start = time.perf_counter()
+    done = measured(command, here, environment(here, seeded=False, LINKWRIGHT_CACHE=str(cache)), 3600)
+    clock = time.perf_counter() - start
+    if done.status not in (0, 3):
+        raise SystemExit(f"the build of {name} failed:\n{done.shown}")
+    return folder, clock, done
+
+
+def compiled(folder: Path) -> CompiledModel:
+    """The MJCF of a build, as a check gets it."""
+    truth = described((folder / "robot.json").read_bytes())
+    robot, form = as_driven(truth.robot, truth.actuation), truth.mjcf_form
+    held = mjcf_written.holders(robot, form)
+    path = folder / f"{robot.name}.xml"
+    solid = None if truth.geometry is None else fused_geometry(robot, truth.geometry, held)
+    model = mujoco.MjModel.from_xml_path(str(path))
+    return CompiledModel(path, model, mjcf_written.as_written(robot, form), truth.actuation, solid, held=held)
+
+
+def counts(model: Any) -> tuple[int, int, float]:
+    """Colliders; those of ends, on which no body hangs; and how many a link has of the others."""
+    solid = {body: len(pair[1]) for body, pair in seen_and_solid(model).items() if pair[1]}
+    ends = solid.keys() - set(model.body_parentid.tolist())
+    others = [number for body, number in solid.items() if body not in ends]
+    every, of_ends = sum(solid.values()), sum(solid[body] for body in ends)
+    return every, of_ends, sum(others) / max(1, len(others))
+
+
+def figures(here: Path, cache: Path, name: str, *, cold: bool) -> Iterator[Figure]:
+    """The measurements of a robot."""
+    if cold:
+        _, clock, done = built(here, cache / "hull", name, "mesh=hull")
+        note = f"{done.seconds:.1f} s of the processor"
+        yield Figure("mesh=hull, cold, s by the clock", clock, 3.0, note=note)
+    folder, clock, done = built(here, cache, name)
+    if cold:
+        yield Figure("default, cold, s by the clock", clock, CLOCK.get(name))
+        yield Figure("default, cold, s of the processor", done.seconds, SECONDS.get(name))
+    robot = compiled(folder)
+    every, ends, each = counts(robot.model)
+    yield Figure("colliders", every, note=f"{ends} of them of links on which none hangs")
+    yield Figure("colliders a link, without those", each, 4.0)
+    found = contact_errors(robot, POSES, SALT)
+    pairs = [pair for pair in found.pairs if pair.reason not in GIVEN]
+    shares = {pair: max(pair.false, pair.missed) / max(1, found.poses) for pair in pairs}
+    bad = sorted((pair for pair in pairs if shares[pair] > NAMED), key=lambda pair: -shares[pair])
+    note = "; ".join(f"{_names(robot.model, pair)} {shares[pair]:.1%}" for pair in bad[:SHOWN])
+    most = 3 if name in HARD else 0
+    yield Figure(f"pairs false or missed in > 1 % of {found.poses}", len(bad), most, note=note)
+    worst = 100.0 * max(shares.values(), default=0.0)
+    yield Figure("the worst pair, % of poses", worst, 100.0 * (MOST if name in HARD else NAMED))
+    yield Figure("false contacts a pose", sum(pair.false for pair in pairs) / max(1, found.poses))
+    home = [_names(robot.model, pair) for pair in pairs if pair.at_home]
+    yield Figure("pairs that touch at home and stand apart", len(home), 0, note="; ".join(home[:SHOWN]))
+    variants = models(folder)
+    took = forward(variants)
+    note = ", ".join(f"{one} {1e6 * seconds:.0f} µs" for one, seconds in took.items())
+    goal = FORWARD.get(name, 1.0)
+    yield Figure("mj_forward, times the raw visuals' speed", took["raw"] / took["made"], goal, True, note)
+    yield Figure("mj_forward, times one hull a link's", took["hulls"] / took["made"], 0.8, True)
+    rates = {one: DROPS * STEPS / each.seconds for one, each in stepped(variants).items()}
+    note = ", ".join(f"{one} {rate:.0f}" for one, rate in rates.items())
+    goal = STEPPED.get(name, 0.85)
+    yield Figure("steps/s dropped, times the raw visuals'", rates["made"] / rates["raw"], goal, True, note)
+
+
+def _names(model: Any, pair: PairErrors) -> str:
+    return " and ".join(model.body(body).name for body in pair.bodies)
+
+
+def main() -> None:
+    every = [*filter(is_here, ROBOTS), "walker"]
+    options = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    options.add_argument("--cache", type=Path)
+    options.add_argument("robots", nargs="*", default=every, metavar="ROBOT")
+    given = options.parse_args()
+    met = True
+    with tempfile.TemporaryDirectory() as folder:
+        here = Path(folder)
+        write_walker(here)
+        print(f"{'robot':10} {'what':44} {'found':>9} {'goal':>8}")
+        for name in given.robots:
+            cache = given.cache.resolve() if given.cache else here / "caches" / name
+            for one in figures(here, cache, name, cold=given.cache is None):
+                print(f"{name:10} {one}", flush=True)
+                met &= one.met
+    sys.exit(0 if met else 1)
+
+
+if __name__ == "__main__":
+    main()
