@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
+from itertools import combinations, product
 
 from stages.robot.model import Robot
 
@@ -24,14 +25,16 @@ def adjacent_pairs(robot: Robot, colliding: Collection[str]) -> tuple[Pair, ...]
     """
     bodies = _bodies(robot)
     solid = {bodies.of[link] for link in colliding}
-    near = {frozenset(pair) for body in solid for pair in _neighbours(body, solid, bodies)}
-    order = [link.name for link in robot.links if link.name in set(colliding)]
-    return tuple(
-        (one, other)
-        for index, one in enumerate(order)
-        for other in order[index + 1 :]
-        if _together(bodies.of[one], bodies.of[other], bodies, near)
-    )
+    near = {(body, other) for body in solid for other in _neighbours(body, solid, bodies) if other != body}
+    wanted = set(colliding)
+    order = [link.name for link in robot.links if link.name in wanted]
+    members: dict[str, list[int]] = {}
+    for place, link in enumerate(order):
+        members.setdefault(bodies.of[link], []).append(place)
+    fixed = [place for body in bodies.fixed & members.keys() for place in members[body]]
+    found = {tuple(sorted(pair)) for group in (fixed, *members.values()) for pair in combinations(group, 2)}
+    found |= {tuple(sorted(pair)) for one, other in near for pair in product(members[one], members[other])}
+    return tuple((order[one], order[other]) for one, other in sorted(found))
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,8 +78,8 @@ def _bodies(robot: Robot) -> _RigidBodies:
     return _RigidBodies(of, frozenset(fixed), frozenset(seen), edges, above)
 
 
-def _neighbours(body: str, solid: Collection[str], bodies: _RigidBodies) -> Iterator[Pair]:
-    """The body with each that has a collider and is next to it."""
+def _neighbours(body: str, solid: Collection[str], bodies: _RigidBodies) -> Iterator[str]:
+    """The bodies that have a collider and are next to this, which may be among them."""
     waiting = [(*edge, 0) for edge in bodies.edges[body]]
     done: set[tuple[int, str, int]] = set()
     while waiting:
@@ -85,7 +88,7 @@ def _neighbours(body: str, solid: Collection[str], bodies: _RigidBodies) -> Iter
             continue
         done.add(step)
         if other in solid:
-            yield body, other
+            yield other
             continue
         passed += other in bodies.seen
         if passed > 1:
@@ -94,8 +97,3 @@ def _neighbours(body: str, solid: Collection[str], bodies: _RigidBodies) -> Iter
         over = bodies.above.get(other, -1)
         onwards = [way for way in ways if way[0] != came and (len(ways) == 2 or over in (came, way[0]))]
         waiting += [(*way, passed) for way in onwards]
-
-
-def _together(one: str, other: str, bodies: _RigidBodies, near: Collection[frozenset[str]]) -> bool:
-    both_fixed = one in bodies.fixed and other in bodies.fixed
-    return one == other or both_fixed or frozenset((one, other)) in near

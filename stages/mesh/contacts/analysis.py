@@ -5,7 +5,6 @@ import hashlib
 import importlib.metadata
 from collections.abc import Collection, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -123,7 +122,7 @@ def _found(
     for link in colliders.links:
         colliders.place(link, poses[link])
     order = [link.name for link in robot.links if link.name in colliders.links]
-    depths = colliders.depths([*combinations(order, 2)])
+    depths = colliders.depths(colliders.meeting(order))
     free = {pair: found for pair, found in depths.items() if pair not in given}
     always: list[Exclude] = []
     if search:

@@ -61,6 +61,24 @@ class Colliders:
             self._data.geom_xpos[geom] = where[:3, 3]
             self._data.geom_xmat[geom] = where[:3, :3].ravel()
 
+    def meeting(self, links: Sequence[str]) -> list[Pair]:
+        """The pairs of these links, in their order, whose boxes meet where the links were placed last."""
+        if not links:
+            return []
+        low, high = self._boxes()
+        lows = np.array([low[self._geoms[link]].min(axis=0) for link in links])
+        highs = np.array([high[self._geoms[link]].max(axis=0) for link in links])
+        # Along the axis on which they lie the furthest apart, each meets a few of those behind it.
+        axis = int(np.ptp(lows, axis=0).argmax())
+        in_row = np.argsort(lows[:, axis], kind="stable")
+        ends = np.searchsorted(lows[in_row, axis], highs[in_row, axis], side="right")
+        found: list[tuple[int, int]] = []
+        for place, (one, end) in enumerate(zip(in_row, ends, strict=True)):
+            behind = in_row[place + 1 : end]
+            meet = (lows[behind] <= highs[one]) & (lows[one] <= highs[behind])
+            found += [(min(one, other), max(one, other)) for other in behind[meet.all(axis=1)]]
+        return [(links[one], links[other]) for one, other in sorted(found)]
+
     def depths(self, pairs: Sequence[Pair]) -> dict[Pair, Array]:
         """Of each pair that touches where the links were placed last, how deep [m] each shape of the one
         (m) is in each of the other (n): 0 where they only touch, -inf where they do not."""

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from stages.export.urdf.srdf import disabled
 from stages.export.writer import Exported
 from stages.robot.geometry import Exclude, Geometry
 from stages.robot.model import Frame, Keyframe, Limits, Relation, Robot, frozen
@@ -307,6 +308,13 @@ def test_what_an_srdf_cannot_say_is_told_by_name(tmp_path) -> None:
     assert "loop" in losses(linkage(), NO_MESHES, tmp_path)["I-SRDF-LOOP"]
     partly = replace(geometry_of(arm()), excludes=(Exclude("base", "lower", "Always", 0.001, ((0, 0),)),))
     assert "base and lower" in losses(arm(), partly, tmp_path)["I-SRDF-PARTLY"]
+
+
+def test_of_a_robot_of_very_many_links_no_pair_is_worked_out(tmp_path, monkeypatch) -> None:
+    """The pairs grow with the square of the links."""
+    monkeypatch.setattr(disabled, "MOST_LINKS", 2)
+    monkeypatch.setattr(disabled, "apart", lambda *_: pytest.fail("pairs are worked out"))
+    assert set(losses(arm(), geometry_of(arm()), tmp_path)) == {"I-SRDF-MANY"}
 
 
 BROKEN = {

@@ -3,16 +3,17 @@
 import math
 import re
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
 
 from pipeline.errors import ConfigError
 from stages.mesh.contacts import analysis
-from stages.mesh.contacts.colliders import measures_overlaps
+from stages.mesh.contacts.colliders import Colliders, measures_overlaps
 from stages.robot import codec
 from stages.robot.errors import MeshError
-from stages.robot.geometry import Exclude
+from stages.robot.geometry import Exclude, Shape
 from stages.robot.kinematics import link_poses
 from stages.robot.model import Limits, Relation
 from stages.robot.poses import turn
@@ -394,3 +395,42 @@ def test_pairs_that_touch_are_found_however_few_poses_part_them(monkeypatch):
     geometry = geometry_of(base_arm_hand(hand=ball(0.06)))
     assert len(touched) == analysis.POSES
     assert ("base", "hand") not in reasons(geometry)
+
+
+def scattered(count, spread):
+    """The colliders of so many links, a box and a ball each, at seeded places; and where the links are."""
+    rng = np.random.default_rng(5)
+    names = [f"link_{number}" for number in range(count)]
+    pairs = [(box(*size), ball(size[0], at(*size))) for size in rng.uniform(0.02, 0.2, (count, 3))]
+    shapes = [
+        Shape(name, "collision", None, None, 0, 0, 0.0, 0.0, one)
+        for name, own in zip(names, pairs, strict=True)
+        for one in own
+    ]
+    return Colliders(shapes, {}), dict(zip(names, rng.uniform(0, spread, (count, 3)), strict=True))
+
+
+def test_links_whose_boxes_meet_are_found_as_by_looking_at_all_pairs():
+    colliders, places = scattered(40, 0.8)
+    for link, place in places.items():
+        colliders.place(link, at(*place))
+    every = [*combinations(places, 2)]
+    met = colliders.meeting([*places])
+    assert met == sorted(met, key=every.index)
+    assert 0 < len(met) < len(every)
+    assert colliders.depths(met).keys() == colliders.depths(every).keys()
+    assert colliders.meeting([]) == []
+
+
+def test_the_pairs_that_are_looked_at_grow_with_the_links_and_not_with_their_square(monkeypatch):
+    looked = set()
+    monkeypatch.setattr(Colliders, "_depths", lambda self, pair, *_: looked.add(pair) or np.zeros((1, 1)))
+    counted = []
+    for count in (50, 400):
+        looked.clear()
+        names = [f"link_{number}" for number in range(count)]
+        joints = [joint("revolute", "base", name, place=at(at_, 0, 0)) for at_, name in enumerate(names)]
+        shapes = {name: (box(1.2, 0.6, 0.6),) for name in names}
+        geometry_of(robot_with(joints, shapes=shapes))
+        counted.append(len(looked))
+    assert counted == [49, 399]

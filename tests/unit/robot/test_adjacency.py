@@ -126,3 +126,10 @@ def test_the_order_of_joints_does_not_matter():
     other = replace(robot, joints=tuple(robot.joints[i] for i in order), links=links, loops=robot.loops[::-1])
     for without in ("five", "two", "one", "three"):
         assert {frozenset(p) for p in pairs(other, without)} == {frozenset(p) for p in pairs(robot, without)}
+
+
+def test_a_link_in_a_loop_of_links_without_colliders_is_not_next_to_itself():
+    """As many pairs as neighbours, however they are reached."""
+    ring = [loop("revolute", "c", "a", np.eye(4), np.eye(4))]
+    robot = robot_with([joint("revolute", *pair) for pair in pairwise("abc")], root="a", loops=ring)
+    assert pairs(robot, "b", "c") == set()

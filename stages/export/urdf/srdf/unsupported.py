@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+from stages.export.urdf.srdf.disabled import MOST_LINKS
 from stages.export.urdf.srdf.model import SrdfPlan
 from stages.robot.errors import Diagnostic
 from stages.robot.geometry import Geometry
@@ -18,6 +19,13 @@ def unsupported(robot: Robot, geometry: Geometry, plan: SrdfPlan) -> Iterator[Di
             "always or never touch: MoveIt checks all that no joint joins",
             file,
             "contact.self=auto finds them",
+        )
+    if not plan.disabled.worked_out:
+        yield Diagnostic(
+            "I-SRDF-MANY",
+            f"more than {MOST_LINKS} links collide, so it is not worked out which of them never meet: MoveIt "
+            "checks all pairs that no joint joins",
+            file,
         )
     if plan.disabled.partly:
         pairs = "; ".join(f"{one} and {other}" for one, other in plan.disabled.partly)
